@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Report, SourceCode};
+use sextant::LinkError;
 use sextant::export::ExportError;
 use sextant::mapping::MapLogError;
 use sextant::run::RunError;
@@ -109,6 +110,12 @@ pub(crate) fn report(error: &ScenarioError) -> Report {
         Excerpt { source: NamedSource::new(&excerpt.source, excerpt.text.to_string()), label }
     });
     Report::new(Message { text: error.to_string(), help: error.advice().map(str::to_owned), excerpt })
+}
+
+impl From<LinkError> for Failure {
+    fn from(error: LinkError) -> Self {
+        Self::of(&error, None, false)
+    }
 }
 
 impl From<RunError> for Failure {

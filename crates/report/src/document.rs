@@ -74,11 +74,8 @@ pub struct Origin {
 impl Report {
     /// An empty report of what is in `file`.
     pub(super) fn new(kind: Kind, title: &str, file: &str) -> Self {
-        let origin = Origin {
-            file: file.to_owned(),
-            reported_by: env!("CARGO_PKG_VERSION").to_owned(),
-            ..Origin::default()
-        };
+        let origin =
+            Origin { file: file.to_owned(), reported_by: env!("CARGO_PKG_VERSION").to_owned(), ..Origin::default() };
         Self {
             kind,
             title: title.to_owned(),

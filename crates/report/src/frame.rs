@@ -21,10 +21,7 @@ pub struct Frame {
 
 impl Frame {
     /// A frame for `places` and `times`: zero, unless they are far from it.
-    pub(super) fn around(
-        places: impl Iterator<Item = Position>,
-        times: impl Iterator<Item = SimTime>,
-    ) -> Self {
+    pub(super) fn around(places: impl Iterator<Item = Position>, times: impl Iterator<Item = SimTime>) -> Self {
         let mut low = [f64::INFINITY; 3];
         let mut farthest: f64 = 0.0;
         for place in places.filter(|place| place.is_finite()) {

@@ -1,10 +1,10 @@
 //! The report of maps that were computed from a log.
 
+use serde_json::Value;
 use sextant::mapping::{ComputedMap, Input};
 use sextant::summary::Summary;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{Places, RecordedWorld};
-use serde_json::Value;
 
 use super::document::{Kind, Report};
 use super::frame::Frame;

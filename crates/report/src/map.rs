@@ -133,7 +133,6 @@ pub(super) fn errors(nodes: usize, places: &Places, truth: &Places, anchors: &Pl
         let error_m = truth.get(&node)?.distance_m(*place);
         (!was_told).then_some(error_m)
     };
-    (!truth.is_empty()).then(|| {
-        Column::reals((0..nodes).map(|node| error(NodeId::from_index(node)).unwrap_or(f64::NAN)))
-    })
+    (!truth.is_empty())
+        .then(|| Column::reals((0..nodes).map(|node| error(NodeId::from_index(node)).unwrap_or(f64::NAN))))
 }

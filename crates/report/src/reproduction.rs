@@ -63,8 +63,7 @@ impl Claims {
         let header = reader.headers().map_err(|error| unreadable(error.to_string()))?;
         let columns: Vec<String> = header.iter().map(str::to_owned).collect();
         if !columns.iter().map(String::as_str).take(2).eq(FIRST_COLUMNS) {
-            let found = if text.trim().is_empty() { "none".to_owned() } else { shown(&columns) };
-            return Err(ReportError::NotATable { path: path.to_owned(), found });
+            return Err(ReportError::NotATable { path: path.to_owned(), columns });
         }
         let row = |row: Result<csv::StringRecord, csv::Error>| Ok(row?.iter().map(str::to_owned).collect());
         let rows = reader.records().map(row).collect::<Result<_, csv::Error>>();
@@ -72,14 +71,6 @@ impl Claims {
         let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         Ok(Self { id, title: None, columns, rows })
     }
-}
-
-/// Names of columns as a short text.
-fn shown(columns: &[String]) -> String {
-    const MOST: usize = 200;
-    let all = columns.join(", ");
-    let cut: String = all.chars().take(MOST).collect();
-    if cut.len() < all.len() { cut + " .." } else { all }
 }
 
 impl Report {

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use serde_json::Value;
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{
     self as recording, ORIGIN_METADATA, Places, RecordedCourse, RecordedRun, RecordedWorld, SCENARIO_ATTACHMENT,
     SUMMARY_ATTACHMENT,
 };
-use serde_json::Value;
 
 use super::applications::Application;
 use super::column::Column;
@@ -121,7 +121,6 @@ pub(super) fn known_places(places: &Places, nodes: usize, frame: &Frame) -> Opti
     (!places.is_empty()).then(|| frame.known_places((0..nodes).map(place)))
 }
 
-
 /// The surveys with stops.
 fn surveys(run: &RecordedRun, frame: &Frame) -> Vec<Survey> {
     run.logs.iter().filter(|named| !named.log.stops().is_empty()).map(|named| Survey::of(named, frame)).collect()
@@ -131,10 +130,12 @@ fn surveys(run: &RecordedRun, frame: &Frame) -> Vec<Survey> {
 fn robots(drawn: &RecordedWorld, course: &RecordedCourse, frame: &Frame) -> Vec<Body> {
     let in_paths = drawn.paths.iter().map(|(name, _)| name);
     let mut names: Vec<&String> = in_paths.collect();
-    let rest: Vec<&String> = course.robots.iter().map(|(name, _)| name).filter(|name| !names.contains(name)).collect();
+    let rest: Vec<&String> =
+        course.robots.iter().map(|(name, _)| name).filter(|name| !names.contains(name)).collect();
     names.extend(rest);
     let body = |name: &String| {
-        let way = course.robots.iter().find(|(other, _)| other == name).map(|(_, way)| Way::timed(way.points(), frame));
+        let way =
+            course.robots.iter().find(|(other, _)| other == name).map(|(_, way)| Way::timed(way.points(), frame));
         let path = drawn.paths.iter().find(|(other, _)| other == name).map(|(_, path)| Way::untimed(path, frame));
         way.or(path).map(|way| Body { name: name.clone(), way })
     };

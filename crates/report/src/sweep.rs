@@ -1,9 +1,10 @@
 //! The table of a sweep.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Serialize;
-use sextant::sweep::{FinishedTable, students_t_975};
+use sextant::sweep::{FinishedTable, TableError, students_t_975};
 
 use super::column::Column;
 use super::document::{Kind, Report};
@@ -110,12 +111,10 @@ impl Report {
     ///
     /// # Errors
     /// If it cannot be read, or is another table.
-    pub fn of_table(path: &Path, titles: &std::collections::BTreeMap<String, String>) -> Result<Self, ReportError> {
+    pub fn of_table(path: &Path, titles: &BTreeMap<String, String>) -> Result<Self, ReportError> {
         match Self::of_reproduction(path, titles) {
-            Err(ReportError::NotATable { found, path }) => match Self::of_sweep(&path) {
-                Err(ReportError::Table(sextant::sweep::TableError::Other { .. })) => {
-                    Err(ReportError::NotATable { found, path })
-                }
+            Err(ReportError::NotATable { columns, path }) => match Self::of_sweep(&path) {
+                Err(ReportError::Table(TableError::Other { .. })) => Err(ReportError::NotATable { columns, path }),
                 other => other,
             },
             other => other,

@@ -98,6 +98,7 @@ mod engine;
 mod event;
 mod faults;
 mod link;
+mod link_budget;
 mod model;
 mod network;
 mod observer;
@@ -132,6 +133,7 @@ pub use link::ieee802154::{Mac, Radio};
 pub use link::{
     FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig, Technology,
 };
+pub use link_budget::{LinkBudget, LinkBudgets, LinkReception};
 pub use network::Network;
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};

@@ -8,7 +8,7 @@ use clap::Args;
 use super::options::PictureFormat;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use sextant::sweep;
+use sextant::{Scenario, sweep};
 use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, Window};
 use sextant_recording::output::write_file;
 use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket};
@@ -34,6 +34,9 @@ pub(crate) struct Arguments {
     /// The measures of a table to draw, as the names of their columns [default: the usual ones]. Only for tables
     #[arg(long, value_name = "COLUMN")]
     pub(crate) column: Vec<String>,
+    /// The scenario of a table: what theory says is drawn beside, where its assumptions hold. Only for tables
+    #[arg(long, value_name = "SCENARIO.toml", conflicts_with = "layout")]
+    pub(crate) scenario: Option<PathBuf>,
     /// Draw no figures; write beside the recording how viewers show it: RUN.foxglove.json, a layout for Foxglove, and
     /// RUN.rerun.py, a script that shows it in Rerun
     #[arg(long, conflicts_with_all = ["format", "column"])]
@@ -50,7 +53,8 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         ));
     }
     if is_table {
-        let figures = sweep::figures(path, &arguments.column)?;
+        let scenario = arguments.scenario.as_ref().map(Scenario::load).transpose()?;
+        let figures = sweep::figures_with_theory(path, &arguments.column, scenario.as_ref())?;
         if figures.is_empty() {
             return Err(Failure::bad_input_with_help(
                 format!("`{}` has none of the measures that are drawn", path.display()),
@@ -63,6 +67,12 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         return Err(Failure::bad_input_with_help(
             format!("`--column {column}` is given, but `{}` is not a table", path.display()),
             "`--column` chooses measures of a table of `sweep`, whose name ends with .csv",
+        ));
+    }
+    if arguments.scenario.is_some() {
+        return Err(Failure::bad_input_with_help(
+            format!("`--scenario` is given, but `{}` is not a table", path.display()),
+            "a recording has its scenario; `--scenario` is that of a table of `sweep`, whose name ends with .csv",
         ));
     }
     if arguments.layout {
@@ -92,6 +102,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         title: source.title,
         names: run.log().names(),
         packets: &packets,
+        traffic: &run.traffic(),
         window: arguments.window(&packets)?,
     }));
     write(&figures, arguments, interrupt)

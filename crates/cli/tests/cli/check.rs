@@ -171,7 +171,7 @@ fn likely_mistakes_are_warned_of() {
     for (from, to, expected) in [
         ("exponent = 3.0", "exponent = 3.0\nreference_loss_db = 0.0", "remove the key for the loss of free space"),
         ("interval_s = 0.5", "interval_s = 5.0", "`robots[0].listen_s`"),
-        ("[30, 0]]", "[3000, 0], [4000, 0]]", "2 nodes are heard of 5 at less than 1 %"),
+        ("[30, 0]]", "[3000, 0], [4000, 0]]", "from 2 of 5 nodes less than 1 %"),
         ("[radio]", &wall("solid = false\nloss_db = 0.0"), "blocks nothing: it neither absorbs"),
         ("[radio]", above, "blocks nothing: it lies beside"),
         ("[radio]", "[[sinks]]\nname = \"gate\"\nposition_m = [5000, 0]\n[radio]", "the sink `gate` hears each node"),

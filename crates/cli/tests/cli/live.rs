@@ -169,7 +169,10 @@ fn a_viewer_pauses_steps_and_sees_what_is_recorded() {
     assert_eq!(paused, json!({ "paused": true, "time_s": 0.0 }));
     assert_eq!(viewer.info["name"], "sextant smoke");
     let capabilities = viewer.info["capabilities"].as_array().expect("capabilities");
-    assert!(["time", "services"].iter().all(|capability| capabilities.contains(&json!(capability))), "{capabilities:?}");
+    assert!(
+        ["time", "services"].iter().all(|capability| capabilities.contains(&json!(capability))),
+        "{capabilities:?}"
+    );
     // The world is there, and time stands still until the first step.
     while !viewer.messages.contains_key("/world/nodes") {
         viewer.next().expect("the server is there");
@@ -187,7 +190,11 @@ fn a_viewer_pauses_steps_and_sees_what_is_recorded() {
 
     let run = sextant().arg("run").arg(scenario("smoke.toml")).arg("--out").arg(&plain).output().expect("it starts");
     assert!(run.status.success());
-    assert_eq!(std::fs::read(&live).expect("a file"), std::fs::read(&plain).expect("a file"), "the recording is the same");
+    assert_eq!(
+        std::fs::read(&live).expect("a file"),
+        std::fs::read(&plain).expect("a file"),
+        "the recording is the same"
+    );
     let expected = recorded(&plain);
     assert_eq!(viewer.messages.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
     assert!(viewer.count() > 1000, "{}", viewer.count());

@@ -3,9 +3,10 @@
 mod delays;
 mod outcomes;
 mod stacks;
+mod summary;
 mod time_line;
 
-use sextant_recording::RecordedPacket;
+use sextant_recording::{RecordedPacket, RecordedTraffic};
 
 use super::file::Figure;
 
@@ -16,8 +17,10 @@ pub struct PacketSource<'a> {
     pub title: &'a str,
     /// The names of the nodes.
     pub names: &'a [String],
-    /// The packets.
+    /// The packets; none if they were not recorded.
     pub packets: &'a [RecordedPacket],
+    /// What the summary says of the traffic, for recordings without packets.
+    pub traffic: &'a [RecordedTraffic],
     /// The instants that the time line shows.
     pub window: Window,
 }
@@ -38,13 +41,14 @@ impl PacketSource<'_> {
     }
 }
 
-/// All figures of the packets: `delay-cdf`, `outcomes-by-node`, `outcomes-over-time` and `time-line`. None of a recording
-/// without packets; only those that have something to show.
+/// All figures of the packets: `delay-cdf`, `outcomes-by-node`, `outcomes-over-time` and `time-line`. The first two are
+/// those of the summary if there are no packets. Only those that have something to show.
 #[must_use]
 pub fn of_packets(source: &PacketSource<'_>) -> Vec<Figure> {
+    let &PacketSource { title, traffic, .. } = source;
     let pictures = [
-        ("delay-cdf", delays::draw(source)),
-        ("outcomes-by-node", outcomes::by_node(source)),
+        ("delay-cdf", delays::draw(source).or_else(|| summary::delays(title, traffic))),
+        ("outcomes-by-node", outcomes::by_node(source).or_else(|| summary::by_node(title, traffic))),
         ("outcomes-over-time", outcomes::over_time(source)),
         ("time-line", time_line::draw(source)),
     ];

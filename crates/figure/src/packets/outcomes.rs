@@ -12,7 +12,7 @@ use crate::picture::Picture;
 const TIME_PARTS: u32 = 40;
 
 /// What a packet counts as, and what it is called in the legend.
-const FATES: [(&str, &str); 8] = [
+pub(super) const FATES: [(&str, &str); 8] = [
     ("received", "received"),
     ("lost_collision", "collision"),
     ("lost_signal", "weak signal"),

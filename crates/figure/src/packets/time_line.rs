@@ -230,6 +230,7 @@ mod tests {
             title: "t",
             names: &[],
             packets: &packets,
+            traffic: &[],
             window: Window { from_s, to_s },
         };
         assert_eq!(window(&at(Some(1.0), Some(2.0))), Some((1.0, 2.0)));

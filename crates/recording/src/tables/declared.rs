@@ -22,9 +22,12 @@ pub(super) const RECEPTION_COLUMNS: [(&str, CellKind); 8] = [
     ("lqi", CellKind::Integer),
 ];
 
+/// The message type of stops.
+const STOP: &str = "Stop";
+
 /// The table of each message type: its name, the fields that are the index of a node, and whether the topic says more.
 const TABLES: [(&str, &str, &[&str], Origin); 17] = [
-    ("Stop", "stops", &[], Origin::Network),
+    (STOP, "stops", &[], Origin::Network),
     ("Reception", "receptions", &["node"], Origin::Network),
     ("Sector", "sectors", &[], Origin::Network),
     ("Contact", "contacts", &[], Origin::Robot),
@@ -76,7 +79,7 @@ impl Columns {
         let Some(declaration) = declarations().find(|declaration| declaration.name == name) else { return Ok(None) };
         let is_node = |field: &Field| nodes.contains(&field.name);
         // The number of receptions of a stop is for readers of messages.
-        let fields = || declaration.fields.iter().filter(|field| (name, field.name) != ("Stop", "receptions"));
+        let fields = || declaration.fields.iter().filter(|field| (name, field.name) != (STOP, "receptions"));
         let read = values(declaration, message.data)?;
         let mut cells: Vec<Cell> = fields()
             .map(|field| {
@@ -97,8 +100,15 @@ impl Columns {
                 Origin::Application => columns.push(TableColumn::new("application", CellKind::Text)),
                 Origin::Topic | Origin::Network | Origin::Link => {}
             }
+            if name == STOP {
+                columns.push(TableColumn::new("sent", CellKind::Integer));
+            }
             columns
         });
+        if name == STOP {
+            // In a recording a pair of node and stop without a reception is silence of one packet.
+            cells.push(Cell::Integer(1));
+        }
         let mut table = table.to_owned();
         match origin {
             Origin::Topic => {}

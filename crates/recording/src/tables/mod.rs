@@ -4,7 +4,7 @@ mod declared;
 mod drawn;
 mod row;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::RecordingError;
@@ -39,7 +39,8 @@ pub enum TablePiece<'a> {
 }
 
 /// Calls `visit` with each row of each table of the recording `path`, and with each file in it, in the order of the file.
-/// One chunk is in memory at a time. Nodes that were never heard come last in the table of receptions.
+/// One chunk is in memory at a time. In the table of receptions, the first stop has a row for each node, so that the nodes
+/// are known, in their order.
 ///
 /// # Errors
 /// If the file cannot be read or is damaged, or the first error of `visit`.
@@ -62,7 +63,8 @@ pub fn read_tables(
         Piece::Attachment { name, data, .. } => visit(TablePiece::Attachment { name, data }),
         Piece::Header { .. } | Piece::Metadata(_) => Ok(()),
     })?;
-    for (table, columns, cells) in reading.silent_nodes() {
+    // The first stop of a recording that was cut may be incomplete.
+    for (table, columns, cells) in reading.first_stop() {
         visit(TablePiece::Row(TableRow { table: &table, columns: &columns, cells: &cells }))?;
     }
     Ok(reading.left_out)
@@ -93,12 +95,22 @@ pub fn station(index: usize, kind: &str, name: &str) -> OwnedRow {
 #[derive(Default)]
 struct Reading {
     names: Vec<String>,
-    /// Whether each node was in a reception of the log of the first network.
-    heard: Vec<bool>,
-    /// The first stop of that log.
-    first_stop: Option<u32>,
+    /// The first stop of the log of the first network, until all its receptions are read.
+    first: FirstStop,
     columns: Columns,
     left_out: LeftOut,
+}
+
+/// The first stop of a log.
+#[derive(Default)]
+enum FirstStop {
+    /// It comes later.
+    #[default]
+    Ahead,
+    /// So many receptions are missing; those that were read, by node.
+    Open { stop: u32, owed: u32, rows: BTreeMap<u32, OwnedRow> },
+    /// It was passed on.
+    Passed,
 }
 
 impl Reading {
@@ -108,14 +120,12 @@ impl Reading {
             let nodes = messages::NodesMessage::decode(message.data).map_err(|why| why.to_string())?;
             let first = self.names.len();
             self.names.extend(nodes.names);
-            self.heard.resize(self.names.len(), false);
             let row = |(index, name): (usize, &String)| station(index, "node", name);
             return Ok(self.names.iter().enumerate().skip(first).map(row).collect());
         }
         if let Some(name) = message.schema.strip_prefix("sextant.") {
             if let Some(row) = self.columns.row(name, message, &self.names)? {
-                self.note(message)?;
-                return Ok(vec![row]);
+                return self.in_order(message, row);
             }
         } else if let Some(rows) = drawn::rows(message, &self.names)? {
             return Ok(rows);
@@ -124,38 +134,40 @@ impl Reading {
         Ok(Vec::new())
     }
 
-    /// Notes which nodes were heard.
-    fn note(&mut self, message: &Message<'_>) -> Result<(), String> {
-        if LogTopics::network(message.topic).is_some() {
-            return Ok(());
+    /// The rows that follow now that `row` was read: receptions at the first stop wait for each other.
+    fn in_order(&mut self, message: &Message<'_>, row: OwnedRow) -> Result<Vec<OwnedRow>, String> {
+        if matches!(self.first, FirstStop::Passed) || LogTopics::network(message.topic).is_some() {
+            return Ok(vec![row]);
         }
-        match message.schema {
-            "sextant.Stop" if self.first_stop.is_none() => {
+        match (message.schema, &mut self.first) {
+            ("sextant.Stop", FirstStop::Ahead) => {
                 let stop = messages::StopMessage::decode(message.data).map_err(|why| why.to_string())?;
-                self.first_stop = Some(stop.stop);
+                self.first = FirstStop::Open { stop: stop.stop, owed: stop.receptions, rows: BTreeMap::new() };
+                let after = if stop.receptions == 0 { self.first_stop() } else { Vec::new() };
+                Ok([vec![row], after].concat())
             }
-            "sextant.Reception" => {
+            ("sextant.Reception", FirstStop::Open { owed, rows, .. }) => {
                 let reception = messages::ReceptionMessage::decode(message.data).map_err(|why| why.to_string())?;
-                if let Some(heard) = self.heard.get_mut(reception.node as usize) {
-                    *heard = true;
-                }
+                rows.insert(reception.node, row);
+                *owed = owed.saturating_sub(1);
+                Ok(if *owed == 0 { self.first_stop() } else { Vec::new() })
             }
-            _ => {}
+            _ => Ok(vec![row]),
         }
-        Ok(())
     }
 
-    /// A row of receptions for each node that was never heard, so that the table names all nodes.
-    fn silent_nodes(&self) -> Vec<OwnedRow> {
-        let Some(stop) = self.first_stop else { return Vec::new() };
-        let silent = self.names.iter().zip(&self.heard).filter(|(_, heard)| !**heard);
-        let columns = || declared::RECEPTION_COLUMNS.iter().map(|&(name, kind)| TableColumn::new(name, kind));
-        silent
-            .map(|(name, _)| {
-                let mut cells = vec![Cell::Text(name.clone()), Cell::Integer(stop.into()), Cell::Integer(0)];
-                cells.resize(declared::RECEPTION_COLUMNS.len(), Cell::Missing);
-                ("receptions".to_owned(), columns().collect(), cells)
-            })
-            .collect()
+    /// The receptions at the first stop: a row for each node. A node that was not heard has one without a packet.
+    fn first_stop(&mut self) -> Vec<OwnedRow> {
+        let FirstStop::Open { stop, mut rows, .. } = std::mem::replace(&mut self.first, FirstStop::Passed) else {
+            return Vec::new();
+        };
+        let columns = declared::RECEPTION_COLUMNS.map(|(name, kind)| TableColumn::new(name, kind));
+        let silent = |name: &String| {
+            let mut cells = vec![Cell::Text(name.clone()), Cell::Integer(stop.into()), Cell::Integer(0)];
+            cells.resize(columns.len(), Cell::Missing);
+            ("receptions".to_owned(), columns.to_vec(), cells)
+        };
+        let nodes = (0..).zip(&self.names);
+        nodes.map(|(node, name)| rows.remove(&node).unwrap_or_else(|| silent(name))).collect()
     }
 }

@@ -21,7 +21,7 @@ export function number(value) {
   const size = Math.abs(value);
   let text;
   if (size >= 1000) text = grouped(Math.round(value));
-  else if (size >= 100) text = value.toFixed(1);
+  else if (size >= 10) text = value.toFixed(1);
   else if (size >= 1) text = value.toFixed(2);
   else if (size >= 0.001) text = value.toPrecision(3);
   else text = value.toExponential(2);

@@ -15,7 +15,7 @@ export class Map2d {
     this.canvas = canvas;
     this.model = model;
     this.camera = new Camera(model.extent);
-    this.context = canvas.getContext("2d", { alpha: false });
+    this.context = canvas.getContext("2d", { alpha: false, willReadFrequently: model.count > 3000 });
     this.images = new Map();
   }
 
@@ -57,6 +57,13 @@ export class Map2d {
     if (show.layers.labels) this.#labels(show);
     for (const node of new Set([show.selected, show.hovered])) if (node >= 0) this.#highlight(show, node, node === show.selected);
     this.#axes();
+  }
+
+  /** The place of a node on the screen, for many nodes at one view. */
+  projector() {
+    const { camera } = this;
+    const [a, b] = camera.axes;
+    return (places, i) => [camera.sx(places[3 * i + a]), camera.sy(places[3 * i + b])];
   }
 
   at(places, i) {
@@ -156,12 +163,16 @@ export class Map2d {
       const done = times ? after(times, show.time) : Math.ceil(share * count);
       ctx.strokeStyle = robotColor(i);
       ctx.lineJoin = "round";
-      for (const [from, to, width, alpha] of [[0, count, 1, 0.35], [0, done, 1.6, 0.9]]) {
+      // Of a run with several simulations only the way in the present one is drawn.
+      const phase = times && model.phaseAt(show.time);
+      const begin = phase ? after(times, phase.start_s - 1e-3) : 0;
+      const end = phase ? after(times, phase.end_s + 1e-3) : count;
+      for (const [from, to, width, alpha] of [[begin, end, 1, 0.35], [begin, done, 1.6, 0.9]]) {
         ctx.lineWidth = width;
         ctx.globalAlpha = alpha;
         ctx.beginPath();
         for (let p = from; p < to; p++) ctx.lineTo(...this.at(places, p));
-        if (to === done && done < count) {
+        if (to === done && done < end) {
           const here = placeAt(robot.way, show.time, model.span);
           ctx.lineTo(...this.at(here, 0));
         }
@@ -191,7 +202,7 @@ export class Map2d {
   /** Lines from the true places to the estimates. */
   #errors(show) {
     const { context: ctx, model, camera } = this;
-    if (!model.truth) return;
+    if (!model.truth || (model.count > MOST_LINES && camera.scale < 4)) return;
     show.maps.forEach((shown, k) => {
       ctx.strokeStyle = show.maps.length > 1 ? category(k) : ink("thread");
       ctx.lineWidth = 1;
@@ -286,7 +297,7 @@ export class Map2d {
       for (const application of model.applications) {
         const { captures } = application;
         for (let i = 0; captures && i < captures.times_s.length; i++) {
-          if (captures.times_s[i] > show.time) continue;
+          if (captures.times_s[i] > show.time || captures.times_s[i] < (model.phaseAt(show.time)?.start_s ?? -Infinity)) continue;
           const [x, y] = this.at(captures.places_m, i);
           ctx.strokeStyle = ink("accent");
           ctx.lineWidth = 2;
@@ -376,8 +387,8 @@ export class Map2d {
     }
     if (show.survey >= 0 && isSelected) {
       const { first, stops, received } = model.surveys[show.survey].receptions;
-      ctx.strokeStyle = ink("ink");
-      ctx.lineWidth = 1.5;
+      ctx.strokeStyle = ink("faint");
+      ctx.lineWidth = 1;
       for (let row = first[node]; row < first[node + 1]; row++) {
         if (received && received[row] === 0) continue;
         const [u, v] = this.at(model.surveys[show.survey].stops.places_m, stops[row]);

@@ -289,13 +289,13 @@ export class MapView {
   /** The node under a point of the picture; -1 if there is none. */
   nodeAt(x, y) {
     const show = this.show();
-    const picture = this.in3d ? this.three : this.two;
+    const at = (this.in3d ? this.three : this.two).projector();
     let best = -1;
     let least = REACH * REACH;
     const look = (places, visible) => {
       for (let node = 0; node < this.model.count; node++) {
         if (!visible(node)) continue;
-        const [u, v] = picture.at(places, node);
+        const [u, v] = at(places, node);
         const far = (u - x) ** 2 + (v - y) ** 2;
         if (far < least) {
           least = far;

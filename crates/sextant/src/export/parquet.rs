@@ -140,3 +140,37 @@ fn field(column: &TableColumn) -> Result<Arc<Type>, ParquetError> {
 fn unwritten(path: &Path, error: &ParquetError) -> ExportError {
     OutputError { path: path.to_owned(), why: error.to_string() }.into()
 }
+
+#[cfg(test)]
+mod tests {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    use super::*;
+
+    #[test]
+    fn a_table_of_several_groups_keeps_types_and_missing_values() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.parquet");
+        let column = |name: &'static str, kind| TableColumn { name: name.into(), kind };
+        let columns = [column("i", CellKind::Integer), column("t_s", CellKind::Real), column("n", CellKind::Text)];
+        let mut table = Box::new(ParquetTable::create(&path, &columns).unwrap());
+        let count = GROUP_ROWS + 2;
+        for i in 0..count {
+            let first = if i == 1 { Cell::Missing } else { Cell::Integer(i64::try_from(i).unwrap()) };
+            let cells = [first, Cell::Nanos(1_500_000_000), Cell::Text(String::new())];
+            table.row(&TableRow { table: "table", columns: &columns, cells: &cells }).unwrap();
+        }
+        table.finish().unwrap();
+        let reader = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
+        assert_eq!(reader.num_row_groups(), 2);
+        let rows: Vec<Vec<Field>> = reader
+            .get_row_iter(None)
+            .unwrap()
+            .map(|row| row.unwrap().get_column_iter().map(|(_, field)| field.clone()).collect())
+            .collect();
+        assert_eq!(rows.len(), count);
+        assert_eq!(rows[0], [Field::Long(0), Field::Double(1.5), Field::Str(String::new())]);
+        assert_eq!(rows[1], [Field::Null, Field::Double(1.5), Field::Str(String::new())]);
+    }
+}

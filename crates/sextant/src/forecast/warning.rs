@@ -17,9 +17,6 @@ const LEAST_LOSS_DB: f64 = 20.0;
 /// Powers at 1 m above this (dBm) are those of no small radio: 30 dBm at the antenna is -10 dBm there at 2.4 GHz.
 const STRONG_DBM: f64 = -10.0;
 
-/// Nodes that are named as examples.
-const MOST_NAMED: usize = 3;
-
 /// Something that is likely a mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
@@ -133,16 +130,14 @@ impl Warnings<'_> {
         if deaf.is_empty() {
             return;
         }
-        let names: Vec<_> =
-            deaf.iter().take(MOST_NAMED).map(|node| self.setup.world.nodes[node.index()].name.clone()).collect();
-        let more = if deaf.len() > names.len() { ", .." } else { "" };
+        let names: Vec<_> = deaf.iter().map(|node| self.setup.world.nodes[node.index()].name.as_str()).collect();
         let number = self.number_of(&planned[0].body().name);
         self.warn(
             format!("robots[{number}].controller"),
             format!(
-                "{} of {} at less than 1 % at each planned stop: {}{more}; plan stops nearer to them",
-                if deaf.len() == 1 { "1 node is heard".to_owned() } else { format!("{} nodes are heard", deaf.len()) },
-                self.setup.world.nodes.len(),
+                "from {} of {} less than 1 % of the packets arrive at each planned stop: {}; plan stops nearer to them",
+                deaf.len(),
+                counted(self.setup.world.nodes.len(), "node"),
                 listed(&names),
             ),
         );
@@ -152,9 +147,10 @@ impl Warnings<'_> {
     fn sinks(&mut self, reaches: &[Reach<'_>]) {
         for (i, sink) in self.setup.sinks.iter().enumerate() {
             let is_in = |reach: &&Reach<'_>| sink.is_in(reach.id);
-            let mut heard = reaches.iter().filter(is_in).flat_map(|reach| {
-                reach.nodes.iter().map(|(_, from)| reach.probability(*from, sink.position))
-            });
+            let mut heard = reaches
+                .iter()
+                .filter(is_in)
+                .flat_map(|reach| reach.nodes.iter().map(|(_, from)| reach.probability(*from, sink.position)));
             if !heard.any(|probability| probability >= 0.01) {
                 self.warn(
                     format!("sinks[{i}].position_m"),
@@ -189,12 +185,16 @@ impl Warnings<'_> {
             if !absorbs && !obstacle.is_solid() && !reflects {
                 idle.push((i, "it neither absorbs nor stops robots; give it a `material`"));
             } else if apart(&bounds, &reached) && !reflects {
-                idle.push((i, "it lies beside, above or below all stations and their links; check its place and size"));
+                idle.push((
+                    i,
+                    "it lies beside, above or below all stations and their links; check its place and size",
+                ));
             }
         }
         let count = idle.len();
         if let Some((i, why)) = idle.first() {
-            let others = if count > 1 { format!(" (and {} more)", counted(count - 1, "obstacle")) } else { String::new() };
+            let others =
+                if count > 1 { format!(" (and {} more)", counted(count - 1, "obstacle")) } else { String::new() };
             let obstacle = &self.setup.world.obstacles.obstacles()[*i];
             let name = obstacle.name().map_or(String::new(), |name| format!(" `{name}`"));
             self.warn(format!("world.obstacles[{i}]"), format!("the obstacle{name} blocks nothing: {why}{others}"));

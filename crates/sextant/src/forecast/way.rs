@@ -94,8 +94,7 @@ impl<'a> Way<'a> {
                 (None, None) => CommandOutcome::Started,
             };
             let time = SimTime::ZERO + Duration::from_secs_f64(self.duration_s.min(1e9));
-            let situation =
-                Situation::new(time, place, outcome, self.best.len(), obstacles, self.body.radius_m);
+            let situation = Situation::new(time, place, outcome, self.best.len(), obstacles, self.body.radius_m);
             let command = controller.decide(&situation);
             (met, heard) = (None, None);
             let target = match command {

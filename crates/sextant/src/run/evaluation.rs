@@ -2,7 +2,7 @@
 
 use sextant_channel::{NetworkLogs, Position};
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{EstimatorFindings, KnowledgeKind, MapError, SectorDisplacement, TopologyMap};
+use sextant_mapper::{EstimatorFindings, MapError, SectorDisplacement, TopologyMap};
 use sextant_sim::{NetworkId, Survey};
 
 use super::application::UnalignedMap;

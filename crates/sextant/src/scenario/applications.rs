@@ -101,13 +101,7 @@ pub(super) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors)
 }
 
 /// Refuses names that are not plain or that something else in the recording has.
-fn check_own_name(
-    name: &str,
-    table: &str,
-    others: &[Application],
-    around: &Surroundings<'_>,
-    errors: &mut Errors,
-) {
+fn check_own_name(name: &str, table: &str, others: &[Application], around: &Surroundings<'_>, errors: &mut Errors) {
     check_name(name, table, around.maps, errors);
     let taken = match name {
         "survey" => "the name of the first phase",

@@ -159,10 +159,10 @@ impl<T: DeserializeOwned> Diagnosis<'_, T> {
                 if self.is_set_aside(path) {
                     return false;
                 }
-                if self.guesses.contains(path) {
-                    return self.remove(path);
+                // What was guessed may be wrong.
+                if !self.guesses.contains(path) {
+                    self.note(refusal, path);
                 }
-                self.note(refusal, path);
                 self.document.nearest(path).1 && self.set_placeholder(path, Placeholder::Absent)
             }
         }
@@ -184,14 +184,6 @@ impl<T: DeserializeOwned> Diagnosis<'_, T> {
             self.placeholders.push(path.clone());
         }
         true
-    }
-
-    fn remove(&mut self, path: &KeyPath) -> bool {
-        let Some((Step::Key(last), above)) = path.0.split_last() else { return false };
-        match self.document.entry_mut(&KeyPath(above.to_vec())).map(|entry| &mut entry.value) {
-            Some(Value::Table(table)) => table.remove(last).is_some(),
-            _ => false,
-        }
     }
 
     /// Replaces `name` in `table` by the one of `expected` that was likely meant, or removes it.

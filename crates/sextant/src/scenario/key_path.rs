@@ -84,7 +84,8 @@ impl KeyPath {
 
     /// Whether it is `other`, or a path to something in it.
     pub(crate) fn is_within(&self, other: &Self) -> bool {
-        let same = |(step, other): (&Step, &Step)| step == other || step.index().is_some_and(|i| other.index() == Some(i));
+        let same =
+            |(step, other): (&Step, &Step)| step == other || step.index().is_some_and(|i| other.index() == Some(i));
         self.0.len() >= other.0.len() && self.0.iter().zip(&other.0).all(same)
     }
 

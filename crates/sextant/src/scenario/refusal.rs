@@ -12,10 +12,19 @@ use super::source::Origin;
 /// Why a setting is rejected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    UnknownField { field: String, expected: &'static [&'static str] },
-    UnknownVariant { variant: String, expected: &'static [&'static str] },
+    UnknownField {
+        field: String,
+        expected: &'static [&'static str],
+    },
+    UnknownVariant {
+        variant: String,
+        expected: &'static [&'static str],
+    },
     MissingField(&'static str),
-    Unfit { found: String, expected: String },
+    Unfit {
+        found: String,
+        expected: String,
+    },
     /// A table with several choices, of which one is allowed.
     SeveralChoices(Vec<String>),
     Other(String),

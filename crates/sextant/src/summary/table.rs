@@ -265,7 +265,9 @@ fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             let advice = match concern {
                 Concern::AtEdge => "stops on their other side would tell where they are",
                 Concern::Unsettled => "more rounds or more stops would tell where they are",
-                Concern::NoEvidence => "stops where they are heard and others where they are not would tell where they are",
+                Concern::NoEvidence => {
+                    "stops where they are heard and others where they are not would tell where they are"
+                }
             };
             let nodes = listed(&nodes);
             writeln!(

@@ -53,15 +53,12 @@ fn of_network(network: &NetworkForecast, lines: &mut Vec<(String, String)>) {
 
 fn of_way(way: &WayForecast, lines: &mut Vec<(String, String)>) {
     let estimate = if way.estimate { " (an estimate: the way depends on what is heard)" } else { "" };
-    let text = format!(
-        "{:.1} m, {}, {:.1} s{estimate}",
-        way.path_length_m,
-        counted(way.stops, "stop"),
-        way.duration_s
-    );
+    let text =
+        format!("{:.1} m, {}, {:.1} s{estimate}", way.path_length_m, counted(way.stops, "stop"), way.duration_s);
     lines.push((format!("{}: path", way.robot), text));
     if let (Some(offered), Some(expected)) = (way.packets_offered, way.packets_expected) {
-        let text = format!("{offered:.2} sent by each node, {expected:.1} received of all nodes if none are lost to others");
+        let text =
+            format!("{offered:.2} sent by each node, {expected:.1} received of all nodes if none are lost to others");
         lines.push((format!("{}: packets a stop", way.robot), text));
     }
     if !way.out_of_reach.is_empty() {

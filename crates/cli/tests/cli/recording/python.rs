@@ -78,8 +78,10 @@ fn independent_readers_decode_every_message() {
         "node": 1, "role": "new_anchor", "anchor_since": 2, "category": "good", "x_m": 1.25, "neighbours": 40,
         "scattered": 3, "vertices": 1_u64 << 40, "energy_j": 0.1, "bearings": 0,
     });
-    let whole_way = json!({ "id": "surveyor", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
-    let agents_way = json!({ "id": "agent", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
+    let whole_way =
+        json!({ "id": "surveyor", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
+    let agents_way =
+        json!({ "id": "agent", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
     let leg = json!({
         "id": "surveyor 1", "lifetime_ns": 0, "lines": [[0, [corners[0], corners[1]], []]], "texts": [], "spheres": [],
     });
@@ -87,14 +89,26 @@ fn independent_readers_decode_every_message() {
         "id": "surveyor", "lifetime_ns": 1_000_000_002, "lines": [[2, corners, [0, 1, 0, 2]]], "texts": [], "spheres": [],
     });
     let on_air = json!({
-        "id": "3", "lifetime_ns": 1_000, "lines": [[2, [corners[0], corners[2]], [0, 1]]], "texts": [], "spheres": [],
+        "id": "air", "lifetime_ns": 1_000, "lines": [[2, [corners[0], corners[2]], []]], "texts": [], "spheres": [],
     });
     let name = json!({
         "id": "names", "lifetime_ns": 0, "lines": [], "texts": [["post", corners[1]]], "spheres": [],
     });
     let all_gone = json!([{ "deleted": 1 }]);
+    let drawings = json!({
+            "/world/names": topic("foxglove.SceneUpdate", json!([[name]])),
+            "/robot/surveyor/way": topic("foxglove.SceneUpdate", json!([[whole_way]])),
+            "/robot/surveyor/legs": topic("foxglove.SceneUpdate", json!([[leg], all_gone])),
+            "/application/search/way/agent": topic("foxglove.SceneUpdate", json!([[agents_way]])),
+            "/application/search/legs/agent": topic("foxglove.SceneUpdate", json!([all_gone])),
+            "/robot/surveyor/stops": topic("foxglove.PointCloud", json!([[[0.0, 0.0, 0.0, 2]]])),
+            "/robot/surveyor/heard": topic("foxglove.SceneUpdate", json!([[heard]])),
+            "/application/search/places/agent/own_place":
+                topic("foxglove.PointCloud", json!([[[1.0, 0.0, 0.0, null]]])),
+            "/mac/air": topic("foxglove.SceneUpdate", json!([[on_air]])),
+    });
     // The script does the comparison, because its JSON reader is exact to the last bit of a number.
-    let expectation = json!({
+    let mut expectation = json!({
         "library": concat!("sextant ", env!("CARGO_PKG_VERSION")),
         "profile": "",
         "compression": ["zstd"],
@@ -114,16 +128,6 @@ fn independent_readers_decode_every_message() {
             "/tf": topic("foxglove.FrameTransform", json!([[5, "world", "surveyor", [1.0, 2.0, 3.0], half_turn]])),
             "/robot/surveyor/path": topic("foxglove.PosesInFrame", json!([["world", corners]])),
             "/world/obstacles": topic("foxglove.SceneUpdate", json!([[["wall", 3, [0, 1, 2]]]])),
-            "/world/names": topic("foxglove.SceneUpdate", json!([[name]])),
-            "/robot/surveyor/way": topic("foxglove.SceneUpdate", json!([[whole_way]])),
-            "/robot/surveyor/legs": topic("foxglove.SceneUpdate", json!([[leg], all_gone])),
-            "/application/search/way/agent": topic("foxglove.SceneUpdate", json!([[agents_way]])),
-            "/application/search/legs/agent": topic("foxglove.SceneUpdate", json!([all_gone])),
-            "/robot/surveyor/stops": topic("foxglove.PointCloud", json!([[[0.0, 0.0, 0.0, 2]]])),
-            "/robot/surveyor/heard": topic("foxglove.SceneUpdate", json!([[heard]])),
-            "/application/search/places/agent/own_place":
-                topic("foxglove.PointCloud", json!([[[1.0, 0.0, 0.0, null]]])),
-            "/mac/air": topic("foxglove.SceneUpdate", json!([[on_air]])),
             "/mac/frames": topic("sextant.Frame", json!([[9, 1000, 3, "418800", "received", -71.5, "inner"]])),
             "/metrics": topic("sextant.Metric", json!([[7, "path_length_m", 12.5]])),
             "/log": topic("foxglove.Log", json!([[8, 3, "survey", "nobody heard"]])),
@@ -136,6 +140,8 @@ fn independent_readers_decode_every_message() {
             "/world/fields/gas": topic("foxglove.Grid", json!([likelihood])),
         },
     });
+    let topics = expectation["topics"].as_object_mut().unwrap();
+    topics.extend(drawings.as_object().unwrap().clone());
     let expected = folder.path().join("expected.json");
     std::fs::write(&expected, expectation.to_string()).unwrap();
 

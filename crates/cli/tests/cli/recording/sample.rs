@@ -4,10 +4,10 @@ use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime, StationId};
+use sextant_kernel::{NodeId, RobotId, SimTime};
 use sextant_recording::messages::{FrameMessage, MappedNodeMessage, SensorsMessage};
 use sextant_recording::{
-    DrawnFrame, FileRecorder, GridPlane, Level, Origin, PlacedNode, Recorder, RecordingError, Sensation, Solid,
+    FileRecorder, GridPlane, Level, Origin, PlacedNode, Recorder, RecordingError, Sensation, Solid,
 };
 
 /// Pseudo-random numbers, the same on every machine (splitmix64).
@@ -128,16 +128,8 @@ pub(crate) fn record_all<W: std::io::Write>(
     recorder.estimated_place(at(6), "search", ("agent", "own_place"), (corners[1], None))?;
     recorder.metric(at(7), "path_length_m", 12.5)?;
     recorder.note(at(8), Level::Warning, "survey", "nobody heard")?;
-    recorder.on_air(
-        at(9),
-        &DrawnFrame {
-            source: StationId(3),
-            from: corners[0],
-            to: &corners[2..],
-            outcome: "received",
-            span: Duration::from_nanos(1_000),
-        },
-    )?;
+    let frames = [("received", vec![[corners[0], corners[2]]])];
+    recorder.on_air(at(9), &frames, Duration::from_nanos(1_000))?;
     recorder.frame(&FrameMessage {
         start_ns: 9,
         airtime_ns: 1_000,

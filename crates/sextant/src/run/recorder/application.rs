@@ -38,6 +38,7 @@ pub(super) fn close(
         track.close(stop, Some(name), recorder)?;
     }
     let seeks = !application.algorithm.is_search();
+    simulation.air.draw(offset, recorder)?;
     fields::record_phase(scenario, &simulation.fields, (survey.end, offset), seeks, recorder)?;
     let names: Vec<String> = simulation.robots.iter().map(|track| track.name.clone()).collect();
     let recording = Recording { scenario, application, names: &names, offset };

@@ -22,6 +22,7 @@ use super::error::RunError;
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use crate::scenario::Scenario;
 use crate::summary::Summary;
+use air::Air;
 use track::Track;
 
 /// Records a run to a file: `PATH.part` while the run goes on, `PATH` when it is complete. After the first failure it
@@ -65,6 +66,8 @@ struct RecordedSimulation {
     nodes: Vec<Position>,
     /// Where the sinks are (m).
     sinks: Vec<Position>,
+    /// Frames that are not drawn yet.
+    air: Air,
 }
 
 impl RecordedSimulation {
@@ -86,6 +89,7 @@ impl RecordedSimulation {
             application: start.application.map(|application| application.name.clone()),
             nodes: scenario.world().nodes.iter().map(|node| node.position).collect(),
             sinks: scenario.config().sinks.iter().map(|sink| sink.position_m).collect(),
+            air: Air::default(),
         }
     }
 }
@@ -164,6 +168,7 @@ impl RunObserver for RunRecorder {
             recorder.path(end, &track.name, &track.places)?;
             track.close(end, None, recorder)?;
         }
+        self.simulation.air.draw(Duration::ZERO, recorder)?;
         let nodes = survey.scenario.world().nodes.len();
         for robot in ending::robots(survey.scenario, &survey.simulated.survey) {
             if let Some(text) = robot.end(nodes) {

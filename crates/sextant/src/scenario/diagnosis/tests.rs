@@ -144,7 +144,8 @@ fn each_mistake_alone_gives_one_error() {
 #[test]
 fn all_mistakes_are_found_at_once_in_the_order_of_the_file() {
     let errors = errors_of(&with(0..MISTAKES.len()));
-    let starts: Vec<_> = errors.iter().filter_map(|error| error.excerpt().map(|excerpt| excerpt.span.start)).collect();
+    let starts: Vec<_> =
+        errors.iter().filter_map(|error| error.excerpt().map(|excerpt| excerpt.span.start)).collect();
     assert!(starts.is_sorted() && starts.len() == errors.len(), "{starts:?}");
     let mut alone: Vec<_> = (0..MISTAKES.len()).flat_map(|i| all_told(&with([i]))).collect();
     alone.sort();

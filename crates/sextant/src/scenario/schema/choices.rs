@@ -22,8 +22,10 @@ pub(super) fn add_tables(schema: &mut Value) {
         if let Some(Value::Array(choices)) = part.get_mut("oneOf") {
             let is_table = |name: &str| choices.iter().any(|choice| choice["properties"].get(name).is_some());
             let named = choices.iter().filter_map(|choice| Some((choice["const"].as_str()?, &choice["description"])));
-            let tables: Vec<_> =
-                named.filter(|(name, _)| !is_table(name)).map(|(name, description)| table(name, description)).collect();
+            let tables: Vec<_> = named
+                .filter(|(name, _)| !is_table(name))
+                .map(|(name, description)| table(name, description))
+                .collect();
             choices.extend(tables);
         } else if let Some(names) = part.get("enum").and_then(Value::as_array).cloned() {
             let tables = names.iter().filter_map(Value::as_str).map(|name| table(name, &Value::Null));
@@ -88,5 +90,16 @@ fn without_null(part: &mut Map<String, Value>) {
     }
     if part.get("default") == Some(&Value::Null) {
         part.remove("default");
+    }
+    if let Some(default) = part.get_mut("default") {
+        remove_nulls(default);
+    }
+}
+
+/// Removes the keys that have no value.
+fn remove_nulls(value: &mut Value) {
+    if let Value::Object(table) = value {
+        table.retain(|_, value| !value.is_null());
+        table.values_mut().for_each(remove_nulls);
     }
 }
