@@ -22,7 +22,7 @@ fn each_instant_of_a_map_is_kept() {
     assert_eq!(map.snapshots[1].places_m.to_vec(), [0.5, 0.0, 0.0, 0.0, 3.0, 0.0]);
     let errors = map.errors_m.as_ref().expect("the truth is known").to_vec();
     assert!(errors[1].is_nan(), "node 1 is not mapped");
-    assert_eq!([errors[0], errors[2]], [0.5, 1.5]);
+    assert_eq!(vec![errors[0], errors[2]], [0.5, 1.5]);
 }
 
 #[test]

@@ -312,7 +312,7 @@ export class MapView {
     this.tip.hidden = node < 0;
     if (node >= 0) {
       const { model } = this;
-      const lines = aboutNode(model, this.show(), node).filter(([name]) => !/place$/.test(name)).slice(0, 7);
+      const lines = aboutNode(model, this.show(), node).filter(([name]) => !/place$/i.test(name)).slice(0, 7);
       this.tip.replaceChildren(element("strong", {}, short(model.names[node])), ...lines.map(([name, text]) => element("span", {}, `${name}: ${text}`)));
       const right = x > this.stage.clientWidth * 0.6;
       this.tip.style.left = right ? "auto" : `${x + 14}px`;

@@ -98,7 +98,7 @@ async function uses(name, browser) {
     });
     await page.mouse.move(...at);
     const tip = await eventually(page, () => { const tip = document.querySelector(".tip"); return tip.hidden ? "" : tip.textContent; }, (text) => text !== "", "a tip");
-    assert.match(tip, /n3.*error: .*m.*Packets received/);
+    assert.match(tip, /n3.*Error: .*m.*Packets received/);
     await page.mouse.click(...at);
     await eventually(page, () => document.querySelector("#node h3").textContent, (text) => text === "n3", "the card of the node");
     isQuiet(opened);
