@@ -295,9 +295,18 @@ export class Map2d {
     const { context: ctx, model } = this;
     if (show.layers.path) {
       for (const application of model.applications) {
-        const { captures } = application;
+        const { captures, predictions } = application;
+        const begin = model.phaseAt(show.time)?.start_s ?? -Infinity;
+        ctx.fillStyle = ink("accent");
+        ctx.globalAlpha = 0.55;
+        for (let i = 0; predictions && i < predictions.times_s.length; i++) {
+          if (predictions.times_s[i] > show.time || predictions.times_s[i] < begin) continue;
+          const [x, y] = this.at(predictions.places_m, i);
+          ctx.fillRect(x - 2, y - 2, 4, 4);
+        }
+        ctx.globalAlpha = 1;
         for (let i = 0; captures && i < captures.times_s.length; i++) {
-          if (captures.times_s[i] > show.time || captures.times_s[i] < (model.phaseAt(show.time)?.start_s ?? -Infinity)) continue;
+          if (captures.times_s[i] > show.time || captures.times_s[i] < begin) continue;
           const [x, y] = this.at(captures.places_m, i);
           ctx.strokeStyle = ink("accent");
           ctx.lineWidth = 2;

@@ -6,7 +6,7 @@ import { existsSync, mkdtempSync, readFileSync, readdirSync, writeFileSync } fro
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { installed, open, settled, start } from "./browser.mjs";
-import { difference } from "./picture.mjs";
+import { difference, reduced } from "./picture.mjs";
 import { page as pageOf, synthetic } from "./synthetic.mjs";
 
 const folder = process.argv.slice(2).find((word) => !word.startsWith("--"));
@@ -60,7 +60,7 @@ async function looks(name, browser) {
       await test(`${name}: ${report} ${dark ? "dark" : "light"}`, async () => {
         const opened = await open(browser, join(folder, report), { dark });
         if (name === "chromium" && (!dark || report === "survey.html")) await hasNoBarriers(opened.page);
-        const picture = await opened.page.screenshot();
+        const picture = reduced(await opened.page.screenshot());
         const file = join(kept, `${report.replace(".html", "")}-${dark ? "dark" : "light"}.png`);
         if (isKeeping && name === "chromium") writeFileSync(file, picture);
         if (name === "chromium") {
