@@ -3,10 +3,10 @@
 import { Clock } from "./clock.js";
 import { coloring, waysOf } from "./coloring.js";
 import { choice, element, section, tick } from "./element.js";
-import { counted, number, withUnit } from "./format.js";
+import { counted, number, short, withUnit } from "./format.js";
 import { KEY_HELP, pressed } from "./keys.js";
 import { legend } from "./legend.js";
-import { Map2d, short } from "./map2d.js";
+import { Map2d } from "./map2d.js";
 import { Map3d } from "./map3d.js";
 import { aboutNode, nodeCard } from "./nodecard.js";
 import { nodeTable } from "./nodetable.js";
