@@ -101,23 +101,19 @@ impl Least {
         let means = self.candidates.iter().filter_map(|of| Some((of, runs.mean(&of.term)?.mean)));
         match means.min_by(|(_, a), (_, b)| a.total_cmp(b)) {
             None => Ours::Missing,
-            Some((best, _)) if self.is_shown => Ours::Text(self.shown(best, runs)),
+            Some((best, _)) if self.is_shown => self.shown(best, runs),
             Some((best, _)) => mean(&best.term, runs),
         }
     }
 
-    fn shown(&self, best: &Candidate, runs: &Runs) -> String {
+    fn shown(&self, best: &Candidate, runs: &Runs) -> Ours {
         let is_as_good = |other: &&Candidate| {
             let check = Check::Least([best, other].map(|of| of.term.clone()).to_vec());
             check.finding(runs).is_some_and(|finding| finding.verdict != Verdict::Holds)
         };
         let beside = best.beside.iter().map(|&i| &self.candidates[i]);
-        let as_good: Vec<_> = beside.filter(is_as_good).map(|other| other.shown.as_str()).collect();
-        if as_good.is_empty() {
-            best.shown.clone()
-        } else {
-            format!("{} (not significantly better than {})", best.shown, as_good.join(", "))
-        }
+        let as_good = beside.filter(is_as_good).map(|other| other.shown.clone()).collect();
+        Ours::Choice { best: best.shown.clone(), as_good }
     }
 }
 

@@ -17,6 +17,9 @@ pub enum ReproductionError {
     /// The runs failed as a whole.
     #[error(transparent)]
     Sweep(SweepError),
+    /// A table of runs cannot be written or read.
+    #[error(transparent)]
+    Table(#[from] sextant::sweep::TableError),
     /// A run failed.
     #[error(transparent)]
     Run(RunError),
@@ -38,6 +41,7 @@ impl ReproductionError {
         match self {
             Self::Scenario(_) | Self::Interrupted(_) => false,
             Self::Sweep(error) => error.is_system_error(),
+            Self::Table(error) => error.is_system_error(),
             Self::Run(error) => error.is_system_error(),
             Self::Recording(error) => error.is_system_error(),
             Self::Output(_) => true,

@@ -14,8 +14,8 @@ use super::runs::Term;
 use super::table::{ChartEntry, Condition, Entry, HorizontalEntry, LeastEntry, Shared, Table};
 use super::words::{Scope, Words};
 
-/// The experiments of the text of a table, in a chapter that shares `shared`.
-pub(crate) fn experiments(text: &str, shared: &str) -> Result<Vec<Experiment>, TableError> {
+/// The experiments of the text of a table, in the chapter of this number that shares `shared`.
+pub(crate) fn experiments(text: &str, shared: &str, chapter: u8) -> Result<Vec<Experiment>, TableError> {
     let (table, shared): (Table, Shared) = (toml::from_str(text)?, toml::from_str(shared)?);
     let mut words = Words { lists: shared.lists, texts: shared.texts };
     words.lists.extend(table.lists.clone());
@@ -23,13 +23,14 @@ pub(crate) fn experiments(text: &str, shared: &str) -> Result<Vec<Experiment>, T
     if let Some(list) = words.lists.iter().find(|(_, items)| items.iter().any(|item| item.id().is_empty())) {
         return Err(TableError::NoId { list: list.0.clone() });
     }
-    let expansion = Expansion { shared: &shared.shared };
+    let expansion = Expansion { shared: &shared.shared, chapter };
     let scopes = Scope::new(&words).each(&table.each)?;
     scopes.into_iter().map(|scope| expansion.experiment(&table, scope.only(&table.only))).collect()
 }
 
 struct Expansion<'a> {
     shared: &'a BTreeMap<String, Vec<Entry>>,
+    chapter: u8,
 }
 
 /// An entry of one combination of items.
@@ -59,6 +60,8 @@ impl<'a> Expansion<'a> {
         Ok(Experiment {
             id: scope.fill(&table.id)?,
             title: scope.fill(&table.title)?,
+            chapter: self.chapter,
+            runs: table.runs,
             lines,
             leave_out_empty_lines: table.leave_out_empty_lines,
             charts,
@@ -250,12 +253,12 @@ mod tests {
                           terms = [{ room = 'hall' }, { room = 'yard' }]\n";
 
     fn table(entries: &str) -> String {
-        let head = "id = 'a'\ntitle = 'A'\nsource = 'table 1'\nscenario = '{room}.toml'\nmeasure = 'gathering.stops'\nnotes = []\n";
+        let head = "id = 'a'\ntitle = 'A'\nruns = 2\nsource = 'table 1'\nscenario = '{room}.toml'\nmeasure = 'gathering.stops'\nnotes = []\n";
         format!("{head}{entries}")
     }
 
     fn read(entries: &str) -> Result<Experiment, TableError> {
-        Ok(experiments(&table(entries), SHARED)?.remove(0))
+        Ok(experiments(&table(entries), SHARED, 3)?.remove(0))
     }
 
     #[test]

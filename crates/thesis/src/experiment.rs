@@ -1,5 +1,7 @@
 //! The parts of an experiment.
 
+use std::num::NonZeroU32;
+
 use super::chart::Chart;
 use super::claim::Claim;
 use super::computation::Computation;
@@ -14,6 +16,11 @@ pub struct Experiment {
     pub id: String,
     /// Its title.
     pub title: String,
+    /// The chapter of the thesis.
+    pub chapter: u8,
+    /// Runs of each of its scenarios, if the user does not choose: as many as decide its conclusions, as far as that is
+    /// affordable.
+    pub runs: NonZeroU32,
     /// The lines of its table.
     pub lines: Vec<Quantity>,
     /// Whether lines without a value are left out, if others have one.

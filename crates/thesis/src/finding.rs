@@ -25,6 +25,9 @@ pub struct Finding {
 }
 
 impl Verdict {
+    /// All verdicts.
+    pub const ALL: [Self; 3] = [Self::Holds, Self::DoesNotHold, Self::CannotBeTold];
+
     /// The verdict in words.
     #[must_use]
     pub fn words(self) -> &'static str {

@@ -31,35 +31,46 @@
 //! `{list.field}` is filled in. Entries below an entry (`[[lines.lines]]`) have what it says. Unknown keys are errors.
 //! Three kinds of lines are computed in another way: `at_least`, `least` and `likelihood`.
 
+mod agreement;
 mod chart;
 mod claim;
 mod computation;
+mod costs;
 mod error;
 mod expansion;
 mod experiment;
 mod figures;
 mod finding;
 mod line;
+mod page;
+mod pages;
 mod published;
+mod results;
 mod runs;
 mod shipped;
 mod table;
 mod tables;
+mod tally;
 mod values;
 mod words;
 
+pub use agreement::Agreement;
 pub use chart::{Across, Chart, ChartKind, ChartLine};
 pub use claim::{Check, Claim};
 pub use computation::{Candidate, Computation, Least};
+pub use costs::Costs;
 pub use error::ReproductionError;
 pub use experiment::{Experiment, Quantity};
 pub use figures::{write_figures, write_pictures};
 pub use finding::{Finding, Verdict};
 pub use line::{Line, Ours, write_csv};
+pub use pages::write_pages;
 pub use published::Published;
+pub use results::{Results, json, write_json};
 pub use runs::{Runs, Term};
 pub use shipped::{SHIPPED, write_scenarios};
 pub use tables::experiments;
+pub use tally::{Tally, by_chapter};
 pub use values::Values;
 
 #[cfg(test)]

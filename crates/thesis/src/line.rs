@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::agreement::Agreement;
 use super::finding::Finding;
 use super::published::Published;
 use sextant::sweep::{Mean, Share};
@@ -33,8 +34,13 @@ pub enum Ours {
     Never,
     /// A number that does not depend on random runs.
     Exact(f64),
-    /// A text.
-    Text(String),
+    /// The best of several settings.
+    Choice {
+        /// What is shown of it.
+        best: String,
+        /// Those that are not significantly worse.
+        as_good: Vec<String>,
+    },
     /// Whether a conclusion holds.
     Finding(Finding),
     /// All runs failed.
@@ -45,19 +51,38 @@ pub enum Ours {
 const NOT_STATED: &str = "not stated";
 
 impl Line {
-    /// The cells of the printed table: description, published value, source, our value.
+    /// The verdict in words: of a conclusion whether it holds, of a published number how near ours is. `None` if the thesis
+    /// states no number, or all runs failed.
     #[must_use]
-    pub fn cells(&self) -> [String; 4] {
+    pub fn verdict(&self) -> Option<&'static str> {
+        match &self.ours {
+            Ours::Finding(finding) => Some(finding.verdict.words()),
+            ours => Some(Agreement::of(&self.published.as_ref()?.value, ours)?.words()),
+        }
+    }
+
+    /// The number of runs that our value is over, if it is over runs.
+    #[must_use]
+    pub fn runs(&self) -> Option<usize> {
+        match &self.ours {
+            Ours::Mean(mean) => Some(mean.runs),
+            Ours::Share(share) => Some(share.runs),
+            Ours::Finding(finding) => Some(finding.margin.runs),
+            Ours::Never | Ours::Exact(_) | Ours::Choice { .. } | Ours::Missing => None,
+        }
+    }
+
+    /// The cells of the printed table: description, published value, source, our value, verdict.
+    #[must_use]
+    pub fn cells(&self) -> [String; 5] {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let ours = match &self.ours {
             Ours::Mean(mean) => mean.text(&self.unit),
             Ours::Share(share) => share.text(),
             Ours::Never => "in no run".to_owned(),
             Ours::Exact(value) => format!("{value:.4}{unit}"),
-            Ours::Text(text) => text.clone(),
-            Ours::Finding(finding) => {
-                format!("{}, margin {}", finding.verdict.words(), finding.margin.text(&self.unit))
-            }
+            Ours::Choice { best, as_good } => choice(best, as_good),
+            Ours::Finding(finding) => format!("margin {}", finding.margin.text(&self.unit)),
             Ours::Missing => "no run succeeded".to_owned(),
         };
         let (published, source) = match &self.published {
@@ -67,7 +92,7 @@ impl Line {
             }
             Some(Published { value, source }) => (format!("{value}{unit}"), source.clone()),
         };
-        [self.what.clone(), published, source, ours]
+        [self.what.clone(), published, source, ours, self.verdict().unwrap_or_default().to_owned()]
     }
 
     /// The line as a JSON object.
@@ -89,7 +114,9 @@ impl Line {
             ]),
             Ours::Never => json.extend([("result".to_owned(), json!("in no run"))]),
             Ours::Exact(value) => json.extend([("mean".to_owned(), json!(value))]),
-            Ours::Text(text) => json.extend([("result".to_owned(), json!(text))]),
+            Ours::Choice { best, as_good } => {
+                json.extend([("result".to_owned(), json!(choice(best, as_good)))]);
+            }
             Ours::Finding(Finding { verdict, margin, .. }) => {
                 json.extend([
                     ("result".to_owned(), json!(verdict.words())),
@@ -98,10 +125,13 @@ impl Line {
             }
             Ours::Missing => json.extend([("runs".to_owned(), json!(0))]),
         }
+        if let Some(verdict) = self.verdict() {
+            json.insert("verdict".to_owned(), json!(verdict));
+        }
         Value::Object(json)
     }
 
-    fn record(&self) -> [String; 8] {
+    fn record(&self) -> [String; 9] {
         let numbers = |Mean { mean, half_width_95, runs }: &Mean| {
             let half_width = half_width_95.map_or_else(String::new, |half_width| half_width.to_string());
             [mean.to_string(), half_width, runs.to_string()]
@@ -114,7 +144,7 @@ impl Line {
             }
             Ours::Never => (none(), "in no run".to_owned()),
             Ours::Exact(value) => ([value.to_string(), String::new(), String::new()], String::new()),
-            Ours::Text(text) => (none(), text.clone()),
+            Ours::Choice { best, as_good } => (none(), choice(best, as_good)),
             Ours::Finding(finding) => (numbers(&finding.margin), finding.verdict.words().to_owned()),
             Ours::Missing => ([String::new(), String::new(), "0".to_owned()], String::new()),
         };
@@ -123,17 +153,28 @@ impl Line {
             None => (String::new(), String::new()),
         };
         let [mean, half_width, runs] = numbers;
-        [self.what.clone(), published, self.unit.clone(), mean, half_width, runs, result, source]
+        let verdict = self.verdict().unwrap_or_default().to_owned();
+        [self.what.clone(), published, self.unit.clone(), mean, half_width, runs, result, source, verdict]
     }
 }
 
-/// Writes lines as CSV with the columns what, published, unit, mean, `half_width_95`, runs, result, source. For a
-/// conclusion, the result is the verdict and the mean is the margin. Values that the thesis does not state are empty.
+/// The best setting, and those that are as good.
+fn choice(best: &str, as_good: &[String]) -> String {
+    if as_good.is_empty() {
+        best.to_owned()
+    } else {
+        format!("{best} (not significantly better than {})", as_good.join(", "))
+    }
+}
+
+/// Writes lines as CSV with the columns what, published, unit, mean, `half_width_95`, runs, result, source, verdict. For a
+/// conclusion, the result is the verdict and the mean is the margin. Values that the thesis does not state are empty, and
+/// so is the verdict of such a line.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_csv<'a>(path: &Path, lines: impl IntoIterator<Item = &'a Line>) -> Result<(), OutputError> {
-    let header = ["what", "published", "unit", "mean", "half_width_95", "runs", "result", "source"];
+    let header = ["what", "published", "unit", "mean", "half_width_95", "runs", "result", "source", "verdict"];
     let mut file = CsvFile::new(header, EmptyCell::Bare);
     lines.into_iter().for_each(|line| file.row(line.record()));
     file.save(path)
@@ -149,10 +190,10 @@ mod tests {
         let mean = Mean { mean: 6.013, half_width_95: Some(0.284), runs: 5 };
         let published = Some(Published::new("5", "table 3.6"));
         let line = Line { what: "ML-TM".into(), published, unit: "%".into(), ours: Ours::Mean(mean) };
-        assert_eq!(line.cells(), ["ML-TM", "5 %", "table 3.6", "6.01 ± 0.28 %"]);
-        assert_eq!(line.record(), ["ML-TM", "5", "%", "6.013", "0.284", "5", "", "table 3.6"]);
+        assert_eq!(line.cells(), ["ML-TM", "5 %", "table 3.6", "6.01 ± 0.28 %", "within a factor 2"]);
+        assert_eq!(line.record(), ["ML-TM", "5", "%", "6.013", "0.284", "5", "", "table 3.6", "within a factor 2"]);
         let none = Line { published: None, ours: Ours::Missing, ..line };
-        assert_eq!(none.cells(), ["ML-TM", "not stated", "", "no run succeeded"]);
+        assert_eq!(none.cells(), ["ML-TM", "not stated", "", "no run succeeded", ""]);
         assert_eq!(none.json(), json!({"what": "ML-TM", "unit": "%", "runs": 0}));
     }
 
@@ -161,12 +202,12 @@ mod tests {
         let ours = Ours::Share(Share::of(&[1.0, 1.0, 0.0, 1.0]).unwrap());
         let line = Line { what: "captured".into(), published: None, unit: "%".into(), ours };
         let shown = "75 % (3 of 4 runs, 19 to 99 %)";
-        assert_eq!(line.cells(), ["captured", "not stated", "", shown]);
-        assert_eq!(line.record(), ["captured", "", "%", "75", "", "4", shown, ""]);
+        assert_eq!(line.cells(), ["captured", "not stated", "", shown, ""]);
+        assert_eq!(line.record(), ["captured", "", "%", "75", "", "4", shown, "", ""]);
         assert_eq!((&line.json()["mean"], &line.json()["runs"]), (&json!(75.0), &json!(4)));
         let never = Line { ours: Ours::Never, ..line };
         assert_eq!(never.cells()[3], "in no run");
-        assert_eq!(never.record(), ["captured", "", "%", "", "", "", "in no run", ""]);
+        assert_eq!(never.record(), ["captured", "", "%", "", "", "", "in no run", "", ""]);
     }
 
     #[test]
@@ -175,11 +216,11 @@ mod tests {
         let finding = Finding { verdict: Verdict::DoesNotHold, margin, unit: "points" };
         let published = Some(Published::new("6 < 19 < 50 %", "table 3.6"));
         let line = Line { what: "a < b".into(), published, unit: "points".into(), ours: Ours::Finding(finding) };
-        let shown = "does not hold, margin -1.50 ± 0.25 points";
-        assert_eq!(line.cells(), ["a < b", "6 < 19 < 50 %", "table 3.6", shown]);
+        let shown = "margin -1.50 ± 0.25 points";
+        assert_eq!(line.cells(), ["a < b", "6 < 19 < 50 %", "table 3.6", shown, "does not hold"]);
         assert_eq!(
             line.record(),
-            ["a < b", "6 < 19 < 50 %", "points", "-1.5", "0.25", "3", "does not hold", "table 3.6"]
+            ["a < b", "6 < 19 < 50 %", "points", "-1.5", "0.25", "3", "does not hold", "table 3.6", "does not hold"]
         );
         assert_eq!(line.json()["margin"], json!({"mean": -1.5, "runs": 3, "half_width_95": 0.25}));
     }

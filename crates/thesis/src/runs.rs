@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::error::ReproductionError;
+use super::experiment::Experiment;
+use super::tables::experiments;
 use sextant::summary::Measure;
 use sextant::sweep::{self, Mean, Row, Share, Sweep};
 use sextant_kernel::Watch;
@@ -25,15 +27,20 @@ pub struct Term {
 #[derive(Debug)]
 pub struct Runs {
     folder: PathBuf,
-    count: NonZeroU32,
+    count: Option<NonZeroU32>,
     of: BTreeMap<String, (Sweep, Vec<Row>)>,
 }
 
 impl Runs {
-    /// No runs yet. The files of scenarios are in `folder`, and each scenario will be run `count` times.
+    /// No runs yet. The files of scenarios are in `folder`. Each scenario will be run `count` times or, without it, as often
+    /// as its experiments say.
     #[must_use]
-    pub fn new(folder: PathBuf, count: NonZeroU32) -> Self {
+    pub fn new(folder: PathBuf, count: Option<NonZeroU32>) -> Self {
         Self { folder, count, of: BTreeMap::new() }
+    }
+
+    fn plan_of(&self, scenario: &str, runs: NonZeroU32) -> Result<Sweep, ReproductionError> {
+        Ok(Sweep::read(&self.folder.join(scenario), &[], None, Some(runs))?)
     }
 
     /// Runs those of `scenarios` that have not been run yet, and returns their names. Before it starts, `tell` gets how
@@ -48,7 +55,7 @@ impl Runs {
         watch: &dyn Watch,
     ) -> Result<Vec<&'a str>, ReproductionError> {
         let new: Vec<_> = scenarios.iter().copied().filter(|name| !self.of.contains_key(*name)).collect();
-        let plan = |scenario: &&str| Sweep::read(&self.folder.join(scenario), &[], None, Some(self.count));
+        let plan = |scenario: &&str| self.plan_of(scenario, self.count.unwrap_or_else(|| default_runs(scenario)));
         let plans = new.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
         if !new.is_empty() {
             let runs = counted(plans.iter().map(Sweep::survey_count).sum(), "run");
@@ -59,6 +66,34 @@ impl Runs {
             self.insert(scenario, made);
         }
         Ok(outcome.map(|()| new)?)
+    }
+
+    /// Reads the runs of those of `scenarios` that have a table in the folder `from`, as [`write_tables`](Self::write_tables)
+    /// writes them. Returns whether all have one.
+    ///
+    /// # Errors
+    /// If a table cannot be read, or is that of other settings.
+    pub fn read(&mut self, scenarios: &[&str], from: &Path) -> Result<bool, ReproductionError> {
+        for scenario in scenarios {
+            let table = from.join(table_name(scenario));
+            if !self.of.contains_key(*scenario) && table.is_file() {
+                let plan = self.plan_of(scenario, NonZeroU32::MIN)?;
+                let rows = sweep::read_table(&table, &plan)?;
+                self.insert(scenario, (plan, rows));
+            }
+        }
+        Ok(scenarios.iter().all(|scenario| self.of.contains_key(*scenario)))
+    }
+
+    /// Writes the tables of the finished runs of `scenarios` into the folder `out`: `runs-SCENARIO.csv`.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write_tables(&self, scenarios: &[&str], out: &Path) -> Result<(), ReproductionError> {
+        for (scenario, plan, rows) in self.scenarios().filter(|(scenario, ..)| scenarios.contains(scenario)) {
+            sweep::write_table(&out.join(table_name(scenario)), plan, rows)?;
+        }
+        Ok(())
     }
 
     /// Adds the rows of a scenario.
@@ -97,6 +132,13 @@ impl Runs {
         successful.map(|row| row.replicate).collect()
     }
 
+    /// How often a scenario was run.
+    #[must_use]
+    pub fn made(&self, scenario: &str) -> u32 {
+        let rows = self.of.get(scenario).map_or(&[][..], |(_, rows)| rows);
+        rows.iter().map(|row| row.replicate + 1).max().unwrap_or(0)
+    }
+
     /// The plan of a scenario that was run.
     #[must_use]
     pub fn plan(&self, scenario: &str) -> Option<&Sweep> {
@@ -120,6 +162,18 @@ impl Runs {
         }
         failures
     }
+}
+
+/// How often a scenario is run if the user does not choose: the most that an experiment wants, so that it does not depend on
+/// which experiments are chosen.
+fn default_runs(scenario: &str) -> NonZeroU32 {
+    let reads = |experiment: &Experiment| experiment.scenarios().contains(&scenario);
+    experiments().iter().filter(|experiment| reads(experiment)).map(|of| of.runs).max().unwrap_or(NonZeroU32::MIN)
+}
+
+/// The name of the table of the runs of a scenario.
+fn table_name(scenario: &str) -> String {
+    format!("runs-{}.csv", scenario.trim_end_matches(".toml").replace('/', "-"))
 }
 
 /// The first cell that has these settings.

@@ -1,6 +1,7 @@
 //! A table of the thesis as its file has it.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroU32;
 
 use serde::Deserialize;
 
@@ -19,6 +20,8 @@ pub(crate) struct Table {
     pub(crate) id: String,
     /// Its title.
     pub(crate) title: String,
+    /// Runs of each scenario, if the user does not choose.
+    pub(crate) runs: NonZeroU32,
     /// Where published values are printed, if an entry does not say so.
     pub(crate) source: Option<String>,
     /// The scenario of entries that name none.

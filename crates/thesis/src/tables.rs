@@ -3,8 +3,9 @@
 use super::expansion;
 use super::experiment::Experiment;
 
-/// A chapter: what its tables share, and the tables, each with the name of its file.
+/// A chapter: its number, what its tables share, and the tables, each with the name of its file.
 struct Chapter {
+    number: u8,
     shared: &'static str,
     tables: &'static [(&'static str, &'static str)],
 }
@@ -16,8 +17,9 @@ macro_rules! text {
 }
 
 macro_rules! chapter {
-    ($chapter:literal: $($name:literal),* $(,)?) => {
+    ($number:literal, $chapter:literal: $($name:literal),* $(,)?) => {
         Chapter {
+            number: $number,
             shared: text!($chapter, "shared"),
             tables: &[$((concat!($chapter, "/", $name), text!($chapter, $name))),*],
         }
@@ -25,7 +27,7 @@ macro_rules! chapter {
 }
 
 const CHAPTERS: [Chapter; 5] = [
-    chapter!("chapter_3":
+    chapter!(3, "chapter_3":
         "3.2-worked-example",
         "3.3-trajectories",
         "3.5-sensitivity",
@@ -33,8 +35,8 @@ const CHAPTERS: [Chapter; 5] = [
         "3.12-space",
         "energy",
     ),
-    chapter!("chapter_4": "4.5-sectors", "4.8-comparison", "4.10-energy"),
-    chapter!("chapter_5":
+    chapter!(4, "chapter_4": "4.5-sectors", "4.8-comparison", "4.10-energy"),
+    chapter!(5, "chapter_5":
         "5.3-scattering",
         "5.6-static",
         "5.9-heard",
@@ -42,8 +44,8 @@ const CHAPTERS: [Chapter; 5] = [
         "5.11-comparison",
         "5.12-energy",
     ),
-    chapter!("chapter_6": "6.1-time", "6.3-prediction", "6.6-distance", "6.messages", "6.maps", "6.filters"),
-    chapter!("chapter_7": "7.5-slow-robot", "7.8-two-sources", "7.9-gradient", "7.11-room", "seek"),
+    chapter!(6, "chapter_6": "6.1-time", "6.3-prediction", "6.6-distance", "6.messages", "6.maps", "6.filters"),
+    chapter!(7, "chapter_7": "7.5-slow-robot", "7.8-two-sources", "7.9-gradient", "7.11-room", "seek"),
 ];
 
 /// All experiments, in the order of the thesis.
@@ -53,9 +55,11 @@ const CHAPTERS: [Chapter; 5] = [
 #[must_use]
 pub fn experiments() -> Vec<Experiment> {
     let mut all = Vec::new();
-    for Chapter { shared, tables } in &CHAPTERS {
+    for Chapter { number, shared, tables } in &CHAPTERS {
         for (name, text) in *tables {
-            all.extend(expansion::experiments(text, shared).unwrap_or_else(|error| panic!("{name}: {error}")));
+            all.extend(
+                expansion::experiments(text, shared, *number).unwrap_or_else(|error| panic!("{name}: {error}")),
+            );
         }
     }
     all
@@ -71,6 +75,9 @@ mod tests {
         let mut files = Vec::new();
         for chapter in std::fs::read_dir(folder).unwrap() {
             let chapter = chapter.unwrap();
+            if chapter.path().is_file() {
+                continue;
+            }
             for file in std::fs::read_dir(chapter.path()).unwrap() {
                 let (chapter, file) = (chapter.file_name(), file.unwrap().file_name());
                 files.push(format!("{}/{}", chapter.to_str().unwrap(), file.to_str().unwrap()));

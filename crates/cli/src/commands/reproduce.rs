@@ -1,21 +1,21 @@
 //! `sextant reproduce`: the tables and figures of the thesis, with published values and ours.
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::num::NonZeroU32;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
 
 use super::options::{Format, Printing, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
 use sextant::columns::{Align, columns};
-use sextant::sweep::write_table;
 use sextant_kernel::text::counted;
 use sextant_thesis::{
-    Experiment, Line, ReproductionError, Runs, experiments, write_csv, write_figures, write_pictures, write_scenarios,
+    Costs, Experiment, Line, ReproductionError, Results, Runs, Tally, by_chapter, experiments, json, write_figures,
+    write_json, write_pages, write_pictures, write_scenarios,
 };
 
 /// Arguments of `sextant reproduce`.
@@ -27,13 +27,16 @@ pub(crate) struct Arguments {
     /// Reproduce all tables and figures
     #[arg(long, conflicts_with = "ids")]
     pub(crate) all: bool,
-    /// List the tables and figures, and the scenarios that they run
+    /// List the tables and figures: their scenarios, usual number of runs, and CPU times
     #[arg(long)]
     pub(crate) list: bool,
-    /// Runs of each scenario, with the seeds 1, 2, ..
-    #[arg(long, value_name = "N", default_value = "10")]
-    pub(crate) runs: NonZeroU32,
-    /// The folder for tables, figures and the scenarios that were run. It is created if it does not exist
+    /// Runs of each scenario, with the seeds 1, 2, .. [default: as `--list` says]
+    #[arg(long, value_name = "N")]
+    pub(crate) runs: Option<NonZeroU32>,
+    /// Run nothing, and take the runs from the folder of an earlier reproduction
+    #[arg(long, value_name = "DIR", conflicts_with = "runs")]
+    pub(crate) from: Option<PathBuf>,
+    /// The folder for pages, tables, figures and the scenarios that were run. It is created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "reproduction")]
     pub(crate) out: PathBuf,
     /// How results are printed.
@@ -53,45 +56,47 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     arguments.work.start_threads()?;
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
-    let out = &arguments.out;
-    let scenarios = out.join("scenarios");
-    write_scenarios(&scenarios)?;
+    let scenarios = arguments.from.as_ref().unwrap_or(&arguments.out).join("scenarios");
+    if arguments.from.is_none() {
+        write_scenarios(&scenarios)?;
+    }
     let mut runs = Runs::new(scenarios.clone(), arguments.runs);
-    let mut finished = Vec::new();
+    let mut finished: Vec<Results> = Vec::new();
     let mut outcome = Ok(());
     for experiment in &experiments {
-        let tell = |size: &str| arguments.work.note(&format!("{}: {size}", experiment.id));
-        let new = runs.make(&experiment.scenarios(), tell, &watcher);
-        watcher.clear();
-        write_runs(&runs, &experiment.scenarios(), out)?;
-        let new = match new {
-            Ok(new) => new,
+        let new = match made(experiment, arguments, &mut runs, &watcher) {
+            Ok(Some(new)) => new,
+            Ok(None) => continue,
             Err(failure) => {
                 outcome = Err(failure);
                 break;
             }
         };
+        write_figures(experiment, &runs, &arguments.out)?;
         let results = Results::of(experiment, &runs);
-        write_csv(&out.join(format!("{}.csv", experiment.id)), results.lines.iter().chain(&results.conclusions))?;
-        write_figures(experiment, &runs, out)?;
+        results.write_csv(&arguments.out)?;
         if arguments.printing.format == Format::Text {
-            results.print(arguments.runs, &mut stdout)?;
+            print(&results, &mut stdout)?;
         }
         finished.push(results);
-        outcome = write_pictures(&new, &scenarios, &out.join("figures"), interrupt);
+        outcome = write_pictures(&new, &scenarios, &arguments.out.join("figures"), interrupt);
         if outcome.is_err() {
             break;
         }
     }
+    write_json(&finished, &arguments.out)?;
+    write_pages(&finished, &arguments.out)?;
     match arguments.printing.format {
-        Format::Text => writeln!(stdout, "tables, figures and scenarios: {}", out.display())?,
-        Format::Json => writeln!(stdout, "{:#}", json(&finished, arguments.runs))?,
+        Format::Text => {
+            print_verdicts(&finished, &mut stdout)?;
+            writeln!(stdout, "pages, tables, figures and scenarios: {}", arguments.out.display())?;
+        }
+        Format::Json => writeln!(stdout, "{:#}", json(&finished))?,
     }
     if matches!(outcome, Err(ReproductionError::Interrupted(_))) {
         let (done, all) = (finished.len(), counted(experiments.len(), "experiment"));
-        arguments
-            .work
-            .note(&format!("{done} of {all} are done; finished runs of the next are in `{}`", out.display()));
+        let out = arguments.out.display();
+        arguments.work.note(&format!("{done} of {all} are done; finished runs of the next are in `{out}`"));
     }
     outcome?;
     let failures = runs.failures();
@@ -101,13 +106,28 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     }
 }
 
-/// Writes the table of the finished runs of each of `scenarios`.
-fn write_runs(runs: &Runs, scenarios: &[&str], out: &Path) -> Result<(), Failure> {
-    for (scenario, plan, rows) in runs.scenarios().filter(|(scenario, ..)| scenarios.contains(scenario)) {
-        let name = scenario.trim_end_matches(".toml").replace('/', "-");
-        write_table(&out.join(format!("runs-{name}.csv")), plan, rows)?;
+/// Makes or reads the runs of an experiment, and returns the scenarios that were run now; `None` if it has no runs in the
+/// folder that they are read from.
+fn made<'a>(
+    experiment: &'a Experiment,
+    arguments: &Arguments,
+    runs: &mut Runs,
+    watcher: &Watcher<'_>,
+) -> Result<Option<Vec<&'a str>>, ReproductionError> {
+    let scenarios = experiment.scenarios();
+    if let Some(from) = &arguments.from {
+        let has_all = runs.read(&scenarios, from)?;
+        if !has_all {
+            let from = from.display();
+            arguments.work.note(&format!("{}: left out, because `{from}` has not all of its runs", experiment.id));
+        }
+        return Ok(has_all.then(Vec::new));
     }
-    Ok(())
+    let tell = |size: &str| arguments.work.note(&format!("{}: {size}", experiment.id));
+    let new = runs.make(&scenarios, tell, watcher);
+    watcher.clear();
+    runs.write_tables(&scenarios, &arguments.out)?;
+    new.map(Some)
 }
 
 fn chosen(arguments: &Arguments) -> Result<Vec<Experiment>, Failure> {
@@ -127,65 +147,68 @@ fn chosen(arguments: &Arguments) -> Result<Vec<Experiment>, Failure> {
 }
 
 fn list(stdout: &mut impl Write) -> io::Result<()> {
-    let mut rows = vec![["id", "what", "scenarios"].map(str::to_owned).to_vec()];
-    for experiment in experiments() {
-        let scenarios = experiment.scenarios().join(", ");
-        let scenarios = if scenarios.is_empty() { "none".to_owned() } else { scenarios };
-        rows.push(vec![experiment.id, experiment.title, scenarios]);
+    let costs = Costs::measured();
+    let header = ["id", "what", "runs", "CPU a run", "CPU in all", "scenarios"];
+    let mut rows = vec![header.map(str::to_owned).to_vec()];
+    let (mut all_s, mut counted_in) = (0.0, BTreeSet::new());
+    let all = experiments();
+    for experiment in &all {
+        let scenarios = experiment.scenarios();
+        let run_s = costs.of_runs_s(scenarios.iter().copied());
+        let runs = f64::from(experiment.runs.get());
+        // Experiments share scenarios, and a scenario is run once.
+        let new = scenarios.iter().copied().filter(|scenario| counted_in.insert(scenario.to_string()));
+        all_s += runs * costs.of_runs_s(new);
+        let named = if scenarios.is_empty() { "none".to_owned() } else { scenarios.join(", ") };
+        let (title, count) = (experiment.title.clone(), experiment.runs.to_string());
+        rows.push(vec![experiment.id.clone(), title, count, duration(run_s), duration(runs * run_s), named]);
     }
-    columns(&rows, &[Align::Left; 3], stdout)
+    columns(&rows, &[Align::Left, Align::Left, Align::Right, Align::Right, Align::Right, Align::Left], stdout)?;
+    writeln!(stdout, "\nall: {} of CPU time; a scenario of several tables counts once", duration(all_s))?;
+    writeln!(stdout, "times: {}; {}", costs.machine, costs.method)
 }
 
-/// The results of an experiment.
-struct Results<'a> {
-    experiment: &'a Experiment,
-    lines: Vec<Line>,
-    conclusions: Vec<Line>,
+/// A time in a unit in which it is not large.
+fn duration(time_s: f64) -> String {
+    match time_s {
+        ..10.0 => format!("{time_s:.1} s"),
+        ..120.0 => format!("{time_s:.0} s"),
+        ..7200.0 => format!("{:.0} min", time_s / 60.0),
+        _ => format!("{:.1} h", time_s / 3600.0),
+    }
 }
 
-impl<'a> Results<'a> {
-    fn of(experiment: &'a Experiment, runs: &Runs) -> Self {
-        Self { experiment, lines: experiment.lines(runs), conclusions: experiment.conclusions(runs) }
-    }
-
-    fn print(&self, runs: NonZeroU32, stdout: &mut impl Write) -> io::Result<()> {
-        writeln!(stdout, "{} {}\n", self.experiment.id, self.experiment.title)?;
-        let align = [Align::Left, Align::Right, Align::Left, Align::Right];
-        let mut table = |header: [&str; 4], lines: &[Line]| {
-            let mut rows = vec![header.map(str::to_owned).to_vec()];
-            rows.extend(lines.iter().map(|line| line.cells().to_vec()));
-            columns(&rows, &align, stdout)?;
-            writeln!(stdout)
-        };
-        table(
-            ["", "published", "in", &format!("ours (mean, 95 % interval, {})", counted(runs.get() as usize, "run"))],
-            &self.lines,
-        )?;
-        if !self.conclusions.is_empty() {
-            table(["conclusion", "published", "in", "ours"], &self.conclusions)?;
-            writeln!(stdout, "  {MARGIN}")?;
-        }
-        for note in &self.experiment.notes {
-            writeln!(stdout, "  {note}")?;
-        }
+fn print(results: &Results, stdout: &mut impl Write) -> io::Result<()> {
+    writeln!(stdout, "{} {}\n", results.id, results.title)?;
+    let align = [Align::Left, Align::Right, Align::Left, Align::Right, Align::Left];
+    let mut table = |header: [&str; 5], lines: &[Line]| {
+        let mut rows = vec![header.map(str::to_owned).to_vec()];
+        rows.extend(lines.iter().map(|line| line.cells().to_vec()));
+        columns(&rows, &align, stdout)?;
         writeln!(stdout)
+    };
+    let ours = format!("ours (mean, 95 % interval, {})", results.runs());
+    table(["", "published", "in", &ours, "verdict"], &results.lines)?;
+    if !results.conclusions.is_empty() {
+        table(["conclusion", "published", "in", "ours", "verdict"], &results.conclusions)?;
+        writeln!(stdout, "  {MARGIN}")?;
     }
+    for note in &results.notes {
+        writeln!(stdout, "  {note}")?;
+    }
+    writeln!(stdout)
+}
 
-    fn json(&self) -> Value {
-        json!({
-            "id": self.experiment.id,
-            "title": self.experiment.title,
-            "lines": self.lines.iter().chain(&self.conclusions).map(Line::json).collect::<Vec<_>>(),
-            "notes": self.experiment.notes,
-        })
-    }
+/// How many conclusions and numbers of each chapter have each verdict.
+fn print_verdicts(finished: &[Results], stdout: &mut impl Write) -> io::Result<()> {
+    let mut rows = vec![std::iter::once("verdicts").chain(Tally::header()).map(str::to_owned).collect::<Vec<_>>()];
+    rows.extend(by_chapter(finished).into_iter().map(|(name, tally)| [vec![name], tally.cells()].concat()));
+    let mut align = vec![Align::Right; rows[0].len()];
+    align[0] = Align::Left;
+    columns(&rows, &align, stdout)?;
+    writeln!(stdout)
 }
 
 const MARGIN: &str = "A margin is the mean difference between runs of the same seed, in the comparison that decides the \
                       result, with its 95 % confidence interval. A margin above 0 supports the conclusion; if the \
                       interval contains 0, it cannot be told whether the conclusion holds.";
-
-fn json(finished: &[Results<'_>], runs: NonZeroU32) -> Value {
-    let experiments: Vec<_> = finished.iter().map(Results::json).collect();
-    json!({"reproduction": {"runs": runs, "experiments": experiments}})
-}

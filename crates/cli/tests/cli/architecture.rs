@@ -7,10 +7,11 @@ mod source;
 
 use std::path::{Path, PathBuf};
 
+pub(super) use guides::guides;
 use modules::Modules;
 
 /// The root of the tree.
-fn root() -> PathBuf {
+pub(super) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 

@@ -17,10 +17,12 @@ mod shard;
 mod share;
 mod statistics;
 mod table_file;
+mod table_reader;
+mod theory;
 mod unit;
 
 pub use column::{Column, Kind};
-pub use curves::figures;
+pub use curves::{figures, figures_with_theory};
 pub use error::{SweepError, TableError};
 pub use finished_table::FinishedTable;
 pub use plan::{Cell, Sweep};
@@ -29,6 +31,7 @@ pub use shard::Shard;
 pub use share::Share;
 pub use statistics::{Mean, students_t_975};
 pub use table_file::TableFormat;
+pub use table_reader::read_table;
 
 use std::path::Path;
 use std::sync::OnceLock;

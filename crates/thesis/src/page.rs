@@ -1,0 +1,226 @@
+//! A page of text, tables and figures, written as Markdown or as HTML.
+
+/// A page.
+#[derive(Clone, Debug)]
+pub(crate) struct Page {
+    /// The name of its file, without extension.
+    pub(crate) name: String,
+    /// The parts, in their order. The first is the title.
+    pub(crate) parts: Vec<Part>,
+}
+
+/// A part of a page.
+#[derive(Clone, Debug)]
+pub(crate) enum Part {
+    /// A heading of this depth; 1 is the title.
+    Heading(u8, String),
+    /// A paragraph.
+    Text(Vec<Span>),
+    /// A list.
+    List(Vec<Vec<Span>>),
+    /// A table: header and rows.
+    Table(Vec<String>, Vec<Vec<Span>>),
+    /// A figure: the file beside the page, and its title.
+    Figure {
+        /// The name of the file.
+        file: String,
+        /// What it shows.
+        title: String,
+        /// The picture itself.
+        svg: String,
+    },
+}
+
+/// A piece of text.
+#[derive(Clone, Debug)]
+pub(crate) enum Span {
+    /// As it is.
+    Plain(String),
+    /// What is typed.
+    Code(String),
+    /// A link to another page by its name.
+    Page(String, String),
+    /// A link to a file beside the page.
+    File(String, String),
+}
+
+impl From<String> for Span {
+    fn from(text: String) -> Self {
+        Self::Plain(text)
+    }
+}
+
+impl From<&str> for Span {
+    fn from(text: &str) -> Self {
+        Self::Plain(text.to_owned())
+    }
+}
+
+impl Page {
+    /// The page as Markdown with tables (GitHub's).
+    pub(crate) fn markdown(&self) -> String {
+        let mut text = String::new();
+        for part in &self.parts {
+            match part {
+                Part::Heading(depth, title) => {
+                    text += &format!("{} {}\n\n", "#".repeat(usize::from(*depth)), plain_markdown(title));
+                }
+                Part::Text(spans) => text += &format!("{}\n\n", markdown(spans)),
+                Part::List(items) => {
+                    for item in items {
+                        text += &format!("- {}\n", markdown(item));
+                    }
+                    text += "\n";
+                }
+                Part::Table(header, rows) => {
+                    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+                    text += &line(header.iter().map(|cell| plain_markdown(cell)).collect());
+                    text += &line(vec!["---".to_owned(); header.len()]);
+                    for row in rows {
+                        text += &line(row.iter().map(|cell| markdown(std::slice::from_ref(cell))).collect());
+                    }
+                    text += "\n";
+                }
+                Part::Figure { file, title, .. } => text += &format!("![{}]({file})\n\n", plain_markdown(title)),
+            }
+        }
+        format!("{}\n", text.trim_end())
+    }
+
+    /// The page as one HTML file: its style and its pictures are in it.
+    pub(crate) fn html(&self) -> String {
+        let mut body = String::new();
+        let mut title = self.name.as_str();
+        for part in &self.parts {
+            match part {
+                Part::Heading(depth, text) => {
+                    if *depth == 1 {
+                        title = text;
+                    }
+                    body += &format!("<h{depth}>{}</h{depth}>\n", escaped(text));
+                }
+                Part::Text(spans) => body += &format!("<p>{}</p>\n", html(spans)),
+                Part::List(items) => {
+                    let items: String = items.iter().map(|item| format!("<li>{}</li>\n", html(item))).collect();
+                    body += &format!("<ul>\n{items}</ul>\n");
+                }
+                Part::Table(header, rows) => {
+                    let cells = |tag: &str, cells: Vec<String>| {
+                        let cells: String = cells.iter().map(|cell| format!("<{tag}>{cell}</{tag}>")).collect();
+                        format!("<tr>{cells}</tr>\n")
+                    };
+                    let head = cells("th", header.iter().map(|cell| escaped(cell)).collect());
+                    let row = |row: &Vec<Span>| {
+                        cells("td", row.iter().map(|cell| html(std::slice::from_ref(cell))).collect())
+                    };
+                    let rows: String = rows.iter().map(row).collect();
+                    body += &format!(
+                        "<div class=\"wide\"><table>\n<thead>\n{head}</thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
+                    );
+                }
+                Part::Figure { title, svg, .. } => {
+                    let picture = svg.find("<svg").map_or("", |start| &svg[start..]);
+                    let title = escaped(title);
+                    body += &format!("<figure>\n{picture}\n<figcaption>{title}</figcaption>\n</figure>\n");
+                }
+            }
+        }
+        let title = escaped(title);
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
+             <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{body}</main>\n</body>\n</html>\n"
+        )
+    }
+}
+
+const STYLE: &str = "\
+:root { color-scheme: light dark; }
+body { font: 16px/1.5 system-ui, sans-serif; margin: 0; }
+main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; margin: 1rem 0; }
+th, td { border-bottom: 1px solid #8886; padding: 0.25rem 0.75rem; text-align: left; vertical-align: top; }
+figure { margin: 1.5rem 0; }
+figure svg { background: #fff; height: auto; max-width: 100%; }
+figcaption { opacity: 0.8; }
+";
+
+fn markdown(spans: &[Span]) -> String {
+    let span = |span: &Span| match span {
+        Span::Plain(text) => plain_markdown(text),
+        Span::Code(text) => format!("`{text}`"),
+        Span::Page(text, page) => format!("[{}]({page}.md)", plain_markdown(text)),
+        Span::File(text, file) => format!("[{}]({file})", plain_markdown(text)),
+    };
+    spans.iter().map(span).collect()
+}
+
+/// The text without a meaning in Markdown, also in the cell of a table.
+fn plain_markdown(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '<' => plain += "&lt;",
+            '|' | '*' | '`' | '[' | ']' | '\\' => plain.extend(['\\', letter]),
+            other => plain.push(other),
+        }
+    }
+    plain
+}
+
+fn html(spans: &[Span]) -> String {
+    let span = |span: &Span| match span {
+        Span::Plain(text) => escaped(text),
+        Span::Code(text) => format!("<code>{}</code>", escaped(text)),
+        Span::Page(text, page) => format!("<a href=\"{page}.html\">{}</a>", escaped(text)),
+        Span::File(text, file) => format!("<a href=\"{file}\">{}</a>", escaped(text)),
+    };
+    spans.iter().map(span).collect()
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_is_the_same_in_both_forms() {
+        let page = Page {
+            name: "p".into(),
+            parts: vec![
+                Part::Heading(1, "A < B".into()),
+                Part::Text(vec!["See ".into(), Span::Page("two".into(), "second".into()), Span::Code("x|y".into())]),
+                Part::Table(vec!["a".into()], vec![vec!["1 | 2".into()]]),
+                Part::List(vec![vec![Span::File("all".into(), "a.csv".into())]]),
+                Part::Figure { file: "f.svg".into(), title: "F".into(), svg: "<?xml?>\n<svg>s</svg>".into() },
+            ],
+        };
+        insta::assert_snapshot!(page.markdown(), @r"
+        # A &lt; B
+
+        See [two](second.md)`x|y`
+
+        | a |
+        | --- |
+        | 1 \| 2 |
+
+        - [all](a.csv)
+
+        ![F](f.svg)
+        ");
+        let html = page.html();
+        for part in [
+            "<title>A &lt; B</title>",
+            "<p>See <a href=\"second.html\">two</a><code>x|y</code></p>",
+            "<td>1 | 2</td>",
+            "<li><a href=\"a.csv\">all</a></li>",
+            "<figure>\n<svg>s</svg>\n<figcaption>F</figcaption>",
+        ] {
+            assert!(html.contains(part), "{part} in {html}");
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The results of an experiment.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::experiment::Experiment;
+use super::line::{Line, write_csv};
+use super::runs::Runs;
+use super::tally::by_chapter;
+use sextant_kernel::text::counted;
+use sextant_recording::output::{OutputError, write_file};
+
+/// The results of an experiment.
+#[derive(Clone, Debug)]
+pub struct Results {
+    /// Number of the table or figure, or a word.
+    pub id: String,
+    /// Its title.
+    pub title: String,
+    /// The chapter of the thesis.
+    pub chapter: u8,
+    /// The scenarios, each with the number of its runs.
+    pub scenarios: Vec<(String, u32)>,
+    /// The lines of its table.
+    pub lines: Vec<Line>,
+    /// The lines of its conclusions.
+    pub conclusions: Vec<Line>,
+    /// Its figures: name of the file without extension, and title.
+    pub figures: Vec<(String, String)>,
+    /// Notes on different definitions, and on what the thesis does not say.
+    pub notes: Vec<String>,
+}
+
+impl Results {
+    /// The results of `experiment` from `runs`.
+    #[must_use]
+    pub fn of(experiment: &Experiment, runs: &Runs) -> Self {
+        let scenarios = experiment.scenarios();
+        Self {
+            id: experiment.id.clone(),
+            title: experiment.title.clone(),
+            chapter: experiment.chapter,
+            scenarios: scenarios.iter().map(|&name| (name.to_owned(), runs.made(name))).collect(),
+            lines: experiment.lines(runs),
+            conclusions: experiment.conclusions(runs),
+            figures: experiment.charts.iter().map(|chart| (chart.name.clone(), chart.title.clone())).collect(),
+            notes: experiment.notes.clone(),
+        }
+    }
+
+    /// Its lines and conclusions.
+    pub fn all(&self) -> impl Iterator<Item = &Line> {
+        self.lines.iter().chain(&self.conclusions)
+    }
+
+    /// How many runs of each scenario there are: `10 runs`, or `5 to 10 runs`.
+    #[must_use]
+    pub fn runs(&self) -> String {
+        let counts = || self.scenarios.iter().map(|&(_, count)| count);
+        match (counts().min(), counts().max()) {
+            (Some(least), Some(most)) if least < most => format!("{least} to {most} runs"),
+            (_, most) => counted(most.unwrap_or(0) as usize, "run"),
+        }
+    }
+
+    /// Writes the table `ID.csv` into the folder `out`.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write_csv(&self, out: &Path) -> Result<(), OutputError> {
+        write_csv(&out.join(format!("{}.csv", self.id)), self.all())
+    }
+
+    fn json(&self) -> Value {
+        let scenarios = self.scenarios.iter().map(|(scenario, runs)| json!({"scenario": scenario, "runs": runs}));
+        json!({
+            "id": self.id,
+            "title": self.title,
+            "chapter": self.chapter,
+            "scenarios": scenarios.collect::<Vec<_>>(),
+            "lines": self.all().map(Line::json).collect::<Vec<_>>(),
+            "figures": self.figures.iter().map(|(name, title)| json!({"file": format!("{name}.svg"), "title": title})).collect::<Vec<_>>(),
+            "notes": self.notes,
+        })
+    }
+}
+
+/// All results as one object: version, experiments with their lines, and the verdicts of each chapter.
+#[must_use]
+pub fn json(results: &[Results]) -> Value {
+    let experiments: Vec<_> = results.iter().map(Results::json).collect();
+    let verdicts = by_chapter(results).into_iter().map(|(name, tally)| {
+        let mut counts = tally.json();
+        counts["of"] = json!(name);
+        counts
+    });
+    let verdicts: Vec<_> = verdicts.collect();
+    json!({"reproduction": {"version": env!("CARGO_PKG_VERSION"), "experiments": experiments, "verdicts": verdicts}})
+}
+
+/// Writes that object to `reproduction.json` in the folder `out`.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_json(results: &[Results], out: &Path) -> Result<(), OutputError> {
+    write_file(&out.join("reproduction.json"), format!("{:#}\n", json(results)).as_bytes())
+}
