@@ -359,7 +359,8 @@ mod tests {
     #[test]
     fn a_log_until_a_stop_has_what_was_heard_before_it() {
         let stop = |nanos| Stop { robot: RobotId(0), time: SimTime::from_nanos(nanos), position: Position::ORIGIN };
-        let contact = |nanos| Contact { robot: RobotId(0), time: SimTime::from_nanos(nanos), position: Position::ORIGIN };
+        let contact =
+            |nanos| Contact { robot: RobotId(0), time: SimTime::from_nanos(nanos), position: Position::ORIGIN };
         let names = || vec!["a".to_owned(), "b".to_owned()];
         let robots = |log: ReceptionLog| log.with_robots(vec!["r".to_owned()]).unwrap();
         let receptions = vec![heard(0, 0), heard(1, 1), heard(0, 2)];

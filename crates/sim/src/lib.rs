@@ -138,9 +138,7 @@ pub use service::delivery::{Delivery, DriveEnd};
 pub use service::estimate::Estimate;
 pub use service::network_id::NetworkId;
 pub use service::outcome::{Deafness, FrameOutcome};
-pub use service::packet_trace::{
-    AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace,
-};
+pub use service::packet_trace::{AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace};
 pub use service::packets::{NetworkRecord, Packets};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};

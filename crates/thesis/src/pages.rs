@@ -152,7 +152,8 @@ fn experiment(of: &Results, out: &Path, parts: &mut Vec<Part>) -> Result<(), Out
         let cells = |line: &&Line| {
             let [what, published, source, ours, verdict] = line.cells();
             let runs = line.runs().map_or_else(String::new, |runs| runs.to_string());
-            let cells = if states { vec![what, published, source, ours, runs, verdict] } else { vec![what, ours, runs] };
+            let cells =
+                if states { vec![what, published, source, ours, runs, verdict] } else { vec![what, ours, runs] };
             cells.into_iter().map(Span::from).collect()
         };
         parts.push(Part::Table(header.into_iter().map(str::to_owned).collect(), lines.iter().map(cells).collect()));

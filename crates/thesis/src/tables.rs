@@ -57,7 +57,9 @@ pub fn experiments() -> Vec<Experiment> {
     let mut all = Vec::new();
     for Chapter { number, shared, tables } in &CHAPTERS {
         for (name, text) in *tables {
-            all.extend(expansion::experiments(text, shared, *number).unwrap_or_else(|error| panic!("{name}: {error}")));
+            all.extend(
+                expansion::experiments(text, shared, *number).unwrap_or_else(|error| panic!("{name}: {error}")),
+            );
         }
     }
     all

@@ -13,7 +13,10 @@ impl Layout<'_> {
     #[must_use]
     pub fn foxglove(&self) -> String {
         let split = |direction: &str, items: &[(f64, Value)]| {
-            let items: Vec<_> = items.iter().map(|(proportion, content)| json!({ "proportion": proportion, "content": content })).collect();
+            let items: Vec<_> = items
+                .iter()
+                .map(|(proportion, content)| json!({ "proportion": proportion, "content": content }))
+                .collect();
             json!({ "type": "split", "direction": direction, "items": items })
         };
         let below = [(2.0, self.plot()), (1.0, log()), (1.0, self.table())];
@@ -42,7 +45,7 @@ impl Layout<'_> {
             "followTf": "world",
             "fixedFrame": "world",
             "followMode": "follow-none",
-            "scene": { "transforms": { "axisScale": 1.0, "showLabel": true, "enablePreloading": true } },
+            "scene": { "transforms": { "axisSize": 1.0, "showLabel": true, "enablePreloading": true } },
             "layers": { "grid": { "layerId": "foxglove.Grid", "label": "Grid", "visible": true, "size": distance } },
             "topics": self.settings(),
         });
@@ -82,9 +85,7 @@ impl Layout<'_> {
                 "colorMap": "turbo", "colorField": field,
             })
         };
-        let flat = |color: &str, size: u8| {
-            json!({ "visible": true, "pointSize": size, "pointShape": "circle", "colorMode": "flat", "flatColor": color })
-        };
+        let flat = |color: &str, size: u8| json!({ "visible": true, "pointSize": size, "pointShape": "circle", "colorMode": "flat", "flatColor": color });
         if topic.starts_with("/map/") {
             let mut settings = colored("error", 8);
             settings["visible"] = json!(self.first_map().as_deref() == Some(topic));
@@ -104,9 +105,7 @@ impl Layout<'_> {
     }
 
     fn plot(&self) -> Value {
-        let series = |value: String, label: &str| {
-            json!({ "value": value, "enabled": true, "timestampMethod": "receiveTime", "label": label, "showLine": true })
-        };
+        let series = |value: String, label: &str| json!({ "value": value, "enabled": true, "timestampMethod": "receiveTime", "label": label, "showLine": true });
         let mut curves = Vec::new();
         if self.has("/stops") {
             curves.push(series("/stops.receptions".to_owned(), "nodes heard"));
@@ -127,7 +126,8 @@ impl Layout<'_> {
 
     fn table(&self) -> Value {
         let estimates = self.topics("sextant.Estimate").next();
-        let topic = ["/stops", "/mac/frames"].into_iter().find(|topic| self.has(topic)).or(estimates).unwrap_or("/nodes");
+        let topic =
+            ["/stops", "/mac/frames"].into_iter().find(|topic| self.has(topic)).or(estimates).unwrap_or("/nodes");
         panel("Table", topic, json!({ "topicPath": topic }))
     }
 }

@@ -83,11 +83,8 @@ pub(crate) fn leg(time: SimTime, robot: &str, number: usize, ends: [Position; 2]
 
 /// Removes everything that was drawn on a topic.
 pub(crate) fn nothing(time: SimTime) -> SceneUpdate {
-    let all = SceneEntityDeletion {
-        timestamp: Some(timestamp(time)),
-        r#type: DeletionType::All.into(),
-        id: String::new(),
-    };
+    let all =
+        SceneEntityDeletion { timestamp: Some(timestamp(time)), r#type: DeletionType::All.into(), id: String::new() };
     SceneUpdate { deletions: vec![all], entities: Vec::new() }
 }
 

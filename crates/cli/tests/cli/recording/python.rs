@@ -78,8 +78,10 @@ fn independent_readers_decode_every_message() {
         "node": 1, "role": "new_anchor", "anchor_since": 2, "category": "good", "x_m": 1.25, "neighbours": 40,
         "scattered": 3, "vertices": 1_u64 << 40, "energy_j": 0.1, "bearings": 0,
     });
-    let whole_way = json!({ "id": "surveyor", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
-    let agents_way = json!({ "id": "agent", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
+    let whole_way =
+        json!({ "id": "surveyor", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
+    let agents_way =
+        json!({ "id": "agent", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
     let leg = json!({
         "id": "surveyor 1", "lifetime_ns": 0, "lines": [[0, [corners[0], corners[1]], []]], "texts": [], "spheres": [],
     });

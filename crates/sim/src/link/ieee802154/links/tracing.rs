@@ -51,8 +51,7 @@ impl Links {
         if end == PacketEnd::Acknowledged {
             track.acknowledge(scene.now);
         }
-        let fate =
-            if report.transmissions == 0 { PacketFate::LostChannelAccess } else { PacketFate::Sent(outcome) };
+        let fate = if report.transmissions == 0 { PacketFate::LostChannelAccess } else { PacketFate::Sent(outcome) };
         let sequence = Some(stack.sequence);
         let traced = self.traced_frame(station, frame).with_end(end, fate);
         self.tell(&mut track, station, &Traced { sequence, ..traced }, scene);
