@@ -5,6 +5,7 @@ mod diagnostic;
 mod interrupt;
 #[cfg(feature = "live")]
 mod live;
+mod paragraph;
 mod progress;
 mod terminal;
 

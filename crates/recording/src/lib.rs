@@ -23,6 +23,7 @@
 //! ```
 
 mod capture;
+mod course;
 mod descriptor;
 mod drawing;
 mod error;
@@ -33,17 +34,22 @@ pub mod mcap_file;
 pub mod messages;
 mod names;
 pub mod output;
+mod packets;
 mod phase;
 mod reader;
+mod recorded_summary;
 mod recorder;
 mod recover;
 mod robot_names;
 mod sensation;
 mod sink;
+mod tables;
+mod traffic;
 mod way;
 mod world;
 
 pub use capture::{Capture, CapturedDmgFrame, CapturedFrame, FileCapture, Signal, Technologies};
+pub use course::{RecordedCourse, read_course};
 pub use drawing::{GridPlane, PlacedNode, Solid};
 pub use error::RecordingError;
 pub use foxglove::Schema;
@@ -53,12 +59,16 @@ pub use known::{Known, read_known};
 pub use link_quality::link_quality;
 pub use mcap_file::{Damage, DamageKind};
 pub use names::{FILES_ATTACHMENTS, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
+pub use packets::{RecordedPacket, read_packets};
 pub use phase::{Phase, SURVEY};
 pub use reader::{Attachment, RecordedRun, read_log, read_run, read_truth};
+pub use recorded_summary::ClaimedObstacle;
 pub use recorder::{FileRecorder, Origin, Recorder, Relay};
 pub use recover::{Recovery, recover, unfinished_copy};
 pub use robot_names::RobotNames;
 pub use sensation::Sensation;
+pub use tables::{Cell, CellKind, LeftOut, OwnedRow, TableColumn, TablePiece, TableRow, read_tables, station};
+pub use traffic::{RecordedDelays, RecordedOutcomes, RecordedTraffic};
 pub use way::Way;
 pub use world::applications::{RecordedApplication, RecordedCapture, RecordedTargetPlace};
 pub use world::distributed::{NodeRole, RecordedNode};

@@ -8,10 +8,10 @@ use clap::Args;
 use super::options::PictureFormat;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use sextant::sweep;
-use sextant_figure::{self as figure, Figure, Layout, Source};
+use sextant::{Scenario, sweep};
+use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, Window};
 use sextant_recording::output::write_file;
-use sextant_recording::{self as recording, ORIGIN_METADATA};
+use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket};
 
 /// Arguments of `sextant figure`.
 #[derive(Clone, Debug, Args)]
@@ -25,9 +25,18 @@ pub(crate) struct Arguments {
     /// The format of the figures
     #[arg(long, value_enum, default_value_t)]
     pub(crate) format: PictureFormat,
+    /// The time line of packets begins here (simulated time) [default: shortly before the first collision]
+    #[arg(long, value_name = "S")]
+    pub(crate) from: Option<f64>,
+    /// The time line of packets ends here
+    #[arg(long, value_name = "S")]
+    pub(crate) to: Option<f64>,
     /// The measures of a table to draw, as the names of their columns [default: the usual ones]. Only for tables
     #[arg(long, value_name = "COLUMN")]
     pub(crate) column: Vec<String>,
+    /// The scenario of a table: what theory says is drawn beside, where its assumptions hold. Only for tables
+    #[arg(long, value_name = "SCENARIO.toml", conflicts_with = "layout")]
+    pub(crate) scenario: Option<PathBuf>,
     /// Draw no figures; write beside the recording how viewers show it: RUN.foxglove.json, a layout for Foxglove, and
     /// RUN.rerun.py, a script that shows it in Rerun
     #[arg(long, conflicts_with_all = ["format", "column"])]
@@ -44,7 +53,8 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         ));
     }
     if is_table {
-        let figures = sweep::figures(path, &arguments.column)?;
+        let scenario = arguments.scenario.as_ref().map(Scenario::load).transpose()?;
+        let figures = sweep::figures_with_theory(path, &arguments.column, scenario.as_ref())?;
         if figures.is_empty() {
             return Err(Failure::bad_input_with_help(
                 format!("`{}` has none of the measures that are drawn", path.display()),
@@ -57,6 +67,12 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         return Err(Failure::bad_input_with_help(
             format!("`--column {column}` is given, but `{}` is not a table", path.display()),
             "`--column` chooses measures of a table of `sweep`, whose name ends with .csv",
+        ));
+    }
+    if arguments.scenario.is_some() {
+        return Err(Failure::bad_input_with_help(
+            format!("`--scenario` is given, but `{}` is not a table", path.display()),
+            "a recording has its scenario; `--scenario` is that of a table of `sweep`, whose name ends with .csv",
         ));
     }
     if arguments.layout {
@@ -78,8 +94,39 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         log: run.log(),
         drawn: &drawn,
         sector_displacements: &run.sector_displacements(),
+        claimed_obstacles: &run.claimed_obstacles(),
     };
-    write(&figure::all(&source), arguments, interrupt)
+    let packets = recording::read_packets(path)?;
+    let mut figures = figure::all(&source);
+    figures.extend(figure::of_packets(&PacketSource {
+        title: source.title,
+        names: run.log().names(),
+        packets: &packets,
+        traffic: &run.traffic(),
+        window: arguments.window(&packets)?,
+    }));
+    write(&figures, arguments, interrupt)
+}
+
+impl Arguments {
+    /// The window of the time line.
+    fn window(&self, packets: &[RecordedPacket]) -> Result<Window, Failure> {
+        let &Self { from, to, .. } = self;
+        if let (Some(from), Some(to)) = (from, to)
+            && (to <= from || !(from + to).is_finite())
+        {
+            return Err(Failure::bad_input(format!(
+                "`--from {from} --to {to}` is no time; allowed: an end after the start"
+            )));
+        }
+        if packets.is_empty() && (from.is_some() || to.is_some()) {
+            return Err(Failure::bad_input_with_help(
+                format!("`{}` has no packets, so there is no time line", self.recording.display()),
+                "record them: `sextant run SCENARIO.toml --set recording.packets=true`",
+            ));
+        }
+        Ok(Window { from_s: from, to_s: to })
+    }
 }
 
 /// Writes how viewers show a recording.

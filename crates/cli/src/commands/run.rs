@@ -10,11 +10,12 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 #[cfg(feature = "live")]
 use crate::live::{LiveView, Settings};
+use sextant::forecast::warnings;
 use sextant::run::{RunCapture, RunRecorder, run};
 
 use super::shared_outputs::reject_shared;
 use crate::progress::RunProgress;
-use crate::terminal::Watcher;
+use crate::terminal::{Watcher, warn};
 
 /// Arguments of `sextant run`.
 #[derive(Clone, Debug, Args)]
@@ -58,6 +59,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         ("--summary", arguments.results.summary.as_ref()),
         ("--pcap", arguments.pcap.as_ref()),
     ])?;
+    if !arguments.work.quiet {
+        warnings(&scenario).iter().for_each(|warning| warn(&warning.to_string()));
+    }
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let recorder = RunRecorder::new(&recording);

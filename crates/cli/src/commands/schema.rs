@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 
 use crate::diagnostic::Failure;
-use sextant::scenario::schema;
+use sextant::scenario::schema_of_files;
 
 pub(crate) fn execute() -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
-    serde_json::to_writer_pretty(&mut stdout, &schema()).map_err(io::Error::from)?;
+    serde_json::to_writer_pretty(&mut stdout, &schema_of_files()).map_err(io::Error::from)?;
     writeln!(stdout)?;
     Ok(())
 }

@@ -2,11 +2,11 @@
 
 use sextant_channel::{NetworkLogs, Position};
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{EstimatorFindings, KnowledgeKind, MapError, SectorDisplacement, TopologyMap};
+use sextant_mapper::{EstimatorFindings, MapError, SectorDisplacement, TopologyMap};
 use sextant_sim::{NetworkId, Survey};
 
 use super::application::UnalignedMap;
-use super::bound;
+use super::bound::{self, NoBound, SurveyBound};
 use super::discovery::Discoveries;
 use super::error::RunError;
 use super::message_energy::message_energy_j;
@@ -35,8 +35,8 @@ pub struct Evaluation {
     pub operations: f64,
 }
 
-/// Computes the map `named` from `survey` and `discoveries`, and compares it with the world of `scenario`. `bound_m` is
-/// the [`bound_m`] of the survey, which is the same for all its maps.
+/// Computes the map `named` from `survey` and `discoveries`, and compares it with the world of `scenario`. `bound` is
+/// that of the survey, which is the same for all its maps.
 ///
 /// # Errors
 /// If the map cannot be computed, or `watch` stops the work.
@@ -44,12 +44,13 @@ pub(super) fn evaluate(
     scenario: &Scenario,
     named: &MapJob,
     (survey, discoveries): (&Survey, &Discoveries),
-    bound_m: Option<f64>,
+    bound: &SurveyBound,
     watch: &dyn Watch,
 ) -> Result<Evaluation, RunError> {
     let start = Stopwatch::start();
     let logs = MapLogs::from(&survey.logs);
     let networks = scenario.networks_of(named);
+    let bound = bound::of_map(scenario, named, survey, bound);
     let knowledge = discoveries.knowledge(scenario, &logs, named);
     let counted = CountedWork::new(watch);
     let (map, learned) = named.mapper.map_and_learn(knowledge, &counted)?;
@@ -65,10 +66,8 @@ pub(super) fn evaluate(
         sector_displacement: displacement.as_ref().map(SectorDisplacement::shares).unwrap_or_default(),
         sector_displacement_of_pairs: displacement.as_ref().map(SectorDisplacement::pair_shares).unwrap_or_default(),
         message_energy_j: message_energy_j(scenario, named, survey, discoveries),
-        posterior_bound_m: bound_m.filter(|_| {
-            let is_of_first = networks == scenario.surveyed()[..1];
-            is_of_first && named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)
-        }),
+        posterior_bound_m: bound.as_ref().and_then(|bound| bound.as_ref().ok()).copied(),
+        posterior_bound_absent: bound.and_then(Result::err).map(|why| why.to_string()),
         ..measure(
             &named.into(),
             &map,
@@ -120,15 +119,19 @@ pub(super) fn sector_displacement(
     displacement(truth, map, antennas, scenario.metrics())
 }
 
-/// The posterior bound for all maps of `survey` (m); `None` if the scenario has no maps or the bound does not apply.
+/// The posterior bound for the maps of `survey`, or why it does not apply.
 ///
 /// # Errors
 /// If `watch` stops the work.
-pub(super) fn bound_m(scenario: &Scenario, survey: &Survey, watch: &dyn Watch) -> Result<Option<f64>, Interrupted> {
+pub(super) fn survey_bound(
+    scenario: &Scenario,
+    survey: &Survey,
+    watch: &dyn Watch,
+) -> Result<SurveyBound, Interrupted> {
     if scenario.maps().is_empty() {
-        return Ok(None);
+        return Ok(Err(NoBound::NothingHeard));
     }
-    bound::posterior_bound_m(scenario, survey, &truth(scenario), watch)
+    bound::posterior_bound(scenario, survey, &truth(scenario), watch)
 }
 
 /// The true positions of the nodes.

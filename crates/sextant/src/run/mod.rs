@@ -5,6 +5,7 @@ mod bound;
 mod capture;
 mod discovery;
 mod distributed;
+mod ending;
 mod error;
 mod evaluation;
 mod mac;
@@ -20,6 +21,7 @@ mod stop;
 mod witness;
 
 pub use application::{Performance, UnalignedMap};
+pub use bound::{NoBound, SurveyBound};
 pub use capture::RunCapture;
 pub use discovery::Discoveries;
 pub use error::RunError;

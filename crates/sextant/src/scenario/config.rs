@@ -70,9 +70,11 @@ pub struct ScenarioConfig {
     pub warm_up_s: Option<f64>,
     /// Sources of noise that disturb the networks of IEEE 802.15.4, also during neighbour discovery.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub interferers: Vec<InterfererConfig>,
     /// The fixed sinks, which always listen.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub sinks: Vec<SinkConfig>,
     /// The robots that drive and listen.
     #[serde(default)]
@@ -94,6 +96,7 @@ pub struct ScenarioConfig {
     pub distributed_mapping: Option<DistributedMappingConfig>,
     /// What robots and nodes do on a map of the nodes, one after the other: each is a separate simulation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub applications: Vec<ApplicationConfig>,
     /// How maps are compared with the truth.
     #[serde(default)]

@@ -5,6 +5,7 @@ mod applications;
 mod build;
 mod config;
 mod deserialize;
+mod diagnosis;
 mod distributed;
 mod document;
 mod effective;
@@ -29,6 +30,7 @@ mod snapshots;
 mod source;
 mod survey_identity;
 mod sweep;
+mod unit;
 
 pub use algorithm::{Algorithm, Task};
 pub use applications::{Application, ApplicationMap};
@@ -41,7 +43,7 @@ pub use map_settings::{AlgorithmName, MapSettings, RecordedScenario, UnknownAlgo
 pub use maps::MapJob;
 pub use network_config::NetworkConfig;
 pub use reference::{Choice, ExplainError, Explanation, KeyReference, explain, key_reference};
-pub use schema::schema;
+pub use schema::{schema, schema_of_files};
 pub use snapshots::SnapshotsConfig;
 pub use survey_identity::SurveyIdentity;
 pub use sweep::{Setting, SweepAxes, SweepConfig};

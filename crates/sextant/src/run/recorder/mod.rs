@@ -14,9 +14,10 @@ use std::time::Duration;
 
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
-use sextant_recording::{FileRecorder, Phase, RecordingError, Relay, SURVEY};
+use sextant_recording::{FileRecorder, Level, Phase, RecordingError, Relay, SURVEY};
 use sextant_sim::{Field, NetworkId};
 
+use super::ending;
 use super::error::RunError;
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use crate::scenario::Scenario;
@@ -171,6 +172,12 @@ impl RunObserver for RunRecorder {
             }
         }
         self.simulation.air.draw(Duration::ZERO, recorder)?;
+        let nodes = survey.scenario.world().nodes.len();
+        for robot in ending::robots(survey.scenario, &survey.simulated.survey) {
+            if let Some(text) = robot.end(nodes) {
+                recorder.note(end, Level::Info, &robot.name, &text)?;
+            }
+        }
         fields::record(survey.scenario, &self.simulation.fields, end, recorder)?;
         self.phases.push(Phase { name: SURVEY.to_owned(), start: SimTime::ZERO, end });
         Ok(())

@@ -35,7 +35,7 @@ const UNITS: &[(&str, &str)] = &[
 ];
 
 /// The unit that the key `name` ends in.
-pub(super) fn of(name: &str) -> Option<&'static str> {
+pub(in crate::scenario) fn of(name: &str) -> Option<&'static str> {
     let fits = |ending: &str| {
         name.strip_suffix(ending)
             .is_some_and(|before| before.ends_with('_') || (before.is_empty() && ending.len() > 1))
