@@ -36,6 +36,7 @@ pub(super) fn close(
     for track in &mut simulation.robots {
         recorder.application_path(stop, name, &track.name, &track.places)?;
         track.close(stop, Some(name), recorder)?;
+        track.stay(stop, recorder)?;
     }
     let seeks = !application.algorithm.is_search();
     simulation.air.draw(offset, recorder)?;
