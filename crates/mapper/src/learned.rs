@@ -144,11 +144,15 @@ impl Unconverged {
                 format!("its rounds ({rounds}) were used up; try a larger `{setting}`")
             }
             (Self::Rounds, None) => {
-                format!("its rounds ({rounds}) were used up; more stops, at other distances from the nodes, tell it better")
+                format!(
+                    "its rounds ({rounds}) were used up; more stops, at other distances from the nodes, tell it better"
+                )
             }
-            (Self::AtBound, _) => "a parameter is at the end of its range, so the log hardly tells it; try stops that are \
+            (Self::AtBound, _) => {
+                "a parameter is at the end of its range, so the log hardly tells it; try stops that are \
                                    nearer to some nodes and farther from others"
-                .to_owned(),
+                    .to_owned()
+            }
             (Self::Concerns(nodes), _) => {
                 let has = if nodes == 1 { "has" } else { "have" };
                 format!("{} {has} no reliable place; try stops around them", counted(nodes, "node"))

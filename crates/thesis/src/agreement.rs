@@ -1,6 +1,6 @@
 //! How near our value is to a published number.
 
-use super::line::Ours;
+use super::ours::Ours;
 use sextant::sweep::{Mean, Share};
 
 /// How near our value is to a published number or range. The interval is ours.
@@ -86,7 +86,8 @@ impl Range {
         } else {
             (number(text)?, number(text)?)
         };
-        let decimals = text.split_once('.').map_or(0, |(_, rest)| rest.bytes().take_while(u8::is_ascii_digit).count());
+        let decimals =
+            text.split_once('.').map_or(0, |(_, rest)| rest.bytes().take_while(u8::is_ascii_digit).count());
         Some(Self { low, high, ulp: 0.5 * 10_f64.powi(-i32::try_from(decimals).ok()?) })
     }
 

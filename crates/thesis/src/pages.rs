@@ -1,6 +1,5 @@
 //! The pages of a reproduction: one with the verdicts, and one for each chapter.
 
-use std::num::NonZeroU32;
 use std::path::Path;
 
 use super::costs::Costs;
@@ -102,13 +101,15 @@ fn experiment_row(of: &Results) -> Vec<Span> {
 }
 
 fn left_out_item(experiment: &Experiment) -> Vec<Span> {
-    let run_s = Costs::measured().of_runs_s(experiment.scenarios());
     let runs = experiment.runs;
-    let all_s = run_s * f64::from(NonZeroU32::get(runs));
+    let cost = match Costs::measured().of_runs_s(experiment.scenarios()) {
+        Some(run_s) => format!(", about {:.0} s of CPU time for {runs} runs", run_s * f64::from(runs.get())),
+        None => format!(", {runs} runs, of which the CPU time was not measured"),
+    };
     vec![
         format!("{} {}: ", experiment.id, experiment.title).into(),
         Span::Code(format!("sextant reproduce {}", experiment.id)),
-        format!(", about {all_s:.0} s of CPU time for {runs} runs").into(),
+        cost.into(),
     ]
 }
 
@@ -152,7 +153,8 @@ fn experiment(of: &Results, out: &Path, parts: &mut Vec<Part>) -> Result<(), Out
         let cells = |line: &&Line| {
             let [what, published, source, ours, verdict] = line.cells();
             let runs = line.runs().map_or_else(String::new, |runs| runs.to_string());
-            let cells = if states { vec![what, published, source, ours, runs, verdict] } else { vec![what, ours, runs] };
+            let cells =
+                if states { vec![what, published, source, ours, runs, verdict] } else { vec![what, ours, runs] };
             cells.into_iter().map(Span::from).collect()
         };
         parts.push(Part::Table(header.into_iter().map(str::to_owned).collect(), lines.iter().map(cells).collect()));

@@ -47,7 +47,12 @@ pub enum NoBound {
 }
 
 /// The bound of the map `named`: that of the survey, if the map uses nothing that this does not know.
-pub(super) fn of_map(scenario: &Scenario, named: &MapJob, survey: &Survey, bound: &SurveyBound) -> Option<SurveyBound> {
+pub(super) fn of_map(
+    scenario: &Scenario,
+    named: &MapJob,
+    survey: &Survey,
+    bound: &SurveyBound,
+) -> Option<SurveyBound> {
     let uses = named.mapper.uses();
     if !uses.contains(&KnowledgeKind::RobotReceptions) {
         return None;

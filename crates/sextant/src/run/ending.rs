@@ -4,7 +4,7 @@ use sextant_apps::ControllerConfig;
 use sextant_sim::{Ending, RobotRecord, RoleConfig, StopsLeftOut, Survey};
 
 use crate::scenario::Scenario;
-use crate::summary::{LeftOutSummary, RobotSummary, RobotEnd};
+use crate::summary::{LeftOutSummary, RobotEnd, RobotSummary};
 
 /// The robots of the survey: their paths, and why they ended.
 pub(super) fn robots(scenario: &Scenario, survey: &Survey) -> Vec<RobotSummary> {
@@ -31,8 +31,7 @@ pub(super) fn robots(scenario: &Scenario, survey: &Survey) -> Vec<RobotSummary> 
 }
 
 fn end(record: &RobotRecord, controller: Option<&ControllerConfig>, wanted: u32, interrupted: bool) -> RobotEnd {
-    let searches =
-        matches!(controller, Some(ControllerConfig::AutomatedS(_) | ControllerConfig::RandomWalk(_)));
+    let searches = matches!(controller, Some(ControllerConfig::AutomatedS(_) | ControllerConfig::RandomWalk(_)));
     match record.ending {
         None if interrupted => RobotEnd::Interrupted,
         None => RobotEnd::TimeLimit,

@@ -5,10 +5,10 @@ use sextant_recording::Phase;
 use sextant_sim::Survey;
 
 use super::application::{Performance, ReadyApplication, Stage, UnalignedMap};
+use super::bound::{NoBound, SurveyBound};
 use super::discovery::Discoveries;
 use super::distributed::evaluate_distributed;
 use super::error::RunError;
-use super::bound::{NoBound, SurveyBound};
 use super::evaluation::{Evaluation, evaluate, survey_bound};
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use super::outcome::sum_up;

@@ -24,9 +24,7 @@ pub use applications::{
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
 };
-pub use gathering::{
-    DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RoundSummary,
-};
+pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RoundSummary};
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
     AlignmentSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, HeightsSource, HeightsSummary,

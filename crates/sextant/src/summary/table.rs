@@ -38,6 +38,9 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         writeln!(out)?;
     }
     for mac in summary.mac.iter().chain(&summary.other_networks) {
+        if summary.gathering.is_some() && mac.network.is_none() {
+            writeln!(out, "traffic to sinks")?;
+        }
         mac_table::write(mac, out)?;
     }
     if let Some(sensing) = &summary.sensing {
@@ -265,7 +268,9 @@ fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             let advice = match concern {
                 Concern::AtEdge => "stops on their other side would tell where they are",
                 Concern::Unsettled => "more rounds or more stops would tell where they are",
-                Concern::NoEvidence => "stops where they are heard and others where they are not would tell where they are",
+                Concern::NoEvidence => {
+                    "stops where they are heard and others where they are not would tell where they are"
+                }
             };
             let nodes = listed(&nodes);
             writeln!(

@@ -12,7 +12,8 @@ use super::row::Row;
 /// # Errors
 /// If the file cannot be read, or is the table of another sweep.
 pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<Row>, TableError> {
-    let unreadable = |error: &dyn std::fmt::Display| TableError::Read { path: path.to_owned(), why: error.to_string() };
+    let unreadable =
+        |error: &dyn std::fmt::Display| TableError::Read { path: path.to_owned(), why: error.to_string() };
     let other = |why: String| TableError::Other { path: path.to_owned(), why };
     let mut reader = csv::Reader::from_path(path).map_err(|error| unreadable(&error))?;
     let columns = plan.columns();
@@ -35,7 +36,8 @@ pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<Row>, TableError> {
 /// The row of a record: cell, replicate, seed, settings, error, values.
 fn row(record: &csv::StringRecord, plan: &Sweep) -> Option<Row> {
     let (cell, replicate): (usize, u32) = (record.get(0)?.parse().ok()?, record.get(1)?.parse().ok()?);
-    let has_settings = cell < plan.cells().len() && plan.values(cell).iter().eq(record.iter().skip(IDENTITY).take(plan.keys().len()));
+    let has_settings = cell < plan.cells().len()
+        && plan.values(cell).iter().eq(record.iter().skip(IDENTITY).take(plan.keys().len()));
     let has_seed = record.get(2)?.parse() == Ok(plan.seed_of(replicate));
     if !(has_settings && has_seed) {
         return None;
@@ -70,7 +72,8 @@ mod tests {
             Sweep::read(&scenario, &[], None, NonZeroU32::new(2)).unwrap()
         };
         let two = plan("maps.0.algorithm.ml_tm.grid_step_m = [0.5, 1.0]");
-        let values = |seed: f64| two.measures().iter().enumerate().map(|(i, _)| (i % 2 == 0).then_some(seed)).collect();
+        let values =
+            |seed: f64| two.measures().iter().enumerate().map(|(i, _)| (i % 2 == 0).then_some(seed)).collect();
         let rows = vec![
             Row { cell: 0, replicate: 0, outcome: Ok(values(3.0)) },
             Row { cell: 1, replicate: 1, outcome: Err("a, \"b\"".into()) },
