@@ -13,7 +13,7 @@ const SCENARIO: &str = "name = \"flood\"\nseed = 1\nduration_s = 10.0\n\
     world.nodes.lattice = { spacing_m = 3.0, jitter_m = 0.5, count = 60, \
       region.rectangle = { min_m = [0, 0], max_m = [30, 18] } }\n\
     radio = { tx_power_dbm = -50, sensitivity_dbm = -90 }\n\
-    channel = { environment = \"light-tree\", max_range_m = 6.0 }\n\
+    channel = { environment = \"light-tree\", max_range_m = 6.0, path_loss.log_distance.reference_loss_db = 0.0 }\n\
     mac.csma_unslotted = { rx_on_when_idle = true }\n\
     traffic.silent = {}\n\
     sinks = [{ name = \"sink\", position_m = [0, 0, 0] }]\n";

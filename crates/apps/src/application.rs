@@ -20,6 +20,7 @@ pub struct ApplicationConfig {
     /// Names of the robots that take part. If absent, all robots with `role = "agent"` and all that survey, these from
     /// where their survey ended.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub robots: Vec<String>,
     /// Name of the network over which nodes and robots exchange messages; the first one if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -29,6 +30,7 @@ pub struct ApplicationConfig {
     /// Whether robots may be slower than the targets that they search, which they can then only meet by luck or by a good
     /// prediction.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[schemars(extend("default" = false))]
     pub allow_slower: bool,
     /// What it does.
     pub algorithm: AlgorithmConfig,

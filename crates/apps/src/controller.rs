@@ -57,6 +57,15 @@ impl ControllerConfig {
         }
     }
 
+    /// Whether the way is planned before the start and does not depend on what is heard.
+    #[must_use]
+    pub fn is_planned(&self) -> bool {
+        match self {
+            Self::AutomatedS(_) | Self::RandomWalk(_) => false,
+            Self::SPath(_) | Self::Spiral(_) | Self::Hilbert(_) | Self::Waypoints(_) => true,
+        }
+    }
+
     /// How many packets of each node the robot must hear; 1 for a path that is planned before the start.
     #[must_use]
     pub fn packets_per_node(&self) -> u32 {

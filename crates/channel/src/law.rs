@@ -57,6 +57,20 @@ impl Default for ChannelConfig {
     }
 }
 
+impl ChannelConfig {
+    /// The same channel; if it has a log-distance law without a loss at the reference distance, with that of free space at
+    /// the carrier of the radios, `carrier_ghz`.
+    #[must_use]
+    pub fn with_free_space(self, carrier_ghz: f64) -> Self {
+        let path_loss = match (self.path_loss, self.environment) {
+            (Some(PathLossConfig::LogDistance(law)), _) => law,
+            (None, Some(environment)) if environment.carrier_ghz().is_none() => LogDistanceConfig::default(),
+            (Some(PathLossConfig::CloseIn(_)), _) | (None, _) => return self,
+        };
+        Self { path_loss: Some(PathLossConfig::LogDistance(path_loss.with_free_space(carrier_ghz))), ..self }
+    }
+}
+
 /// The law of a link without obstacles: loss with distance, shadowing, a hard radius. Checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelLaw {
@@ -192,7 +206,13 @@ impl ChannelLaw {
         if distance_m > self.max_range_m {
             return 0.0;
         }
-        let margin = tx - self.path_loss.loss(distance_m) - obstacle_loss - sensitivity;
+        self.share_above(tx - self.path_loss.loss(distance_m) - obstacle_loss - sensitivity)
+    }
+
+    /// Probability that shadowing leaves a link whose mean power is `margin` above a threshold at or above it: `Φ(margin / σ)`.
+    #[must_use]
+    #[inline]
+    pub fn share_above(&self, margin: Db) -> f64 {
         let sigma_db = self.shadowing.sigma_db();
         if sigma_db > 0.0 {
             0.5 * libm::erfc(-margin.0 / (sigma_db * std::f64::consts::SQRT_2))

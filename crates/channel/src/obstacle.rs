@@ -33,6 +33,7 @@ pub struct ObstacleConfig {
     /// Whether it fills its space. In a volume that is not solid, such as vegetation, nodes stand and robots drive, and
     /// range sensors do not see it.
     #[cfg_attr(feature = "config", serde(default = "is_solid", skip_serializing_if = "is_true"))]
+    #[cfg_attr(feature = "config", schemars(extend("default" = true)))]
     pub solid: bool,
     /// Loss of a reflection off its faces (dB); that of the channel if absent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]

@@ -68,15 +68,17 @@ pub struct LogDistanceConfig {
     /// Distance to which `reference_loss_db` refers (m).
     #[cfg_attr(feature = "config", serde(default = "default_reference_distance_m"))]
     pub reference_distance_m: f64,
-    /// Loss at the reference distance (dB). If it is 0, transmit powers are powers at that distance; 40.05 dB is the
-    /// loss of free space over 1 m at 2.4 GHz.
-    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_zero"))]
-    pub reference_loss_db: f64,
+    /// Loss at the reference distance (dB). If it is 0, transmit powers are powers at that distance. If it is absent, a
+    /// scenario has the loss of free space over that distance at the carrier of its radios, 40.07 dB over 1 m in channel
+    /// 11 at 2405 MHz; a law that knows no carrier has 0 dB.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub reference_loss_db: Option<f64>,
     /// Distance below which the loss is constant (m).
     #[cfg_attr(feature = "config", serde(default = "default_min_distance_m"))]
     pub min_distance_m: f64,
     /// Loss in proportion to the distance, on top (dB/km): gases of the air.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_zero"))]
+    #[cfg_attr(feature = "config", schemars(extend("default" = 0.0)))]
     pub gas_db_per_km: f64,
 }
 
@@ -94,12 +96,12 @@ fn default_min_distance_m() -> f64 {
 }
 
 impl Default for LogDistanceConfig {
-    /// No exponent, no loss at 1 m, constant below 0.1 m.
+    /// No exponent, no loss at 1 m unless a carrier is known, constant below 0.1 m.
     fn default() -> Self {
         Self {
             exponent: None,
             reference_distance_m: default_reference_distance_m(),
-            reference_loss_db: 0.0,
+            reference_loss_db: None,
             min_distance_m: default_min_distance_m(),
             gas_db_per_km: 0.0,
         }
@@ -119,6 +121,27 @@ pub struct LogDistance {
     gas_db_per_m: f64,
 }
 
+/// Loss with distance, item by item.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistanceLoss {
+    /// Loss at the reference distance.
+    pub reference: Db,
+    /// Loss from there on by the exponent; negative below the reference distance.
+    pub spreading: Db,
+    /// Loss by gases, if there are any.
+    pub gas: Option<Db>,
+}
+
+impl DistanceLoss {
+    /// The whole loss.
+    #[must_use]
+    #[inline]
+    pub fn total(&self) -> Db {
+        let loss = self.reference + self.spreading;
+        self.gas.map_or(loss, |gas| loss + gas)
+    }
+}
+
 impl TryFrom<LogDistanceConfig> for LogDistance {
     type Error = SettingError;
 
@@ -129,7 +152,12 @@ impl TryFrom<LogDistanceConfig> for LogDistance {
         Ok(Self {
             exponent: SettingError::positive("exponent", exponent)?,
             reference_distance_m: SettingError::positive("reference_distance_m", config.reference_distance_m)?,
-            reference_loss: Db(SettingError::in_range("reference_loss_db", config.reference_loss_db, -200.0, 300.0)?),
+            reference_loss: Db(SettingError::in_range(
+                "reference_loss_db",
+                config.reference_loss_db.unwrap_or(0.0),
+                -200.0,
+                300.0,
+            )?),
             min_distance_m: SettingError::positive("min_distance_m", config.min_distance_m)?,
             gas_db_per_m: SettingError::in_range("gas_db_per_km", config.gas_db_per_km, 0.0, 1e6)? / 1000.0,
         })
@@ -144,10 +172,24 @@ impl TryFrom<CloseInConfig> for LogDistance {
         Self::try_from(LogDistanceConfig {
             exponent: config.exponent,
             reference_distance_m: 1.0,
-            reference_loss_db: 20.0 * libm::log10(4.0 * std::f64::consts::PI * carrier_ghz * 1e9 / LIGHT_M_PER_S),
+            reference_loss_db: Some(free_space_loss_db(1.0, carrier_ghz)),
             min_distance_m: config.min_distance_m,
             gas_db_per_km: config.gas.db_per_km(carrier_ghz).map_err(|error| error.within("gas"))?,
         })
+    }
+}
+
+/// Loss of free space over `distance_m` at `carrier_ghz` (dB): `20 log10(4 π d f / c)` (Friis 1946).
+fn free_space_loss_db(distance_m: f64, carrier_ghz: f64) -> f64 {
+    20.0 * libm::log10(4.0 * std::f64::consts::PI * distance_m * carrier_ghz * 1e9 / LIGHT_M_PER_S)
+}
+
+impl LogDistanceConfig {
+    /// The same law; if it has no loss at the reference distance, with that of free space at `carrier_ghz`.
+    #[must_use]
+    pub fn with_free_space(self, carrier_ghz: f64) -> Self {
+        let free_space_db = free_space_loss_db(self.reference_distance_m, carrier_ghz);
+        Self { reference_loss_db: self.reference_loss_db.or(Some(free_space_db)), ..self }
     }
 }
 
@@ -196,10 +238,18 @@ impl LogDistance {
     #[must_use]
     #[inline]
     pub fn loss(&self, distance_m: f64) -> Db {
+        self.items(distance_m).total()
+    }
+
+    /// Loss over `distance_m`, item by item.
+    #[must_use]
+    #[inline]
+    pub fn items(&self, distance_m: f64) -> DistanceLoss {
         let distance_m = distance_m.max(self.min_distance_m);
         let ratio = distance_m / self.reference_distance_m;
-        let loss = self.reference_loss + Db(10.0 * self.exponent * libm::log10(ratio));
-        if self.gas_db_per_m > 0.0 { loss + Db(self.gas_db_per_m * distance_m) } else { loss }
+        let spreading = Db(10.0 * self.exponent * libm::log10(ratio));
+        let gas = if self.gas_db_per_m > 0.0 { Some(Db(self.gas_db_per_m * distance_m)) } else { None };
+        DistanceLoss { reference: self.reference_loss, spreading, gas }
     }
 
     /// The largest distance at which the loss is at most `loss` (m); 0 if the loss is larger everywhere.
@@ -247,10 +297,24 @@ mod tests {
     #[test]
     fn the_loss_at_the_reference_distance_is_added_everywhere() {
         let config =
-            LogDistanceConfig { exponent: Some(2.0), reference_loss_db: 40.05, ..LogDistanceConfig::default() };
+            LogDistanceConfig { exponent: Some(2.0), reference_loss_db: Some(40.05), ..LogDistanceConfig::default() };
         let law = LogDistance::try_from(config).unwrap();
         assert!((law.loss(1.0).0 - 40.05).abs() < 1e-12 && (law.loss(10.0).0 - 60.05).abs() < 1e-12);
         assert!((law.distance_m(Db(60.05)) - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_absent_loss_at_the_reference_distance_is_that_of_free_space() {
+        let absent = LogDistanceConfig { exponent: Some(3.0), ..LogDistanceConfig::default() };
+        for (reference_distance_m, carrier_ghz, loss_db) in
+            [(1.0, 2.405, 40.07), (10.0, 2.405, 60.07), (1.0, 0.8683, 31.22)]
+        {
+            let config = LogDistanceConfig { reference_distance_m, ..absent }.with_free_space(carrier_ghz);
+            let law = LogDistance::try_from(config).unwrap();
+            assert!((law.reference_loss().0 - loss_db).abs() < 0.005, "{}", law.reference_loss().0);
+        }
+        let given = LogDistanceConfig { reference_loss_db: Some(0.0), ..absent };
+        assert_eq!(given.with_free_space(2.405), given);
     }
 
     #[test]
@@ -307,7 +371,7 @@ mod tests {
             (LogDistanceConfig { exponent: Some(-2.0), ..good }, "exponent"),
             (LogDistanceConfig { exponent: Some(f64::NAN), ..good }, "exponent"),
             (LogDistanceConfig { reference_distance_m: 0.0, ..good }, "reference_distance_m"),
-            (LogDistanceConfig { reference_loss_db: f64::NAN, ..good }, "reference_loss_db"),
+            (LogDistanceConfig { reference_loss_db: Some(f64::NAN), ..good }, "reference_loss_db"),
             (LogDistanceConfig { min_distance_m: f64::INFINITY, ..good }, "min_distance_m"),
         ] {
             assert_eq!(LogDistance::try_from(config).unwrap_err().key, key);

@@ -230,6 +230,18 @@ impl ReceptionLog {
         }
     }
 
+    /// The log as it was at `time`: the first stops, up to the first one that had not begun before, what was heard there, and
+    /// the contacts until then.
+    #[must_use]
+    pub fn until(&self, time: SimTime) -> Self {
+        let stops: Vec<Stop> = self.stops.iter().take_while(|stop| stop.time < time).copied().collect();
+        let mut receptions = ReceptionLogBuilder::default();
+        receptions.extend(self.receptions().iter().filter(|reception| (reception.stop as usize) < stops.len()));
+        let contacts = self.contacts.iter().filter(|contact| contact.time < time).copied().collect();
+        let cut = receptions.build(self.names.clone(), stops, contacts).expect("a part of a log is a log");
+        Self { robots: self.robots.clone(), sectors: self.sectors.clone(), ..cut }
+    }
+
     /// Names of the robots; the index is the [`RobotId`]. Empty if the names are not known.
     #[must_use]
     pub fn robots(&self) -> &[String] {
@@ -342,6 +354,23 @@ mod tests {
 
     fn heard(node: u32, stop: u32) -> Reception {
         Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None }
+    }
+
+    #[test]
+    fn a_log_until_a_stop_has_what_was_heard_before_it() {
+        let stop = |nanos| Stop { robot: RobotId(0), time: SimTime::from_nanos(nanos), position: Position::ORIGIN };
+        let contact =
+            |nanos| Contact { robot: RobotId(0), time: SimTime::from_nanos(nanos), position: Position::ORIGIN };
+        let names = || vec!["a".to_owned(), "b".to_owned()];
+        let robots = |log: ReceptionLog| log.with_robots(vec!["r".to_owned()]).unwrap();
+        let receptions = vec![heard(0, 0), heard(1, 1), heard(0, 2)];
+        let stops = vec![stop(10), stop(20), stop(30)];
+        let log = robots(ReceptionLog::new(names(), stops, receptions, vec![contact(5), contact(25)]).unwrap());
+        let receptions = vec![heard(0, 0), heard(1, 1)];
+        let cut = ReceptionLog::new(names(), vec![stop(10), stop(20)], receptions, vec![contact(5), contact(25)]);
+        assert_eq!(log.until(SimTime::from_nanos(30)), robots(cut.unwrap()));
+        assert_eq!(log.until(SimTime::from_nanos(31)), log);
+        assert!(log.until(SimTime::ZERO).stops().is_empty());
     }
 
     fn log(receptions: Vec<Reception>) -> Result<ReceptionLog, LogError> {

@@ -9,6 +9,12 @@ use sextant_kernel::{Watch, Work};
 
 use crate::interrupt::Interrupt;
 
+/// Prints a warning on standard error.
+pub(crate) fn warn(warning: &str) {
+    // If standard error is closed, nobody can be told.
+    let _ = writeln!(io::stderr(), "warning: {warning}");
+}
+
 /// A progress bar on standard error. Nothing is drawn if standard error is not a terminal, or with `--quiet`.
 #[derive(Clone, Debug)]
 pub(crate) struct ProgressBar(indicatif::ProgressBar);

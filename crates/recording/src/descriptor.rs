@@ -25,6 +25,8 @@ pub(super) enum Kind {
     Uint32,
     OptionalUint32,
     Uint64,
+    OptionalUint64,
+    Bool,
     Double,
     OptionalDouble,
     String,
@@ -36,7 +38,8 @@ impl Kind {
     fn wire(self) -> (Type, Label) {
         match self {
             Self::Uint32 | Self::OptionalUint32 => (Type::Uint32, Label::Optional),
-            Self::Uint64 => (Type::Uint64, Label::Optional),
+            Self::Uint64 | Self::OptionalUint64 => (Type::Uint64, Label::Optional),
+            Self::Bool => (Type::Bool, Label::Optional),
             Self::Double | Self::OptionalDouble => (Type::Double, Label::Optional),
             Self::String => (Type::String, Label::Optional),
             Self::Strings => (Type::String, Label::Repeated),
@@ -46,7 +49,7 @@ impl Kind {
 
     /// Whether an absent value differs from zero.
     fn has_presence(self) -> bool {
-        matches!(self, Self::OptionalUint32 | Self::OptionalDouble)
+        matches!(self, Self::OptionalUint32 | Self::OptionalUint64 | Self::OptionalDouble)
     }
 }
 
@@ -100,6 +103,7 @@ mod tests {
             messages::applications::DECLARATIONS,
             messages::distributed::DECLARATIONS,
             messages::networks::DECLARATIONS,
+            messages::packets::DECLARATIONS,
             messages::sensing::DECLARATIONS,
         ];
         own.into_iter().flatten()

@@ -46,11 +46,13 @@ macro_rules! recorded {
 pub(super) mod applications;
 pub(super) mod distributed;
 pub(super) mod networks;
+pub(super) mod packets;
 pub(super) mod sensing;
 
 pub use applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
 pub use distributed::MappedNodeMessage;
 pub use networks::{NetworksMessage, SectorMessage};
+pub use packets::{AssessmentMessage, PacketMessage, TransmissionMessage};
 pub use sensing::{SensedMessage, SensorsMessage};
 
 /// Names of the nodes that the robot knows, heard or not, without positions.

@@ -22,6 +22,12 @@ pub(super) const ANCHORS_TOPIC: &str = "/anchors";
 pub(super) const MAPPED_NODES_TOPIC: &str = "/distributed/nodes";
 /// Topic of the sensors that the nodes have.
 pub(super) const SENSORS_TOPIC: &str = "/sensors";
+/// Topic of the packets that stations offered.
+pub(super) const PACKETS_TOPIC: &str = "/mac/packets";
+/// Topic of the assessments of the channel for these packets.
+pub(super) const ASSESSMENTS_TOPIC: &str = "/mac/assessments";
+/// Topic of the transmissions of these packets.
+pub(super) const TRANSMISSIONS_TOPIC: &str = "/mac/transmissions";
 /// Topic of what sensors said.
 pub(super) const SENSED_TOPIC: &str = "/sensed";
 /// Start of the topics of targets; their names follow.
@@ -32,6 +38,10 @@ pub(super) const FIELDS_TOPICS: &str = "/world/fields/";
 pub(super) const WORLD_NODES_TOPIC: &str = "/world/nodes";
 /// Topic of the positions of the sinks.
 pub(super) const WORLD_SINKS_TOPIC: &str = "/world/sinks";
+/// Topic of the names of the nodes, at their true positions.
+pub(super) const WORLD_NAMES_TOPIC: &str = "/world/names";
+/// Topic of the frames on air as lines.
+pub(super) const AIR_TOPIC: &str = "/mac/air";
 /// Name of the metadata record of a recovered recording.
 pub(super) const RECOVERED_METADATA: &str = "recovered";
 /// Topic of the names of the surveyed networks.
@@ -78,6 +88,10 @@ pub(super) struct ApplicationTopics {
     pub(super) captures: String,
     /// Start of the topics of the paths of its robots; their names follow.
     pub(super) paths: String,
+    /// The captured targets as marks.
+    pub(super) captured: String,
+    /// Start of the topics of estimated places; station and kind follow.
+    pub(super) places: String,
 }
 
 impl ApplicationTopics {
@@ -89,6 +103,8 @@ impl ApplicationTopics {
             estimates: topic("/estimates"),
             captures: topic("/captures"),
             paths: topic("/path/"),
+            captured: topic("/captured"),
+            places: topic("/places/"),
         }
     }
 
@@ -96,5 +112,26 @@ impl ApplicationTopics {
     pub(super) fn application(topic: &str) -> Option<(&str, &str)> {
         let rest = topic.strip_prefix(APPLICATION_TOPICS)?;
         Some(rest.split_once('/').unwrap_or((rest, "")))
+    }
+}
+
+/// The topics of the way of a robot, as viewers draw it while a recording plays.
+pub(super) struct WayTopics {
+    /// The whole way so far.
+    pub(super) way: String,
+    /// The legs since the last message on `way`.
+    pub(super) legs: String,
+}
+
+impl WayTopics {
+    /// Those of `robot` in the survey, or in the `application`.
+    pub(super) fn new(application: Option<&str>, robot: &str) -> Self {
+        match application {
+            None => Self { way: format!("/robot/{robot}/way"), legs: format!("/robot/{robot}/legs") },
+            Some(name) => Self {
+                way: format!("{APPLICATION_TOPICS}{name}/way/{robot}"),
+                legs: format!("{APPLICATION_TOPICS}{name}/legs/{robot}"),
+            },
+        }
     }
 }

@@ -1,11 +1,18 @@
 //! The writer of recordings.
 
 mod applications;
+mod drawings;
+mod file;
+mod packets;
+mod playing;
+mod relay;
 mod sensing;
 
+pub use file::FileRecorder;
+pub use relay::Relay;
+
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
 use foxglove::Encode;
@@ -17,16 +24,15 @@ use sextant_channel::{
 };
 use sextant_kernel::SimTime;
 
-use super::drawing::{self, GridPlane, PlacedNode, Solid};
+use super::drawing;
 use super::error::RecordingError;
 use super::link_quality::link_quality;
 use super::messages;
 use super::names::{
     ANCHORS_TOPIC, BEACONS_TOPIC, FILES_ATTACHMENTS, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC, NETWORKS_TOPIC,
-    ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+    ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
 };
 use super::sink::Sink;
-use crate::output::Draft;
 
 /// A chunk is closed after this many stops, even if it has few messages.
 const STOPS_PER_CHUNK: u32 = 32;
@@ -52,46 +58,8 @@ pub struct Recorder<W: Write> {
     stops_in_chunk: u32,
     /// Sensitivity of the robots' radios by the name of a log; that of the first log has none.
     sensitivities: BTreeMap<Option<String>, Dbm>,
-}
-
-/// A recorder that writes to `PATH.part` and renames it to `PATH` at the end.
-pub struct FileRecorder {
-    recorder: Recorder<BufWriter<File>>,
-    draft: Draft,
-}
-
-impl FileRecorder {
-    /// A recorder for the file `path`. An existing file is replaced when the recording is finished.
-    ///
-    /// # Errors
-    /// If the file `PATH.part` cannot be created, or `path` is a folder.
-    pub fn create(path: &Path) -> Result<Self, RecordingError> {
-        let draft = Draft::new(path, ".part");
-        let sink = Sink::create(&draft)?;
-        Ok(Self { recorder: Recorder::from_sink(sink), draft })
-    }
-
-    /// Writes the summary section, syncs the file to the disk, renames `PATH.part` to `PATH` and syncs the folder.
-    ///
-    /// # Errors
-    /// If any write failed, now or before. The file `PATH.part` is then kept.
-    pub fn finish(self) -> Result<(), RecordingError> {
-        self.recorder.sink.publish(&self.draft)
-    }
-}
-
-impl std::ops::Deref for FileRecorder {
-    type Target = Recorder<BufWriter<File>>;
-
-    fn deref(&self) -> &Self::Target {
-        &self.recorder
-    }
-}
-
-impl std::ops::DerefMut for FileRecorder {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.recorder
-    }
+    /// Who else gets what is written.
+    relay: Option<Box<dyn Relay>>,
 }
 
 impl<W: Write> Recorder<W> {
@@ -104,7 +72,19 @@ impl<W: Write> Recorder<W> {
     }
 
     fn from_sink(sink: Sink<W>) -> Self {
-        Self { sink, topics: BTreeMap::new(), encoded: Vec::new(), stops_in_chunk: 0, sensitivities: BTreeMap::new() }
+        Self {
+            sink,
+            topics: BTreeMap::new(),
+            encoded: Vec::new(),
+            stops_in_chunk: 0,
+            sensitivities: BTreeMap::new(),
+            relay: None,
+        }
+    }
+
+    /// From now on, `relay` gets what is written too. Call it before the first message.
+    pub fn set_relay(&mut self, relay: Box<dyn Relay>) {
+        self.relay = Some(relay);
     }
 
     /// Writes the summary section and returns the output.
@@ -317,95 +297,12 @@ impl<W: Write> Recorder<W> {
         log.contacts().iter().try_for_each(|contact| self.contact(&log.robot_name(contact.robot), contact))
     }
 
-    /// Writes the position of `robot` and its heading (rad, counterclockwise from x).
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn robot(
-        &mut self,
-        time: SimTime,
-        robot: &str,
-        position: Position,
-        heading_rad: f64,
-    ) -> Result<(), RecordingError> {
-        self.write(time, "/tf", &drawing::transform(time, robot, position, heading_rad))
-    }
-
-    /// Writes where `robot` believes to be by its odometry, and its believed heading (rad, counterclockwise from x).
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn odometry(
-        &mut self,
-        time: SimTime,
-        robot: &str,
-        position: Position,
-        heading_rad: f64,
-    ) -> Result<(), RecordingError> {
-        let topic = format!("/robot/{robot}/odometry");
-        self.write(time, &topic, &drawing::pose_in_world(time, position, heading_rad))
-    }
-
-    /// Writes the path of `robot` from its start to now (m).
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn path(&mut self, time: SimTime, robot: &str, places: &[Position]) -> Result<(), RecordingError> {
-        self.write(time, &format!("/robot/{robot}/path"), &drawing::path(time, places))
-    }
-
-    /// Writes the obstacles of the world.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn obstacles(&mut self, time: SimTime, solids: &[Solid]) -> Result<(), RecordingError> {
-        self.write(time, "/world/obstacles", &drawing::scene(time, solids))
-    }
-
-    /// Writes the true positions of the nodes, for viewers and metrics but never for a mapper.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn world_nodes(&mut self, time: SimTime, nodes: &[PlacedNode]) -> Result<(), RecordingError> {
-        self.write(time, WORLD_NODES_TOPIC, &drawing::cloud(time, nodes))
-    }
-
-    /// Writes the positions of the sinks, by number, for viewers.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn world_sinks(&mut self, time: SimTime, sinks: &[PlacedNode]) -> Result<(), RecordingError> {
-        self.write(time, WORLD_SINKS_TOPIC, &drawing::cloud(time, sinks))
-    }
-
-    /// Writes the map by `algorithm`; nodes without a position are absent.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn map(&mut self, time: SimTime, algorithm: &str, nodes: &[PlacedNode]) -> Result<(), RecordingError> {
-        self.write(time, &format!("/map/{algorithm}"), &drawing::cloud(time, nodes))
-    }
-
     /// Writes what a node found that computed its own place.
     ///
     /// # Errors
     /// If any write failed, now or before.
     pub fn mapped_node(&mut self, time: SimTime, node: &messages::MappedNodeMessage) -> Result<(), RecordingError> {
         self.write(time, MAPPED_NODES_TOPIC, node)
-    }
-
-    /// Writes the likelihood of `node` by `algorithm`.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn likelihood(
-        &mut self,
-        time: SimTime,
-        algorithm: &str,
-        node: &str,
-        plane: &GridPlane,
-    ) -> Result<(), RecordingError> {
-        self.write(time, &format!("/likelihood/{algorithm}/{node}"), &drawing::grid(time, plane, "log_likelihood"))
     }
 
     /// Writes a frame, at the time of its end.
@@ -464,14 +361,21 @@ impl<W: Write> Recorder<W> {
             let schema = M::get_schema().expect("every recorded message has a schema");
             let channel = self.sink.channel(topic, &schema)?;
             self.topics.insert(topic.to_owned(), (channel, 0));
+            if let Some(relay) = &mut self.relay {
+                relay.channel(channel, topic, &schema);
+            }
         }
         let (channel_id, sequence) = self.topics.get_mut(topic).expect("the topic was added above");
         let time_ns = time.as_nanos();
-        let header =
-            MessageHeader { channel_id: *channel_id, sequence: *sequence, log_time: time_ns, publish_time: time_ns };
+        let channel_id = *channel_id;
+        let header = MessageHeader { channel_id, sequence: *sequence, log_time: time_ns, publish_time: time_ns };
         *sequence = sequence.wrapping_add(1);
         self.encoded.clear();
         prost::Message::encode(message, &mut self.encoded).expect("a vector has room");
-        self.sink.message(&header, &self.encoded)
+        self.sink.message(&header, &self.encoded)?;
+        if let Some(relay) = &mut self.relay {
+            relay.message(channel_id, time, &self.encoded);
+        }
+        Ok(())
     }
 }

@@ -26,6 +26,7 @@ pub struct FaultsConfig {
     /// frames of all networks are meant, those of neighbour discovery too. A frame lost so counts as lost to a weak
     /// signal.
     #[serde(skip_serializing_if = "is_zero")]
+    #[schemars(extend("default" = 0.0))]
     pub message_loss: f64,
     /// The nodes that die during the simulation. Neighbour discovery is before it.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -98,6 +98,7 @@ mod engine;
 mod event;
 mod faults;
 mod link;
+mod link_budget;
 mod model;
 mod network;
 mod observer;
@@ -132,6 +133,7 @@ pub use link::ieee802154::{Mac, Radio};
 pub use link::{
     FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig, Technology,
 };
+pub use link_budget::{LinkBudget, LinkBudgets, LinkReception};
 pub use network::Network;
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
@@ -140,6 +142,7 @@ pub use service::delivery::{Delivery, DriveEnd};
 pub use service::estimate::Estimate;
 pub use service::network_id::NetworkId;
 pub use service::outcome::{Deafness, FrameOutcome};
+pub use service::packet_trace::{AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace};
 pub use service::packets::{NetworkRecord, Packets};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};

@@ -10,6 +10,7 @@ use sextant_kernel::{NodeId, SimTime, StationId};
 use crate::service::estimate::Estimate;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::PacketTrace;
 use crate::service::sensed::{FieldId, Sensed, TargetId};
 use crate::station::Pose;
 
@@ -92,6 +93,15 @@ pub trait Observer {
 
     /// Whether [`Observer::framed`] is called. A simulation asks once, before the start.
     fn wants_frames(&self) -> bool {
+        false
+    }
+
+    /// A link has ended its work on a packet, or the simulation has ended before; called only if
+    /// [`Observer::wants_packets`].
+    fn traced(&mut self, _packet: &PacketTrace) {}
+
+    /// Whether [`Observer::traced`] is called. A simulation asks once, before the start.
+    fn wants_packets(&self) -> bool {
         false
     }
 
@@ -186,6 +196,14 @@ impl Observer for RememberingObserver<'_> {
 
     fn wants_frames(&self) -> bool {
         self.wants_frames
+    }
+
+    fn traced(&mut self, packet: &PacketTrace) {
+        self.observer.traced(packet);
+    }
+
+    fn wants_packets(&self) -> bool {
+        self.observer.wants_packets()
     }
 
     fn goes_on(&mut self, progress: Progress) -> bool {

@@ -10,6 +10,7 @@ use crate::event::Event;
 use crate::purpose;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::Deafness;
+use crate::service::packet_trace::PacketTrace;
 use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
 
@@ -25,6 +26,8 @@ pub(crate) struct Scene {
     pub(crate) offered: u64,
     /// What links have to say to the applications.
     pub(crate) upcalls: Vec<Upcall>,
+    /// Packets that have ended, for the observer; none if packets are not traced.
+    pub(crate) traced: Vec<PacketTrace>,
 }
 
 impl Scene {

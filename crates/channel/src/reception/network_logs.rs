@@ -1,5 +1,7 @@
 //! The logs of several networks.
 
+use sextant_kernel::SimTime;
+
 use super::ReceptionLog;
 
 /// What robots heard in one network.
@@ -42,6 +44,13 @@ impl NetworkLogs {
     /// The same, to change it.
     pub fn first_mut(&mut self) -> &mut ReceptionLog {
         &mut self.first.log
+    }
+
+    /// The logs as they were at `time`.
+    #[must_use]
+    pub fn until(&self, time: SimTime) -> Self {
+        let cut = |of: &NetworkLog| NetworkLog { network: of.network.clone(), log: of.log.until(time) };
+        Self { first: cut(&self.first), others: self.others.iter().map(cut).collect() }
     }
 
     /// All logs, that of the first network first.

@@ -1,13 +1,20 @@
-//! `sextant check`: checks scenario files without running them.
+//! `sextant check`: checks scenario files without running them, and says what follows from them.
+
+mod forecast;
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use miette::Report;
+use serde::Serialize;
 
-use super::options::Overrides;
+use super::options::{Format, Overrides, Printing};
 use crate::diagnostic::{Failure, report};
-use sextant::scenario::Scenario;
+use crate::terminal::warn;
+use sextant::Forecast;
+use sextant::forecast::warnings;
+use sextant::scenario::{Scenario, ScenarioErrors, SweepAxes};
 use sextant::sweep::Sweep;
 use sextant_kernel::text::counted;
 
@@ -17,28 +24,85 @@ pub(crate) struct Arguments {
     /// The scenario files
     #[arg(value_name = "SCENARIO.toml", required = true)]
     pub(crate) scenarios: Vec<PathBuf>,
+    /// Also print what follows from each scenario: radio range, neighbours, channel load, path, packets, cost
+    #[arg(short, long)]
+    pub(crate) verbose: bool,
     /// Settings that override those of the scenarios.
     #[command(flatten)]
     pub(crate) overrides: Overrides,
+    /// How the answer is printed.
+    #[command(flatten)]
+    pub(crate) printing: Printing,
+}
+
+/// A valid scenario.
+#[derive(Serialize)]
+struct Valid {
+    file: PathBuf,
+    name: String,
+    outline: String,
+    /// Number of cells of its sweep.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cells: Option<usize>,
+    warnings: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    forecast: Option<Forecast>,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let set = &arguments.overrides.set;
     let mut reports = Vec::new();
+    let mut valid = Vec::new();
     for path in &arguments.scenarios {
-        match Scenario::load_with(path, set, None) {
-            Ok(scenario) if scenario.config().sweep.is_none() => {
-                writeln!(io::stdout(), "ok {}: {}", scenario.name(), scenario.outline())?;
-            }
-            Ok(scenario) => match Sweep::read(path, set, None, None) {
-                Ok(plan) => {
-                    let cells = counted(plan.cells().len(), "cell");
-                    writeln!(io::stdout(), "ok {}: {}, a sweep of {cells}", scenario.name(), scenario.outline())?;
+        match check(path, arguments) {
+            Ok(scenario) => {
+                scenario.warnings.iter().for_each(|warning| warn(&format!("{}: {warning}", path.display())));
+                if matches!(arguments.printing.format, Format::Text) {
+                    scenario.write(&mut io::stdout().lock())?;
                 }
-                Err(errors) => reports.extend(errors.errors().iter().map(report)),
-            },
-            Err(errors) => reports.extend(errors.errors().iter().map(report)),
+                valid.push(scenario);
+            }
+            Err(errors) => reports.extend(errors),
         }
     }
+    if matches!(arguments.printing.format, Format::Json) {
+        arguments.printing.print(&valid, |_| Ok(()))?;
+    }
     if reports.is_empty() { Ok(()) } else { Err(Failure::BadInput(reports)) }
+}
+
+/// Checks the scenario at `path` and all cells of its sweep.
+fn check(path: &Path, arguments: &Arguments) -> Result<Valid, Vec<Report>> {
+    let set = &arguments.overrides.set;
+    let reports = |errors: &ScenarioErrors| errors.errors().iter().map(report).collect::<Vec<_>>();
+    let scenario = Scenario::load_with(path, set, None).map_err(|errors| {
+        let mut found = reports(&errors);
+        // The scenario may be wrong in its sweep too.
+        if let Err(of_sweep) = SweepAxes::read(path, set) {
+            let is_new = |error: &&sextant::scenario::ScenarioError| {
+                errors.errors().iter().all(|known| known.place() != error.place())
+            };
+            found.extend(of_sweep.errors().iter().filter(is_new).map(report));
+        }
+        found
+    })?;
+    let cells = match scenario.config().sweep {
+        None => None,
+        Some(_) => Some(Sweep::read(path, set, None, None).map_err(|errors| reports(&errors))?.cells().len()),
+    };
+    Ok(Valid {
+        file: path.to_owned(),
+        name: scenario.name().to_owned(),
+        outline: scenario.outline(),
+        cells,
+        warnings: warnings(&scenario).iter().map(ToString::to_string).collect(),
+        forecast: arguments.verbose.then(|| Forecast::of(&scenario)),
+    })
+}
+
+impl Valid {
+    fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let cells = self.cells.map_or(String::new(), |cells| format!(", a sweep of {}", counted(cells, "cell")));
+        writeln!(out, "ok {}: {}{cells}", self.name, self.outline)?;
+        self.forecast.as_ref().map_or(Ok(()), |forecast| forecast::write(forecast, out))
+    }
 }

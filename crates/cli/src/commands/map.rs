@@ -91,7 +91,7 @@ pub(crate) struct Arguments {
 }
 
 /// The values of `--algorithm`, each with its help.
-fn algorithms() -> impl TypedValueParser<Value = AlgorithmName> {
+pub(super) fn algorithms() -> impl TypedValueParser<Value = AlgorithmName> {
     let value = |algorithm: AlgorithmName| PossibleValue::new(algorithm.name()).help(algorithm.description());
     PossibleValuesParser::new(AlgorithmName::all().into_iter().map(value))
         .try_map(|name| name.parse::<AlgorithmName>())

@@ -27,6 +27,7 @@ tx_power_dbm = -30.0
 sensitivity_dbm = -90.0
 [channel]
 environment = "suburban"
+path_loss.log_distance.reference_loss_db = 0.0
 max_range_m = 5.0
 [mac.csma_unslotted]
 rx_on_when_idle = true

@@ -7,10 +7,11 @@ mod source;
 
 use std::path::{Path, PathBuf};
 
+pub(super) use guides::guides;
 use modules::Modules;
 
 /// The root of the tree.
-fn root() -> PathBuf {
+pub(super) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
@@ -21,8 +22,21 @@ const ROOMS: [&str; 7] = ["sweep", "run", "mapping", "measure", "summary", "scen
 const COMMAND_LINE: [&str; 5] = ["commands", "progress", "terminal", "interrupt", "diagnostic"];
 
 /// The folders of the crates whose modules are checked.
-const FOLDERS: [&str; 12] =
-    ["kernel", "channel", "mac", "sim", "mapper", "apps", "recording", "logs", "figure", "sextant", "thesis", "cli"];
+const FOLDERS: [&str; 13] = [
+    "kernel",
+    "channel",
+    "mac",
+    "sim",
+    "mapper",
+    "apps",
+    "recording",
+    "logs",
+    "figure",
+    "sextant",
+    "report",
+    "thesis",
+    "cli",
+];
 
 fn modules_of(folder: &str) -> Modules {
     Modules::read(&root().join("crates").join(folder).join("src"))

@@ -193,6 +193,7 @@ tx_power_dbm = -50.0
 sensitivity_dbm = -90.0
 [networks.rf.channel]
 environment = \"suburban\"
+path_loss.log_distance.reference_loss_db = 0.0
 max_range_m = 5.0
 [networks.rf.mac.csma_unslotted]
 rx_on_when_idle = true
@@ -251,8 +252,7 @@ fn the_number_of_threads_changes_no_byte() {
 
 #[test]
 fn packets_without_sectors_are_evidence_of_distance_alone() {
-    let packets =
-        "channel = { environment = \"light-tree\", max_range_m = 5.0 }\nmac.csma_unslotted.rx_on_when_idle = true\n";
+    let packets = "channel = { environment = \"light-tree\", max_range_m = 5.0, path_loss.log_distance.reference_loss_db = 0.0 }\nmac.csma_unslotted.rx_on_when_idle = true\n";
     let scenario = [packets, NODES, MAPPING].concat().replace("20.0\nsens", "-50.0\nsens").replace("-60.0", "-90.0");
     let (_, summary) = run(&scenario, &[]);
     let work = &summary["maps"][0]["distributed"];

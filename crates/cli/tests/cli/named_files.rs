@@ -14,7 +14,7 @@ use crate::program::{self, sextant};
 
 /// A network of IEEE 802.15.4 with a map that knows channel and obstacles; nodes, obstacles and traffic are missing.
 const SURVEY: &str = "name = \"named\"\nseed = 3\nradio = { tx_power_dbm = -50, sensitivity_dbm = -90 }\n\
-    channel = { environment = \"light-tree\", max_range_m = 6.0 }\nmac.csma_unslotted = {}\n\
+    channel = { environment = \"light-tree\", max_range_m = 6.0, path_loss.log_distance.reference_loss_db = 0.0 }\nmac.csma_unslotted = {}\n\
     [[robots]]\nname = \"r\"\nstart_m = [-1, -1]\nlisten_s = 1.5\n\
     controller.waypoints.places_m = [[0, 0], [3, 0], [6, 0], [6, 3], [3, 3], [0, 3], [0, 6], [3, 6], [6, 6]]\n\
     [[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.5, estimate = \"posterior_mean\", \

@@ -78,12 +78,17 @@ fn one() -> String {
     [WORLD, &sweeps(""), ROBOT, MMTM].concat()
 }
 
+/// A short survey by sector sweeps, without a map.
+pub(crate) fn small_survey() -> String {
+    [WORLD, &sweeps(""), ROBOT].concat()
+}
+
 /// Two networks, of which the second has packets of IEEE 802.15.4.
 fn two() -> String {
     let zigbee = r#"
 [networks.zigbee]
 radio = { tx_power_dbm = -50.0, sensitivity_dbm = -90.0 }
-channel = { environment = "light-tree", max_range_m = 6.0 }
+channel = { environment = "light-tree", max_range_m = 6.0, path_loss.log_distance.reference_loss_db = 0.0 }
 mac.csma_unslotted = {}
 traffic.beacon = { mpdu_octets = 20, interval_s = 0.5, jitter = 0.1 }
 "#;

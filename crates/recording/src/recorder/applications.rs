@@ -39,13 +39,14 @@ impl<W: Write> Recorder<W> {
         self.write(SimTime::from_nanos(estimate.time_ns), &topics.estimates, estimate)
     }
 
-    /// Writes that a robot of an application captured a target.
+    /// Writes that a robot of an application captured a target, and marks the place.
     ///
     /// # Errors
     /// If any write failed, now or before.
     pub fn capture(&mut self, application: &str, capture: &CaptureMessage) -> Result<(), RecordingError> {
         let topics = ApplicationTopics::new(application);
-        self.write(SimTime::from_nanos(capture.time_ns), &topics.captures, capture)
+        self.write(SimTime::from_nanos(capture.time_ns), &topics.captures, capture)?;
+        self.captured(application, capture)
     }
 
     /// Writes the path of `robot` in an application (m).

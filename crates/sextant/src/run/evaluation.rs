@@ -1,8 +1,8 @@
 //! One map of a survey, and its errors.
 
-use sextant_channel::Position;
+use sextant_channel::{NetworkLogs, Position};
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{EstimatorFindings, SectorDisplacement, TopologyMap};
+use sextant_mapper::{EstimatorFindings, MapError, SectorDisplacement, TopologyMap};
 use sextant_sim::{NetworkId, Survey};
 
 use super::application::UnalignedMap;
@@ -10,6 +10,7 @@ use super::bound::{self, NoBound, SurveyBound};
 use super::discovery::Discoveries;
 use super::error::RunError;
 use super::message_energy::message_energy_j;
+use super::operations::CountedWork;
 use crate::mapping::MapLogs;
 use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
 use crate::scenario::{MapJob, Scenario};
@@ -30,6 +31,8 @@ pub struct Evaluation {
     pub summary: MapSummary,
     /// Time to compute and measure it on this machine (s); 0 for a map that the nodes computed in the simulation.
     pub wall_s: f64,
+    /// Elementary operations of the algorithm, at most, as it announced them to the watch; 0 if it announced none.
+    pub operations: f64,
 }
 
 /// Computes the map `named` from `survey` and `discoveries`, and compares it with the world of `scenario`. `bound` is
@@ -49,7 +52,9 @@ pub(super) fn evaluate(
     let networks = scenario.networks_of(named);
     let bound = bound::of_map(scenario, named, survey, bound);
     let knowledge = discoveries.knowledge(scenario, &logs, named);
-    let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
+    let counted = CountedWork::new(watch);
+    let (map, learned) = named.mapper.map_and_learn(knowledge, &counted)?;
+    let operations = counted.operations();
     let made = UnalignedMap::new(&named.name, &map);
     let truth = truth(scenario);
     let known: Vec<Option<Position>> = truth.iter().copied().map(Some).collect();
@@ -73,7 +78,29 @@ pub(super) fn evaluate(
             watch,
         )?
     };
-    Ok(Evaluation { name: named.name.clone(), map, made, learned, summary, wall_s: start.elapsed_s() })
+    Ok(Evaluation { name: named.name.clone(), map, made, learned, summary, wall_s: start.elapsed_s(), operations })
+}
+
+/// The map `named` of `logs`, which are a part of those of a survey, in world coordinates; `None` if the algorithm needs more
+/// than they have.
+///
+/// # Errors
+/// If `watch` stops the work.
+pub(super) fn map_of_part(
+    scenario: &Scenario,
+    named: &MapJob,
+    (logs, discoveries): (&NetworkLogs, &Discoveries),
+    watch: &dyn Watch,
+) -> Result<Option<TopologyMap>, Interrupted> {
+    let logs = MapLogs::from(logs);
+    match named.mapper.map_and_learn(discoveries.knowledge(scenario, &logs, named), watch) {
+        Ok((map, _)) => {
+            let known: Vec<Option<Position>> = truth(scenario).into_iter().map(Some).collect();
+            Ok(Some(in_world(map, Some(&known)).0))
+        }
+        Err(MapError::Interrupted(interrupted)) => Err(interrupted),
+        Err(_) => Ok(None),
+    }
 }
 
 /// The sector displacement of a map from the logs of `networks`; `None` if the nodes have no sectors in any of them.

@@ -12,6 +12,7 @@ mod mac;
 mod mapped_node;
 mod message_energy;
 mod observer;
+mod operations;
 mod outcome;
 mod pipeline;
 mod recorder;

@@ -102,6 +102,8 @@ pub struct MapEnd<'a> {
     pub scenario: &'a Scenario,
     /// The survey that the map is of.
     pub simulated: &'a Simulated,
+    /// What the nodes found out of each other before the survey.
+    pub discoveries: &'a Discoveries,
     /// The map of the scenario; `None` for the map that the nodes computed themselves.
     pub named: Option<&'a MapJob>,
     /// The map and its errors.

@@ -176,10 +176,11 @@ impl Maps<'_> {
         observer: &mut dyn RunObserver,
         watch: &dyn Watch,
     ) -> Result<(), RunError> {
+        let discoveries = self.discoveries;
         let evaluation = evaluate_distributed(self.scenario, simulated);
         evaluation.map_or(Ok(()), |evaluation| {
             self.add(evaluation, |scenario, evaluation| {
-                observer.map_finished(&MapEnd { scenario, simulated, named: None, evaluation, watch })
+                observer.map_finished(&MapEnd { scenario, simulated, discoveries, named: None, evaluation, watch })
             })
         })
     }
@@ -192,11 +193,12 @@ impl Maps<'_> {
         observer: &mut dyn RunObserver,
         watch: &dyn Watch,
     ) -> Result<(), RunError> {
-        let scenario = self.scenario;
+        let (scenario, discoveries) = (self.scenario, self.discoveries);
         for named in scenario.maps() {
-            let evaluation = evaluate(scenario, named, (&simulated.survey, self.discoveries), bound, watch)?;
+            let evaluation = evaluate(scenario, named, (&simulated.survey, discoveries), bound, watch)?;
             self.add(evaluation, |scenario, evaluation| {
-                observer.map_finished(&MapEnd { scenario, simulated, named: Some(named), evaluation, watch })
+                let named = Some(named);
+                observer.map_finished(&MapEnd { scenario, simulated, discoveries, named, evaluation, watch })
             })?;
         }
         Ok(())

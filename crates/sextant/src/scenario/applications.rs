@@ -72,7 +72,7 @@ pub(super) struct Surroundings<'a> {
 }
 
 /// The applications of the scenario, with unique names.
-pub(super) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors<'_>) -> Vec<Application> {
+pub(super) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors) -> Vec<Application> {
     let mut applications: Vec<Application> = Vec::new();
     for (i, written) in around.config.applications.iter().enumerate() {
         let table = format!("applications[{i}]");
@@ -101,13 +101,7 @@ pub(super) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors<
 }
 
 /// Refuses names that are not plain or that something else in the recording has.
-fn check_own_name(
-    name: &str,
-    table: &str,
-    others: &[Application],
-    around: &Surroundings<'_>,
-    errors: &mut Errors<'_>,
-) {
+fn check_own_name(name: &str, table: &str, others: &[Application], around: &Surroundings<'_>, errors: &mut Errors) {
     check_name(name, table, around.maps, errors);
     let taken = match name {
         "survey" => "the name of the first phase",
@@ -196,14 +190,14 @@ impl Surroundings<'_> {
         written: &ApplicationConfig,
         network: NetworkId,
         table: &str,
-        errors: &mut Errors<'_>,
+        errors: &mut Errors,
     ) -> Option<Algorithm> {
         let radio = &self.setup.networks[network.index()].technology.ieee802154()?.radio;
         errors.take(table, Algorithm::new(&written.algorithm, radio, &self.setup.world.fields))
     }
 
     /// Refuses networks in which nodes and robots cannot exchange messages. Returns whether it is a good one.
-    fn check_network(&self, network: NetworkId, table: &str, errors: &mut Errors<'_>) -> bool {
+    fn check_network(&self, network: NetworkId, table: &str, errors: &mut Errors) -> bool {
         let before = errors.found.len();
         let busy: &Network = &self.setup.networks[network.index()];
         if busy.technology.ieee802154().is_none() {

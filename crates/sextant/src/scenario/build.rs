@@ -35,7 +35,7 @@ pub(super) struct Parts {
 }
 
 /// Checks each part of the scenario, then all parts together.
-pub(super) fn check(config: &ScenarioConfig, files: &Files, errors: &mut Errors<'_>) -> (Option<Parts>, Vec<MapJob>) {
+pub(super) fn check(config: &ScenarioConfig, files: &Files, errors: &mut Errors) -> (Option<Parts>, Vec<MapJob>) {
     if config.name.trim().is_empty() {
         errors.refuse(&SettingError::new("name", "empty", "a name with at least one letter"));
     }
@@ -73,6 +73,7 @@ pub(super) fn check(config: &ScenarioConfig, files: &Files, errors: &mut Errors<
         let places = world.iter().flat_map(|world| &world.nodes).map(|node| node.position);
         errors.take("recording.fields", snapshots.check(Bounds::of(places)));
     }
+    errors.take("recording", config.recording.check());
     errors.take("recording.pcap", config.recording.pcap.check(&config.robots));
     let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
     let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));
@@ -121,7 +122,7 @@ pub(super) fn check(config: &ScenarioConfig, files: &Files, errors: &mut Errors<
 }
 
 /// The sources of noise, with unique names.
-fn check_interferers(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Vec<Interferer> {
+fn check_interferers(config: &ScenarioConfig, errors: &mut Errors) -> Vec<Interferer> {
     let mut interferers: Vec<Interferer> = Vec::new();
     for (i, interferer) in config.interferers.iter().enumerate() {
         let table = format!("interferers[{i}]");
@@ -136,7 +137,7 @@ fn check_interferers(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Vec<In
 }
 
 /// What is left out of the counts at the start.
-fn check_warm_up(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Duration {
+fn check_warm_up(config: &ScenarioConfig, errors: &mut Errors) -> Duration {
     let Some(warm_up_s) = config.warm_up_s else { return Duration::ZERO };
     let has_sweeps = NetworkTables::all(config).iter().any(NetworkTables::sweeps_sectors);
     let checked = match config.duration_s {
@@ -169,7 +170,7 @@ fn check_anchors(
     config: &ScenarioConfig,
     world: &World,
     maps: &[MapJob],
-    errors: &mut Errors<'_>,
+    errors: &mut Errors,
 ) -> Option<Vec<Anchor>> {
     let anchors = errors.take("anchors", config.anchors.choose(&world.nodes, &world.obstacles, Seed(config.seed)))?;
     let first = anchors.first().map_or(0.0, |anchor| anchor.position.z_m);

@@ -70,9 +70,11 @@ pub struct ScenarioConfig {
     pub warm_up_s: Option<f64>,
     /// Sources of noise that disturb the networks of IEEE 802.15.4, also during neighbour discovery.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub interferers: Vec<InterfererConfig>,
     /// The fixed sinks, which always listen.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub sinks: Vec<SinkConfig>,
     /// The robots that drive and listen.
     #[serde(default)]
@@ -94,6 +96,7 @@ pub struct ScenarioConfig {
     pub distributed_mapping: Option<DistributedMappingConfig>,
     /// What robots and nodes do on a map of the nodes, one after the other: each is a separate simulation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub applications: Vec<ApplicationConfig>,
     /// How maps are compared with the truth.
     #[serde(default)]
@@ -169,13 +172,45 @@ impl MetricsConfig {
 pub struct RecordingConfig {
     /// Whether every frame is recorded.
     pub frames: bool,
+    /// Whether every packet is recorded: when it was offered, each assessment of the channel and each transmission with its
+    /// outcome, and what became of it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub packets: bool,
     /// Names of the nodes whose likelihood is recorded, for each map that has one.
     pub likelihood: Vec<String>,
     /// Snapshots of the fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fields: Option<SnapshotsConfig>,
+    /// Maps of the log as it grew, for each map that uses what robots heard: at this many instants before the end, with equal
+    /// numbers of stops between them. Each takes about as long as the map itself. 0 for none, at most 100. If absent: 4 for maps
+    /// that take at most about a second, otherwise none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_snapshots: Option<u32>,
     /// What `--pcap` writes.
     pub pcap: PcapConfig,
+}
+
+/// Snapshots of a map that are recorded if the scenario does not say how many.
+const USUAL_MAP_SNAPSHOTS: u32 = 4;
+/// Maps with more elementary operations have no snapshots then.
+const MOST_OPERATIONS: f64 = 1e9;
+/// Allowed numbers of snapshots of a map.
+const MAP_SNAPSHOTS: RangeInclusive<u32> = 0..=100;
+
+impl RecordingConfig {
+    /// Rejects more snapshots than can be wanted.
+    pub(crate) fn check(&self) -> Result<(), SettingError> {
+        match self.map_snapshots.filter(|snapshots| !MAP_SNAPSHOTS.contains(snapshots)) {
+            Some(snapshots) => Err(SettingError::new("map_snapshots", snapshots, "0 to 100")),
+            None => Ok(()),
+        }
+    }
+
+    /// Number of snapshots of a map that takes so many elementary operations.
+    pub(crate) fn snapshots_of_map(&self, operations: f64) -> u32 {
+        let usual = if operations <= MOST_OPERATIONS { USUAL_MAP_SNAPSHOTS } else { 0 };
+        self.map_snapshots.unwrap_or(usual)
+    }
 }
 
 /// What `--pcap` writes, as written in a scenario.

@@ -6,27 +6,35 @@ mod refused;
 use std::collections::btree_map;
 use std::fmt;
 
-use serde::de::value::StrDeserializer;
+use serde::de::value::{SeqDeserializer, StrDeserializer};
 use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, SeqAccess, Unexpected, Visitor,
 };
 use serde::forward_to_deserialize_any;
 
-use super::document::{Document, Entry, Value};
+use super::document::{Document, Entry, Placeholder, Table, Value};
 use super::error::ScenarioError;
 use super::key_path::{KeyPath, Step};
 use super::refusal::Refusal;
-use choice::{Choice, choice};
+use choice::{Choice, choice, names};
 use refused::{Refused, array_of, found};
 
 /// The settings of `document` as a `T`.
 pub(crate) fn deserialize<T: DeserializeOwned>(document: &Document) -> Result<T, ScenarioError> {
+    read(document).map_err(|(refusal, path)| document.refused(&path, &refusal))
+}
+
+/// The settings of `document` as a `T`, or the first error and its path.
+pub(super) fn read<T: DeserializeOwned>(document: &Document) -> Result<T, (Refusal, KeyPath)> {
     T::deserialize(Reader(&document.root.value)).map_err(|Refused(refused)| {
         let (refusal, mut steps) = *refused;
         steps.reverse();
-        document.refused(&KeyPath(steps), &refusal)
+        (refusal, KeyPath(steps))
     })
 }
+
+/// The table without settings.
+static NOTHING: Table = Table::new();
 
 /// A value to deserialize.
 ///
@@ -46,6 +54,7 @@ impl<'a> Reader<'a> {
             Value::Datetime(text) => format!("the date {text}"),
             Value::Array(_) => found(Unexpected::Seq),
             Value::Table(_) => found(Unexpected::Map),
+            Value::Placeholder(_) => "a value that was rejected".to_owned(),
         };
         Refusal::Unfit { found, expected: allowed.to_owned() }.into()
     }
@@ -53,6 +62,7 @@ impl<'a> Reader<'a> {
     fn integer<T: TryFrom<i128>>(self, allowed: &str) -> Result<T, Refused> {
         match self.0 {
             Value::Integer(integer) => T::try_from(*integer).map_err(|_| self.unfit(allowed)),
+            Value::Placeholder(placeholder) => T::try_from(number_for(*placeholder)).map_err(|_| self.unfit(allowed)),
             _ => Err(self.unfit(allowed)),
         }
     }
@@ -61,6 +71,7 @@ impl<'a> Reader<'a> {
         match self.0 {
             Value::Float(float) => Ok(*float),
             Value::Integer(integer) => Ok(*integer as f64),
+            Value::Placeholder(placeholder) => Ok(number_for(*placeholder) as f64),
             _ => Err(self.unfit("a number")),
         }
     }
@@ -68,6 +79,7 @@ impl<'a> Reader<'a> {
     fn text(self) -> Result<&'a str, Refused> {
         match self.0 {
             Value::String(text) => Ok(text),
+            Value::Placeholder(_) => Ok("placeholder"),
             _ => Err(self.unfit("a text in quotes")),
         }
     }
@@ -75,6 +87,7 @@ impl<'a> Reader<'a> {
     fn items(self) -> Result<Items<'a>, Refused> {
         match self.0 {
             Value::Array(entries) => Ok(Items { entries, read: 0 }),
+            Value::Placeholder(_) => Ok(Items { entries: &[], read: 0 }),
             _ => Err(self.unfit("an array")),
         }
     }
@@ -82,6 +95,7 @@ impl<'a> Reader<'a> {
     fn settings(self) -> Result<Settings<'a>, Refused> {
         match self.0 {
             Value::Table(table) => Ok(Settings { rest: table.iter(), current: None }),
+            Value::Placeholder(_) => Ok(Settings { rest: NOTHING.iter(), current: None }),
             _ => Err(self.unfit("a table")),
         }
     }
@@ -111,12 +125,18 @@ impl<'de> Deserializer<'de> for Reader<'_> {
             Value::Datetime(_) => Err(self.unfit(&Expectation(visitor).to_string())),
             Value::Array(_) => self.deserialize_seq(visitor),
             Value::Table(_) => self.deserialize_map(visitor),
+            // Only places are read like this.
+            Value::Placeholder(placeholder) => {
+                let coordinates = [number_for(*placeholder) as f64; 3];
+                visitor.visit_seq(SeqDeserializer::new(coordinates.into_iter()))
+            }
         }
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
         match self.0 {
             Value::Boolean(boolean) => visitor.visit_bool(*boolean),
+            Value::Placeholder(placeholder) => visitor.visit_bool(*placeholder == Placeholder::Large),
             _ => Err(self.unfit("true or false")),
         }
     }
@@ -155,8 +175,11 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         Ok(value)
     }
 
-    fn deserialize_tuple<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value, Refused> {
-        self.deserialize_seq(visitor)
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Refused> {
+        match self.0 {
+            Value::Placeholder(_) => visitor.visit_seq(Repeated { value: self.0, left: length }),
+            _ => self.deserialize_seq(visitor),
+        }
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
@@ -193,7 +216,11 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         match self.0 {
             Value::String(name) => visitor.visit_enum(Choice { name, content: None }),
             Value::Table(table) => visitor.visit_enum(choice(table, variants)?),
-            _ => Err(self.unfit("the name of a choice, or a table with one choice")),
+            Value::Placeholder(_) => {
+                let name = variants.first().copied().unwrap_or_default();
+                visitor.visit_enum(Choice { name, content: Some(self.0) })
+            }
+            _ => Err(self.unfit(&format!("one of {}", names(variants.iter().copied())))),
         }
     }
 
@@ -247,7 +274,7 @@ impl<'de> MapAccess<'de> for Settings<'_> {
     type Error = Refused;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Refused> {
-        self.current = self.rest.next();
+        self.current = self.rest.find(|(_, entry)| !matches!(entry.value, Value::Placeholder(Placeholder::Absent)));
         let Some((key, _)) = self.current else {
             return Ok(None);
         };
@@ -258,6 +285,29 @@ impl<'de> MapAccess<'de> for Settings<'_> {
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refused> {
         let (key, entry) = self.current.expect("a value is read after its key");
         seed.deserialize(Reader(&entry.value)).map_err(|refused| refused.below(Step::Key(key.clone())))
+    }
+}
+
+/// The number that stands for a value.
+fn number_for(placeholder: Placeholder) -> i128 {
+    if placeholder == Placeholder::Large { 100 } else { 1 }
+}
+
+/// The same value several times.
+struct Repeated<'a> {
+    value: &'a Value,
+    left: usize,
+}
+
+impl<'de> SeqAccess<'de> for Repeated<'_> {
+    type Error = Refused;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Refused> {
+        if self.left == 0 {
+            return Ok(None);
+        }
+        self.left -= 1;
+        seed.deserialize(Reader(self.value)).map(Some)
     }
 }
 

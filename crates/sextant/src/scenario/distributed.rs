@@ -69,7 +69,7 @@ pub(super) fn check_distributed(
     tables: &[NetworkTables<'_>],
     setup: &mut Setup,
     (anchors, maps): (&[Anchor], &[MapJob]),
-    errors: &mut Errors<'_>,
+    errors: &mut Errors,
 ) -> Option<NodeMapJob> {
     let written = config.distributed_mapping.as_ref()?;
     let has_mobile = config.robots.iter().any(|robot| robot.role == RoleConfig::Anchor);
@@ -112,7 +112,7 @@ pub(super) fn check_distributed(
 }
 
 /// The time of mobile anchors is given if, and only if, there are any.
-fn check_phase(written: &DistributedMappingConfig, has_mobile: bool, errors: &mut Errors<'_>) {
+fn check_phase(written: &DistributedMappingConfig, has_mobile: bool, errors: &mut Errors) {
     const KEY: &str = "mobile_phase_s";
     let error = match (written.mobile_phase_s, has_mobile) {
         (None, true) => SettingError::missing(KEY, "a time, because a robot has `role = \"anchor\"`"),
@@ -126,7 +126,7 @@ fn check_phase(written: &DistributedMappingConfig, has_mobile: bool, errors: &mu
 }
 
 /// Nodes must hear each other.
-pub(super) fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors<'_>) {
+pub(super) fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors) {
     let why = "because nodes must hear each other's messages at any time";
     let error = match tables.mac.value {
         MacConfig::SectorSweep(_) => return,
@@ -142,7 +142,7 @@ pub(super) fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors<'_
 }
 
 /// A mobile anchor sends in the network of the map, and in no other.
-fn check_network(i: usize, robot: &Robot, network: NetworkId, config: &ScenarioConfig, errors: &mut Errors<'_>) {
+fn check_network(i: usize, robot: &Robot, network: NetworkId, config: &ScenarioConfig, errors: &mut Errors) {
     if robot.body.networks == [network] {
         return;
     }
@@ -166,7 +166,7 @@ fn antennas(
     network: &Network,
     tables: &NetworkTables<'_>,
     has_mobile: bool,
-    errors: &mut Errors<'_>,
+    errors: &mut Errors,
 ) -> Option<Option<(NodeAntenna, SectorTable, u8)>> {
     let Some(antennas) = network.technology.antennas() else { return Some(None) };
     let written = tables.antenna.value?;

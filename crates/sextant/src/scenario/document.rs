@@ -33,6 +33,19 @@ pub(crate) enum Value {
     Datetime(String),
     Array(Vec<Entry>),
     Table(Table),
+    /// Stands for a value that was rejected or is missing, while the rest is checked.
+    Placeholder(Placeholder),
+}
+
+/// What stands for a value that was rejected or is missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Placeholder {
+    /// Nothing: an optional setting has its default.
+    Absent,
+    /// The number 1, the first choice, a short text, an empty array, a table without settings.
+    One,
+    /// The same with the number 100.
+    Large,
 }
 
 /// The merged settings of a scenario, and their sources.
@@ -65,6 +78,26 @@ impl Document {
         }
         (entry, true)
     }
+
+    /// The entry at `path`, to change.
+    pub(crate) fn entry_mut(&mut self, path: &KeyPath) -> Option<&mut Entry> {
+        path.0.iter().try_fold(&mut self.root, |entry, step| entry.child_mut(step))
+    }
+
+    /// The entry at `path`, to change. Tables on the way to it are added.
+    pub(crate) fn entry_or_insert(&mut self, path: &KeyPath) -> Option<&mut Entry> {
+        path.0.iter().try_fold(&mut self.root, |entry, step| {
+            let fresh = Entry { value: Value::Table(Table::new()), origin: entry.origin.clone(), layer: entry.layer };
+            if !matches!(entry.value, Value::Table(_) | Value::Array(_)) {
+                entry.value = Value::Table(Table::new());
+            }
+            match (&mut entry.value, step) {
+                (Value::Table(table), Step::Key(key)) => Some(table.entry(key.clone()).or_insert(fresh)),
+                (Value::Array(items), step) => items.get_mut(step.index()?),
+                _ => None,
+            }
+        })
+    }
 }
 
 impl Entry {
@@ -73,6 +106,15 @@ impl Entry {
         match (&self.value, step) {
             (Value::Table(table), Step::Key(key)) => table.get(key),
             (Value::Array(items), step) => items.get(step.index()?),
+            _ => None,
+        }
+    }
+
+    /// The entry one step down, to change.
+    pub(crate) fn child_mut(&mut self, step: &Step) -> Option<&mut Self> {
+        match (&mut self.value, step) {
+            (Value::Table(table), Step::Key(key)) => table.get_mut(key),
+            (Value::Array(items), step) => items.get_mut(step.index()?),
             _ => None,
         }
     }

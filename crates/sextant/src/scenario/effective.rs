@@ -47,6 +47,8 @@ pub(super) fn inline(value: &Value) -> String {
         Value::Float(float) => format!("{float:?}"),
         Value::String(text) => toml::Value::String(text.clone()).to_string(),
         Value::Datetime(text) => text.clone(),
+        // It takes the place of a value only while errors are collected.
+        Value::Placeholder(_) => String::new(),
         Value::Array(items) => {
             format!("[{}]", items.iter().map(|item| inline(&item.value)).collect::<Vec<_>>().join(", "))
         }

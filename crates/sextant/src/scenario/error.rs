@@ -38,7 +38,25 @@ impl ScenarioErrors {
         if errors.is_empty() { Ok(()) } else { Err(Self(errors)) }
     }
 
-    /// The errors, in the order of the parts of the scenario.
+    /// The errors without duplicates, in the order of `sources`; those without a place come last.
+    pub(crate) fn in_order(mut errors: Vec<ScenarioError>, sources: &[Source]) -> Option<Self> {
+        errors.sort_by_key(|error| {
+            let place = error.excerpt().map(|excerpt| {
+                let source = sources.iter().position(|source| Arc::ptr_eq(&source.text, &excerpt.text));
+                (source.unwrap_or(usize::MAX), excerpt.span.start)
+            });
+            place.unwrap_or((usize::MAX, usize::MAX))
+        });
+        let mut distinct: Vec<ScenarioError> = Vec::new();
+        for error in errors {
+            if !distinct.iter().any(|other| other.message == error.message && other.place() == error.place()) {
+                distinct.push(error);
+            }
+        }
+        Self::check(distinct).err()
+    }
+
+    /// The errors, in the order of the file.
     #[must_use]
     pub fn errors(&self) -> &[ScenarioError] {
         &self.0

@@ -3,21 +3,27 @@
 use sextant_kernel::SettingError;
 
 use super::document::Document;
-use super::error::ScenarioError;
+use super::error::ScenarioErrors;
 
 /// Collects errors.
-pub(super) struct Errors<'a> {
-    pub(super) document: &'a Document,
-    pub(super) found: Vec<ScenarioError>,
+#[derive(Default)]
+pub(super) struct Errors {
+    pub(super) found: Vec<SettingError>,
 }
 
-impl Errors<'_> {
+impl Errors {
     pub(super) fn refuse(&mut self, error: &SettingError) {
-        self.found.push(self.document.outside(error));
+        self.found.push(error.clone());
     }
 
     /// The value; an error is collected as one within `table`, or of the scenario itself if that is empty.
     pub(super) fn take<T>(&mut self, table: &str, result: Result<T, SettingError>) -> Option<T> {
-        result.map_err(|error| self.refuse(&if table.is_empty() { error } else { error.within(table) })).ok()
+        let of_table = |error: SettingError| if table.is_empty() { error } else { error.within(table) };
+        result.map_err(|error| self.found.push(of_table(error))).ok()
+    }
+
+    /// The errors with their places in `document`, if there are any.
+    pub(super) fn placed(&self, document: &Document) -> Result<(), ScenarioErrors> {
+        ScenarioErrors::check(self.found.iter().map(|error| document.outside(error)).collect())
     }
 }

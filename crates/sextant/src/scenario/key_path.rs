@@ -82,6 +82,13 @@ impl KeyPath {
         }
     }
 
+    /// Whether it is `other`, or a path to something in it.
+    pub(crate) fn is_within(&self, other: &Self) -> bool {
+        let same =
+            |(step, other): (&Step, &Step)| step == other || step.index().is_some_and(|i| other.index() == Some(i));
+        self.0.len() >= other.0.len() && self.0.iter().zip(&other.0).all(same)
+    }
+
     /// The path with one more step.
     pub(crate) fn child(&self, step: Step) -> Self {
         let mut steps = self.0.clone();

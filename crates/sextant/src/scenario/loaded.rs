@@ -14,6 +14,7 @@ use super::applications::Application;
 use super::build::{Parts, check};
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::deserialize::deserialize;
+use super::diagnosis;
 use super::distributed::NodeMapJob;
 use super::document::Document;
 use super::error::ScenarioErrors;
@@ -107,13 +108,23 @@ impl Scenario {
         let mut document = Document::clone(&base.document);
         document.override_by(&base.set, base.seed, &base.folder)?;
         let text = std::mem::take(&mut document.text);
-        let mut config: ScenarioConfig = deserialize(&document)?;
-        let named_files = named_files(&mut config, &mut document, &base.folder);
         let files = Files::of_folder(&base.folder);
-        let mut errors = Errors { document: &document, found: Vec::new() };
-        let (parts, maps) = check(&config, &files, &mut errors);
-        ScenarioErrors::check(errors.found)?;
-        let parts = parts.expect("what has no errors has all its parts");
+        let whole = deserialize(&document).map_err(ScenarioErrors::from).and_then(|mut config: ScenarioConfig| {
+            let named_files = named_files(&mut config, &document, &base.folder);
+            let mut errors = Errors::default();
+            let (parts, maps) = check(&config, &files, &mut errors);
+            errors.placed(&document)?;
+            Ok((config, named_files, parts.expect("what has no errors has all its parts"), maps))
+        });
+        let (config, named_files, parts, maps) = whole.map_err(|first| {
+            let check = |document: &Document, mut config: ScenarioConfig| {
+                named_files(&mut config, document, &base.folder);
+                let mut errors = Errors::default();
+                check(&config, &files, &mut errors);
+                errors.found
+            };
+            diagnosis::errors_of(document, &check).unwrap_or(first)
+        })?;
         Ok(Self { base, config, named_files, text, parts, maps })
     }
 
@@ -285,7 +296,7 @@ impl Scenario {
 }
 
 /// The files that the settings name, whose paths become relative to the folder of the scenario.
-fn named_files(config: &mut ScenarioConfig, document: &mut Document, folder: &Path) -> Vec<NamedFile> {
+fn named_files(config: &mut ScenarioConfig, document: &Document, folder: &Path) -> Vec<NamedFile> {
     let mut named_files = Vec::new();
     for (key, file) in config.world.files_mut() {
         let written = file.clone();

@@ -194,7 +194,7 @@ impl MapSettings {
             let alone = config.maps.iter_mut().filter(|map| !is_joint(map));
             alone.for_each(|map| map.network = Some(network.to_owned()));
         }
-        let mut errors = Errors { document: &document, found: Vec::new() };
+        let mut errors = Errors::default();
         let tables = NetworkTables::all(config.tables());
         let none = Files::Attached(Arc::default());
         let files = scenario.map_or(&none, |scenario| scenario.files);
@@ -207,13 +207,13 @@ impl MapSettings {
         } else {
             None
         };
-        ScenarioErrors::check(errors.found)?;
+        errors.placed(&document)?;
         Ok(Self { maps, obstacles, metrics: config.metrics })
     }
 }
 
 /// What maps may know of the links of a network. A log of a real robot has no channel.
-fn known_links(table: &NetworkTables<'_>, files: &Files, errors: &mut Errors<'_>) -> Option<CheckedLinks> {
+fn known_links(table: &NetworkTables<'_>, files: &Files, errors: &mut Errors) -> Option<CheckedLinks> {
     table.radio.value?;
     let channel = table.law(errors)?;
     let technology = Technology::read(&table.link_config(), None, files).ok()?;
@@ -336,12 +336,12 @@ mod tests {
             let settings = MapSettings::new(recorded(&text), None, (None, None), &[]).unwrap();
             settings.maps[0].mapper.clone()
         };
-        let channel = "channel = { environment = \"light-tree\", max_range_m = 10 }";
+        let channel = "channel = { environment = \"light-tree\", max_range_m = 10, path_loss.log_distance.reference_loss_db = 0.0 }";
         let known = map(channel, "");
         let written = "exponent = 3.6, sigma_db = 8.2, tx_power_dbm = -50, sensitivity_dbm = -90, max_range_m = 10";
         assert_eq!(known, map("", written));
         assert_ne!(known, map(channel, "max_range_m = 9"));
-        let suburban = "channel = { environment = \"suburban\", max_range_m = 10 }";
+        let suburban = "channel = { environment = \"suburban\", max_range_m = 10, path_loss.log_distance.reference_loss_db = 0.0 }";
         assert_ne!(known, map(suburban, ""));
     }
 
@@ -374,7 +374,7 @@ mod tests {
     fn maps_name_networks_that_robots_survey() {
         let new = |network: &str, flag: Option<&str>| {
             let text = format!(
-                "channel = {{ environment = \"suburban\", max_range_m = 9 }}\n[networks.a]\nradio = {{ tx_power_dbm = -50, sensitivity_dbm = -90 }}\n\
+                "channel = {{ environment = \"suburban\", max_range_m = 9, path_loss.log_distance.reference_loss_db = 0.0 }}\n[networks.a]\nradio = {{ tx_power_dbm = -50, sensitivity_dbm = -90 }}\n\
                  [networks.b]\nradio = {{ tx_power_dbm = -60, sensitivity_dbm = -90 }}\n\
                  [networks.c]\nradio = {{ tx_power_dbm = -60, sensitivity_dbm = -90 }}\n\
                  [[robots]]\nname = \"r\"\nstart_m = [0, 0]\nlisten_s = 1\nnetworks = [\"b\", \"a\"]\n\

@@ -20,7 +20,7 @@ pub struct MapJob {
 }
 
 /// The maps to compute; absent channel settings are taken from the networks of the maps, where they are known.
-pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors: &mut Errors<'_>) -> Vec<MapJob> {
+pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors: &mut Errors) -> Vec<MapJob> {
     let mut maps: Vec<MapJob> = Vec::new();
     for (i, config) in configs.iter().enumerate() {
         let table = format!("maps[{i}]");
@@ -45,7 +45,7 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
 }
 
 /// Refuses maps of what robots heard, if no robot surveys.
-pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[MapJob], errors: &mut Errors<'_>) {
+pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[MapJob], errors: &mut Errors) {
     if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
         return;
     }
@@ -57,7 +57,7 @@ pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[MapJob], errors
 }
 
 /// Refuses the name of a map that is not plain, or that one of the `others` has. The name is in `table`.
-pub(super) fn check_name(name: &str, table: &str, others: &[MapJob], errors: &mut Errors<'_>) {
+pub(super) fn check_name(name: &str, table: &str, others: &[MapJob], errors: &mut Errors) {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     if name.is_empty() || !name.chars().all(is_plain) {
         let allowed = "at least one character; only letters, digits, `-`, `_` and `.`";

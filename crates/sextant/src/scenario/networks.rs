@@ -137,9 +137,14 @@ impl<'a> NetworkTables<'a> {
         self.traffic.value.filter(|_| !self.sweeps_sectors())
     }
 
-    /// The law of its channel.
-    pub(super) fn law(&self, errors: &mut Errors<'_>) -> Option<ChannelLaw> {
-        errors.take(&self.channel.key, ChannelLaw::try_from(*self.channel.value))
+    /// The law of its channel. An absent loss at the reference distance is that of free space at the carrier of its radios.
+    pub(super) fn law(&self, errors: &mut Errors) -> Option<ChannelLaw> {
+        let channel = *self.channel.value;
+        let channel = match self.radio.value {
+            Some(radio) => channel.with_free_space(radio.carrier_ghz(self.mac.value)),
+            None => channel,
+        };
+        errors.take(&self.channel.key, ChannelLaw::try_from(channel))
     }
 
     /// Its channel and its links, checked; `nodes` are those of the world, if it has no error.
@@ -147,7 +152,7 @@ impl<'a> NetworkTables<'a> {
         &self,
         nodes: Option<&[PlacedNode]>,
         files: &Files,
-        errors: &mut Errors<'_>,
+        errors: &mut Errors,
     ) -> Option<CheckedLinks> {
         let channel = self.law(errors);
         let technology = Technology::read(&self.link_config(), nodes, files);
@@ -191,7 +196,7 @@ impl<'a> NetworkTables<'a> {
         links: Option<CheckedLinks>,
         nodes: Option<&[PlacedNode]>,
         files: &Files,
-        errors: &mut Errors<'_>,
+        errors: &mut Errors,
     ) -> Option<Network> {
         let radio_states = errors.take(&self.energy.key, RadioStates::try_from(*self.energy.value));
         let silent = || nodes.map(|nodes| TrafficPlan::silent(nodes.len()));

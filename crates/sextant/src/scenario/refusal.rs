@@ -1,5 +1,7 @@
 //! Errors of settings, with their place in the source text.
 
+use std::fmt;
+
 use sextant_kernel::SettingError;
 
 use super::document::{Document, Entry, Value};
@@ -10,10 +12,21 @@ use super::source::Origin;
 /// Why a setting is rejected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    UnknownField { field: String, expected: &'static [&'static str] },
-    UnknownVariant { variant: String, expected: &'static [&'static str] },
+    UnknownField {
+        field: String,
+        expected: &'static [&'static str],
+    },
+    UnknownVariant {
+        variant: String,
+        expected: &'static [&'static str],
+    },
     MissingField(&'static str),
-    Unfit { found: String, expected: String },
+    Unfit {
+        found: String,
+        expected: String,
+    },
+    /// A table with several choices, of which one is allowed.
+    SeveralChoices(Vec<String>),
     Other(String),
 }
 
@@ -44,13 +57,7 @@ impl Document {
     /// The error that the setting at `path` is rejected.
     pub(super) fn refused(&self, path: &KeyPath, refusal: &Refusal) -> ScenarioError {
         let (entry, exact) = self.nearest(path);
-        // The path to an unknown key may end at the key or at its table.
-        let step = Step::Key(refusal.name().to_owned());
-        let (table, entry_of) = match (path.0.split_last(), entry.child(&step)) {
-            (_, Some(child)) => (path.clone(), child),
-            (Some((last, above)), None) if *last == step => (KeyPath(above.to_vec()), entry),
-            _ => (path.clone(), entry),
-        };
+        let (table, entry_of) = self.named_in(path, refusal.name());
         let place = if table.0.is_empty() { "the scenario".to_owned() } else { format!("`{table}`") };
         match refusal {
             Refusal::UnknownField { field, expected } => {
@@ -78,10 +85,26 @@ impl Document {
                 let this = ScenarioError::new(format!("`{path}` is {found}; allowed: {expected}"));
                 self.pointing(this, entry, exact, value_label(expected))
             }
+            Refusal::SeveralChoices(choices) => {
+                let this = ScenarioError::new(format!("`{path}`: only one of {} is allowed", names(choices)));
+                self.pointing(this, entry, exact, "here")
+            }
             Refusal::Other(message) => {
                 let message = if path.0.is_empty() { message.clone() } else { format!("`{path}`: {message}") };
                 self.pointing(ScenarioError::new(message), entry, exact, "here")
             }
+        }
+    }
+
+    /// The table that has the unknown key or choice `name`, and the entry of that. The path to an unknown key may end at the
+    /// key or at its table.
+    pub(super) fn named_in(&self, path: &KeyPath, name: &str) -> (KeyPath, &Entry) {
+        let (entry, _) = self.nearest(path);
+        let step = Step::Key(name.to_owned());
+        match (path.0.split_last(), entry.child(&step)) {
+            (_, Some(child)) => (path.clone(), child),
+            (Some((last, above)), None) if *last == step => (KeyPath(above.to_vec()), entry),
+            _ => (path.clone(), entry),
         }
     }
 
@@ -105,21 +128,26 @@ fn value_label(allowed: &str) -> String {
 
 /// "did you mean ..?" if one of `expected` is similar to `found`, otherwise `otherwise`.
 fn suggestion(found: &str, expected: &[&str], otherwise: &str) -> String {
-    let closest = expected
-        .iter()
-        .map(|name| (strsim::jaro_winkler(found, name), name))
-        .max_by(|(a, _), (b, _)| a.total_cmp(b))
-        .filter(|(likeness, _)| *likeness > 0.8);
-    match closest {
-        Some((_, name)) => format!("did you mean `{name}`?"),
+    match closest(found, expected) {
+        Some(name) => format!("did you mean `{name}`?"),
         None => otherwise.to_owned(),
     }
 }
 
+/// The one of `expected` that is similar to `found`, if there is one.
+pub(super) fn closest<'a>(found: &str, expected: &[&'a str]) -> Option<&'a str> {
+    expected
+        .iter()
+        .map(|name| (strsim::jaro_winkler(found, name), *name))
+        .max_by(|(a, _), (b, _)| a.total_cmp(b))
+        .filter(|(likeness, _)| *likeness > 0.8)
+        .map(|(_, name)| name)
+}
+
 fn allowed(what: &str, expected: &[&str]) -> String {
-    if expected.is_empty() {
-        return format!("{what}: none");
-    }
-    let names: Vec<_> = expected.iter().map(|name| format!("`{name}`")).collect();
-    format!("{what}: {}", names.join(", "))
+    if expected.is_empty() { format!("{what}: none") } else { format!("{what}: {}", names(expected)) }
+}
+
+fn names(names: &[impl fmt::Display]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }

@@ -25,7 +25,7 @@ pub(super) struct Robots {
 }
 
 /// The robots, with unique names.
-pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Robots {
+pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) -> Robots {
     let mut robots = Robots::default();
     for (i, robot_config) in config.robots.iter().enumerate() {
         let table = format!("robots[{i}]");
@@ -67,7 +67,7 @@ pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, error
 pub(super) fn check_target_names(
     robots: &[RobotConfig<ControllerConfig>],
     world: Option<&World>,
-    errors: &mut Errors<'_>,
+    errors: &mut Errors,
 ) {
     for (i, target) in world.iter().flat_map(|world| &world.targets).enumerate() {
         if robots.iter().any(|robot| robot.name == target.name()) {

@@ -9,7 +9,7 @@ use super::errors::Errors;
 use super::networks;
 
 /// The sinks, with unique names.
-pub(super) fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Vec<Sink> {
+pub(super) fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) -> Vec<Sink> {
     let none = ObstacleField::default();
     let obstacles = world.map_or(&none, |world| &world.obstacles);
     let mut sinks: Vec<Sink> = Vec::new();

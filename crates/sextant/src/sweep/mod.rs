@@ -9,6 +9,7 @@
 mod column;
 mod curves;
 mod error;
+mod finished_table;
 mod parts;
 mod plan;
 mod row;
@@ -17,16 +18,18 @@ mod share;
 mod statistics;
 mod table_file;
 mod table_reader;
+mod theory;
 mod unit;
 
 pub use column::{Column, Kind};
-pub use curves::figures;
+pub use curves::{figures, figures_with_theory};
 pub use error::{SweepError, TableError};
+pub use finished_table::FinishedTable;
 pub use plan::{Cell, Sweep};
 pub use row::Row;
 pub use shard::Shard;
 pub use share::Share;
-pub use statistics::Mean;
+pub use statistics::{Mean, students_t_975};
 pub use table_file::TableFormat;
 pub use table_reader::read_table;
 

@@ -25,8 +25,7 @@ impl Mean {
         let n = runs as f64;
         let mean = values.iter().sum::<f64>() / n;
         let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        let student = StudentsT::new(0.0, 1.0, n - 1.0).ok();
-        let half_width_95 = student.map(|t| t.inverse_cdf(0.975) * (variance / n).sqrt());
+        let half_width_95 = (runs > 1).then(|| students_t_975(runs - 1) * (variance / n).sqrt());
         Some(Self { mean, half_width_95, runs })
     }
 
@@ -58,6 +57,13 @@ impl Mean {
         let half_width_95 = self.half_width_95.map(|half_width| factor * half_width);
         Self { mean: factor * self.mean, half_width_95, ..self }
     }
+}
+
+/// The 97.5 % quantile of Student's t distribution with this many degrees of freedom: half the width of a 95 % interval in
+/// standard errors (Student, 1908). NaN for 0.
+#[must_use]
+pub fn students_t_975(degrees_of_freedom: usize) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees_of_freedom as f64).map_or(f64::NAN, |t| t.inverse_cdf(0.975))
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 
 mod budget;
 mod cells;
+mod history;
 mod interface;
+mod items;
 mod listener;
 mod medium;
 mod mounts;
@@ -23,12 +25,14 @@ use crate::purpose;
 use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::station::{Motion, Roll};
 use budget::Budget;
+use history::History;
 use listener::Listener;
 use medium::Medium;
 use reached::Reached;
 use receiver::{Heard, Receiver};
 
 pub(crate) use interface::Interface;
+pub(crate) use items::{LinkItems, PlacedRadio};
 pub(crate) use mounts::Mount;
 pub(crate) use noise::Burst;
 pub(crate) use receiver::{CarrierThresholds, ReceptionRules};
@@ -91,6 +95,8 @@ pub(crate) struct Air {
     reached: Reached,
     /// Changes of the carrier that have not been taken yet.
     carrier_changes: Vec<CarrierChange>,
+    /// The last signals, if somebody asks who disturbed whom.
+    history: Option<History>,
 }
 
 /// Settings of the air.
@@ -136,6 +142,7 @@ impl Air {
             near: Vec::new(),
             reached: Reached::default(),
             carrier_changes: Vec::new(),
+            history: None,
         }
     }
 
@@ -285,6 +292,9 @@ impl Air {
             Signal { packet: self.packets, source, sender, position, emission, start: now, end: now + airtime };
         self.packets += 1;
         self.medium.begin(signal);
+        if let Some(history) = &mut self.history {
+            history.add(signal);
+        }
         let network = self.network(sender);
         let mut listening = match to {
             Some(to) => usize::from(self.is_listening(to)),

@@ -1,6 +1,6 @@
 //! The engine: the only event loop.
 
-mod bands;
+pub(crate) mod bands;
 mod dying;
 mod ended;
 mod interference;
@@ -16,6 +16,7 @@ use crate::air::Air;
 use crate::application::{Application, Port};
 use crate::event::Event;
 use crate::faults::{Death, Faults};
+use crate::link::Links;
 use crate::link::antennas::Antennas;
 use crate::link::settings::Placement;
 use crate::model::log::Logs;
@@ -109,6 +110,7 @@ impl<A: Application> Engine<A> {
             seed: setup.seed,
             offered: 0,
             upcalls: Vec::new(),
+            traced: Vec::new(),
         };
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
         let Extras { first_packet, channel_seed, mut coordinator } = extras;
@@ -219,6 +221,10 @@ impl<A: Application> Engine<A> {
         }
         self.model.tell(&mut self.logs, observer);
         self.tell_targets(observer);
+        for network in &mut self.model.networks {
+            network.trace_pending(&mut self.model.scene);
+        }
+        self.model.tell_packets(observer);
         self.finish(interrupted)
     }
 
@@ -233,6 +239,10 @@ impl<A: Application> Engine<A> {
     }
 
     fn begin(&mut self, observer: &mut impl Observer) {
+        if observer.wants_packets() {
+            self.model.networks.iter_mut().for_each(Links::trace);
+            self.model.scene.airs.iter_mut().for_each(Air::keep_history);
+        }
         if !self.warm_up.is_zero() {
             let counted_from = SimTime::ZERO + self.warm_up;
             self.model.networks.iter_mut().for_each(|network| network.count_from(counted_from));
@@ -254,6 +264,7 @@ impl<A: Application> Engine<A> {
         self.model.sensing.begin(&mut self.model.scene);
         self.schedule_deaths();
         self.model.tell(&mut self.logs, observer);
+        self.model.tell_packets(observer);
     }
 
     /// Handles an event; returns whether the simulation goes on.
@@ -293,6 +304,9 @@ impl<A: Application> Engine<A> {
                 let now = self.model.scene.now;
                 self.model.networks.iter_mut().for_each(|network| network.restart_meters(now));
             }
+        }
+        if !self.model.scene.traced.is_empty() {
+            self.model.tell_packets(observer);
         }
         if self.model.notes.is_empty() {
             return true;

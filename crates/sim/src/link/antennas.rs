@@ -32,6 +32,7 @@ pub struct AntennasConfig {
     /// Angles by which the antennas of nodes are raised (degrees): each node has one of them, at random, for all its
     /// sectors (Gunathillake 2018, chapter 5). Only antennas of the kind `sectors` can be raised.
     #[serde(default = "not_tilted", skip_serializing_if = "is_not_tilted")]
+    #[schemars(extend("default" = [0.0]))]
     pub node_tilts_deg: Vec<f64>,
     /// Probability that an answer to a sweep of a steered antenna is lost because the antenna has moved on; 0 leaves only
     /// the losses of the link (Gunathillake 2018, chapter 4: 0.6).

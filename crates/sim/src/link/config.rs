@@ -9,6 +9,7 @@ use sextant_mac::dmg::SweepConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
 
 use super::antennas::AntennasConfig;
+use super::ieee80211ad::carrier_hz;
 use crate::air::ReceptionConfig;
 use crate::world::layout::NodesOfGroup;
 
@@ -19,6 +20,7 @@ pub struct RadioConfig {
     /// Physical layer of IEEE 802.15.4: band, modulation and bit rate; 2450 MHz, O-QPSK, 250 kb/s if absent. Absent with
     /// sector sweeps.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(extend("default" = "oqpsk2450"))]
     pub phy: Phy,
     /// Number of the radio channel: 0 at 868 MHz, 1 to 10 at 915 MHz, 11 to 26 at 2450 MHz, 1 to 4
     /// with sector sweeps; the lowest one if absent.
@@ -42,9 +44,11 @@ pub struct RadioConfig {
     /// are exact. IEEE 802.15.4 allows 40. Only with `mac.csma_unslotted`: nodes that follow beacons take over the
     /// clock of the coordinator.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("default" = 0.0))]
     pub clock_ppm: f64,
     /// Groups of nodes whose radios differ from the others. Only with IEEE 802.15.4.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub groups: Vec<RadioGroupConfig>,
 }
 
@@ -77,6 +81,18 @@ pub struct RadioGroupConfig {
 }
 
 impl RadioConfig {
+    /// The carrier of its channel (GHz): by IEEE 802.15.4-2006, 6.1.2.1, or by IEEE 802.11ad-2012, annex E, with sector
+    /// sweeps. That of the lowest channel if there is no such channel.
+    #[must_use]
+    pub fn carrier_ghz(&self, mac: &MacConfig) -> f64 {
+        if mac.sweeps_sectors() {
+            return carrier_hz(self.channel.filter(|number| (1..=4).contains(number)).unwrap_or(1)) / 1e9;
+        }
+        let numbers = self.phy.channels();
+        let number = self.channel.filter(|number| numbers.contains(number)).unwrap_or(*numbers.start());
+        self.phy.center_mhz(number) / 1000.0
+    }
+
     /// The radios of a group.
     pub(crate) fn of_group(&self, group: &RadioGroupConfig) -> Self {
         Self {

@@ -16,6 +16,12 @@ pub(crate) trait NetworkLinks {
     /// An event of a station's link.
     type Event;
 
+    /// Packets are traced from now on: called before the start.
+    fn trace(&mut self);
+
+    /// Traces the packets that have not ended at the end of the simulation.
+    fn trace_pending(&mut self, scene: &mut Scene);
+
     /// The network starts to work at a station.
     fn begin(&mut self, station: StationId, scene: &mut Scene);
 

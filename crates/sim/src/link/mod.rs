@@ -14,6 +14,7 @@ pub(crate) mod links;
 mod payloads;
 pub(crate) mod settings;
 mod technology;
+mod track;
 
 use sextant_kernel::SettingError;
 

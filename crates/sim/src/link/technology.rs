@@ -158,6 +158,26 @@ impl Technology {
         self.settings().frame_octets(payload_octets)
     }
 
+    /// Time on air of a frame of this size (octets); `None` if no frame is so long.
+    #[must_use]
+    pub fn airtime(&self, frame_octets: u16) -> Option<Duration> {
+        self.settings().airtime(frame_octets)
+    }
+
+    /// Power at or above which carrier sense finds the channel busy; but for groups of nodes.
+    #[must_use]
+    pub fn carrier_sense_threshold(&self) -> Dbm {
+        self.settings().busy_from(None)
+    }
+
+    /// Probability that a robot receives a frame of this size (octets) that arrives with `power`, undisturbed.
+    #[must_use]
+    pub fn reception_probability(&self, power: Dbm, frame_octets: u16) -> f64 {
+        let (rules, airtime) = (self.settings().reception_rules(), self.settings().airtime(frame_octets));
+        let airtime = airtime.unwrap_or_default();
+        rules.first().map_or(0.0, |rules| rules.reception_alone(power.to_milliwatts(), airtime))
+    }
+
     /// Energy to send and to receive a frame of this size (octets); `None` if no frame is so long.
     #[must_use]
     pub fn frame_energy(&self, states: &RadioStates, frame_octets: u16) -> Option<MessageEnergy> {
@@ -168,6 +188,14 @@ impl Technology {
 
 /// The questions of [`NetworkLinks`], to the links of whatever technology.
 impl Links {
+    pub(crate) fn trace(&mut self) {
+        ask!(self, links => links.trace());
+    }
+
+    pub(crate) fn trace_pending(&mut self, scene: &mut Scene) {
+        ask!(self, links => links.trace_pending(scene));
+    }
+
     pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
         ask!(self, links => links.begin(station, scene));
     }

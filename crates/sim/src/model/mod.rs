@@ -70,6 +70,11 @@ impl Model {
         }
     }
 
+    /// Shows the observer the packets that have ended.
+    pub(crate) fn tell_packets(&mut self, observer: &mut impl Observer) {
+        self.scene.traced.drain(..).for_each(|packet| observer.traced(&packet));
+    }
+
     /// Shows the observer what happened, and keeps what belongs into the log. Returns whether a stop was among
     /// it.
     pub(crate) fn tell(&mut self, logs: &mut log::Logs, observer: &mut impl Observer) -> bool {

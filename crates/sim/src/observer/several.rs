@@ -6,6 +6,7 @@ use sextant_kernel::{NodeId, SimTime, StationId};
 use super::{FrameOnAir, Observer, Progress};
 use crate::service::estimate::Estimate;
 use crate::service::network_id::NetworkId;
+use crate::service::packet_trace::PacketTrace;
 use crate::service::sensed::{FieldId, Sensed, TargetId};
 use crate::station::Pose;
 
@@ -25,6 +26,10 @@ macro_rules! each_event {
                 (**self).wants_frames()
             }
 
+            fn wants_packets(&self) -> bool {
+                (**self).wants_packets()
+            }
+
             fn goes_on(&mut self, progress: Progress) -> bool {
                 (**self).goes_on(progress)
             }
@@ -42,6 +47,10 @@ macro_rules! each_event {
                 self.as_ref().is_some_and(Observer::wants_frames)
             }
 
+            fn wants_packets(&self) -> bool {
+                self.as_ref().is_some_and(Observer::wants_packets)
+            }
+
             fn goes_on(&mut self, progress: Progress) -> bool {
                 self.as_mut().is_none_or(|observer| observer.goes_on(progress))
             }
@@ -56,6 +65,10 @@ macro_rules! each_event {
 
             fn wants_frames(&self) -> bool {
                 self.0.wants_frames() || self.1.wants_frames()
+            }
+
+            fn wants_packets(&self) -> bool {
+                self.0.wants_packets() || self.1.wants_packets()
             }
 
             fn goes_on(&mut self, progress: Progress) -> bool {
@@ -79,6 +92,7 @@ each_event! {
     sensed(node: NodeId, time: SimTime, sensed: &Sensed);
     source_removed(field: FieldId, source: usize, time: SimTime);
     framed(frame: FrameOnAir<'_>);
+    traced(packet: &PacketTrace);
 }
 
 #[cfg(test)]

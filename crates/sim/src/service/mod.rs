@@ -5,6 +5,7 @@ pub(crate) mod delivery;
 pub(crate) mod estimate;
 pub(crate) mod network_id;
 pub(crate) mod outcome;
+pub(crate) mod packet_trace;
 pub(crate) mod packets;
 pub(crate) mod report;
 pub(crate) mod sensed;

@@ -21,6 +21,7 @@ pub struct RobotConfig<C> {
     pub start_m: Position,
     /// What it does at its stops.
     #[serde(default, skip_serializing_if = "RoleConfig::is_survey")]
+    #[schemars(extend("default" = "survey"))]
     pub role: RoleConfig,
     /// How fast it drives (m/s).
     #[serde(default = "default_speed_m_per_s")]
@@ -36,10 +37,12 @@ pub struct RobotConfig<C> {
     pub network: Option<String>,
     /// Names of several networks whose nodes it surveys at the same stops, instead of `network`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub networks: Vec<String>,
     /// Number of sector sweeps at each stop, in equal intervals, in networks that have them, or of messages of a mobile
     /// anchor; 1 to 10000.
     #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[schemars(extend("default" = 1))]
     pub sweeps_per_stop: u32,
     /// Whether it also listens while it drives. A drive has as many equal slots of at least `listen_s` as fit into it;
     /// each is a stop of the log, at the time of its start and the place in its middle.

@@ -36,6 +36,7 @@ pub struct InterfererConfig {
     /// relative to that in the band (dB). Between them it is linear in decibels, from 0 dB at the edge on; beyond the last
     /// pair, or without any, there is none. Such is the leakage into adjacent channels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub leakage: Vec<[f64; 2]>,
     /// It is on once in each period (s), with a random phase.
     #[serde(default = "default_period_s")]

@@ -27,16 +27,18 @@ pub(super) fn open(
 /// Records what is known at the end of an application, and returns its phase.
 pub(super) fn close(
     recorder: &mut FileRecorder,
-    simulation: &RecordedSimulation,
+    simulation: &mut RecordedSimulation,
     end: &ApplicationEnd<'_>,
 ) -> Result<Phase, RecordingError> {
     let ApplicationEnd { scenario, application, start, survey, performance } = *end;
     let (name, offset) = (&application.name, simulation.offset);
     let stop = survey.end + offset;
-    for track in &simulation.robots {
+    for track in &mut simulation.robots {
         recorder.application_path(stop, name, &track.name, &track.places)?;
+        track.close(stop, Some(name), recorder)?;
     }
     let seeks = !application.algorithm.is_search();
+    simulation.air.draw(offset, recorder)?;
     fields::record_phase(scenario, &simulation.fields, (survey.end, offset), seeks, recorder)?;
     let names: Vec<String> = simulation.robots.iter().map(|track| track.name.clone()).collect();
     let recording = Recording { scenario, application, names: &names, offset };
@@ -91,6 +93,10 @@ impl Recording<'_> {
         for scored in scored {
             let time = scored.time + self.offset;
             recorder.estimate(&self.application.name, &self.message(scored))?;
+            if let Some(place) = scored.place {
+                let of = (self.station(scored.station), what(&scored.estimate));
+                recorder.estimated_place(time, &self.application.name, of, (place, scored.error))?;
+            }
             let series = |what: &str| format!("{}/{}/{what}", self.application.name, self.station(scored.station));
             match (scored.estimate, scored.error) {
                 (Estimate::OwnPlace(_), Some(error_m)) => recorder.metric(time, &series("map_error_m"), error_m)?,
@@ -125,19 +131,15 @@ impl Recording<'_> {
 
     fn message(&self, scored: &Scored) -> EstimateMessage {
         let world = self.scenario.world();
-        let (what, name, place, value) = match scored.estimate {
-            Estimate::OwnPlace(place) => ("own_place", "", Some(place), None),
-            Estimate::TargetPlace { target, place } => {
-                ("target_place", world.targets[target.index()].name(), Some(place), None)
-            }
-            Estimate::FieldValue { field, value } => {
-                ("field_value", world.fields[field.index()].name(), None, Some(value))
-            }
+        let (name, place, value) = match scored.estimate {
+            Estimate::OwnPlace(place) => ("", Some(place), None),
+            Estimate::TargetPlace { target, place } => (world.targets[target.index()].name(), Some(place), None),
+            Estimate::FieldValue { field, value } => (world.fields[field.index()].name(), None, Some(value)),
         };
         EstimateMessage {
             time_ns: (scored.time + self.offset).as_nanos(),
             station: self.station(scored.station).to_owned(),
-            what: what.to_owned(),
+            what: what(&scored.estimate).to_owned(),
             name: name.to_owned(),
             x_m: place.map(|place| place.x_m),
             y_m: place.map(|place| place.y_m),
@@ -160,5 +162,14 @@ impl Recording<'_> {
             None => &self.names[collector],
             Some(sink) => &self.scenario.config().sinks[sink].name,
         }
+    }
+}
+
+/// The word for what an estimate is of.
+fn what(estimate: &Estimate) -> &'static str {
+    match estimate {
+        Estimate::OwnPlace(_) => "own_place",
+        Estimate::TargetPlace { .. } => "target_place",
+        Estimate::FieldValue { .. } => "field_value",
     }
 }

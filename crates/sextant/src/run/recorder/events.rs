@@ -3,20 +3,18 @@
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{Level, Sensation, messages};
-use sextant_sim::{FieldId, FrameOnAir, NetworkId, Observer, Pose, Progress, Sensed, TargetId};
+use sextant_sim::{FieldId, FrameOnAir, NetworkId, Observer, PacketTrace, Pose, Progress, Sensed, TargetId};
 
-use super::RunRecorder;
+use super::{RunRecorder, packets};
 
 impl RunRecorder {
-    /// Records that a robot is at a place, with its heading.
+    /// Records that a robot is at a place, with its heading, and how it came there.
     fn record_place(&mut self, robot: usize, time: SimTime, position: Position) {
-        let track = &mut self.simulation.robots[robot];
-        if track.places.last() != Some(&position) {
-            track.places.push(position);
-        }
         self.record(time, |recorder, simulation, time| {
-            let track = &simulation.robots[robot];
-            recorder.robot(time, &track.name, position, track.heading_rad)
+            let track = &mut simulation.robots[robot];
+            let is_new = track.push(position);
+            recorder.robot(time, &track.name, position, track.heading_rad)?;
+            if is_new { track.draw_leg(time, simulation.application.as_deref(), recorder) } else { Ok(()) }
         });
     }
 }
@@ -45,21 +43,24 @@ impl Observer for RunRecorder {
 
     fn met(&mut self, contact: Contact) {
         // What a robot meets in an application is not knowledge of the survey.
-        if !self.simulation.is_application {
+        if self.simulation.application.is_none() {
             self.record(contact.time, |recorder, simulation, _| {
                 recorder.contact(&simulation.robots[contact.robot.index()].name, &contact)
             });
         }
     }
 
-    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, _end: SimTime, receptions: &[Reception]) {
+    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]) {
         // Nor are its stops.
-        if self.simulation.is_application {
+        if self.simulation.application.is_some() {
             return;
         }
         self.record(stop.time, |recorder, simulation, _| {
             let other = simulation.others.iter().find(|(other, _)| *other == network);
             let robot = &simulation.robots[stop.robot.index()].name;
+            let heard = receptions.iter().filter(|reception| reception.received > 0);
+            let heard: Vec<Position> = heard.map(|reception| simulation.nodes[reception.node.index()]).collect();
+            recorder.listening(other.map(|(_, name)| name.as_str()), robot, (stop, end), &heard)?;
             recorder.stop(other.map(|(_, name)| name.as_str()), robot, index, stop, receptions)
         });
     }
@@ -105,6 +106,7 @@ impl Observer for RunRecorder {
         }
         self.record(frame.start, |recorder, simulation, start| {
             let deafness = frame.outcome.deafness();
+            simulation.draw_frame(&frame, recorder)?;
             recorder.frame(&messages::FrameMessage {
                 start_ns: start.as_nanos(),
                 airtime_ns: (SimTime::ZERO + frame.airtime).as_nanos(),
@@ -120,6 +122,22 @@ impl Observer for RunRecorder {
 
     fn wants_frames(&self) -> bool {
         self.simulation.frames
+    }
+
+    fn traced(&mut self, packet: &PacketTrace) {
+        if !self.simulation.packets {
+            return;
+        }
+        let id = self.packets;
+        self.packets += 1;
+        self.record(packet.ended, |recorder, simulation, _| {
+            let network = &simulation.network_names[packet.network.index()];
+            packets::record(recorder, id, network, packet, simulation.offset)
+        });
+    }
+
+    fn wants_packets(&self) -> bool {
+        self.simulation.packets
     }
 
     fn goes_on(&mut self, _progress: Progress) -> bool {

@@ -1,8 +1,8 @@
 //! The maps of a run in its recording.
 
 use sextant_channel::Position;
-use sextant_kernel::NodeId;
-use sextant_mapper::{MapError, NodeOfLog, Surface, TopologyMap};
+use sextant_kernel::{NodeId, SimTime};
+use sextant_mapper::{KnowledgeKind, MapError, NodeOfLog, Surface, TopologyMap};
 use sextant_recording::{FileRecorder, GridPlane, Level, PlacedNode};
 
 use crate::mapping::MapLogs;
@@ -18,6 +18,7 @@ pub(super) fn record(recorder: &mut FileRecorder, map: &MapEnd<'_>) -> Result<()
     match map.named {
         None => record_of_nodes(recorder, map),
         Some(named) => {
+            record_snapshots(recorder, map, named)?;
             record_map(recorder, map)?;
             let (unmapped, nodes) = (map.evaluation.map.unmapped(), map.scenario.world().nodes.len());
             if unmapped > 0 {
@@ -47,6 +48,31 @@ fn record_of_nodes(recorder: &mut FileRecorder, end: &MapEnd<'_>) -> Result<(), 
         }
         if !distributed.converged {
             warn(distributed.unsettled(simulated.survey.interrupted))?;
+        }
+    }
+    Ok(())
+}
+
+/// Records how a map grew: the same algorithm on the log as it was at some instants.
+fn record_snapshots(recorder: &mut FileRecorder, end: &MapEnd<'_>, named: &MapJob) -> Result<(), RunError> {
+    let MapEnd { scenario, simulated: Simulated { survey, .. }, discoveries, watch, .. } = *end;
+    if !named.mapper.uses().contains(&KnowledgeKind::RobotReceptions) {
+        // It would be the same at each instant.
+        return Ok(());
+    }
+    let truth = evaluation::truth(scenario);
+    let snapshots = scenario.recording().snapshots_of_map(end.evaluation.operations) as usize;
+    let stops = survey.log().stops();
+    let mut last = SimTime::ZERO;
+    for snapshot in 1..=snapshots {
+        let Some(time) = stops.get(stops.len() * snapshot / (snapshots + 1)).map(|stop| stop.time) else { break };
+        if time <= last {
+            continue;
+        }
+        last = time;
+        let logs = survey.logs.until(time);
+        if let Some(map) = evaluation::map_of_part(scenario, named, (&logs, discoveries), watch)? {
+            recorder.map(time, &named.name, &placed(&map, &truth))?;
         }
     }
     Ok(())

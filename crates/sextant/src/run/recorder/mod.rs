@@ -1,17 +1,20 @@
 //! The recording of a run, as an observer.
 
+mod air;
 mod application;
 mod events;
 mod fields;
 mod maps;
 mod opening;
+mod packets;
+mod track;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
-use sextant_recording::{FileRecorder, Level, Phase, RecordingError, SURVEY};
+use sextant_recording::{FileRecorder, Level, Phase, RecordingError, Relay, SURVEY};
 use sextant_sim::{Field, NetworkId};
 
 use super::ending;
@@ -19,6 +22,8 @@ use super::error::RunError;
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use crate::scenario::Scenario;
 use crate::summary::Summary;
+use air::Air;
+use track::Track;
 
 /// Records a run to a file: `PATH.part` while the run goes on, `PATH` when it is complete. After the first failure it
 /// ends the simulation, and the run returns the failure; what was recorded until then stays in `PATH.part`.
@@ -30,7 +35,11 @@ pub struct RunRecorder {
     /// The phases of the run so far.
     phases: Vec<Phase>,
     has_applications: bool,
+    /// Who else gets what is recorded, until the run begins.
+    relay: Option<Box<dyn Relay>>,
     failure: Option<RecordingError>,
+    /// Number of packets recorded so far.
+    packets: u64,
 }
 
 /// What the recording of the events of a simulation needs.
@@ -38,6 +47,8 @@ pub struct RunRecorder {
 struct RecordedSimulation {
     /// Whether every frame is recorded.
     frames: bool,
+    /// Whether every packet is recorded.
+    packets: bool,
     robots: Vec<Track>,
     /// Names of the targets.
     targets: Vec<String>,
@@ -49,15 +60,14 @@ struct RecordedSimulation {
     network_names: Vec<String>,
     /// From time 0 of the recording to time 0 of the simulation.
     offset: Duration,
-    /// Whether it is that of an application.
-    is_application: bool,
-}
-
-/// The path of a robot.
-struct Track {
-    name: String,
-    places: Vec<Position>,
-    heading_rad: f64,
+    /// Name of the application that is simulated; `None` for the survey.
+    application: Option<String>,
+    /// Where the nodes really are (m).
+    nodes: Vec<Position>,
+    /// Where the sinks are (m).
+    sinks: Vec<Position>,
+    /// Frames that are not drawn yet.
+    air: Air,
 }
 
 impl RecordedSimulation {
@@ -67,16 +77,19 @@ impl RecordedSimulation {
         let network_names: Vec<String> = network_names.collect();
         let others = scenario.surveyed().into_iter().skip(1);
         let others = others.map(|network| (network, network_names[network.index()].clone())).collect();
-        let track = |name: &String| Track { name: name.clone(), places: Vec::new(), heading_rad: 0.0 };
         Self {
             frames: scenario.recording().frames,
-            robots: start.robots.iter().map(track).collect(),
+            packets: scenario.recording().packets,
+            robots: start.robots.iter().map(|name| Track::new(name)).collect(),
             targets: scenario.world().targets.iter().map(|target| target.name().to_owned()).collect(),
             fields: scenario.world().fields.clone(),
             others,
             network_names,
             offset: start.start - SimTime::ZERO,
-            is_application: start.application.is_some(),
+            application: start.application.map(|application| application.name.clone()),
+            nodes: scenario.world().nodes.iter().map(|node| node.position).collect(),
+            sinks: scenario.config().sinks.iter().map(|sink| sink.position_m).collect(),
+            air: Air::default(),
         }
     }
 }
@@ -91,8 +104,16 @@ impl RunRecorder {
             simulation: RecordedSimulation::default(),
             phases: Vec::new(),
             has_applications: false,
+            relay: None,
             failure: None,
+            packets: 0,
         }
+    }
+
+    /// The same recorder, whose messages `relay` gets too, at the moment when they are recorded.
+    #[must_use]
+    pub fn with_relay(self, relay: Box<dyn Relay>) -> Self {
+        Self { relay: Some(relay), ..self }
     }
 
     fn file(&mut self) -> &mut FileRecorder {
@@ -103,10 +124,11 @@ impl RunRecorder {
     fn record(
         &mut self,
         time: SimTime,
-        write: impl FnOnce(&mut FileRecorder, &RecordedSimulation, SimTime) -> Result<(), RecordingError>,
+        write: impl FnOnce(&mut FileRecorder, &mut RecordedSimulation, SimTime) -> Result<(), RecordingError>,
     ) {
         if let (None, Some(recorder)) = (&self.failure, &mut self.recorder) {
-            self.failure = write(recorder, &self.simulation, time + self.simulation.offset).err();
+            let time = time + self.simulation.offset;
+            self.failure = write(recorder, &mut self.simulation, time).err();
         }
     }
 
@@ -120,6 +142,9 @@ impl RunObserver for RunRecorder {
     fn run_started(&mut self, start: &RunStart<'_>) -> Result<(), RunError> {
         self.has_applications = !start.scenario.applications().is_empty();
         let recorder = self.recorder.insert(FileRecorder::create(&self.path)?);
+        if let Some(relay) = self.relay.take() {
+            recorder.set_relay(relay);
+        }
         opening::open(recorder, start.scenario)?;
         opening::discoveries(recorder, start)?;
         Ok(())
@@ -139,9 +164,11 @@ impl RunObserver for RunRecorder {
         self.check()?;
         let end = survey.simulated.survey.end;
         let recorder = self.recorder.as_mut().expect("the file is created when the run begins");
-        for track in &self.simulation.robots {
+        for track in &mut self.simulation.robots {
             recorder.path(end, &track.name, &track.places)?;
+            track.close(end, None, recorder)?;
         }
+        self.simulation.air.draw(Duration::ZERO, recorder)?;
         let nodes = survey.scenario.world().nodes.len();
         for robot in ending::robots(survey.scenario, &survey.simulated.survey) {
             if let Some(text) = robot.end(nodes) {
@@ -160,7 +187,7 @@ impl RunObserver for RunRecorder {
     fn application_finished(&mut self, end: &ApplicationEnd<'_>) -> Result<(), RunError> {
         self.check()?;
         let recorder = self.recorder.as_mut().expect("the file is created when the run begins");
-        let phase = application::close(recorder, &self.simulation, end)?;
+        let phase = application::close(recorder, &mut self.simulation, end)?;
         self.phases.push(phase);
         Ok(())
     }

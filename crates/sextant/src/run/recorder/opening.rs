@@ -12,6 +12,9 @@ use crate::run::error::RunError;
 use crate::run::observer::RunStart;
 use crate::scenario::{NamedFile, Scenario};
 
+/// Names are drawn in worlds of at most this many nodes: more are slow to draw, and cannot be read.
+const MOST_NAMES: usize = 500;
+
 /// Records what is known before the first event.
 pub(super) fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), RunError> {
     let world = scenario.world();
@@ -33,6 +36,10 @@ pub(super) fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(
     let place = |(i, position)| PlacedNode { node: NodeId::from_index(i), position, error_m: None };
     let nodes: Vec<_> = world.nodes.iter().map(|node| node.position).enumerate().map(place).collect();
     recorder.world_nodes(SimTime::ZERO, &nodes)?;
+    if world.nodes.len() <= MOST_NAMES {
+        let named = world.nodes.iter().map(|node| (node.name.as_str(), node.position));
+        recorder.world_names(SimTime::ZERO, named)?;
+    }
     let sinks = scenario.config().sinks.iter().map(|sink| sink.position_m).enumerate();
     let sinks: Vec<_> = sinks.map(place).collect();
     if !sinks.is_empty() {

@@ -28,13 +28,13 @@ pub(super) fn choice<'a>(table: &'a Table, variants: &'static [&'static str]) ->
             if let Some(name) = table.keys().find(|name| !variants.contains(&name.as_str())) {
                 return Err(de::Error::unknown_variant(name, variants));
             }
-            let choices = names(table.keys().map(String::as_str));
-            Err(Refusal::Other(format!("only one of {choices} is allowed")).into())
+            Err(Refusal::SeveralChoices(table.keys().cloned().collect()).into())
         }
     }
 }
 
-fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+/// Names as a list in a message.
+pub(super) fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
@@ -63,6 +63,7 @@ impl Choice<'_> {
                 None => Ok(()),
                 Some(key) => Err(de::Error::unknown_field(key, &[])),
             },
+            Some(Value::Placeholder(_)) => Ok(()),
             Some(_) => Err(Refusal::Other(format!("`{}` takes no settings", self.name)).into()),
         }
     }

@@ -32,6 +32,7 @@ impl fmt::Display for Refused {
             Refusal::UnknownVariant { variant, .. } => write!(f, "unknown choice `{variant}`"),
             Refusal::MissingField(field) => write!(f, "`{field}` is missing"),
             Refusal::Unfit { found, expected } => write!(f, "{found}; allowed: {expected}"),
+            Refusal::SeveralChoices(choices) => write!(f, "{} choices", choices.len()),
             Refusal::Other(message) => f.write_str(message),
         }
     }

@@ -53,6 +53,7 @@ pub struct PeriodicConfig {
     pub jitter: f64,
     /// Whether frames go to one robot or sink, which must acknowledge them; otherwise they are broadcast.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[schemars(extend("default" = false))]
     pub acknowledged: bool,
     /// Name of the robot or sink to which acknowledged frames go; if absent, the first robot, or the nearest sink if
     /// there is no robot.

@@ -88,6 +88,17 @@ impl Traffic {
         self.to.as_deref()
     }
 
+    /// Mean number of frames per second; `None` if it is not the same all the time, or depends on the channel.
+    #[must_use]
+    pub fn rate_per_s(&self) -> Option<f64> {
+        match &self.schedule {
+            Schedule::Periodic { interval, .. } => Some(1.0 / interval.as_secs_f64()),
+            Schedule::Poisson { mean_interval_s } => Some(1.0 / mean_interval_s),
+            Schedule::Silent => Some(0.0),
+            Schedule::Saturated { .. } | Schedule::Once { .. } | Schedule::Trace(_) => None,
+        }
+    }
+
     /// Whether nodes send nothing.
     #[must_use]
     pub fn is_silent(&self) -> bool {

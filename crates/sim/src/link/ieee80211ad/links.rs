@@ -4,6 +4,7 @@ mod broadcasting;
 mod dying;
 mod ending;
 mod sweeping;
+mod tracing;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
@@ -98,6 +99,7 @@ impl Links {
                 listening_over: None,
                 outcome: FrameOutcome::WORST,
                 frames: 0,
+                tracks: None,
             }
         };
         Self {
@@ -186,6 +188,14 @@ impl Links {
 impl NetworkLinks for Links {
     type Event = Event;
 
+    fn trace(&mut self) {
+        self.stacks.iter_mut().for_each(|stack| stack.tracks = Some(Box::default()));
+    }
+
+    fn trace_pending(&mut self, scene: &mut Scene) {
+        self.trace_all_pending(scene);
+    }
+
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
         if self.ledger.has(station) {
             self.transceiver(station, Role::Responder, scene).0.tune();
@@ -223,6 +233,9 @@ impl NetworkLinks for Links {
             return Err(SweepError::Busy);
         }
         stack.next_sweep = Some(kind);
+        if let Some(tracks) = &mut stack.tracks {
+            tracks.sweep_offered = scene.now;
+        }
         scene.offered += 1;
         self.swept[station.index()] += 1;
         self.ledger.packets[station.index()].offered += 1;

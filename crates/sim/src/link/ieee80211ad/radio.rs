@@ -56,6 +56,11 @@ impl TryFrom<RadioConfig> for DmgRadio {
     }
 }
 
+/// Carrier frequency of a channel (Hz).
+pub(in crate::link) fn carrier_hz(channel: u8) -> f64 {
+    56.16e9 + 2.16e9 * f64::from(channel)
+}
+
 impl DmgRadio {
     /// Number of the radio channel, 1 to 4.
     #[must_use]
@@ -66,7 +71,7 @@ impl DmgRadio {
     /// Carrier frequency (Hz): channels are 2.16 GHz apart (IEEE 802.11ad-2012, annex E).
     #[must_use]
     pub fn carrier_hz(&self) -> f64 {
-        56.16e9 + 2.16e9 * f64::from(self.channel)
+        carrier_hz(self.channel)
     }
 
     /// Transmit power, without the antenna.

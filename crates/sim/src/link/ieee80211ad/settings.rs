@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::{Files, SettingError};
+use sextant_kernel::{Files, NodeId, SettingError};
 use sextant_mac::dmg::timing::{PREAMBLE, control_airtime};
 use sextant_mac::dmg::{AnswerSettings, SweepSettings, beacon_octets};
 
@@ -87,6 +87,10 @@ impl Ieee80211ad {
 impl LinkSettings for Ieee80211ad {
     fn tx_power(&self) -> Dbm {
         self.radio.tx_power()
+    }
+
+    fn busy_from(&self, _node: Option<NodeId>) -> Dbm {
+        self.radio.cca_threshold()
     }
 
     fn sensitivity(&self) -> Dbm {

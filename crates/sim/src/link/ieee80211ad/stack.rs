@@ -7,6 +7,7 @@ use sextant_mac::dmg::{Initiator, Responder, SweepFrame, TxSector};
 use sextant_mac::{EnergyMeter, RadioState};
 
 use super::broadcast::Broadcast;
+use super::tracks::Tracks;
 use crate::air::{Aim, Transmission};
 use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::service::sweep::SweepKind;
@@ -36,6 +37,8 @@ pub(super) struct Stack {
     pub(super) outcome: FrameOutcome,
     /// Frames of the answer under way.
     pub(super) frames: u64,
+    /// The tracks of what is under way, if packets are traced.
+    pub(super) tracks: Option<Box<Tracks>>,
 }
 
 impl Stack {

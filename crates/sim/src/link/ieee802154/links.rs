@@ -6,6 +6,7 @@ mod dying;
 mod frames;
 mod receiving;
 mod sending;
+mod tracing;
 
 use std::ops::Range;
 use std::time::Duration;
@@ -138,6 +139,14 @@ impl Links {
 impl NetworkLinks for Links {
     type Event = Event;
 
+    fn trace(&mut self) {
+        self.stacks.iter_mut().for_each(|stack| stack.track = Some(Box::default()));
+    }
+
+    fn trace_pending(&mut self, scene: &mut Scene) {
+        self.trace_all_pending(scene);
+    }
+
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
         if !self.ledger.has(station) {
             return;
@@ -160,6 +169,9 @@ impl NetworkLinks for Links {
             Event::Csma(event) => self.handle_csma(station, event, scene, observer),
             Event::CcaEnded => {
                 let busy = self.transceiver(station, scene).senses_busy();
+                if let Some(track) = &mut self.stacks[station.index()].track {
+                    track.end_assessment(busy);
+                }
                 self.handle_csma(station, csma::Event::CcaEnded { busy }, scene, observer);
             }
             Event::Tracking(event) => self.handle_tracking(station, event, scene),

@@ -78,6 +78,14 @@ impl LinkSettings for Ieee802154 {
         self.radio.greatest_tx_power()
     }
 
+    fn tx_power_of(&self, node: NodeId) -> Dbm {
+        self.radio.levels(node).tx_power
+    }
+
+    fn busy_from(&self, node: Option<NodeId>) -> Dbm {
+        node.map_or(self.radio.common_levels(), |node| self.radio.levels(node)).cca_threshold
+    }
+
     fn sensitivity(&self) -> Dbm {
         self.radio.sensitivity()
     }

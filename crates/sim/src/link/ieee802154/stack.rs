@@ -8,6 +8,7 @@ use super::frame_queue::{QueuedFrame, Waiting};
 use super::radio::Levels;
 use crate::air::Transmission;
 use crate::link::clock::Clock;
+use crate::link::track::Track;
 use crate::service::outcome::{Deafness, FrameOutcome};
 
 /// The state of one station's link, apart from its channel access machine.
@@ -57,6 +58,8 @@ pub(super) struct Stack {
     pub(super) acknowledgement: Option<(Transmission, u8)>,
     /// The sender of the frame that was received last: whom an acknowledgement answers.
     pub(super) answered: Option<StationId>,
+    /// The track of the frame under way, if packets are traced.
+    pub(super) track: Option<Box<Track>>,
 }
 
 impl Stack {
@@ -86,6 +89,7 @@ impl Stack {
             backoffs: 0,
             acknowledgement: None,
             answered: None,
+            track: None,
         }
     }
 

@@ -100,6 +100,9 @@ impl Transceiver<'_> {
 impl csma::Radio for Transceiver<'_> {
     fn backoff_periods(&mut self, max_inclusive: u32) -> u32 {
         self.stack.backoffs += 1;
+        if let Some(track) = &mut self.stack.track {
+            track.begin_backoff(self.scene.now);
+        }
         self.scene.backoff(self.radios.network, self.station, self.stack.backoffs, max_inclusive)
     }
 
@@ -120,6 +123,9 @@ impl csma::Radio for Transceiver<'_> {
     }
 
     fn start_cca(&mut self) {
+        if let Some(track) = &mut self.stack.track {
+            track.begin_assessment(self.scene.now);
+        }
         self.stack.meter.wake(self.radios.phy.turnaround());
         self.schedule(self.radios.phy.cca(), Event::CcaEnded);
     }

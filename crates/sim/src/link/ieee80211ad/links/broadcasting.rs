@@ -40,6 +40,7 @@ impl Links {
         stack.broadcasts = stack.broadcasts.wrapping_add(1);
         if stack.waiting.len() >= QUEUE_FRAMES {
             packets.lost_queue += 1;
+            self.trace_refused(station, id, payload_octets, scene);
             return Err(SendError::QueueFull(QUEUE_FRAMES));
         }
         let content = self.payloads.keep(payload);
@@ -53,6 +54,7 @@ impl Links {
 
     /// A broadcast was sent from all sectors: counts it, and tells the application.
     pub(super) fn end_broadcast(&mut self, station: StationId, broadcast: Broadcast, scene: &mut Scene) {
+        self.trace_broadcast(station, &broadcast, scene);
         let Broadcast { id, content, payload_octets, offered, frames, outcome } = broadcast;
         self.payloads.release(content);
         self.stacks[station.index()].reached.clear();

@@ -32,6 +32,7 @@ impl Links {
             }
             SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } => {}
         }
+        self.trace_frame(station, &transmission, &frame, scene);
         if observer.wants_frames() {
             self.tell_frame(&transmission, &frame, scene, observer);
         }
@@ -85,26 +86,28 @@ impl Links {
     pub(super) fn note_answer(&mut self, station: StationId, report: ResponderReport, scene: &mut Scene) {
         let (stack, packets) = (&mut self.stacks[station.index()], &mut self.ledger.packets[station.index()]);
         match report {
-            ResponderReport::Heard(_) => {
+            ResponderReport::Heard(heard) => {
                 (stack.outcome, stack.frames) = (FrameOutcome::WORST, 0);
                 packets.offered += 1;
                 scene.offered += 1;
+                self.trace_heard(station, heard.initiator.station(), scene);
             }
             ResponderReport::Answered { outcome, sweeps, .. } => {
                 packets.transmissions += std::mem::take(&mut stack.frames);
                 packets.channel_access_failures += u64::from(outcome == ResponderOutcome::WindowOver);
                 packets.unacknowledged += u64::from(outcome == ResponderOutcome::NoFeedback);
-                if sweeps == 0 {
-                    packets.lost_channel_access += 1;
-                    return;
+                let best = (sweeps > 0).then_some(stack.outcome);
+                match best {
+                    Some(best) => packets.count_sent(best),
+                    None => packets.lost_channel_access += 1,
                 }
-                packets.count_sent(stack.outcome);
+                self.trace_answer(station, outcome, best, scene);
             }
         }
     }
 
     /// Whether a frame is for a station: a beacon is for those whose applications hear.
-    fn is_for(&self, frame: &SweepFrame, station: StationId) -> bool {
+    pub(super) fn is_for(&self, frame: &SweepFrame, station: StationId) -> bool {
         match frame.body {
             SweepBody::Beacon { .. } => self.hears[station.index()],
             _ => frame.to.station().is_none_or(|to| to == station),
@@ -112,7 +115,7 @@ impl Links {
     }
 
     /// The outcome of a frame at the station that it is for, or the best one if it is for several.
-    fn outcome(&self, transmission: &Transmission, frame: &SweepFrame, scene: &Scene) -> FrameOutcome {
+    pub(super) fn outcome(&self, transmission: &Transmission, frame: &SweepFrame, scene: &Scene) -> FrameOutcome {
         let arrivals = self.arrivals.iter().filter(|arrival| self.is_for(frame, arrival.station));
         let missed = || scene.airs[self.radios.air].missed(transmission);
         arrivals.map(|arrival| arrival.outcome).max().unwrap_or_else(missed)

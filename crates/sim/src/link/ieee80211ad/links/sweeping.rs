@@ -23,6 +23,9 @@ impl Links {
             let sweep = stack.next_sweep.take().map(Task::Sweep);
             stack.task = sweep.or_else(|| stack.waiting.pop_front().map(Task::Broadcast));
             if stack.task.is_some() {
+                if let Some(tracks) = &mut stack.tracks {
+                    tracks.task.begin(scene.now);
+                }
                 self.set_tilt(station, 0);
             }
         }
@@ -91,6 +94,7 @@ impl Links {
                 let packets = &mut self.ledger.packets[station.index()];
                 packets.sent += 1;
                 packets.received += 1;
+                self.trace_sweep(station, scene);
                 let answers = self.sweeps.get(&station).map_or(0, |gathered| gathered.answers.len());
                 self.ledger.deliveries[station.index()] += answers as u64;
                 scene.upcalls.push(Upcall::Swept { station });

@@ -15,18 +15,22 @@ use crate::service::outcome::FrameOutcome;
 pub(super) struct Fate {
     /// The best outcome.
     pub(super) outcome: FrameOutcome,
-    /// The power at the first station with that outcome, if a signal was measured.
-    power: Option<Dbm>,
+    /// The first station with that outcome, if a signal was measured.
+    pub(super) arrival: Option<Arrival>,
 }
 
 impl Fate {
     fn missed(outcome: FrameOutcome) -> Self {
-        Self { outcome, power: None }
+        Self { outcome, arrival: None }
     }
 
     fn or(self, arrival: &Arrival) -> Self {
-        let is_better = arrival.outcome > self.outcome || arrival.outcome == self.outcome && self.power.is_none();
-        if is_better { Self { outcome: arrival.outcome, power: Some(arrival.power.to_dbm()) } } else { self }
+        let is_better = arrival.outcome > self.outcome || arrival.outcome == self.outcome && self.arrival.is_none();
+        if is_better { Self { outcome: arrival.outcome, arrival: Some(*arrival) } } else { self }
+    }
+
+    fn power(&self) -> Option<Dbm> {
+        self.arrival.map(|arrival| arrival.power.to_dbm())
     }
 }
 
@@ -71,7 +75,7 @@ impl Links {
             source: transmission.source(),
             bytes: &self.mpdu,
             outcome: fate.outcome,
-            power: fate.power,
+            power: fate.power(),
             heard: &self.told,
         });
     }

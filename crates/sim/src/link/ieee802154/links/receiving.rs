@@ -7,6 +7,7 @@ use sextant_mac::responder::Verdict;
 use super::Links;
 use crate::air::Arrival;
 use crate::link::ieee802154::transceiver::Transceiver;
+use crate::link::track::TransmissionEnd;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
@@ -33,6 +34,12 @@ impl Links {
             delays.add(scene.now - frame.offered);
         }
         stack.outcome = stack.outcome.max(fate.outcome);
+        if let Some(track) = &mut stack.track {
+            let arrival = fate.arrival;
+            let receiver = arrival.map(|arrival| self.radios.receiver(arrival.station));
+            let end = TransmissionEnd { outcome: fate.outcome, arrival, receiver, air: self.radios.air };
+            track.end_transmission(&transmission, end, scene);
+        }
         let is_heard = self.arrivals.iter().any(|arrival| self.is_delivered(arrival));
         if !(is_heard || observer.wants_frames()) {
             return;

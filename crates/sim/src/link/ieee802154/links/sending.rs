@@ -5,6 +5,7 @@ use sextant_mac::csma::{self, Outcome};
 use sextant_mac::frame::DataFrame;
 
 use super::Links;
+use super::tracing::RefusedFrame;
 use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::link::payloads::Content;
@@ -55,6 +56,7 @@ impl Links {
         let is_busy = self.macs[station.index()].is_busy();
         if is_busy && stack.waiting.len() >= self.queue_frames {
             packets.lost_queue += counts;
+            self.trace_refused(station, RefusedFrame { id, to, mpdu_octets }, scene);
             return Err(SendError::QueueFull(self.queue_frames));
         }
         let content = self.payloads.keep(payload);
@@ -73,6 +75,9 @@ impl Links {
         stack.sequence = stack.sequence.wrapping_add(1);
         stack.outcome = FrameOutcome::WORST;
         stack.frame = Some(frame);
+        if let Some(track) = &mut stack.track {
+            track.begin(scene.now);
+        }
         let outgoing = csma::OutgoingFrame {
             mpdu_octets: frame.mpdu_octets,
             ack_request: frame.to != Destination::All,
@@ -110,6 +115,7 @@ impl Links {
         let next = stack.waiting.pop_front();
         let outcome = stack.outcome;
         self.count(station, frame, report, outcome);
+        self.trace_ended(station, &frame, &report, outcome, scene);
         self.payloads.release(frame.content);
         let report = SendReport {
             frame: frame.id,

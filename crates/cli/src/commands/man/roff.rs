@@ -1,22 +1,12 @@
-//! `sextant man`: the manual page.
+//! The manual page.
 
 use std::io::{self, Write};
 
 use clap::Command;
 use clap_mangen::Man;
 
-use crate::diagnostic::Failure;
-
-/// Prints the manual page of the command line `words`.
-pub(crate) fn execute(words: Command) -> Result<(), Failure> {
-    io::stdout().write_all(&page(words)?)?;
-    Ok(())
-}
-
 /// One page for the program and all of its commands.
-fn page(words: Command) -> io::Result<Vec<u8>> {
-    let mut command = words.disable_help_subcommand(true);
-    command.build();
+pub(super) fn page(command: Command) -> io::Result<Vec<u8>> {
     let mut page = Vec::new();
     let main = Man::new(command.clone());
     main.render_title(&mut page)?;

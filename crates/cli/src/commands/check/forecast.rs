@@ -1,0 +1,75 @@
+//! The forecast of a scenario as a table.
+
+use std::io::{self, Write};
+
+use sextant::Forecast;
+use sextant::forecast::{CostForecast, NetworkForecast, WayForecast};
+use sextant_kernel::text::counted;
+
+/// Writes a forecast, one line for each thing that follows.
+pub(super) fn write(forecast: &Forecast, out: &mut impl Write) -> io::Result<()> {
+    let mut lines: Vec<(String, String)> = Vec::new();
+    forecast.networks.iter().for_each(|network| of_network(network, &mut lines));
+    forecast.robots.iter().for_each(|way| of_way(way, &mut lines));
+    if let Some(cost) = &forecast.cost {
+        lines.push(("simulation".to_owned(), of_cost(cost)));
+    }
+    let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    for (name, text) in lines {
+        writeln!(out, "  {name:width$}  {text}")?;
+    }
+    Ok(())
+}
+
+fn of_network(network: &NetworkForecast, lines: &mut Vec<(String, String)>) {
+    let called = |what: &str| network.name.as_ref().map_or(what.to_owned(), |name| format!("{name}: {what}"));
+    let range = &network.range;
+    let limit = range.limit_m.map_or(String::new(), |limit_m| format!("; the hard radius is {limit_m:.1} m"));
+    let text = format!(
+        "half of the frames at {:.1} m, 1 % at {:.1} m, without obstacles{limit}",
+        range.half_m, range.hundredth_m
+    );
+    lines.push((called("radio range"), text));
+    if let Some(neighbours) = &network.neighbours {
+        let of = if neighbours.counted < network.nodes {
+            format!(", counted at {} nodes", neighbours.counted)
+        } else {
+            String::new()
+        };
+        let text = format!("{:.1} a node, {} to {}{of}", neighbours.mean, neighbours.min, neighbours.max);
+        lines.push((called("neighbours"), text));
+    }
+    if let Some(load) = &network.load {
+        let text = format!(
+            "{:.4} Erlang at a node, at most {:.4}: frames of {:.3} ms, {:.3} a second and node",
+            load.mean_erlang,
+            load.max_erlang,
+            1e3 * load.airtime_s,
+            load.rate_per_s
+        );
+        lines.push((called("channel load"), text));
+    }
+}
+
+fn of_way(way: &WayForecast, lines: &mut Vec<(String, String)>) {
+    let estimate = if way.estimate { " (an estimate: the way depends on what is heard)" } else { "" };
+    let text =
+        format!("{:.1} m, {}, {:.1} s{estimate}", way.path_length_m, counted(way.stops, "stop"), way.duration_s);
+    lines.push((format!("{}: path", way.robot), text));
+    if let (Some(offered), Some(expected)) = (way.packets_offered, way.packets_expected) {
+        let text =
+            format!("{offered:.2} sent by each node, {expected:.1} received of all nodes if none are lost to others");
+        lines.push((format!("{}: packets a stop", way.robot), text));
+    }
+    if !way.out_of_reach.is_empty() {
+        let text = format!("{} at less than 1 % at each stop", counted(way.out_of_reach.len(), "node"));
+        lines.push((format!("{}: out of reach", way.robot), text));
+    }
+}
+
+fn of_cost(cost: &CostForecast) -> String {
+    format!(
+        "{:.1} s, about {:.0} frames, {:.0} events, {:.1} s on one core, without maps",
+        cost.sim_time_s, cost.frames, cost.events, cost.cpu_s
+    )
+}

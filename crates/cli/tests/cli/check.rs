@@ -1,0 +1,202 @@
+//! `sextant check`: all mistakes at once, what follows from a scenario, and warnings.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::program::{scenario, sextant, summary};
+
+/// A valid scenario without warnings: a robot drives along a line of nodes, with known reception.
+const LINE: &str = r#"name = "line"
+[world.nodes.explicit]
+positions_m = [[0, 0], [10, 0], [20, 0], [30, 0]]
+[radio]
+tx_power_dbm = 0
+sensitivity_dbm = -90
+[channel.path_loss.log_distance]
+exponent = 3.0
+[channel.shadowing]
+sigma_db = 6.0
+[traffic.periodic]
+mpdu_octets = 20
+interval_s = 0.5
+[[robots]]
+name = "rover"
+start_m = [0, 1]
+speed_m_per_s = 2.0
+listen_s = 2.0
+[robots.controller.waypoints]
+places_m = [[0, 1], [10, 1], [20, 1], [30, 1]]
+"#;
+
+/// Exit code, standard output and standard error of `sextant` in a folder with `a.toml`.
+fn told(text: &str, words: &[&str]) -> (Option<i32>, String, String) {
+    let folder = tempfile::tempdir().expect("there is room");
+    std::fs::write(folder.path().join("a.toml"), text).expect("there is room");
+    told_in(folder.path(), words)
+}
+
+fn told_in(folder: &Path, words: &[&str]) -> (Option<i32>, String, String) {
+    let output = sextant().args(words).current_dir(folder).output().expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("the output is text");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+/// The forecast of a scenario.
+fn forecast(text: &str) -> Value {
+    let (code, stdout, stderr) = told(text, &["check", "-v", "a.toml", "--format", "json"]);
+    assert_eq!(code, Some(0), "{stderr}");
+    let mut answer: Value = serde_json::from_str(&stdout).expect("JSON");
+    answer[0]["forecast"].take()
+}
+
+#[test]
+fn many_mistakes_are_printed_at_once_in_the_order_of_the_file() {
+    let mut text = LINE.to_owned();
+    for (from, to) in [
+        ("name = \"line\"", "name = \"line\"\nsede = 1"),
+        ("[30, 0]]", "\"far\"]"),
+        ("tx_power_dbm = 0", "tx_power_dbn = 0"),
+        ("sensitivity_dbm = -90", "sensitivity_dbm = \"low\""),
+        ("exponent = 3.0", "exponent = -3.0"),
+        ("sigma_db = 6.0", "sigma_db = true"),
+        ("mpdu_octets = 20", "mpdu_octets = 300"),
+        ("interval_s = 0.5", "interval_s = 0.0"),
+        ("start_m = [0, 1]", "start_m = [0]"),
+        ("speed_m_per_s = 2.0", "speed_m_per_s = 0.0"),
+        ("[robots.controller.waypoints]\nplaces_m = [[0, 1], [10, 1], [20, 1], [30, 1]]", "[robots.controller]"),
+    ] {
+        assert_eq!(text.matches(from).count(), 1, "{from}");
+        text = text.replace(from, to);
+    }
+    text.push_str("[[maps]]\nalgorithm = 3\n");
+    let (code, stdout, stderr) = told(&text, &["check", "a.toml"]);
+    assert_eq!((code, stdout.as_str()), (Some(2), ""));
+    insta::assert_snapshot!(stderr);
+}
+
+#[test]
+fn the_ranges_are_those_of_the_closed_form() {
+    let forecast = forecast(LINE);
+    let range = &forecast["networks"][0]["range"];
+    // A frame is received if it is 3 dB above the noise, which is 0.403 dB below the sensitivity. Free space over 1 m at
+    // 2405 MHz costs 40.07 dB; one of 100 normal gains is above 2.326 standard deviations.
+    let range_m = |share_sigmas: f64| {
+        let budget_db = 0.0 - (-90.0 - 0.403 + 3.0) - 40.07 + share_sigmas * 6.0;
+        10.0_f64.powf(budget_db / 30.0)
+    };
+    let near = |found: &Value, expected: f64| (found.as_f64().expect("a number") / expected - 1.0).abs() < 0.002;
+    assert!(near(&range["half_m"], range_m(0.0)), "{range}, {}", range_m(0.0));
+    assert!(near(&range["hundredth_m"], range_m(2.3263)), "{range}, {}", range_m(2.3263));
+    // 10 and 20 m are below the range of 38 m, and so is 30 m.
+    assert_eq!(forecast["networks"][0]["neighbours"]["mean"], 3.0);
+    // 26 octets with the header of the physical layer at 250 kb/s, twice a second, from four nodes.
+    let load = &forecast["networks"][0]["load"];
+    assert!(near(&load["airtime_s"], 26.0 * 32e-6) && near(&load["rate_per_s"], 2.0), "{load}");
+    let erlang = load["mean_erlang"].as_f64().expect("a number");
+    assert!(erlang > 26.0 * 32e-6 * 2.0 && erlang < 4.0 * 26.0 * 32e-6 * 2.0, "{load}");
+}
+
+#[test]
+fn the_way_of_a_planned_path_is_that_of_the_run() {
+    let folder = tempfile::tempdir().expect("there is room");
+    std::fs::write(folder.path().join("a.toml"), LINE).expect("there is room");
+    let (code, _, stderr) = told_in(folder.path(), &["run", "a.toml", "--quiet", "--summary", "a.json"]);
+    assert_eq!(code, Some(0), "{stderr}");
+    let run = summary(&folder.path().join("a.json"));
+    let forecast = forecast(LINE);
+    let way = &forecast["robots"][0];
+    assert_eq!(way["estimate"], false);
+    let near = |found: &Value, expected: &Value, tolerance: f64| {
+        let (found, expected) = (found.as_f64().expect("a number"), expected.as_f64().expect("a number"));
+        assert!((found - expected).abs() <= tolerance * expected.abs() + 1e-6, "{found} {expected}");
+    };
+    let gathering = &run["gathering"];
+    near(&way["stops"], &gathering["stops"], 0.0);
+    near(&way["path_length_m"], &gathering["path_length_m"], 1e-6);
+    near(&way["duration_s"], &gathering["duration_s"], 1e-6);
+    near(&forecast["cost"]["frames"], &gathering["packets_sent"], 0.1);
+    near(&forecast["cost"]["events"], &run["simulation"]["events"], 0.5);
+    // 16 pairs of node and stop with four packets each: most are received, hardly any is lost to others.
+    let per_stop = gathering["packets_received"].as_f64().expect("a number") / 4.0;
+    near(&way["packets_expected"], &per_stop.into(), 0.25);
+}
+
+#[test]
+fn packets_are_received_as_often_as_forecast_at_each_distance() {
+    // One node, and a robot that stays for a while at each distance; shadowing is drawn for each packet.
+    let (mut scenario, packets) = (LINE.replace("[[0, 0], [10, 0], [20, 0], [30, 0]]", "[[0, 0]]"), 400.0);
+    scenario = scenario.replace("listen_s = 2.0", "listen_s = 200.0");
+    for distance_m in [20.0, 38.0, 60.0] {
+        let text = scenario
+            .replace("start_m = [0, 1]", &format!("start_m = [{distance_m}, 0]"))
+            .replace("[[0, 1], [10, 1], [20, 1], [30, 1]]", &format!("[[{distance_m}, 0]]"));
+        let forecast = forecast(&text)["robots"][0]["packets_expected"].as_f64().expect("a number") / packets;
+        let folder = tempfile::tempdir().expect("there is room");
+        std::fs::write(folder.path().join("a.toml"), text).expect("there is room");
+        let (code, _, stderr) = told_in(folder.path(), &["run", "a.toml", "--quiet", "--summary", "a.json"]);
+        assert_eq!(code, Some(0), "{stderr}");
+        let gathering = summary(&folder.path().join("a.json"))["gathering"].take();
+        let count = |key: &str| gathering[key].as_f64().expect("a number");
+        let measured = count("packets_received") / count("packets_sent");
+        // Four standard deviations: a false alarm in 16000 cases.
+        let tolerance = 4.0 * (forecast * (1.0 - forecast) / packets).sqrt() + 0.005;
+        assert!((measured - forecast).abs() < tolerance, "{distance_m} m: {measured} {forecast}");
+    }
+}
+
+#[test]
+fn a_forecast_is_printed_as_a_table() {
+    let (code, stdout, stderr) = told(LINE, &["check", "-v", "a.toml"]);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    insta::assert_snapshot!(stdout);
+}
+
+/// The warnings of the scenario with `from` replaced by `to`.
+fn warnings(from: &str, to: &str) -> String {
+    assert_eq!(LINE.matches(from).count(), 1, "{from}");
+    let (code, stdout, stderr) = told(&LINE.replace(from, to), &["check", "a.toml"]);
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(stdout.starts_with("ok line"), "{stdout}");
+    stderr
+}
+
+#[test]
+fn likely_mistakes_are_warned_of() {
+    let wall = |settings: &str| {
+        let shape = "shape.box = { center_m = [5.0, 0.5, 0.0], size_m = [0.2, 0.2, 0.2] }";
+        format!("[radio]\n{settings}").replace("[radio]", &format!("[[world.obstacles]]\n{shape}")) + "\n[radio]"
+    };
+    let above = "[[world.obstacles]]\nmaterial = \"brick\"\nshape.box = { center_m = [5.0, 0.0, 9.0], size_m = [1.0, 1.0, 1.0] }\n[radio]";
+    for (from, to, expected) in [
+        ("exponent = 3.0", "exponent = 3.0\nreference_loss_db = 0.0", "remove the key for the loss of free space"),
+        ("interval_s = 0.5", "interval_s = 5.0", "`robots[0].listen_s`"),
+        ("[30, 0]]", "[3000, 0], [4000, 0]]", "from 2 of 5 nodes less than 1 %"),
+        ("[radio]", &wall("solid = false\nloss_db = 0.0"), "blocks nothing: it neither absorbs"),
+        ("[radio]", above, "blocks nothing: it lies beside"),
+        ("[radio]", "[[sinks]]\nname = \"gate\"\nposition_m = [5000, 0]\n[radio]", "the sink `gate` hears each node"),
+        ("[[0, 1], [10, 1], [20, 1], [30, 1]]", "[[0, 1]]", "the robot never moves"),
+    ] {
+        let found = warnings(from, to);
+        assert!(found.contains("warning: a.toml: `") && found.contains(expected), "{to}: {found}");
+    }
+    assert_eq!(warnings("name = \"line\"", "name = \"line\""), "");
+}
+
+#[test]
+fn a_run_warns_before_it_starts_unless_it_is_quiet() {
+    let text = LINE.replace("interval_s = 0.5", "interval_s = 5.0");
+    let (code, _, stderr) = told(&text, &["run", "a.toml"]);
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(stderr.contains("warning: `robots[0].listen_s`"), "{stderr}");
+    let (_, _, stderr) = told(&text, &["run", "a.toml", "--quiet"]);
+    assert_eq!(stderr, "");
+}
+
+#[test]
+fn a_shipped_scenario_with_sectors_has_a_forecast() {
+    let path = scenario("mmtm/warehouse-vaa.toml");
+    let output = sextant().args(["check", "-v"]).arg(path).output().expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && text.contains("radio range") && text.contains("packets a stop"), "{text}");
+}

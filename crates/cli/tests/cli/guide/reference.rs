@@ -1,0 +1,36 @@
+//! The pages of reference, as the program gives them.
+
+mod keys;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::program::sextant;
+
+/// What the program prints.
+fn printed(words: &[&str]) -> String {
+    let output = sextant().args(words).output().expect("the program starts");
+    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// The reference of commands.
+pub(crate) fn commands() -> String {
+    printed(&["man", "--format", "markdown"])
+}
+
+/// The reference of keys.
+pub(crate) fn keys() -> String {
+    keys::page(&sextant::scenario::key_reference())
+}
+
+/// The long options of each command.
+pub(crate) fn options_by_command() -> BTreeMap<String, BTreeSet<String>> {
+    let page = commands();
+    let sections = page.split("\n## sextant ").skip(1).map(|section| {
+        let (name, rest) = section.split_once('\n').expect("a heading is a line");
+        let options = rest.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+        let long = options.filter_map(|option| option.split([' ', ',']).find(|word| word.starts_with("--")));
+        (name.to_owned(), long.chain(["--help"]).map(str::to_owned).collect())
+    });
+    sections.collect()
+}

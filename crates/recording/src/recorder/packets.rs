@@ -1,0 +1,29 @@
+//! The packet trace.
+
+use std::io::Write;
+
+use sextant_kernel::SimTime;
+
+use super::super::error::RecordingError;
+use super::super::messages::{AssessmentMessage, PacketMessage, TransmissionMessage};
+use super::super::names::{ASSESSMENTS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC};
+use super::Recorder;
+
+impl<W: Write> Recorder<W> {
+    /// Writes a packet at the time of its end, with its assessments and transmissions. A chunk never ends within it.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn packet(
+        &mut self,
+        packet: &PacketMessage,
+        assessments: &[AssessmentMessage],
+        transmissions: &[TransmissionMessage],
+    ) -> Result<(), RecordingError> {
+        let time = SimTime::from_nanos(packet.ended_ns);
+        self.append(time, PACKETS_TOPIC, packet)?;
+        assessments.iter().try_for_each(|assessment| self.append(time, ASSESSMENTS_TOPIC, assessment))?;
+        transmissions.iter().try_for_each(|transmission| self.append(time, TRANSMISSIONS_TOPIC, transmission))?;
+        self.sink.settle()
+    }
+}

@@ -1,0 +1,127 @@
+//! The HTML file: the frame of the page, the code, the data and the licences.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use flate2::write::GzEncoder;
+use flate2::{Compression, GzBuilder};
+
+use super::document::{Kind, Report};
+
+/// What `web/build.sh` makes.
+const SCRIPT: &str = include_str!("../assets/report.js");
+const STYLE: &str = include_str!("../assets/report.css");
+const LICENCES: &str = include_str!("../assets/licences.txt");
+
+/// Nothing may be loaded from anywhere.
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; \
+                      form-action 'none'; base-uri 'none'";
+
+/// The operating system in the header of the compressed data: unknown, so that it is the same on each.
+const UNKNOWN_SYSTEM: u8 = 255;
+
+impl Report {
+    /// The whole file. The same report gives the same text.
+    ///
+    /// # Panics
+    /// Never: all keys of a report are texts, and memory is written without errors.
+    #[must_use]
+    pub fn to_html(&self) -> String {
+        let json = serde_json::to_vec(self).expect("the keys of a report are texts");
+        let mut packed: GzEncoder<Vec<u8>> =
+            GzBuilder::new().mtime(0).operating_system(UNKNOWN_SYSTEM).write(Vec::new(), Compression::new(7));
+        packed.write_all(&json).expect("memory takes everything");
+        let packed = packed.finish().expect("memory takes everything");
+        let title = escaped(&self.title);
+        let mut html = String::with_capacity(SCRIPT.len() + STYLE.len() + 2 * packed.len());
+        let _ = write!(
+            html,
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta name=\"color-scheme\" content=\"light dark\">\n\
+             <title>{title} · Sextant report</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+             <header class=\"top\">\n<div class=\"titles\">\n<p class=\"kind\">{}</p>\n<h1>{title}</h1>\n{}</div>\n</header>\n\
+             <main id=\"main\">\n<p class=\"wait\" role=\"status\">Reading the data ..</p>\n\
+             <noscript><p>This report draws with JavaScript, which is off in this browser.</p></noscript>\n</main>\n\
+             <script type=\"application/octet-stream\" id=\"data\">{}</script>\n\
+             <script type=\"text/plain\" id=\"licences\">{}</script>\n\
+             <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
+            self.kind.words(),
+            self.origin_line(),
+            STANDARD.encode(packed),
+            without_ends(LICENCES),
+        );
+        html
+    }
+
+    /// Scenario, seed and versions, as a paragraph.
+    fn origin_line(&self) -> String {
+        let origin = &self.origin;
+        let mut parts = vec![format!("from <code>{}</code>", escaped(&origin.file))];
+        if let Some(seed) = &origin.seed {
+            parts.push(format!("seed {}", escaped(seed)));
+        }
+        let version = origin.version.as_ref().unwrap_or(&origin.reported_by);
+        parts.push(format!("sextant {}", escaped(version)));
+        format!("<p class=\"origin\">{}</p>\n", parts.join(" · "))
+    }
+}
+
+impl Kind {
+    /// What the report is of, in words.
+    fn words(self) -> &'static str {
+        match self {
+            Self::Run => "Report of a run",
+            Self::Log => "Map of a log",
+            Self::Sweep => "Report of a sweep",
+            Self::Reproduction => "Report of a reproduction",
+        }
+    }
+}
+
+/// `text` for HTML. Control characters, which HTML does not allow, become visible.
+fn escaped(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            letter if letter.is_control() => safe.push('\u{fffd}'),
+            letter => safe.push(letter),
+        }
+    }
+    safe
+}
+
+/// A text in which no element ends.
+fn without_ends(text: &str) -> String {
+    text.replace("</", "< /").replace("<!--", "< !--")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_code_does_not_end_its_element() {
+        for text in [SCRIPT, STYLE] {
+            assert!(!text.contains("</script") && !text.contains("</style") && !text.contains("<!--"));
+        }
+        assert!(!STYLE.contains("http") && !STYLE.contains("@import"));
+    }
+
+    #[test]
+    fn a_title_is_text_and_not_code() {
+        let report = Report::new(Kind::Run, "</title><script>alert('x')</script>\u{7}", "a&b<c>.mcap");
+        let html = report.to_html();
+        assert!(html.contains("&lt;/title&gt;&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;\u{fffd}"));
+        assert!(html.contains("a&amp;b&lt;c&gt;.mcap"));
+        assert_eq!(html.matches("<script").count(), 3 + SCRIPT.matches("<script").count());
+    }
+}

@@ -1,0 +1,117 @@
+//! Tables of a reproduction: published values and ours.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::document::{Kind, Report};
+use super::error::ReportError;
+
+/// The first columns of the table of an experiment.
+const FIRST_COLUMNS: [&str; 2] = ["what", "published"];
+
+/// The experiments of a reproduction.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Reproduction {
+    /// The experiments, by number.
+    pub experiments: Vec<Claims>,
+}
+
+/// The table of an experiment.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Claims {
+    /// Its number: that of a table or figure of the thesis.
+    pub id: String,
+    /// What it is about, if that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// The columns.
+    pub columns: Vec<String>,
+    /// The rows, with one text a column.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// Whether the file or folder `path` holds tables of a reproduction.
+pub(super) fn is_reproduction(path: &Path) -> bool {
+    tables(path).is_ok_and(|tables| tables.iter().any(|table| Claims::read(table).is_ok()))
+}
+
+/// The CSV files of a folder, by name, or the file alone.
+fn tables(path: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let unreadable = |error: std::io::Error| ReportError::Read { path: path.to_owned(), why: error.to_string() };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(unreadable)? {
+        let file = entry.map_err(unreadable)?.path();
+        if file.extension().is_some_and(|extension| extension == "csv") {
+            files.push(file);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+impl Claims {
+    /// Reads the table of an experiment.
+    fn read(path: &Path) -> Result<Self, ReportError> {
+        let unreadable = |why: String| ReportError::Read { path: path.to_owned(), why };
+        let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_bytes());
+        let header = reader.headers().map_err(|error| unreadable(error.to_string()))?;
+        let columns: Vec<String> = header.iter().map(str::to_owned).collect();
+        if !columns.iter().map(String::as_str).take(2).eq(FIRST_COLUMNS) {
+            return Err(ReportError::NotATable { path: path.to_owned(), columns });
+        }
+        let row = |row: Result<csv::StringRecord, csv::Error>| Ok(row?.iter().map(str::to_owned).collect());
+        let rows = reader.records().map(row).collect::<Result<_, csv::Error>>();
+        let rows = rows.map_err(|error| unreadable(error.to_string()))?;
+        let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self { id, title: None, columns, rows })
+    }
+}
+
+impl Report {
+    /// A report of a reproduction: a folder of its tables, or one of them. `titles` says what the experiments are about,
+    /// by their numbers.
+    ///
+    /// # Errors
+    /// If it cannot be read, or there is no such table.
+    pub fn of_reproduction(path: &Path, titles: &BTreeMap<String, String>) -> Result<Self, ReportError> {
+        let mut experiments = Vec::new();
+        for table in tables(path)? {
+            match Claims::read(&table) {
+                Ok(claims) => experiments.push(Claims { title: titles.get(&claims.id).cloned(), ..claims }),
+                // A folder has other tables too: those of the runs.
+                Err(ReportError::NotATable { .. }) if path.is_dir() => {}
+                Err(error) => return Err(error),
+            }
+        }
+        experiments.sort_by_key(|claims| numbers(&claims.id));
+        let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let name = whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let title = whole.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let report = Self::new(Kind::Reproduction, &title, &name);
+        Ok(Self { reproduction: Some(Reproduction { experiments }), ..report })
+    }
+}
+
+/// A key that puts 3.10 behind 3.9: the numbers in `id`, and the text.
+fn numbers(id: &str) -> (Vec<u64>, String) {
+    let parts = id.split(|letter: char| !letter.is_ascii_digit());
+    (parts.filter_map(|part| part.parse().ok()).collect(), id.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn experiments_are_sorted_by_their_numbers() {
+        let mut ids = ["table-3.10", "table-3.9", "figure-3.9", "table-10.1"];
+        ids.sort_by_key(|id| numbers(id));
+        assert_eq!(ids, ["figure-3.9", "table-3.9", "table-3.10", "table-10.1"]);
+    }
+}

@@ -1,0 +1,62 @@
+//! What follows from a scenario before it runs: ranges, neighbours, channel load, paths, cost; and what is likely a mistake.
+//!
+//! Ranges and probabilities are worked out from the law of the channel and the rules of the receivers, without other
+//! frames. The way of a robot whose path is planned is known; that of a robot that decides on the way is driven once,
+//! as if it heard each node as often as is to be expected, and is marked as an estimate.
+
+mod cost;
+mod curve;
+mod network;
+mod warning;
+mod way;
+
+use serde::Serialize;
+use sextant_apps::ControllerConfig;
+
+use crate::scenario::Scenario;
+pub use cost::CostForecast;
+pub use network::{LoadForecast, NeighbourForecast, NetworkForecast, RangeForecast};
+pub use warning::{Warning, warnings};
+pub use way::WayForecast;
+
+use network::Reach;
+use sextant_sim::{Robot, Setup};
+use way::Way;
+
+/// What follows from a scenario before it runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Forecast {
+    /// The networks, in their order.
+    pub networks: Vec<NetworkForecast>,
+    /// The robots that survey, in their order.
+    pub robots: Vec<WayForecast>,
+    /// What the simulation costs; absent if how long it takes cannot be told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cost: Option<CostForecast>,
+}
+
+impl Forecast {
+    /// The forecast for `scenario`.
+    #[must_use]
+    pub fn of(scenario: &Scenario) -> Self {
+        let setup = scenario.setup();
+        let reaches = reaches_of(&setup);
+        let networks: Vec<_> = reaches.iter().map(Reach::forecast).collect();
+        let planned = |robot: &Robot| is_planned(scenario, robot);
+        let ways: Vec<_> =
+            setup.robots.iter().filter_map(|robot| Way::driven(robot, planned(robot), &reaches)).collect();
+        let robots: Vec<_> = ways.iter().map(Way::forecast).collect();
+        let cost = CostForecast::of(&setup, &reaches, &ways);
+        Self { networks, robots, cost }
+    }
+}
+
+fn reaches_of(setup: &Setup) -> Vec<Reach<'_>> {
+    setup.networks.iter().map(|network| Reach::new(network, setup)).collect()
+}
+
+/// Whether the path of a robot is planned before the run.
+fn is_planned(scenario: &Scenario, robot: &Robot) -> bool {
+    let config = scenario.config().robots.iter().find(|config| config.name == robot.body.name);
+    config.and_then(|config| config.controller.as_ref()).is_some_and(ControllerConfig::is_planned)
+}

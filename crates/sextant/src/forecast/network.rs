@@ -1,0 +1,208 @@
+//! What follows for a network: range, neighbours, load of the channel.
+
+use serde::Serialize;
+use sextant_channel::{Channel, ChannelLaw, Db, Dbm, ObstacleField, Position};
+use sextant_kernel::NodeId;
+use sextant_sim::{Network, NetworkId, Setup};
+
+use super::curve::{Curve, above};
+
+/// At most so many nodes are asked for their neighbours; of more, evenly spread ones.
+const MOST_ASKED: usize = 500;
+
+/// Frames whose size is not known before the run have this one (octets): a beacon with a sequence number.
+const USUAL_OCTETS: u8 = 20;
+
+/// What follows for a network.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NetworkForecast {
+    /// Its name, if the scenario names its networks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Number of its nodes.
+    pub nodes: usize,
+    /// How far a node is heard without obstacles.
+    pub range: RangeForecast,
+    /// Other nodes from which a node receives at least half of the frames, with obstacles; absent with one node.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub neighbours: Option<NeighbourForecast>,
+    /// How busy the channel is; absent if the rate of the traffic is not known before the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load: Option<LoadForecast>,
+}
+
+/// How far a node is heard without obstacles (m); with sectors, by the best pair.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RangeForecast {
+    /// Half of the frames are received at this distance.
+    pub half_m: f64,
+    /// One of 100 frames is received at this distance.
+    pub hundredth_m: f64,
+    /// The hard radius, if the channel has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_m: Option<f64>,
+}
+
+/// Number of neighbours of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct NeighbourForecast {
+    /// Mean over the nodes.
+    pub mean: f64,
+    /// The least.
+    pub min: usize,
+    /// The most.
+    pub max: usize,
+    /// Number of nodes that were counted.
+    pub counted: usize,
+}
+
+/// How busy the channel is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LoadForecast {
+    /// Time on air of a frame (s).
+    pub airtime_s: f64,
+    /// Mean number of frames a node and second.
+    pub rate_per_s: f64,
+    /// Frames on air at once that a node senses, its own included (Erlang), mean over the nodes.
+    pub mean_erlang: f64,
+    /// The most of any node.
+    pub max_erlang: f64,
+}
+
+/// A network, and how far its nodes are heard.
+pub(super) struct Reach<'a> {
+    pub(super) network: &'a Network,
+    pub(super) id: NetworkId,
+    channel: Channel,
+    curve: Curve,
+    /// Its nodes.
+    pub(super) nodes: Vec<(NodeId, Position)>,
+    /// Range at which one of 100 frames is received.
+    pub(super) range: RangeForecast,
+}
+
+impl<'a> Reach<'a> {
+    pub(super) fn new(network: &'a Network, setup: &'a Setup) -> Self {
+        let number = setup.networks.iter().position(|other| std::ptr::eq(other, network)).unwrap_or(0);
+        let octets = Some(network.traffic.mpdu_octets()).filter(|octets| *octets > 0).unwrap_or(USUAL_OCTETS);
+        let curve = Curve::new(&network.technology, octets.into(), network.channel.shadowing().sigma_db());
+        let placed = setup.world.nodes.iter().enumerate();
+        let nodes = placed
+            .map(|(node, placed)| (NodeId::from_index(node), placed.position))
+            .filter(|(node, _)| network.has(*node))
+            .collect();
+        let channel = Channel::new(network.channel, setup.world.obstacles.clone(), setup.seed);
+        let range_m = |share: f64| {
+            let budget = curve.power_dbm(share).map(|power_dbm| power(network) - Dbm(power_dbm));
+            let range_m = budget.map_or(0.0, |budget| network.channel.path_loss().distance_m(budget));
+            range_m.min(network.channel.max_range_m())
+        };
+        let limit_m = Some(network.channel.max_range_m()).filter(|range_m| range_m.is_finite());
+        let range = RangeForecast { half_m: range_m(0.5), hundredth_m: range_m(0.01), limit_m };
+        let id = NetworkId(u8::try_from(number).unwrap_or(u8::MAX));
+        Self { network, id, channel, curve, nodes, range }
+    }
+
+    /// Probability that a frame from `from` is received at `to`, undisturbed, with obstacles.
+    pub(super) fn probability(&self, from: Position, to: Position) -> f64 {
+        if from.distance_m(to) > 2.0 * self.range.hundredth_m {
+            return 0.0;
+        }
+        self.channel.mean_power(power(self.network), from, to).map_or(0.0, |mean| self.curve.probability(mean))
+    }
+
+    /// The obstacles.
+    pub(super) fn obstacles(&self) -> &ObstacleField {
+        self.channel.obstacles()
+    }
+
+    /// Whether its links sweep sectors.
+    pub(super) fn sweeps(&self) -> bool {
+        self.network.technology.antennas().is_some()
+    }
+
+    /// The law of its channel.
+    pub(super) fn law(&self) -> &ChannelLaw {
+        self.channel.law()
+    }
+
+    /// Mean number of frames a node and second, if it is known.
+    pub(super) fn rate_per_s(&self) -> Option<f64> {
+        if self.sweeps() || self.nodes.is_empty() {
+            return None;
+        }
+        let rate = |(node, _): &(NodeId, Position)| {
+            self.network.traffic.of(*node).map_or(Some(0.0), |traffic| traffic.rate_per_s())
+        };
+        let rates = self.nodes.iter().map(rate).collect::<Option<Vec<f64>>>()?;
+        Some(rates.iter().sum::<f64>() / rates.len() as f64)
+    }
+
+    pub(super) fn forecast(&self) -> NetworkForecast {
+        NetworkForecast {
+            name: self.network.name.clone(),
+            nodes: self.nodes.len(),
+            range: self.range,
+            neighbours: self.neighbours(),
+            load: self.load(),
+        }
+    }
+
+    /// The nodes that are asked for their neighbours.
+    fn asked(&self) -> impl Iterator<Item = &(NodeId, Position)> {
+        self.nodes.iter().step_by(self.nodes.len().div_ceil(MOST_ASKED).max(1))
+    }
+
+    fn neighbours(&self) -> Option<NeighbourForecast> {
+        if self.nodes.len() < 2 {
+            return None;
+        }
+        let of = |(node, place): &(NodeId, Position)| {
+            let hears = |(other, from): &&(NodeId, Position)| {
+                other != node
+                    && from.distance_m(*place) <= self.range.half_m
+                    && self.probability(*from, *place) >= 0.5
+            };
+            self.nodes.iter().filter(hears).count()
+        };
+        let counts: Vec<usize> = self.asked().map(of).collect();
+        Some(NeighbourForecast {
+            mean: counts.iter().sum::<usize>() as f64 / counts.len() as f64,
+            min: counts.iter().copied().min()?,
+            max: counts.iter().copied().max()?,
+            counted: counts.len(),
+        })
+    }
+
+    fn load(&self) -> Option<LoadForecast> {
+        let rate_per_s = self.rate_per_s()?;
+        let airtime = self.network.technology.airtime(self.network.traffic.mpdu_octets().into())?;
+        let own = airtime.as_secs_f64() * rate_per_s;
+        let loads: Vec<f64> = self.asked().map(|(node, place)| own * (1.0 + self.sensed(*node, *place))).collect();
+        Some(LoadForecast {
+            airtime_s: airtime.as_secs_f64(),
+            rate_per_s,
+            mean_erlang: loads.iter().sum::<f64>() / loads.len() as f64,
+            max_erlang: loads.iter().copied().fold(0.0, f64::max),
+        })
+    }
+
+    /// Expected number of other nodes that carrier sense at a node notices.
+    fn sensed(&self, node: NodeId, place: Position) -> f64 {
+        let threshold = self.network.technology.carrier_sense_threshold();
+        let sigma_db = self.network.channel.shadowing().sigma_db();
+        let farthest_m = self.network.channel.reach_m(power(self.network), threshold);
+        let others = self.nodes.iter().filter(|(other, from)| *other != node && from.distance_m(place) <= farthest_m);
+        let share = |(_, from): &(NodeId, Position)| {
+            let mean = self.channel.mean_power(power(self.network), *from, place);
+            mean.map_or(0.0, |mean| above((mean - threshold).0, sigma_db))
+        };
+        others.map(share).sum()
+    }
+}
+
+/// The power that a node sends with, by the best pair of sectors.
+fn power(network: &Network) -> Dbm {
+    let gain: Db = network.technology.link_gain();
+    network.technology.tx_power() + gain
+}

@@ -1,0 +1,211 @@
+//! What is likely a mistake, although it can be simulated.
+
+use std::fmt;
+
+use sextant_channel::{Bounds, Position};
+use sextant_kernel::text::{counted, listed};
+use sextant_sim::{RobotTask, Setup};
+
+use super::network::Reach;
+use super::way::Way;
+use super::{is_planned, reaches_of};
+use crate::scenario::Scenario;
+
+/// A loss at 1 m below this (dB) is none of a radio wave from its antenna: that of free space is 31 dB at 868 MHz.
+const LEAST_LOSS_DB: f64 = 20.0;
+
+/// Powers at 1 m above this (dBm) are those of no small radio: 30 dBm at the antenna is -10 dBm there at 2.4 GHz.
+const STRONG_DBM: f64 = -10.0;
+
+/// Something that is likely a mistake.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// The key that it is about.
+    pub key: String,
+    /// What follows from it, and what to do.
+    pub message: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}`: {}", self.key, self.message)
+    }
+}
+
+/// What is likely a mistake in `scenario`, although it can be simulated.
+#[must_use]
+pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
+    let setup = scenario.setup();
+    let reaches = reaches_of(&setup);
+    let planned: Vec<_> = setup
+        .robots
+        .iter()
+        .filter(|robot| is_planned(scenario, robot))
+        .filter_map(|robot| Way::driven(robot, true, &reaches))
+        .collect();
+    let mut warnings = Warnings { scenario, setup: &setup, found: Vec::new() };
+    reaches.iter().for_each(|reach| warnings.loss_at_a_metre(reach));
+    warnings.short_stops(&reaches);
+    planned.iter().for_each(|way| warnings.way(way));
+    warnings.out_of_reach(&planned);
+    warnings.sinks(&reaches);
+    warnings.obstacles(&reaches, &planned);
+    warnings.found
+}
+
+struct Warnings<'a> {
+    scenario: &'a Scenario,
+    setup: &'a Setup,
+    found: Vec<Warning>,
+}
+
+impl Warnings<'_> {
+    fn warn(&mut self, key: impl Into<String>, message: impl Into<String>) {
+        self.found.push(Warning { key: key.into(), message: message.into() });
+    }
+
+    /// Powers at 1 m that no small radio has.
+    fn loss_at_a_metre(&mut self, reach: &Reach<'_>) {
+        let loss_db = reach.law().path_loss().loss(1.0).0;
+        let power_dbm = reach.network.technology.tx_power().0;
+        if loss_db < LEAST_LOSS_DB && power_dbm - loss_db > STRONG_DBM {
+            let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+            let at_antenna_dbm = power_dbm - loss_db + 40.0;
+            self.warn(
+                format!("{table}channel.path_loss.log_distance.reference_loss_db"),
+                format!(
+                    "the loss over 1 m is {loss_db:.1} dB, so {power_dbm} dBm is the power at 1 m, as of about \
+                     {at_antenna_dbm:.0} dBm at an antenna at 2.4 GHz; remove the key for the loss of free space"
+                ),
+            );
+        }
+    }
+
+    /// Stops at which a node may well send nothing.
+    fn short_stops(&mut self, reaches: &[Reach<'_>]) {
+        for robot in self.setup.robots.iter().filter(|robot| matches!(robot.task, RobotTask::Survey(_))) {
+            let listen_s = robot.body.listen.as_secs_f64();
+            let surveyed = reaches.iter().filter(|reach| robot.body.networks.contains(&reach.id));
+            let interval_s = surveyed
+                .filter_map(|reach| reach.rate_per_s())
+                .filter(|rate_per_s| *rate_per_s > 0.0)
+                .map(|rate_per_s| 1.0 / rate_per_s)
+                .fold(0.0, f64::max);
+            if interval_s > listen_s * (1.0 + 1e-9) {
+                let number = self.number_of(&robot.body.name);
+                self.warn(
+                    format!("robots[{number}].listen_s"),
+                    format!(
+                        "it listens for {listen_s} s, and a node sends every {interval_s} s on average: at a stop it may \
+                         miss nodes in reach; listen for at least {interval_s} s"
+                    ),
+                );
+            }
+        }
+    }
+
+    fn number_of(&self, robot: &str) -> usize {
+        self.scenario.config().robots.iter().position(|config| config.name == robot).unwrap_or(0)
+    }
+
+    /// Robots that never move.
+    fn way(&mut self, way: &Way<'_>) {
+        if way.length_m() < 1e-9 && way.stops().len() < 2 {
+            let number = self.number_of(&way.body().name);
+            self.warn(format!("robots[{number}].controller"), "the robot never moves: its path has no length");
+        }
+    }
+
+    /// Nodes that no robot can hear, if all ways are known.
+    fn out_of_reach(&mut self, planned: &[Way<'_>]) {
+        let surveys = self.setup.robots.iter().filter(|robot| robot.is_surveying()).count();
+        if planned.is_empty() || planned.len() < surveys {
+            return;
+        }
+        let mut deaf = planned[0].out_of_reach();
+        for way in &planned[1..] {
+            let others = way.out_of_reach();
+            deaf.retain(|node| others.contains(node));
+        }
+        if deaf.is_empty() {
+            return;
+        }
+        let names: Vec<_> = deaf.iter().map(|node| self.setup.world.nodes[node.index()].name.as_str()).collect();
+        let number = self.number_of(&planned[0].body().name);
+        self.warn(
+            format!("robots[{number}].controller"),
+            format!(
+                "from {} of {} less than 1 % of the packets arrive at each planned stop: {}; plan stops nearer to them",
+                deaf.len(),
+                counted(self.setup.world.nodes.len(), "node"),
+                listed(&names),
+            ),
+        );
+    }
+
+    /// Sinks that hear no node.
+    fn sinks(&mut self, reaches: &[Reach<'_>]) {
+        for (i, sink) in self.setup.sinks.iter().enumerate() {
+            let is_in = |reach: &&Reach<'_>| sink.is_in(reach.id);
+            let mut heard = reaches
+                .iter()
+                .filter(is_in)
+                .flat_map(|reach| reach.nodes.iter().map(|(_, from)| reach.probability(*from, sink.position)));
+            if !heard.any(|probability| probability >= 0.01) {
+                self.warn(
+                    format!("sinks[{i}].position_m"),
+                    format!("the sink `{}` hears each node at less than 1 %; move it, or raise the power", sink.name),
+                );
+            }
+        }
+    }
+
+    /// Obstacles that block neither radio nor robots.
+    fn obstacles(&mut self, reaches: &[Reach<'_>], planned: &[Way<'_>]) {
+        let places = self.setup.world.nodes.iter().map(|node| node.position);
+        let sinks = self.setup.sinks.iter().map(|sink| sink.position);
+        let starts = self.scenario.bodies().iter().map(|body| body.start);
+        let stops = planned.iter().flat_map(|way| way.stops().iter().copied());
+        let Some(all) = Bounds::of(places.chain(sinks).chain(starts).chain(stops)) else { return };
+        // A robot that finds its way itself may leave the nodes by as far as it hears them.
+        let is_known = planned.len() == self.scenario.bodies().len();
+        let far_m = reaches.iter().map(|reach| reach.range.hundredth_m).fold(0.0, f64::max);
+        let radius_m = self.scenario.bodies().iter().map(|body| body.radius_m).fold(0.0, f64::max);
+        let margin_m = if is_known { radius_m } else { far_m };
+        let reached = Bounds {
+            min: all.min - Position::new(margin_m, margin_m, radius_m),
+            max: all.max + Position::new(margin_m, margin_m, radius_m),
+        };
+        let attenuate = reaches.iter().any(|reach| reach.law().obstacles_attenuate());
+        let mut idle: Vec<(usize, &str)> = Vec::new();
+        for (i, obstacle) in self.setup.world.obstacles.obstacles().iter().enumerate() {
+            let bounds = obstacle.shape().bounds();
+            let absorbs = attenuate && (obstacle.absorption_per_m() > 0.0 || obstacle.loss().0 > 0.0);
+            let reflects = obstacle.reflection_loss().is_some();
+            if !absorbs && !obstacle.is_solid() && !reflects {
+                idle.push((i, "it neither absorbs nor stops robots; give it a `material`"));
+            } else if apart(&bounds, &reached) && !reflects {
+                idle.push((
+                    i,
+                    "it lies beside, above or below all stations and their links; check its place and size",
+                ));
+            }
+        }
+        let count = idle.len();
+        if let Some((i, why)) = idle.first() {
+            let others =
+                if count > 1 { format!(" (and {} more)", counted(count - 1, "obstacle")) } else { String::new() };
+            let obstacle = &self.setup.world.obstacles.obstacles()[*i];
+            let name = obstacle.name().map_or(String::new(), |name| format!(" `{name}`"));
+            self.warn(format!("world.obstacles[{i}]"), format!("the obstacle{name} blocks nothing: {why}{others}"));
+        }
+    }
+}
+
+/// Whether two boxes do not touch.
+fn apart(a: &Bounds, b: &Bounds) -> bool {
+    let gap = |a: (f64, f64), b: (f64, f64)| a.1 < b.0 || b.1 < a.0;
+    gap((a.min.x_m, a.max.x_m), (b.min.x_m, b.max.x_m))
+        || gap((a.min.y_m, a.max.y_m), (b.min.y_m, b.max.y_m))
+        || gap((a.min.z_m, a.max.z_m), (b.min.z_m, b.max.z_m))
+}

@@ -1,0 +1,74 @@
+//! The trace of a packet in a recording.
+
+use std::time::Duration;
+
+use sextant_kernel::SimTime;
+use sextant_recording::messages::{AssessmentMessage, PacketMessage, TransmissionMessage};
+use sextant_recording::{FileRecorder, RecordingError};
+use sextant_sim::{AssessmentTrace, Deafness, Destination, PacketFate, PacketTrace, TransmissionTrace};
+
+/// Records packet number `id`, of the network called `network`; time 0 of its simulation is `offset` in the recording.
+pub(super) fn record(
+    recorder: &mut FileRecorder,
+    id: u64,
+    network: &str,
+    trace: &PacketTrace,
+    offset: Duration,
+) -> Result<(), RecordingError> {
+    let nanos = |time: SimTime| (time + offset).as_nanos();
+    let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
+    let deafness = match trace.fate {
+        PacketFate::Sent(outcome) => name_of(outcome.deafness()),
+        PacketFate::LostChannelAccess | PacketFate::LostQueue | PacketFate::Pending => String::new(),
+    };
+    let packet = PacketMessage {
+        packet: id,
+        network: network.to_owned(),
+        source: trace.source.0,
+        kind: trace.kind.name().to_owned(),
+        number: trace.number,
+        sequence: trace.sequence.map(u32::from),
+        destination: match trace.to {
+            Destination::All => None,
+            Destination::Station(station) => Some(station.0),
+        },
+        octets: trace.octets.into(),
+        offered_ns: nanos(trace.offered),
+        counted: trace.counts,
+        begun_ns: trace.begun.map(nanos),
+        assessments: count(trace.assessments.len()),
+        transmissions: count(trace.transmissions.len()),
+        end: trace.end.name().to_owned(),
+        ended_ns: nanos(trace.ended),
+        fate: trace.fate.name().to_owned(),
+        deafness,
+        delivered_ns: trace.delivered.map(nanos),
+        tx_energy_j: trace.tx_energy_j,
+    };
+    let assessment = |&AssessmentTrace { backoff, start, busy }: &AssessmentTrace| AssessmentMessage {
+        packet: id,
+        backoff_ns: nanos(backoff),
+        start_ns: nanos(start),
+        busy,
+    };
+    let transmission = |(attempt, sent): (usize, &TransmissionTrace)| TransmissionMessage {
+        packet: id,
+        attempt: count(attempt),
+        start_ns: nanos(sent.start),
+        airtime_ns: (SimTime::ZERO + sent.airtime).as_nanos(),
+        outcome: sent.outcome.name().to_owned(),
+        deafness: name_of(sent.outcome.deafness()),
+        receiver: sent.receiver.map(|station| station.0),
+        power_dbm: sent.power.map(|power| power.0),
+        sinr_db: sent.sinr.map(|sinr| sinr.0),
+        collided_with: sent.collided_with.map(|station| station.0),
+        acknowledged_ns: sent.acknowledged.map(nanos),
+    };
+    let assessments: Vec<_> = trace.assessments.iter().map(assessment).collect();
+    let transmissions: Vec<_> = trace.transmissions.iter().enumerate().map(transmission).collect();
+    recorder.packet(&packet, &assessments, &transmissions)
+}
+
+fn name_of(deafness: Option<Deafness>) -> String {
+    deafness.map_or_else(String::new, |deafness| deafness.name().to_owned())
+}

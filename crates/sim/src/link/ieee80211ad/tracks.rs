@@ -1,0 +1,22 @@
+//! The tracks of what a station has under way, if packets are traced.
+
+use sextant_kernel::{SimTime, StationId};
+
+use crate::link::track::Track;
+
+/// The tracks of what a station has under way.
+#[derive(Debug, Default)]
+pub(super) struct Tracks {
+    /// That of the sweep or the broadcast.
+    pub(super) task: Track,
+    /// That of the answer.
+    pub(super) answer: Track,
+    /// When the last sweep was offered.
+    pub(super) sweep_offered: SimTime,
+    /// Number of sweeps that have ended.
+    pub(super) sweeps: u32,
+    /// When the answer under way was offered, and to which station, if there is one.
+    pub(super) answer_offered: Option<(SimTime, Option<StationId>)>,
+    /// Number of answers that have ended.
+    pub(super) answers: u32,
+}

@@ -1,0 +1,123 @@
+//! Traces of packets, if somebody wants them.
+
+use sextant_kernel::{SimTime, StationId};
+use sextant_mac::csma::{self, Outcome};
+
+use super::Links;
+use crate::link::ieee802154::frame_queue::QueuedFrame;
+use crate::link::track::{Traced, Track};
+use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
+use crate::service::report::{Destination, FrameId};
+
+/// A frame for which there was no room.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RefusedFrame {
+    pub(super) id: FrameId,
+    pub(super) to: Destination,
+    pub(super) mpdu_octets: u8,
+}
+
+impl Links {
+    /// Traces a frame for which the queue of `station` had no room.
+    pub(super) fn trace_refused(&mut self, station: StationId, refused: RefusedFrame, scene: &mut Scene) {
+        let RefusedFrame { id, to, mpdu_octets } = refused;
+        if self.stacks[station.index()].track.is_none() {
+            return;
+        }
+        let (end, fate) = (PacketEnd::QueueFull, PacketFate::LostQueue);
+        let traced = self.traced(station, id, to, mpdu_octets, scene.now).with_end(end, fate);
+        self.tell(&mut Track::default(), station, &traced, scene);
+    }
+
+    /// Traces a frame of `station` that has left its MAC.
+    pub(super) fn trace_ended(
+        &mut self,
+        station: StationId,
+        frame: &QueuedFrame,
+        report: &csma::Report,
+        outcome: FrameOutcome,
+        scene: &mut Scene,
+    ) {
+        let stack = &mut self.stacks[station.index()];
+        let Some(mut track) = stack.track.take() else { return };
+        let end = match report.outcome {
+            Outcome::Sent => PacketEnd::Sent,
+            Outcome::Acknowledged => PacketEnd::Acknowledged,
+            Outcome::NoAck => PacketEnd::NoAcknowledgement,
+            Outcome::ChannelAccessFailure => PacketEnd::ChannelAccessFailure,
+        };
+        if end == PacketEnd::Acknowledged {
+            track.acknowledge(scene.now);
+        }
+        let fate = if report.transmissions == 0 { PacketFate::LostChannelAccess } else { PacketFate::Sent(outcome) };
+        let sequence = Some(stack.sequence);
+        let traced = self.traced_frame(station, frame).with_end(end, fate);
+        self.tell(&mut track, station, &Traced { sequence, ..traced }, scene);
+        self.stacks[station.index()].track = Some(track);
+    }
+
+    /// Traces the frames that are under way or wait at the end of the simulation.
+    pub(super) fn trace_all_pending(&mut self, scene: &mut Scene) {
+        for i in 0..self.stacks.len() {
+            let station = StationId::from_index(i);
+            let Some(mut track) = self.stacks[i].track.take() else { continue };
+            let (sequence, outcome) = (self.stacks[i].sequence, self.stacks[i].outcome);
+            if let Some(frame) = self.stacks[i].frame {
+                // A frame that was received counts so, even if its acknowledgement is still under way.
+                let fate = match outcome {
+                    FrameOutcome::Received => PacketFate::Sent(outcome),
+                    _ => PacketFate::Pending,
+                };
+                let traced = self.traced_frame(station, &frame).with_end(PacketEnd::Pending, fate);
+                self.tell(&mut track, station, &Traced { sequence: Some(sequence), ..traced }, scene);
+            }
+            for place in 0..self.stacks[i].waiting.len() {
+                let frame = self.stacks[i].waiting[place];
+                let traced = self.traced_frame(station, &frame).with_end(PacketEnd::Pending, PacketFate::Pending);
+                self.tell(&mut Track::default(), station, &traced, scene);
+            }
+        }
+    }
+
+    fn traced_frame(&self, station: StationId, frame: &QueuedFrame) -> Traced {
+        let &QueuedFrame { id, to, mpdu_octets, offered, .. } = frame;
+        self.traced(station, id, to, mpdu_octets, offered)
+    }
+
+    /// What is known of a frame when it is offered.
+    fn traced(
+        &self,
+        source: StationId,
+        FrameId(number): FrameId,
+        to: Destination,
+        mpdu_octets: u8,
+        offered: SimTime,
+    ) -> Traced {
+        Traced {
+            network: self.radios.network,
+            source,
+            kind: PacketKind::Data,
+            number,
+            sequence: None,
+            to,
+            octets: mpdu_octets.into(),
+            offered,
+            counts: offered >= self.ledger.counted_from,
+            end: PacketEnd::Pending,
+            fate: PacketFate::Pending,
+        }
+    }
+
+    fn tell(&self, track: &mut Track, station: StationId, traced: &Traced, scene: &mut Scene) {
+        let power = self.stacks[station.index()].tx_power;
+        scene.traced.push(track.end(traced, &self.ledger.radio_states, power, scene.now));
+    }
+}
+
+impl Traced {
+    fn with_end(self, end: PacketEnd, fate: PacketFate) -> Self {
+        Self { end, fate, ..self }
+    }
+}
