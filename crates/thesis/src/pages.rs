@@ -177,7 +177,13 @@ fn experiment(of: &Results, out: &Path, parts: &mut Vec<Part>) -> Result<(), Out
         parts.push(Part::Figure { file, title: title.clone(), svg });
     }
     if !of.notes.is_empty() {
-        parts.push(Part::List(of.notes.iter().map(|note| vec![note.as_str().into()]).collect()));
+        parts.push(Part::List(of.notes.iter().map(|note| with_code(note)).collect()));
     }
     Ok(())
+}
+
+/// The text with what is in code marks as code.
+fn with_code(text: &str) -> Vec<Span> {
+    let span = |(i, part): (usize, &str)| if i % 2 == 0 { part.into() } else { Span::Code(part.to_owned()) };
+    text.split('`').enumerate().map(span).collect()
 }

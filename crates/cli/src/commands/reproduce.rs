@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     /// List the tables and figures: their scenarios, usual number of runs, and CPU times
     #[arg(long)]
     pub(crate) list: bool,
-    /// Runs of each scenario, with the seeds 1, 2, .. [default: as `--list` says]
+    /// Runs of each scenario, with the seeds 1, 2, ..; without it as many as `--list` says
     #[arg(long, value_name = "N")]
     pub(crate) runs: Option<NonZeroU32>,
     /// Run nothing, and take the runs from the folder of an earlier reproduction
