@@ -46,6 +46,7 @@ pub(super) fn close(
     recording.captures(&performance.witness, recorder)?;
     recording.estimates(&performance.scored, recorder)?;
     recording.distances(&performance.witness, survey.end, recorder)?;
+    recorder.note(stop, Level::Info, name, &performance.summary.participants())?;
     recorder.note(stop, Level::Info, name, &performance.summary.outcome())?;
     Ok(Phase { name: name.clone(), start, end: stop })
 }
