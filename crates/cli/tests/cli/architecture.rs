@@ -16,10 +16,12 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 7] = ["sweep", "run", "mapping", "measure", "summary", "scenario", "columns"];
+const ROOMS: [&str; 11] = [
+    "sweep", "run", "export", "forecast", "link", "mapping", "measure", "summary", "scenario", "columns", "template",
+];
 
 /// The modules of the command line from top to bottom.
-const COMMAND_LINE: [&str; 5] = ["commands", "progress", "terminal", "interrupt", "diagnostic"];
+const COMMAND_LINE: [&str; 7] = ["commands", "live", "paragraph", "progress", "terminal", "interrupt", "diagnostic"];
 
 /// The folders of the crates whose modules are checked.
 const FOLDERS: [&str; 13] = [

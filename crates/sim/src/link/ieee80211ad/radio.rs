@@ -4,7 +4,7 @@ use sextant_channel::{Db, Dbm};
 use sextant_kernel::SettingError;
 use sextant_mac::Phy;
 
-use crate::link::config::RadioConfig;
+use crate::link::config::{RadioConfig, dmg_carrier_hz};
 
 /// Noise of 1.76 GHz at 290 K with a noise figure of 10 dB.
 const NOISE_FLOOR: Dbm = Dbm(-71.5);
@@ -56,11 +56,6 @@ impl TryFrom<RadioConfig> for DmgRadio {
     }
 }
 
-/// Carrier frequency of a channel (Hz).
-pub(in crate::link) fn carrier_hz(channel: u8) -> f64 {
-    56.16e9 + 2.16e9 * f64::from(channel)
-}
-
 impl DmgRadio {
     /// Number of the radio channel, 1 to 4.
     #[must_use]
@@ -71,7 +66,7 @@ impl DmgRadio {
     /// Carrier frequency (Hz): channels are 2.16 GHz apart (IEEE 802.11ad-2012, annex E).
     #[must_use]
     pub fn carrier_hz(&self) -> f64 {
-        carrier_hz(self.channel)
+        dmg_carrier_hz(self.channel)
     }
 
     /// Transmit power, without the antenna.
