@@ -16,7 +16,7 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 7] = ["sweep", "run", "mapping", "measure", "summary", "scenario", "columns"];
+const ROOMS: [&str; 8] = ["sweep", "run", "mapping", "forecast", "measure", "summary", "scenario", "columns"];
 
 /// The modules of the command line from top to bottom.
 const COMMAND_LINE: [&str; 5] = ["commands", "progress", "terminal", "interrupt", "diagnostic"];

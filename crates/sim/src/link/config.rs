@@ -9,7 +9,7 @@ use sextant_mac::dmg::SweepConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
 
 use super::antennas::AntennasConfig;
-use super::ieee80211ad::carrier_hz;
+use super::dmg_channel::carrier_hz;
 use crate::air::ReceptionConfig;
 use crate::world::layout::NodesOfGroup;
 

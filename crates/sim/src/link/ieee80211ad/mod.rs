@@ -11,6 +11,5 @@ mod transceiver;
 
 pub(super) use links::Links;
 pub use radio::DmgRadio;
-pub(in crate::link) use radio::carrier_hz;
 pub use settings::Ieee80211ad;
 pub(super) use settings::Ieee80211ad as Settings;

@@ -5,6 +5,7 @@ use sextant_kernel::SettingError;
 use sextant_mac::Phy;
 
 use crate::link::config::RadioConfig;
+use crate::link::dmg_channel::carrier_hz;
 
 /// Noise of 1.76 GHz at 290 K with a noise figure of 10 dB.
 const NOISE_FLOOR: Dbm = Dbm(-71.5);
@@ -54,11 +55,6 @@ impl TryFrom<RadioConfig> for DmgRadio {
             noise_floor: or("noise_floor_dbm", config.noise_floor_dbm, NOISE_FLOOR)?,
         })
     }
-}
-
-/// Carrier frequency of a channel (Hz).
-pub(in crate::link) fn carrier_hz(channel: u8) -> f64 {
-    56.16e9 + 2.16e9 * f64::from(channel)
 }
 
 impl DmgRadio {
