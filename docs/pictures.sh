@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Draws the pictures of the guide into docs/pictures/, or into the folder $1. $SEXTANT names the program.
+# Draws the pictures of the guide's chapters into docs/pictures/, or into the folder $1. $SEXTANT names the program.
+# Those of the algorithms' pages are drawn by docs/pictures/algorithms.sh.
 # The same program draws the same bytes: after a change that alters a picture, run this and look at what changed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -57,14 +58,3 @@ keep spiral.figures/network spiral-network
 "$sextant" sweep scenarios/mac/hidden-nodes.toml --out hidden.csv --runs 3 --quiet > /dev/null
 "$sextant" figure hidden.csv --out hidden.figures > /dev/null
 keep hidden.figures/hidden-mac-prr hidden-prr
-
-# A part of the warehouse, without maps: the picture shows the antenna.
-run scenarios/mmtm/warehouse-vaa.toml --set 'maps=[]' \
-    --set 'robots.0.controller.automated_s.area.box.max_m=[5.0, 6.0, 0.4]'
-keep warehouse-vaa.figures/sectors warehouse-sectors
-run scenarios/dmtm/ss-greenhouse.toml
-keep ss-greenhouse.figures/map-dmmtm-ss greenhouse-map
-run scenarios/target/case-3.toml
-keep case-3.figures/application-detarsk search-way
-run scenarios/seek/pioneer.toml
-keep pioneer.figures/application-level-set seek-way

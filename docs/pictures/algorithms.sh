@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Draws the pictures of docs/algorithms/ from small scenarios. Run it from the top of the tree; $SEXTANT names the program.
+# Draws the pictures of docs/algorithms/ from small scenarios, or into the folder $1. $SEXTANT names the program.
 # The same program draws the same bytes: after a change that alters a picture, run this and look at what changed.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 sextant=${SEXTANT:-target/release/sextant}
 scenarios=docs/pictures
-out=docs/algorithms/pictures
+out=${1:-docs/algorithms/pictures}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$out"

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
 use sextant_sim::layout::{Region, RegionConfig};
-use sextant_sim::{Controller, RobotCommand, Situation};
+use sextant_sim::{Controller, RobotCommand, Situation, StopsLeftOut};
 
 use crate::itinerary::{Itinerary, Then};
 use crate::surroundings::Surroundings;
@@ -63,6 +63,10 @@ impl Hilbert {
 impl Controller for Hilbert {
     fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         self.itinerary.decide(situation)
+    }
+
+    fn left_out(&self) -> StopsLeftOut {
+        self.itinerary.left_out()
     }
 }
 

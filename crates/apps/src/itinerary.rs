@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
-use sextant_sim::{CommandOutcome, Controller, Ending, RobotCommand, Situation};
+use sextant_sim::{CommandOutcome, Controller, Ending, RobotCommand, Situation, StopsLeftOut};
 
 use crate::route::Search;
 use crate::surroundings::Surroundings;
@@ -38,6 +38,8 @@ pub(crate) struct Itinerary {
     begun: usize,
     /// Number of consecutive blocked drives.
     blocked: u32,
+    /// Stops that are no part of it.
+    left_out: StopsLeftOut,
 }
 
 /// Plans a path among obstacles.
@@ -72,6 +74,17 @@ impl<'a> Planner<'a> {
         true
     }
 
+    /// Counts a stop as left out.
+    fn leave_out(&mut self, place: Position) {
+        let is_free = self.is_free(place);
+        let left_out = &mut self.itinerary.left_out;
+        if is_free {
+            left_out.unreachable += 1;
+        } else {
+            left_out.in_obstacles += 1;
+        }
+    }
+
     fn way(&self, place: Position) -> Option<Vec<Position>> {
         let Surroundings { obstacles, radius_m, .. } = *self.surroundings;
         let Some(bounds) = obstacles.bounds() else { return Some(vec![place]) };
@@ -101,7 +114,9 @@ impl Itinerary {
     ) -> Result<Self, SettingError> {
         let mut planner = Planner::new(surroundings);
         for (place, then) in places {
-            planner.go(place, then);
+            if !planner.go(place, then) && then == Then::Listen {
+                planner.leave_out(place);
+            }
         }
         let itinerary = planner.finish();
         if itinerary.stops() == 0 {
@@ -149,5 +164,9 @@ impl Controller for Itinerary {
             }
             None => RobotCommand::Finish(Ending::Complete),
         }
+    }
+
+    fn left_out(&self) -> StopsLeftOut {
+        self.left_out
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Bounds, Position};
 use sextant_kernel::SettingError;
 use sextant_sim::layout::{Region, RegionConfig};
-use sextant_sim::{Controller, RobotCommand, Situation};
+use sextant_sim::{Controller, RobotCommand, Situation, StopsLeftOut};
 
 use crate::itinerary::{Itinerary, MAX_STOPS, Then};
 use crate::route::{number, whole};
@@ -92,6 +92,10 @@ impl SPath {
 impl Controller for SPath {
     fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         self.itinerary.decide(situation)
+    }
+
+    fn left_out(&self) -> StopsLeftOut {
+        self.itinerary.left_out()
     }
 }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
 use sextant_sim::layout::{Region, RegionConfig};
-use sextant_sim::{Controller, RobotCommand, Situation};
+use sextant_sim::{Controller, RobotCommand, Situation, StopsLeftOut};
 
 use crate::itinerary::{Itinerary, MAX_STOPS, Then};
 use crate::route::{number, whole};
@@ -89,6 +89,10 @@ impl Spiral {
 impl Controller for Spiral {
     fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         self.itinerary.decide(situation)
+    }
+
+    fn left_out(&self) -> StopsLeftOut {
+        self.itinerary.left_out()
     }
 }
 

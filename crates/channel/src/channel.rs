@@ -4,7 +4,7 @@ use sextant_kernel::{Seed, StationId};
 
 use crate::mirror::{Mirror, direction};
 use crate::reflection::{Ray, ReflectionLaw};
-use crate::{ChannelLaw, Db, Dbm, Milliwatts, ObstacleField, Position, Shadowing};
+use crate::{ChannelLaw, Db, Dbm, Milliwatts, ObstacleField, PathBudget, Position, Shadowing};
 
 /// A radio channel in a world of obstacles: `P_rx = P_tx - L(d) - L_obstacles + X` (thesis eq. 3.15).
 /// Reciprocal: every result is the same, bit for bit, if the two ends are exchanged.
@@ -109,6 +109,29 @@ impl Channel {
             return Some(rays.iter().map(|ray| (tx - ray.loss).to_milliwatts()).sum::<Milliwatts>().to_dbm());
         }
         Some(tx - self.law.path_loss().loss(distance_m) - self.obstacle_loss(from, to))
+    }
+
+    /// What the loss from `from` to `to` consists of; `None` beyond the hard radius.
+    #[must_use]
+    pub fn budget(&self, from: Position, to: Position) -> Option<PathBudget> {
+        let distance_m = from.distance_m(to);
+        if distance_m > self.law.max_range_m() {
+            return None;
+        }
+        let obstacles = if self.law.obstacles_attenuate() { self.obstacles.losses(from, to) } else { Vec::new() };
+        let reflections = self.reflects().then(|| {
+            let mut rays = Vec::new();
+            self.rays(from, to, &mut rays);
+            // The first one is the straight line.
+            rays.into_iter().skip(1).collect()
+        });
+        Some(PathBudget {
+            distance_m,
+            distance: self.law.path_loss().items(distance_m),
+            obstacles,
+            obstacle_loss: self.obstacle_loss(from, to),
+            reflections,
+        })
     }
 
     /// Gain by shadowing between station `a` at `pa` and station `b` at `pb` for packet number `packet`.

@@ -6,7 +6,7 @@ use crate::material::DB_PER_NEPER;
 use crate::shape::Sweep;
 use crate::span::Span;
 use crate::tree::Tree;
-use crate::{Bounds, Db, Obstacle, Position};
+use crate::{Bounds, Db, Obstacle, ObstacleLoss, Position};
 
 /// The part of a straight line inside an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,6 +115,20 @@ impl ObstacleField {
             fixed = fixed + obstacle.loss();
         }
         Db(DB_PER_NEPER * nepers) + fixed
+    }
+
+    /// The loss by each obstacle along the straight line from `from` to `to`, by obstacle. Their sum is [`loss`](Self::loss), but
+    /// for rounding.
+    #[must_use]
+    pub fn losses(&self, from: Position, to: Position) -> Vec<ObstacleLoss> {
+        let mut crossings = Vec::new();
+        self.crossings(from, to, &mut crossings);
+        let loss = |&Crossing { obstacle, length_m }: &Crossing| {
+            let crossed = &self.obstacles[obstacle];
+            let absorption = Db(DB_PER_NEPER * (crossed.absorption_per_m() * length_m));
+            ObstacleLoss { obstacle, length_m, absorption, fixed: crossed.loss() }
+        };
+        crossings.iter().map(loss).collect()
     }
 
     /// The first solid obstacle that contains `p`.

@@ -206,7 +206,13 @@ impl ChannelLaw {
         if distance_m > self.max_range_m {
             return 0.0;
         }
-        let margin = tx - self.path_loss.loss(distance_m) - obstacle_loss - sensitivity;
+        self.share_above(tx - self.path_loss.loss(distance_m) - obstacle_loss - sensitivity)
+    }
+
+    /// Probability that shadowing leaves a link whose mean power is `margin` above a threshold at or above it: `Φ(margin / σ)`.
+    #[must_use]
+    #[inline]
+    pub fn share_above(&self, margin: Db) -> f64 {
         let sigma_db = self.shadowing.sigma_db();
         if sigma_db > 0.0 {
             0.5 * libm::erfc(-margin.0 / (sigma_db * std::f64::consts::SQRT_2))

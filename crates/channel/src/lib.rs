@@ -57,6 +57,8 @@ mod mirror;
 mod neighbour;
 #[cfg(feature = "obstacles")]
 mod obstacle;
+#[cfg(feature = "obstacles")]
+mod path_budget;
 mod path_loss;
 mod polygon;
 mod position;
@@ -92,7 +94,9 @@ pub use material::Material;
 pub use neighbour::{Anchor, Link, NeighbourError, NeighbourLog};
 #[cfg(feature = "obstacles")]
 pub use obstacle::{Obstacle, ObstacleConfig};
-pub use path_loss::{CloseInConfig, LogDistance, LogDistanceConfig, PathLossConfig};
+#[cfg(feature = "obstacles")]
+pub use path_budget::{ObstacleLoss, PathBudget};
+pub use path_loss::{CloseInConfig, DistanceLoss, LogDistance, LogDistanceConfig, PathLossConfig};
 pub use polygon::Polygon;
 pub use position::Position;
 pub use power::{Db, Dbm, Milliwatts};

@@ -121,6 +121,27 @@ pub struct LogDistance {
     gas_db_per_m: f64,
 }
 
+/// Loss with distance, item by item.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistanceLoss {
+    /// Loss at the reference distance.
+    pub reference: Db,
+    /// Loss from there on by the exponent; negative below the reference distance.
+    pub spreading: Db,
+    /// Loss by gases, if there are any.
+    pub gas: Option<Db>,
+}
+
+impl DistanceLoss {
+    /// The whole loss.
+    #[must_use]
+    #[inline]
+    pub fn total(&self) -> Db {
+        let loss = self.reference + self.spreading;
+        self.gas.map_or(loss, |gas| loss + gas)
+    }
+}
+
 impl TryFrom<LogDistanceConfig> for LogDistance {
     type Error = SettingError;
 
@@ -217,10 +238,18 @@ impl LogDistance {
     #[must_use]
     #[inline]
     pub fn loss(&self, distance_m: f64) -> Db {
+        self.items(distance_m).total()
+    }
+
+    /// Loss over `distance_m`, item by item.
+    #[must_use]
+    #[inline]
+    pub fn items(&self, distance_m: f64) -> DistanceLoss {
         let distance_m = distance_m.max(self.min_distance_m);
         let ratio = distance_m / self.reference_distance_m;
-        let loss = self.reference_loss + Db(10.0 * self.exponent * libm::log10(ratio));
-        if self.gas_db_per_m > 0.0 { loss + Db(self.gas_db_per_m * distance_m) } else { loss }
+        let spreading = Db(10.0 * self.exponent * libm::log10(ratio));
+        let gas = if self.gas_db_per_m > 0.0 { Some(Db(self.gas_db_per_m * distance_m)) } else { None };
+        DistanceLoss { reference: self.reference_loss, spreading, gas }
     }
 
     /// The largest distance at which the loss is at most `loss` (m); 0 if the loss is larger everywhere.

@@ -6,6 +6,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Report, SourceCode};
+use sextant::LinkError;
+use sextant::export::ExportError;
 use sextant::mapping::MapLogError;
 use sextant::run::RunError;
 use sextant::scenario::{ScenarioError, ScenarioErrors};
@@ -110,6 +112,12 @@ pub(crate) fn report(error: &ScenarioError) -> Report {
     Report::new(Message { text: error.to_string(), help: error.advice().map(str::to_owned), excerpt })
 }
 
+impl From<LinkError> for Failure {
+    fn from(error: LinkError) -> Self {
+        Self::of(&error, None, false)
+    }
+}
+
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         match &error {
@@ -152,6 +160,15 @@ impl From<ReportError> for Failure {
             ReportError::Recording(error) => error.into(),
             ReportError::Table(error) => error.into(),
             error => Self::of(&error, None, false),
+        }
+    }
+}
+
+impl From<ExportError> for Failure {
+    fn from(error: ExportError) -> Self {
+        match error {
+            ExportError::Interrupted(_) => Self::Interrupted,
+            error => Self::of(&error, error.advice(), error.is_system_error()),
         }
     }
 }

@@ -3,6 +3,9 @@
 mod commands;
 mod diagnostic;
 mod interrupt;
+#[cfg(feature = "live")]
+mod live;
+mod paragraph;
 mod progress;
 mod terminal;
 

@@ -1,6 +1,5 @@
 //! An application: who went where among nodes, obstacles and, if a source is sought, the field.
 
-use plotters::style::RGBColor;
 use sextant_channel::Position;
 
 use sextant_kernel::text::counted;
@@ -8,7 +7,7 @@ use sextant_recording::{RecordedApplication, RecordedField};
 
 use super::cells;
 use super::contour::contour;
-use super::palette::{ACCENT, CURVES, INK, PAPER, Ramp, THREAD};
+use super::palette::{ACCENT, INK, PAPER, Ramp, THREAD, of_target};
 use super::picture::{Picture, Point, Stroke};
 use super::sheet::{ColourBar, Entry, Sheet, Symbol};
 use super::silhouette::{draw_rims, draw_solids};
@@ -46,7 +45,7 @@ pub(super) fn draw(source: &Source<'_>, application: &RecordedApplication) -> Pi
         for &node in source.drawn.nodes.values() {
             picture.disc(panel.at(node), radius, if field.is_some() { THREAD } else { INK });
         }
-        draw_ways(&mut picture, &panel, application);
+        draw_ways(&mut picture, &panel, source, application);
         panel.axes.draw(&mut picture);
     }
     picture
@@ -84,7 +83,7 @@ fn draw_field(picture: &mut Picture, panel: &Panel, field: &RecordedField, bar: 
 }
 
 /// The ways of targets and robots, the places where targets were thought to be, and the captures.
-fn draw_ways(picture: &mut Picture, panel: &Panel, application: &RecordedApplication) {
+fn draw_ways(picture: &mut Picture, panel: &Panel, source: &Source<'_>, application: &RecordedApplication) {
     let way =
         |places: &mut dyn Iterator<Item = Position>| places.map(|place| panel.at(place)).collect::<Vec<Point>>();
     for thought in &application.target_places {
@@ -98,12 +97,13 @@ fn draw_ways(picture: &mut Picture, panel: &Panel, application: &RecordedApplica
             picture.square(start, 2.0 * START, of_target(i));
         }
     }
-    for (i, (_, path)) in application.paths.iter().enumerate() {
+    for (robot, path) in &application.paths {
+        let color = source.color_of_robot(robot);
         let points = way(&mut path.iter().copied());
         picture.path(points.clone(), Stroke::new(PAPER, 4.0));
-        picture.path(points.clone(), Stroke::new(of_robot(i), 2.2));
+        picture.path(points.clone(), Stroke::new(color, 2.2));
         if let Some(&start) = points.first() {
-            picture.square(start, 2.0 * START, of_robot(i));
+            picture.square(start, 2.0 * START, color);
         }
     }
     for capture in &application.captures {
@@ -123,8 +123,8 @@ fn sheet(source: &Source<'_>, application: &RecordedApplication, radius: f64, ba
     let node = if bar.is_some() { THREAD } else { INK };
     let mut legend = vec![Entry { symbol: Symbol::Disc { radius, fill: node }, text: "node".to_owned() }];
     let line = |color, width| Symbol::Line { stroke: Stroke::new(color, width), pattern: &[] };
-    for (i, (robot, _)) in application.paths.iter().enumerate() {
-        legend.push(Entry { symbol: line(of_robot(i), 2.2), text: format!("path of {robot}") });
+    for (robot, _) in &application.paths {
+        legend.push(Entry { symbol: line(source.color_of_robot(robot), 2.2), text: format!("path of {robot}") });
     }
     for (i, target) in application.targets.iter().enumerate() {
         legend.push(Entry { symbol: line(of_target(i), 1.6), text: format!("way of {}", target.name) });
@@ -160,12 +160,4 @@ fn sheet(source: &Source<'_>, application: &RecordedApplication, radius: f64, ba
     let RecordedApplication { name, algorithm, .. } = application;
     let what = if name == algorithm { name.clone() } else { format!("{name} ({algorithm})") };
     Sheet { title: format!("{}: {what}", source.title), note: note.join(", "), bar: bar.cloned(), legend }
-}
-
-fn of_robot(i: usize) -> RGBColor {
-    CURVES[(2 * i) % CURVES.len()]
-}
-
-fn of_target(i: usize) -> RGBColor {
-    CURVES[(2 * i + 1) % CURVES.len()]
 }

@@ -1,5 +1,7 @@
 //! Plots of curves.
 
+use plotters::style::RGBColor;
+
 use super::axes::{Axes, Axis, Shown};
 use super::file::Figure;
 use super::palette::{CURVES, PATTERNS};
@@ -46,7 +48,12 @@ impl Curves {
     }
 
     pub(super) fn draw(self) -> Picture {
-        let style = |i: usize| (Stroke::new(CURVES[i % CURVES.len()], 2.0), PATTERNS[i % PATTERNS.len()]);
+        self.draw_in(&CURVES)
+    }
+
+    /// The picture with these colours, in the order of the curves.
+    pub(super) fn draw_in(self, colors: &[RGBColor]) -> Picture {
+        let style = |i: usize| (Stroke::new(colors[i % colors.len()], 2.0), PATTERNS[i % PATTERNS.len()]);
         let points = || self.series.iter().flat_map(|series| &series.points);
         let low = points().map(|point| point.0).fold(f64::INFINITY, f64::min);
         let high = points().map(|point| point.0).fold(f64::NEG_INFINITY, f64::max);

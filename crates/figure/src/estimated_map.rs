@@ -50,6 +50,7 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
     let views = source.views(shown().chain(reach(&regions, shown())));
     let views = views.enlarged((nodes as f64 / USUAL_NODES).sqrt().clamp(1.0, 2.0));
     let radius = views.dot_radius(nodes);
+    let claims = estimated.obstacles.map(claims::of).unwrap_or_default();
     let has_names = nodes <= MOST_NAMES;
     let sheet = |left_out: usize| {
         let (title, mut note) = heading(source, estimated.name, places.len(), distribution);
@@ -66,7 +67,7 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
             estimated.map,
             &Shown { places, bar: bar.as_ref(), radius, regions: regions.len(), views: &views },
         );
-        legend.extend(estimated.obstacles.map(claims::entries).unwrap_or_default());
+        legend.extend(claims::entries(&claims));
         Sheet { title, note, bar: bar.clone(), legend }
     };
     // The space for names is known after the layout, and the layout says how many have no space.
@@ -84,9 +85,7 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
     // The largest errors are drawn last, on top.
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
     for panel in views.panels(&areas) {
-        if let Some(obstacles) = estimated.obstacles {
-            claims::draw(&mut picture, &panel, obstacles);
-        }
+        claims::draw(&mut picture, &panel, &claims);
         draw_survey(&mut picture, &panel, source);
         for region in &regions {
             draw_region(&mut picture, &panel, region);

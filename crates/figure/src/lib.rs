@@ -3,7 +3,7 @@
 //! There is one [`Figure`] of the network with the survey, one of the sectors at a stop, and one of the targets. Each
 //! recorded instant of a field has one, each application and its time series, each map, and each likelihood surface.
 //! Further ones are the distribution of each kind of error, the sector displacement, and the neighbour scattering in
-//! a map that the nodes computed. Maps that were computed just now have three more: regions of 95 % and names, the
+//! a map that the nodes computed. A recorded packet trace has those of [`of_packets`]. Maps that were computed just now have three more: regions of 95 % and names, the
 //! reception curve against the data, and the residual of each stop. The same recording gives the same bytes. The
 //! colours can be distinguished with any
 //! colour vision: those of Okabe and Ito for categories, and viridis (darker for larger) for numbers.
@@ -15,7 +15,14 @@
 //!
 //! let recording = Path::new("circular.mcap");
 //! let (run, drawn) = (read_log(recording)?, read_world(recording)?);
-//! for figure in all(&Source { title: "circular", log: run.log(), drawn: &drawn, sector_displacements: &[] }) {
+//! let source = Source {
+//!     title: "circular",
+//!     log: run.log(),
+//!     drawn: &drawn,
+//!     sector_displacements: &run.sector_displacements(),
+//!     claimed_obstacles: &run.claimed_obstacles(),
+//! };
+//! for figure in all(&source) {
 //!     figure.write(Path::new("."), FileFormat::Svg)?;
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -37,9 +44,11 @@ mod field;
 mod file;
 mod gallery;
 mod labels;
+mod layout;
 mod likelihood;
 mod map;
 mod network;
+mod packets;
 mod paint;
 mod palette;
 mod picture;
@@ -59,4 +68,6 @@ pub use curves::{Curves, Series};
 pub use estimated::{EstimatedMap, Model, ReceptionCurve};
 pub use file::{Figure, FileFormat};
 pub use gallery::{all, all_of_maps};
+pub use layout::Layout;
+pub use packets::{PacketSource, Window, of_packets};
 pub use source::Source;

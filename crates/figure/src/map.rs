@@ -6,6 +6,7 @@ use sextant_mapper::PositionError;
 
 use sextant_recording::{NodeRole, Places};
 
+use super::claims;
 use super::palette::{ACCENT, CURVES, INK, Ramp, THREAD};
 use super::picture::{Picture, Stroke};
 use super::sheet::{ColourBar, Entry, Sheet, Symbol};
@@ -44,6 +45,8 @@ pub(super) fn draw(source: &Source<'_>, name: &str, places: &Places) -> Picture 
         legend.push(Entry { symbol: Symbol::Cross { stroke: ABSENT }, text });
     }
     legend.extend(source.obstacle_entry());
+    let claims = source.claims_of(name);
+    legend.extend(claims::entries(claims));
     let (title, note) = heading(source, name, places.len(), distribution);
     let sheet = Sheet { title, note, bar, legend };
     let (mut picture, areas) = sheet.lay_out(&views.sizes());
@@ -52,6 +55,7 @@ pub(super) fn draw(source: &Source<'_>, name: &str, places: &Places) -> Picture 
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
     for panel in views.panels(&areas) {
         draw_solids(&mut picture, &panel, source.solids());
+        claims::draw(&mut picture, &panel, claims);
         for (node, _) in &order {
             picture.line(panel.at(truth[node]), panel.at(places[node]), ERROR);
         }

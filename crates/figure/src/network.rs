@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 use sextant_channel::{Position, ReceptionLog};
 
-use super::palette::{ACCENT, CURVES, INK, Ramp};
+use super::palette::{ACCENT, INK, Ramp};
 use super::picture::{Picture, Stroke};
 use super::sheet::{ColourBar, Entry, Sheet, Symbol};
 use super::silhouette::draw_solids;
@@ -36,8 +36,8 @@ pub(super) fn draw(source: &Source<'_>) -> Picture {
     let mut picture = picture;
     for panel in views.panels(&areas) {
         draw_solids(&mut picture, &panel, source.solids());
-        for (i, (_, path)) in drawn.paths.iter().enumerate() {
-            picture.path(path.iter().map(|&place| panel.at(place)).collect(), track(i));
+        for (robot, path) in &drawn.paths {
+            picture.path(path.iter().map(|&place| panel.at(place)).collect(), track(source, robot));
         }
         for (stop, &heard) in log.stops().iter().zip(&heard) {
             picture.square(panel.at(stop.position), side, bar.color(f64::from(heard)));
@@ -71,9 +71,9 @@ fn sheet(source: &Source<'_>, bar: &ColourBar, radius: f64, side: f64) -> Sheet 
         let fill = bar.color(0.7 * bar.high);
         legend.push(Entry { symbol: Symbol::Square { side, fill }, text: "stop".to_owned() });
     }
-    for (i, (robot, _)) in drawn.paths.iter().enumerate() {
+    for (robot, _) in &drawn.paths {
         legend.push(Entry {
-            symbol: Symbol::Line { stroke: track(i), pattern: &[] },
+            symbol: Symbol::Line { stroke: track(source, robot), pattern: &[] },
             text: format!("path of {robot}"),
         });
     }
@@ -99,9 +99,9 @@ fn sheet(source: &Source<'_>, bar: &ColourBar, radius: f64, side: f64) -> Sheet 
     Sheet { title: format!("{title}: {what}"), note: note.join(", "), bar, legend }
 }
 
-/// The line style of the `i`th robot.
-fn track(i: usize) -> Stroke {
-    Stroke::new(CURVES[(i + 4) % CURVES.len()], 1.4)
+/// The line style of a robot.
+fn track(source: &Source<'_>, robot: &str) -> Stroke {
+    Stroke::new(source.color_of_robot(robot), 1.4)
 }
 
 /// The number of nodes heard at each stop.

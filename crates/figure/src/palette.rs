@@ -30,6 +30,16 @@ pub(super) const CURVES: [RGBColor; 7] = [
     RGBColor(0x00, 0x00, 0x00),
 ];
 
+/// The colour of the robot with this number, the same in all figures.
+pub(super) fn of_robot(number: usize) -> RGBColor {
+    CURVES[(2 * number) % CURVES.len()]
+}
+
+/// The colour of the target with this number, which no robot has unless there are many.
+pub(super) fn of_target(number: usize) -> RGBColor {
+    CURVES[(2 * number + 1) % CURVES.len()]
+}
+
 /// Dash patterns of curves: lengths of dashes and gaps (px).
 pub(super) const PATTERNS: [&[f64]; 4] = [&[], &[9.0, 4.0], &[2.5, 3.0], &[9.0, 3.0, 2.5, 3.0]];
 

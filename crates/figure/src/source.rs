@@ -1,11 +1,12 @@
 //! The data of figures.
 
+use plotters::style::RGBColor;
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use sextant_recording::{Places, RecordedWorld, Solid};
+use sextant_recording::{ClaimedObstacle, Places, RecordedWorld, Solid};
 
-use super::palette::OBSTACLE;
+use super::palette::{self, OBSTACLE};
 use super::sheet::{Entry, Symbol};
 use super::silhouette::RIM;
 use super::view::{Extent, View, Views};
@@ -21,6 +22,8 @@ pub struct Source<'a> {
     pub drawn: &'a RecordedWorld,
     /// Shares of the nodes by sector displacement, of each map that has them, by name.
     pub sector_displacements: &'a [(String, Vec<f64>)],
+    /// The obstacles that each map claims, by its name.
+    pub claimed_obstacles: &'a [(String, Vec<ClaimedObstacle>)],
 }
 
 /// At a smaller distance (m) from the position of an anchor, the map was given the position.
@@ -50,6 +53,28 @@ impl Source<'_> {
         let text = "obstacle".to_owned();
         let symbol = Symbol::Body { fill: OBSTACLE, rim: RIM };
         (!self.drawn.obstacles.is_empty()).then_some(Entry { symbol, text })
+    }
+
+    /// The obstacles that the map `name` claims.
+    pub(super) fn claims_of(&self, name: &str) -> &[ClaimedObstacle] {
+        self.claimed_obstacles.iter().find(|(map, _)| map == name).map_or(&[], |(_, claims)| claims)
+    }
+
+    /// The number of the robot `name` in all figures: robots of the survey come first. `None` if it is no robot.
+    pub(super) fn robot(&self, name: &str) -> Option<usize> {
+        let of_applications = self.drawn.applications.iter().flat_map(|application| &application.paths);
+        let mut robots: Vec<&str> = Vec::new();
+        for (robot, _) in self.drawn.paths.iter().chain(of_applications) {
+            if !robots.contains(&robot.as_str()) {
+                robots.push(robot);
+            }
+        }
+        robots.iter().position(|robot| *robot == name)
+    }
+
+    /// The colour of the robot `name`, the same in all figures.
+    pub(super) fn color_of_robot(&self, name: &str) -> RGBColor {
+        palette::of_robot(self.robot(name).unwrap_or(0))
     }
 
     /// The obstacles.

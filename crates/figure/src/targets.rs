@@ -10,7 +10,7 @@ use sextant_kernel::NodeId;
 use sextant_kernel::text::counted;
 use sextant_recording::{Detection, RecordedWorld, Sensation};
 
-use super::palette::{CURVES, INK, PAPER};
+use super::palette::{INK, PAPER, of_target};
 use super::picture::{Picture, Point, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
 use super::silhouette::draw_solids;
@@ -54,14 +54,14 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
             let points: Vec<Point> = target.way.places().map(|place| panel.at(place)).collect();
             picture.path(points.clone(), way(i));
             if let Some(&start) = points.first() {
-                picture.square(start, 2.0 * START, color(i));
+                picture.square(start, 2.0 * START, of_target(i));
             }
         }
         for (i, target) in drawn.targets.iter().enumerate() {
             for detection in drawn.detections.iter().filter(|detection| detection.target == target.name) {
                 let Some(place) = target.way.at(detection.time) else { continue };
                 let at = panel.at(place);
-                picture.disc(at, CROSSING, color(i));
+                picture.disc(at, CROSSING, of_target(i));
                 if detection.sensation == Sensation::Left {
                     picture.disc(at, CROSSING - 1.2, PAPER);
                 }
@@ -123,11 +123,7 @@ fn detecting(detections: &[Detection]) -> BTreeSet<NodeId> {
     detections.iter().map(|detection| detection.node).collect()
 }
 
-fn color(i: usize) -> RGBColor {
-    CURVES[(i + 1) % CURVES.len()]
-}
-
 /// The line style of the `i`th target.
 fn way(i: usize) -> Stroke {
-    Stroke::new(color(i), 1.6)
+    Stroke::new(of_target(i), 1.6)
 }

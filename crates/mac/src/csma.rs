@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use crate::{Phy, RadioState};
 
+pub mod analysis;
 mod port;
 pub(crate) mod sending;
 mod settings;

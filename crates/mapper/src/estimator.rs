@@ -31,6 +31,11 @@ pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError>;
 
+    /// Whether it uses how many packets of a node were received at a stop, and not only whether one was.
+    fn counts_packets(&self) -> bool {
+        true
+    }
+
     /// Whether it uses what is known of the places of nodes.
     fn uses_prior(&self) -> bool {
         false

@@ -5,6 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use sextant_kernel::NodeId;
+use sextant_kernel::text::counted;
 
 use crate::{AbsorptionMap, Comparable, TopologyMap};
 
@@ -114,9 +115,77 @@ pub struct CurveFinding<'a> {
     pub range_m: Option<f64>,
 }
 
+/// Why a fit did not converge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unconverged {
+    /// Its rounds were used up.
+    Rounds,
+    /// A parameter is at the end of the range in which it is sought.
+    AtBound,
+    /// It converged, but this many nodes have no reliable place.
+    Concerns(usize),
+}
+
+impl Unconverged {
+    /// Why a fit of `map` that `ended` by itself did not converge; `None` if it did.
+    pub(crate) fn of(ended: bool, map: &TopologyMap) -> Option<Self> {
+        match map.concerns().count() {
+            _ if !ended => Some(Self::Rounds),
+            0 => None,
+            concerns => Some(Self::Concerns(concerns)),
+        }
+    }
+
+    /// The warning of it: why `what` of the map `name` did not converge after `rounds`, and what to try. `setting` gives more
+    /// rounds, if there is one.
+    pub(crate) fn warning(self, name: &str, what: &str, rounds: u32, setting: Option<&str>) -> Line {
+        let why = match (self, setting) {
+            (Self::Rounds, Some(setting)) => {
+                format!("its rounds ({rounds}) were used up; try a larger `{setting}`")
+            }
+            (Self::Rounds, None) => {
+                format!(
+                    "its rounds ({rounds}) were used up; more stops, at other distances from the nodes, tell it better"
+                )
+            }
+            (Self::AtBound, _) => {
+                "a parameter is at the end of its range, so the log hardly tells it; try stops that are \
+                                   nearer to some nodes and farther from others"
+                    .to_owned()
+            }
+            (Self::Concerns(nodes), _) => {
+                let has = if nodes == 1 { "has" } else { "have" };
+                format!("{} {has} no reliable place; try stops around them", counted(nodes, "node"))
+            }
+        };
+        Line { section: Section::Warnings, text: format!("{name}: warning: {what} did not converge: {why}") }
+    }
+}
+
 /// The keys of one finding that is written as one value.
 #[cfg(feature = "config")]
 pub(crate) fn one_key(key: &str, value: &impl serde::Serialize) -> serde_json::Map<String, serde_json::Value> {
     let value = serde_json::to_value(value).expect("plain numbers and names");
     std::iter::once((key.to_owned(), value)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fit_that_did_not_converge_says_why_and_what_to_try() {
+        let text = |why: Unconverged, setting| why.warning("a", "the fitted profile", 20, setting).text;
+        assert_eq!(
+            text(Unconverged::Rounds, Some("max_rounds")),
+            "a: warning: the fitted profile did not converge: its rounds (20) were used up; try a larger `max_rounds`"
+        );
+        for (why, part) in [
+            (Unconverged::Rounds, "more stops"),
+            (Unconverged::AtBound, "at the end of its range"),
+            (Unconverged::Concerns(2), "2 nodes have no reliable place; try stops around them"),
+        ] {
+            assert!(text(why, None).contains(part), "{why:?}: {}", text(why, None));
+        }
+    }
 }

@@ -168,6 +168,8 @@ pub(super) fn scene(time: SimTime, solids: &[Solid]) -> SceneUpdate {
 
 /// Octets per point of [`cloud`]: eight each for x, y, z and error, and four for the node.
 pub(super) const POINT_OCTETS: u32 = 36;
+/// Where the error of a point begins.
+pub(super) const ERROR_AT: usize = 24;
 
 /// Nodes as points with the fields x, y, z, error (m) and node (index); an unknown error is NaN.
 pub(super) fn cloud(time: SimTime, nodes: &[PlacedNode]) -> PointCloud {

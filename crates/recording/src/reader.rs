@@ -17,6 +17,7 @@ use super::drawing;
 use super::error::RecordingError;
 use super::messages;
 use super::names::{FILES_ATTACHMENTS, LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
+use super::recorded_summary::{ClaimedObstacle, RecordedMap, RecordedSummary};
 use crate::mcap_file::{Piece, scan};
 
 /// The reception log of a recording, with its metadata and attachments.
@@ -42,27 +43,25 @@ impl RecordedRun {
         self.logs.first()
     }
 
+    /// The obstacles that each map in the summary claims, by its name; none of a map without any.
+    #[must_use]
+    pub fn claimed_obstacles(&self) -> Vec<(String, Vec<ClaimedObstacle>)> {
+        let claims = |map: RecordedMap| (map.name(), map.calibration.obstacles);
+        self.recorded_maps().into_iter().map(claims).filter(|(_, obstacles)| !obstacles.is_empty()).collect()
+    }
+
     /// Shares of the nodes by sector displacement, of each map in the summary that has them, by its name.
     #[must_use]
     pub fn sector_displacements(&self) -> Vec<(String, Vec<f64>)> {
-        #[derive(serde::Deserialize)]
-        struct RecordedSummary {
-            #[serde(default)]
-            maps: Vec<RecordedMap>,
-        }
-        #[derive(serde::Deserialize)]
-        struct RecordedMap {
-            name: Option<String>,
-            algorithm: String,
-            #[serde(default)]
-            sector_displacement: Vec<f64>,
-        }
+        let shares = |map: RecordedMap| (map.name(), map.sector_displacement);
+        self.recorded_maps().into_iter().map(shares).filter(|(_, shares)| !shares.is_empty()).collect()
+    }
+
+    /// The maps in the summary; none if there is no summary.
+    fn recorded_maps(&self) -> Vec<RecordedMap> {
         let summary = self.attachment(SUMMARY_ATTACHMENT).map(|attachment| &attachment.data);
         let summary = summary.and_then(|data| serde_json::from_slice::<RecordedSummary>(data).ok());
-        let maps = summary.map(|summary| summary.maps).unwrap_or_default().into_iter();
-        maps.filter(|map| !map.sector_displacement.is_empty())
-            .map(|map| (map.name.unwrap_or(map.algorithm), map.sector_displacement))
-            .collect()
+        summary.map(|summary| summary.maps).unwrap_or_default()
     }
 
     /// The last attachment with this `name`.

@@ -1,15 +1,18 @@
 //! The writer of recordings.
 
 mod applications;
+mod drawings;
+mod file;
 mod packets;
 mod playing;
+mod relay;
 mod sensing;
 
-pub use playing::DrawnFrame;
+pub use file::FileRecorder;
+pub use relay::Relay;
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
 use foxglove::Encode;
@@ -21,16 +24,15 @@ use sextant_channel::{
 };
 use sextant_kernel::SimTime;
 
-use super::drawing::{self, GridPlane, PlacedNode, Solid};
+use super::drawing;
 use super::error::RecordingError;
 use super::link_quality::link_quality;
 use super::messages;
 use super::names::{
     ANCHORS_TOPIC, BEACONS_TOPIC, FILES_ATTACHMENTS, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC, NETWORKS_TOPIC,
-    ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+    ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
 };
 use super::sink::Sink;
-use crate::output::Draft;
 
 /// A chunk is closed after this many stops, even if it has few messages.
 const STOPS_PER_CHUNK: u32 = 32;
@@ -58,56 +60,6 @@ pub struct Recorder<W: Write> {
     sensitivities: BTreeMap<Option<String>, Dbm>,
     /// Who else gets what is written.
     relay: Option<Box<dyn Relay>>,
-}
-
-/// Gets what a recorder writes: the same messages in the same order, with the same octets. It changes nothing in the
-/// recording.
-pub trait Relay {
-    /// The recording has a new channel with this number, on which messages of `schema` follow.
-    fn channel(&mut self, channel: u16, topic: &str, schema: &foxglove::Schema);
-
-    /// A message of a channel was written. It may wait here for as long as it likes.
-    fn message(&mut self, channel: u16, time: SimTime, data: &[u8]);
-}
-
-/// A recorder that writes to `PATH.part` and renames it to `PATH` at the end.
-pub struct FileRecorder {
-    recorder: Recorder<BufWriter<File>>,
-    draft: Draft,
-}
-
-impl FileRecorder {
-    /// A recorder for the file `path`. An existing file is replaced when the recording is finished.
-    ///
-    /// # Errors
-    /// If the file `PATH.part` cannot be created, or `path` is a folder.
-    pub fn create(path: &Path) -> Result<Self, RecordingError> {
-        let draft = Draft::new(path, ".part");
-        let sink = Sink::create(&draft)?;
-        Ok(Self { recorder: Recorder::from_sink(sink), draft })
-    }
-
-    /// Writes the summary section, syncs the file to the disk, renames `PATH.part` to `PATH` and syncs the folder.
-    ///
-    /// # Errors
-    /// If any write failed, now or before. The file `PATH.part` is then kept.
-    pub fn finish(self) -> Result<(), RecordingError> {
-        self.recorder.sink.publish(&self.draft)
-    }
-}
-
-impl std::ops::Deref for FileRecorder {
-    type Target = Recorder<BufWriter<File>>;
-
-    fn deref(&self) -> &Self::Target {
-        &self.recorder
-    }
-}
-
-impl std::ops::DerefMut for FileRecorder {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.recorder
-    }
 }
 
 impl<W: Write> Recorder<W> {
@@ -345,95 +297,12 @@ impl<W: Write> Recorder<W> {
         log.contacts().iter().try_for_each(|contact| self.contact(&log.robot_name(contact.robot), contact))
     }
 
-    /// Writes the position of `robot` and its heading (rad, counterclockwise from x).
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn robot(
-        &mut self,
-        time: SimTime,
-        robot: &str,
-        position: Position,
-        heading_rad: f64,
-    ) -> Result<(), RecordingError> {
-        self.write(time, "/tf", &drawing::transform(time, robot, position, heading_rad))
-    }
-
-    /// Writes where `robot` believes to be by its odometry, and its believed heading (rad, counterclockwise from x).
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn odometry(
-        &mut self,
-        time: SimTime,
-        robot: &str,
-        position: Position,
-        heading_rad: f64,
-    ) -> Result<(), RecordingError> {
-        let topic = format!("/robot/{robot}/odometry");
-        self.write(time, &topic, &drawing::pose_in_world(time, position, heading_rad))
-    }
-
-    /// Writes the path of `robot` from its start to now (m).
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn path(&mut self, time: SimTime, robot: &str, places: &[Position]) -> Result<(), RecordingError> {
-        self.write(time, &format!("/robot/{robot}/path"), &drawing::path(time, places))
-    }
-
-    /// Writes the obstacles of the world.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn obstacles(&mut self, time: SimTime, solids: &[Solid]) -> Result<(), RecordingError> {
-        self.write(time, "/world/obstacles", &drawing::scene(time, solids))
-    }
-
-    /// Writes the true positions of the nodes, for viewers and metrics but never for a mapper.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn world_nodes(&mut self, time: SimTime, nodes: &[PlacedNode]) -> Result<(), RecordingError> {
-        self.write(time, WORLD_NODES_TOPIC, &drawing::cloud(time, nodes))
-    }
-
-    /// Writes the positions of the sinks, by number, for viewers.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn world_sinks(&mut self, time: SimTime, sinks: &[PlacedNode]) -> Result<(), RecordingError> {
-        self.write(time, WORLD_SINKS_TOPIC, &drawing::cloud(time, sinks))
-    }
-
-    /// Writes the map by `algorithm`; nodes without a position are absent.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn map(&mut self, time: SimTime, algorithm: &str, nodes: &[PlacedNode]) -> Result<(), RecordingError> {
-        self.write(time, &format!("/map/{algorithm}"), &drawing::cloud(time, nodes))
-    }
-
     /// Writes what a node found that computed its own place.
     ///
     /// # Errors
     /// If any write failed, now or before.
     pub fn mapped_node(&mut self, time: SimTime, node: &messages::MappedNodeMessage) -> Result<(), RecordingError> {
         self.write(time, MAPPED_NODES_TOPIC, node)
-    }
-
-    /// Writes the likelihood of `node` by `algorithm`.
-    ///
-    /// # Errors
-    /// If any write failed, now or before.
-    pub fn likelihood(
-        &mut self,
-        time: SimTime,
-        algorithm: &str,
-        node: &str,
-        plane: &GridPlane,
-    ) -> Result<(), RecordingError> {
-        self.write(time, &format!("/likelihood/{algorithm}/{node}"), &drawing::grid(time, plane, "log_likelihood"))
     }
 
     /// Writes a frame, at the time of its end.

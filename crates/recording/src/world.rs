@@ -187,7 +187,7 @@ fn solids(data: &[u8]) -> Result<Vec<Solid>, String> {
     Ok(solids)
 }
 
-fn plane(data: &[u8]) -> Result<GridPlane, String> {
+pub(super) fn plane(data: &[u8]) -> Result<GridPlane, String> {
     let grid = Grid::decode(data).map_err(|why| why.to_string())?;
     let (Some(corner), Some(cell)) = (grid.pose.and_then(|pose| pose.position), grid.cell_size) else {
         return Err("a grid without a pose or a cell size".to_owned());

@@ -33,14 +33,25 @@ pub enum ReportError {
     },
     /// The file is neither the table of a sweep nor one of a reproduction.
     #[error(
-        "`{}` is no table that a report can show: its columns are {found}; allowed: those of a sweep (cell, replicate, seed, ..) \
+        "`{}` is no table that a report can show: its columns are {}; allowed: those of a sweep (cell, replicate, seed, ..) \
          and of a reproduction (what, published, ..)",
-        .path.display()
+        .path.display(), shown(.columns)
     )]
     NotATable {
         /// The file.
         path: PathBuf,
         /// Its columns.
-        found: String,
+        columns: Vec<String>,
     },
+}
+
+/// Names of columns as a text that is not too long.
+fn shown(columns: &[String]) -> String {
+    const MOST: usize = 12;
+    let first = columns.iter().take(MOST).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match columns.len() {
+        0 => "none".to_owned(),
+        0..=MOST => first,
+        _ => first + ", ..",
+    }
 }

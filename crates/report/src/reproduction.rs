@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::document::{Kind, Report};
 use super::error::ReportError;
 
 /// The first columns of the table of an experiment.
@@ -63,8 +62,7 @@ impl Claims {
         let header = reader.headers().map_err(|error| unreadable(error.to_string()))?;
         let columns: Vec<String> = header.iter().map(str::to_owned).collect();
         if !columns.iter().map(String::as_str).take(2).eq(FIRST_COLUMNS) {
-            let found = if text.trim().is_empty() { "none".to_owned() } else { shown(&columns) };
-            return Err(ReportError::NotATable { path: path.to_owned(), found });
+            return Err(ReportError::NotATable { path: path.to_owned(), columns });
         }
         let row = |row: Result<csv::StringRecord, csv::Error>| Ok(row?.iter().map(str::to_owned).collect());
         let rows = reader.records().map(row).collect::<Result<_, csv::Error>>();
@@ -74,21 +72,12 @@ impl Claims {
     }
 }
 
-/// Names of columns as a short text.
-fn shown(columns: &[String]) -> String {
-    const MOST: usize = 200;
-    let all = columns.join(", ");
-    let cut: String = all.chars().take(MOST).collect();
-    if cut.len() < all.len() { cut + " .." } else { all }
-}
-
-impl Report {
-    /// A report of a reproduction: a folder of its tables, or one of them. `titles` says what the experiments are about,
-    /// by their numbers.
+impl Reproduction {
+    /// Reads a folder of tables, or one table. `titles` says what the experiments are about, by their numbers.
     ///
     /// # Errors
     /// If it cannot be read, or there is no such table.
-    pub fn of_reproduction(path: &Path, titles: &BTreeMap<String, String>) -> Result<Self, ReportError> {
+    pub(super) fn read(path: &Path, titles: &BTreeMap<String, String>) -> Result<Self, ReportError> {
         let mut experiments = Vec::new();
         for table in tables(path)? {
             match Claims::read(&table) {
@@ -99,11 +88,7 @@ impl Report {
             }
         }
         experiments.sort_by_key(|claims| numbers(&claims.id));
-        let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let name = whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let title = whole.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let report = Self::new(Kind::Reproduction, &title, &name);
-        Ok(Self { reproduction: Some(Reproduction { experiments }), ..report })
+        Ok(Self { experiments })
     }
 }
 

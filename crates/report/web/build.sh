@@ -10,7 +10,6 @@ if [ "${1:-}" = "--check" ]; then
 fi
 if [ ! -x node_modules/.bin/esbuild ] || [ ! -d node_modules/three ]; then npm ci --silent --no-audit --no-fund; fi
 esbuild() { node_modules/.bin/esbuild "$@" --minify --charset=utf8 --legal-comments=none --log-level=warning; }
-# The code stands inside a page: it must not hold the end of its element, so escapes are used (--charset leaves those alone).
 esbuild src/main.js --bundle --format=iife --target=es2022 --outfile="$out/report.js"
 cat node_modules/uplot/dist/uPlot.min.css src/style.css >"$out/all.css"
 esbuild "$out/all.css" --outfile="$out/report.css"

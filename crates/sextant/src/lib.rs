@@ -23,22 +23,29 @@
 //! - [`Forecast`] is what follows from a scenario before it runs, and [`forecast::warnings`] what is likely a mistake.
 //! - [`map_log`] maps a log that was made in code, or read by `sextant-logs` or `sextant-recording`; [`mapping`] has all
 //!   settings of `sextant map`.
+//! - [`explain_link`] says why a station hears another one, or not: the power between the two, item by item.
 //! - [`Sweep`] runs a scenario with many settings and seeds.
+//! - [`Template`](template::Template)s are scenarios to begin with; [`scenario::explain`] says what a key means.
 //! - [`Summary`] is the result of each of them, as the JSON object of `--summary`.
 //!
 //! Long work asks a [`Watch`] whether to go on, and tells it how far it is; [`Unwatched`] goes on to the end. Each activity
 //! has one type of errors. The same scenario and seed give the same bytes at any number of threads.
 
 pub mod columns;
+pub mod export;
 pub mod forecast;
+pub mod link;
 pub mod mapping;
 pub mod measure;
 pub mod run;
 pub mod scenario;
 pub mod summary;
 pub mod sweep;
+pub mod template;
 
+pub use export::{ExportError, export};
 pub use forecast::Forecast;
+pub use link::{LinkError, LinkReport, explain_link};
 pub use mapping::{LogMap, MapLogError, map_log};
 pub use run::{Run, RunCapture, RunError, RunObserver, RunRecorder, run, survey};
 pub use scenario::{AlgorithmName, Scenario, ScenarioErrors};

@@ -98,6 +98,7 @@ mod engine;
 mod event;
 mod faults;
 mod link;
+mod link_budget;
 mod model;
 mod network;
 mod observer;
@@ -114,7 +115,9 @@ mod world;
 pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub use application::{Application, DriveAhead, Driving, Port};
 pub use applications::broadcast::{Broadcast, DuplicateBroadcast};
-pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
+pub use applications::controller::{
+    CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation, StopsLeftOut,
+};
 pub use applications::node_traffic::NodeTraffic;
 pub use applications::robot::{Robot, RobotTask};
 pub use applications::traffic::{
@@ -130,6 +133,7 @@ pub use link::ieee802154::{Mac, Radio};
 pub use link::{
     FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig, Technology,
 };
+pub use link_budget::{LinkBudget, LinkBudgets, LinkReception};
 pub use network::Network;
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};

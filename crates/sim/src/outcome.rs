@@ -4,7 +4,7 @@ use sextant_channel::{NetworkLogs, ReceptionLog};
 use sextant_kernel::SimTime;
 use sextant_mac::EnergySpent;
 
-use crate::applications::controller::Ending;
+use crate::applications::controller::{Ending, StopsLeftOut};
 use crate::engine::EndPose;
 use crate::faults::Death;
 use crate::service::packets::{NetworkRecord, Packets};
@@ -58,6 +58,8 @@ pub struct RobotRecord {
     pub end: Option<SimTime>,
     /// Number of packets that it heard from each node while it surveyed.
     pub packets: Vec<u32>,
+    /// Stops of its planned path that were left out.
+    pub left_out: StopsLeftOut,
     /// Where it is at the end of the simulation.
     pub end_pose: EndPose,
 }

@@ -166,6 +166,7 @@ impl<N: Application> Simulation<N> {
                 ending: journey.ending.map(|(ending, _)| ending),
                 end: journey.ending.map(|(_, end)| end),
                 packets: journey.packets,
+                left_out: journey.left_out,
                 end_pose,
             })
             .collect();

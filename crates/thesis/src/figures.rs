@@ -33,9 +33,13 @@ pub fn write_pictures(
         run(&scenario, &mut RunRecorder::new(&recording), &Unreported(watch))?;
         watch.check()?;
         let (run, drawn) = (read_run(&recording)?, read_world(&recording)?);
-        let displacements = run.sector_displacements();
-        let source =
-            Source { title: scenario.name(), log: run.log(), drawn: &drawn, sector_displacements: &displacements };
+        let source = Source {
+            title: scenario.name(),
+            log: run.log(),
+            drawn: &drawn,
+            sector_displacements: &run.sector_displacements(),
+            claimed_obstacles: &run.claimed_obstacles(),
+        };
         for figure in figure::all(&source) {
             figure.write(&folder, FileFormat::Svg).map_err(|error| OutputError::new(&folder, &error))?;
         }

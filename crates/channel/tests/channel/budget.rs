@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use sextant_channel::{
     Channel, ChannelConfig, CorrelationConfig, Db, Dbm, Environment, LogDistanceConfig, Obstacle, ObstacleConfig,
-    ObstacleField, PathLossConfig, Position, ShadowingConfig,
+    ObstacleField, PathLossConfig, Position, ReflectionsConfig, ShadowingConfig,
 };
 use sextant_kernel::{Seed, StationId};
 
@@ -162,5 +162,64 @@ proptest! {
         let share = |d, loss| channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(loss));
         prop_assert!(share(d + more, 0.0) <= share(d, 0.0) && share(d, loss) <= share(d, 0.0));
         prop_assert!((0.0..=1.0).contains(&share(d, loss)));
+    }
+}
+
+#[test]
+fn the_items_of_a_budget_are_those_of_the_closed_form() {
+    // 60 dB at 2 m, exponent 3, 10 dB/km; a wall of 1 m that takes 4.343 dB/m by α = 1 and 2 dB however thick it is.
+    let config: ChannelConfig = toml::from_str(
+        "max_range_m = 25.0\n[path_loss.log_distance]\nexponent = 3.0\nreference_distance_m = 2.0\nreference_loss_db = 60.0\ngas_db_per_km = 10.0",
+    )
+    .expect("a channel");
+    let wall = ObstacleConfig {
+        name: Some("wall".into()),
+        shape: upright_box(at(5.0, 0.0, 0.0), [1.0, 9.0, 3.0], 0.0),
+        material: None,
+        absorption_per_m: Some(1.0),
+        loss_db: Some(2.0),
+        solid: true,
+        reflection_loss_db: None,
+    };
+    let channel = channel(config, vec![Obstacle::try_from(wall).unwrap()]);
+    let budget = channel.budget(at(0.0, 0.0, 0.0), at(20.0, 0.0, 0.0)).unwrap();
+    assert_eq!((budget.distance_m, budget.distance.reference), (20.0, Db(60.0)));
+    assert!(
+        (budget.distance.spreading.0 - 30.0).abs() < 1e-12 && (budget.distance.gas.unwrap().0 - 0.2).abs() < 1e-12
+    );
+    let [wall] = budget.obstacles[..] else { panic!("one obstacle is crossed") };
+    assert!((wall.length_m - 1.0).abs() < 1e-12 && wall.obstacle == 0 && wall.fixed == Db(2.0));
+    assert!((wall.absorption.0 - 10.0 * std::f64::consts::E.log10()).abs() < 1e-9);
+    assert!((budget.mean_power(Dbm(0.0)).0 + 96.542_944_819).abs() < 1e-9);
+    assert_eq!(channel.budget(at(0.0, 0.0, 0.0), at(25.1, 0.0, 0.0)), None);
+}
+
+proptest! {
+    #[test]
+    fn the_items_of_a_budget_sum_to_the_power_of_the_simulator(
+        (ax, ay, bx, by) in (-9.0..9.0, -9.0..9.0, -9.0..9.0, -9.0..9.0),
+        gas_db_per_km in prop_oneof![Just(0.0), 0.0..50.0],
+        reflects in any::<bool>(),
+    ) {
+        let law = LogDistanceConfig { gas_db_per_km, ..LogDistanceConfig::default() };
+        let reflections = ReflectionsConfig { loss_db: 7.0, ground_z_m: Some(-1.0), most: 3 };
+        let config = ChannelConfig {
+            path_loss: Some(PathLossConfig::LogDistance(law)),
+            reflections: reflects.then_some(reflections),
+            ..suburban()
+        };
+        let walls = [[-4.0, 1.0], [3.0, -2.0], [3.5, -2.2]];
+        let walls = walls.map(|[x, y]| obstacle(upright_box(at(x, y, 0.0), [1.0, 6.0, 3.0], 30.0), 1.5));
+        let channel = channel(config, walls.into());
+        let (from, to) = (at(ax, ay, 0.0), at(bx, by, 0.5));
+        let budget = channel.budget(from, to).unwrap();
+        let mean = channel.mean_power(Dbm(-3.0), from, to).unwrap();
+        prop_assert_eq!(budget.mean_power(Dbm(-3.0)).0.to_bits(), mean.0.to_bits());
+        let obstacles: f64 = budget.obstacles.iter().map(|crossed| crossed.loss().0).sum();
+        prop_assert!((obstacles - budget.obstacle_loss.0).abs() < 1e-9);
+        let distance = budget.distance;
+        let losses = distance.reference.0 + distance.spreading.0 + distance.gas.map_or(0.0, |gas| gas.0) + obstacles;
+        prop_assert!((budget.direct_power(Dbm(-3.0)).0 - (-3.0 - losses)).abs() < 1e-9);
+        prop_assert_eq!(budget.reflections.is_some(), reflects);
     }
 }

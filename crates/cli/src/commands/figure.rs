@@ -1,17 +1,17 @@
 //! `sextant figure`: pictures of a run or of a sweep for papers and pages.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::options::PictureFormat;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use sextant::sweep;
-use sextant_figure::{self as figure, Figure, Source};
+use sextant::{Scenario, sweep};
+use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, Window};
 use sextant_recording::output::write_file;
-use sextant_recording::{self as recording, ORIGIN_METADATA};
+use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket};
 
 /// Arguments of `sextant figure`.
 #[derive(Clone, Debug, Args)]
@@ -25,15 +25,36 @@ pub(crate) struct Arguments {
     /// The format of the figures
     #[arg(long, value_enum, default_value_t)]
     pub(crate) format: PictureFormat,
+    /// The time line of packets begins here (simulated time) [default: shortly before the first collision]
+    #[arg(long, value_name = "S")]
+    pub(crate) from: Option<f64>,
+    /// The time line of packets ends here
+    #[arg(long, value_name = "S")]
+    pub(crate) to: Option<f64>,
     /// The measures of a table to draw, as the names of their columns [default: the usual ones]. Only for tables
     #[arg(long, value_name = "COLUMN")]
     pub(crate) column: Vec<String>,
+    /// The scenario of a table: what theory says is drawn beside, where its assumptions hold. Only for tables
+    #[arg(long, value_name = "SCENARIO.toml", conflicts_with = "layout")]
+    pub(crate) scenario: Option<PathBuf>,
+    /// Draw no figures; write beside the recording how viewers show it: RUN.foxglove.json, a layout for Foxglove, and
+    /// RUN.rerun.py, a script that shows it in Rerun
+    #[arg(long, conflicts_with_all = ["format", "column"])]
+    pub(crate) layout: bool,
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let path = &arguments.recording;
-    if path.extension().is_some_and(|extension| extension == "csv") {
-        let figures = sweep::figures(path, &arguments.column)?;
+    let is_table = path.extension().is_some_and(|extension| extension == "csv");
+    if is_table && arguments.layout {
+        return Err(Failure::bad_input_with_help(
+            format!("`--layout` is given, but `{}` is a table", path.display()),
+            "`--layout` writes how viewers show a recording of `sextant run`",
+        ));
+    }
+    if is_table {
+        let scenario = arguments.scenario.as_ref().map(Scenario::load).transpose()?;
+        let figures = sweep::figures_with_theory(path, &arguments.column, scenario.as_ref())?;
         if figures.is_empty() {
             return Err(Failure::bad_input_with_help(
                 format!("`{}` has none of the measures that are drawn", path.display()),
@@ -47,6 +68,15 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
             format!("`--column {column}` is given, but `{}` is not a table", path.display()),
             "`--column` chooses measures of a table of `sweep`, whose name ends with .csv",
         ));
+    }
+    if arguments.scenario.is_some() {
+        return Err(Failure::bad_input_with_help(
+            format!("`--scenario` is given, but `{}` is not a table", path.display()),
+            "a recording has its scenario; `--scenario` is that of a table of `sweep`, whose name ends with .csv",
+        ));
+    }
+    if arguments.layout {
+        return write_layouts(arguments);
     }
     let run = recording::read_run(path)?;
     let drawn = recording::read_world(path)?;
@@ -64,8 +94,60 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         log: run.log(),
         drawn: &drawn,
         sector_displacements: &run.sector_displacements(),
+        claimed_obstacles: &run.claimed_obstacles(),
     };
-    write(&figure::all(&source), arguments, interrupt)
+    let packets = recording::read_packets(path)?;
+    let mut figures = figure::all(&source);
+    figures.extend(figure::of_packets(&PacketSource {
+        title: source.title,
+        names: run.log().names(),
+        packets: &packets,
+        traffic: &run.traffic(),
+        window: arguments.window(&packets)?,
+    }));
+    write(&figures, arguments, interrupt)
+}
+
+impl Arguments {
+    /// The window of the time line.
+    fn window(&self, packets: &[RecordedPacket]) -> Result<Window, Failure> {
+        let &Self { from, to, .. } = self;
+        if let (Some(from), Some(to)) = (from, to)
+            && (to <= from || !(from + to).is_finite())
+        {
+            return Err(Failure::bad_input(format!(
+                "`--from {from} --to {to}` is no time; allowed: an end after the start"
+            )));
+        }
+        if packets.is_empty() && (from.is_some() || to.is_some()) {
+            return Err(Failure::bad_input_with_help(
+                format!("`{}` has no packets, so there is no time line", self.recording.display()),
+                "record them: `sextant run SCENARIO.toml --set recording.packets=true`",
+            ));
+        }
+        Ok(Window { from_s: from, to_s: to })
+    }
+}
+
+/// Writes how viewers show a recording.
+fn write_layouts(arguments: &Arguments) -> Result<(), Failure> {
+    let path = &arguments.recording;
+    let (inspection, drawn) = (recording::inspect(path)?, recording::read_world(path)?);
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let layout = Layout { file: &file, inspection: &inspection, drawn: &drawn };
+    let beside = path.parent().map(Path::to_owned).unwrap_or_default();
+    let folder = arguments.out.clone().unwrap_or(beside);
+    if !folder.as_os_str().is_empty() {
+        std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut stdout = io::stdout().lock();
+    for (ending, text) in [("foxglove.json", layout.foxglove()), ("rerun.py", layout.rerun())] {
+        let file = folder.join(format!("{stem}.{ending}"));
+        write_file(&file, text.as_bytes())?;
+        writeln!(stdout, "{}", file.display())?;
+    }
+    Ok(())
 }
 
 fn write(figures: &[Figure], arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {

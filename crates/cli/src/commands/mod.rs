@@ -2,8 +2,13 @@
 
 mod check;
 mod completions;
+mod explain;
+mod explain_link;
+mod export;
 mod figure;
+mod init;
 mod inspect;
+mod live;
 mod man;
 mod map;
 mod options;
@@ -40,6 +45,8 @@ pub(crate) struct Cli {
 /// A command.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Write a scenario to begin with, or the log of a robot, explained by its comments
+    Init(init::Arguments),
     /// Simulate a scenario, record it, and map the nodes
     Run(run::Arguments),
     /// Map the nodes from a recording of `run` or from the log of a real robot
@@ -50,10 +57,16 @@ pub(crate) enum Command {
     Reproduce(reproduce::Arguments),
     /// Check scenario files without running them
     Check(check::Arguments),
+    /// Explain a key of a scenario: what it means, its unit, its default, its choices
+    Explain(explain::Arguments),
+    /// Explain a link: the power between two stations, item by item
+    ExplainLink(explain_link::Arguments),
     /// Draw figures of the network, the maps and their errors
     Figure(figure::Arguments),
     /// Write a run, a log, a sweep or a reproduction as one HTML file for a browser
     Report(Box<report::Arguments>),
+    /// Write every table of a recording as CSV or Parquet
+    Export(export::Arguments),
     /// Print the contents of a recording, or of the log of a robot and what is odd in it
     Inspect(Box<inspect::Arguments>),
     /// Copy the readable part of a broken recording
@@ -88,13 +101,17 @@ pub(crate) fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn execute(command: &Command) -> Result<(), Failure> {
     let interrupt = Interrupt::install()?;
     match command {
+        Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments, &interrupt),
         Command::Map(arguments) => map::execute(arguments, &interrupt),
         Command::Sweep(arguments) => sweep::execute(arguments, &interrupt),
         Command::Reproduce(arguments) => reproduce::execute(arguments, &interrupt),
         Command::Check(arguments) => check::execute(arguments),
+        Command::Explain(arguments) => explain::execute(arguments),
+        Command::ExplainLink(arguments) => explain_link::execute(arguments),
         Command::Figure(arguments) => figure::execute(arguments, &interrupt),
         Command::Report(arguments) => report::execute(arguments, &interrupt),
+        Command::Export(arguments) => export::execute(arguments, &interrupt),
         Command::Inspect(arguments) => inspect::execute(arguments),
         Command::Recover(arguments) => recover::execute(arguments, &interrupt),
         Command::Schema => schema::execute(),

@@ -19,7 +19,7 @@ use sextant::summary::Stopwatch;
 use sextant_logs::{self as robot_log, Source};
 use sextant_recording::SCENARIO_ATTACHMENT;
 use sextant_recording::output::write_file;
-use sextant_report::Report;
+use sextant_report::{Report, ReportError};
 use sextant_thesis::experiments;
 
 /// Arguments of `sextant report`.
@@ -70,11 +70,14 @@ fn report(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failur
     if Report::is_reproduction(input) {
         return Ok(Report::of_reproduction(input, &titles())?);
     }
+    if input.extension().is_some_and(|extension| extension == "csv") {
+        match Report::of_table(input, &titles()) {
+            Err(ReportError::NotATable { columns, .. }) if columns.iter().any(|column| is_of_log(column)) => {}
+            report => return Ok(report?),
+        }
+    }
     if Source::of(input).is_some() {
         return of_log(arguments, interrupt);
-    }
-    if input.extension().is_some_and(|extension| extension == "csv") {
-        return Ok(Report::of_table(input, &titles())?);
     }
     if input.extension().is_some_and(|extension| extension == "parquet") {
         return Err(Failure::bad_input_with_help(
@@ -87,6 +90,11 @@ fn report(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failur
     }
     robot_log::refuse_options(input, &arguments.reading.options()).map_err(mapping::MapLogError::from)?;
     Ok(Report::of_recording(input)?)
+}
+
+/// Whether a column of a table says that it belongs to the log of a robot.
+fn is_of_log(column: &str) -> bool {
+    ["x_m", "lat", "t_s", "stop", "node"].contains(&column)
 }
 
 /// Maps a log and reports the map.

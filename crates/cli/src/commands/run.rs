@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::live::LiveOptions;
 use super::options::{Results, ScenarioSource, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+#[cfg(feature = "live")]
+use crate::live::{LiveView, Settings};
 use sextant::forecast::warnings;
 use sextant::run::{RunCapture, RunRecorder, run};
 
@@ -27,6 +30,9 @@ pub(crate) struct Arguments {
     /// scenario names it in recording.pcap.robot
     #[arg(long, value_name = "FILE.pcap")]
     pub(crate) pcap: Option<PathBuf>,
+    /// How the run is shown while it goes on.
+    #[command(flatten)]
+    pub(crate) live: LiveOptions,
     /// Where the results go.
     #[command(flatten)]
     pub(crate) results: Results,
@@ -59,11 +65,60 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let recorder = RunRecorder::new(&recording);
+    let view = show(arguments, scenario.name(), interrupt)?;
+    let recorder = match &view {
+        Some(view) => recorder.with_relay(view.relay()),
+        None => recorder,
+    };
     let capture = arguments.pcap.as_deref().map(RunCapture::new);
     let mut observer = (recorder, (capture, RunProgress::new(&watcher, arguments.work.quiet)));
     let run = run(&scenario, &mut observer, &watcher)?;
     watcher.clear();
+    if let Some(view) = view {
+        view.finish(interrupt);
+    }
     let summary = run.summary();
     arguments.results.tell(summary)?;
     if summary.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// Starts the live view, if there is to be one.
+#[cfg(feature = "live")]
+fn show(arguments: &Arguments, name: &str, interrupt: &Interrupt) -> Result<Option<LiveView>, Failure> {
+    let LiveOptions { live, speed, port, host, paused } = &arguments.live;
+    if !live {
+        return Ok(None);
+    }
+    let settings =
+        Settings { host: host.clone(), port: *port, speed: speed.0, is_paused: *paused, name: name.to_owned() };
+    let view = LiveView::start(&settings, interrupt)?;
+    arguments.work.note(&view.note(host));
+    Ok(Some(view))
+}
+
+/// This program has no live view.
+#[cfg(not(feature = "live"))]
+fn show(arguments: &Arguments, _name: &str, _interrupt: &Interrupt) -> Result<Option<NoView>, Failure> {
+    if arguments.live.live {
+        return Err(Failure::bad_input_with_help(
+            "this program was built without the live view",
+            "`cargo install sextant-cli --features live` builds it in",
+        ));
+    }
+    Ok(None)
+}
+
+/// Stands for a live view where there is none.
+#[cfg(not(feature = "live"))]
+enum NoView {}
+
+#[cfg(not(feature = "live"))]
+impl NoView {
+    fn relay(&self) -> Box<dyn sextant_recording::Relay> {
+        match *self {}
+    }
+
+    fn finish(self, _interrupt: &Interrupt) {
+        match self {}
+    }
 }

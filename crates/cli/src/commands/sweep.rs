@@ -168,7 +168,7 @@ impl Results<'_> {
         let of_run = self.printed();
         header.extend(of_run.iter().map(|(name, _)| name.clone()));
         for map in self.plan.maps() {
-            header.extend([format!("{map}: connectivity error"), "mean error".to_owned()]);
+            header.extend([format!("{map}: connectivity error"), format!("{map}: mean error")]);
         }
         let of_applications = self.printed_of_applications();
         header.extend(of_applications.iter().map(|(name, _)| name.clone()));

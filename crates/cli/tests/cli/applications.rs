@@ -150,7 +150,7 @@ fn robots_that_survey_take_part_beside_agents_unless_others_are_named() {
         assert_eq!(names, expected, "{robots}");
         let output = sextant().current_dir(folder.path()).args(["run", "a.toml", "--quiet"]).output().unwrap();
         let table = String::from_utf8(output.stdout).unwrap();
-        assert!(table.contains(&format!("took part: {}", expected.join(", "))), "{table}");
+        assert!(table.contains(&format!("({}) take part", expected.join(", "))), "{table}");
     }
 }
 

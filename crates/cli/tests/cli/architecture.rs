@@ -22,8 +22,21 @@ const ROOMS: [&str; 8] = ["sweep", "run", "mapping", "forecast", "measure", "sum
 const COMMAND_LINE: [&str; 5] = ["commands", "progress", "terminal", "interrupt", "diagnostic"];
 
 /// The folders of the crates whose modules are checked.
-const FOLDERS: [&str; 12] =
-    ["kernel", "channel", "mac", "sim", "mapper", "apps", "recording", "logs", "figure", "sextant", "thesis", "cli"];
+const FOLDERS: [&str; 13] = [
+    "kernel",
+    "channel",
+    "mac",
+    "sim",
+    "mapper",
+    "apps",
+    "recording",
+    "logs",
+    "figure",
+    "sextant",
+    "report",
+    "thesis",
+    "cli",
+];
 
 fn modules_of(folder: &str) -> Modules {
     Modules::read(&root().join("crates").join(folder).join("src"))

@@ -1,5 +1,8 @@
 //! Tests of the program from outside: arguments, outputs and errors; and of the dependencies between crates.
 
+// The messages that Python must find in a recording are one large `json!`.
+#![recursion_limit = "256"]
+
 mod applications;
 mod architecture;
 mod bags;
@@ -10,18 +13,25 @@ mod comparators;
 mod distributed;
 mod doctor;
 mod drive;
+mod explain;
+mod export;
 mod failing_disk;
 mod faults;
 mod figure;
 mod forms;
 mod guide;
+mod init;
 #[cfg(unix)]
 mod interrupt;
+#[cfg(all(unix, feature = "live"))]
+mod live;
 mod map;
 mod map_figure;
+mod metrics_page;
 mod named_files;
 mod odometry;
 mod outcomes;
+mod packet_trace;
 mod partial_truth;
 mod parts;
 mod pcap;
@@ -30,6 +40,7 @@ mod program;
 mod purposes;
 mod recording;
 mod repairs;
+mod report;
 mod reproduce;
 mod run;
 mod scenario_errors;

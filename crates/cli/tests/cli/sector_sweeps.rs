@@ -78,6 +78,11 @@ fn one() -> String {
     [WORLD, &sweeps(""), ROBOT, MMTM].concat()
 }
 
+/// A short survey by sector sweeps, without a map.
+pub(crate) fn small_survey() -> String {
+    [WORLD, &sweeps(""), ROBOT].concat()
+}
+
 /// Two networks, of which the second has packets of IEEE 802.15.4.
 fn two() -> String {
     let zigbee = r#"

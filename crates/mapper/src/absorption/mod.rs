@@ -69,6 +69,20 @@ impl AbsorptionMap {
         &self.claims
     }
 
+    /// These obstacles, each with whether the log is sure of it, as rectangles: least x, least y, largest x, largest y (m).
+    /// There is one rectangle for each run of cells along x.
+    pub fn claims_m(&self) -> impl Iterator<Item = (bool, Vec<[f64; 4]>)> {
+        let half_m = 0.5 * self.cell_m;
+        let rectangle = move |run: &[[usize; 2]]| {
+            let (low, high) = (self.centre(*run.first()?), self.centre(*run.last()?));
+            Some([low.x_m - half_m, low.y_m - half_m, high.x_m + half_m, high.y_m + half_m])
+        };
+        self.claims.iter().map(move |claim| {
+            let runs = claim.cells.chunk_by(|a, b| a[1] == b[1] && a[0] + 1 == b[0]);
+            (claim.is_sure, runs.filter_map(rectangle).collect())
+        })
+    }
+
     /// Area of the obstacles of which the log is sure (m²).
     #[must_use]
     pub fn sure_m2(&self) -> f64 {

@@ -389,6 +389,10 @@ impl Estimator for MlTm {
         uses_under(Some(&self.profile))
     }
 
+    fn counts_packets(&self) -> bool {
+        self.counts == CountRule::Packets
+    }
+
     fn profile(&self) -> Option<&ReceptionProfile> {
         Some(&self.profile)
     }

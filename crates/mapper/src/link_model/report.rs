@@ -5,6 +5,7 @@ use std::fmt::Write;
 use sextant_kernel::text::counted;
 
 use super::{LinkEvidence, LinkFit};
+use crate::learned::Unconverged;
 use crate::{CurveFinding, Finding, Line, Section, TopologyMap};
 
 /// Least share of lapses or outages that is told.
@@ -93,7 +94,7 @@ impl Finding for LinkFit {
         crate::learned::one_key("link_law", &keys)
     }
 
-    fn lines(&self, name: &str, _: &TopologyMap) -> Vec<Line> {
+    fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
         let law = &self.law;
         let evidence = match self.evidence {
             LinkEvidence::Packets => "packets",
@@ -122,7 +123,13 @@ impl Finding for LinkFit {
             law.correlation_m,
             counted(self.rounds as usize, "round")
         );
-        vec![Line { section: Section::Laws, text }]
+        let why = match (self.settled, law.is_at_bound()) {
+            (true, _) => None,
+            (false, true) => Some(Unconverged::AtBound),
+            (false, false) => Unconverged::of(false, map),
+        };
+        let warning = why.map(|why| why.warning(name, "the law of links", self.rounds, None));
+        std::iter::once(Line { section: Section::Laws, text }).chain(warning).collect()
     }
 
     fn curves(&self) -> Vec<CurveFinding<'_>> {

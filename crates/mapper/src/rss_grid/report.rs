@@ -3,6 +3,7 @@
 use sextant_kernel::text::counted;
 
 use super::FittedChannel;
+use crate::learned::Unconverged;
 use crate::{Finding, Line, Section, TopologyMap};
 
 #[cfg(feature = "config")]
@@ -63,7 +64,9 @@ impl Finding for FittedChannel {
             100.0 * self.loss,
             counted(self.rounds as usize, "round")
         );
-        vec![Line { section: Section::Channels, text }]
+        let why = Unconverged::of(self.converged, map);
+        let warning = why.map(|why| why.warning(name, "the fitted channel", self.rounds, None));
+        std::iter::once(Line { section: Section::Channels, text }).chain(warning).collect()
     }
 
     fn path_loss_exponent(&self) -> Option<f64> {

@@ -6,6 +6,7 @@ use sextant_kernel::NodeId;
 use sextant_kernel::text::counted;
 
 use super::{CalibratedCurve, Calibration, ObstacleKnowledge};
+use crate::learned::Unconverged;
 use crate::{AbsorptionMap, CurveFinding, Finding, Line, Section, TopologyMap};
 
 #[cfg(feature = "config")]
@@ -41,6 +42,26 @@ struct CalibrationKeys {
     /// Area of the obstacles for which the evidence is weak (m²). Absent if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     unsure_m2: Option<f64>,
+    /// These obstacles, to be drawn. Absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    obstacles: Vec<ObstacleKeys>,
+}
+
+#[cfg(feature = "config")]
+/// An obstacle that was found.
+#[derive(serde::Serialize)]
+struct ObstacleKeys {
+    /// Whether the log is sure of it.
+    sure: bool,
+    /// Rectangles that make it up: least x, least y, largest x, largest y (m).
+    rectangles_m: Vec<[f64; 4]>,
+}
+
+#[cfg(feature = "config")]
+impl From<(bool, Vec<[f64; 4]>)> for ObstacleKeys {
+    fn from((sure, rectangles_m): (bool, Vec<[f64; 4]>)) -> Self {
+        Self { sure, rectangles_m }
+    }
 }
 
 impl Calibration {
@@ -95,19 +116,24 @@ impl Finding for Calibration {
             },
             absorbing_m2: self.obstacles.as_ref().map(AbsorptionMap::sure_m2),
             unsure_m2: self.unsure_m2(),
+            obstacles: self.obstacles.iter().flat_map(AbsorptionMap::claims_m).map(ObstacleKeys::from).collect(),
         };
         crate::learned::one_key("calibration", &keys)
     }
 
-    fn lines(&self, name: &str, _: &TopologyMap) -> Vec<Line> {
+    fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
         let mut lines = vec![Line { section: Section::Calibrations, text: self.line(name) }];
         if self.curve_at_bound {
             let range_m = self.curve.as_ref().map_or(0.0, CalibratedCurve::range_m);
             let text = format!(
                 "{name}: warning: packets are received at all distances in the log, so the range of the curve \
-                 ({range_m:.2} m) is unreliable"
+                 ({range_m:.2} m) is unreliable; try stops that are farther from the nodes"
             );
             lines.push(Line { section: Section::Warnings, text });
+        } else if !self.converged {
+            // It did not settle if no node has a concern.
+            let why = Unconverged::of(map.concerns().next().is_some(), map);
+            lines.extend(why.map(|why| why.warning(name, "the calibration", self.rounds, Some("max_rounds"))));
         }
         lines
     }

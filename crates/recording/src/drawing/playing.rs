@@ -129,30 +129,22 @@ pub(crate) fn capture(time: SimTime, robot: &str, target: &str, place: Position)
     scene(SceneEntity { spheres: vec![ball], texts: vec![words], ..entity(time, target) })
 }
 
-/// A frame on its way from its sender to those that received it or should have.
-pub(crate) fn on_air(
-    time: SimTime,
-    id: &str,
-    from: Position,
-    to: &[Position],
-    (outcome, span): (&str, Duration),
-) -> SceneUpdate {
-    let points = std::iter::once(from).chain(to.iter().copied()).map(point).collect();
-    let indices = (1..).take(to.len()).flat_map(|end| [0, end]).collect();
-    scene(SceneEntity {
-        lifetime: Some(lifetime(span)),
-        lines: vec![lines(LineType::LineList, points, indices, outcome_color(outcome))],
-        ..entity(time, id)
-    })
+/// Frames as lines from their senders to their receivers, by outcome.
+pub(crate) fn on_air(time: SimTime, frames: &[(&str, Vec<[Position; 2]>)], span: Duration) -> SceneUpdate {
+    let of_outcome = |(outcome, ends): &(&str, Vec<[Position; 2]>)| {
+        let points = ends.iter().flatten().copied().map(point).collect();
+        lines(LineType::LineList, points, Vec::new(), outcome_color(outcome))
+    };
+    let drawn = frames.iter().map(of_outcome).collect();
+    scene(SceneEntity { lifetime: Some(lifetime(span)), lines: drawn, ..entity(time, "air") })
 }
 
-/// Received frames are green, collided ones red, weak ones orange, others grey.
+/// Received frames are green, collided ones red, others orange.
 fn outcome_color(outcome: &str) -> Color {
     match outcome {
         "received" => Color { r: 0.17, g: 0.63, b: 0.17, a: 1.0 },
         "collided" => Color { r: 0.84, g: 0.15, b: 0.16, a: 1.0 },
-        "weak" => Color { r: 1.0, g: 0.5, b: 0.05, a: 1.0 },
-        _ => Color { r: 0.5, g: 0.5, b: 0.5, a: 0.6 },
+        _ => Color { r: 1.0, g: 0.5, b: 0.05, a: 1.0 },
     }
 }
 

@@ -72,6 +72,12 @@ impl CsvFile {
         &self.content
     }
 
+    /// Takes what the file has so far, so that the rest follows it elsewhere.
+    #[must_use]
+    pub fn take(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.content)
+    }
+
     /// Writes the file at `path`, completely or not at all.
     ///
     /// # Errors

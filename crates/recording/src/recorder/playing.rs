@@ -4,28 +4,13 @@ use std::io::Write;
 use std::time::Duration;
 
 use sextant_channel::{Position, Stop};
-use sextant_kernel::{SimTime, StationId};
+use sextant_kernel::SimTime;
 
 use super::super::drawing::playing;
 use super::super::error::RecordingError;
 use super::super::messages::CaptureMessage;
 use super::super::names::{AIR_TOPIC, ApplicationTopics, WORLD_NAMES_TOPIC, WayTopics};
 use super::Recorder;
-
-/// A frame on air, as a viewer draws it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrawnFrame<'a> {
-    /// The station that sent it.
-    pub source: StationId,
-    /// Where that is (m).
-    pub from: Position,
-    /// Where those are that received it or should have (m).
-    pub to: &'a [Position],
-    /// Its outcome: `received`, `collided`, `weak`, `out_of_range` or `not_listened`.
-    pub outcome: &'a str,
-    /// How long it is shown.
-    pub span: Duration,
-}
 
 impl<W: Write> Recorder<W> {
     /// Writes the names of nodes beside their true places.
@@ -126,12 +111,17 @@ impl<W: Write> Recorder<W> {
         self.write(time, &topic, &playing::capture(time, robot, target, place))
     }
 
-    /// Writes a frame as lines from its sender, at the time of its first symbol.
+    /// Writes frames that were sent within `span` from `time` on, as lines from their senders to their receivers (m), by their
+    /// outcome: `received`, `collided`, `weak`.
     ///
     /// # Errors
     /// If any write failed, now or before.
-    pub fn on_air(&mut self, time: SimTime, frame: &DrawnFrame<'_>) -> Result<(), RecordingError> {
-        let DrawnFrame { source, from, to, outcome, span } = *frame;
-        self.write(time, AIR_TOPIC, &playing::on_air(time, &source.0.to_string(), from, to, (outcome, span)))
+    pub fn on_air(
+        &mut self,
+        time: SimTime,
+        frames: &[(&str, Vec<[Position; 2]>)],
+        span: Duration,
+    ) -> Result<(), RecordingError> {
+        self.write(time, AIR_TOPIC, &playing::on_air(time, frames, span))
     }
 }

@@ -54,7 +54,7 @@ export function applicationsSection(report) {
     { title: "Messages", of: (row) => summaries[row].messages?.sent ?? NaN },
   ].filter((column) => column.words || summaries.some((_, row) => { const value = column.of(row); return value === value; }));
   return section("applications", "Applications",
-    summaries.length ? dataTable("Applications", columns, summaries.length) : null,
+    summaries.length ? dataTable("Results of the applications", columns, summaries.length) : null,
     recorded.map((application, i) => {
       const details = element("details", { class: "application", open: i === 0 }, element("summary", {}, `${application.name} on the map ${application.map}`));
       const fill = () => {

@@ -29,7 +29,7 @@ export function chart(title, x, series, options) {
     plot?.destroy();
     const width = Math.max(box.clientWidth, 200);
     const axis = { stroke: ink("faint"), grid: { stroke: ink("grid"), width: 1 }, ticks: { show: false }, font: "12px system-ui", labelFont: "12px system-ui", labelSize: 22,
-      values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : number(tick))) };
+      values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : tickText(tick))) };
     const lines = series.flatMap((one, i) => [{
       label: one.name, stroke: color(one), width: 2, dash: PATTERNS[Math.floor(i / 7) % PATTERNS.length], spanGaps: true,
       points: { show: Boolean(options.points), size: 6, fill: color(one) }, paths: options.steps ? uPlot.paths.stepped({ align: 1 }) : undefined,
@@ -82,6 +82,12 @@ function padded(low, high) {
   const bottom = low >= 0 && low < 0.6 * high ? 0 : low - 0.08 * (high - low || Math.abs(high) || 1);
   const top = high + 0.08 * (high - bottom || 1);
   return [bottom, top];
+}
+
+/** A tick without needless zeros. */
+function tickText(tick) {
+  const size = Math.abs(tick);
+  return size !== 0 && (size < 1e-3 || size >= 1e5) ? tick.toExponential(0).replace("e", "·10^").replace("+", "") : String(Number(tick.toPrecision(6))).replace("-", "−");
 }
 
 function faded(color) {

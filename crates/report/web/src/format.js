@@ -21,7 +21,7 @@ export function number(value) {
   const size = Math.abs(value);
   let text;
   if (size >= 1000) text = grouped(Math.round(value));
-  else if (size >= 100) text = value.toFixed(1);
+  else if (size >= 10) text = value.toFixed(1);
   else if (size >= 1) text = value.toFixed(2);
   else if (size >= 0.001) text = value.toPrecision(3);
   else text = value.toExponential(2);
@@ -66,4 +66,9 @@ export function niceStep(span, most) {
   const power = 10 ** Math.floor(Math.log10(raw));
   const factor = [1, 2, 5, 10].find((f) => f * power >= raw) ?? 10;
   return factor * power;
+}
+
+/** A name that is not longer than a label may be. */
+export function short(name) {
+  return name.length > 24 ? `${name.slice(0, 23)}…` : name;
 }

@@ -56,7 +56,7 @@ function networkPart(mac) {
   const { nodes, groups, sinks, delay_histogram: _bins, ...totals } = mac;
   return [title,
     outcomes(mac),
-    curve ? chart(`Delay of packets${mac.network ? ` of ${mac.network}` : ""}`, curve.x, [{ name: "share of the delivered packets", values: curve.y }], { across: "delay (ms)", up: "share of the packets", top: 1, logarithmic: curve.x[0] > 0 && curve.x[curve.x.length - 1] > 20 * curve.x[0] }) : null,
+    curve ? chart(`Delay of packets${mac.network ? ` of ${mac.network}` : ""}`, curve.x, [{ name: "share of the delivered packets", values: curve.y }], { across: "delay (ms)", up: "share of the packets", top: 1, logarithmic: curve.x[0] > 0 && curve.x[curve.x.length - 1] > 100 * curve.x[0] }) : null,
     groups?.length ? trafficTable("Groups of nodes", groups) : null,
     sinks?.length > 1 ? dataTable("Sinks", [{ title: "Sink", of: (row) => sinks[row].name, words: true }, { title: "Frames received", of: (row) => sinks[row].received }], sinks.length) : null,
     nodes?.length ? behind("Each node", () => trafficTable("Nodes", nodes)) : null,

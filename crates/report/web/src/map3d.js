@@ -7,12 +7,13 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { niceStep, number } from "./format.js";
-import { after, placeAt } from "./model.js";
+import { after, placeAt, stopsNow } from "./model.js";
 import { category, ink, robotColor } from "./palette.js";
-import { stopsNow } from "./map2d.js";
 
 /** With more nodes than this, lines of errors are left out. */
 const MOST_LINES = 20000;
+/** With more nodes than this, edges are not smoothed and true places are left out, so that a software renderer keeps up. */
+const LARGE = 20000;
 
 export class Map3d {
   /** Fails if the browser has no WebGL. */
@@ -20,7 +21,8 @@ export class Map3d {
     this.canvas = canvas;
     this.model = model;
     this.overlay = overlay;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: false });
+    this.isLarge = model.count > LARGE;
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.isLarge, powerPreference: "high-performance" });
     this.scene = new Scene();
     const { low, high } = model.extent;
     this.middle = new Vector3(...low.map((l, k) => (l + high[k]) / 2));
@@ -38,7 +40,7 @@ export class Map3d {
   }
 
   reset() {
-    const distance = this.size * 1.35;
+    const distance = this.size * 1.7;
     this.controls.target.copy(this.middle);
     this.camera.position.copy(this.middle).add(new Vector3(-0.35, -0.95, 0.75).normalize().multiplyScalar(distance));
     this.controls.update();
@@ -47,7 +49,9 @@ export class Map3d {
   resize() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (!width || !height) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
+    this.width = width;
+    this.height = height;
+    this.renderer.setPixelRatio(this.isLarge ? 1 : Math.min(devicePixelRatio || 1, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     // A narrow picture is seen from farther away.
@@ -81,10 +85,18 @@ export class Map3d {
     this.controls.update();
   }
 
-  /** The place of a node on the screen. */
-  at(places, node) {
-    const seen = new Vector3(places[3 * node], places[3 * node + 1], places[3 * node + 2]).project(this.camera);
-    return [((seen.x + 1) / 2) * this.canvas.clientWidth, ((1 - seen.y) / 2) * this.canvas.clientHeight];
+  /** The place of a node on the screen, for many nodes at one view. */
+  projector() {
+    this.camera.updateMatrixWorld();
+    const m = this.camera.projectionMatrix.clone().multiply(this.camera.matrixWorldInverse).elements;
+    const { width, height } = this;
+    return (places, node) => {
+      const x = places[3 * node];
+      const y = places[3 * node + 1];
+      const z = places[3 * node + 2];
+      const w = m[3] * x + m[7] * y + m[11] * z + m[15];
+      return [(((m[0] * x + m[4] * y + m[8] * z + m[12]) / w + 1) / 2) * width, ((1 - (m[1] * x + m[5] * y + m[9] * z + m[13]) / w) / 2) * height];
+    };
   }
 
   draw(show) {
@@ -122,9 +134,9 @@ export class Map3d {
         group.add(new Mesh(flat, material));
       }
     }
-    if (model.truth && show.layers.truth) group.add(this.#points(model.truth, null, ink("faint"), model.count > 3000 ? 2 : 4));
+    if (model.truth && show.layers.truth && !this.isLarge) group.add(this.#points(model.truth, null, ink("faint"), model.count > 3000 ? 2 : 4));
     for (const shown of show.maps) {
-      const points = this.#points(shown.places.slice(), shown.colors.rgb, null, model.count > 3000 ? 3 : 9);
+      const points = this.#points(shown.places.slice(), shown.colors.rgb, null, this.isLarge ? 1.5 : model.count > 3000 ? 3 : 9);
       group.add(points);
       this.still.maps.push({ points, shown: -1 });
     }
@@ -276,13 +288,14 @@ export class Map3d {
       [[x0, y1, z], `y ${number(round(y0 + oy))} to ${number(round(y1 + oy))} m`],
       ...(top - z > 1e-6 ? [[[x0, y0, top], `z ${number(round(z + oz))} to ${number(round(top + oz))} m`]] : []),
     ];
+    const at = this.projector();
     while (this.overlay.children.length < ends.length) this.overlay.append(document.createElement("span"));
     ends.forEach(([place, text], i) => {
       const span = this.overlay.children[i];
-      const [x, y] = this.at(place, 0);
+      const [x, y] = at(place, 0);
       if (span.textContent !== text) span.textContent = text;
       const width = 8 * text.length;
-      span.style.transform = `translate(${Math.min(Math.max(x, 4), this.canvas.clientWidth - width)}px, ${Math.min(Math.max(y, 2), this.canvas.clientHeight - 20)}px)`;
+      span.style.transform = `translate(${Math.min(Math.max(x, 4), this.width - width)}px, ${Math.min(Math.max(y, 2), this.height - 20)}px)`;
     });
   }
 }

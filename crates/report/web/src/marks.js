@@ -8,7 +8,7 @@ const MOST_DISCS = 3000;
 /** Draws true places as rings and estimates as discs. */
 export function drawNodes(map2d, show) {
   const { context: ctx, camera, model } = map2d;
-  const radius = Math.max(2, Math.min(5.5, 0.35 * camera.scale));
+  const radius = Math.max(2, Math.min(5.5, 0.2 * model.spacing * camera.scale));
   if (model.count > MOST_DISCS) {
     drawPixels(map2d, show);
     return;
@@ -64,7 +64,7 @@ function drawPixels(map2d, show) {
   const height = map2d.canvas.height;
   const image = ctx.getImageData(0, 0, width, height);
   const pixels = new Uint32Array(image.data.buffer);
-  const side = Math.max(2, Math.min(9, Math.round(0.5 * camera.scale * ratio)));
+  const side = Math.max(2, Math.min(9, Math.round(0.3 * model.spacing * camera.scale * ratio)));
   const [a, b] = camera.axes;
   const ox = camera.sx(0) * ratio;
   const oy = camera.sy(0) * ratio;

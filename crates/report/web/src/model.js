@@ -24,6 +24,7 @@ export class Model {
     this.span = this.#span();
     this.extent = this.#extent();
     this.isFlat = this.extent.high[2] - this.extent.low[2] < 1e-6 + 1e-3 * Math.max(...[0, 1].map((i) => this.extent.high[i] - this.extent.low[i]));
+    this.spacing = this.#spacing();
     this.heard = this.surveys.map((survey) => heardOf(survey, this.count));
     this.places = new Map();
   }
@@ -77,6 +78,18 @@ export class Model {
     if (low[0] > high[0]) for (const map of this.maps) for (const snapshot of map.snapshots) add(snapshot.places_m);
     if (low[0] > high[0]) return { low: [0, 0, 0], high: [1, 1, 0] };
     return { low, high };
+  }
+
+  /** How far nodes are apart, roughly (m). */
+  #spacing() {
+    const { low, high } = this.extent;
+    const lengths = low.map((l, k) => high[k] - l).sort((a, b) => b - a);
+    return Math.sqrt((lengths[0] * Math.max(lengths[1], lengths[0] / 100)) / Math.max(this.count, 1));
+  }
+
+  /** The simulation that goes on at `time`, if there are several. */
+  phaseAt(time) {
+    return this.phases.length > 1 ? this.phases.findLast((phase) => phase.start_s <= time) ?? this.phases[0] : null;
   }
 
   /** The map that was written last at `time`, as places by node; NaN where a node is not mapped. */
@@ -203,4 +216,12 @@ export function after(times, time) {
     else high = middle;
   }
   return low;
+}
+
+/** The last stop of each robot at `time`. */
+export function stopsNow(survey, time) {
+  const last = new Map();
+  const { times_s: times, robots } = survey.stops;
+  for (let s = 0; s < times.length; s++) if (times[s] <= time && !(times[last.get(robots[s])] > times[s])) last.set(robots[s], s);
+  return [...last.values()];
 }

@@ -14,7 +14,7 @@ export function scenarioSection(report) {
     if (licences.children.length === 1) licences.append(element("pre", { tabindex: "0" }, document.getElementById("licences").textContent));
   });
   return section("origin", "Origin",
-    facts("Where the data are from", about),
+    facts("Where the data are from", about, "text"),
     scenario ? element("details", {}, element("summary", {}, "Text of the scenario"), element("pre", { tabindex: "0" }, scenario)) : null,
     licences);
 }

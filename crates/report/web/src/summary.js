@@ -28,7 +28,7 @@ function tiles(summary, world) {
   for (const application of (summary.applications ?? []).slice(0, 4)) {
     const done = application.captured ?? application.arrived;
     const what = application.captured !== undefined ? "captured" : "arrived";
-    add(application.name, done ? `${what} after ${withUnit(application.time_s, "s")}` : `not ${what}`);
+    add(`${application.name} ${done ? what : `has not ${what}`}`, done ? withUnit(application.time_s, "s") : "–");
   }
   return found.slice(0, 8);
 }

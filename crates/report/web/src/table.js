@@ -77,7 +77,7 @@ export function behind(title, make) {
 }
 
 /** A small table of facts: pairs of a name and a text. */
-export function facts(caption, pairs) {
-  const rows = pairs.map(([name, text]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", { class: "number" }, text)));
+export function facts(caption, pairs, kind = "number") {
+  const rows = pairs.map(([name, text]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", { class: kind }, text)));
   return element("table", { class: "facts" }, element("caption", {}, caption), element("tbody", {}, rows));
 }

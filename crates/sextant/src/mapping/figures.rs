@@ -56,7 +56,7 @@ pub fn figures(title: &str, input: &Input, drawn: RecordedWorld, maps: &[Compute
         }
     }
     let drawn = RecordedWorld { maps: maps.iter().map(places).collect(), ..drawn };
-    let source = Source { title, log: input.log(), drawn: &drawn, sector_displacements: &[] };
+    let source = Source { title, log: input.log(), drawn: &drawn, sector_displacements: &[], claimed_obstacles: &[] };
     let estimated = |map| estimated(map, input);
     figure::all_of_maps(&source, &maps.iter().map(estimated).collect::<Vec<_>>())
 }

@@ -1,22 +1,98 @@
 //! A lower bound on the error of any map of a simulated survey.
 
-use sextant_channel::{Channel, Position};
+use std::borrow::Cow;
+
+use sextant_channel::{Bounds, Channel, Position};
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{TrueModel, at_least_one};
+use sextant_mapper::{KnowledgeKind, TrueModel, at_least_one};
 use sextant_sim::{OdometryConfig, Packets, Survey};
 
-use crate::scenario::Scenario;
+use crate::scenario::{MapJob, Scenario};
+
+/// The bound of a survey, or why there is none.
+pub type SurveyBound = Result<f64, NoBound>;
+
+/// Why maps of a survey have no bound.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoBound {
+    /// The shadowing at stops depends on that at others.
+    #[error("shadowing is shared by neighbouring stops, so that receptions are not independent")]
+    SharedShadowing,
+    /// Robots listen for different times.
+    #[error("robots listen for different times")]
+    ListeningTimes,
+    /// Robots do not know where they are.
+    #[error("robots do not know exactly where they are")]
+    Odometry,
+    /// Nodes hear a beacon or a sweep before they send.
+    #[error("nodes are only heard where they have heard a beacon or a sweep first")]
+    BeaconsFirst,
+    /// No node was heard, or there is no map.
+    #[error("no node was heard")]
+    NothingHeard,
+    /// The receptions tell less than where nodes are anyway.
+    #[error("the receptions tell less ({bound_m:.0} m) than that the nodes are in their area ({spread_m:.0} m)")]
+    Wide {
+        /// The mean distance of a node from its posterior mean (m).
+        bound_m: f64,
+        /// The same of a node anywhere in the area of the nodes (m).
+        spread_m: f64,
+    },
+    /// The map is of another network than the first that robots survey, or of several.
+    #[error("it is of the first network that robots survey, and this map uses another")]
+    OtherNetwork,
+    /// The map uses knowledge that the bound does not have.
+    #[error("it does not know what this map uses: {0}")]
+    MoreKnowledge(String),
+}
+
+/// The bound of the map `named`: that of the survey, if the map uses nothing that this does not know.
+pub(super) fn of_map(
+    scenario: &Scenario,
+    named: &MapJob,
+    survey: &Survey,
+    bound: &SurveyBound,
+) -> Option<SurveyBound> {
+    let uses = named.mapper.uses();
+    if !uses.contains(&KnowledgeKind::RobotReceptions) {
+        return None;
+    }
+    if scenario.networks_of(named) != scenario.surveyed()[..1] {
+        return Some(Err(NoBound::OtherNetwork));
+    }
+    let is_known = |kind: &KnowledgeKind| match kind {
+        KnowledgeKind::RobotReceptions
+        | KnowledgeKind::RobotPath
+        | KnowledgeKind::PathLoss
+        | KnowledgeKind::Obstacles => true,
+        KnowledgeKind::RobotRssi
+        | KnowledgeKind::Neighbours
+        | KnowledgeKind::NeighbourRssi
+        | KnowledgeKind::AnchorReceptions
+        | KnowledgeKind::AnchorRssi
+        | KnowledgeKind::Anchors => false,
+    };
+    let mut more: Vec<&str> = uses.iter().filter(|kind| !is_known(kind)).map(|kind| kind.name()).collect();
+    if named.mapper.counts_packets() && matches!(survey.log().at_least_one(), Cow::Owned(_)) {
+        more.push("numbers of packets");
+    }
+    Some(if more.is_empty() { bound.clone() } else { Err(NoBound::MoreKnowledge(more.join(", "))) })
+}
+
+/// The mean distance from the middle of a place anywhere in the box around `places` (m), as the root of the mean square.
+fn spread_m(places: &[Position]) -> f64 {
+    let size = Bounds::of(places.iter().copied()).map_or(Position::ORIGIN, |bounds| bounds.max - bounds.min);
+    ((size.x_m * size.x_m + size.y_m * size.y_m + size.z_m * size.z_m) / 12.0).sqrt()
+}
 
 /// The posterior bound (m), computed from which slots heard a node, with the true channel and obstacles. Losses by
-/// collision are taken to be independent of the distance. `None` if receptions at different stops are not independent,
-/// robots listen for different times or do not know where they are, a node must hear a beacon before it sends, or nothing
-/// was heard.
-pub(super) fn posterior_bound_m(
+/// collision are taken to be independent of the distance.
+pub(super) fn posterior_bound(
     scenario: &Scenario,
     survey: &Survey,
     truth: &[Position],
     watch: &dyn Watch,
-) -> Result<Option<f64>, Interrupted> {
+) -> Result<SurveyBound, Interrupted> {
     let id = scenario.surveyed()[0];
     let network = &scenario.networks()[id.index()];
     let packets_per_stop = scenario.packets_per_stop();
@@ -24,8 +100,15 @@ pub(super) fn posterior_bound_m(
     let beacons_come_first = network.technology.has_coordinator() || network.technology.antennas().is_some();
     let is_independent = !network.channel.shadowing().is_spatial();
     let places_are_known = scenario.robots_of_survey().all(|robot| robot.odometry == OdometryConfig::default());
-    if !(is_independent && packets_per_stop.is_alike && places_are_known) || beacons_come_first {
-        return Ok(None);
+    for (is_met, why) in [
+        (is_independent, NoBound::SharedShadowing),
+        (packets_per_stop.is_alike, NoBound::ListeningTimes),
+        (places_are_known, NoBound::Odometry),
+        (!beacons_come_first, NoBound::BeaconsFirst),
+    ] {
+        if !is_met {
+            return Ok(Err(why));
+        }
     }
     let obstacles = scenario.world().obstacles.clone();
     let channel = Channel::new(network.channel, obstacles, scenario.seed());
@@ -49,5 +132,11 @@ pub(super) fn posterior_bound_m(
     let high = truth.iter().map(|place| place.z_m).fold(f64::NEG_INFINITY, f64::max);
     let model = TrueModel { probability, near: truth, reach_m: law.reach_m(tx, sensitivity), z_range_m: [low, high] };
     // The probability is that of a slot: at least one packet is received.
-    sextant_mapper::posterior_bound_m(&survey.log().at_least_one(), &model, watch)
+    let bound_m = sextant_mapper::posterior_bound_m(&survey.log().at_least_one(), &model, watch)?;
+    let spread_m = spread_m(truth);
+    Ok(match bound_m {
+        None => Err(NoBound::NothingHeard),
+        Some(bound_m) if bound_m > spread_m => Err(NoBound::Wide { bound_m, spread_m }),
+        Some(bound_m) => Ok(bound_m),
+    })
 }

@@ -55,7 +55,15 @@ pub(super) fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -
         ..measured.expect("nobody stops the work")
     };
     let made = UnalignedMap::new(&map.name, &found);
-    Some(Evaluation { name: map.name.clone(), map: found, made, learned: None, summary, wall_s: 0.0 })
+    Some(Evaluation {
+        name: map.name.clone(),
+        map: found,
+        made,
+        learned: None,
+        summary,
+        wall_s: 0.0,
+        operations: 0.0,
+    })
 }
 
 /// The places that the nodes believe in.

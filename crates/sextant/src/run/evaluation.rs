@@ -2,14 +2,15 @@
 
 use sextant_channel::{NetworkLogs, Position};
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{EstimatorFindings, KnowledgeKind, MapError, SectorDisplacement, TopologyMap};
+use sextant_mapper::{EstimatorFindings, MapError, SectorDisplacement, TopologyMap};
 use sextant_sim::{NetworkId, Survey};
 
 use super::application::UnalignedMap;
-use super::bound;
+use super::bound::{self, NoBound, SurveyBound};
 use super::discovery::Discoveries;
 use super::error::RunError;
 use super::message_energy::message_energy_j;
+use super::operations::CountedWork;
 use crate::mapping::MapLogs;
 use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
 use crate::scenario::{MapJob, Scenario};
@@ -30,10 +31,12 @@ pub struct Evaluation {
     pub summary: MapSummary,
     /// Time to compute and measure it on this machine (s); 0 for a map that the nodes computed in the simulation.
     pub wall_s: f64,
+    /// Elementary operations of the algorithm, at most, as it announced them to the watch; 0 if it announced none.
+    pub operations: f64,
 }
 
-/// Computes the map `named` from `survey` and `discoveries`, and compares it with the world of `scenario`. `bound_m` is
-/// the [`bound_m`] of the survey, which is the same for all its maps.
+/// Computes the map `named` from `survey` and `discoveries`, and compares it with the world of `scenario`. `bound` is
+/// that of the survey, which is the same for all its maps.
 ///
 /// # Errors
 /// If the map cannot be computed, or `watch` stops the work.
@@ -41,14 +44,17 @@ pub(super) fn evaluate(
     scenario: &Scenario,
     named: &MapJob,
     (survey, discoveries): (&Survey, &Discoveries),
-    bound_m: Option<f64>,
+    bound: &SurveyBound,
     watch: &dyn Watch,
 ) -> Result<Evaluation, RunError> {
     let start = Stopwatch::start();
     let logs = MapLogs::from(&survey.logs);
     let networks = scenario.networks_of(named);
+    let bound = bound::of_map(scenario, named, survey, bound);
     let knowledge = discoveries.knowledge(scenario, &logs, named);
-    let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
+    let counted = CountedWork::new(watch);
+    let (map, learned) = named.mapper.map_and_learn(knowledge, &counted)?;
+    let operations = counted.operations();
     let made = UnalignedMap::new(&named.name, &map);
     let truth = truth(scenario);
     let known: Vec<Option<Position>> = truth.iter().copied().map(Some).collect();
@@ -60,10 +66,8 @@ pub(super) fn evaluate(
         sector_displacement: displacement.as_ref().map(SectorDisplacement::shares).unwrap_or_default(),
         sector_displacement_of_pairs: displacement.as_ref().map(SectorDisplacement::pair_shares).unwrap_or_default(),
         message_energy_j: message_energy_j(scenario, named, survey, discoveries),
-        posterior_bound_m: bound_m.filter(|_| {
-            let is_of_first = networks == scenario.surveyed()[..1];
-            is_of_first && named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)
-        }),
+        posterior_bound_m: bound.as_ref().and_then(|bound| bound.as_ref().ok()).copied(),
+        posterior_bound_absent: bound.and_then(Result::err).map(|why| why.to_string()),
         ..measure(
             &named.into(),
             &map,
@@ -74,7 +78,7 @@ pub(super) fn evaluate(
             watch,
         )?
     };
-    Ok(Evaluation { name: named.name.clone(), map, made, learned, summary, wall_s: start.elapsed_s() })
+    Ok(Evaluation { name: named.name.clone(), map, made, learned, summary, wall_s: start.elapsed_s(), operations })
 }
 
 /// The map `named` of `logs`, which are a part of those of a survey, in world coordinates; `None` if the algorithm needs more
@@ -115,15 +119,19 @@ pub(super) fn sector_displacement(
     displacement(truth, map, antennas, scenario.metrics())
 }
 
-/// The posterior bound for all maps of `survey` (m); `None` if the scenario has no maps or the bound does not apply.
+/// The posterior bound for the maps of `survey`, or why it does not apply.
 ///
 /// # Errors
 /// If `watch` stops the work.
-pub(super) fn bound_m(scenario: &Scenario, survey: &Survey, watch: &dyn Watch) -> Result<Option<f64>, Interrupted> {
+pub(super) fn survey_bound(
+    scenario: &Scenario,
+    survey: &Survey,
+    watch: &dyn Watch,
+) -> Result<SurveyBound, Interrupted> {
     if scenario.maps().is_empty() {
-        return Ok(None);
+        return Ok(Err(NoBound::NothingHeard));
     }
-    bound::posterior_bound_m(scenario, survey, &truth(scenario), watch)
+    bound::posterior_bound(scenario, survey, &truth(scenario), watch)
 }
 
 /// The true positions of the nodes.

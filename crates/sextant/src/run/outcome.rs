@@ -1,16 +1,16 @@
 //! The summary of a run.
 
-use sextant_apps::ControllerConfig;
 use sextant_channel::NetworkLog;
-use sextant_kernel::{NodeId, SimTime};
-use sextant_sim::{Ending, Network, NetworkRecord, RoleConfig, Survey};
+use sextant_kernel::NodeId;
+use sextant_sim::{Network, NetworkRecord, RoleConfig, Survey};
 use sha2::{Digest, Sha256};
 
 use super::discovery::Discoveries;
+use super::ending;
 use super::mac;
 use crate::scenario::Scenario;
 use crate::summary::{
-    ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary, RobotSummary,
+    ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary,
     ScenarioSummary, SensingSummary, SimulationSummary, Summary,
 };
 
@@ -59,23 +59,6 @@ fn of_survey(scenario: &Scenario, survey: &Survey) -> Summary {
 
 fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
     let packets = survey.packets;
-    let robots = survey.robots.iter().zip(scenario.robots_of_survey()).map(|(record, config)| RobotSummary {
-        name: record.name.clone(),
-        stops: record.stops,
-        path_length_m: record.path_length_m,
-        ending: record.ending.map(|ending| match ending {
-            Ending::Complete => "complete",
-            Ending::StepsExhausted => "steps_exhausted",
-            Ending::Stuck => "stuck",
-        }),
-        duration_s: record.end.map(SimTime::as_secs_f64),
-        unreached: match config.role {
-            RoleConfig::Survey => {
-                unreached(survey, config.controller.as_ref().map_or(1, ControllerConfig::packets_per_node))
-            }
-            RoleConfig::Anchor | RoleConfig::Agent => Vec::new(),
-        },
-    });
     GatheringSummary {
         path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
         duration_s: Some(survey.end.as_secs_f64()),
@@ -96,7 +79,7 @@ fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
             rx: survey.energy.rx_j,
             idle: survey.energy.idle_j + survey.energy.sleep_j,
         }),
-        robots: robots.collect(),
+        robots: ending::robots(scenario, survey),
         interrupted: survey.interrupted,
         stops: stops(scenario, survey),
         sweeps: sweeps(scenario, survey),
@@ -163,11 +146,4 @@ fn identity(scenario: &Scenario) -> ScenarioSummary {
         seed: scenario.seed().0,
         version: env!("CARGO_PKG_VERSION").to_owned(),
     }
-}
-
-/// Names of the nodes from which all robots together received fewer than `wanted` packets.
-fn unreached(survey: &Survey, wanted: u32) -> Vec<String> {
-    let heard = |node: usize| survey.robots.iter().fold(0, |sum: u32, robot| sum.saturating_add(robot.packets[node]));
-    let names = survey.log().names().iter().enumerate();
-    names.filter(|&(node, _)| heard(node) < wanted).map(|(_, name)| name.clone()).collect()
 }

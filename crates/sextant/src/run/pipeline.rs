@@ -5,10 +5,11 @@ use sextant_recording::Phase;
 use sextant_sim::Survey;
 
 use super::application::{Performance, ReadyApplication, Stage, UnalignedMap};
+use super::bound::{NoBound, SurveyBound};
 use super::discovery::Discoveries;
 use super::distributed::evaluate_distributed;
 use super::error::RunError;
-use super::evaluation::{Evaluation, bound_m, evaluate};
+use super::evaluation::{Evaluation, evaluate, survey_bound};
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use super::outcome::sum_up;
 use super::simulator::{Simulated, Simulator};
@@ -49,8 +50,8 @@ impl Run {
 pub struct Surveyed {
     /// What was heard, and what became of the packets.
     pub simulated: Simulated,
-    /// The posterior bound for all its maps (m), if it applies.
-    pub bound_m: Option<f64>,
+    /// The posterior bound for its maps (m), or why it does not apply.
+    pub bound: SurveyBound,
 }
 
 /// Runs `scenario`: simulates its survey, computes and measures its maps, and runs its applications. If `watch` stops the
@@ -67,13 +68,13 @@ pub fn run(scenario: &Scenario, observer: &mut dyn RunObserver, watch: &dyn Watc
     let gather_s = start.elapsed_s();
     let map_start = Stopwatch::start();
     let mut maps = Maps { scenario, discoveries: &discoveries, summaries: Vec::new(), evaluations: Vec::new() };
-    let mut bound = None;
+    let mut bound = Err(NoBound::NothingHeard);
     let mut interrupted = false;
     if let Some(simulated) = &simulated {
         maps.of_nodes(simulated, observer, watch)?;
         let mapped = watch.check().map_err(RunError::from).and_then(|()| {
-            bound = bound_m(scenario, &simulated.survey, watch)?;
-            maps.of_robots(simulated, bound, observer, watch)
+            bound = survey_bound(scenario, &simulated.survey, watch)?;
+            maps.of_robots(simulated, &bound, observer, watch)
         });
         interrupted = is_interrupted(mapped)?;
     }
@@ -93,7 +94,7 @@ pub fn run(scenario: &Scenario, observer: &mut dyn RunObserver, watch: &dyn Watc
         events_per_s: survey.map(|survey| survey.events as f64 / gather_s),
         peak_rss_bytes: peak_rss_bytes(),
     });
-    let survey = simulated.map(|simulated| Surveyed { simulated, bound_m: bound });
+    let survey = simulated.map(|simulated| Surveyed { simulated, bound });
     Ok(Run { summary, survey, maps: evaluations })
 }
 
@@ -111,8 +112,8 @@ pub fn survey(
         return Ok(None);
     }
     let simulated = simulate(scenario, Simulator::new(scenario)?, observer, watch)?;
-    let bound_m = bound_m(scenario, &simulated.survey, watch)?;
-    Ok(Some(Surveyed { simulated, bound_m }))
+    let bound = survey_bound(scenario, &simulated.survey, watch)?;
+    Ok(Some(Surveyed { simulated, bound }))
 }
 
 /// The summary of `scenario` on a survey that was simulated before, without timing; what [`run`] does after its survey.
@@ -127,9 +128,9 @@ pub fn run_on(
 ) -> Result<Summary, RunError> {
     let discoveries = Discoveries::of(scenario, watch)?;
     let mut maps = Maps { scenario, discoveries: &discoveries, summaries: Vec::new(), evaluations: Vec::new() };
-    if let Some(Surveyed { simulated, bound_m }) = surveyed {
+    if let Some(Surveyed { simulated, bound }) = surveyed {
         maps.of_nodes(simulated, observer, watch)?;
-        maps.of_robots(simulated, *bound_m, observer, watch)?;
+        maps.of_robots(simulated, bound, observer, watch)?;
     }
     let survey = surveyed.map(|surveyed| &surveyed.simulated.survey);
     let (applications, interrupted) = apply_all(scenario, &maps.evaluations, survey, observer, watch)?;
@@ -188,13 +189,13 @@ impl Maps<'_> {
     fn of_robots(
         &mut self,
         simulated: &Simulated,
-        bound_m: Option<f64>,
+        bound: &SurveyBound,
         observer: &mut dyn RunObserver,
         watch: &dyn Watch,
     ) -> Result<(), RunError> {
         let (scenario, discoveries) = (self.scenario, self.discoveries);
         for named in scenario.maps() {
-            let evaluation = evaluate(scenario, named, (&simulated.survey, discoveries), bound_m, watch)?;
+            let evaluation = evaluate(scenario, named, (&simulated.survey, discoveries), bound, watch)?;
             self.add(evaluation, |scenario, evaluation| {
                 let named = Some(named);
                 observer.map_finished(&MapEnd { scenario, simulated, discoveries, named, evaluation, watch })

@@ -181,16 +181,19 @@ pub struct RecordingConfig {
     /// Snapshots of the fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fields: Option<SnapshotsConfig>,
-    /// Maps of the log as it grew, for each map of the robots: at this many instants before the end, with equal numbers of
-    /// stops between them. Each takes up to the time of the map itself; 0 for none, at most 100. One if absent.
+    /// Maps of the log as it grew, for each map that uses what robots heard: at this many instants before the end, with equal
+    /// numbers of stops between them. Each takes about as long as the map itself. 0 for none, at most 100. If absent: 4 for maps
+    /// that take at most about a second, otherwise none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_snapshots: Option<u32>,
     /// What `--pcap` writes.
     pub pcap: PcapConfig,
 }
 
-/// Snapshots of each map that are recorded if the scenario does not say how many.
-const USUAL_MAP_SNAPSHOTS: u32 = 1;
+/// Snapshots of a map that are recorded if the scenario does not say how many.
+const USUAL_MAP_SNAPSHOTS: u32 = 4;
+/// Maps with more elementary operations have no snapshots then.
+const MOST_OPERATIONS: f64 = 1e9;
 /// Allowed numbers of snapshots of a map.
 const MAP_SNAPSHOTS: RangeInclusive<u32> = 0..=100;
 
@@ -203,9 +206,10 @@ impl RecordingConfig {
         }
     }
 
-    /// Number of snapshots of each map.
-    pub(crate) fn snapshots_of_maps(&self) -> u32 {
-        self.map_snapshots.unwrap_or(USUAL_MAP_SNAPSHOTS)
+    /// Number of snapshots of a map that takes so many elementary operations.
+    pub(crate) fn snapshots_of_map(&self, operations: f64) -> u32 {
+        let usual = if operations <= MOST_OPERATIONS { USUAL_MAP_SNAPSHOTS } else { 0 };
+        self.map_snapshots.unwrap_or(usual)
     }
 }
 

@@ -30,6 +30,7 @@ mod snapshots;
 mod source;
 mod survey_identity;
 mod sweep;
+mod unit;
 
 pub use algorithm::{Algorithm, Task};
 pub use applications::{Application, ApplicationMap};

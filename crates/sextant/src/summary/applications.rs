@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::gathering::EnergySummary;
 use super::map::ErrorSummary;
-use sextant_kernel::text::counted;
+use sextant_kernel::text::{counted, listed};
 
 /// What an application on a map of the nodes came to. Times count from the start of its phase.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -40,6 +40,13 @@ pub struct ApplicationSummary {
     pub interrupted: bool,
     /// Length of the paths of all its robots together (m).
     pub path_length_m: f64,
+    /// Nodes that take part: those of its network.
+    pub nodes: usize,
+    /// Of these, nodes with a place on the map.
+    pub nodes_on_map: usize,
+    /// Names of the sinks that take part. Absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sinks: Vec<String>,
     /// The robots.
     pub robots: Vec<ApplicationRobot>,
     /// The targets, if it searches them.
@@ -80,6 +87,23 @@ pub struct ApplicationSummary {
 }
 
 impl ApplicationSummary {
+    /// Who takes part, and on which map, in words.
+    #[must_use]
+    pub fn participants(&self) -> String {
+        let robots: Vec<&str> = self.robots.iter().map(|robot| robot.name.as_str()).collect();
+        let mut parts = vec![counted(self.nodes, "node")];
+        for (names, what) in [(robots, "robot"), (self.sinks.iter().map(String::as_str).collect(), "sink")] {
+            if !names.is_empty() {
+                parts.push(format!("{} ({})", counted(names.len(), what), listed(&names)));
+            }
+        }
+        let map = match self.map.as_str() {
+            "physical" => "with the true places of the nodes".to_owned(),
+            map => format!("on the map `{map}`, which has {} of the nodes", self.nodes_on_map),
+        };
+        format!("{} take part, {map}", parts.join(", "))
+    }
+
     /// What it came to, in words.
     #[must_use]
     pub fn outcome(&self) -> String {

@@ -4,7 +4,6 @@ use std::io::{self, Write};
 
 use super::applications::{ApplicationSummary, ApplicationTarget, ArrivalSummary};
 use crate::columns::{Align, columns};
-use sextant_kernel::text::counted;
 
 /// Writes one row for each application, and what it took below.
 pub(super) fn write(applications: &[ApplicationSummary], out: &mut impl Write) -> io::Result<()> {
@@ -59,10 +58,7 @@ fn result(application: &ApplicationSummary) -> String {
 /// Robots, captures, arrivals and messages, one line each.
 fn details(application: &ApplicationSummary, out: &mut impl Write) -> io::Result<()> {
     let name = &application.name;
-    if !application.robots.is_empty() {
-        let robots: Vec<&str> = application.robots.iter().map(|robot| robot.name.as_str()).collect();
-        writeln!(out, "{name}: {} took part: {}", counted(robots.len(), "robot"), robots.join(", "))?;
-    }
+    writeln!(out, "{name}: {}", application.participants())?;
     for target in &application.targets {
         writeln!(out, "{name}: {} {}", target.name, fate(target))?;
     }

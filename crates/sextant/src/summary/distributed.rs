@@ -54,7 +54,12 @@ impl DistributedSummary {
             return format!("interrupted after {}", counted(self.iterations as usize, "iteration"));
         }
         let (bad, unplaced) = (counted(self.bad, "node"), counted(self.unplaced.len(), "node"));
-        format!("did not converge: {bad} with bad coordinates and {unplaced} without a place at the end")
+        let advice = if self.unplaced.is_empty() {
+            "more iterations or more anchors may settle them"
+        } else {
+            "more anchors near them, or more iterations, may give them one"
+        };
+        format!("did not converge: {bad} with bad coordinates and {unplaced} without a place at the end; {advice}")
     }
 }
 

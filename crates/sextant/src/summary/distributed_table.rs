@@ -94,7 +94,7 @@ mod tests {
             String::from_utf8(out).unwrap()
         };
         insta::assert_snapshot!(text(work.clone(), false), @r"
-        dmmtm-hs: warning: did not converge: 1 node with bad coordinates and 12 nodes without a place at the end
+        dmmtm-hs: warning: did not converge: 1 node with bad coordinates and 12 nodes without a place at the end; more anchors near them, or more iterations, may give them one
         dmmtm-hs: 5 anchors, then 7 more, 1 gave up their place, 2 without directions
         dmmtm-hs: 60.0 % of the nodes heard mobile anchors, at 0.0 of 40 stops on average
         dmmtm-hs: of a node on average 3.2 messages, 80.0 frames received, 12.50 mJ of radio energy, 12 kB of memory

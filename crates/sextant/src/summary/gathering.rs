@@ -5,6 +5,8 @@ use serde::Serialize;
 use sextant_channel::{Position, ReceptionLog};
 use sextant_sim::Packets;
 
+use super::robots::RobotSummary;
+
 /// The survey: packets, paths and energy.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct GatheringSummary {
@@ -160,24 +162,4 @@ pub struct RoundSummary {
     pub duration_s: f64,
     /// Energy of the radios of all nodes, with receivers always on.
     pub energy_j: EnergySummary,
-}
-
-/// One robot.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct RobotSummary {
-    /// Name of the robot.
-    pub name: String,
-    /// Places where it listened, or sent as a mobile anchor.
-    pub stops: usize,
-    /// Length of its path through all its known positions (m).
-    pub path_length_m: f64,
-    /// Why it finished: `complete`, `steps_exhausted` or `stuck`. Absent if it was interrupted or only its log is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ending: Option<&'static str>,
-    /// When it finished (s). Absent if it was interrupted or only its log is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub duration_s: Option<f64>,
-    /// Nodes from which all robots together received fewer packets than this robot was asked to receive from each node.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub unreached: Vec<String>,
 }

@@ -50,10 +50,14 @@ pub struct MapSummary {
     /// at most that far from the true one. Nodes without a position count as infinitely far.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_error_cdf: Option<[[f64; 2]; POSITION_ERRORS_M.len()]>,
-    /// Mean distance between a node and the mean of its posterior under the true channel and obstacles (m). No map of
-    /// this log can be much better; compare the position error with it.
+    /// Mean distance between a node and the mean of its posterior under the true channel and obstacles (m), if it is known
+    /// where the robots listened, and at which stops each node was heard. No map that uses nothing else can be much better;
+    /// compare the position error with it. Absent if the map uses more, such as signal strengths or numbers of packets.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior_bound_m: Option<f64>,
+    /// Why there is no such bound, in words, for a map of what robots heard in a simulation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior_bound_absent: Option<String>,
     /// Share of the mapped nodes whose true position is in their 95 % region, 0 to 1, if the map has such regions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_95: Option<f64>,

@@ -13,6 +13,7 @@ mod mac_table;
 mod map;
 pub mod measures;
 mod results;
+mod robots;
 mod table;
 mod timing;
 
@@ -23,9 +24,7 @@ pub use applications::{
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
 };
-pub use gathering::{
-    DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RobotSummary, RoundSummary,
-};
+pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RoundSummary};
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
     AlignmentSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, HeightsSource, HeightsSummary,
@@ -33,5 +32,6 @@ pub use map::{
 };
 pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
 pub use results::{FaultsSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};
+pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};

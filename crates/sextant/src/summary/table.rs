@@ -29,9 +29,18 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     }
     if let Some(gathering) = &summary.gathering {
         columns(&gathering_rows(gathering), &[Align::Left, Align::Right, Align::Left], out)?;
+        let nodes = summary.simulation.as_ref().map_or(0, |simulation| simulation.nodes);
+        for robot in &gathering.robots {
+            if let Some(end) = robot.end(nodes) {
+                writeln!(out, "{}: {end}", robot.name)?;
+            }
+        }
         writeln!(out)?;
     }
     for mac in summary.mac.iter().chain(&summary.other_networks) {
+        if summary.gathering.is_some() && mac.network.is_none() {
+            writeln!(out, "traffic to sinks")?;
+        }
         mac_table::write(mac, out)?;
     }
     if let Some(sensing) = &summary.sensing {
@@ -45,6 +54,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     if !summary.maps.is_empty() {
         maps(&summary.maps, out)?;
         measured(&summary.maps, out)?;
+        bounds(&summary.maps, out)?;
         for section in Section::ALL.into_iter().filter(|section| *section != Section::Warnings) {
             summary.maps.iter().try_for_each(|map| learned(map, section, out))?;
         }
@@ -181,6 +191,20 @@ fn measured(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
+/// Why maps have no bound: one line for each reason.
+fn bounds(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for map in maps {
+        let Some(why) = map.posterior_bound_absent.as_deref() else { continue };
+        let name = map.name.as_ref().unwrap_or(&map.algorithm).as_str();
+        match reasons.iter_mut().find(|(other, _)| *other == why) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((why, vec![name])),
+        }
+    }
+    reasons.iter().try_for_each(|(why, names)| writeln!(out, "{}: no bound: {why}", names.join(", ")))
+}
+
 fn discovery_lines(discovery: &DiscoverySummary, out: &mut impl Write) -> io::Result<()> {
     for (who, round) in [("nodes", &discovery.neighbours), ("anchors", &discovery.anchors)] {
         let Some(round) = round else { continue };
@@ -241,10 +265,17 @@ fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
                 Concern::Unsettled => format!("{did} not settle within the rounds of the fit"),
                 Concern::NoEvidence => format!("{has} no place that receptions and silence prefer"),
             };
+            let advice = match concern {
+                Concern::AtEdge => "stops on their other side would tell where they are",
+                Concern::Unsettled => "more rounds or more stops would tell where they are",
+                Concern::NoEvidence => {
+                    "stops where they are heard and others where they are not would tell where they are"
+                }
+            };
             let nodes = listed(&nodes);
             writeln!(
                 out,
-                "{name}: warning: {} {what}, so the position is unreliable: {nodes}",
+                "{name}: warning: {} {what}, so the position is unreliable: {nodes}; {advice}",
                 counted(count, "node")
             )?;
         }

@@ -1,11 +1,13 @@
 //! Figures of the table of a sweep: measures against a setting.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::TableError;
 use super::finished_table::FinishedTable;
 use super::statistics::Mean;
+use super::theory::{self, Theory};
+use crate::scenario::Scenario;
 use sextant_figure::{Curves, Figure, Series};
 
 /// A figure for each of `wanted`, or of the usual measures if it is empty: the mean of the measure with its 95 % interval,
@@ -14,6 +16,18 @@ use sextant_figure::{Curves, Figure, Series};
 /// # Errors
 /// If the file cannot be read, is not the table of a sweep, has no numeric setting or no such column.
 pub fn figures(path: &Path, wanted: &[String]) -> Result<Vec<Figure>, TableError> {
+    figures_with_theory(path, wanted, None)
+}
+
+/// The same with what theory says, where its assumptions hold for the cells of `scenario`, of which the table is.
+///
+/// # Errors
+/// As [`figures`].
+pub fn figures_with_theory(
+    path: &Path,
+    wanted: &[String],
+    scenario: Option<&Scenario>,
+) -> Result<Vec<Figure>, TableError> {
     let table = FinishedTable::read(path)?;
     let Some(across) = table.across() else {
         return Err(TableError::NoAxis { path: path.to_owned() });
@@ -26,9 +40,44 @@ pub fn figures(path: &Path, wanted: &[String]) -> Result<Vec<Figure>, TableError
     let title = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let figures = drawn.into_iter().map(|column| {
         let name = &table.columns()[column];
-        curves(&table, &title, across, column).figure(&format!("{title}-{}", name.replace(['.', '/'], "-")))
+        let mut curves = curves(&table, &title, across, column);
+        curves.series.extend(scenario.map(|scenario| theory(&table, scenario, across, column)).unwrap_or_default());
+        curves.figure(&format!("{title}-{}", name.replace(['.', '/'], "-")))
     });
     Ok(figures.collect())
+}
+
+/// What theory says of a measure in the cells of `scenario`, as curves.
+fn theory(table: &FinishedTable, scenario: &Scenario, across: usize, column: usize) -> Vec<Series> {
+    let mut curves: BTreeMap<String, Vec<(f64, f64)>> = BTreeMap::new();
+    let mut known = BTreeSet::new();
+    for row in 0..table.rows() {
+        let settings: Vec<String> = table.settings().map(|setting| table.cell(row, setting).to_owned()).collect();
+        if !known.insert(settings) {
+            continue;
+        }
+        let cell = table.settings().try_fold(scenario.clone(), |cell, setting| {
+            cell.with(&table.columns()[setting], table.cell(row, setting)).ok()
+        });
+        let found = cell.and_then(|cell| theory::of(&cell, &table.columns()[column]));
+        if let (Some(x), Some(Theory { source, value })) = (table.number(row, across), found) {
+            let others = others(table, row, across);
+            let name = if others.is_empty() { source.to_owned() } else { format!("{others}: {source}") };
+            curves.entry(name).or_default().push((x, value));
+        }
+    }
+    let series = |(name, mut points): (String, Vec<(f64, f64)>)| {
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Series { name, points, half_widths: Vec::new() }
+    };
+    curves.into_iter().map(series).collect()
+}
+
+/// The settings of a row but the one on the axis.
+fn others(table: &FinishedTable, row: usize, across: usize) -> String {
+    let others = table.settings().filter(|&other| other != across);
+    let others = others.map(|other| format!("{} {}", short(&table.columns()[other]), table.cell(row, other)));
+    others.collect::<Vec<_>>().join(", ")
 }
 
 /// The curves of a measure.
@@ -37,9 +86,7 @@ fn curves(table: &FinishedTable, title: &str, across: usize, column: usize) -> C
     let mut curves: BTreeMap<String, Vec<(f64, Vec<f64>)>> = BTreeMap::new();
     for row in 0..table.rows() {
         let (Some(x), Some(y)) = (table.number(row, across), table.number(row, column)) else { continue };
-        let others = table.settings().filter(|&other| other != across);
-        let others = others.map(|other| format!("{} {}", short(&table.columns()[other]), table.cell(row, other)));
-        let points = curves.entry(others.collect::<Vec<_>>().join(", ")).or_default();
+        let points = curves.entry(others(table, row, across)).or_default();
         match points.iter_mut().find(|(known, _)| known.total_cmp(&x).is_eq()) {
             Some((_, values)) => values.push(y),
             None => points.push((x, vec![y])),

@@ -18,10 +18,11 @@ mod share;
 mod statistics;
 mod table_file;
 mod table_reader;
+mod theory;
 mod unit;
 
 pub use column::{Column, Kind};
-pub use curves::figures;
+pub use curves::{figures, figures_with_theory};
 pub use error::{SweepError, TableError};
 pub use finished_table::FinishedTable;
 pub use plan::{Cell, Sweep};

@@ -5,6 +5,7 @@ use std::ops::Range;
 use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
 use sextant_kernel::StationId;
 
+use super::items::LinkItems;
 use super::listener::Listener;
 use super::mounts::Mounts;
 use super::signal::{Aim, Emission, Signal};
@@ -212,15 +213,37 @@ impl Budget {
     /// The power with the gains of both antennas, from the power without.
     #[inline]
     fn with_gains(&mut self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
-        let gain = if self.channel.reflects() {
-            self.gain_over_ways(signal, listener)
-        } else {
-            let apart = listener.place - signal.position;
-            let length_m = apart.length_m();
-            let aim = if length_m > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };
-            self.mounts.transmit_gain(signal.sender, aim, apart * (1.0 / length_m))
+        power + self.transmit_gain(signal, listener) + self.mounts.receive_gain(listener.receiver)
+    }
+
+    /// Gain of the transmitter towards the listener.
+    #[inline]
+    fn transmit_gain(&mut self, signal: &Signal, listener: &Listener<Position>) -> Db {
+        if self.channel.reflects() {
+            return self.gain_over_ways(signal, listener);
+        }
+        let apart = listener.place - signal.position;
+        let length_m = apart.length_m();
+        let aim = if length_m > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };
+        self.mounts.transmit_gain(signal.sender, aim, apart * (1.0 / length_m))
+    }
+
+    /// The power of a signal at a listener, item by item; `None` beyond the radius of communication.
+    pub(super) fn items(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<LinkItems> {
+        let mean = self.mean(signal, listener.place)?;
+        let path = self.channel.budget(signal.position, listener.place)?;
+        let shadowed = if self.is_per_packet { mean } else { self.with_shadowing(mean, signal, listener) };
+        let (transmit_gain, receive_gain) = match self.has_antennas() {
+            true => (self.transmit_gain(signal, listener), self.mounts.receive_gain(listener.receiver)),
+            false => (Db(0.0), Db(0.0)),
         };
-        power + gain + self.mounts.receive_gain(listener.receiver)
+        Some(LinkItems {
+            path,
+            shadowing: (!self.is_per_packet).then(|| shadowed - mean),
+            transmit_gain,
+            receive_gain,
+            power: shadowed + transmit_gain + receive_gain,
+        })
     }
 
     /// Gain of the transmitter over all ways of a signal: the mean of the gains in their directions, each with the share

@@ -9,6 +9,7 @@ use sextant_kernel::{SimTime, StationId};
 use super::budget::Budget;
 use super::cells::Cells;
 use super::interface::Interface;
+use super::items::LinkItems;
 use super::listener::Listener;
 use super::mounts::Mounts;
 use super::receiver_id::ReceiverId;
@@ -92,6 +93,11 @@ impl Medium {
     #[inline]
     pub(crate) fn power_at(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Milliwatts> {
         self.budget.power_at(signal, listener)
+    }
+
+    /// The power of a signal at a station, item by item; `None` beyond the radius of communication.
+    pub(crate) fn items(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<LinkItems> {
+        self.budget.items(signal, listener)
     }
 
     /// Mean power that a radio hears from others during `[from, to)`.

@@ -4,6 +4,7 @@ mod budget;
 mod cells;
 mod history;
 mod interface;
+mod items;
 mod listener;
 mod medium;
 mod mounts;
@@ -31,6 +32,7 @@ use reached::Reached;
 use receiver::{Heard, Receiver};
 
 pub(crate) use interface::Interface;
+pub(crate) use items::{LinkItems, PlacedRadio};
 pub(crate) use mounts::Mount;
 pub(crate) use noise::Burst;
 pub(crate) use receiver::{CarrierThresholds, ReceptionRules};

@@ -34,21 +34,6 @@ pub(crate) struct ReceptionRules {
     pub(crate) bit_error_rate: fn(f64) -> f64,
 }
 
-impl ReceptionRules {
-    /// Probability that a frame of this size (octets) that arrives with `power`, undisturbed, is received.
-    pub(crate) fn undisturbed(&self, power: Milliwatts, octets: u16) -> f64 {
-        let ratio = power.ratio(self.noise);
-        match self.model {
-            _ if power < self.sensitivity => 0.0,
-            ReceptionModel::Overlap => 1.0,
-            _ if ratio <= self.lock => 0.0,
-            ReceptionModel::SinrThreshold { least } if ratio < least => 0.0,
-            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } => 1.0,
-            ReceptionModel::Ber => libm::pow(1.0 - (self.bit_error_rate)(ratio), 8.0 * f64::from(octets)),
-        }
-    }
-}
-
 /// From which power on the channel is busy.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CarrierThresholds {
@@ -56,6 +41,34 @@ pub(crate) struct CarrierThresholds {
     pub(crate) signal: Milliwatts,
     /// Power of all signals together.
     pub(crate) energy: Milliwatts,
+}
+
+impl ReceptionRules {
+    /// Least power at which a frame is received that no other signal disturbs; with bit errors, the least at which it may be.
+    pub(crate) fn least_power(&self) -> Milliwatts {
+        let over_noise = match self.model {
+            ReceptionModel::Overlap => return self.sensitivity,
+            ReceptionModel::SinrThreshold { least } => least.max(self.lock),
+            ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => self.lock,
+        };
+        Milliwatts((over_noise * self.noise.0).max(self.sensitivity.0))
+    }
+
+    /// Probability that a frame of `airtime` and `power` is received if no other signal disturbs it.
+    pub(crate) fn reception_alone(&self, power: Milliwatts, airtime: Duration) -> f64 {
+        if power < self.least_power() {
+            return 0.0;
+        }
+        match self.model {
+            ReceptionModel::Ber => {
+                let bits = airtime.saturating_sub(self.preamble).as_secs_f64() * self.bit_rate_hz;
+                libm::exp(bits * libm::log1p(-(self.bit_error_rate)(power.ratio(self.noise))))
+            }
+            ReceptionModel::Overlap | ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } => {
+                1.0
+            }
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -345,6 +358,21 @@ mod tests {
         }
         // At the sensitivity the noise leaves 0.4 dB: less than the threshold of 3 dB.
         assert_eq!(fates(CAPTURE, 0.5, &[(0, -89.0)]), [FrameOutcome::Weak]);
+    }
+
+    #[test]
+    fn the_probability_of_a_frame_alone_is_that_of_the_receiver() {
+        let models =
+            [ReceptionModel::Overlap, CAPTURE, ReceptionModel::SirThreshold { least: 2.0 }, ReceptionModel::Ber];
+        for model in models {
+            for power in [-100.0, -92.0, -90.1, -89.9, -89.0, -88.0, -87.4, -87.3, -80.0] {
+                let share = rules(model).reception_alone(Dbm(power).to_milliwatts(), Duration::from_micros(832));
+                let is_received = |luck| fates(model, luck, &[(0, power)]) == [FrameOutcome::Received];
+                for luck in [share - 1e-9, share + 1e-9].into_iter().filter(|luck| (0.0..1.0).contains(luck)) {
+                    assert_eq!(is_received(luck), luck < share, "{model:?} {power} {luck}");
+                }
+            }
+        }
     }
 
     #[test]

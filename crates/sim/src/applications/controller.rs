@@ -108,10 +108,24 @@ pub enum Ending {
     Stuck,
 }
 
+/// Stops of a planned path that are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StopsLeftOut {
+    /// The robot cannot stand there: inside an obstacle, or too near to one.
+    pub in_obstacles: usize,
+    /// There is no way to them.
+    pub unreachable: usize,
+}
+
 /// Drives one robot: asked for a command at the start and after each command.
 pub trait Controller: Duplicate + Send + Sync {
     /// The next command.
     fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand;
+
+    /// The stops of its planned path that are left out.
+    fn left_out(&self) -> StopsLeftOut {
+        StopsLeftOut::default()
+    }
 }
 
 /// Copies a boxed controller, so that a planned path can be driven more than once. Implemented for every controller

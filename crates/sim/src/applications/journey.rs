@@ -6,7 +6,7 @@ use std::time::Duration;
 use sextant_kernel::SimTime;
 
 use super::broadcast::{Broadcast, Broadcasting};
-use super::controller::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
+use super::controller::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation, StopsLeftOut};
 use super::slot::Slot;
 use super::survey::Survey;
 use crate::application::{Application, DriveAhead, Driving, Port};
@@ -49,12 +49,14 @@ pub(crate) struct JourneyRecord {
     pub(crate) ending: Option<(Ending, SimTime)>,
     /// Number of packets of each node, in all networks.
     pub(crate) packets: Vec<u32>,
+    /// Stops of the planned path that were left out.
+    pub(crate) left_out: StopsLeftOut,
 }
 
 impl JourneyRecord {
     /// That of a robot that made none, among `nodes` nodes.
     pub(crate) fn none(nodes: usize) -> Self {
-        Self { stops: 0, ending: None, packets: vec![0; nodes] }
+        Self { stops: 0, ending: None, packets: vec![0; nodes], left_out: StopsLeftOut::default() }
     }
 }
 
@@ -192,11 +194,12 @@ impl Journey {
     }
 
     pub(crate) fn into_record(self) -> JourneyRecord {
+        let left_out = self.controller.left_out();
         let packets = match self.work {
             Work::Survey(survey) => survey.into_packets(),
             Work::Broadcast(_) => vec![0; self.nodes],
         };
-        JourneyRecord { stops: self.stops, ending: self.ending, packets }
+        JourneyRecord { stops: self.stops, ending: self.ending, packets, left_out }
     }
 }
 

@@ -20,7 +20,7 @@ const PACKETS_OF_A_BAND: u64 = 1 << 44;
 ///
 /// # Errors
 /// If networks that share a band have different channels, or one of them has sector sweeps.
-pub(super) fn bands(networks: &[Network]) -> Result<Vec<Vec<usize>>, SettingError> {
+pub(crate) fn bands(networks: &[Network]) -> Result<Vec<Vec<usize>>, SettingError> {
     let mut bands: Vec<Vec<usize>> = Vec::new();
     for (i, network) in networks.iter().enumerate() {
         let settings = network.technology.settings();
@@ -47,7 +47,7 @@ pub(super) fn bands(networks: &[Network]) -> Result<Vec<Vec<usize>>, SettingErro
 }
 
 /// Refuses settings of links that do not fit together.
-pub(super) fn check_links(networks: &[Network]) -> Result<(), SettingError> {
+pub(crate) fn check_links(networks: &[Network]) -> Result<(), SettingError> {
     networks.iter().enumerate().try_for_each(|(i, network)| {
         let checked = network.technology.settings().check();
         checked.map_err(|error| if i == 0 { error } else { error.within(format!("networks[{i}]")) })
@@ -55,19 +55,19 @@ pub(super) fn check_links(networks: &[Network]) -> Result<(), SettingError> {
 }
 
 /// What all bands have in common.
-pub(super) struct Bands<'a> {
-    pub(super) world: &'a World,
-    pub(super) channel_seed: Seed,
-    pub(super) seed: Seed,
+pub(crate) struct Bands<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) channel_seed: Seed,
+    pub(crate) seed: Seed,
     /// Number of the first packet of the first band.
-    pub(super) first_packet: u64,
+    pub(crate) first_packet: u64,
     /// Probability that a frame is lost, whatever its power.
-    pub(super) message_loss: f64,
+    pub(crate) message_loss: f64,
 }
 
 impl Bands<'_> {
     /// The air of the band number `band`, which `networks` share.
-    pub(super) fn air(&self, band: usize, networks: &[&Network]) -> AirSettings {
+    pub(crate) fn air(&self, band: usize, networks: &[&Network]) -> AirSettings {
         let channel_seed = match band {
             0 => self.channel_seed,
             _ => Seed(self.channel_seed.bits(purpose::BAND, [band as u64, 0, 0])),

@@ -1,6 +1,6 @@
 //! The engine: the only event loop.
 
-mod bands;
+pub(crate) mod bands;
 mod dying;
 mod ended;
 mod interference;

@@ -64,11 +64,16 @@ pub(crate) trait LinkSettings {
         self.tx_power()
     }
 
+    /// Transmit power of a node, without antennas.
+    fn tx_power_of(&self, _node: NodeId) -> Dbm {
+        self.tx_power()
+    }
+
+    /// Power of a signal from which on a station finds the channel busy: that of a node, or of robots and sinks.
+    fn busy_from(&self, node: Option<NodeId>) -> Dbm;
+
     /// Minimum power of a frame that can be received.
     fn sensitivity(&self) -> Dbm;
-
-    /// Power at or above which carrier sense finds the channel busy; but for groups of nodes.
-    fn carrier_sense_threshold(&self) -> Dbm;
 
     /// Least noise in the bandwidth of the receivers.
     fn noise_floor(&self) -> Dbm;

@@ -167,14 +167,15 @@ impl Technology {
     /// Power at or above which carrier sense finds the channel busy; but for groups of nodes.
     #[must_use]
     pub fn carrier_sense_threshold(&self) -> Dbm {
-        self.settings().carrier_sense_threshold()
+        self.settings().busy_from(None)
     }
 
     /// Probability that a robot receives a frame of this size (octets) that arrives with `power`, undisturbed.
     #[must_use]
     pub fn reception_probability(&self, power: Dbm, frame_octets: u16) -> f64 {
-        let rules = self.settings().reception_rules();
-        rules.first().map_or(0.0, |rules| rules.undisturbed(power.to_milliwatts(), frame_octets))
+        let (rules, airtime) = (self.settings().reception_rules(), self.settings().airtime(frame_octets));
+        let airtime = airtime.unwrap_or_default();
+        rules.first().map_or(0.0, |rules| rules.reception_alone(power.to_milliwatts(), airtime))
     }
 
     /// Energy to send and to receive a frame of this size (octets); `None` if no frame is so long.

@@ -1,5 +1,6 @@
-//! The guides: every file that they name exists, and their sentences are short.
+//! The guides: every file and every heading that they name exists, and their sentences are short.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Maximum number of words in a sentence.
@@ -47,6 +48,30 @@ fn paths(guide: &Path, text: &str) -> Vec<PathBuf> {
     links.chain(named.filter(is_one).map(|code| super::root().join(code))).collect()
 }
 
+/// What a link to a part of a page may name: its headings, as web sites and books write them, and its own marks.
+fn anchors(text: &str) -> BTreeSet<String> {
+    let text = without_blocks(text);
+    let mut anchors = BTreeSet::new();
+    for title in text.lines().filter(|line| line.starts_with('#')) {
+        let title = title.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
+        let anchor: String = title.chars().filter(|c| c.is_alphanumeric() || matches!(c, '-' | '_')).collect();
+        let again = (1..).map(|n| format!("{anchor}-{n}")).find(|name| !anchors.contains(name));
+        let name = if anchors.contains(&anchor) { again } else { Some(anchor) };
+        anchors.extend(name);
+    }
+    anchors.extend(text.split("<a id=\"").skip(1).filter_map(|rest| rest.split('"').next()).map(str::to_owned));
+    anchors
+}
+
+/// The links to parts of pages: the page and the part.
+fn parts(guide: &Path, text: &str) -> Vec<(PathBuf, String)> {
+    let text = without_blocks(text);
+    let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let links = links.filter(|link| !link.contains("://")).filter_map(|link| link.split_once('#'));
+    let page = |file: &str| if file.is_empty() { guide.to_owned() } else { guide.with_file_name(file) };
+    links.map(|(file, part)| (page(file), part.to_owned())).collect()
+}
+
 /// The sentences of more words than allowed.
 fn long_sentences(text: &str) -> Vec<String> {
     let mut paragraphs = vec![String::new()];
@@ -92,8 +117,23 @@ fn every_path_in_a_guide_exists() {
 }
 
 #[test]
+fn every_part_of_a_page_in_a_link_exists() {
+    for guide in guides() {
+        let parts = parts(&guide, &std::fs::read_to_string(&guide).expect("a guide"));
+        let is_missing = |(page, part): &(PathBuf, String)| {
+            !anchors(&std::fs::read_to_string(page).unwrap_or_default()).contains(part)
+        };
+        let missing: Vec<_> = parts.into_iter().filter(is_missing).collect();
+        assert!(missing.is_empty(), "{} names parts that do not exist: {missing:#?}", guide.display());
+    }
+}
+
+#[test]
 fn sentences_of_guides_are_short() {
-    for guide in guides().iter().filter(|guide| !guide.ends_with("CHANGELOG.md")) {
+    let is_written = |guide: &&PathBuf| {
+        !guide.ends_with("CHANGELOG.md") && !guide.parent().is_some_and(|f| f.ends_with("docs/reference"))
+    };
+    for guide in guides().iter().filter(is_written) {
         let long = long_sentences(&std::fs::read_to_string(guide).expect("a guide"));
         assert!(long.is_empty(), "{}: {long:#?}", guide.display());
     }
@@ -106,6 +146,9 @@ fn a_missing_path_and_a_long_sentence_are_found() {
         "See [one](one.md#part), [two](https://example.org) and `crates/none/src/lib.rs`.\n```\n[no](code.md)\n```\n";
     let missing = [super::root().join("docs").join("one.md"), super::root().join("crates/none/src/lib.rs")];
     assert_eq!(paths(&guide, text), missing);
+    assert_eq!(parts(&guide, text), [(guide.with_file_name("one.md"), "part".to_owned())]);
+    let page = "# The `a.b_c` of it\n## Two\n## Two\n<a id=\"x.y\"></a>\n```\n# Code\n```\n";
+    assert_eq!(anchors(page), ["the-ab_c-of-it", "two", "two-1", "x.y"].map(str::to_owned).into());
     let words = "word ".repeat(WORDS);
     assert_eq!(long_sentences(&format!("{words}. Then {words}\nand more.")).len(), 1);
     assert_eq!(long_sentences(&format!("- {words}\n- {words}\n\n| {words}|{words}|\n")), Vec::<String>::new());

@@ -9,6 +9,7 @@
 //! | `<!-- prints -->` | the block is what the last command prints; a line `...` stands for any lines |
 //! | `<!-- fails -->` | the last command of the block ends with exit code 1 or 2, and prints its message |
 //! | `<!-- heavy -->` | the block runs only if all blocks are asked for |
+//! | `<!-- feature: NAME -->` | the block runs only if the program was built with this feature |
 //! | `<!-- not run: REASON -->` | the block is only shown |
 //! | `<!-- run: COMMAND -->` | a command that readers do not see |
 //! | `<!-- copy: FROM TO -->` | a file or folder of the tree, copied to the working folder |
@@ -33,6 +34,9 @@ pub(crate) type Numbered = (usize, Step);
 
 /// The beginnings of commands that are run.
 const PROGRAMS: [&str; 2] = ["sextant ", "cargo "];
+
+/// The languages of blocks that may hide commands.
+const PLAIN: [&str; 4] = ["", "bash", "console", "text"];
 
 /// Reads a page.
 ///
@@ -84,6 +88,8 @@ fn step(language: &str, block: &[&str], marks: &[&str], place: Range<usize>) -> 
             ("append", name) => return Ok(Some(Step::File { name: name.to_owned(), text: text(), append: true })),
             ("prints", _) => return Ok(Some(Step::Prints { expected: text(), place })),
             ("not run", reason) if !reason.is_empty() => return Ok(None),
+            ("feature", name) if !has_feature(name)? => return Ok(None),
+            ("feature", _) => {}
             ("fails" | "heavy", "") => {}
             _ => return Err(format!("the comment `{mark}` is not known")),
         }
@@ -91,10 +97,20 @@ fn step(language: &str, block: &[&str], marks: &[&str], place: Range<usize>) -> 
     if language == "sh" {
         return Ok(Some(commands(joined(block), marks)));
     }
-    if gives_commands {
+    if gives_commands && PLAIN.contains(&language) {
         return Err("a block with commands is marked ```sh, or `<!-- not run: REASON -->` is before it".to_owned());
     }
     Ok(None)
+}
+
+/// Whether the program was built with a feature.
+fn has_feature(name: &str) -> Result<bool, String> {
+    match name {
+        "live" => Ok(cfg!(feature = "live")),
+        "parquet" => Ok(cfg!(feature = "parquet")),
+        "sqlite-bags" => Ok(cfg!(feature = "sqlite-bags")),
+        _ => Err(format!("there is no feature `{name}`")),
+    }
 }
 
 fn commands(commands: Vec<String>, marks: &[&str]) -> Step {

@@ -1,6 +1,6 @@
 //! The pages of reference, as the program gives them.
 
-mod schema;
+mod keys;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,7 +20,7 @@ pub(crate) fn commands() -> String {
 
 /// The reference of keys.
 pub(crate) fn keys() -> String {
-    schema::page(&serde_json::from_str(&printed(&["schema"])).expect("JSON"))
+    keys::page(&sextant::scenario::key_reference())
 }
 
 /// The long options of each command.

@@ -30,6 +30,26 @@ def seconds_ns(timestamp):
     return timestamp.seconds * 1_000_000_000 + timestamp.nanos
 
 
+def in_order(point):
+    """The values of a point: its node first, if it has one, then its place."""
+    names = [name for name in ["node", "x", "y", "z"] if name in point]
+    return [point[name] for name in names + [name for name in point if name not in names]]
+
+
+def entity(e):
+    """An obstacle, or a drawing that changes."""
+    if e.triangles:
+        return [e.id, len(e.triangles[0].points), list(e.triangles[0].indices)]
+    place = lambda p: [p.x, p.y, p.z]
+    return {
+        "id": e.id,
+        "lifetime_ns": seconds_ns(e.lifetime),
+        "lines": [[line.type, [place(p) for p in line.points], list(line.indices)] for line in e.lines],
+        "texts": [[t.text, place(t.pose.position)] for t in e.texts],
+        "spheres": [place(ball.pose.position) for ball in e.spheres],
+    }
+
+
 def plain(schema, m):
     """What is compared with what was written, as JSON can hold it."""
     if schema == "sextant.Reception":
@@ -64,14 +84,14 @@ def plain(schema, m):
         return [m.time_ns, m.name, m.value]
     if schema == "foxglove.PointCloud":
         # An error that is not a number is null in JSON.
-        return [[p["node"], p["x"], p["y"], p["z"], p["error"] if p["error"] == p["error"] else None] for p in points(m)]
+        return [[value if value == value else None for value in in_order(p)] for p in points(m)]
     if schema == "foxglove.FrameTransform":
         t, r = m.translation, m.rotation
         return [seconds_ns(m.timestamp), m.parent_frame_id, m.child_frame_id, [t.x, t.y, t.z], [r.z, r.w]]
     if schema == "foxglove.PosesInFrame":
         return [m.frame_id, [[p.position.x, p.position.y, p.position.z] for p in m.poses]]
     if schema == "foxglove.SceneUpdate":
-        return [[e.id, len(e.triangles[0].points), list(e.triangles[0].indices)] for e in m.entities]
+        return [{"deleted": d.type} for d in m.deletions] + [entity(e) for e in m.entities]
     if schema == "foxglove.Grid":
         corner = m.pose.position
         values = struct.unpack(f"<{len(m.data) // m.cell_stride}f", m.data)

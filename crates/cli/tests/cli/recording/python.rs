@@ -10,6 +10,7 @@ use sextant_kernel::RobotId;
 use sextant_recording::PlacedNode;
 
 use super::sample;
+use crate::program;
 
 const PACKAGES: &str = "mcap mcap-protobuf-support";
 
@@ -77,8 +78,37 @@ fn independent_readers_decode_every_message() {
         "node": 1, "role": "new_anchor", "anchor_since": 2, "category": "good", "x_m": 1.25, "neighbours": 40,
         "scattered": 3, "vertices": 1_u64 << 40, "energy_j": 0.1, "bearings": 0,
     });
+    let whole_way =
+        json!({ "id": "surveyor", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
+    let agents_way =
+        json!({ "id": "agent", "lifetime_ns": 0, "lines": [[0, corners, []]], "texts": [], "spheres": [] });
+    let leg = json!({
+        "id": "surveyor 1", "lifetime_ns": 0, "lines": [[0, [corners[0], corners[1]], []]], "texts": [], "spheres": [],
+    });
+    let heard = json!({
+        "id": "surveyor", "lifetime_ns": 1_000_000_002, "lines": [[2, corners, [0, 1, 0, 2]]], "texts": [], "spheres": [],
+    });
+    let on_air = json!({
+        "id": "air", "lifetime_ns": 1_000, "lines": [[2, [corners[0], corners[2]], []]], "texts": [], "spheres": [],
+    });
+    let name = json!({
+        "id": "names", "lifetime_ns": 0, "lines": [], "texts": [["post", corners[1]]], "spheres": [],
+    });
+    let all_gone = json!([{ "deleted": 1 }]);
+    let drawings = json!({
+            "/world/names": topic("foxglove.SceneUpdate", json!([[name]])),
+            "/robot/surveyor/way": topic("foxglove.SceneUpdate", json!([[whole_way]])),
+            "/robot/surveyor/legs": topic("foxglove.SceneUpdate", json!([[leg], all_gone])),
+            "/application/search/way/agent": topic("foxglove.SceneUpdate", json!([[agents_way]])),
+            "/application/search/legs/agent": topic("foxglove.SceneUpdate", json!([all_gone])),
+            "/robot/surveyor/stops": topic("foxglove.PointCloud", json!([[[0.0, 0.0, 0.0, 2]]])),
+            "/robot/surveyor/heard": topic("foxglove.SceneUpdate", json!([[heard]])),
+            "/application/search/places/agent/own_place":
+                topic("foxglove.PointCloud", json!([[[1.0, 0.0, 0.0, null]]])),
+            "/mac/air": topic("foxglove.SceneUpdate", json!([[on_air]])),
+    });
     // The script does the comparison, because its JSON reader is exact to the last bit of a number.
-    let expectation = json!({
+    let mut expectation = json!({
         "library": concat!("sextant ", env!("CARGO_PKG_VERSION")),
         "profile": "",
         "compression": ["zstd"],
@@ -110,6 +140,8 @@ fn independent_readers_decode_every_message() {
             "/world/fields/gas": topic("foxglove.Grid", json!([likelihood])),
         },
     });
+    let topics = expectation["topics"].as_object_mut().unwrap();
+    topics.extend(drawings.as_object().unwrap().clone());
     let expected = folder.path().join("expected.json");
     std::fs::write(&expected, expectation.to_string()).unwrap();
 
@@ -118,4 +150,36 @@ fn independent_readers_decode_every_message() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(found["chunks"].as_u64().unwrap() >= 120 / 32, "chunks are closed by count");
+}
+
+/// Runs the program in `folder`.
+fn sextant(folder: &Path, arguments: &[&str]) {
+    let status = program::sextant().current_dir(folder).args(arguments).status().unwrap();
+    assert!(status.success(), "{arguments:?}");
+}
+
+#[test]
+fn a_recording_plays_and_its_drawings_say_the_same_as_its_log() {
+    if !has_packages() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/smoke.toml");
+    let scenario = root.to_str().unwrap();
+    let snapshots = ["--set", "recording.map_snapshots=3"];
+    sextant(folder.path(), &[&["run", scenario, "--out", "run.mcap", "--quiet"][..], &snapshots].concat());
+    sextant(folder.path(), &["figure", "run.mcap", "--layout"]);
+
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/python/check_playing.py");
+    let [recording, layout, blueprint] =
+        ["run.mcap", "run.foxglove.json", "run.rerun.py"].map(|name| folder.path().join(name));
+    let output = python(&[&script, &recording, &layout].map(|path| path.to_str().unwrap())).unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let counts: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let is_drawn = |what: &str| counts[what].as_u64().is_some_and(|count| count > 0);
+    assert!(["robots", "legs", "heard", "names"].into_iter().all(is_drawn), "{counts}");
+    let maps = counts["maps"].as_object().unwrap();
+    assert!(!maps.is_empty() && maps.values().all(|count| *count == 4), "{counts}");
+    let compiled = python(&["-m", "py_compile", blueprint.to_str().unwrap()]).unwrap();
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
 }

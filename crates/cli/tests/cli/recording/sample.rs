@@ -1,6 +1,7 @@
 //! A reception log with all features: unheard nodes, counts, sectors, strengths, empty stops, contacts.
 
 use std::path::Path;
+use std::time::Duration;
 
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
@@ -110,6 +111,7 @@ pub(crate) fn record_all<W: std::io::Write>(
     let solid = Solid { name: "wall".to_owned(), vertices: corners.into(), triangles: vec![[0, 1, 2]] };
     recorder.obstacles(at(0), &[solid])?;
     recorder.world_nodes(at(0), &truth(log))?;
+    recorder.world_names(at(0), [("post", corners[1])].into_iter())?;
     recorder.log(log)?;
     let anchor = Anchor { node: NodeId(0), position: Position::new(7.0, 8.0, 9.0) };
     recorder.anchors(&[anchor])?;
@@ -118,8 +120,16 @@ pub(crate) fn record_all<W: std::io::Write>(
     recorder.beacons(&heard)?;
     recorder.robot(at(5), "surveyor", Position::new(1.0, 2.0, 3.0), std::f64::consts::PI)?;
     recorder.path(at(6), "surveyor", &corners)?;
+    recorder.leg(at(5), None, "surveyor", (1, [corners[0], corners[1]]))?;
+    recorder.way(at(6), None, "surveyor", &corners)?;
+    recorder.way(at(6), Some("search"), "agent", &corners)?;
+    let stop = Stop { robot: RobotId(0), time: at(6), position: corners[0] };
+    recorder.listening(None, "surveyor", (&stop, at(1_000_000_008)), &corners[1..])?;
+    recorder.estimated_place(at(6), "search", ("agent", "own_place"), (corners[1], None))?;
     recorder.metric(at(7), "path_length_m", 12.5)?;
     recorder.note(at(8), Level::Warning, "survey", "nobody heard")?;
+    let frames = [("received", vec![[corners[0], corners[2]]])];
+    recorder.on_air(at(9), &frames, Duration::from_nanos(1_000))?;
     recorder.frame(&FrameMessage {
         start_ns: 9,
         airtime_ns: 1_000,

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use sextant_kernel::text::counted;
 
 use super::Fit;
+use crate::learned::Unconverged;
 use crate::{CurveFinding, Finding, Line, Section, TopologyMap};
 
 #[cfg(feature = "config")]
@@ -80,6 +81,10 @@ impl Fit {
         }
     }
 
+    fn warning(&self, name: &str, why: Option<Unconverged>) -> Option<Line> {
+        Some(why?.warning(name, "the fitted profile", self.rounds, Some("profile.fitted.max_rounds")))
+    }
+
     /// A node whose place is not reliable has not converged.
     fn converged_in(&self, map: &TopologyMap) -> bool {
         self.converged && map.concerns().next().is_none()
@@ -93,7 +98,8 @@ impl Finding for Fit {
     }
 
     fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
-        vec![self.line(name, self.converged_in(map))]
+        let why = Unconverged::of(self.converged, map);
+        std::iter::once(self.line(name, self.converged_in(map))).chain(self.warning(name, why)).collect()
     }
 
     fn curves(&self) -> Vec<CurveFinding<'_>> {
@@ -112,7 +118,12 @@ impl Finding for NetworkFits {
     }
 
     fn lines(&self, name: &str, _: &TopologyMap) -> Vec<Line> {
-        self.0.iter().map(|(network, fit)| fit.line(&format!("{name}, {network}"), fit.converged)).collect()
+        let lines = |(network, fit): &(String, Fit)| {
+            let name = format!("{name}, {network}");
+            let why = (!fit.converged).then_some(Unconverged::Rounds);
+            std::iter::once(fit.line(&name, fit.converged)).chain(fit.warning(&name, why)).collect::<Vec<_>>()
+        };
+        self.0.iter().flat_map(lines).collect()
     }
 
     fn curves(&self) -> Vec<CurveFinding<'_>> {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use sextant_apps::source_seeking::SeekRecord;
 use sextant_apps::target_search::{MessageCounts, SearchRecord};
-use sextant_kernel::SimTime;
+use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{Applications, Estimate, Survey};
 
 use super::maps::WorkingMap;
@@ -31,6 +31,8 @@ pub(super) fn sum_up(
     let errors_m = map.placement.errors_m();
     let map_error_m = (!errors_m.is_empty()).then(|| errors_m.iter().sum::<f64>() / errors_m.len() as f64);
     let energy = survey.energy;
+    let network = &scenario.networks()[application.network.index()];
+    let is_member: Vec<bool> = (0..nodes).map(|node| network.has(NodeId::from_index(node))).collect();
     let summary = ApplicationSummary {
         name: application.name.clone(),
         algorithm: application.algorithm.name,
@@ -40,6 +42,9 @@ pub(super) fn sum_up(
         events: survey.events,
         interrupted: survey.interrupted,
         path_length_m: survey.robots.iter().map(|robot| robot.path_length_m).sum(),
+        nodes: is_member.iter().filter(|&&is_member| is_member).count(),
+        nodes_on_map: is_member.iter().zip(&map.places).filter(|&(&is, place)| is && place.is_some()).count(),
+        sinks: sinks(scenario, application),
         robots: robots(application, survey, witness, nodes),
         prediction_error_m: score::errors(scored, |estimate| matches!(estimate, Estimate::TargetPlace { .. })),
         own_place_error_m: score::errors(scored, |estimate| matches!(estimate, Estimate::OwnPlace(_))),
@@ -60,6 +65,13 @@ pub(super) fn sum_up(
         }
         Records::Seek(records) => of_seeking(scenario, application, summary, records, witness),
     }
+}
+
+/// Names of the sinks of its network.
+fn sinks(scenario: &Scenario, application: &Application) -> Vec<String> {
+    let setup = scenario.setup();
+    let is_in = |sink: &&sextant_sim::Sink| sink.is_in(application.network);
+    setup.sinks.iter().filter(is_in).map(|sink| sink.name.clone()).collect()
 }
 
 fn robots(application: &Application, survey: &Survey, witness: &Witness, nodes: usize) -> Vec<ApplicationRobot> {

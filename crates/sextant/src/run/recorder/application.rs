@@ -36,14 +36,17 @@ pub(super) fn close(
     for track in &mut simulation.robots {
         recorder.application_path(stop, name, &track.name, &track.places)?;
         track.close(stop, Some(name), recorder)?;
+        track.stay(stop, recorder)?;
     }
     let seeks = !application.algorithm.is_search();
+    simulation.air.draw(offset, recorder)?;
     fields::record_phase(scenario, &simulation.fields, (survey.end, offset), seeks, recorder)?;
     let names: Vec<String> = simulation.robots.iter().map(|track| track.name.clone()).collect();
     let recording = Recording { scenario, application, names: &names, offset };
     recording.captures(&performance.witness, recorder)?;
     recording.estimates(&performance.scored, recorder)?;
     recording.distances(&performance.witness, survey.end, recorder)?;
+    recorder.note(stop, Level::Info, name, &performance.summary.participants())?;
     recorder.note(stop, Level::Info, name, &performance.summary.outcome())?;
     Ok(Phase { name: name.clone(), start, end: stop })
 }

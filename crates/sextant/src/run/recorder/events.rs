@@ -106,9 +106,7 @@ impl Observer for RunRecorder {
         }
         self.record(frame.start, |recorder, simulation, start| {
             let deafness = frame.outcome.deafness();
-            if let Some(drawn) = simulation.drawn(&frame, &mut Vec::new()) {
-                recorder.on_air(start, &drawn)?;
-            }
+            simulation.draw_frame(&frame, recorder)?;
             recorder.frame(&messages::FrameMessage {
                 start_ns: start.as_nanos(),
                 airtime_ns: (SimTime::ZERO + frame.airtime).as_nanos(),

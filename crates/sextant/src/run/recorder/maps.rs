@@ -61,7 +61,7 @@ fn record_snapshots(recorder: &mut FileRecorder, end: &MapEnd<'_>, named: &MapJo
         return Ok(());
     }
     let truth = evaluation::truth(scenario);
-    let snapshots = scenario.recording().snapshots_of_maps() as usize;
+    let snapshots = scenario.recording().snapshots_of_map(end.evaluation.operations) as usize;
     let stops = survey.log().stops();
     let mut last = SimTime::ZERO;
     for snapshot in 1..=snapshots {

@@ -14,13 +14,15 @@ use std::time::Duration;
 
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
-use sextant_recording::{FileRecorder, Phase, RecordingError, Relay, SURVEY};
+use sextant_recording::{FileRecorder, Level, Phase, RecordingError, Relay, SURVEY};
 use sextant_sim::{Field, NetworkId};
 
+use super::ending;
 use super::error::RunError;
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use crate::scenario::Scenario;
 use crate::summary::Summary;
+use air::Air;
 use track::Track;
 
 /// Records a run to a file: `PATH.part` while the run goes on, `PATH` when it is complete. After the first failure it
@@ -64,6 +66,8 @@ struct RecordedSimulation {
     nodes: Vec<Position>,
     /// Where the sinks are (m).
     sinks: Vec<Position>,
+    /// Frames that are not drawn yet.
+    air: Air,
 }
 
 impl RecordedSimulation {
@@ -85,6 +89,7 @@ impl RecordedSimulation {
             application: start.application.map(|application| application.name.clone()),
             nodes: scenario.world().nodes.iter().map(|node| node.position).collect(),
             sinks: scenario.config().sinks.iter().map(|sink| sink.position_m).collect(),
+            air: Air::default(),
         }
     }
 }
@@ -162,6 +167,16 @@ impl RunObserver for RunRecorder {
         for track in &mut self.simulation.robots {
             recorder.path(end, &track.name, &track.places)?;
             track.close(end, None, recorder)?;
+            if self.has_applications {
+                track.stay(end, recorder)?;
+            }
+        }
+        self.simulation.air.draw(Duration::ZERO, recorder)?;
+        let nodes = survey.scenario.world().nodes.len();
+        for robot in ending::robots(survey.scenario, &survey.simulated.survey) {
+            if let Some(text) = robot.end(nodes) {
+                recorder.note(end, Level::Info, &robot.name, &text)?;
+            }
         }
         fields::record(survey.scenario, &self.simulation.fields, end, recorder)?;
         self.phases.push(Phase { name: SURVEY.to_owned(), start: SimTime::ZERO, end });

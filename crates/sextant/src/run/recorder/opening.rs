@@ -13,7 +13,7 @@ use crate::run::observer::RunStart;
 use crate::scenario::{NamedFile, Scenario};
 
 /// Names are drawn in worlds of at most this many nodes: more are slow to draw, and cannot be read.
-const MOST_NAMES: usize = 2_000;
+const MOST_NAMES: usize = 500;
 
 /// Records what is known before the first event.
 pub(super) fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), RunError> {

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 
 use super::view::{View, ViewedChoice, ViewedKey};
-use super::{Choice, KeyReference, path, unit, words};
+use super::{Choice, KeyReference, path, words};
 use crate::scenario::schema::schema;
+use crate::scenario::unit;
 
 /// All keys of a scenario: those of a table after the table, and the tables of a choice after the choice. Keys that stand
 /// in several places are listed in the first one; the others name it in [`same_as`](KeyReference::same_as).

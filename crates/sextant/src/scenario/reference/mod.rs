@@ -2,10 +2,10 @@
 //!
 //! [`key_reference`] lists all keys in order; [`explain`] finds one by its path, or by the end of its path.
 
+mod example;
 mod listing;
 mod lookup;
 mod path;
-pub(super) mod unit;
 mod view;
 mod words;
 

@@ -100,3 +100,25 @@ fn a_key_that_is_listed_elsewhere_names_a_listed_place() {
         }
     }
 }
+
+#[test]
+fn the_example_of_each_key_is_written_in_toml() {
+    for key in key_reference() {
+        let lines = key.example();
+        assert!(!lines.is_empty() && lines.len() <= 5, "{}: {lines:?}", key.path);
+        let parsed = lines.join("\n").parse::<toml::Table>();
+        assert!(parsed.is_ok(), "{}: {lines:?}: {parsed:?}", key.path);
+    }
+    let lines = |path: &str| key(path).example();
+    assert_eq!(
+        lines("channel.path_loss.log_distance.exponent"),
+        ["[channel.path_loss.log_distance]", "exponent = 3.0"]
+    );
+    assert_eq!(
+        lines("maps.algorithm.ml_tm.grid_step_m"),
+        ["[[maps]]", "[maps.algorithm.ml_tm]", "grid_step_m = 0.25"]
+    );
+    assert_eq!(lines("mac"), ["[mac.csma_unslotted]"]);
+    assert_eq!(lines("robots"), ["[[robots]]"]);
+    assert_eq!(lines("seed"), ["seed = 1"]);
+}

@@ -113,7 +113,9 @@ impl<'a> View<'a> {
         match only.and_then(|keys| keys.iter().next()) {
             Some((name, settings)) => {
                 let description = text(part, "description");
-                self.choose(ViewedChoice { name, description, settings: Some(settings) });
+                // An empty table says no more than the name.
+                let settings = Some(settings).filter(|settings| !is_empty_table(settings));
+                self.choose(ViewedChoice { name, description, settings });
             }
             None => self.gather(root, part, depth),
         }
@@ -188,6 +190,13 @@ fn required(part: &Value) -> Vec<&str> {
     let first = &part["anyOf"][0]["required"];
     let keys = part["required"].as_array().or_else(|| first.as_array());
     keys.into_iter().flatten().filter_map(Value::as_str).collect()
+}
+
+/// Whether a part is a table without keys.
+fn is_empty_table(part: &Value) -> bool {
+    part["type"] == "object"
+        && part["additionalProperties"] == Value::Bool(false)
+        && part["properties"].as_object().is_none_or(serde_json::Map::is_empty)
 }
 
 /// The types of a part, without null.

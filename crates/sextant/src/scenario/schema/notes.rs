@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::walk::each_schema;
-use crate::scenario::reference::unit;
+use crate::scenario::unit;
 
 /// Adds the unit of each key that has one, and the title of each definition.
 pub(super) fn add(schema: &mut Value) {

@@ -28,6 +28,24 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// The unit in words, as the number stands in the summary.
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Count => "a count",
+            Self::MeanCount => "a mean of counts",
+            Self::Share => "a share, 0 to 1",
+            Self::Outcome => "1 if it happened in the run, and 0 if not",
+            Self::PerSecond => "a number per second",
+            Self::Plain => "a number in the unit of the field",
+            Self::Metre => "metres",
+            Self::Second => "seconds",
+            Self::Degree => "degrees",
+            Self::Joule => "joules",
+            Self::BitPerSecond => "bits per second",
+        }
+    }
+
     /// The factor to the unit in printed tables, and that unit.
     #[must_use]
     pub fn for_people(self) -> (f64, &'static str) {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::{Files, SettingError};
+use sextant_kernel::{Files, NodeId, SettingError};
 use sextant_mac::dmg::timing::{PREAMBLE, control_airtime};
 use sextant_mac::dmg::{AnswerSettings, SweepSettings, beacon_octets};
 
@@ -89,12 +89,12 @@ impl LinkSettings for Ieee80211ad {
         self.radio.tx_power()
     }
 
-    fn sensitivity(&self) -> Dbm {
-        self.radio.sensitivity()
+    fn busy_from(&self, _node: Option<NodeId>) -> Dbm {
+        self.radio.cca_threshold()
     }
 
-    fn carrier_sense_threshold(&self) -> Dbm {
-        self.radio.cca_threshold()
+    fn sensitivity(&self) -> Dbm {
+        self.radio.sensitivity()
     }
 
     fn noise_floor(&self) -> Dbm {

@@ -78,12 +78,16 @@ impl LinkSettings for Ieee802154 {
         self.radio.greatest_tx_power()
     }
 
-    fn sensitivity(&self) -> Dbm {
-        self.radio.sensitivity()
+    fn tx_power_of(&self, node: NodeId) -> Dbm {
+        self.radio.levels(node).tx_power
     }
 
-    fn carrier_sense_threshold(&self) -> Dbm {
-        self.radio.cca_threshold()
+    fn busy_from(&self, node: Option<NodeId>) -> Dbm {
+        node.map_or(self.radio.common_levels(), |node| self.radio.levels(node)).cca_threshold
+    }
+
+    fn sensitivity(&self) -> Dbm {
+        self.radio.sensitivity()
     }
 
     fn noise_floor(&self) -> Dbm {

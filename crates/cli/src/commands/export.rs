@@ -1,0 +1,77 @@
+//! `sextant export`: the tables of a recording as files.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use sextant::columns::{Align, columns};
+use sextant::export::{ExportFormat, ExportedTable, export};
+use sextant_kernel::text::counted;
+
+use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
+
+/// Arguments of `sextant export`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    /// A recording of `run`
+    #[arg(value_name = "RUN.mcap")]
+    pub(crate) recording: PathBuf,
+    /// The folder for the tables [default: RUN.tables beside the file]. It is created if it does not exist
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// The format of the tables
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) format: TablesFormat,
+    /// Write into a folder that has files; those with other names stay
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// The format of the tables.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TablesFormat {
+    /// Comma-separated values
+    #[default]
+    Csv,
+    /// Apache Parquet
+    Parquet,
+}
+
+impl From<TablesFormat> for ExportFormat {
+    fn from(format: TablesFormat) -> Self {
+        match format {
+            TablesFormat::Csv => Self::Csv,
+            TablesFormat::Parquet => Self::Parquet,
+        }
+    }
+}
+
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let path = &arguments.recording;
+    let folder = arguments.out.clone().unwrap_or_else(|| path.with_extension("tables"));
+    let has_files = std::fs::read_dir(&folder).is_ok_and(|mut files| files.next().is_some());
+    if has_files && !arguments.force {
+        return Err(Failure::bad_input_with_help(
+            format!("the folder `{}` has files", folder.display()),
+            "choose another folder with `--out DIR`, or write into this one with `--force`",
+        ));
+    }
+    // What is not complete is removed when the work ends by itself.
+    let _keeper = interrupt.keep();
+    let exported = export(path, &folder, arguments.format.into(), interrupt)?;
+    let row = |ExportedTable { table, rows, file }: &ExportedTable| {
+        vec![table.clone(), counted(usize::try_from(*rows).unwrap_or(usize::MAX), "row"), file.display().to_string()]
+    };
+    let rows: Vec<_> = exported.tables.iter().map(row).collect();
+    let mut stdout = io::stdout().lock();
+    columns(&rows, &[Align::Left, Align::Right, Align::Left], &mut stdout)?;
+    for file in &exported.files {
+        writeln!(stdout, "{}", file.display())?;
+    }
+    if !exported.left_out.is_empty() {
+        let topics: Vec<_> = exported.left_out.iter().map(String::as_str).collect();
+        writeln!(stdout, "no tables: {}", topics.join(", "))?;
+    }
+    Ok(())
+}

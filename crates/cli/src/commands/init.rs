@@ -1,0 +1,92 @@
+//! `sextant init`: a scenario to begin with.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+
+use crate::diagnostic::Failure;
+use sextant::template::{Template, TemplateFile};
+use sextant_recording::output::{open_folder, write_file};
+
+/// Arguments of `sextant init`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    /// Which one
+    #[arg(value_name = "TEMPLATE", default_value = "survey", value_parser = PossibleValuesParser::new(Template::all().iter().map(|template| template.name)))]
+    pub(crate) template: String,
+    /// Where it is written; `-` prints a scenario [default: TEMPLATE.toml, or the folder `log`]. An existing file is never
+    /// overwritten
+    #[arg(long, value_name = "PATH")]
+    pub(crate) out: Option<PathBuf>,
+    /// List the templates
+    #[arg(long, conflicts_with = "out")]
+    pub(crate) list: bool,
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.list {
+        let mut stdout = io::stdout().lock();
+        for template in Template::all() {
+            writeln!(stdout, "{:<12} {}", template.name, template.summary)?;
+        }
+        return Ok(());
+    }
+    let template = Template::named(&arguments.template)
+        .ok_or_else(|| Failure::bad_input(format!("there is no template `{}`", arguments.template)))?;
+    match (template.scenario(), &arguments.out) {
+        (Some(scenario), Some(path)) if path == Path::new("-") => Ok(write!(io::stdout(), "{}", scenario.text)?),
+        (Some(scenario), path) => write_scenario(scenario, path.as_deref().unwrap_or(Path::new(scenario.name))),
+        (None, Some(path)) if path == Path::new("-") => {
+            Err(Failure::bad_input(format!("the template `{}` is a folder, so it cannot be printed", template.name)))
+        }
+        (None, path) => write_folder(template, path.as_deref().unwrap_or(Path::new(template.name))),
+    }
+}
+
+fn write_scenario(scenario: TemplateFile, path: &Path) -> Result<(), Failure> {
+    if path.is_dir() {
+        let help = format!("name a file in it: --out {}", path.join(scenario.name).display());
+        return Err(Failure::bad_input_with_help(format!("`{}` is a folder, not a file", path.display()), help));
+    }
+    if path.symlink_metadata().is_ok() {
+        return Err(exists(path));
+    }
+    write_file(path, scenario.text_at(path).as_bytes())?;
+    let file = path.display();
+    let stem = path.with_extension("");
+    let stem = stem.display();
+    writeln!(
+        io::stdout(),
+        "wrote {file}\n\nGo on with:\n  sextant check {file}\n  sextant run {file} --out {stem}.mcap\n  sextant figure {stem}.mcap \
+         --out pictures\n\nThe file explains each of its tables, and `sextant explain KEY` any key."
+    )?;
+    Ok(())
+}
+
+fn write_folder(template: &Template, path: &Path) -> Result<(), Failure> {
+    let is_empty = || path.read_dir().is_ok_and(|mut entries| entries.next().is_none());
+    if path.symlink_metadata().is_ok() && !is_empty() {
+        return Err(exists(path));
+    }
+    open_folder(path)?;
+    for file in template.files {
+        write_file(&path.join(file.name), file.text.as_bytes())?;
+    }
+    let (folder, truth) = (path.display(), path.join("nodes.csv"));
+    let names: Vec<&str> = template.files.iter().map(|file| file.name).collect();
+    writeln!(
+        io::stdout(),
+        "wrote {folder}: {}\n\nGo on with:\n  sextant map {folder}\n  sextant map {folder} --truth {}\n  sextant inspect {folder}",
+        names.join(", "),
+        truth.display()
+    )?;
+    Ok(())
+}
+
+/// The error that something is there.
+fn exists(path: &Path) -> Failure {
+    let help = "nothing is overwritten: choose another --out, or remove it first";
+    Failure::bad_input_with_help(format!("`{}` exists", path.display()), help)
+}

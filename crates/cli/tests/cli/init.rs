@@ -1,0 +1,164 @@
+//! `sextant init`: each template does what its head promises.
+
+use std::path::Path;
+
+use assert_cmd::assert::Assert;
+use assert_cmd::cargo::cargo_bin_cmd;
+use serde_json::Value;
+use sextant::scenario::Scenario;
+use sextant::template::Template;
+use sextant_kernel::Unwatched;
+
+use crate::program::summary;
+
+fn sextant(folder: &Path, words: &[&str]) -> Assert {
+    cargo_bin_cmd!("sextant").current_dir(folder).args(words).assert()
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("there is room")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+/// Writes a template, checks it and runs it: the summary.
+fn run(template: &str) -> Value {
+    let folder = folder();
+    sextant(folder.path(), &["init", template]).success();
+    let file = format!("{template}.toml");
+    let checked = sextant(folder.path(), &["check", &file]).success();
+    assert_eq!(text(&checked.get_output().stderr), "", "{template}");
+    sextant(folder.path(), &["run", &file, "--summary", "summary.json", "--quiet"]).success();
+    summary(&folder.path().join("summary.json"))
+}
+
+fn mean_error_m(map: &Value) -> f64 {
+    map["position_error_m"]["mean"].as_f64().expect("the true places are known")
+}
+
+#[test]
+fn the_survey_maps_all_nodes_better_than_a_centroid() {
+    let summary = run("survey");
+    let maps = summary["maps"].as_array().expect("maps");
+    assert_eq!((maps.len(), &maps[0]["mapped"]), (2, &Value::from(36)));
+    assert!(mean_error_m(&maps[0]) < 1.0 && mean_error_m(&maps[0]) < mean_error_m(&maps[1]));
+}
+
+#[test]
+fn the_study_of_channel_access_delivers_most_packets() {
+    let summary = run("mac");
+    assert!(summary["mac"]["prr"].as_f64().expect("a share") > 0.98);
+    assert!(summary["mac"]["retries"].as_u64().expect("a count") > 0);
+}
+
+#[test]
+fn the_survey_by_sectors_maps_all_nodes_within_half_a_metre() {
+    let summary = run("mmwave");
+    assert_eq!(summary["maps"][0]["mapped"], 40);
+    assert!(mean_error_m(&summary["maps"][0]) < 0.5);
+}
+
+#[test]
+fn the_nodes_of_the_distributed_template_all_find_their_places() {
+    let summary = run("distributed");
+    assert_eq!(summary["maps"][0]["mapped"], 60);
+    assert!(mean_error_m(&summary["maps"][0]) < 2.0);
+}
+
+#[test]
+fn the_target_of_the_search_is_captured() {
+    assert_eq!(run("search")["applications"][0]["captured"], true);
+}
+
+#[test]
+fn both_laws_of_the_seek_template_reach_the_source() {
+    let summary = run("seek");
+    let applications = summary["applications"].as_array().expect("applications");
+    assert_eq!(applications.iter().filter(|application| application["arrived"] == true).count(), 2);
+}
+
+#[test]
+fn the_log_is_mapped_at_once_and_is_what_its_readme_says() {
+    let folder = folder();
+    sextant(folder.path(), &["init", "log"]).success();
+    let map =
+        ["map", "log", "--truth", "log/nodes.csv", "--algorithm", "link-model", "--summary", "map.json", "--quiet"];
+    sextant(folder.path(), &map).success();
+    let map = summary(&folder.path().join("map.json"));
+    assert_eq!(map["maps"][0]["mapped"], 12);
+    assert!(mean_error_m(&map["maps"][0]) < 0.5);
+
+    let survey = Template::named("survey").and_then(Template::scenario).expect("a template");
+    let mut scenario = Scenario::parse(survey.text).expect("a good scenario");
+    for (key, value) in [
+        ("seed", "7"),
+        ("world.nodes.lattice.count", "12"),
+        ("world.nodes.lattice.spacing_m", "3.0"),
+        ("robots.0.controller.s_path.lane_spacing_m", "4.0"),
+    ] {
+        scenario = scenario.with(key, value).expect("a good setting");
+    }
+    let simulated = sextant::survey(&scenario, &mut (), &Unwatched).expect("it runs");
+    let log = simulated.logs.first();
+    let rows = |name: &str| {
+        let text = std::fs::read_to_string(folder.path().join("log").join(name)).expect("a file of the template");
+        text.lines().skip(1).map(|row| row.split(',').map(str::to_owned).collect::<Vec<_>>()).collect::<Vec<_>>()
+    };
+    let (stops, nodes, receptions) = (rows("stops.csv"), rows("nodes.csv"), rows("receptions.csv"));
+    let near = |written: &str, value: f64| {
+        let written: f64 = written.parse().expect("a number");
+        assert!((written - value).abs() < 6e-4, "{written}, not {value}");
+    };
+    assert_eq!((stops.len(), nodes.len()), (log.stops().len(), scenario.world().nodes.len()));
+    for (row, stop) in stops.iter().zip(log.stops()) {
+        near(&row[2], stop.position.x_m);
+        near(&row[3], stop.position.y_m);
+    }
+    for (row, node) in nodes.iter().zip(&scenario.world().nodes) {
+        assert_eq!(row[0], node.name);
+        near(&row[1], node.position.x_m);
+        near(&row[2], node.position.y_m);
+    }
+    let received: u64 = receptions.iter().map(|row| row[2].parse::<u64>().expect("a count")).sum();
+    assert_eq!(
+        received,
+        simulated.robots.iter().flat_map(|robot| &robot.packets).map(|packets| u64::from(*packets)).sum::<u64>()
+    );
+}
+
+#[test]
+fn a_scenario_is_printed_or_named_and_its_commands_name_its_file() {
+    let folder = folder();
+    let printed = sextant(folder.path(), &["init", "mac", "--out", "-"]).success();
+    assert_eq!(text(&printed.get_output().stdout), Template::named("mac").expect("a template").files[0].text);
+    let told = sextant(folder.path(), &["init", "mac", "--out", "mine.toml"]).success();
+    assert!(text(&told.get_output().stdout).contains("sextant run mine.toml --out mine.mcap"));
+    let written = std::fs::read_to_string(folder.path().join("mine.toml")).expect("it was written");
+    assert!(written.contains("sextant run mine.toml --out mine.mcap") && !written.contains("mac.toml"));
+    let listed = sextant(folder.path(), &["init", "--list"]).success();
+    let listed = text(&listed.get_output().stdout);
+    assert!(Template::all().iter().all(|template| listed.contains(template.summary)));
+}
+
+#[test]
+fn nothing_is_overwritten_and_folders_and_unknown_templates_are_refused() {
+    let folder = folder();
+    let refused = |words: &[&str], why: &str| {
+        let refused = sextant(folder.path(), words).failure();
+        let told = text(&refused.get_output().stderr);
+        assert!(told.contains(why), "{words:?}: {told}");
+        refused.get_output().status.code()
+    };
+    std::fs::write(folder.path().join("survey.toml"), "mine").expect("there is room");
+    std::fs::create_dir(folder.path().join("full")).expect("there is room");
+    std::fs::write(folder.path().join("full/notes"), "mine").expect("there is room");
+    assert_eq!(refused(&["init"], "nothing is overwritten"), Some(2));
+    assert_eq!(refused(&["init", "--out", "full"], "--out full/survey.toml"), Some(2));
+    assert_eq!(refused(&["init", "log", "--out", "full"], "`full` exists"), Some(2));
+    assert_eq!(refused(&["init", "log", "--out", "-"], "is a folder"), Some(2));
+    assert_eq!(refused(&["init", "nothing"], "distributed"), Some(2));
+    assert_eq!(refused(&["init", "--out", "no/such/a.toml"], "`no/such/a.toml` cannot be written"), Some(1));
+    assert_eq!(std::fs::read_to_string(folder.path().join("survey.toml")).expect("it is there"), "mine");
+}

@@ -1,0 +1,315 @@
+//! The packet trace agrees with the summary, which counts without it, and with the frames on air.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::program::{scenario, sextant, summary};
+
+/// A table of an export: each row by the names of its columns.
+type Table = Vec<BTreeMap<String, String>>;
+
+/// A run with its packet trace, as tables.
+struct Traced {
+    summary: Value,
+    packets: Table,
+    transmissions: Table,
+    assessments: Table,
+    folder: tempfile::TempDir,
+}
+
+/// Reads a table without quoted cells; empty if the file is not there.
+fn table(path: &Path) -> Table {
+    let text = fs::read_to_string(path).unwrap_or_default();
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
+    let Some(header) = lines.next() else { return Vec::new() };
+    let header: Vec<_> = header.collect();
+    lines.map(|row| header.iter().cloned().zip(row).collect()).collect()
+}
+
+fn succeeds(command: &mut std::process::Command) -> String {
+    let output = command.output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+impl Traced {
+    fn of(file: &Path, set: &[&str]) -> Self {
+        let folder = tempfile::tempdir().expect("there is room");
+        let path = |name: &str| folder.path().join(name);
+        let mut command = sextant();
+        command.args(["run", "--quiet", "--set", "recording.packets=true"]).arg(file);
+        command.arg("--out").arg(path("run.mcap")).arg("--summary").arg(path("run.json"));
+        set.iter().for_each(|set| {
+            command.args(["--set", set]);
+        });
+        succeeds(&mut command);
+        succeeds(sextant().arg("export").arg(path("run.mcap")).arg("--out").arg(path("tables")));
+        let tables = path("tables");
+        Self {
+            summary: summary(&path("run.json")),
+            packets: table(&tables.join("mac_packets.csv")),
+            transmissions: table(&tables.join("mac_transmissions.csv")),
+            assessments: table(&tables.join("mac_assessments.csv")),
+            folder,
+        }
+    }
+
+    /// The packets of a network that count, from the nodes: their indices are below `nodes`.
+    fn counted(&self, network: &str, nodes: usize) -> Vec<&BTreeMap<String, String>> {
+        let is_node =
+            |packet: &&BTreeMap<String, String>| packet["source"].parse::<usize>().expect("an index") < nodes;
+        let of_network = self.packets.iter().filter(|packet| packet["network"] == network);
+        of_network.filter(|packet| packet["counted"] == "1").filter(is_node).collect()
+    }
+
+    fn nodes(&self) -> usize {
+        usize::try_from(self.summary["simulation"]["nodes"].as_u64().expect("a number")).expect("few nodes")
+    }
+
+    /// Number of rows of `table` of a packet.
+    fn of_packet(table: &Table) -> BTreeMap<&str, u64> {
+        let mut counts = BTreeMap::new();
+        table.iter().for_each(|row| *counts.entry(row["packet"].as_str()).or_default() += 1);
+        counts
+    }
+
+    /// Compares all that the trace and the traffic of a network in the summary have in common.
+    #[track_caller]
+    fn agrees_with(&self, traffic: &Value) {
+        let network = traffic["network"].as_str().unwrap_or_default();
+        let packets = self.counted(network, self.nodes());
+        let count = |key: &str| traffic[key].as_u64().unwrap_or_else(|| panic!("{key} in {traffic}"));
+        let fate = |fate: &str| packets.iter().filter(|packet| packet["fate"] == fate).count() as u64;
+        let ends = |end: &str| packets.iter().filter(|packet| packet["end"] == end).count() as u64;
+        assert_eq!(packets.len() as u64, count("offered"));
+        assert!(count("offered") > 20, "{traffic}");
+        assert_eq!(fate("received"), count("delivered"));
+        for lost in [
+            "lost_collision",
+            "lost_signal",
+            "out_of_range",
+            "not_listened",
+            "lost_channel_access",
+            "lost_queue",
+            "pending",
+        ] {
+            assert_eq!(fate(lost), count(lost), "{lost}");
+        }
+        for deafness in ["transmitting", "asleep", "off"] {
+            let deaf = packets.iter().filter(|packet| packet["deafness"] == deafness).count() as u64;
+            assert_eq!(deaf, traffic["not_listened_by"][deafness].as_u64().unwrap_or(0), "{deafness}");
+        }
+        assert_eq!(ends("no_acknowledgement"), count("no_acknowledgement"));
+        assert_eq!(ends("channel_access_failure"), count("channel_access_failures"));
+        let (sent, sensed) = (Self::of_packet(&self.transmissions), Self::of_packet(&self.assessments));
+        let rows = |of: &BTreeMap<&str, u64>, packet: &BTreeMap<String, String>| {
+            of.get(packet["packet"].as_str()).copied().unwrap_or(0)
+        };
+        let (mut transmissions, mut assessments, mut on_air) = (0, 0, 0);
+        for packet in &packets {
+            assert_eq!(rows(&sent, packet).to_string(), packet["transmissions"]);
+            assert_eq!(rows(&sensed, packet).to_string(), packet["assessments"]);
+            if packet["end"] != "pending" {
+                transmissions += rows(&sent, packet);
+                assessments += rows(&sensed, packet);
+                on_air += u64::from(rows(&sent, packet) > 0);
+            } else if packet["fate"] == "received" {
+                transmissions += 1;
+                on_air += 1;
+            }
+        }
+        assert_eq!(transmissions, count("transmissions"));
+        assert_eq!(assessments, count("backoffs"));
+        assert_eq!(on_air, count("sent"));
+        assert_eq!(transmissions - on_air, count("retries"));
+        let seconds = |packet: &BTreeMap<String, String>, key: &str| packet[key].parse::<f64>().ok();
+        let delay = |packet: &&BTreeMap<String, String>| {
+            Some(seconds(packet, "delivered_s")? - seconds(packet, "offered_s").expect("a time"))
+        };
+        let mut delays: Vec<f64> = packets.iter().filter_map(delay).collect();
+        delays.sort_by(f64::total_cmp);
+        assert_eq!(delays.len() as u64, count("delivered"));
+        if !delays.is_empty() {
+            let mean = delays.iter().sum::<f64>() / delays.len() as f64;
+            let told = |key: &str| traffic["delay_s"][key].as_f64().expect("a number");
+            assert!((mean - told("mean")).abs() < 1e-9, "{mean}, not {}", told("mean"));
+            for (key, percent) in [("p50", 50), ("p90", 90), ("p99", 99)] {
+                let exact = delays[(percent * delays.len()).div_ceil(100).max(1) - 1];
+                assert!((exact - told(key)).abs() < 1e-9, "{key}: {exact}, not {}", told(key));
+            }
+        }
+        self.causes_are_consistent();
+    }
+
+    /// The outcome of a packet is the best of its transmissions, and what is known of each fits its outcome.
+    fn causes_are_consistent(&self) {
+        const BEST_FIRST: [&str; 5] = ["received", "collided", "weak", "out_of_range", "not_listened"];
+        const FATES: [&str; 5] = ["received", "lost_collision", "lost_signal", "out_of_range", "not_listened"];
+        let mut best: BTreeMap<&str, usize> = BTreeMap::new();
+        for sent in &self.transmissions {
+            let outcome = BEST_FIRST.iter().position(|outcome| *outcome == sent["outcome"]).expect("a known outcome");
+            let so_far = best.entry(&sent["packet"]).or_insert(outcome);
+            *so_far = outcome.min(*so_far);
+            assert!(sent["outcome"] == "collided" || sent["collided_with"].is_empty(), "{sent:?}");
+            assert_eq!(sent["outcome"] == "not_listened", !sent["deafness"].is_empty(), "{sent:?}");
+            assert!(sent["acknowledged_s"].is_empty() || sent["outcome"] == "received", "{sent:?}");
+        }
+        for packet in self.packets.iter().filter(|packet| packet["kind"] == "data" && packet["end"] != "pending") {
+            let fate = best.get(packet["packet"].as_str()).map(|&outcome| FATES[outcome]);
+            let unsent = ["lost_channel_access", "lost_queue"].contains(&packet["fate"].as_str());
+            assert_eq!(fate, (!unsent).then_some(packet["fate"].as_str()), "{packet:?}");
+        }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+}
+
+fn shipped() -> PathBuf {
+    scenario("mac/packet-trace.toml")
+}
+
+#[test]
+fn the_trace_of_hidden_nodes_with_acknowledgements_is_the_summary_and_the_capture() {
+    let traced = Traced::of(&shipped(), &["recording.frames=true", "duration_s=4.0"]);
+    traced.agrees_with(&traced.summary["mac"]);
+    // The frames on air are told by another way, and are those of a capture.
+    let frames = table(&traced.path("tables/mac_frames.csv"));
+    let key = |row: &BTreeMap<String, String>, station: &str| (row["start_s"].clone(), station.to_owned());
+    let packets: BTreeMap<&str, &str> =
+        traced.packets.iter().map(|packet| (packet["packet"].as_str(), packet["source"].as_str())).collect();
+    let mut sent: Vec<_> = (traced.transmissions.iter())
+        .map(|sent| (key(sent, packets[sent["packet"].as_str()]), sent["outcome"].clone(), sent["power_dbm"].clone()))
+        .collect();
+    // Frame control of a data frame: its first octet ends with 1.
+    let data = frames.iter().filter(|frame| frame["mpdu"].as_bytes()[1] == b'1');
+    let mut on_air: Vec<_> = data
+        .map(|frame| (key(frame, &frame["source"]), frame["outcome"].clone(), frame["power_dbm"].clone()))
+        .collect();
+    sent.sort();
+    on_air.sort();
+    assert!(sent.len() > 100, "{}", sent.len());
+    assert_eq!(sent, on_air);
+    // Stations of the two groups do not hear each other, and no station collides with itself.
+    let with: Vec<_> = (traced.transmissions.iter().filter(|sent| !sent["collided_with"].is_empty()))
+        .map(|sent| (packets[sent["packet"].as_str()].to_owned(), sent["collided_with"].clone()))
+        .collect();
+    assert!(with.len() > 10 && with.iter().all(|(source, other)| source != other), "{with:?}");
+    let acknowledged = traced.transmissions.iter().filter(|sent| !sent["acknowledged_s"].is_empty()).count();
+    let ended = traced.packets.iter().filter(|packet| packet["end"] == "acknowledged").count();
+    assert_eq!(acknowledged, ended);
+}
+
+#[test]
+fn the_trace_of_full_queues_and_a_warm_up_is_the_summary() {
+    let set =
+        ["mac.csma_unslotted.queue_frames=0", "traffic.poisson.rate_per_s=60.0", "duration_s=3.0", "warm_up_s=1.0"];
+    let traced = Traced::of(&shipped(), &set);
+    assert!(traced.packets.iter().any(|packet| packet["counted"] == "0"));
+    assert!(traced.packets.iter().any(|packet| packet["fate"] == "lost_queue"));
+    traced.agrees_with(&traced.summary["mac"]);
+}
+
+#[test]
+fn the_trace_of_superframes_is_the_summary() {
+    let set = [
+        "mac={beacon_enabled={beacon_order=4,superframe_order=3}}",
+        "duration_s=4.0",
+        "channel.max_range_m=30.0",
+        "traffic.poisson.rate_per_s=3.0",
+    ];
+    let traced = Traced::of(&shipped(), &set);
+    traced.agrees_with(&traced.summary["mac"]);
+    // Slotted access assesses twice, the second time without a backoff.
+    let second = traced.assessments.iter().filter(|row| row["backoff_s"] == row["start_s"]).count();
+    assert!(second * 3 > traced.assessments.len(), "{second} of {}", traced.assessments.len());
+}
+
+#[test]
+fn the_trace_of_two_networks_is_the_summary_of_each() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let file = folder.path().join("two.toml");
+    let radio = "{ tx_power_dbm = 0.0, sensitivity_dbm = -90.0, channel = 15 }";
+    let text = format!(
+        "name = \"two\"\nseed = 2\nduration_s = 2.0\n\
+         [world.nodes.explicit]\npositions_m = [[-2.0, 0.0], [2.0, 0.0], [0.0, 2.0], [0.0, -2.0]]\n\
+         names = [\"a0\", \"a1\", \"b0\", \"b1\"]\n\
+         [channel.path_loss.log_distance]\nexponent = 2.0\nreference_loss_db = 40.05\n\
+         [reception.overlap]\n[mac.csma_unslotted]\n\
+         [networks.a]\nnodes.names = [\"a0\", \"a1\"]\nradio = {radio}\ntraffic.poisson = {{ rate_per_s = 100.0 }}\n\
+         [networks.b]\nnodes.names = [\"b0\", \"b1\"]\nradio = {radio}\ntraffic.poisson = {{ rate_per_s = 100.0 }}\n\
+         [[sinks]]\nname = \"sink\"\nposition_m = [0.0, 0.0]\n"
+    );
+    fs::write(&file, text).expect("there is room");
+    let traced = Traced::of(&file, &[]);
+    traced.agrees_with(&traced.summary["mac"]);
+    traced.agrees_with(&traced.summary["other_networks"][0]);
+    // Both are on one channel, so frames of one collide with those of the other.
+    let packets: BTreeMap<&str, &str> =
+        traced.packets.iter().map(|packet| (packet["packet"].as_str(), packet["network"].as_str())).collect();
+    let collided = traced.transmissions.iter().filter(|sent| !sent["collided_with"].is_empty());
+    let across =
+        collided.filter(|sent| (packets[sent["packet"].as_str()] == "a") == (&*sent["collided_with"] >= "2"));
+    assert!(across.count() > 0);
+}
+
+#[test]
+fn the_trace_of_sector_sweeps_is_the_summary_of_the_survey() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let file = folder.path().join("sweeps.toml");
+    fs::write(&file, crate::sector_sweeps::small_survey()).expect("there is room");
+    let traced = Traced::of(&file, &[]);
+    let gathering = &traced.summary["gathering"];
+    let count = |key: &str| gathering[key].as_u64().unwrap_or_else(|| panic!("{key} in {gathering}"));
+    let answers = traced.counted("", traced.nodes());
+    assert!(answers.iter().all(|packet| packet["kind"] == "answer") && answers.len() > 50, "{}", answers.len());
+    let fate = |fate: &str| answers.iter().filter(|packet| packet["fate"] == fate).count() as u64;
+    assert_eq!(answers.len() as u64, count("packets_offered"));
+    assert_eq!(fate("received"), count("packets_received"));
+    for lost in ["lost_collision", "lost_signal", "out_of_range", "not_listened", "lost_channel_access", "pending"] {
+        assert_eq!(fate(lost), count(lost), "{lost}");
+    }
+    let sweeps: Vec<_> = traced.packets.iter().filter(|packet| packet["kind"] == "sweep").collect();
+    assert_eq!(sweeps.len() as u64, count("sweeps"));
+    // Sixteen sectors at two elevations.
+    assert!(sweeps.iter().all(|packet| packet["transmissions"] == "32"), "{sweeps:?}");
+}
+
+#[test]
+fn the_trace_changes_nothing_else_in_a_recording() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let topics = |set: &str| {
+        let path = folder.path().join("run.mcap");
+        let mut command = sextant();
+        command.args(["run", "--quiet", "--set", "duration_s=1.0", "--set", set]).arg(shipped());
+        succeeds(command.arg("--out").arg(&path));
+        let run = sextant_recording::read_run(&path).expect("a recording");
+        let told: Value =
+            serde_json::from_slice(&run.attachment(sextant_recording::SUMMARY_ATTACHMENT).expect("a summary").data)
+                .expect("JSON");
+        (told["mac"].clone(), sextant_recording::read_packets(&path).expect("packets").len())
+    };
+    let (with, without) = (topics("recording.packets=true"), topics("recording.packets=false"));
+    assert_eq!(with.0, without.0);
+    assert!(with.1 > 0 && without.1 == 0);
+}
+
+#[test]
+fn figures_of_packets_are_drawn_and_the_window_is_checked() {
+    let traced = Traced::of(&shipped(), &["duration_s=2.0"]);
+    let recording = traced.path("run.mcap");
+    let drawn = succeeds(sextant().arg("figure").arg(&recording).args(["--from", "0.5", "--to", "0.54"]));
+    for name in ["network", "delay-cdf", "outcomes-by-node", "outcomes-over-time", "time-line"] {
+        assert!(drawn.contains(&format!("{name}.svg")), "{name} in {drawn}");
+    }
+    let line = fs::read_to_string(traced.path("run.figures/time-line.svg")).expect("a picture");
+    assert!(line.contains("0.5000 s to 0.5400 s") && line.contains("backoff"));
+    let refused =
+        sextant().arg("figure").arg(&recording).args(["--from", "2", "--to", "1"]).output().expect("starts");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--from 2 --to 1"));
+}

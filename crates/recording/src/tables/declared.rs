@@ -1,0 +1,273 @@
+//! Rows of own messages, by their declarations: each field is a column.
+
+use std::collections::BTreeMap;
+
+use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
+
+use super::row::{Cell, CellKind, TableColumn};
+use super::{Message, OwnedRow};
+use crate::descriptor::{Declaration, Field, Kind};
+use crate::messages;
+use crate::names::{ApplicationTopics, LogTopics};
+
+/// The columns of the table of receptions.
+pub(super) const RECEPTION_COLUMNS: [(&str, CellKind); 8] = [
+    ("node", CellKind::Text),
+    ("stop", CellKind::Integer),
+    ("received", CellKind::Integer),
+    ("sent", CellKind::Integer),
+    ("sector", CellKind::Integer),
+    ("rssi_dbm", CellKind::Real),
+    ("snr_db", CellKind::Real),
+    ("lqi", CellKind::Integer),
+];
+
+/// The message type of stops.
+const STOP: &str = "Stop";
+
+/// The table of each message type: its name, the fields that are the index of a node, and whether the topic says more.
+const TABLES: [(&str, &str, &[&str], Origin); 17] = [
+    (STOP, "stops", &[], Origin::Network),
+    ("Reception", "receptions", &["node"], Origin::Network),
+    ("Sector", "sectors", &[], Origin::Network),
+    ("Contact", "contacts", &[], Origin::Robot),
+    ("Anchor", "anchors", &["node"], Origin::Topic),
+    ("Link", "", &["listener", "sender"], Origin::Link),
+    ("Frame", "mac_frames", &[], Origin::Topic),
+    ("Packet", "mac_packets", &[], Origin::Topic),
+    ("Transmission", "mac_transmissions", &[], Origin::Topic),
+    ("Assessment", "mac_assessments", &[], Origin::Topic),
+    ("Metric", "metrics", &[], Origin::Topic),
+    ("Sensors", "sensors", &[], Origin::Topic),
+    ("Sensed", "sensed", &["node"], Origin::Topic),
+    ("Application", "applications", &[], Origin::Topic),
+    ("Estimate", "estimates", &[], Origin::Application),
+    ("Capture", "captures", &[], Origin::Application),
+    ("MappedNode", "distributed_nodes", &["node"], Origin::Topic),
+];
+
+/// What the topic of a message says besides its type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Origin {
+    /// Nothing.
+    Topic,
+    /// The network, which is a folder of tables.
+    Network,
+    /// The robot.
+    Robot,
+    /// Who sent: a node or an anchor. It is the name of the table.
+    Link,
+    /// The application.
+    Application,
+}
+
+/// The columns of the tables so far, by message type.
+#[derive(Default)]
+pub(super) struct Columns {
+    by_type: BTreeMap<String, Vec<TableColumn>>,
+}
+
+impl Columns {
+    /// The row of a message of the type `name`; `None` if the type has no table.
+    pub(super) fn row(
+        &mut self,
+        name: &str,
+        message: &Message<'_>,
+        names: &[String],
+    ) -> Result<Option<OwnedRow>, String> {
+        let Some(&(_, table, nodes, origin)) = TABLES.iter().find(|table| table.0 == name) else { return Ok(None) };
+        let Some(declaration) = declarations().find(|declaration| declaration.name == name) else { return Ok(None) };
+        let is_node = |field: &Field| nodes.contains(&field.name);
+        // The number of receptions of a stop is for readers of messages.
+        let fields = || declaration.fields.iter().filter(|field| (name, field.name) != (STOP, "receptions"));
+        let read = values(declaration, message.data)?;
+        let mut cells: Vec<Cell> = fields()
+            .map(|field| {
+                let value = read.get(&field.number).cloned().unwrap_or_else(|| absent(field.kind));
+                match value {
+                    Cell::Integer(node) if is_node(field) => Cell::Text(name_of(names, node)),
+                    Cell::Integer(nanos) if field.name.ends_with("_ns") => {
+                        u64::try_from(nanos).map_or(Cell::Missing, Cell::Nanos)
+                    }
+                    value => value,
+                }
+            })
+            .collect();
+        let columns = self.by_type.entry(name.to_owned()).or_insert_with(|| {
+            let mut columns: Vec<_> = fields().map(|field| column(field, is_node(field))).collect();
+            match origin {
+                Origin::Robot => columns.push(TableColumn::new("robot", CellKind::Text)),
+                Origin::Application => columns.push(TableColumn::new("application", CellKind::Text)),
+                Origin::Topic | Origin::Network | Origin::Link => {}
+            }
+            if name == STOP {
+                columns.push(TableColumn::new("sent", CellKind::Integer));
+            }
+            columns
+        });
+        if name == STOP {
+            // In a recording a pair of node and stop without a reception is silence of one packet.
+            cells.push(Cell::Integer(1));
+        }
+        let mut table = table.to_owned();
+        match origin {
+            Origin::Topic => {}
+            Origin::Network => {
+                if let Some(network) = LogTopics::network(message.topic) {
+                    table = format!("networks/{network}/{table}");
+                }
+            }
+            Origin::Robot => {
+                let robot = message.topic.strip_prefix("/robot/").and_then(|rest| rest.strip_suffix("/contacts"));
+                cells.push(robot.map_or(Cell::Missing, |robot| Cell::Text(robot.to_owned())));
+            }
+            Origin::Link => table = message.topic.trim_start_matches('/').to_owned(),
+            Origin::Application => {
+                let application = ApplicationTopics::application(message.topic);
+                cells.push(application.map_or(Cell::Missing, |(name, _)| Cell::Text(name.to_owned())));
+            }
+        }
+        Ok(Some((table, columns.clone(), cells)))
+    }
+}
+
+/// The name of the node with this index; its number if it has none.
+pub(super) fn name_of(names: &[String], node: i64) -> String {
+    let index = usize::try_from(node).ok();
+    index.and_then(|index| names.get(index)).cloned().unwrap_or_else(|| node.to_string())
+}
+
+fn declarations() -> impl Iterator<Item = &'static Declaration> {
+    let all = [
+        messages::DECLARATIONS,
+        messages::applications::DECLARATIONS,
+        messages::distributed::DECLARATIONS,
+        messages::networks::DECLARATIONS,
+        messages::packets::DECLARATIONS,
+        messages::sensing::DECLARATIONS,
+    ];
+    all.into_iter().flatten()
+}
+
+/// The column of a field: times are in seconds, and nodes have their names.
+fn column(field: &Field, is_node: bool) -> TableColumn {
+    let kind = match field.kind {
+        _ if is_node => CellKind::Text,
+        _ if field.name.ends_with("_ns") => CellKind::Real,
+        Kind::Uint32 | Kind::OptionalUint32 | Kind::Uint64 | Kind::OptionalUint64 | Kind::Bool => CellKind::Integer,
+        Kind::Double | Kind::OptionalDouble => CellKind::Real,
+        Kind::String | Kind::Strings | Kind::Bytes => CellKind::Text,
+    };
+    match field.name.strip_suffix("_ns") {
+        Some("time") => TableColumn::new("t_s", kind),
+        Some(what) => TableColumn::new(format!("{what}_s"), kind),
+        None => TableColumn::new(field.name, kind),
+    }
+}
+
+/// The value of a field that is not in a message.
+fn absent(kind: Kind) -> Cell {
+    match kind {
+        Kind::OptionalUint32 | Kind::OptionalUint64 | Kind::OptionalDouble => Cell::Missing,
+        Kind::Uint32 | Kind::Uint64 | Kind::Bool => Cell::Integer(0),
+        Kind::Double => Cell::Real(0.0),
+        Kind::String | Kind::Strings | Kind::Bytes => Cell::Text(String::new()),
+    }
+}
+
+/// The fields of a message, by number. Several texts of one field are joined by commas; octets are in hexadecimal.
+fn values(declaration: &Declaration, data: &[u8]) -> Result<BTreeMap<i32, Cell>, String> {
+    let mut rest = data;
+    let mut values = BTreeMap::new();
+    while !rest.is_empty() {
+        let (tag, wire) = decode_key(&mut rest).map_err(|why| why.to_string())?;
+        let field = declaration.fields.iter().find(|field| u32::try_from(field.number) == Ok(tag));
+        let Some(field) = field else {
+            skip_field(wire, tag, &mut rest, DecodeContext::default()).map_err(|why| why.to_string())?;
+            continue;
+        };
+        let value = value(field, wire, &mut rest)?;
+        match (values.get_mut(&field.number), value) {
+            (Some(Cell::Text(text)), Cell::Text(more)) if field.kind == Kind::Strings => {
+                text.push(',');
+                text.push_str(&more);
+            }
+            (_, value) => {
+                values.insert(field.number, value);
+            }
+        }
+    }
+    Ok(values)
+}
+
+fn value(field: &Field, wire: WireType, rest: &mut &[u8]) -> Result<Cell, String> {
+    let varint = |rest: &mut &[u8]| decode_varint(rest).map_err(|why| why.to_string());
+    let wrong = || format!("field {} has another type", field.name);
+    match (field.kind, wire) {
+        (
+            Kind::Uint32 | Kind::OptionalUint32 | Kind::Uint64 | Kind::OptionalUint64 | Kind::Bool,
+            WireType::Varint,
+        ) => Ok(i64::try_from(varint(rest)?).map_or(Cell::Missing, Cell::Integer)),
+        (Kind::Double | Kind::OptionalDouble, WireType::SixtyFourBit) => {
+            let (octets, after) = rest.split_first_chunk().ok_or_else(wrong)?;
+            *rest = after;
+            Ok(Cell::Real(f64::from_le_bytes(*octets)))
+        }
+        (Kind::String | Kind::Strings | Kind::Bytes, WireType::LengthDelimited) => {
+            let length = usize::try_from(varint(rest)?).map_err(|why| why.to_string())?;
+            let (octets, after) = rest.split_at_checked(length).ok_or_else(wrong)?;
+            *rest = after;
+            Ok(Cell::Text(match field.kind {
+                Kind::Bytes => octets.iter().map(|octet| format!("{octet:02x}")).collect(),
+                _ => String::from_utf8(octets.to_vec()).map_err(|why| why.to_string())?,
+            }))
+        }
+        _ => Err(wrong()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use prost::Message as _;
+
+    use super::*;
+
+    #[test]
+    fn receptions_have_the_columns_of_their_declaration() {
+        let declaration = declarations().find(|declaration| declaration.name == "Reception").unwrap();
+        let columns: Vec<_> = declaration.fields.iter().map(|field| column(field, field.name == "node")).collect();
+        let listed = RECEPTION_COLUMNS.map(|(name, kind)| TableColumn::new(name, kind));
+        assert_eq!(columns, listed);
+    }
+
+    #[test]
+    fn every_message_type_but_lists_of_names_has_a_table() {
+        let without: Vec<_> = declarations()
+            .map(|declaration| declaration.name)
+            .filter(|name| !TABLES.iter().any(|table| table.0 == *name))
+            .collect();
+        assert_eq!(without, ["Nodes", "Networks"]);
+    }
+
+    #[test]
+    fn a_message_is_a_row_with_names_and_seconds() {
+        let frame = messages::FrameMessage {
+            start_ns: 1_500_000_000,
+            airtime_ns: 832_000,
+            source: 1,
+            mpdu: vec![0x61, 0x88],
+            outcome: "received".to_owned(),
+            power_dbm: None,
+            network: String::new(),
+            deafness: String::new(),
+        };
+        let data = frame.encode_to_vec();
+        let message = Message { topic: "/mac/frames", schema: "sextant.Frame", time_ns: 0, data: &data };
+        let (table, columns, cells) = Columns::default().row("Frame", &message, &[]).unwrap().unwrap();
+        let header: Vec<_> = columns.iter().map(|column| &*column.name).collect();
+        let row: Vec<_> = cells.iter().map(Cell::to_string).collect();
+        assert_eq!(table, "mac_frames");
+        assert_eq!(header, ["start_s", "airtime_s", "source", "mpdu", "outcome", "power_dbm", "network", "deafness"]);
+        assert_eq!(row, ["1.5", "0.000832", "1", "6188", "received", "", "", ""]);
+    }
+}

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Makes the reports that tests/run.mjs opens: `make.sh SEXTANT FOLDER`, with the program and an empty folder.
+set -euo pipefail
+program=$(realpath "$1")
+folder=$(realpath "$2")
+cd "$(dirname "$0")/../../../.."
+made=$(mktemp -d)
+trap 'rm -rf "$made"' EXIT
+run() { "$program" run "scenarios/$2.toml" --out "$made/$1.mcap" --quiet "${@:3}" >"$made/$1.txt"; }
+report() { "$program" report "$1" --out "$folder/$2.html" --quiet; }
+run survey smoke
+report "$made/survey.mcap" survey
+run compare ml-tm/classics
+report "$made/compare.mcap" compare
+run traffic mac/one-shot-star
+report "$made/traffic.mcap" traffic
+run search target/case-1
+report "$made/search.mcap" search
+"$program" sweep scenarios/mac/poisson-star.toml --runs 2 --out "$made/sweep.csv" --quiet >/dev/null
+report "$made/sweep.csv" sweep
+"$program" reproduce 3.2 --out "$made/reproduction" --quiet >/dev/null
+report "$made/reproduction" reproduction
+"$program" report "$made/survey.mcap" --algorithm auto --out "$folder/log.html" --quiet

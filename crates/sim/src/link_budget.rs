@@ -1,0 +1,259 @@
+//! Link budgets: the power between two stations, item by item, and what a receiver makes of it.
+
+use std::time::Duration;
+
+use sextant_channel::{ChannelLaw, Db, Dbm, ObstacleField, PathBudget, Position};
+use sextant_kernel::{NodeId, SettingError, StationId};
+
+use crate::air::{Aim, Air, Emission, Interface, LinkItems, PlacedRadio, ReceiverId, ReceptionModel, ReceptionRules};
+use crate::engine::bands::{Bands, bands};
+use crate::network::Network;
+use crate::service::network_id::NetworkId;
+use crate::setup::Setup;
+use crate::station::{Kind, Roll};
+
+/// Size of a frame if nobody in the network has any (octets).
+const FRAME_OCTETS: u16 = 20;
+
+/// The links of a setup before anything moves: the power of each, from the air of the simulation itself.
+pub struct LinkBudgets {
+    networks: Vec<Placed>,
+    airs: Vec<Air>,
+    obstacles: ObstacleField,
+    places: Vec<Position>,
+    roll: Roll,
+}
+
+/// A network, and where its receivers are.
+struct Placed {
+    network: Network,
+    /// Number of its air, ...
+    air: usize,
+    /// ... and of the first station's receiver there.
+    first_receiver: u32,
+    members: Option<Vec<bool>>,
+}
+
+/// A link in one direction: what its power consists of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinkBudget {
+    /// Transmit power, without the antenna.
+    pub tx_power: Dbm,
+    /// The sector of the sender that gives the greatest power, if its antenna has sectors.
+    pub sector: Option<u8>,
+    /// Gain of the sender towards the receiver, with that sector.
+    pub transmit_gain: Db,
+    /// Loss between the two places.
+    pub path: PathBudget,
+    /// Gain by the shadowing of this link; `None` if each packet has its own, or there is none.
+    pub shadowing: Option<Db>,
+    /// Gain of the receiver, which listens in all directions alike.
+    pub receive_gain: Db,
+    /// Power at the receiver: the sum of all these. Without shadowing if each packet has its own.
+    pub power: Dbm,
+    /// What the receiver makes of it.
+    pub reception: LinkReception,
+}
+
+/// What a receiver makes of a power, if no other signal disturbs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkReception {
+    /// Minimum power of a frame that can be received.
+    pub sensitivity: Dbm,
+    /// Noise in the bandwidth of the receiver.
+    pub noise_floor: Dbm,
+    /// The rule that decides whether a frame is received.
+    pub model: ReceptionModel,
+    /// Least power at which a frame is received: it is above the sensitivity and far enough above the noise.
+    pub least_power: Dbm,
+    /// Size of the frame of the probabilities (octets).
+    pub frame_octets: u16,
+    /// Probability that such a frame is received at this power.
+    pub probability: f64,
+    /// The same at the power without the shadowing of this link, over all draws of shadowing.
+    pub probability_over_shadowing: f64,
+    /// Power of a signal from which on the receiver finds the channel busy.
+    pub busy_from: Dbm,
+}
+
+impl LinkReception {
+    /// Whether carrier sense at the receiver finds the channel busy while the sender sends, at this `power`.
+    #[must_use]
+    pub fn is_busy(&self, power: Dbm) -> bool {
+        power >= self.busy_from
+    }
+}
+
+impl LinkBudgets {
+    /// The links of `setup`, with all stations at their start.
+    ///
+    /// # Errors
+    /// If networks that share a band have different channels.
+    pub fn new(setup: &Setup) -> Result<Self, SettingError> {
+        let roll = setup.roll();
+        let Setup { world, robots, sinks, networks, seed, .. } = setup;
+        let nodes = world.nodes.iter().map(|node| node.position);
+        let fixed = nodes.clone().chain(sinks.iter().map(|sink| sink.position));
+        let bands = bands(networks)?;
+        let message_loss = setup.faults.message_loss();
+        let all = Bands { world, channel_seed: *seed, seed: *seed, first_packet: 0, message_loss };
+        let in_band = |band: &Vec<usize>| band.iter().map(|&network| &networks[network]).collect::<Vec<_>>();
+        let mut airs: Vec<Air> = (bands.iter().enumerate())
+            .map(|(i, band)| Air::new(all.air(i, &in_band(band)), fixed.clone(), roll))
+            .collect();
+        let mut placed = Vec::with_capacity(networks.len());
+        for (number, network) in (0..=u8::MAX).zip(networks) {
+            let settings = network.technology.settings();
+            let index = usize::from(number);
+            let air = bands.iter().position(|band| band.contains(&index)).expect("each network is in a band");
+            let rules = (0..roll.nodes).map(|node| settings.rule_of(NodeId::from_index(node)));
+            let rules = rules.chain(std::iter::repeat_n(0, roll.robots + roll.sinks));
+            let first_receiver = airs[air].add_receivers(settings.reception_rules(), rules, &vec![true; roll.len()]);
+            for station in roll.stations() {
+                if let Some(antennas) = settings.antennas() {
+                    airs[air].mount(ReceiverId(first_receiver + station.0), antennas.mount(&roll, station, *seed));
+                }
+            }
+            let members = setup.members(NetworkId(number));
+            placed.push(Placed { network: network.clone(), air, first_receiver, members });
+        }
+        let starts = robots.iter().map(|robot| robot.body.start);
+        let places = nodes.chain(starts).chain(sinks.iter().map(|sink| sink.position)).collect();
+        Ok(Self { networks: placed, airs, obstacles: world.obstacles.clone(), places, roll })
+    }
+
+    /// The obstacles, by the indices of the budgets.
+    #[must_use]
+    pub fn obstacles(&self) -> &ObstacleField {
+        &self.obstacles
+    }
+
+    /// What a station is.
+    #[must_use]
+    pub fn kind(&self, station: StationId) -> Kind {
+        self.roll.kind(station)
+    }
+
+    /// Where a station stands at the start.
+    ///
+    /// # Panics
+    /// If there is no such station.
+    #[must_use]
+    pub fn place(&self, station: StationId) -> Position {
+        self.places[station.index()]
+    }
+
+    /// Whether a station is in a network.
+    ///
+    /// # Panics
+    /// If there is no such network or station.
+    #[must_use]
+    pub fn is_in(&self, network: NetworkId, station: StationId) -> bool {
+        let members = &self.networks[network.index()].members;
+        members.as_ref().is_none_or(|members| members[station.index()])
+    }
+
+    /// The law of the channel of a network.
+    ///
+    /// # Panics
+    /// If there is no such network.
+    #[must_use]
+    pub fn law(&self, network: NetworkId) -> &ChannelLaw {
+        &self.networks[network.index()].network.channel
+    }
+
+    /// The link from one station to another in a network; `None` if they are farther apart than the radius of
+    /// communication. A sender with sectors uses the one that gives the greatest power there.
+    ///
+    /// # Panics
+    /// If there is no such network or station.
+    #[must_use]
+    pub fn between(&mut self, network: NetworkId, from: StationId, to: StationId) -> Option<LinkBudget> {
+        let placed = &self.networks[network.index()];
+        let radio = |station: StationId| PlacedRadio {
+            radio: Interface { receiver: ReceiverId(placed.first_receiver + station.0), station },
+            place: self.places[station.index()],
+        };
+        let (sender, receiver) = (radio(from), radio(to));
+        let settings = placed.network.technology.settings();
+        let tx_power = self.node(from).map_or(settings.tx_power(), |node| settings.tx_power_of(node));
+        let antenna = settings.antennas().map(|antennas| antennas.of(self.roll.kind(from)));
+        let aims: Vec<Aim> = match antenna {
+            Some(antenna) => (0..antenna.sector_count()).map(Aim::Sector).collect(),
+            None => vec![Aim::Omnidirectional],
+        };
+        let has_sectors = antenna.is_some_and(|antenna| !antenna.is_omnidirectional());
+        let air = &mut self.airs[placed.air];
+        let rules = air.rules_of(receiver.radio.receiver);
+        let mut best: Option<(Aim, LinkItems)> = None;
+        for aim in aims {
+            let items = air.items(Emission { power: tx_power, aim }, sender, receiver)?;
+            if best.as_ref().is_none_or(|(_, known)| items.power > known.power) {
+                best = Some((aim, items));
+            }
+        }
+        let (aim, items) = best?;
+        let sector = match aim {
+            Aim::Sector(sector) if has_sectors => Some(sector),
+            Aim::Sector(_) | Aim::Omnidirectional => None,
+        };
+        let LinkItems { path, shadowing, transmit_gain, receive_gain, power } = items;
+        let law = placed.network.channel;
+        let frame_octets = self.frame_octets(network, from);
+        let airtime = settings.airtime(frame_octets).unwrap_or_default();
+        let mean = path.mean_power(tx_power) + transmit_gain + receive_gain;
+        let reception = LinkReception {
+            sensitivity: rules.sensitivity.to_dbm(),
+            noise_floor: rules.noise.to_dbm(),
+            model: rules.model,
+            least_power: rules.least_power().to_dbm(),
+            frame_octets,
+            probability: rules.reception_alone(power.to_milliwatts(), airtime),
+            probability_over_shadowing: over_shadowing(&law, &rules, mean, airtime),
+            busy_from: settings.busy_from(self.node(to)),
+        };
+        let shadowing = shadowing.filter(|_| law.shadowing().sigma_db() > 0.0);
+        Some(LinkBudget { tx_power, sector, transmit_gain, path, shadowing, receive_gain, power, reception })
+    }
+
+    fn node(&self, station: StationId) -> Option<NodeId> {
+        match self.roll.kind(station) {
+            Kind::Node(node) => Some(NodeId::from_index(node)),
+            Kind::Robot(_) | Kind::Sink(_) => None,
+        }
+    }
+
+    /// Size of the frames that a station sends; those of the nodes, if it is none of them.
+    fn frame_octets(&self, network: NetworkId, station: StationId) -> u16 {
+        let traffic = &self.networks[network.index()].network.traffic;
+        let own = self.node(station).and_then(|node| traffic.of(node));
+        let sent = own.into_iter().chain(traffic.kinds()).find(|traffic| !traffic.is_silent());
+        sent.map_or(FRAME_OCTETS, |traffic| traffic.mpdu_octets().into())
+    }
+}
+
+/// Steps of the sum over the draws of shadowing in a standard deviation, ...
+const STEPS: i32 = 40;
+/// ... and the most standard deviations.
+const MOST_SIGMAS: i32 = 6;
+
+/// Probability that a frame with the mean power `mean` is received, over all draws of shadowing. Thresholds have a closed
+/// form; with bit errors it is the sum of the trapezoidal rule.
+fn over_shadowing(law: &ChannelLaw, rules: &ReceptionRules, mean: Dbm, airtime: Duration) -> f64 {
+    let sigma_db = law.shadowing().sigma_db();
+    if sigma_db <= 0.0 {
+        return rules.reception_alone(mean.to_milliwatts(), airtime);
+    }
+    if !matches!(rules.model, ReceptionModel::Ber) {
+        return law.share_above(mean - rules.least_power().to_dbm());
+    }
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for step in -STEPS * MOST_SIGMAS..=STEPS * MOST_SIGMAS {
+        let z = f64::from(step) / f64::from(STEPS);
+        let weight = libm::exp(-0.5 * z * z);
+        let power = mean + Db(sigma_db * z);
+        weights += weight;
+        sum += weight * rules.reception_alone(power.to_milliwatts(), airtime);
+    }
+    sum / weights
+}
