@@ -11,7 +11,6 @@ mod warning;
 mod way;
 
 use serde::Serialize;
-use sextant_apps::ControllerConfig;
 
 use crate::scenario::Scenario;
 pub use cost::CostForecast;
@@ -20,8 +19,8 @@ pub use warning::{Warning, warnings};
 pub use way::WayForecast;
 
 use network::Reach;
-use sextant_sim::{Robot, Setup};
-use way::Way;
+use sextant_sim::Robot;
+use way::{Way, is_planned};
 
 /// What follows from a scenario before it runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -40,7 +39,7 @@ impl Forecast {
     #[must_use]
     pub fn of(scenario: &Scenario) -> Self {
         let setup = scenario.setup();
-        let reaches = reaches_of(&setup);
+        let reaches = Reach::all(&setup);
         let networks: Vec<_> = reaches.iter().map(Reach::forecast).collect();
         let planned = |robot: &Robot| is_planned(scenario, robot);
         let ways: Vec<_> =
@@ -49,14 +48,4 @@ impl Forecast {
         let cost = CostForecast::of(&setup, &reaches, &ways);
         Self { networks, robots, cost }
     }
-}
-
-fn reaches_of(setup: &Setup) -> Vec<Reach<'_>> {
-    setup.networks.iter().map(|network| Reach::new(network, setup)).collect()
-}
-
-/// Whether the path of a robot is planned before the run.
-fn is_planned(scenario: &Scenario, robot: &Robot) -> bool {
-    let config = scenario.config().robots.iter().find(|config| config.name == robot.body.name);
-    config.and_then(|config| config.controller.as_ref()).is_some_and(ControllerConfig::is_planned)
 }

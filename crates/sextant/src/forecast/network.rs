@@ -82,7 +82,12 @@ pub(super) struct Reach<'a> {
 }
 
 impl<'a> Reach<'a> {
-    pub(super) fn new(network: &'a Network, setup: &'a Setup) -> Self {
+    /// The networks of a setup, in their order.
+    pub(super) fn all(setup: &'a Setup) -> Vec<Self> {
+        setup.networks.iter().map(|network| Self::new(network, setup)).collect()
+    }
+
+    fn new(network: &'a Network, setup: &'a Setup) -> Self {
         let number = setup.networks.iter().position(|other| std::ptr::eq(other, network)).unwrap_or(0);
         let octets = Some(network.traffic.mpdu_octets()).filter(|octets| *octets > 0).unwrap_or(USUAL_OCTETS);
         let curve = Curve::new(&network.technology, octets.into(), network.channel.shadowing().sigma_db());

@@ -7,8 +7,7 @@ use sextant_kernel::text::{counted, listed};
 use sextant_sim::{RobotTask, Setup};
 
 use super::network::Reach;
-use super::way::Way;
-use super::{is_planned, reaches_of};
+use super::way::{Way, is_planned};
 use crate::scenario::Scenario;
 
 /// A loss at 1 m below this (dB) is none of a radio wave from its antenna: that of free space is 31 dB at 868 MHz.
@@ -36,7 +35,7 @@ impl fmt::Display for Warning {
 #[must_use]
 pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let setup = scenario.setup();
-    let reaches = reaches_of(&setup);
+    let reaches = Reach::all(&setup);
     let planned: Vec<_> = setup
         .robots
         .iter()

@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use serde::Serialize;
+use sextant_apps::ControllerConfig;
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{CommandOutcome, Heard, Listening, Robot, RobotBody, RobotCommand, RobotTask, Situation};
 
 use super::network::Reach;
+use crate::scenario::Scenario;
 
 /// Ways with more commands than these are not driven to the end.
 const MOST_COMMANDS: usize = 40_000;
@@ -35,6 +37,12 @@ pub struct WayForecast {
     pub packets_expected: Option<f64>,
     /// Nodes from which less than one of 100 packets is received at each stop.
     pub out_of_reach: Vec<usize>,
+}
+
+/// Whether the path of a robot is planned before the run.
+pub(super) fn is_planned(scenario: &Scenario, robot: &Robot) -> bool {
+    let config = scenario.config().robots.iter().find(|config| config.name == robot.body.name);
+    config.and_then(|config| config.controller.as_ref()).is_some_and(ControllerConfig::is_planned)
 }
 
 /// A way of a robot.

@@ -9,6 +9,7 @@ use sextant_mac::dmg::SweepConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
 
 use super::antennas::AntennasConfig;
+use super::dmg_channel::carrier_hz;
 use crate::air::ReceptionConfig;
 use crate::world::layout::NodesOfGroup;
 
@@ -85,7 +86,7 @@ impl RadioConfig {
     #[must_use]
     pub fn carrier_ghz(&self, mac: &MacConfig) -> f64 {
         if mac.sweeps_sectors() {
-            return dmg_carrier_hz(self.channel.filter(|number| (1..=4).contains(number)).unwrap_or(1)) / 1e9;
+            return carrier_hz(self.channel.filter(|number| (1..=4).contains(number)).unwrap_or(1)) / 1e9;
         }
         let numbers = self.phy.channels();
         let number = self.channel.filter(|number| numbers.contains(number)).unwrap_or(*numbers.start());
@@ -184,9 +185,4 @@ impl LinkError {
         errors.push(Self::Missing(table));
         None
     }
-}
-
-/// Carrier frequency of a channel (Hz).
-pub(super) fn dmg_carrier_hz(channel: u8) -> f64 {
-    56.16e9 + 2.16e9 * f64::from(channel)
 }

@@ -7,6 +7,7 @@ pub(crate) mod clock;
 mod collectors;
 mod config;
 pub(crate) mod coordinator;
+mod dmg_channel;
 pub(crate) mod ieee80211ad;
 pub(crate) mod ieee802154;
 mod ledger;

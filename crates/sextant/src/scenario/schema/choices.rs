@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{each_schema, reference};
+use super::walk::{each_schema, reference};
 
 /// Adds the name of each choice whose settings all have a default. Removes `null`, which TOML does not have.
 pub(super) fn add_names(schema: &mut Value) {

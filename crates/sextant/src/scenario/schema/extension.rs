@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use super::{each_schema, reference};
+use super::walk::{each_schema, reference};
 
 /// The definition of what a whole scenario needs. Those of its parts have this name before theirs.
 const WHOLE: &str = "Whole";

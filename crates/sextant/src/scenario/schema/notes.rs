@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::each_schema;
+use super::walk::each_schema;
 use crate::scenario::unit;
 
 /// Adds the unit of each key that has one, and the title of each definition.

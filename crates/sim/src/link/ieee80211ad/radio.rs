@@ -4,7 +4,8 @@ use sextant_channel::{Db, Dbm};
 use sextant_kernel::SettingError;
 use sextant_mac::Phy;
 
-use crate::link::config::{RadioConfig, dmg_carrier_hz};
+use crate::link::config::RadioConfig;
+use crate::link::dmg_channel::carrier_hz;
 
 /// Noise of 1.76 GHz at 290 K with a noise figure of 10 dB.
 const NOISE_FLOOR: Dbm = Dbm(-71.5);
@@ -66,7 +67,7 @@ impl DmgRadio {
     /// Carrier frequency (Hz): channels are 2.16 GHz apart (IEEE 802.11ad-2012, annex E).
     #[must_use]
     pub fn carrier_hz(&self) -> f64 {
-        dmg_carrier_hz(self.channel)
+        carrier_hz(self.channel)
     }
 
     /// Transmit power, without the antenna.
