@@ -51,7 +51,7 @@ fn shown(columns: &[String]) -> String {
     let first = columns.iter().take(MOST).map(String::as_str).collect::<Vec<_>>().join(", ");
     match columns.len() {
         0 => "none".to_owned(),
-        0..=MOST => first,
+        1..=MOST => first,
         _ => first + ", ..",
     }
 }

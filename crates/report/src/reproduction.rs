@@ -92,10 +92,11 @@ impl Reproduction {
     }
 }
 
-/// A key that puts 3.10 behind 3.9: the numbers in `id`, and the text.
-fn numbers(id: &str) -> (Vec<u64>, String) {
+/// A key that puts 3.10 behind 3.9, and names without a number at the end: the numbers in `id`, and the text.
+fn numbers(id: &str) -> (bool, Vec<u64>, String) {
     let parts = id.split(|letter: char| !letter.is_ascii_digit());
-    (parts.filter_map(|part| part.parse().ok()).collect(), id.to_owned())
+    let numbers: Vec<u64> = parts.filter_map(|part| part.parse().ok()).collect();
+    (numbers.is_empty(), numbers, id.to_owned())
 }
 
 #[cfg(test)]
@@ -104,8 +105,8 @@ mod tests {
 
     #[test]
     fn experiments_are_sorted_by_their_numbers() {
-        let mut ids = ["table-3.10", "table-3.9", "figure-3.9", "table-10.1"];
+        let mut ids = ["energy", "3.10", "3.9", "6.maps", "10.1"];
         ids.sort_by_key(|id| numbers(id));
-        assert_eq!(ids, ["figure-3.9", "table-3.9", "table-3.10", "table-10.1"]);
+        assert_eq!(ids, ["3.9", "3.10", "6.maps", "10.1", "energy"]);
     }
 }

@@ -79,7 +79,7 @@ export function chart(title, x, series, options) {
 
 function padded(low, high) {
   if (low === null || high === null) return [0, 1];
-  const bottom = low >= 0 && low < 0.6 * high ? 0 : low - 0.08 * (high - low || Math.abs(high) || 1);
+  const bottom = low >= 0 && low <= 0.6 * high ? 0 : low - 0.08 * (high - low || Math.abs(high) || 1);
   const top = high + 0.08 * (high - bottom || 1);
   return [bottom, top];
 }

@@ -28,14 +28,14 @@ function mark(verdict) {
   return verdict ? element("span", { class: `verdict ${kind}` }, verdict) : "";
 }
 
-function experiment(claims) {
+function experiment(claims, isOpen) {
   const rows = claims.rows.map((row) => Object.fromEntries(claims.columns.map((name, i) => [name, row[i] ?? ""])));
   const counts = new Map();
   for (const cells of rows) {
     const verdict = verdictOf(cells);
     if (verdict) counts.set(verdict, (counts.get(verdict) ?? 0) + 1);
   }
-  const body = rows.map((cells) => {
+  const body = () => rows.map((cells) => {
     const published = cells.published ? `${cells.published}${cells.unit && /^[-−\d.,\s]+$/.test(cells.published) ? ` ${cells.unit}` : ""}` : "not stated";
     return element("tr", {}, element("th", { scope: "row" }, cells.what), element("td", {}, published), element("td", { class: "number" }, oursOf(cells)),
       element("td", {}, mark(verdictOf(cells))), element("td", { class: "number" }, cells.runs ?? ""), element("td", {}, cells.source ?? ""));
@@ -43,10 +43,15 @@ function experiment(claims) {
   const head = ["Claim", "Published", "Ours (mean, 95 % interval)", "Verdict", "Runs", "Where"].map((name, i) => element("th", { scope: "col", class: i === 2 || i === 4 ? "number" : "" }, name));
   const caption = claims.title ? `${claims.id}: ${claims.title}` : claims.id;
   const words = [...counts].map(([verdict, count]) => `${verdict}: ${count}`).join(" · ");
-  return element("details", { class: "experiment", open: true, id: `experiment-${claims.id}` },
-    element("summary", {}, element("strong", {}, claims.id), ` ${claims.title ?? ""}`, element("span", { class: "count" }, words)),
-    element("div", { class: "scroller", tabindex: "0", role: "region", "aria-label": caption },
-      element("table", { class: "claims" }, element("caption", {}, caption), element("thead", {}, element("tr", {}, head)), element("tbody", {}, body))));
+  const table = () => element("div", { class: "scroller", tabindex: "0", role: "region", "aria-label": caption },
+    element("table", { class: "claims" }, element("caption", { class: "hidden" }, caption), element("thead", {}, element("tr", {}, head)), element("tbody", {}, body())));
+  const details = element("details", { class: "experiment", open: isOpen, id: `experiment-${claims.id}` },
+    element("summary", {}, element("strong", {}, claims.id), ` ${claims.title ?? ""}`, element("span", { class: "count" }, words)));
+  // Of many tables, each is made when it is opened.
+  const fill = () => { if (details.open && details.children.length === 1) details.append(table()); };
+  details.addEventListener("toggle", fill);
+  fill();
+  return details;
 }
 
 export function reproductionSection(report) {
@@ -56,5 +61,5 @@ export function reproductionSection(report) {
   const claims = experiments.reduce((sum, one) => sum + one.rows.length, 0);
   return section("reproduction", "Reproduction",
     element("p", {}, `${counted(experiments.length, "table or figure")} of the thesis, ${counted(claims, "line")}. A margin is the mean difference between runs of the same seed; above 0 it supports the claim.`.replace("table or figures", "tables and figures")),
-    experiments.map(experiment));
+    experiments.map((claims) => experiment(claims, experiments.length <= 3)));
 }
