@@ -4,6 +4,7 @@ use clap::Args;
 
 /// How a run is shown while it goes on.
 #[derive(Clone, Debug, Args)]
+#[cfg_attr(not(feature = "live"), expect(dead_code, reason = "there is no live view"))]
 pub(crate) struct LiveOptions {
     /// Show the run while it goes on: Foxglove connects to ws://HOST:PORT. The recording is the same
     #[arg(long)]
