@@ -4,7 +4,6 @@ use clap::Args;
 
 /// How a run is shown while it goes on.
 #[derive(Clone, Debug, Args)]
-#[cfg_attr(not(feature = "live"), expect(dead_code, reason = "there is no live view"))]
 pub(crate) struct LiveOptions {
     /// Show the run while it goes on: Foxglove connects to ws://HOST:PORT. The recording is the same
     #[arg(long)]
@@ -25,9 +24,7 @@ pub(crate) struct LiveOptions {
 
 /// Simulated seconds in a second; `None` for as fast as possible.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Speed(
-    #[cfg_attr(not(feature = "live"), expect(dead_code, reason = "there is no live view"))] pub(crate) Option<f64>,
-);
+pub(crate) struct Speed(pub(crate) Option<f64>);
 
 fn speed(text: &str) -> Result<Speed, &'static str> {
     if text == "max" {
