@@ -24,9 +24,7 @@ pub(crate) struct LiveOptions {
 
 /// Simulated seconds in a second; `None` for as fast as possible.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Speed(
-    #[cfg_attr(not(feature = "live"), expect(dead_code, reason = "there is no live view"))] pub(crate) Option<f64>,
-);
+pub(crate) struct Speed(pub(crate) Option<f64>);
 
 fn speed(text: &str) -> Result<Speed, &'static str> {
     if text == "max" {
