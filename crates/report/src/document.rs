@@ -1,7 +1,6 @@
 //! The document: what a report is of, and its sections.
 
 use serde::Serialize;
-use serde_json::Value;
 
 use super::applications::Application;
 use super::reproduction::Reproduction;
@@ -20,8 +19,10 @@ pub struct Report {
     /// What the reader should know, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// The summary, as `--summary` writes it but without times of this machine; null without one.
-    pub summary: Value,
+    /// The summary as the text of a JSON object, as `--summary` writes it but without times of a machine: each number with
+    /// all its digits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub summary: Option<String>,
     /// Everything with a place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub world: Option<World>,
@@ -81,7 +82,7 @@ impl Report {
             title: title.to_owned(),
             origin,
             notes: Vec::new(),
-            summary: Value::Null,
+            summary: None,
             world: None,
             applications: Vec::new(),
             sweep: None,

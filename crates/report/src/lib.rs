@@ -25,6 +25,7 @@ mod reproduction;
 mod run;
 mod survey;
 mod sweep;
+mod tables;
 mod world;
 
 pub use applications::{Application, Captures, Predictions, TimeSeries};

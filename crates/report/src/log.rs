@@ -1,6 +1,5 @@
 //! The report of maps that were computed from a log.
 
-use serde_json::Value;
 use sextant::mapping::{ComputedMap, Input};
 use sextant::summary::Summary;
 use sextant_kernel::{NodeId, SimTime};
@@ -9,7 +8,7 @@ use sextant_recording::{Places, RecordedWorld};
 use super::document::{Kind, Report};
 use super::frame::Frame;
 use super::map::{Map, NodeDetails, Snapshot, errors};
-use super::run::{known_places, without_timing};
+use super::run::known_places;
 use super::survey::{Contacts, Survey};
 use super::world::{Body, Marks, Solid, Way, World};
 
@@ -27,8 +26,7 @@ impl Report {
         let title = file.rsplit_once('.').map_or(file, |(stem, _)| if stem.is_empty() { file } else { stem });
         let mut report = Self::new(Kind::Log, title, file);
         report.notes = summary.notes.clone();
-        let summary = serde_json::to_value(summary).unwrap_or(Value::Null);
-        report.summary = without_timing(summary);
+        report.summary = Some(Summary { timing: None, ..summary.clone() }.to_json());
         report.scenario = input.scenario.clone();
         report.world = Some(world(input, drawn, maps));
         report

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::document::{Kind, Report};
 use super::error::ReportError;
 
 /// The first columns of the table of an experiment.
@@ -73,13 +72,12 @@ impl Claims {
     }
 }
 
-impl Report {
-    /// A report of a reproduction: a folder of its tables, or one of them. `titles` says what the experiments are about,
-    /// by their numbers.
+impl Reproduction {
+    /// Reads a folder of tables, or one table. `titles` says what the experiments are about, by their numbers.
     ///
     /// # Errors
     /// If it cannot be read, or there is no such table.
-    pub fn of_reproduction(path: &Path, titles: &BTreeMap<String, String>) -> Result<Self, ReportError> {
+    pub(super) fn read(path: &Path, titles: &BTreeMap<String, String>) -> Result<Self, ReportError> {
         let mut experiments = Vec::new();
         for table in tables(path)? {
             match Claims::read(&table) {
@@ -90,11 +88,7 @@ impl Report {
             }
         }
         experiments.sort_by_key(|claims| numbers(&claims.id));
-        let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let name = whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let title = whole.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let report = Self::new(Kind::Reproduction, &title, &name);
-        Ok(Self { reproduction: Some(Reproduction { experiments }), ..report })
+        Ok(Self { experiments })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde::de::IgnoredAny;
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{
@@ -32,7 +32,7 @@ impl Report {
         let summary = summary(&run);
         let RecordedWorld { maps, targets, fields, applications, sinks, .. } = &drawn;
         let is_empty = maps.is_empty() && targets.is_empty() && fields.is_empty() && sinks.is_empty();
-        if is_empty && applications.is_empty() && run.log().stops().is_empty() && summary.is_null() {
+        if is_empty && applications.is_empty() && run.log().stops().is_empty() && summary.is_none() {
             return Err(ReportError::Empty { path: path.to_owned() });
         }
         let file = path.file_name().unwrap_or_default().to_string_lossy();
@@ -58,19 +58,10 @@ impl Report {
     }
 }
 
-/// The summary in the recording, without times of a machine; null if there is none.
-fn summary(run: &RecordedRun) -> Value {
-    let attachment = run.attachment(SUMMARY_ATTACHMENT);
-    let summary = attachment.and_then(|attachment| serde_json::from_slice(&attachment.data).ok());
-    without_timing(summary.unwrap_or(Value::Null))
-}
-
-/// A summary without what differs from run to run.
-pub(super) fn without_timing(mut summary: Value) -> Value {
-    if let Some(keys) = summary.as_object_mut() {
-        keys.shift_remove("timing");
-    }
-    summary
+/// The text of the summary in the recording, if there is one.
+fn summary(run: &RecordedRun) -> Option<String> {
+    let text = String::from_utf8_lossy(&run.attachment(SUMMARY_ATTACHMENT)?.data).into_owned();
+    serde_json::from_str::<IgnoredAny>(&text).is_ok().then_some(text)
 }
 
 /// The zero of the recording.

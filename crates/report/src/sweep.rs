@@ -1,13 +1,11 @@
 //! The table of a sweep.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Serialize;
-use sextant::sweep::{FinishedTable, TableError, students_t_975};
+use sextant::sweep::{FinishedTable, students_t_975};
 
 use super::column::Column;
-use super::document::{Kind, Report};
 use super::error::ReportError;
 
 /// The table of a sweep, by columns.
@@ -78,12 +76,12 @@ impl SweepValues {
     }
 }
 
-impl Report {
-    /// A report of the CSV table of a sweep.
+impl SweepTable {
+    /// Reads the CSV table of a sweep.
     ///
     /// # Errors
     /// If it cannot be read, or is another table.
-    pub fn of_sweep(path: &Path) -> Result<Self, ReportError> {
+    pub(super) fn read(path: &Path) -> Result<Self, ReportError> {
         let table = FinishedTable::read(path)?;
         let column = |column: usize| SweepColumn {
             name: table.columns()[column].clone(),
@@ -93,7 +91,7 @@ impl Report {
         let is_filled = |column: &usize| table.cells(*column).any(|cell| !cell.is_empty());
         let failures: Vec<&str> = table.cells(table.error_column()).filter(|cell| !cell.is_empty()).collect();
         let rows = table.rows();
-        let sweep = SweepTable {
+        Ok(Self {
             rows,
             settings: table.settings().map(column).collect(),
             measures: table.measures().filter(is_filled).map(column).collect(),
@@ -101,29 +99,6 @@ impl Report {
             failure: failures.first().map(|&failure| failure.to_owned()),
             students_t_975: Column::reals((1..rows.max(2)).map(students_t_975)),
             across: table.across().map(|across| across - table.settings().start),
-        };
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let title = path.file_stem().unwrap_or_default().to_string_lossy();
-        Ok(Self { sweep: Some(sweep), ..Self::new(Kind::Sweep, &title, &name) })
-    }
-
-    /// A report of a CSV table: that of a sweep, or one of a reproduction.
-    ///
-    /// # Errors
-    /// If it cannot be read, or is another table.
-    pub fn of_table(path: &Path, titles: &BTreeMap<String, String>) -> Result<Self, ReportError> {
-        match Self::of_reproduction(path, titles) {
-            Err(ReportError::NotATable { columns, path }) => match Self::of_sweep(&path) {
-                Err(ReportError::Table(TableError::Other { .. })) => Err(ReportError::NotATable { columns, path }),
-                other => other,
-            },
-            other => other,
-        }
-    }
-
-    /// Whether `path` is a folder with tables of a reproduction.
-    #[must_use]
-    pub fn is_reproduction(path: &Path) -> bool {
-        path.is_dir() && super::reproduction::is_reproduction(path)
+        })
     }
 }

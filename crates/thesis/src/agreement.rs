@@ -1,6 +1,6 @@
 //! How near our value is to a published number.
 
-use super::line::Ours;
+use super::ours::Ours;
 use sextant::sweep::{Mean, Share};
 
 /// How near our value is to a published number or range. The interval is ours.

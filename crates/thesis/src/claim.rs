@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::finding::Finding;
-use super::line::{Line, Ours};
+use super::line::Line;
+use super::ours::Ours;
 use super::published::Published;
 use super::runs::{Runs, Term};
 use sextant::summary::Unit;

@@ -6,7 +6,7 @@ use sextant_mapper::{Trapezoid, TrapezoidConfig};
 
 use super::claim::Check;
 use super::finding::Verdict;
-use super::line::Ours;
+use super::ours::Ours;
 use super::runs::{Runs, Term};
 use super::table::Likelihood;
 

@@ -27,14 +27,19 @@ impl Costs {
         COSTS.get_or_init(|| toml::from_str(include_str!("../tables/costs.toml")).expect("a test reads the file"))
     }
 
+    /// The scenarios that were measured, each with the CPU time of one run (s).
+    pub fn all(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.cpu_s.iter().map(|(scenario, &run_s)| (scenario.as_str(), run_s))
+    }
+
     /// CPU time of one run of `scenario` (s).
     #[must_use]
     pub fn of_run_s(&self, scenario: &str) -> Option<f64> {
         self.cpu_s.get(scenario).copied()
     }
 
-    /// CPU time of one run of each of `scenarios` (s); those that were not measured count as 0.
-    pub fn of_runs_s<'a>(&self, scenarios: impl IntoIterator<Item = &'a str>) -> f64 {
-        scenarios.into_iter().filter_map(|scenario| self.of_run_s(scenario)).sum()
+    /// CPU time of one run of each of `scenarios` (s); `None` if one of them was not measured.
+    pub fn of_runs_s<'a>(&self, scenarios: impl IntoIterator<Item = &'a str>) -> Option<f64> {
+        scenarios.into_iter().try_fold(0.0, |sum, scenario| Some(sum + self.of_run_s(scenario)?))
     }
 }

@@ -5,7 +5,8 @@ use std::num::NonZeroU32;
 use super::chart::Chart;
 use super::claim::Claim;
 use super::computation::Computation;
-use super::line::{Line, Ours};
+use super::line::Line;
+use super::ours::Ours;
 use super::published::Published;
 use super::runs::{Runs, Term};
 

@@ -6,8 +6,9 @@ use serde_json::{Map, Value, json};
 
 use super::agreement::Agreement;
 use super::finding::Finding;
+use super::ours::Ours;
 use super::published::Published;
-use sextant::sweep::{Mean, Share};
+use sextant::sweep::Mean;
 use sextant_recording::output::{CsvFile, EmptyCell, OutputError};
 
 /// A published value beside ours.
@@ -21,30 +22,6 @@ pub struct Line {
     pub unit: String,
     /// Our value.
     pub ours: Ours,
-}
-
-/// Our value of a line.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Ours {
-    /// A mean over runs.
-    Mean(Mean),
-    /// The share of the runs in which something happened.
-    Share(Share),
-    /// No run has a value: what is measured did not happen.
-    Never,
-    /// A number that does not depend on random runs.
-    Exact(f64),
-    /// The best of several settings.
-    Choice {
-        /// What is shown of it.
-        best: String,
-        /// Those that are not significantly worse.
-        as_good: Vec<String>,
-    },
-    /// Whether a conclusion holds.
-    Finding(Finding),
-    /// All runs failed.
-    Missing,
 }
 
 /// What is printed where the thesis gives no value.
@@ -184,6 +161,7 @@ pub fn write_csv<'a>(path: &Path, lines: impl IntoIterator<Item = &'a Line>) -> 
 mod tests {
     use super::super::finding::Verdict;
     use super::*;
+    use sextant::sweep::Share;
 
     #[test]
     fn a_line_shows_both_values_in_the_same_unit() {

@@ -1,6 +1,5 @@
 //! The pages of a reproduction: one with the verdicts, and one for each chapter.
 
-use std::num::NonZeroU32;
 use std::path::Path;
 
 use super::costs::Costs;
@@ -102,13 +101,15 @@ fn experiment_row(of: &Results) -> Vec<Span> {
 }
 
 fn left_out_item(experiment: &Experiment) -> Vec<Span> {
-    let run_s = Costs::measured().of_runs_s(experiment.scenarios());
     let runs = experiment.runs;
-    let all_s = run_s * f64::from(NonZeroU32::get(runs));
+    let cost = match Costs::measured().of_runs_s(experiment.scenarios()) {
+        Some(run_s) => format!(", about {:.0} s of CPU time for {runs} runs", run_s * f64::from(runs.get())),
+        None => format!(", {runs} runs, of which the CPU time was not measured"),
+    };
     vec![
         format!("{} {}: ", experiment.id, experiment.title).into(),
         Span::Code(format!("sextant reproduce {}", experiment.id)),
-        format!(", about {all_s:.0} s of CPU time for {runs} runs").into(),
+        cost.into(),
     ]
 }
 
@@ -176,7 +177,13 @@ fn experiment(of: &Results, out: &Path, parts: &mut Vec<Part>) -> Result<(), Out
         parts.push(Part::Figure { file, title: title.clone(), svg });
     }
     if !of.notes.is_empty() {
-        parts.push(Part::List(of.notes.iter().map(|note| vec![note.as_str().into()]).collect()));
+        parts.push(Part::List(of.notes.iter().map(|note| with_code(note)).collect()));
     }
     Ok(())
+}
+
+/// The text with what is in code marks as code.
+fn with_code(text: &str) -> Vec<Span> {
+    let span = |(i, part): (usize, &str)| if i % 2 == 0 { part.into() } else { Span::Code(part.to_owned()) };
+    text.split('`').enumerate().map(span).collect()
 }

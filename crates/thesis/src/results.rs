@@ -7,9 +7,8 @@ use serde_json::{Value, json};
 use super::experiment::Experiment;
 use super::line::{Line, write_csv};
 use super::runs::Runs;
-use super::tally::by_chapter;
 use sextant_kernel::text::counted;
-use sextant_recording::output::{OutputError, write_file};
+use sextant_recording::output::OutputError;
 
 /// The results of an experiment.
 #[derive(Clone, Debug)]
@@ -59,6 +58,7 @@ impl Results {
     pub fn runs(&self) -> String {
         let counts = || self.scenarios.iter().map(|&(_, count)| count);
         match (counts().min(), counts().max()) {
+            (None, _) => "no runs needed".to_owned(),
             (Some(least), Some(most)) if least < most => format!("{least} to {most} runs"),
             (_, most) => counted(most.unwrap_or(0) as usize, "run"),
         }
@@ -72,7 +72,7 @@ impl Results {
         write_csv(&out.join(format!("{}.csv", self.id)), self.all())
     }
 
-    fn json(&self) -> Value {
+    pub(crate) fn json(&self) -> Value {
         let scenarios = self.scenarios.iter().map(|(scenario, runs)| json!({"scenario": scenario, "runs": runs}));
         json!({
             "id": self.id,
@@ -84,25 +84,4 @@ impl Results {
             "notes": self.notes,
         })
     }
-}
-
-/// All results as one object: version, experiments with their lines, and the verdicts of each chapter.
-#[must_use]
-pub fn json(results: &[Results]) -> Value {
-    let experiments: Vec<_> = results.iter().map(Results::json).collect();
-    let verdicts = by_chapter(results).into_iter().map(|(name, tally)| {
-        let mut counts = tally.json();
-        counts["of"] = json!(name);
-        counts
-    });
-    let verdicts: Vec<_> = verdicts.collect();
-    json!({"reproduction": {"version": env!("CARGO_PKG_VERSION"), "experiments": experiments, "verdicts": verdicts}})
-}
-
-/// Writes that object to `reproduction.json` in the folder `out`.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_json(results: &[Results], out: &Path) -> Result<(), OutputError> {
-    write_file(&out.join("reproduction.json"), format!("{:#}\n", json(results)).as_bytes())
 }

@@ -5,8 +5,6 @@ use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use super::error::ReproductionError;
-use super::experiment::Experiment;
-use super::tables::experiments;
 use sextant::summary::Measure;
 use sextant::sweep::{self, Mean, Row, Share, Sweep};
 use sextant_kernel::Watch;
@@ -23,20 +21,37 @@ pub struct Term {
     pub measure: Measure,
 }
 
+/// How often each scenario is run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RunCounts {
+    /// All as often.
+    Each(NonZeroU32),
+    /// As often as its experiments say, by scenario; once if none does.
+    Usual(BTreeMap<String, NonZeroU32>),
+}
+
+impl RunCounts {
+    fn of(&self, scenario: &str) -> NonZeroU32 {
+        match self {
+            Self::Each(count) => *count,
+            Self::Usual(counts) => counts.get(scenario).copied().unwrap_or(NonZeroU32::MIN),
+        }
+    }
+}
+
 /// All finished runs of scenarios.
 #[derive(Debug)]
 pub struct Runs {
     folder: PathBuf,
-    count: Option<NonZeroU32>,
+    counts: RunCounts,
     of: BTreeMap<String, (Sweep, Vec<Row>)>,
 }
 
 impl Runs {
-    /// No runs yet. The files of scenarios are in `folder`. Each scenario will be run `count` times or, without it, as often
-    /// as its experiments say.
+    /// No runs yet. The files of scenarios are in `folder`, and each scenario will be run as often as `counts` says.
     #[must_use]
-    pub fn new(folder: PathBuf, count: Option<NonZeroU32>) -> Self {
-        Self { folder, count, of: BTreeMap::new() }
+    pub fn new(folder: PathBuf, counts: RunCounts) -> Self {
+        Self { folder, counts, of: BTreeMap::new() }
     }
 
     fn plan_of(&self, scenario: &str, runs: NonZeroU32) -> Result<Sweep, ReproductionError> {
@@ -55,7 +70,7 @@ impl Runs {
         watch: &dyn Watch,
     ) -> Result<Vec<&'a str>, ReproductionError> {
         let new: Vec<_> = scenarios.iter().copied().filter(|name| !self.of.contains_key(*name)).collect();
-        let plan = |scenario: &&str| self.plan_of(scenario, self.count.unwrap_or_else(|| default_runs(scenario)));
+        let plan = |scenario: &&str| self.plan_of(scenario, self.counts.of(scenario));
         let plans = new.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
         if !new.is_empty() {
             let runs = counted(plans.iter().map(Sweep::survey_count).sum(), "run");
@@ -162,13 +177,6 @@ impl Runs {
         }
         failures
     }
-}
-
-/// How often a scenario is run if the user does not choose: the most that an experiment wants, so that it does not depend on
-/// which experiments are chosen.
-fn default_runs(scenario: &str) -> NonZeroU32 {
-    let reads = |experiment: &Experiment| experiment.scenarios().contains(&scenario);
-    experiments().iter().filter(|experiment| reads(experiment)).map(|of| of.runs).max().unwrap_or(NonZeroU32::MIN)
 }
 
 /// The name of the table of the runs of a scenario.

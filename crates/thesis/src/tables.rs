@@ -1,7 +1,11 @@
 //! The tables of the thesis that are reproduced, in its order.
 
+use std::collections::BTreeMap;
+use std::num::NonZeroU32;
+
 use super::expansion;
 use super::experiment::Experiment;
+use super::runs::RunCounts;
 
 /// A chapter: its number, what its tables share, and the tables, each with the name of its file.
 struct Chapter {
@@ -63,6 +67,20 @@ pub fn experiments() -> Vec<Experiment> {
         }
     }
     all
+}
+
+/// How often each scenario is run if the user does not choose: the most that an experiment wants, so that it does not depend
+/// on which experiments are chosen.
+#[must_use]
+pub fn usual_runs() -> RunCounts {
+    let mut counts: BTreeMap<String, NonZeroU32> = BTreeMap::new();
+    for experiment in experiments() {
+        for scenario in experiment.scenarios() {
+            let most = counts.entry(scenario.to_owned()).or_insert(experiment.runs);
+            *most = experiment.runs.max(*most);
+        }
+    }
+    RunCounts::Usual(counts)
 }
 
 #[cfg(test)]

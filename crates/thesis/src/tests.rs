@@ -166,7 +166,7 @@ fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
 
 /// Invented runs: `value` gives each value of each cell, and replicates differ slightly.
 fn made_up(plans: &BTreeMap<String, Sweep>, value: impl Fn(&str, usize, &Measure) -> Option<f64>) -> Runs {
-    let mut runs = Runs::new(std::path::PathBuf::new(), None);
+    let mut runs = Runs::new(std::path::PathBuf::new(), RunCounts::Each(RUNS));
     for (scenario, plan) in plans {
         let row = |cell: usize, replicate: u32| {
             let scatter = 1.0 + 1e-6 * f64::from(replicate);
@@ -191,6 +191,31 @@ fn every_experiment_has_a_unique_id_and_reads_shipped_scenarios() {
         for (what, term) in terms(experiment) {
             assert!(scenarios.contains(&term.scenario.as_str()), "`{what}` reads {}", term.scenario);
         }
+    }
+}
+
+#[test]
+fn experiments_that_share_a_scenario_have_the_same_usual_number_of_runs() {
+    let mut runs: BTreeMap<String, (NonZeroU32, String)> = BTreeMap::new();
+    for experiment in experiments() {
+        for scenario in experiment.scenarios() {
+            let (usual, id) =
+                runs.entry(scenario.to_owned()).or_insert_with(|| (experiment.runs, experiment.id.clone()));
+            assert_eq!(*usual, experiment.runs, "{scenario}: {id} and {}", experiment.id);
+        }
+    }
+}
+
+#[test]
+fn times_are_those_of_scenarios_that_are_run_and_published_numbers_have_a_verdict() {
+    let experiments = experiments();
+    let scenarios: Vec<&str> = experiments.iter().flat_map(Experiment::scenarios).collect();
+    for (scenario, run_s) in Costs::measured().all() {
+        assert!(scenarios.contains(&scenario) && run_s > 0.0, "{scenario}: {run_s} s");
+    }
+    let runs = made_up(&plans(&TempDir::new().unwrap(), false), |_, _, _| Some(1.0));
+    for line in experiments.iter().flat_map(|experiment| experiment.lines(&runs)) {
+        assert_eq!(line.verdict().is_some(), line.published.is_some(), "{}: {:?}", line.what, line.published);
     }
 }
 
@@ -314,7 +339,7 @@ fn a_tiny_run_has_a_value_for_each_line_and_a_verdict_for_each_conclusion() {
     let (names, plans): (Vec<_>, Vec<_>) = plans.into_iter().unzip();
     let (rows, outcome) = sweep::rows(&plans, &Unwatched);
     outcome.unwrap();
-    let mut runs = Runs::new(std::path::PathBuf::new(), Some(TINY_RUNS));
+    let mut runs = Runs::new(std::path::PathBuf::new(), RunCounts::Each(TINY_RUNS));
     for (name, made) in names.into_iter().zip(plans.into_iter().zip(rows)) {
         runs.insert(&name, made);
     }

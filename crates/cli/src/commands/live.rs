@@ -33,7 +33,7 @@ fn speed(text: &str) -> Result<Speed, &'static str> {
         return Ok(Speed(None));
     }
     match text.parse::<f64>() {
-        Ok(speed) if speed == 0.0 => Ok(Speed(None)),
+        Ok(0.0) => Ok(Speed(None)),
         Ok(speed) if (1e-6..=1e9).contains(&speed) => Ok(Speed(Some(speed))),
         _ => Err("allowed: 0.000001 to 1000000000; 0 or max for as fast as possible"),
     }

@@ -14,8 +14,8 @@ use crate::terminal::Watcher;
 use sextant::columns::{Align, columns};
 use sextant_kernel::text::counted;
 use sextant_thesis::{
-    Costs, Experiment, Line, ReproductionError, Results, Runs, Tally, by_chapter, experiments, json, write_figures,
-    write_json, write_pages, write_pictures, write_scenarios,
+    Costs, Experiment, Line, ReproductionError, Results, RunCounts, Runs, Tally, by_chapter, experiments, json,
+    usual_runs, write_figures, write_json, write_pages, write_pictures, write_scenarios,
 };
 
 /// Arguments of `sextant reproduce`.
@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     /// List the tables and figures: their scenarios, usual number of runs, and CPU times
     #[arg(long)]
     pub(crate) list: bool,
-    /// Runs of each scenario, with the seeds 1, 2, .. [default: as `--list` says]
+    /// Runs of each scenario, with the seeds 1, 2, ..; without it as many as `--list` says
     #[arg(long, value_name = "N")]
     pub(crate) runs: Option<NonZeroU32>,
     /// Run nothing, and take the runs from the folder of an earlier reproduction
@@ -57,10 +57,13 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let scenarios = arguments.from.as_ref().unwrap_or(&arguments.out).join("scenarios");
-    if arguments.from.is_none() {
-        write_scenarios(&scenarios)?;
+    match arguments.from {
+        None => write_scenarios(&scenarios)?,
+        Some(_) => {
+            std::fs::create_dir_all(&arguments.out).map_err(|error| Failure::unwritable(&arguments.out, &error))?
+        }
     }
-    let mut runs = Runs::new(scenarios.clone(), arguments.runs);
+    let mut runs = Runs::new(scenarios.clone(), arguments.runs.map_or_else(usual_runs, RunCounts::Each));
     let mut finished: Vec<Results> = Vec::new();
     let mut outcome = Ok(());
     for experiment in &experiments {
@@ -150,21 +153,34 @@ fn list(stdout: &mut impl Write) -> io::Result<()> {
     let costs = Costs::measured();
     let header = ["id", "what", "runs", "CPU a run", "CPU in all", "scenarios"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
-    let (mut all_s, mut counted_in) = (0.0, BTreeSet::new());
+    let (mut all_s, mut unmeasured, mut counted_in) = (0.0, 0, BTreeSet::new());
     let all = experiments();
     for experiment in &all {
         let scenarios = experiment.scenarios();
         let run_s = costs.of_runs_s(scenarios.iter().copied());
         let runs = f64::from(experiment.runs.get());
         // Experiments share scenarios, and a scenario is run once.
-        let new = scenarios.iter().copied().filter(|scenario| counted_in.insert(scenario.to_string()));
-        all_s += runs * costs.of_runs_s(new);
+        for scenario in scenarios.iter().copied().filter(|scenario| counted_in.insert(scenario.to_string())) {
+            match costs.of_run_s(scenario) {
+                Some(run_s) => all_s += runs * run_s,
+                None => unmeasured += 1,
+            }
+        }
+        let time = |runs: f64| run_s.map_or_else(|| "not measured".to_owned(), |run_s| duration(runs * run_s));
         let named = if scenarios.is_empty() { "none".to_owned() } else { scenarios.join(", ") };
         let (title, count) = (experiment.title.clone(), experiment.runs.to_string());
-        rows.push(vec![experiment.id.clone(), title, count, duration(run_s), duration(runs * run_s), named]);
+        rows.push(vec![experiment.id.clone(), title, count, time(1.0), time(runs), named]);
     }
     columns(&rows, &[Align::Left, Align::Left, Align::Right, Align::Right, Align::Right, Align::Left], stdout)?;
-    writeln!(stdout, "\nall: {} of CPU time; a scenario of several tables counts once", duration(all_s))?;
+    let without = match unmeasured {
+        0 => String::new(),
+        count => format!(
+            ", without {} that {} not measured",
+            counted(count, "scenario"),
+            if count == 1 { "was" } else { "were" }
+        ),
+    };
+    writeln!(stdout, "\nall: {} of CPU time; a scenario of several tables counts once{without}", duration(all_s))?;
     writeln!(stdout, "times: {}; {}", costs.machine, costs.method)
 }
 

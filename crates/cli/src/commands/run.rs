@@ -75,7 +75,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let run = run(&scenario, &mut observer, &watcher)?;
     watcher.clear();
     if let Some(view) = view {
-        view.finish();
+        view.finish(interrupt);
     }
     let summary = run.summary();
     arguments.results.tell(summary)?;
@@ -118,7 +118,7 @@ impl NoView {
         match *self {}
     }
 
-    fn finish(self) {
+    fn finish(self, _interrupt: &Interrupt) {
         match self {}
     }
 }

@@ -17,8 +17,10 @@ use crate::interrupt::Interrupt;
 
 /// Messages that wait for a slow viewer; it misses the oldest ones beyond that.
 const BACKLOG: usize = 16_384;
-/// Viewers get this much time for the last messages.
-const LAST: Duration = Duration::from_millis(500);
+/// Viewers get this much time for the last messages: they subscribe to the maps first.
+const LAST: Duration = Duration::from_secs(2);
+/// A signal is noticed this often.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Where a live view is, and how fast time passes.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,9 +86,11 @@ impl LiveView {
     }
 
     /// Ends the view when the run is over; viewers get the last messages before.
-    pub(crate) fn finish(self) {
-        if self.server.client_count() > 0 {
-            thread::sleep(LAST);
+    pub(crate) fn finish(self, interrupt: &Interrupt) {
+        let mut left = LAST;
+        while self.server.client_count() > 0 && !left.is_zero() && !interrupt.is_requested() {
+            thread::sleep(LOOK);
+            left = left.saturating_sub(LOOK);
         }
         if let Ok(server) = Arc::try_unwrap(self.server) {
             server.stop().wait_blocking();

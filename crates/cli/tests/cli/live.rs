@@ -19,10 +19,14 @@ type Socket = tungstenite::WebSocket<tungstenite::stream::MaybeTlsStream<std::ne
 /// Times and octets of the messages of each topic.
 type Messages = BTreeMap<String, Vec<(u64, Vec<u8>)>>;
 
+/// Few messages, so that no viewer is too slow.
+const FEW: [&str; 2] = ["--set", "recording.frames=false"];
+
 /// A run of a small survey into `out` that is shown, and the address of the view.
 fn shown(out: &Path, flags: &[&str]) -> (Child, String) {
     let mut command = sextant();
-    command.arg("run").arg(scenario("smoke.toml")).arg("--out").arg(out).args(["--live", "--port", "0"]).args(flags);
+    command.arg("run").arg(scenario("smoke.toml")).args(FEW).arg("--out").arg(out);
+    command.args(["--live", "--port", "0"]).args(flags);
     let mut child = command.spawn().expect("it starts");
     let mut stderr = BufReader::new(child.stderr.take().expect("a pipe"));
     let mut note = String::new();
@@ -188,7 +192,9 @@ fn a_viewer_pauses_steps_and_sees_what_is_recorded() {
     while viewer.next().is_some() {}
     assert!(child.wait_with_output().expect("it ends").status.success());
 
-    let run = sextant().arg("run").arg(scenario("smoke.toml")).arg("--out").arg(&plain).output().expect("it starts");
+    let mut plain_run = sextant();
+    let run = plain_run.arg("run").arg(scenario("smoke.toml")).args(FEW).arg("--out").arg(&plain).output();
+    let run = run.expect("it starts");
     assert!(run.status.success());
     assert_eq!(
         std::fs::read(&live).expect("a file"),

@@ -39,6 +39,53 @@ fn printed(table: &str) -> BTreeMap<String, u64> {
     table.lines().filter_map(row).collect()
 }
 
+/// The labels that stand at two lines of one block of a printed text. A line of columns has its first column as its label,
+/// and a sentence itself without its numbers.
+fn twice(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for block in text.split("\n\n") {
+        let mut labels = Vec::new();
+        for line in block.lines().map(str::trim) {
+            let label = match line.split_once("  ") {
+                Some((label, _)) => label.to_owned(),
+                None => line.replace(|letter: char| letter.is_ascii_digit(), ""),
+            };
+            if labels.contains(&label) {
+                found.push(label);
+            } else {
+                labels.push(label);
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn lines_of_a_survey_and_of_its_traffic_to_sinks_have_different_labels() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let file = folder.path().join("sink.toml");
+    let smoke = scenario("smoke.toml");
+    let sink = "[[sinks]]\nname = \"sink\"\nposition_m = [-1.0, 5.0]\n";
+    let robot = "[[robots]]\nname = \"second\"\nstart_m = [-2.0, -2.0]\nlisten_s = 1.2\n\
+                 [robots.controller.waypoints]\nplaces_m = [[0.0, 0.0], [3.0, 0.0]]\n";
+    fs::write(&file, format!("extends = {smoke:?}\n{sink}")).expect("a file");
+    let table = output(&["run", "--quiet"], &file, &folder.path().join("a.mcap")).stdout;
+    let table = String::from_utf8(table).expect("text");
+    assert_eq!(twice(&table), [""; 0], "{table}");
+    assert!(table.contains("traffic to sinks\n"), "{table}");
+    assert!(table.contains("surveyor: ended at the end of its path, after "), "{table}");
+    // A list of robots replaces that of the other file.
+    let json: Value = {
+        fs::write(&file, format!("extends = {smoke:?}\n{robot}")).expect("a file");
+        let json = output(&["run", "--quiet", "--format", "json"], &file, &folder.path().join("b.mcap")).stdout;
+        serde_json::from_slice(&json).expect("JSON")
+    };
+    let robot = &json["gathering"]["robots"][0];
+    assert_eq!((&robot["ended"], &robot["ending"]), (&"path-ended".into(), &"complete".into()));
+    assert!(robot["unreached"].as_array().is_some_and(|nodes| !nodes.is_empty()), "{robot}");
+    assert_eq!(twice("a  1\nb  2\na  3\n"), ["a"]);
+}
+
 /// Names of the outcomes in a printed table.
 const ROWS: [&str; 8] = [
     "lost to collisions",
@@ -94,7 +141,9 @@ fn check(file: &Path, folder: &Path, set: &[&str]) -> Option<u64> {
     assert_eq!(by, at(packets, "not_listened"), "{name}");
 
     let table = output(&[&["run", "--quiet"][..], &set].concat(), file, &folder.join("a.mcap")).stdout;
-    let table = printed(&String::from_utf8(table).expect("text"));
+    let table = String::from_utf8(table).expect("text");
+    assert_eq!(twice(&table), [""; 0], "{name}: {table}");
+    let table = printed(&table);
     let row = |row: &str| *table.get(row).unwrap_or_else(|| panic!("{name}: no row `{row}` in {table:?}"));
     let out_of_range = if key == "mac" { "out of range" } else { "sent out of range" };
     let summed = row(received) + row(out_of_range) + ROWS.iter().map(|name| row(name)).sum::<u64>();

@@ -22,7 +22,10 @@ fn the_list_names_each_experiment() {
         let line = text.lines().find(|line| line.split_whitespace().next() == Some(experiment.id.as_str()));
         let line = line.unwrap_or_else(|| panic!("{} is missing in:\n{text}", experiment.id));
         assert!(line.contains(&experiment.title), "{line}");
+        let mut rest = line[line.find(&experiment.title).unwrap() + experiment.title.len()..].split_whitespace();
+        assert_eq!(rest.next(), Some(experiment.runs.to_string().as_str()), "{line}");
     }
+    assert!(text.lines().any(|line| line.starts_with("all: ") && line.contains("of CPU time")), "{text}");
 }
 
 #[test]
@@ -36,9 +39,35 @@ fn an_experiment_writes_its_table_and_the_scenarios() {
     assert_eq!((&lines[2]["published"], &lines[2]["source"]), (&"0.3708".into(), &"table 3.2".into()));
     let out = folder.path().join("here");
     let table = std::fs::read_to_string(out.join("3.2.csv")).unwrap();
-    assert!(table.starts_with("what,published,unit,mean,half_width_95,runs,result,source\n"), "{table}");
+    assert!(table.starts_with("what,published,unit,mean,half_width_95,runs,result,source,verdict\n"), "{table}");
     for (name, text) in sextant_thesis::SHIPPED {
         assert_eq!(std::fs::read_to_string(out.join("scenarios").join(name)).unwrap(), *text);
+    }
+}
+
+#[test]
+fn pages_have_the_verdicts_of_conclusions_and_numbers() {
+    let folder = TempDir::new().unwrap();
+    let output = reproduce(&["3.2", "3.3", "--runs", "2", "--out", "here", "--quiet"], &folder);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.lines().any(|line| line.starts_with("chapter 3  ")), "{printed}");
+    let read = |folder_name: &str, name: &str| {
+        std::fs::read_to_string(folder.path().join(folder_name).join(name)).unwrap_or_else(|_| panic!("{name}"))
+    };
+    let chapter = read("here", "chapter-3.md");
+    assert!(chapter.contains("| P of node p at (4, 2) | 0 | table 3.2 | 0.0000 |  | within interval |"), "{chapter}");
+    assert!(read("here", "index.md").contains("`sextant reproduce 3.6`"), "what is left out has its command");
+    assert!(read("here", "chapter-3.html").contains("<td>within interval</td>"));
+    let json: serde_json::Value = serde_json::from_str(&read("here", "reproduction.json")).unwrap();
+    let verdicts = &json["reproduction"]["verdicts"][0];
+    assert_eq!((&verdicts["of"], &verdicts["numbers"]["within interval"].is_u64()), (&"chapter 3".into(), &true));
+    // The same from the recorded runs; an experiment without runs is left out.
+    let again = reproduce(&["3.2", "3.3", "3.6", "--from", "here", "--out", "there"], &folder);
+    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("3.6: left out"), "{again:?}");
+    for name in ["3.3.csv", "chapter-3.md", "reproduction.json"] {
+        assert_eq!(read("here", name), read("there", name), "{name}");
     }
 }
 

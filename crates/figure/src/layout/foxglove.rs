@@ -45,7 +45,7 @@ impl Layout<'_> {
             "followTf": "world",
             "fixedFrame": "world",
             "followMode": "follow-none",
-            "scene": { "transforms": { "axisScale": 1.0, "showLabel": true, "enablePreloading": true } },
+            "scene": { "transforms": { "axisSize": 1.0, "showLabel": true, "enablePreloading": true } },
             "layers": { "grid": { "layerId": "foxglove.Grid", "label": "Grid", "visible": true, "size": distance } },
             "topics": self.settings(),
         });

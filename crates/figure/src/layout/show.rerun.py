@@ -42,7 +42,7 @@ def draw(path, entity):
             strips = points[pairs]
         else:
             strips = [points]
-        log(f"lines/{i}", rr.LineStrips3D(strips, colors=color(line.color)))
+        log(f"lines/{i}", rr.LineStrips3D(strips, colors=color(line.color), radii=rr.Radius.ui_points(0.75)))
     for i, surface in enumerate(entity.triangles):
         mesh = rr.Mesh3D(
             vertex_positions=[place(p) for p in surface.points],
@@ -112,7 +112,7 @@ def blueprint():
     world = rrb.Spatial3DView(
         name="World",
         origin="/",
-        contents=["+ /**", *hidden],
+        contents=[f"+ /{part}/**" for part in ("tf", "world", "map", "robot", "application", "drawn")] + hidden,
         overrides=kept,
         spatial_information=rrb.SpatialInformation(target_frame="world"),
         eye_controls=rrb.EyeControls3D(position=SHOWN["eye"], look_target=SHOWN["middle"], eye_up=[0, 0, 1]),

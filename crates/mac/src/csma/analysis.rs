@@ -159,7 +159,7 @@ pub struct SaturatedSlotted {
 #[must_use]
 pub fn saturated_slotted(stations: u32, frame_periods: u32, settings: &CsmaSettings) -> SaturatedSlotted {
     let mut rate = 0.05;
-    // Each step halves the distance at least: the map falls with the rate.
+    // Half steps: the next rate falls with the rate, so that full steps may swing.
     for _ in 0..200 {
         rate = f64::midpoint(rate, at(rate, stations, frame_periods, settings).0);
     }

@@ -22,6 +22,8 @@ export function legend(model, show, wayName) {
     if (model.world.contacts) entries.push(mark("cross", "var(--accent)", "contact with an obstacle"));
   }
   if (show.targets.length > 0) entries.push(mark("diamond", "var(--accent)", "target"));
+  if (model.applications.some((one) => one.predictions) && show.layers.path) entries.push(mark("small", "var(--accent)", "predicted place of a target"));
+  if (model.applications.some((one) => one.captures) && show.layers.path) entries.push(mark("ring", "var(--accent)", "capture"));
   if (model.obstacles.length > 0 && show.layers.obstacles) entries.push(mark("square", "var(--obstacle)", "obstacle"));
   const scale = show.maps.length === 1 && show.maps[0].colors.scale;
   const bar = scale ? element("div", { class: "bar" }, element("span", {}, wayName), element("span", {}, number(scale.low)),

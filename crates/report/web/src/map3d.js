@@ -7,9 +7,8 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { niceStep, number } from "./format.js";
-import { after, placeAt } from "./model.js";
+import { after, placeAt, stopsNow } from "./model.js";
 import { category, ink, robotColor } from "./palette.js";
-import { stopsNow } from "./map2d.js";
 
 /** With more nodes than this, lines of errors are left out. */
 const MOST_LINES = 20000;

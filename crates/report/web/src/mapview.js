@@ -3,10 +3,10 @@
 import { Clock } from "./clock.js";
 import { coloring, waysOf } from "./coloring.js";
 import { choice, element, section, tick } from "./element.js";
-import { counted, number, withUnit } from "./format.js";
+import { counted, number, short, withUnit } from "./format.js";
 import { KEY_HELP, pressed } from "./keys.js";
 import { legend } from "./legend.js";
-import { Map2d, short } from "./map2d.js";
+import { Map2d } from "./map2d.js";
 import { Map3d } from "./map3d.js";
 import { aboutNode, nodeCard } from "./nodecard.js";
 import { nodeTable } from "./nodetable.js";
@@ -312,7 +312,7 @@ export class MapView {
     this.tip.hidden = node < 0;
     if (node >= 0) {
       const { model } = this;
-      const lines = aboutNode(model, this.show(), node).filter(([name]) => !/place$/.test(name)).slice(0, 7);
+      const lines = aboutNode(model, this.show(), node).filter(([name]) => !/place$/i.test(name)).slice(0, 7);
       this.tip.replaceChildren(element("strong", {}, short(model.names[node])), ...lines.map(([name, text]) => element("span", {}, `${name}: ${text}`)));
       const right = x > this.stage.clientWidth * 0.6;
       this.tip.style.left = right ? "auto" : `${x + 14}px`;

@@ -217,3 +217,11 @@ export function after(times, time) {
   }
   return low;
 }
+
+/** The last stop of each robot at `time`. */
+export function stopsNow(survey, time) {
+  const last = new Map();
+  const { times_s: times, robots } = survey.stops;
+  for (let s = 0; s < times.length; s++) if (times[s] <= time && !(times[last.get(robots[s])] > times[s])) last.set(robots[s], s);
+  return [...last.values()];
+}

@@ -10,20 +10,20 @@ export function aboutNode(model, show, node) {
   const has = (column) => column && Number.isFinite(column[3 * node]);
   if (has(model.truth)) pairs.push(["True place", `${place(model.truth)} m`]);
   for (const { map, places } of show.maps) {
-    const of = show.maps.length > 1 ? `${map.name}: ` : "";
+    const called = (word) => (show.maps.length > 1 ? `${map.name}: ${word}` : word[0].toUpperCase() + word.slice(1));
     const concern = model.summaryOf(map).concerns?.find?.((one) => one.node === model.names[node])?.concern;
     if (!has(places)) {
-      pairs.push([`${of}place`, "not mapped"]);
+      pairs.push([called("place"), "not mapped"]);
       continue;
     }
-    pairs.push([`${of}place`, `${place(places)} m`]);
-    if (map.errors_m && Number.isFinite(map.errors_m[node])) pairs.push([`${of}error`, withUnit(map.errors_m[node], "m")]);
+    pairs.push([called("place"), `${place(places)} m`]);
+    if (map.errors_m && Number.isFinite(map.errors_m[node])) pairs.push([called("error"), withUnit(map.errors_m[node], "m")]);
     const deviation = model.deviation(map, node);
-    if (Number.isFinite(deviation)) pairs.push([`${of}standard deviation`, withUnit(deviation, "m")]);
+    if (Number.isFinite(deviation)) pairs.push([called("standard deviation"), withUnit(deviation, "m")]);
     const { log_likelihood: likelihood, ties } = map.details ?? {};
-    if (likelihood && Number.isFinite(likelihood[node])) pairs.push([`${of}log-likelihood`, number(likelihood[node])]);
-    if (ties && ties[node] > 1) pairs.push([`${of}equally likely places`, number(ties[node])]);
-    if (concern) pairs.push([`${of}concern`, String(concern)]);
+    if (likelihood && Number.isFinite(likelihood[node])) pairs.push([called("log-likelihood"), number(likelihood[node])]);
+    if (ties && ties[node] > 1) pairs.push([called("equally likely places"), number(ties[node])]);
+    if (concern) pairs.push([called("concern"), String(concern)]);
   }
   if (show.survey >= 0) {
     const heard = model.heard[show.survey];

@@ -1,34 +1,36 @@
 // Compares pictures by what an eye sees from afar: means over squares. Letters and edges differ from browser to browser and
-// from renderer to renderer, so pixels are not compared.
+// from renderer to renderer, so pixels are not compared. A kept picture has one pixel a square.
 
 import { PNG } from "pngjs";
 
 /** Side of a square (px). */
 const SIDE = 16;
+/** By how much (of 255) the mean of a square may differ. */
+const TOLERANCE = 24;
 
-/** The mean colour of each square. */
-function means(octets) {
+/** A picture with one pixel for each square of another one. */
+export function reduced(octets) {
   const { width, height, data } = PNG.sync.read(Buffer.from(octets));
-  const [columns, rows] = [Math.floor(width / SIDE), Math.floor(height / SIDE)];
-  const squares = new Float64Array(3 * columns * rows);
-  for (let y = 0; y < rows * SIDE; y++) {
-    for (let x = 0; x < columns * SIDE; x++) {
-      const square = 3 * (Math.floor(y / SIDE) * columns + Math.floor(x / SIDE));
-      for (let k = 0; k < 3; k++) squares[square + k] += data[4 * (y * width + x) + k] / SIDE ** 2;
+  const small = new PNG({ width: Math.floor(width / SIDE), height: Math.floor(height / SIDE) });
+  for (let row = 0; row < small.height; row++) {
+    for (let column = 0; column < small.width; column++) {
+      const sums = [0, 0, 0];
+      for (let y = row * SIDE; y < (row + 1) * SIDE; y++) {
+        for (let x = column * SIDE; x < (column + 1) * SIDE; x++) for (let k = 0; k < 3; k++) sums[k] += data[4 * (y * width + x) + k];
+      }
+      small.data.set([...sums.map((sum) => Math.round(sum / SIDE ** 2)), 255], 4 * (row * small.width + column));
     }
   }
-  return { columns, rows, squares };
+  return PNG.sync.write(small);
 }
 
-/** The share of squares whose colour differs by more than `tolerance` (of 255); 1 for pictures of different sizes. */
-export function difference(one, other, tolerance = 24) {
-  const [a, b] = [means(one), means(other)];
-  if (a.columns !== b.columns || Math.abs(a.rows - b.rows) > 1) return 1;
+/** The share of squares whose colours differ, of two reduced pictures; 1 if their sizes do. */
+export function difference(one, other) {
+  const [a, b] = [PNG.sync.read(one), PNG.sync.read(other)];
+  if (a.width !== b.width || a.height !== b.height) return 1;
   let differing = 0;
-  const count = a.columns * Math.min(a.rows, b.rows);
-  for (let i = 0; i < count; i++) {
-    const far = [0, 1, 2].some((k) => Math.abs(a.squares[3 * i + k] - b.squares[3 * i + k]) > tolerance);
-    if (far) differing += 1;
+  for (let i = 0; i < a.data.length; i += 4) {
+    if ([0, 1, 2].some((k) => Math.abs(a.data[i + k] - b.data[i + k]) > TOLERANCE)) differing += 1;
   }
-  return differing / count;
+  return differing / (a.width * a.height);
 }

@@ -6,7 +6,7 @@ import { existsSync, mkdtempSync, readFileSync, readdirSync, writeFileSync } fro
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { installed, open, settled, start } from "./browser.mjs";
-import { difference } from "./picture.mjs";
+import { difference, reduced } from "./picture.mjs";
 import { page as pageOf, synthetic } from "./synthetic.mjs";
 
 const folder = process.argv.slice(2).find((word) => !word.startsWith("--"));
@@ -60,7 +60,7 @@ async function looks(name, browser) {
       await test(`${name}: ${report} ${dark ? "dark" : "light"}`, async () => {
         const opened = await open(browser, join(folder, report), { dark });
         if (name === "chromium" && (!dark || report === "survey.html")) await hasNoBarriers(opened.page);
-        const picture = await opened.page.screenshot();
+        const picture = reduced(await opened.page.screenshot());
         const file = join(kept, `${report.replace(".html", "")}-${dark ? "dark" : "light"}.png`);
         if (isKeeping && name === "chromium") writeFileSync(file, picture);
         if (name === "chromium") {
@@ -98,7 +98,7 @@ async function uses(name, browser) {
     });
     await page.mouse.move(...at);
     const tip = await eventually(page, () => { const tip = document.querySelector(".tip"); return tip.hidden ? "" : tip.textContent; }, (text) => text !== "", "a tip");
-    assert.match(tip, /n3.*error: .*m.*Packets received/);
+    assert.match(tip, /n3.*Error: .*m.*Packets received/);
     await page.mouse.click(...at);
     await eventually(page, () => document.querySelector("#node h3").textContent, (text) => text === "n3", "the card of the node");
     isQuiet(opened);

@@ -55,10 +55,10 @@ export function synthetic(count) {
   const times = Float32Array.from({ length: stops }, (_, s) => s);
   return {
     kind: "run", title: `${count} nodes`, origin: { file: "synthetic.mcap", scenario: "synthetic", seed: "7", version: "0.0.0", reported_by: "0.0.0" },
-    summary: {
+    summary: JSON.stringify({
       simulation: { nodes: count, obstacles: 0, events: 0, sim_time_s: stops }, gathering: { stops, path_length_m: side * lines, duration_s: stops },
       maps: [{ algorithm: "ml-tm", mapped: count, unmapped: 0, position_error_m: { mean, median: quantile(0.5), p90: quantile(0.9), p95: quantile(0.95), max: quantile(1) } }],
-    },
+    }),
     world: {
       frame: { origin_m: [0, 0, 0], start_s: 0 }, names: Array.from({ length: count }, (_, node) => `n${node}`), truth_m: column("f32", truth),
       robots: [{ name: "surveyor", way: { times_s: column("f32", times), places_m: column("f32", at) } }],

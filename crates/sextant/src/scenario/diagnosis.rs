@@ -61,12 +61,22 @@ impl<T: DeserializeOwned> Diagnosis<'_, T> {
                 return;
             }
             self.errors.extend(fresh.iter().map(|error| self.document.outside(error)));
-            for path in fresh.iter().filter_map(|error| KeyPath::parse(&error.key).ok()) {
-                if self.document.nearest(&path).1 {
-                    self.set_placeholder(&path, Placeholder::Absent);
-                }
+            for error in &fresh {
+                self.set_value_aside(error);
             }
             known.extend(fresh);
+        }
+    }
+
+    /// Sets the value of an error aside: a name that is allowed takes its place, or a placeholder.
+    fn set_value_aside(&mut self, error: &SettingError) {
+        let Ok(path) = KeyPath::parse(&error.key) else { return };
+        let Some(entry) = self.document.entry_mut(&path) else { return };
+        match (&mut entry.value, error.allowed().split('"').nth(1)) {
+            (Value::String(text), Some(name)) if text != name => *text = name.to_owned(),
+            _ => {
+                self.set_placeholder(&path, Placeholder::Absent);
+            }
         }
     }
 

@@ -38,6 +38,9 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         writeln!(out)?;
     }
     for mac in summary.mac.iter().chain(&summary.other_networks) {
+        if summary.gathering.is_some() && mac.network.is_none() {
+            writeln!(out, "traffic to sinks")?;
+        }
         mac_table::write(mac, out)?;
     }
     if let Some(sensing) = &summary.sensing {

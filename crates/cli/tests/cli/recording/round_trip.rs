@@ -103,7 +103,7 @@ fn an_inspection_counts_messages_by_topic() {
     assert_eq!(count("/receptions"), Some(log.receptions().len() as u64));
     assert_eq!(count("/robot/surveyor/contacts"), Some(13));
     assert_eq!(count("/robot/scout/contacts"), Some(7));
-    assert_eq!(inspection.topics.len(), 22);
+    assert_eq!(inspection.topics.len(), 31);
     assert_eq!(inspection.messages, inspection.topics.iter().map(|topic| topic.messages).sum::<u64>());
     assert_eq!(inspection.damage, None);
     assert_eq!(inspection.start_s, Some(0.0));

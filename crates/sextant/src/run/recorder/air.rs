@@ -49,7 +49,8 @@ impl RecordedSimulation {
             let offset = self.offset;
             self.air.draw(offset, recorder)?;
         }
-        let mut ends: Vec<Position> = frame.heard.iter().filter_map(|heard| self.collector(heard.collector)).collect();
+        let mut ends: Vec<Position> =
+            frame.heard.iter().filter_map(|heard| self.collector(heard.collector)).collect();
         if ends.is_empty() {
             let collectors = (0..self.robots.len() + self.sinks.len()).filter_map(|index| self.collector(index));
             ends.extend(collectors.min_by(|a, b| a.distance_m(from).total_cmp(&b.distance_m(from))));

@@ -36,6 +36,7 @@ pub(super) fn close(
     for track in &mut simulation.robots {
         recorder.application_path(stop, name, &track.name, &track.places)?;
         track.close(stop, Some(name), recorder)?;
+        track.stay(stop, recorder)?;
     }
     let seeks = !application.algorithm.is_search();
     simulation.air.draw(offset, recorder)?;
@@ -45,6 +46,7 @@ pub(super) fn close(
     recording.captures(&performance.witness, recorder)?;
     recording.estimates(&performance.scored, recorder)?;
     recording.distances(&performance.witness, survey.end, recorder)?;
+    recorder.note(stop, Level::Info, name, &performance.summary.participants())?;
     recorder.note(stop, Level::Info, name, &performance.summary.outcome())?;
     Ok(Phase { name: name.clone(), start, end: stop })
 }

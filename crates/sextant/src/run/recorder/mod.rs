@@ -167,6 +167,9 @@ impl RunObserver for RunRecorder {
         for track in &mut self.simulation.robots {
             recorder.path(end, &track.name, &track.places)?;
             track.close(end, None, recorder)?;
+            if self.has_applications {
+                track.stay(end, recorder)?;
+            }
         }
         self.simulation.air.draw(Duration::ZERO, recorder)?;
         let nodes = survey.scenario.world().nodes.len();

@@ -59,15 +59,19 @@ impl Track {
         recorder.way(time, application, &self.name, &self.places)
     }
 
-    /// Records the end of the simulation: the robot stays where it is, and its whole way is drawn.
+    /// Records that the robot is still where it is, so that a viewer does not move it to where the next simulation begins.
+    pub(super) fn stay(&self, time: SimTime, recorder: &mut FileRecorder) -> Result<(), RecordingError> {
+        let place = self.places.last();
+        place.map_or(Ok(()), |&place| recorder.robot(time, &self.name, place, self.heading_rad))
+    }
+
+    /// Draws the whole way at the end of the simulation, if the robot has moved.
     pub(super) fn close(
         &mut self,
         time: SimTime,
         application: Option<&str>,
         recorder: &mut FileRecorder,
     ) -> Result<(), RecordingError> {
-        let Some(&place) = self.places.last() else { return Ok(()) };
-        recorder.robot(time, &self.name, place, self.heading_rad)?;
         if self.places.len() > 1 { self.draw_way(time, application, recorder) } else { Ok(()) }
     }
 }

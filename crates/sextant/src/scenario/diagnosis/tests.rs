@@ -171,7 +171,7 @@ fn what_follows_from_a_mistake_is_no_mistake() {
         ("\n[[robots]]\nname = \"first\"", "\n[[robots]]\nname = 1", 1),
         ("positions_m = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]", "positions_m = 3", 1),
         ("[world.nodes.explicit]", "[world.nodes.exotic]", 1),
-        ("[traffic.beacon]\ninterval_s = 1.0", "traffic = 3", 1),
+        ("[traffic.beacon]\ninterval_s = 1.0", "[traffic]", 1),
         ("[radio]\ntx_power_dbm = -50.0\nsensitivity_dbm = -90.0", "[radio]", 2),
     ] {
         assert_eq!(GOOD.matches(from).count(), 1, "{from}");

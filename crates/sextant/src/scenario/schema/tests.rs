@@ -12,7 +12,9 @@ fn each_key(schema: &Value, see: &mut impl FnMut(&str, &Value, &Value)) {
         schema[parts].as_array().into_iter().flatten().for_each(|part| each_key(part, see));
     }
     for part in ["items", "additionalProperties"] {
-        each_key(&schema[part], see);
+        if let Some(part) = schema.get(part) {
+            each_key(part, see);
+        }
     }
     schema["$defs"].as_object().into_iter().flatten().for_each(|(_, part)| each_key(part, see));
 }
