@@ -100,7 +100,8 @@ fn the_log_is_mapped_at_once_and_is_what_its_readme_says() {
     ] {
         scenario = scenario.with(key, value).expect("a good setting");
     }
-    let simulated = sextant::survey(&scenario, &mut (), &Unwatched).expect("it runs");
+    let surveyed = sextant::survey(&scenario, &mut (), &Unwatched).expect("it runs").expect("a survey");
+    let simulated = &surveyed.simulated.survey;
     let log = simulated.logs.first();
     let rows = |name: &str| {
         let text = std::fs::read_to_string(folder.path().join("log").join(name)).expect("a file of the template");
