@@ -45,7 +45,7 @@ fn section(command: &Command) -> String {
             "\n**{heading}**\n\n| {} | meaning |\n| --- | --- |\n",
             title.trim_end_matches('s').to_lowercase()
         ));
-        section.push_str(&tables[heading]);
+        section.push_str(&tables.remove(heading).unwrap_or_default());
     }
     section
 }

@@ -69,10 +69,8 @@ pub(crate) fn steps(text: &str) -> Result<Vec<Numbered>, String> {
                 steps.push((number + 1, step));
             }
             marks.clear();
-        } else if !trimmed.is_empty() {
-            if let Some(mark) = marks.first() {
-                return Err(at(&format!("the comment `{mark}` is not followed by a block")));
-            }
+        } else if let Some(mark) = marks.first().filter(|_| !trimmed.is_empty()) {
+            return Err(at(&format!("the comment `{mark}` is not followed by a block")));
         }
     }
     Ok(steps)

@@ -53,6 +53,8 @@ fn row(key: &KeyReference, tables: &BTreeSet<&str>) -> String {
     let kind = section.map_or_else(|| key.kind.clone(), |section| format!("[{}](#{section})", key.kind));
     let kind = [Some(kind), key.unit.clone(), key.range.clone()].into_iter().flatten().collect::<Vec<_>>().join(", ");
     let default = match &key.default {
+        // The keys of the table have them one by one.
+        Some(default) if default.starts_with('{') => "its defaults".to_owned(),
         Some(default) => format!("`{}`", default.replace('|', "\\|")),
         None if key.is_required => "required".to_owned(),
         None => String::new(),
