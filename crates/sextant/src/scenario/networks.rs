@@ -206,10 +206,11 @@ impl<'a> NetworkTables<'a> {
                 errors.take("", Err(SettingError::conflict(&self.traffic.key, "`mac.sector_sweep`", remedy)))
             }
             _ if self.sweeps_sectors() => silent(),
+            // Names of nodes are not known without a world.
+            Some(traffic) if nodes.is_none() && traffic.names_nodes() => None,
             Some(traffic) => {
                 let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), files);
-                // Names of nodes are not known without a world.
-                nodes.and_then(|_| errors.take(&self.traffic.key, plan))
+                errors.take(&self.traffic.key, plan).filter(|_| nodes.is_some())
             }
             // Nodes that compute a map, or that only take part in applications, send their messages alone.
             None if config.distributed_mapping.is_some() || !config.has_traffic() => silent(),

@@ -108,7 +108,7 @@ fn errors_point_at_the_key_or_value() {
         ("robots = [1]", "a.toml:1:11 `robots[0]` is the integer 1; allowed: a table"),
         ("shape.disc = [2.0]", "a.toml:1:14 `shape.disc` is an array; allowed: a table"),
         ("shape.disc.radius_m = true", "a.toml:1:23 `shape.disc.radius_m` is the boolean true; allowed: a number"),
-        ("shape = 3", "a.toml:1:9 `shape` is the integer 3; allowed: one of `everything`, `disc`, `square`"),
+        ("shape = 3", "a.toml:1:9 `shape` is the integer 3; allowed: one of `disc`, `square`, `everything`"),
         ("size = [1]", "a.toml:1:8 `size`: `[x, y]` or `[x, y, z]`"),
         (
             "[[robots]]\nname = \"a\"\n[[robots]]\nname = 3",

@@ -184,6 +184,12 @@ impl TrafficConfig {
         }
     }
 
+    /// Whether it names nodes, so that it cannot be checked without them.
+    #[must_use]
+    pub fn names_nodes(&self) -> bool {
+        matches!(self, Self::Trace(_) | Self::Groups(_))
+    }
+
     /// The key of its kind.
     fn key(&self) -> &'static str {
         match self {
