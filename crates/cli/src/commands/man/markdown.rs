@@ -24,10 +24,9 @@ pub(super) fn page(program: &Command) -> String {
 /// The section of one command: its purpose, its synopsis, its arguments and its options by heading.
 fn section(command: &Command) -> String {
     let usage = command.clone().render_usage().to_string();
-    let usage = usage.trim_start_matches("Usage: ");
+    let usage = usage.trim_start_matches("Usage: ").split_whitespace().collect::<Vec<_>>().join(" ");
     let about = text(command.get_long_about().or_else(|| command.get_about()));
-    let mut section =
-        format!("\n## sextant {}\n\n{}.\n\n```text\n{usage}\n```\n", command.get_name(), escaped(&about));
+    let mut section = format!("\n## sextant {}\n\n{}.\n\n`{usage}`\n", command.get_name(), escaped(&about));
     let mut headings: Vec<&str> = Vec::new();
     let mut tables: BTreeMap<&str, String> = BTreeMap::new();
     let arguments = command.get_arguments().filter(|argument| !argument.is_hide_set() && argument.get_id() != "help");
