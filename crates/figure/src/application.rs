@@ -31,7 +31,8 @@ const THOUGHT: f64 = 2.0;
 pub(super) fn draw(source: &Source<'_>, application: &RecordedApplication) -> Picture {
     let field = field(application);
     let bar = field.map(colour_bar);
-    let views = source.views(places(application));
+    let cells = field.into_iter().flat_map(|field| cells::corners(&field.plane));
+    let views = source.views(places(application).chain(cells));
     let radius = 0.6 * views.dot_radius(source.drawn.nodes.len());
     let (mut picture, areas) = sheet(source, application, radius, bar.as_ref()).lay_out(&views.sizes());
     for panel in views.panels(&areas) {
