@@ -94,20 +94,7 @@ fn message(declaration: &Declaration) -> DescriptorProto {
 mod tests {
     use std::collections::BTreeSet;
 
-    use super::super::messages;
-    use super::Declaration;
-
-    fn declarations() -> impl Iterator<Item = &'static Declaration> {
-        let own = [
-            messages::DECLARATIONS,
-            messages::applications::DECLARATIONS,
-            messages::distributed::DECLARATIONS,
-            messages::networks::DECLARATIONS,
-            messages::packets::DECLARATIONS,
-            messages::sensing::DECLARATIONS,
-        ];
-        own.into_iter().flatten()
-    }
+    use super::super::messages::declarations;
 
     #[test]
     fn the_documentation_lists_every_field_with_its_number() {

@@ -219,6 +219,19 @@ pub struct MetricMessage {
     pub value: f64,
 }
 
+/// All own messages.
+pub(crate) fn declarations() -> impl Iterator<Item = &'static Declaration> {
+    let all = [
+        DECLARATIONS,
+        applications::DECLARATIONS,
+        distributed::DECLARATIONS,
+        networks::DECLARATIONS,
+        packets::DECLARATIONS,
+        sensing::DECLARATIONS,
+    ];
+    all.into_iter().flatten()
+}
+
 recorded! {
     "sextant.proto";
     NodesMessage = "Nodes": ["first" = 1 Uint32, "names" = 2 Strings];

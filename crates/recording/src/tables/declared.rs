@@ -7,7 +7,7 @@ use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_f
 use super::row::{Cell, CellKind, TableColumn};
 use super::{Message, OwnedRow};
 use crate::descriptor::{Declaration, Field, Kind};
-use crate::messages;
+use crate::messages::declarations;
 use crate::names::{ApplicationTopics, LogTopics};
 
 /// The columns of the table of receptions.
@@ -137,18 +137,6 @@ pub(super) fn name_of(names: &[String], node: i64) -> String {
     index.and_then(|index| names.get(index)).cloned().unwrap_or_else(|| node.to_string())
 }
 
-fn declarations() -> impl Iterator<Item = &'static Declaration> {
-    let all = [
-        messages::DECLARATIONS,
-        messages::applications::DECLARATIONS,
-        messages::distributed::DECLARATIONS,
-        messages::networks::DECLARATIONS,
-        messages::packets::DECLARATIONS,
-        messages::sensing::DECLARATIONS,
-    ];
-    all.into_iter().flatten()
-}
-
 /// The column of a field: times are in seconds, and nodes have their names.
 fn column(field: &Field, is_node: bool) -> TableColumn {
     let kind = match field.kind {
@@ -230,6 +218,8 @@ fn value(field: &Field, wire: WireType, rest: &mut &[u8]) -> Result<Cell, String
 mod tests {
     use prost::Message as _;
 
+    use crate::messages::FrameMessage;
+
     use super::*;
 
     #[test]
@@ -251,7 +241,7 @@ mod tests {
 
     #[test]
     fn a_message_is_a_row_with_names_and_seconds() {
-        let frame = messages::FrameMessage {
+        let frame = FrameMessage {
             start_ns: 1_500_000_000,
             airtime_ns: 832_000,
             source: 1,
