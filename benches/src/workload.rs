@@ -17,6 +17,8 @@ pub struct Workload {
     pub range_m: f64,
     /// Distance of neighbouring grid vertices (m).
     pub grid_step_m: f64,
+    /// Where the nodes really are (m).
+    pub places: Vec<Position>,
 }
 
 /// Transmit power less sensitivity (dB), path-loss exponent and shadowing (dB) of the suburban environment
@@ -53,7 +55,13 @@ pub fn plane() -> Workload {
             Position::new(draw(0), draw(1), 0.0)
         })
         .collect();
-    Workload { name: "plane", log: survey(seed, &nodes, &stops, 10.0), range_m: 10.0, grid_step_m: 0.25 }
+    Workload {
+        name: "plane",
+        log: survey(seed, &nodes, &stops, 10.0),
+        range_m: 10.0,
+        grid_step_m: 0.25,
+        places: nodes,
+    }
 }
 
 /// W2: 1736 nodes in a ball of 1400 m³, 706 stops along a path that fills it, 3 m of range, a grid of 0.25 m.
@@ -72,26 +80,36 @@ pub fn ball() -> Workload {
     let mut stops: Vec<Position> =
         sites.map(|site| Position::from(site.map(f64::from)) * spacing_m).filter(inside).collect();
     stops.truncate(706);
-    Workload { name: "ball", log: survey(seed, &nodes, &stops, 3.0), range_m: 3.0, grid_step_m: 0.25 }
+    Workload { name: "ball", log: survey(seed, &nodes, &stops, 3.0), range_m: 3.0, grid_step_m: 0.25, places: nodes }
 }
 
 /// A square of `nodes / 0.5` m² with one stop each square metre, 10 m of range, a grid of 0.24 m. W4 has 100 000 nodes
 /// and twice as many stops, W5 ten times that.
 #[must_use]
 pub fn field(nodes: u32) -> Workload {
+    field_with_stops(nodes, 1.0)
+}
+
+/// The same with a stop each `spacing_m` in both directions.
+#[must_use]
+pub fn field_with_stops(nodes: u32, spacing_m: f64) -> Workload {
     let seed = Seed(4);
     let side = (f64::from(2 * nodes)).sqrt().round();
-    let sites = (0..).map(f64::from).take_while(|&y| y < side);
-    let stops: Vec<Position> = sites
-        .flat_map(|y| (0..).map(f64::from).take_while(|&x| x < side).map(move |x| Position::new(x, y, 0.0)))
-        .collect();
+    let sites = || (0..).map(|i| f64::from(i) * spacing_m).take_while(|&at| at < side);
+    let stops: Vec<Position> = sites().flat_map(|y| sites().map(move |x| Position::new(x, y, 0.0))).collect();
     let nodes: Vec<Position> = (0..u64::from(nodes))
         .map(|node| {
             let draw = |axis| side * seed.uniform(Purpose::new(1), [node, axis, 0]);
             Position::new(draw(0), draw(1), 0.0)
         })
         .collect();
-    Workload { name: "field", log: survey(seed, &nodes, &stops, 10.0), range_m: 10.0, grid_step_m: 0.24 }
+    Workload {
+        name: "field",
+        log: survey(seed, &nodes, &stops, 10.0),
+        range_m: 10.0,
+        grid_step_m: 0.24,
+        places: nodes,
+    }
 }
 
 /// W3: 881 nodes in a room of 40 m by 20 m by 4 m, 1000 stops in five layers, 7 m of range, a grid of 0.2 m, and an
@@ -127,7 +145,7 @@ pub fn room() -> Workload {
     let sectors = SectorTable::try_from(even).expect("sound sectors");
     let log = receptions.build(omni.names().to_vec(), omni.stops().to_vec(), Vec::new());
     let log = log.and_then(|log| log.with_sectors(sectors)).expect("a log without contradictions");
-    Workload { name: "room", log, range_m: 7.0, grid_step_m: 0.2 }
+    Workload { name: "room", log, range_m: 7.0, grid_step_m: 0.2, places: nodes }
 }
 
 /// The log of `nodes` heard at `stops`: one packet each, log-distance loss, shadowing drawn for each packet, and

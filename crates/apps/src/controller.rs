@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 use sextant_sim::Controller;
+use sextant_sim::layout::RegionConfig;
 
 use crate::automated_s::{AutomatedS, AutomatedSConfig};
 use crate::hilbert::{Hilbert, HilbertConfig};
@@ -64,6 +65,32 @@ impl ControllerConfig {
             Self::AutomatedS(_) | Self::RandomWalk(_) => false,
             Self::SPath(_) | Self::Spiral(_) | Self::Hilbert(_) | Self::Waypoints(_) => true,
         }
+    }
+
+    /// The region that the robots of a team divide among them, with its key in the controller's table: `None` for a
+    /// controller that no team can have, and a region of `None` if it is not written.
+    #[must_use]
+    pub fn region(&self) -> Option<(&'static str, Option<&RegionConfig>)> {
+        match self {
+            Self::AutomatedS(config) => Some(("automated_s.area", config.area.as_ref())),
+            Self::SPath(config) => Some(("s_path.region", Some(&config.region))),
+            Self::Spiral(config) => Some(("spiral.region", Some(&config.region))),
+            Self::Hilbert(config) => Some(("hilbert.region", Some(&config.region))),
+            Self::RandomWalk(_) | Self::Waypoints(_) => None,
+        }
+    }
+
+    /// The same controller for another region, if it has one that a team can divide.
+    #[must_use]
+    pub fn over(mut self, region: RegionConfig) -> Self {
+        match &mut self {
+            Self::AutomatedS(config) => config.area = Some(region),
+            Self::SPath(config) => config.region = region,
+            Self::Spiral(config) => config.region = region,
+            Self::Hilbert(config) => config.region = region,
+            Self::RandomWalk(_) | Self::Waypoints(_) => {}
+        }
+        self
     }
 
     /// How many packets of each node the robot must hear; 1 for a path that is planned before the start.

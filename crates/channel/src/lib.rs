@@ -41,6 +41,7 @@
 mod antenna;
 mod bounds;
 mod cell_grid;
+mod cell_index;
 #[cfg(feature = "obstacles")]
 mod channel;
 mod environment;
@@ -82,6 +83,7 @@ pub use antenna::{
 };
 pub use bounds::Bounds;
 pub use cell_grid::CellGrid;
+pub use cell_index::CellIndex;
 #[cfg(feature = "obstacles")]
 pub use channel::Channel;
 pub use environment::Environment;

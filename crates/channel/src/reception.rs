@@ -7,6 +7,7 @@ mod network_logs;
 mod view;
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
@@ -68,7 +69,8 @@ pub struct Contact {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReceptionLog {
     names: Vec<String>,
-    stops: Vec<Stop>,
+    /// Shared with the parts of the log.
+    stops: Arc<Vec<Stop>>,
     /// Sorted by node, then by stop.
     columns: Columns,
     /// Where the receptions of each node begin, and the end of the last.
@@ -83,7 +85,7 @@ impl Default for ReceptionLog {
     fn default() -> Self {
         Self {
             names: Vec::new(),
-            stops: Vec::new(),
+            stops: Arc::default(),
             columns: Columns::default(),
             first: vec![0],
             contacts: Vec::new(),
@@ -218,7 +220,7 @@ impl ReceptionLog {
         if self.columns.has_counts() {
             Cow::Owned(Self {
                 names: self.names.clone(),
-                stops: self.stops.clone(),
+                stops: Arc::clone(&self.stops),
                 columns: self.columns.at_least_one(),
                 first: self.first.clone(),
                 contacts: self.contacts.clone(),
@@ -240,6 +242,20 @@ impl ReceptionLog {
         let contacts = self.contacts.iter().filter(|contact| contact.time < time).copied().collect();
         let cut = receptions.build(self.names.clone(), stops, contacts).expect("a part of a log is a log");
         Self { robots: self.robots.clone(), sectors: self.sectors.clone(), ..cut }
+    }
+
+    /// The log of other nodes, called `names`, who were heard at the same stops by the same robots: a part of a log that is
+    /// too large to be in memory at once. The stops are shared, not copied.
+    ///
+    /// # Errors
+    /// If a reception is invalid, or names a sector that the log does not have.
+    pub fn part(&self, names: Vec<String>, receptions: ReceptionLogBuilder) -> Result<Self, LogError> {
+        let part = receptions.build_at(names, Arc::clone(&self.stops), self.contacts.clone())?;
+        let part = Self { robots: self.robots.clone(), ..part };
+        match &self.sectors {
+            Some(sectors) => part.with_sectors(sectors.clone()),
+            None => Ok(part),
+        }
     }
 
     /// Names of the robots; the index is the [`RobotId`]. Empty if the names are not known.

@@ -19,6 +19,11 @@ const HALF: Stroke = Stroke::new(FAINT_INK, 1.0);
 /// Radius of the neighbourhood for the connectivity error (m).
 const NEIGHBOURHOOD_M: f64 = 5.0;
 
+/// Curves with more steps than this are drawn with one step for each place ...
+const MOST_STEPS: usize = 5000;
+/// ... that can be distinguished in a file (px).
+const FINEST: f64 = 0.1;
+
 /// An error of a node in a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NodeError {
@@ -129,9 +134,16 @@ impl Curve {
     fn steps(&self, axes: &Axes) -> Vec<Point> {
         let share = |count: usize| count as f64 / self.errors.len() as f64;
         let mut points = vec![axes.at(0.0, 0.0)];
-        for (i, &error) in self.errors.iter().enumerate() {
-            points.push(axes.at(error, share(i)));
-            points.push(axes.at(error, share(i + 1)));
+        // Errors that are drawn at the same place are one step.
+        let is_one_step = |a: &f64, b: &f64| {
+            let place = |error: f64| (axes.at(error, 0.0).x / FINEST).round();
+            self.errors.len() > MOST_STEPS && place(*a).total_cmp(&place(*b)).is_eq()
+        };
+        let mut before = 0;
+        for step in self.errors.chunk_by(is_one_step) {
+            points.push(axes.at(step[0], share(before)));
+            before += step.len();
+            points.push(axes.at(step[0], share(before)));
         }
         points.push(axes.at(axes.across.high, 1.0));
         points
@@ -142,6 +154,23 @@ impl Curve {
 mod tests {
     use super::*;
     use crate::picture::Area;
+
+    #[test]
+    fn a_curve_of_many_errors_has_one_step_for_each_place() {
+        let axis = |high: f64| Axis { low: 0.0, high, name: String::new(), shown: Shown::All };
+        let area = Area { left: 0.0, top: 0.0, width: 40.0, height: 10.0 };
+        let axes = Axes { across: axis(4.0), up: axis(1.0), area };
+        let errors: Vec<f64> = (0..20_000).map(|i| f64::from(i) / 5000.0).collect();
+        let curve = Curve { errors: errors.clone(), median: 2.0, color: CURVES[0], pattern: &[] };
+        let points = curve.steps(&axes);
+        assert!(points.len() < 900, "{}", points.len());
+        // No error is farther from the curve than a place is wide.
+        for (i, error) in errors.iter().enumerate() {
+            let exact = axes.at(*error, (i + 1) as f64 / 20_000.0);
+            let nearest = points.iter().map(|point| point.distance(exact)).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 2.0 * FINEST, "{error}: {nearest} px");
+        }
+    }
 
     #[test]
     fn a_curve_has_one_step_per_error() {

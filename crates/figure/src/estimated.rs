@@ -65,11 +65,19 @@ pub(super) struct Pair {
     pub(super) sent: f64,
 }
 
+/// At most about so many pairs of a node and a stop are looked at.
+const MOST_PAIRS: usize = 20_000_000;
+
+/// One of so many nodes is looked at, so that there are not too many pairs.
+pub(super) fn one_node_in(log: &ReceptionLog) -> usize {
+    log.node_count().saturating_mul(log.stops().len()).div_ceil(MOST_PAIRS).max(1)
+}
+
 /// The pairs of a mapped node and a stop that listened to it. A pair that `log` does not have is one packet that was
-/// missed.
+/// missed. Of large logs, these are the pairs of [`one_node_in`] so many nodes.
 pub(super) fn pairs(map: &TopologyMap, log: &ReceptionLog) -> Vec<Pair> {
     let mut pairs = Vec::new();
-    for (node, place) in map.positions().into_iter().enumerate().take(log.node_count()) {
+    for (node, place) in map.positions().into_iter().enumerate().take(log.node_count()).step_by(one_node_in(log)) {
         let Some(place) = place else { continue };
         let mut entries = log.of(NodeId::from_index(node)).iter().peekable();
         for (stop, at) in log.stops().iter().enumerate() {

@@ -2,24 +2,29 @@
 
 use std::collections::BTreeSet;
 
+use sextant_recording::Places;
+
+use super::crowded_network::Crowds;
+use super::density::Crowding;
 use super::distribution::{self, NodeError};
 use super::estimated::EstimatedMap;
 use super::file::Figure;
 use super::picture::Picture;
 use super::source::Source;
 use super::{
-    application, application_curves, displacement, estimated_map, field, likelihood, map, network, reception_curve,
-    residuals, scattering, sectors, targets,
+    application, application_curves, crowded_map, crowded_network, displacement, estimated_map, field, likelihood,
+    map, network, reception_curve, residuals, scattering, sectors, targets,
 };
 
-/// All figures of a recording: `network`, `sectors` if robots have sectors, `targets` if there are any,
-/// `field-NAME-Ts` for each recorded instant T of a field. There is `application-NAME` with its time series for each
+/// All figures of a recording: `network`, and `survey` if there are so many nodes or stops that dots would overlap; then
+/// colours show the number of nodes in each cell, or a mean over them. There are `sectors` if robots have sectors,
+/// `targets` if there are any, `field-NAME-Ts` for each recorded instant T of a field. There is `application-NAME` with its time series for each
 /// application, `map-NAME` for each map, and `likelihood-NAME-NODE` for each likelihood surface. If the true
 /// positions are known, there are `error-cdf` and `connectivity-cdf`. There is `sector-displacement` if nodes have
 /// sectors, and `neighbour-scattering` if nodes computed a map.
 #[must_use]
 pub fn all(source: &Source<'_>) -> Vec<Figure> {
-    named(pictures(source))
+    named(pictures(source, Crowding::default()))
 }
 
 /// The same of maps that were computed from the log of `source`, and whose places it has. Their `map-NAME` has regions and
@@ -28,12 +33,17 @@ pub fn all(source: &Source<'_>) -> Vec<Figure> {
 /// `curve-NAME-NETWORK`.
 #[must_use]
 pub fn all_of_maps(source: &Source<'_>, maps: &[EstimatedMap<'_>]) -> Vec<Figure> {
-    let mut figures = pictures(source);
+    let crowding = Crowding::default();
+    let mut figures = pictures(source, crowding);
     for estimated in maps {
         let EstimatedMap { name, map, ref curves, .. } = *estimated;
         let own = format!("map-{name}");
-        if let Some((_, picture)) = figures.iter_mut().find(|(other, _)| *other == own) {
-            *picture = estimated_map::draw(source, estimated, &estimated_map::places(map));
+        let places = estimated_map::places(map);
+        // Regions and names have no room in a crowd.
+        if !is_map_crowded(source, &places, crowding)
+            && let Some((_, picture)) = figures.iter_mut().find(|(other, _)| *other == own)
+        {
+            *picture = estimated_map::draw(source, estimated, &places);
         }
         for of in curves {
             let network = of.network.map(|network| format!("-{network}")).unwrap_or_default();
@@ -47,8 +57,8 @@ pub fn all_of_maps(source: &Source<'_>, maps: &[EstimatedMap<'_>]) -> Vec<Figure
 }
 
 /// The figures and their names, which may be no file names.
-fn pictures(source: &Source<'_>) -> Vec<(String, Picture)> {
-    let mut figures = vec![("network".to_owned(), network::draw(source))];
+fn pictures(source: &Source<'_>, crowding: Crowding) -> Vec<(String, Picture)> {
+    let mut figures = networks(source, crowding);
     figures.extend(sectors::draw(source).map(|picture| ("sectors".to_owned(), picture)));
     figures.extend(targets::draw(source).map(|picture| ("targets".to_owned(), picture)));
     for instant in &source.drawn.fields {
@@ -62,7 +72,9 @@ fn pictures(source: &Source<'_>) -> Vec<(String, Picture)> {
         figures.extend(curves.into_iter().map(|(what, picture)| (format!("{name}-{what}"), picture)));
     }
     for (name, places) in &source.drawn.maps {
-        figures.push((format!("map-{name}"), map::draw(source, name, places)));
+        let is_crowded = is_map_crowded(source, places, crowding);
+        let draw = if is_crowded { crowded_map::draw } else { map::draw };
+        figures.push((format!("map-{name}"), draw(source, name, places)));
     }
     for (name, what) in [("error-cdf", NodeError::Position), ("connectivity-cdf", NodeError::Connectivity)] {
         figures.extend(distribution::draw(source, what).map(|picture| (name.to_owned(), picture)));
@@ -74,6 +86,28 @@ fn pictures(source: &Source<'_>) -> Vec<(String, Picture)> {
         figures.push((name, likelihood::draw(source, surface)));
     }
     figures
+}
+
+/// The figures of the network and of the survey: one, or two where dots would overlap.
+fn networks(source: &Source<'_>, crowding: Crowding) -> Vec<(String, Picture)> {
+    let Source { drawn, log, .. } = *source;
+    let views = source.views(source.survey().chain(drawn.sinks.values().copied()));
+    let (nodes, stops) = (drawn.nodes.len(), log.stops().len());
+    let crowds = Crowds { nodes: crowding.is_crowded(nodes, &views), stops: crowding.is_crowded(stops, &views) };
+    if !crowds.nodes && !crowds.stops {
+        return vec![("network".to_owned(), network::draw(source))];
+    }
+    let mut figures = vec![("network".to_owned(), crowded_network::draw(source, crowds))];
+    if stops > 0 {
+        figures.push(("survey".to_owned(), crowded_network::draw_survey(source)));
+    }
+    figures
+}
+
+/// Whether the dots of a map would overlap.
+fn is_map_crowded(source: &Source<'_>, places: &Places, crowding: Crowding) -> bool {
+    let count = places.len().max(source.drawn.nodes.len());
+    crowding.is_crowded(count, &source.views(places.values().copied()))
 }
 
 fn named(figures: Vec<(String, Picture)>) -> Vec<Figure> {
@@ -94,7 +128,54 @@ fn file_name(name: &str, taken: &mut BTreeSet<String>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+    use sextant_kernel::{NodeId, RobotId, SimTime};
+    use sextant_recording::RecordedWorld;
+
+    use super::super::picture::Mark;
     use super::*;
+
+    /// A square of 20 by 20 nodes with a map and a stop at each node.
+    fn world() -> (ReceptionLog, RecordedWorld) {
+        let site = |i: u32| Position::new(f64::from(i % 20), f64::from(i / 20), 0.0);
+        let nodes: Places = (0..400).map(|i| (NodeId(i), site(i))).collect();
+        let mapped = nodes.iter().skip(3).map(|(&node, &place)| (node, place + Position::new(0.1, 0.0, 0.0)));
+        let stop = |i| Stop { robot: RobotId(0), time: SimTime::ZERO, position: site(i) };
+        let heard = |i| Reception {
+            node: NodeId(i),
+            stop: i,
+            received: 1,
+            sent: 1,
+            sector: None,
+            rssi_dbm: None,
+            snr_db: None,
+        };
+        let names = (0..400).map(|i| format!("n{i}")).collect();
+        let log = ReceptionLog::new(names, (0..400).map(stop).collect(), (0..400).map(heard).collect(), Vec::new())
+            .unwrap();
+        let maps = vec![("ml-tm".to_owned(), mapped.collect())];
+        (log, RecordedWorld { nodes, maps, ..RecordedWorld::default() })
+    }
+
+    fn discs(figures: &[(String, Picture)], name: &str) -> usize {
+        let (_, picture) = figures.iter().find(|(other, _)| other == name).unwrap();
+        picture.marks.iter().filter(|mark| matches!(mark, Mark::Disc { .. })).count()
+    }
+
+    #[test]
+    fn crowded_nodes_are_cells_and_others_are_dots() {
+        let (log, drawn) = world();
+        let source =
+            Source { title: "t", log: &log, drawn: &drawn, sector_displacements: &[], claimed_obstacles: &[] };
+        let names = |figures: &[(String, Picture)]| figures.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+        let usual = pictures(&source, Crowding::default());
+        assert_eq!(names(&usual), ["network", "map-ml-tm", "error-cdf", "connectivity-cdf"]);
+        // The legend has a dot too.
+        assert_eq!([discs(&usual, "network"), discs(&usual, "map-ml-tm")], [401, 398]);
+        let crowded = pictures(&source, Crowding { least_distance: 100.0 });
+        assert_eq!(names(&crowded), ["network", "survey", "map-ml-tm", "error-cdf", "connectivity-cdf"]);
+        assert_eq!([discs(&crowded, "network"), discs(&crowded, "map-ml-tm"), discs(&crowded, "survey")], [0; 3]);
+    }
 
     #[test]
     fn file_names_are_plain_and_unique() {

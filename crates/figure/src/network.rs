@@ -10,11 +10,14 @@ use super::silhouette::draw_solids;
 use super::source::Source;
 use sextant_kernel::text::counted;
 
-const NODE: RGBColor = INK;
-const SINK: RGBColor = ACCENT;
+pub(super) const NODE: RGBColor = INK;
+pub(super) const SINK: RGBColor = ACCENT;
 /// Side of the square of a sink (px).
-const SINK_SIDE: f64 = 10.0;
-const CONTACT: Stroke = Stroke::new(ACCENT, 1.6);
+pub(super) const SINK_SIDE: f64 = 10.0;
+pub(super) const CONTACT: Stroke = Stroke::new(ACCENT, 1.6);
+
+/// Width of a path (px).
+pub(super) const PATH_WIDTH: f64 = 1.4;
 
 /// The figure.
 pub(super) fn draw(source: &Source<'_>) -> Picture {
@@ -71,41 +74,50 @@ fn sheet(source: &Source<'_>, bar: &ColourBar, radius: f64, side: f64) -> Sheet 
         let fill = bar.color(0.7 * bar.high);
         legend.push(Entry { symbol: Symbol::Square { side, fill }, text: "stop".to_owned() });
     }
-    for (robot, _) in &drawn.paths {
-        legend.push(Entry {
-            symbol: Symbol::Line { stroke: track(source, robot), pattern: &[] },
-            text: format!("path of {robot}"),
-        });
-    }
+    legend.extend(path_entries(source));
     if !log.contacts().is_empty() {
         legend
             .push(Entry { symbol: Symbol::Cross { stroke: CONTACT }, text: "contact of a range sensor".to_owned() });
     }
     legend.extend(source.obstacle_entry());
+    let what = if has_stops { "network and survey" } else { "network" };
+    let bar = has_stops.then(|| bar.clone());
+    Sheet { title: format!("{title}: {what}"), note: contents(source).join(", "), bar, legend }
+}
+
+/// What the network and the survey have, for the note.
+pub(super) fn contents(source: &Source<'_>) -> Vec<String> {
+    let Source { log, drawn, .. } = *source;
     let length_m: f64 = drawn.paths.iter().map(|(_, path)| length_m(path)).sum();
     let mut note =
         vec![counted(log.node_count().max(drawn.nodes.len()), "node"), counted(drawn.obstacles.len(), "obstacle")];
     if !drawn.sinks.is_empty() {
         note.push(counted(drawn.sinks.len(), "sink"));
     }
-    if has_stops {
+    if !log.stops().is_empty() {
         note.push(counted(log.stops().len(), "stop"));
     }
     if !drawn.paths.is_empty() {
         note.push(format!("path of {length_m:.0} m"));
     }
-    let what = if has_stops { "network and survey" } else { "network" };
-    let bar = has_stops.then(|| bar.clone());
-    Sheet { title: format!("{title}: {what}"), note: note.join(", "), bar, legend }
+    note
+}
+
+/// The legend of the paths.
+pub(super) fn path_entries(source: &Source<'_>) -> impl Iterator<Item = Entry> {
+    source.drawn.paths.iter().map(|(robot, _)| Entry {
+        symbol: Symbol::Line { stroke: track(source, robot), pattern: &[] },
+        text: format!("path of {robot}"),
+    })
 }
 
 /// The line style of a robot.
 fn track(source: &Source<'_>, robot: &str) -> Stroke {
-    Stroke::new(source.color_of_robot(robot), 1.4)
+    Stroke::new(source.color_of_robot(robot), PATH_WIDTH)
 }
 
 /// The number of nodes heard at each stop.
-fn nodes_heard(log: &ReceptionLog) -> Vec<u32> {
+pub(super) fn nodes_heard(log: &ReceptionLog) -> Vec<u32> {
     let mut heard = vec![0; log.stops().len()];
     for reception in log.receptions().iter().filter(|reception| reception.received > 0) {
         heard[reception.stop as usize] += 1;
@@ -113,6 +125,6 @@ fn nodes_heard(log: &ReceptionLog) -> Vec<u32> {
     heard
 }
 
-fn length_m(path: &[Position]) -> f64 {
+pub(super) fn length_m(path: &[Position]) -> f64 {
     path.windows(2).map(|pair| pair[0].distance_m(pair[1])).sum()
 }

@@ -3,7 +3,7 @@
 use sextant_mapper::TopologyMap;
 
 use super::axes::{Axes, Axis, Shown};
-use super::estimated::{Pair, ReceptionCurve, pairs};
+use super::estimated::{Pair, ReceptionCurve, one_node_in, pairs};
 use super::palette::{ACCENT, CURVES};
 use super::picture::{Picture, Point, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
@@ -34,7 +34,13 @@ pub(super) fn draw(title: &str, name: &str, map: &TopologyMap, of: &ReceptionCur
     let network = of.network.map(|network| format!(", {network}")).unwrap_or_default();
     let sheet = Sheet {
         title: format!("{name}{network}: receptions by distance"),
-        note: format!("{title}; {} pairs of a mapped node and a stop, each counted as one observation", pairs.len()),
+        note: format!(
+            "{title}; {} pairs of a mapped node and a stop{}, each counted as one observation",
+            pairs.len(),
+            Some(one_node_in(of.log))
+                .filter(|&nodes| nodes > 1)
+                .map_or(String::new(), |nodes| format!(", one of {nodes} nodes"))
+        ),
         bar: None,
         legend,
     };

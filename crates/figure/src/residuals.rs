@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 use sextant_mapper::TopologyMap;
 
-use super::estimated::{Model, Pair, ReceptionCurve, pairs};
+use super::estimated::{Model, Pair, ReceptionCurve, one_node_in, pairs};
 use super::palette::{ACCENT, CURVES, INK, PAPER, THREAD};
 use super::picture::{Picture, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
@@ -23,9 +23,10 @@ const NODE: Stroke = Stroke::new(THREAD, 1.0);
 /// Side of the square of a stop (px).
 const STOP: f64 = 2.6;
 
-/// The figure of one network of the map `name`; `None` if it has no curve, or no mapped node has a stop that listened to it.
+/// The figure of one network of the map `name`; `None` if it has no curve, or no mapped node has a stop that listened to it,
+/// or the log is too large for all pairs of a node and a stop to be looked at.
 pub(super) fn draw(source: &Source<'_>, name: &str, map: &TopologyMap, of: &ReceptionCurve<'_>) -> Option<Picture> {
-    let model = of.model.as_ref()?;
+    let model = of.model.as_ref().filter(|_| one_node_in(of.log) == 1)?;
     let pairs = pairs(map, of.log);
     let stops = of.log.stops();
     let residuals = residuals(&pairs, stops.len(), model);

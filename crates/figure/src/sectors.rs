@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use plotters::style::RGBColor;
-use sextant_channel::{Position, SectorConfig, Wedge};
+use sextant_channel::{Bounds, Position, SectorConfig, Wedge};
 
+use super::density::Crowding;
 use super::palette::{ACCENT, CURVES, GRID, INK, THREAD};
 use super::picture::{Picture, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
@@ -69,9 +70,20 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
         return None;
     }
     let outlines: Vec<Vec<Position>> = heard.iter().map(|node| outline(stop, node.wedge, 1.05 * reach_m)).collect();
-    let extent = Extent::around(drawn.nodes.values().copied().chain(outlines.iter().flatten().copied()))?;
-    let views = Views::new(&extent, &[View::Top]);
-    let radius = 0.9 * views.dot_radius(drawn.nodes.len());
+    let corners = || outlines.iter().flatten().copied();
+    let extent = Extent::around(drawn.nodes.values().copied().chain(corners()))?;
+    let mut views = Views::new(&extent, &[View::Top]);
+    let mut nodes: Vec<Position> = drawn.nodes.values().copied().collect();
+    if Crowding::default().is_crowded(nodes.len(), &views) {
+        // Of many nodes only those round the stop are shown.
+        let reached = Bounds::of(corners())?;
+        nodes.retain(|place| {
+            (reached.min.x_m..=reached.max.x_m).contains(&place.x_m)
+                && (reached.min.y_m..=reached.max.y_m).contains(&place.y_m)
+        });
+        views = Views::new(&Extent::around(corners())?, &[View::Top]);
+    }
+    let radius = 0.9 * views.dot_radius(nodes.len());
     let right = heard.iter().filter(|node| node.is_right(stop)).count();
     let line = |stroke, text: &str| Entry { symbol: Symbol::Line { stroke, pattern: &[] }, text: text.to_owned() };
     let mut legend = vec![
@@ -106,7 +118,7 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
             let stroke = if node.is_right(stop) { RIGHT } else { WRONG };
             picture.line(panel.at(stop), panel.at(node.place), stroke);
         }
-        for place in drawn.nodes.values() {
+        for place in &nodes {
             let fill = if heard.iter().any(|node| node.place == *place) { INK } else { THREAD };
             picture.disc(panel.at(*place), radius, fill);
         }

@@ -137,11 +137,20 @@ impl Views {
         panels
     }
 
+    /// Mean distance of `count` dots (px).
+    pub(super) fn dot_distance(&self, count: usize) -> f64 {
+        let (width, height) = self.sizes().first().copied().unwrap_or((WIDEST, WIDEST));
+        (width * height / count.max(1) as f64).sqrt()
+    }
+
     /// A radius (px) for `count` dots that leaves space between them.
     pub(super) fn dot_radius(&self, count: usize) -> f64 {
-        let (width, height) = self.sizes().first().copied().unwrap_or((WIDEST, WIDEST));
-        let distance = (width * height / count.max(1) as f64).sqrt();
-        (0.15 * distance).clamp(1.2, 3.6)
+        (0.15 * self.dot_distance(count)).clamp(1.2, 3.6)
+    }
+
+    /// Pixels per metre.
+    pub(super) fn px_per_m(&self) -> f64 {
+        self.px_per_m
     }
 }
 

@@ -56,6 +56,9 @@ pub enum RobotLogError {
         /// What is allowed.
         allowed: String,
     },
+    /// The work was ended from outside.
+    #[error(transparent)]
+    Interrupted(#[from] sextant_kernel::Interrupted),
     /// The files do not form a valid reception log.
     #[error("`{}`: {why}", .path.display())]
     Log {

@@ -42,12 +42,7 @@ pub(super) fn read(folder: &Path, options: &ReadOptions) -> Result<RobotLog, Rob
     let mut rssi = RssiCheck::new(&options.repair.rssi_missing);
     let receptions::Receptions { names, receptions, left_out } =
         receptions::read(&folder.join(RECEPTIONS), &stops, &options.form, &mut rssi, &mut notes)?;
-    if !stops.left_out.is_empty() {
-        notes.push(format!(
-            "stops.csv: {} without a fix are left out, with {left_out} rows of receptions.csv (option `skip_no_fix`)",
-            counted(stops.left_out.len(), "row")
-        ));
-    }
+    notes.extend(left_out_note(&stops, left_out));
     notes.extend(rssi.note());
     let plane = stops.plane;
     let contacts = stops::read_contacts(&folder.join(CONTACTS), plane, &mut robots, &mut notes)?;
@@ -55,6 +50,14 @@ pub(super) fn read(folder: &Path, options: &ReadOptions) -> Result<RobotLog, Rob
     let log = log.map_err(|why| RobotLogError::Log { path: folder.to_owned(), why })?;
     let log = with_sectors(folder, log, &mut notes)?;
     Ok(RobotLog { findings: findings(&log, rssi.findings()), log, plane, notes, clock: None })
+}
+
+/// The note on stops that were left out, with so many rows of receptions.
+pub(super) fn left_out_note(stops: &stops::Stops, left_out: usize) -> Option<String> {
+    let rows = counted(stops.left_out.len(), "row");
+    (!stops.left_out.is_empty()).then(|| {
+        format!("stops.csv: {rows} without a fix are left out, with {left_out} rows of receptions.csv (option `skip_no_fix`)")
+    })
 }
 
 /// What is odd in a log of stops, of whose strengths `of_rssi` is odd.

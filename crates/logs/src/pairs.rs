@@ -159,6 +159,13 @@ impl<S: Kept> Collector<S> {
         self.entries.push(Entry { node, stop, received, sent, signal: S::of(signal) });
     }
 
+    /// The rows that came.
+    pub(super) fn collect(self) -> Collected<S> {
+        let Self { listing, has_counts, unstated, .. } = self;
+        let (entries, repeated) = self.entries.finish();
+        Collected { listing, entries, has_counts, unstated, repeated }
+    }
+
     /// The receptions of `nodes` nodes. `at_stop` are the packets that a node sent at each stop, where the file of stops says
     /// so.
     pub(super) fn finish(
@@ -167,49 +174,37 @@ impl<S: Kept> Collector<S> {
         at_stop: &[Option<u32>],
         notes: &mut Vec<String>,
     ) -> ReceptionLogBuilder {
-        let Self { listing, has_counts, unstated, .. } = self;
-        let (entries, repeated) = self.entries.finish();
-        let pairs = || entries.chunk_by(|a, b| (a.node, a.stop) == (b.node, b.stop)).map(Pair::of);
-        let is_stated = at_stop.iter().any(Option::is_some);
-        let seen = Seen::of(pairs(), listing, at_stop.len());
-        // Where nothing states the packets sent, a strength tells how far a node is, and a loss would be invented.
-        let is_lossless =
-            matches!(listing, Listing::Packets | Listing::Received) && !is_stated && seen.has_strengths();
-        let is_counted = !is_lossless
-            && (matches!(listing, Listing::Reports | Listing::Packets) || listing == Listing::Received && has_counts);
-        let usual: Vec<u32> = match listing {
-            _ if is_lossless => vec![1; at_stop.len()],
-            Listing::ReceivedOfSent => seen.medians(),
-            Listing::Received if !has_counts => vec![1; at_stop.len()],
-            Listing::Reports | Listing::Packets | Listing::Received => {
-                seen.most.iter().map(|&most| most.max(1)).collect()
-            }
-        };
-        let usual: Vec<u32> = at_stop.iter().zip(usual).map(|(stated, usual)| stated.unwrap_or(usual)).collect();
-        let absent_at = |stop: usize| nodes - seen.pairs[stop];
-        let silent_pairs: usize = (0..usual.len()).filter(|&stop| usual[stop] != 1).map(&absent_at).sum();
-        let fills = silent_pairs <= MOST_SILENT_PAIRS;
-        let absent = (0..usual.len()).map(absent_at).sum();
-        PairNotes {
-            listing,
-            has_counts,
-            unstated,
-            repeated,
-            silent_pairs,
-            fills,
-            absent,
-            zeros: seen.zeros,
-            is_stated,
-            is_lossless,
-        }
-        .tell(notes);
+        let collected = self.collect();
+        let mut seen = Seen::new(collected.listing, at_stop.len());
+        seen.add(&collected);
+        collected.receptions(&seen.rule(nodes, at_stop, notes))
+    }
+}
 
+/// The rows of some nodes, sorted, with those of one pair and sector added up.
+pub(super) struct Collected<S> {
+    listing: Listing,
+    entries: Vec<Entry<S>>,
+    has_counts: bool,
+    unstated: usize,
+    /// Rows that were added to others.
+    repeated: usize,
+}
+
+impl<S: Kept> Collected<S> {
+    fn pairs(&self) -> impl Iterator<Item = Pair> {
+        self.entries.chunk_by(|a, b| (a.node, a.stop) == (b.node, b.stop)).map(Pair::of)
+    }
+
+    /// The receptions, by the rule of the whole log.
+    pub(super) fn receptions(&self, rule: &Rule) -> ReceptionLogBuilder {
+        let Rule { listing, usual, fills, is_lossless, is_counted, is_stated } = rule;
         let mut receptions = ReceptionLogBuilder::default();
-        let mut pairs = pairs().peekable();
+        let mut pairs = self.pairs().peekable();
         while let Some(node) = pairs.peek().map(|pair| pair.node) {
             let mut next_stop = 0;
             let mut pass_to = |stop: u32, receptions: &mut ReceptionLogBuilder| {
-                if fills && silent_pairs > 0 {
+                if *fills {
                     for stop in (next_stop..stop).filter(|&stop| usual[stop as usize] != 1) {
                         receptions.push(silent(NodeId(node), stop, usual[stop as usize]));
                     }
@@ -219,8 +214,9 @@ impl<S: Kept> Collector<S> {
             while let Some(pair) = pairs.next_if(|pair| pair.node == node) {
                 pass_to(pair.stop, &mut receptions);
                 let usual = usual[pair.stop as usize];
-                let is_open = pair.sent == UNSTATED || is_counted || listing != Listing::ReceivedOfSent && is_stated;
-                let sent = if is_open || is_lossless { usual.max(pair.received) } else { pair.sent };
+                let is_open =
+                    pair.sent == UNSTATED || *is_counted || *listing != Listing::ReceivedOfSent && *is_stated;
+                let sent = if is_open || *is_lossless { usual.max(pair.received) } else { pair.sent };
                 // 0 of 1 packets means the same as an absent pair.
                 if (pair.received, sent, pair.signal.is_some_and(|signal| !signal.is_unknown())) != (0, 1, false) {
                     receptions.push(pair.reception(sent));
@@ -230,6 +226,19 @@ impl<S: Kept> Collector<S> {
         }
         receptions
     }
+}
+
+/// How pairs become receptions, by all rows of a log.
+#[derive(Debug)]
+pub(super) struct Rule {
+    listing: Listing,
+    /// Packets that a node usually sends at each stop.
+    usual: Vec<u32>,
+    /// Whether pairs without a row are listed where another number of packets than one is usual.
+    fills: bool,
+    is_lossless: bool,
+    is_counted: bool,
+    is_stated: bool,
 }
 
 impl Pair {
@@ -247,7 +256,12 @@ impl Pair {
 }
 
 /// What the pairs with rows say of each stop.
-struct Seen {
+#[derive(Debug)]
+pub(super) struct Seen {
+    listing: Listing,
+    has_counts: bool,
+    unstated: usize,
+    repeated: usize,
     /// Pairs with a row at each stop.
     pairs: Vec<usize>,
     /// Most packets received of a node at each stop; of reports, those of noise count too.
@@ -262,17 +276,30 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(pairs: impl Iterator<Item = Pair>, listing: Listing, stops: usize) -> Self {
-        let mut seen = Self {
+    /// Nothing yet, at so many stops.
+    pub(super) fn new(listing: Listing, stops: usize) -> Self {
+        Self {
+            listing,
+            has_counts: false,
+            unstated: 0,
+            repeated: 0,
             pairs: vec![0; stops],
             most: vec![0; stops],
             stated: BTreeMap::new(),
             zeros: 0,
             heard: 0,
             with_strength: 0,
-        };
+        }
+    }
+
+    /// Adds all rows of some nodes.
+    pub(super) fn add<S: Kept>(&mut self, collected: &Collected<S>) {
+        let seen = self;
+        seen.has_counts |= collected.has_counts;
+        seen.unstated += collected.unstated;
+        seen.repeated += collected.repeated;
         let (mut node, mut is_heard, mut zeros) = (None, false, 0);
-        for pair in pairs {
+        for pair in collected.pairs() {
             if node.replace(pair.node) != Some(pair.node) {
                 seen.zeros += if is_heard { zeros } else { 0 };
                 (is_heard, zeros) = (false, 0);
@@ -285,14 +312,52 @@ impl Seen {
             zeros += usize::from(pair.received == 0 && pair.sent > 0);
             let stop = pair.stop as usize;
             seen.pairs[stop] += 1;
-            let reported = if listing == Listing::Reports { pair.sent } else { pair.received };
+            let reported = if seen.listing == Listing::Reports { pair.sent } else { pair.received };
             seen.most[stop] = seen.most[stop].max(reported);
-            if listing == Listing::ReceivedOfSent && pair.sent != UNSTATED && pair.sent > 0 {
+            if seen.listing == Listing::ReceivedOfSent && pair.sent != UNSTATED && pair.sent > 0 {
                 *seen.stated.entry((pair.stop, pair.sent)).or_default() += 1;
             }
         }
         seen.zeros += if is_heard { zeros } else { 0 };
-        seen
+    }
+
+    /// How pairs become receptions, in a log of `nodes` nodes. `at_stop` are the packets that a node sent at each stop, where
+    /// the file of stops says so.
+    pub(super) fn rule(&self, nodes: usize, at_stop: &[Option<u32>], notes: &mut Vec<String>) -> Rule {
+        let Self { listing, has_counts, unstated, repeated, zeros, .. } = *self;
+        let is_stated = at_stop.iter().any(Option::is_some);
+        // Where nothing states the packets sent, a strength tells how far a node is, and a loss would be invented.
+        let is_lossless =
+            matches!(listing, Listing::Packets | Listing::Received) && !is_stated && self.has_strengths();
+        let is_counted = !is_lossless
+            && (matches!(listing, Listing::Reports | Listing::Packets) || listing == Listing::Received && has_counts);
+        let usual: Vec<u32> = match listing {
+            _ if is_lossless => vec![1; at_stop.len()],
+            Listing::ReceivedOfSent => self.medians(),
+            Listing::Received if !has_counts => vec![1; at_stop.len()],
+            Listing::Reports | Listing::Packets | Listing::Received => {
+                self.most.iter().map(|&most| most.max(1)).collect()
+            }
+        };
+        let usual: Vec<u32> = at_stop.iter().zip(usual).map(|(stated, usual)| stated.unwrap_or(usual)).collect();
+        let absent_at = |stop: usize| nodes - self.pairs[stop];
+        let silent_pairs: usize = (0..usual.len()).filter(|&stop| usual[stop] != 1).map(&absent_at).sum();
+        let fills = silent_pairs <= MOST_SILENT_PAIRS;
+        let absent = (0..usual.len()).map(absent_at).sum();
+        PairNotes {
+            listing,
+            has_counts,
+            unstated,
+            repeated,
+            silent_pairs,
+            fills,
+            absent,
+            zeros,
+            is_stated,
+            is_lossless,
+        }
+        .tell(notes);
+        Rule { listing, usual, fills: fills && silent_pairs > 0, is_lossless, is_counted, is_stated }
     }
 
     /// Whether most of the pairs that were heard have a strength.

@@ -37,6 +37,17 @@ struct Columns {
     snr: Column,
 }
 
+/// What is kept of the signals of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SignalKind {
+    /// All that can be measured.
+    Whole,
+    /// Strengths.
+    Strength,
+    /// Nothing.
+    None,
+}
+
 /// Reads the receptions at `stops` in the file `path`, as `form` says. Nodes are numbered in the order of their first rows.
 /// Their strengths go through `rssi`.
 pub(super) fn read(
@@ -46,6 +57,24 @@ pub(super) fn read(
     rssi: &mut RssiCheck,
     notes: &mut Vec<String>,
 ) -> Result<Receptions, RobotLogError> {
+    let mut strengths = Strengths::of(form);
+    let (rows, kind) = open(path, (stops, form), (rssi, &mut strengths), notes)?;
+    let read = match kind {
+        SignalKind::Whole => rows.read::<Signal>(notes),
+        SignalKind::Strength => rows.read::<Strength>(notes),
+        SignalKind::None => rows.read::<()>(notes),
+    }?;
+    strengths.finish(notes)?;
+    Ok(read)
+}
+
+/// Opens the file `path` for its rows.
+pub(super) fn open<'a>(
+    path: &Path,
+    (stops, form): (&'a Stops, &FormOptions),
+    (rssi, strengths): (&'a mut RssiCheck, &'a mut Strengths),
+    notes: &mut Vec<String>,
+) -> Result<(Rows<'a>, SignalKind), RobotLogError> {
     let names = FieldNames::of_packets(form.packet_fields.as_ref());
     let measured = ["received", "sent", "sector", "rssi_dbm", "snr_db"];
     let (required, optional) = if form.reciprocal {
@@ -72,17 +101,14 @@ pub(super) fn read(
         (true, false) => Listing::Received,
         (true, true) => Listing::ReceivedOfSent,
     };
-    let mut strengths = Strengths::of(form);
-    let rows = Rows { table, columns, listing, stops, rssi, strengths: &mut strengths };
-    let read = if sector.exists() || snr.exists() {
-        rows.read::<Signal>(notes)
+    let kind = if sector.exists() || snr.exists() {
+        SignalKind::Whole
     } else if level.exists() {
-        rows.read::<Strength>(notes)
+        SignalKind::Strength
     } else {
-        rows.read::<()>(notes)
-    }?;
-    strengths.finish(notes)?;
-    Ok(read)
+        SignalKind::None
+    };
+    Ok((Rows { table, columns, listing, stops, rssi, strengths }, kind))
 }
 
 /// The columns of the node and of the stop. If roles are turned, the node is the receiver: without a column of its own, it is
@@ -103,23 +129,55 @@ fn ends(table: &Table, is_turned: bool) -> Result<(Column, Column), RobotLogErro
 }
 
 /// The rows of the file, and what is needed to read them.
-struct Rows<'a> {
+pub(super) struct Rows<'a> {
     table: Table,
     columns: Columns,
-    listing: Listing,
+    pub(super) listing: Listing,
     stops: &'a Stops,
     rssi: &'a mut RssiCheck,
     strengths: &'a mut Strengths,
 }
 
+/// A row: what was received of a node at a stop.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ReadRow {
+    pub(super) node: u32,
+    pub(super) stop: u32,
+    pub(super) count: Count,
+    pub(super) sector: Option<u8>,
+    pub(super) rssi_dbm: Option<f64>,
+    pub(super) snr_db: Option<f64>,
+}
+
+impl ReadRow {
+    /// What was measured of its packets.
+    pub(super) fn signal(&self) -> Signal {
+        Signal::new(self.count.received, self.sector, self.rssi_dbm, self.snr_db)
+    }
+}
+
 impl Rows<'_> {
     /// Reads the rows. What is not known of any reception takes no memory.
     fn read<S: Kept>(self, notes: &mut Vec<String>) -> Result<Receptions, RobotLogError> {
-        let Self { table, columns, listing, stops, rssi, strengths } = self;
+        let (listing, stops) = (self.listing, self.stops);
+        let mut pairs = Collector::<S>::new(listing);
+        let (names, left_out) = self.each(|row| {
+            pairs.push(row.node, row.stop, row.count, row.signal());
+            Ok(())
+        })?;
+        let receptions = pairs.finish(names.len(), &stops.sent, notes);
+        Ok(Receptions { names, receptions, left_out })
+    }
+
+    /// Calls `take` with each row. Returns the names of the nodes, and the number of rows of stops that were left out.
+    pub(super) fn each(
+        self,
+        mut take: impl FnMut(&ReadRow) -> Result<(), RobotLogError>,
+    ) -> Result<(Vec<String>, usize), RobotLogError> {
+        let Self { table, columns, listing: _, stops, rssi, strengths } = self;
         let mut names: Vec<String> = Vec::new();
         let mut nodes: BTreeMap<String, u32> = BTreeMap::new();
         let mut last: Option<u32> = None;
-        let mut pairs = Collector::<S>::new(listing);
         let mut left_out = 0;
         table.rows(|row| {
             let name = row.node(columns.node)?;
@@ -148,15 +206,15 @@ impl Rows<'_> {
                 rssi_dbm @ Some(_) if count.received == 0 => Report::Heard(rssi_dbm),
                 rssi_dbm => strengths.take(rssi_dbm, snr_db),
             };
-            let (count, signal) = match report {
-                Report::Heard(rssi_dbm) => (count, Signal::new(count.received, sector, rssi_dbm, snr_db)),
-                Report::Noise => (Count { received: 0, sent: count.sent.or(Some(count.received)) }, Signal::NONE),
-            };
-            pairs.push(node, stop, count, signal);
-            Ok(())
+            take(&match report {
+                Report::Heard(rssi_dbm) => ReadRow { node, stop, count, sector, rssi_dbm, snr_db },
+                Report::Noise => {
+                    let count = Count { received: 0, sent: count.sent.or(Some(count.received)) };
+                    ReadRow { node, stop, count, sector: None, rssi_dbm: None, snr_db: None }
+                }
+            })
         })?;
-        let receptions = pairs.finish(names.len(), &stops.sent, notes);
-        Ok(Receptions { names, receptions, left_out })
+        Ok((names, left_out))
     }
 }
 

@@ -18,6 +18,7 @@ use super::times::Times;
 use sextant_recording::RobotNames;
 
 /// The stops of a log.
+#[derive(Debug)]
 pub(super) struct Stops {
     pub(super) stops: Vec<Stop>,
     /// The index of each stop by its name in the files.

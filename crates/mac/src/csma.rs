@@ -13,12 +13,14 @@ use std::time::Duration;
 use crate::{Phy, RadioState};
 
 pub mod analysis;
+mod contention;
 mod port;
 pub(crate) mod sending;
 mod settings;
 #[cfg(test)]
 mod tests;
 
+pub use contention::Contention;
 pub(crate) use port::Attempt;
 pub use port::{Event, Outcome, OutgoingFrame, Radio, Report};
 pub use settings::{CsmaConfig, CsmaSettings};
@@ -65,6 +67,13 @@ impl Csma {
     #[must_use]
     pub const fn is_busy(&self) -> bool {
         !matches!(self.state, State::Idle | State::Spacing(None))
+    }
+
+    /// Whether the assessment under way ends the frame if it finds the channel busy.
+    #[must_use]
+    #[inline]
+    pub const fn gives_up_if_busy(&self) -> bool {
+        matches!(self.state, State::Sensing(attempt) if attempt.busy >= self.settings.max_backoffs())
     }
 
     /// The state of the radio between commands, also before the first one.

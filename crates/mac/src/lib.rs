@@ -64,13 +64,15 @@ pub mod superframe;
 
 mod class;
 mod energy;
+mod energy_meter;
 mod fcs;
 mod message_energy;
 mod spectrum;
 mod timing;
 
 pub use class::Class;
-pub use energy::{CustomRadioConfig, EnergyConfig, EnergyMeter, EnergySpent, RadioState, RadioStates};
+pub use energy::{CustomRadioConfig, EnergyConfig, EnergySpent, RadioState, RadioStates};
+pub use energy_meter::{Cycles, EnergyMeter};
 pub use fcs::fcs;
 pub use message_energy::MessageEnergy;
 pub use timing::{ACK_MPDU_OCTETS, Band, MAX_MPDU_OCTETS, Phy};

@@ -10,8 +10,8 @@ use crate::{
     AnyLog, ApitConfig, AutoConfig, CentroidConfig, DrMdsConfig, DvHopConfig, EstimatorSettings,
     GaussianProcessConfig, JointConfig, LinkModelConfig, LogDistanceConfig, Mapper, MdsMapConfig, MlTmConfig, MmTm,
     NtldvHopConfig, PacketCentroidConfig, ProfileSetting, RangingConfig, ReceiverSetting, RssGridConfig, RssMlConfig,
-    RssiCentroidConfig, SelfCalibratedConfig, SmacofConfig, StrongestStopConfig, TpmConfig, TriangleCentroidConfig,
-    WeightedCentroidConfig,
+    RssiCentroidConfig, SelfCalibratedConfig, SmacofConfig, StitchConfig, StrongestStopConfig, TpmConfig,
+    TriangleCentroidConfig, WeightedCentroidConfig,
 };
 
 /// One map to compute from the reception log, as written in a scenario.
@@ -26,6 +26,11 @@ pub struct MapConfig {
     /// themselves.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub network: Option<String>,
+    /// Joins the logs of robots whose frames of coordinates differ: each is mapped in its own frame, the nodes that two of
+    /// these maps have in common tell how their frames differ, and the map is made from all logs in the frame of the first
+    /// robot. If absent, all robots are taken to have one frame.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub stitch: Option<StitchConfig>,
     /// How the map is computed.
     pub algorithm: AlgorithmConfig,
 }

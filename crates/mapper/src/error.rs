@@ -44,6 +44,16 @@ pub enum MapError {
         /// The algorithms that use it.
         known: String,
     },
+    /// The algorithm needs all of the log at once, so it cannot map tile by tile.
+    #[error(
+        "`{algorithm}` cannot map tile by tile, because it needs all nodes at once; algorithms that can: {known}"
+    )]
+    NotByParts {
+        /// The algorithm.
+        algorithm: &'static str,
+        /// The algorithms that can.
+        known: String,
+    },
     /// Too few nodes know their place.
     #[error(
         "`{algorithm}` needs at least {needed} anchors, but there are {found}; `anchors` says which nodes they are"
@@ -116,6 +126,21 @@ pub enum MapError {
     /// The algorithm works only in the plane.
     #[error("`{0}` is defined in the plane, but the anchors have different heights")]
     PlanarOnly(&'static str),
+    /// The log is of one robot, so that there is nothing to stitch.
+    #[error(
+        "the log is of one robot, {robot}; `stitch` joins the logs of two or more: give the stops a column `robot`, or leave \
+         out `stitch`"
+    )]
+    OneRobot {
+        /// Its name.
+        robot: String,
+    },
+    /// Stitched maps cannot use antenna sectors.
+    #[error(
+        "the log has antenna sectors, whose directions are those of the world; a map whose robots have frames of their own \
+         cannot use them: leave out `stitch`"
+    )]
+    StitchedSectors,
     /// A node that the log does not have.
     #[error("node {node} is not in the log, which has {nodes} nodes (0 to {})", .nodes.saturating_sub(1))]
     UnknownNode {

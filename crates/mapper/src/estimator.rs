@@ -7,9 +7,10 @@ use std::sync::Arc;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, SettingError, Unwatched, Watch};
 
+use crate::parts::map_parts;
 use crate::{
-    Comparable, EstimatorFindings, Knowledge, KnowledgeKind, MapError, PlacePrior, ProfileConfig, RangingConfig,
-    ReceptionProfile, Surface, TopologyMap,
+    Comparable, EstimatorFindings, Knowledge, KnowledgeKind, LogParts, MapError, PartEstimator, PartsError,
+    PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile, Surface, TopologyMap,
 };
 
 /// An algorithm that maps the nodes of a log, with its settings.
@@ -30,6 +31,11 @@ pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError>;
+
+    /// How it maps a log part by part; `None` if it needs all of the log at once.
+    fn by_parts(&self) -> Option<&dyn PartEstimator> {
+        None
+    }
 
     /// Whether it uses how many packets of a node were received at a stop, and not only whether one was.
     fn counts_packets(&self) -> bool {
@@ -158,6 +164,41 @@ impl Mapper {
         let knowledge = knowledge.into();
         self.check_prior(knowledge.prior)?;
         self.0.estimate(&knowledge, watch)
+    }
+}
+
+/// The names of the estimators that map a log part by part, in messages.
+const BY_PARTS: &str = "`ml-tm`, `mmtm`, `link-model`, `packet-centroid`";
+
+impl Mapper {
+    /// Checks that the estimator can map a log part by part.
+    ///
+    /// # Errors
+    /// [`MapError::NotByParts`] if it cannot.
+    pub fn check_parts(&self) -> Result<(), MapError> {
+        self.parts_estimator().map(|_| ())
+    }
+
+    fn parts_estimator(&self) -> Result<&dyn PartEstimator, MapError> {
+        let refused = MapError::NotByParts { algorithm: self.name(), known: BY_PARTS.to_owned() };
+        self.by_parts().ok_or(refused)
+    }
+
+    /// The same as [`map_and_learn`](Self::map_and_learn), with a log that is read part by part. The log of `knowledge` is not
+    /// used.
+    ///
+    /// # Errors
+    /// If a part cannot be read, the estimator needs all of the log at once, and for the reasons of
+    /// [`map_and_learn`](Self::map_and_learn).
+    pub fn map_parts(
+        &self,
+        parts: &dyn LogParts,
+        knowledge: Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), PartsError> {
+        self.check_prior(knowledge.prior)?;
+        let estimator = self.parts_estimator()?;
+        map_parts(estimator, self.name(), parts, &Knowledge { log: parts.whole(), ..knowledge }, watch)
     }
 }
 

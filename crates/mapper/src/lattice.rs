@@ -149,13 +149,19 @@ impl Lattice {
     /// The vertices along `axis` with coordinates in `[low, high]`, as a half-open range of indices, and whether
     /// rounding may have added a vertex at an end. Rounding never removes one.
     pub(crate) fn span(&self, axis: usize, low: f64, high: f64) -> (Range<usize>, bool) {
+        self.span_within(axis, low, high, 0.0)
+    }
+
+    /// The same with ends that are off by up to `error_m`.
+    pub(crate) fn span_within(&self, axis: usize, low: f64, high: f64, error_m: f64) -> (Range<usize>, bool) {
         // Rounding errors of positions, in steps, are far smaller than this.
         const SLACK: f64 = 1e-6;
+        let slack = SLACK + error_m * self.per_m;
         let origin = <[f64; 3]>::from(self.origin)[axis];
         let first = (low - origin) * self.per_m;
         let last = (high - origin) * self.per_m;
-        let (start, end) = (ceiling(first - SLACK), past(last + SLACK).min(self.counts[axis]));
-        let in_doubt = ceiling(first + SLACK) != start || past(last - SLACK) != past(last + SLACK);
+        let (start, end) = (ceiling(first - slack), past(last + slack).min(self.counts[axis]));
+        let in_doubt = ceiling(first + slack) != start || past(last - slack) != past(last + slack);
         (start..end.max(start), in_doubt)
     }
 

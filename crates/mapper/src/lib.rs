@@ -31,6 +31,7 @@ mod algorithm;
 mod auto;
 mod comparable;
 mod comparators;
+mod each_node;
 mod error;
 mod estimator;
 mod grid_ml;
@@ -42,12 +43,14 @@ mod log_facts;
 mod metrics;
 mod numerics;
 mod own_place;
+mod parts;
 mod posterior;
 mod profile;
 mod purpose;
 mod ranging;
 mod rss_grid;
 mod self_calibrated;
+mod stitch;
 mod surface;
 mod topology_map;
 
@@ -91,6 +94,7 @@ pub use own_place::{
     AnchorSilence, Bearing, DirectionRule, HeardAnchor, HeardSector, OrientationMethod, OwnEstimate, OwnPlace,
     OwnPlaceConfig, PlaceModel, RingOrientation, UnorientedRing,
 };
+pub use parts::{FixedLaw, LogParts, PartEstimator, PartsError};
 pub use posterior::{
     Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule, TrueModel, posterior_bound_m,
 };
@@ -101,5 +105,9 @@ pub use profile::{
 pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use self_calibrated::{CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig};
+pub use stitch::{
+    FrameChange, Handedness, OwnMap, PairFault, PairFit, PairState, PlacedNode, RobotFrame, RobotOutcome,
+    StitchConfig, StitchRules, Stitched, Stitching, stitch,
+};
 pub use surface::Surface;
 pub use topology_map::{CoordinateFrame, TopologyMap};

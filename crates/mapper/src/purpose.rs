@@ -4,3 +4,5 @@ use sextant_kernel::Purpose;
 
 /// Choices of mappers: starts, landmarks, samples.
 pub(crate) const MAPPER: Purpose = Purpose::new(8);
+/// Pairs of nodes that are tried when maps of robots are stitched.
+pub(crate) const STITCHING: Purpose = Purpose::new(31);

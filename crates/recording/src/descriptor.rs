@@ -24,11 +24,13 @@ pub(super) struct Field {
 pub(super) enum Kind {
     Uint32,
     OptionalUint32,
+    Uint32s,
     Uint64,
     OptionalUint64,
     Bool,
     Double,
     OptionalDouble,
+    Doubles,
     String,
     Strings,
     Bytes,
@@ -38,9 +40,11 @@ impl Kind {
     fn wire(self) -> (Type, Label) {
         match self {
             Self::Uint32 | Self::OptionalUint32 => (Type::Uint32, Label::Optional),
+            Self::Uint32s => (Type::Uint32, Label::Repeated),
             Self::Uint64 | Self::OptionalUint64 => (Type::Uint64, Label::Optional),
             Self::Bool => (Type::Bool, Label::Optional),
             Self::Double | Self::OptionalDouble => (Type::Double, Label::Optional),
+            Self::Doubles => (Type::Double, Label::Repeated),
             Self::String => (Type::String, Label::Optional),
             Self::Strings => (Type::String, Label::Repeated),
             Self::Bytes => (Type::Bytes, Label::Optional),

@@ -48,12 +48,14 @@ pub(super) mod distributed;
 pub(super) mod networks;
 pub(super) mod packets;
 pub(super) mod sensing;
+pub(super) mod stop_receptions;
 
 pub use applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
 pub use distributed::MappedNodeMessage;
 pub use networks::{NetworksMessage, SectorMessage};
 pub use packets::{AssessmentMessage, PacketMessage, TransmissionMessage};
 pub use sensing::{SensedMessage, SensorsMessage};
+pub use stop_receptions::StopReceptionsMessage;
 
 /// Names of the nodes that the robot knows, heard or not, without positions.
 #[derive(Clone, PartialEq, prost::Message)]
@@ -87,7 +89,8 @@ pub struct StopMessage {
     /// Name of the robot.
     #[prost(string, tag = "6")]
     pub robot: String,
-    /// Number of the `Reception` messages of this stop, which follow it. With it a reader detects an incomplete stop.
+    /// Number of the receptions of this stop, which follow it: as many `Reception` messages, or one `StopReceptions`. With
+    /// it a reader detects an incomplete stop.
     #[prost(uint32, tag = "7")]
     pub receptions: u32,
 }
@@ -228,6 +231,7 @@ pub(crate) fn declarations() -> impl Iterator<Item = &'static Declaration> {
         networks::DECLARATIONS,
         packets::DECLARATIONS,
         sensing::DECLARATIONS,
+        stop_receptions::DECLARATIONS,
     ];
     all.into_iter().flatten()
 }

@@ -10,6 +10,8 @@ pub const FILES_ATTACHMENTS: &str = "files/";
 pub const SUMMARY_ATTACHMENT: &str = "summary.json";
 /// Name of the metadata record with `seed`, `version` and `scenario`.
 pub const ORIGIN_METADATA: &str = "sextant";
+/// Name of the metadata record that says what a compact recording leaves out.
+pub(super) const DETAIL_METADATA: &str = "detail";
 /// Name of the metadata record with the phases of a run that has applications.
 pub(super) const PHASES_METADATA: &str = "phases";
 /// Topic of receptions between nodes.

@@ -26,12 +26,15 @@ pub struct RecordedPacket {
 /// If the file cannot be read or is damaged, or an assessment or a transmission does not follow its packet.
 pub fn read_packets(path: &Path) -> Result<Vec<RecordedPacket>, RecordingError> {
     let mut packets: Vec<RecordedPacket> = Vec::new();
-    sound(path, &mut |piece| {
-        let Piece::Message { channel, data, .. } = piece else { return Ok(()) };
-        let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
-        add(&mut packets, &channel.topic, data).map_err(wrong)
-    })?;
+    sound(path, &mut |piece| take(&mut packets, path, &piece))?;
     Ok(packets)
+}
+
+/// Takes a piece of the recording `path`.
+pub(super) fn take(packets: &mut Vec<RecordedPacket>, path: &Path, piece: &Piece<'_>) -> Result<(), RecordingError> {
+    let Piece::Message { channel, data, .. } = piece else { return Ok(()) };
+    let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
+    add(packets, &channel.topic, data).map_err(wrong)
 }
 
 fn add(packets: &mut Vec<RecordedPacket>, topic: &str, data: &[u8]) -> Result<(), String> {

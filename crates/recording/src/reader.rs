@@ -98,7 +98,12 @@ pub struct Attachment {
 /// # Errors
 /// If the file cannot be read, is damaged, or holds no reception log.
 pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
-    let (run, topics) = read(path)?;
+    let (run, topics) = read_with(path, None)?;
+    with_stops(path, run, &topics)
+}
+
+/// The run, if a robot stopped somewhere.
+fn with_stops(path: &Path, run: RecordedRun, topics: &[String]) -> Result<RecordedRun, RecordingError> {
     if run.log().stops().is_empty() {
         let topics = if topics.is_empty() { "none".to_owned() } else { topics.join(", ") };
         return Err(RecordingError::NoLog { path: path.to_owned(), topics });
@@ -106,47 +111,92 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
     Ok(run)
 }
 
+/// Takes the receptions of a recording, one by one.
+pub type TakeReception<'a> = &'a mut dyn FnMut(Reception, &Stop) -> Result<(), RecordingError>;
+
+/// Reads the recording `path` as [`read_log`] does, but passes the receptions of one network to `take`, each with its stop, in
+/// the order of the stops, instead of keeping them: that of `network`, or the first one. The logs of all networks have no
+/// receptions then. Needs memory for the stops, the names, one chunk and the receptions of one stop.
+///
+/// # Errors
+/// Those of [`read_log`], and the first error of `take`.
+pub fn stream_log(
+    path: &Path,
+    network: Option<&str>,
+    take: TakeReception<'_>,
+) -> Result<RecordedRun, RecordingError> {
+    let (run, topics) = read_with(path, Some(Stream { network, take, failed: None }))?;
+    with_stops(path, run, &topics)
+}
+
 /// Reads the recording `path` of a run, of which no robot may have stopped anywhere.
 ///
 /// # Errors
 /// If the file cannot be read or is damaged.
 pub fn read_run(path: &Path) -> Result<RecordedRun, RecordingError> {
-    read(path).map(|(run, _)| run)
+    read_with(path, None).map(|(run, _)| run)
+}
+
+/// Where receptions go instead of into a log.
+struct Stream<'a> {
+    /// The network whose receptions are passed on; the first one if absent.
+    network: Option<&'a str>,
+    take: TakeReception<'a>,
+    /// The error of whoever took them.
+    failed: Option<RecordingError>,
 }
 
 /// Reads a recording, and the topics in it.
-fn read(path: &Path) -> Result<(RecordedRun, Vec<String>), RecordingError> {
-    let mut draft = RunDraft::default();
-    let mut topics = Vec::new();
-    let mut metadata = BTreeMap::new();
-    let mut attachments = Vec::new();
-    sound(path, &mut |piece| {
+fn read_with(path: &Path, stream: Option<Stream<'_>>) -> Result<(RecordedRun, Vec<String>), RecordingError> {
+    let mut reading = RunReading { draft: RunDraft { stream, ..RunDraft::default() }, ..RunReading::default() };
+    sound(path, &mut |piece| reading.take(path, &piece))?;
+    let topics = std::mem::take(&mut reading.topics);
+    Ok((reading.finish(path)?, topics))
+}
+
+/// A run that is being read.
+#[derive(Default)]
+pub(super) struct RunReading<'a> {
+    draft: RunDraft<'a>,
+    topics: Vec<String>,
+    metadata: BTreeMap<String, BTreeMap<String, String>>,
+    attachments: Vec<Attachment>,
+}
+
+impl RunReading<'_> {
+    /// Takes a piece of the recording `path`.
+    pub(super) fn take(&mut self, path: &Path, piece: &Piece<'_>) -> Result<(), RecordingError> {
         match piece {
             Piece::Header { .. } => {}
             Piece::Message { channel, data, .. } => {
-                if !topics.contains(&channel.topic) {
-                    topics.push(channel.topic.clone());
+                if !self.topics.contains(&channel.topic) {
+                    self.topics.push(channel.topic.clone());
                 }
                 let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
-                draft
-                    .add(&channel.topic, schema, data)
-                    .map_err(|problem| RecordingError::message(path, &channel.topic, problem))?;
+                self.draft.add(&channel.topic, schema, data).map_err(|problem| {
+                    let failed = self.draft.stream.as_mut().and_then(|stream| stream.failed.take());
+                    failed.unwrap_or_else(|| RecordingError::message(path, &channel.topic, problem))
+                })?;
             }
-            Piece::Attachment { name, media_type, data } => attachments.push(Attachment {
-                name: name.to_owned(),
-                media_type: media_type.to_owned(),
+            Piece::Attachment { name, media_type, data } => self.attachments.push(Attachment {
+                name: (*name).to_owned(),
+                media_type: (*media_type).to_owned(),
                 data: data.to_vec(),
             }),
             Piece::Metadata(record) => {
-                metadata.insert(record.name.clone(), record.metadata.clone());
+                self.metadata.insert(record.name.clone(), record.metadata.clone());
             }
         }
         Ok(())
-    })?;
-    let cut_stops = draft.cut_last_stops();
-    let paths = std::mem::take(&mut draft.paths);
-    let logs = draft.build().map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
-    Ok((RecordedRun { logs, paths, cut_stops, metadata, attachments }, topics))
+    }
+
+    /// The run, now that all pieces of the recording `path` were taken.
+    pub(super) fn finish(mut self, path: &Path) -> Result<RecordedRun, RecordingError> {
+        let cut_stops = self.draft.cut_last_stops();
+        let paths = std::mem::take(&mut self.draft.paths);
+        let logs = self.draft.build().map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
+        Ok(RecordedRun { logs, paths, cut_stops, metadata: self.metadata, attachments: self.attachments })
+    }
 }
 
 /// Reads the true positions of the nodes of the recording `path`, by name (m); `None` if it does not have them.
@@ -202,7 +252,9 @@ pub(super) fn sound(
 
 /// The reception logs that are being read.
 #[derive(Default)]
-struct RunDraft {
+struct RunDraft<'a> {
+    /// Where receptions go, if they are not kept.
+    stream: Option<Stream<'a>>,
     names: Vec<String>,
     robots: RobotNames,
     /// The names of the surveyed networks, if there are several.
@@ -223,9 +275,11 @@ struct LogDraft {
     sectors: Option<SectorTable>,
     /// Number of receptions of the last stop that are still missing.
     owed: u32,
+    /// Receptions of the last stop that wait for those.
+    waiting: Vec<Reception>,
 }
 
-impl RunDraft {
+impl RunDraft<'_> {
     /// Adds a message of the given schema, if it is part of a reception log. Returns an error message if it is invalid.
     fn add(&mut self, topic: &str, schema: &str, data: &[u8]) -> Result<(), String> {
         match schema {
@@ -245,7 +299,15 @@ impl RunDraft {
                 let stop = Stop { robot, time: SimTime::from_nanos(message.time_ns), position };
                 self.of(LogTopics::network(topic)).add_stop(&message, stop)
             }
-            "sextant.Reception" => self.of(LogTopics::network(topic)).add_reception(&decode(data)?),
+            "sextant.StopReceptions" => {
+                let message: messages::StopReceptionsMessage = decode(data)?;
+                self.of(LogTopics::network(topic)).settle(message.node.len())?;
+                message.rows()?.try_for_each(|(reception, _)| self.keep(topic, reception))
+            }
+            "sextant.Reception" => {
+                let reception = self.of(LogTopics::network(topic)).reception(&decode(data)?)?;
+                self.keep(topic, reception)
+            }
             "sextant.Sector" => self.of(LogTopics::network(topic)).add_sector(decode(data)?),
             "foxglove.PosesInFrame" => {
                 if let Some(name) = drawing::robot_of_path(topic) {
@@ -273,6 +335,21 @@ impl RunDraft {
             self.others.len() - 1
         });
         &mut self.others[at].1
+    }
+
+    /// Keeps a reception, or passes it on.
+    fn keep(&mut self, topic: &str, reception: Reception) -> Result<(), String> {
+        let network = LogTopics::network(topic);
+        let Some(mut stream) = self.stream.take() else {
+            self.of(network).receptions.push(reception);
+            return Ok(());
+        };
+        // The log of a network without a name is that of any network.
+        let is_other = |name: &&str| self.networks.iter().skip(1).any(|other| other == name);
+        let is_wanted = network == stream.network.filter(is_other);
+        let passed = if is_wanted { self.of(network).pass(reception, &mut stream) } else { Ok(()) };
+        self.stream = Some(stream);
+        passed
     }
 
     fn add_nodes(&mut self, message: messages::NodesMessage) -> Result<(), String> {
@@ -324,12 +401,13 @@ impl LogDraft {
         Ok(())
     }
 
-    fn add_reception(&mut self, message: &messages::ReceptionMessage) -> Result<(), String> {
-        self.owed = self.owed.checked_sub(1).ok_or("more receptions than their stop has announced")?;
+    /// The reception of a message, which its stop has announced.
+    fn reception(&mut self, message: &messages::ReceptionMessage) -> Result<Reception, String> {
+        self.settle(1)?;
         let sector = message.sector.map(|sector| {
             u8::try_from(sector).map_err(|_| format!("node {}: sector {sector}; allowed: 0 to 255", message.node))
         });
-        self.receptions.push(Reception {
+        Ok(Reception {
             node: NodeId(message.node),
             stop: message.stop,
             received: message.received,
@@ -337,7 +415,32 @@ impl LogDraft {
             sector: sector.transpose()?,
             rssi_dbm: message.rssi_dbm,
             snr_db: message.snr_db,
-        });
+        })
+    }
+
+    /// Passes a reception on as soon as those of its stop are complete: an incomplete stop is not part of the log.
+    fn pass(&mut self, reception: Reception, stream: &mut Stream<'_>) -> Result<(), String> {
+        self.waiting.push(reception);
+        if self.owed > 0 {
+            return Ok(());
+        }
+        for reception in self.waiting.drain(..) {
+            let known = self.stops.get(reception.stop as usize);
+            let stop =
+                known.ok_or_else(|| format!("a reception names stop {}, which was not before it", reception.stop))?;
+            if let Err(why) = (stream.take)(reception, stop) {
+                let text = why.to_string();
+                stream.failed = Some(why);
+                return Err(text);
+            }
+        }
+        Ok(())
+    }
+
+    /// So many of the receptions that the last stop has announced are here.
+    fn settle(&mut self, receptions: usize) -> Result<(), String> {
+        let count = u32::try_from(receptions).unwrap_or(u32::MAX);
+        self.owed = self.owed.checked_sub(count).ok_or("more receptions than their stop has announced")?;
         Ok(())
     }
 

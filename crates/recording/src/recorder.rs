@@ -1,6 +1,7 @@
 //! The writer of recordings.
 
 mod applications;
+mod compact;
 mod drawings;
 mod file;
 mod packets;
@@ -24,6 +25,7 @@ use sextant_channel::{
 };
 use sextant_kernel::SimTime;
 
+use super::detail::Detail;
 use super::drawing;
 use super::error::RecordingError;
 use super::link_quality::link_quality;
@@ -56,6 +58,7 @@ pub struct Recorder<W: Write> {
     topics: BTreeMap<String, (u16, u32)>,
     encoded: Vec<u8>,
     stops_in_chunk: u32,
+    detail: Detail,
     /// Sensitivity of the robots' radios by the name of a log; that of the first log has none.
     sensitivities: BTreeMap<Option<String>, Dbm>,
     /// Who else gets what is written.
@@ -77,6 +80,7 @@ impl<W: Write> Recorder<W> {
             topics: BTreeMap::new(),
             encoded: Vec::new(),
             stops_in_chunk: 0,
+            detail: Detail::default(),
             sensitivities: BTreeMap::new(),
             relay: None,
         }
@@ -241,6 +245,11 @@ impl<W: Write> Recorder<W> {
         };
         self.append(stop.time, &topics.stops, &message)?;
         let sensitivity = self.sensitivities.get(&other.map(str::to_owned)).copied();
+        if self.detail == Detail::Compact && !receptions.is_empty() {
+            let message = messages::StopReceptionsMessage::new(index, receptions, sensitivity);
+            self.append(stop.time, &topics.receptions, &message)?;
+            return self.end_stop();
+        }
         for &Reception { node, stop: at, received, sent, sector, rssi_dbm, snr_db } in receptions {
             let lqi = rssi_dbm.zip(sensitivity).map(|(dbm, sensitivity)| link_quality(Dbm(dbm), sensitivity).into());
             let message = messages::ReceptionMessage {
@@ -255,6 +264,11 @@ impl<W: Write> Recorder<W> {
             };
             self.append(stop.time, &topics.receptions, &message)?;
         }
+        self.end_stop()
+    }
+
+    /// Ends a stop, after which a chunk may end.
+    fn end_stop(&mut self) -> Result<(), RecordingError> {
         self.stops_in_chunk += 1;
         if self.stops_in_chunk >= STOPS_PER_CHUNK {
             self.stops_in_chunk = 0;

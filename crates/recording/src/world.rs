@@ -18,7 +18,7 @@ use super::names::{
     ANCHORS_TOPIC, ApplicationTopics, FIELDS_TOPICS, MAPPED_NODES_TOPIC, PHASES_METADATA, SENSED_TOPIC,
     SENSORS_TOPIC, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
 };
-use super::phase;
+use super::phase::{self, Phase};
 use super::reader::sound;
 use crate::mcap_file::Piece;
 use applications::RecordedApplication;
@@ -78,13 +78,25 @@ pub struct RecordedLikelihood {
 /// # Errors
 /// If the file cannot be read, is damaged, or has a drawing with another layout than [`super::Recorder`] writes.
 pub fn read_world(path: &Path) -> Result<RecordedWorld, RecordingError> {
-    let mut drawn = RecordedWorld::default();
-    let mut phases = Vec::new();
-    sound(path, &mut |piece| {
+    let mut reading = WorldReading::default();
+    sound(path, &mut |piece| reading.take(path, &piece))?;
+    Ok(reading.finish())
+}
+
+/// A world that is being read.
+#[derive(Default)]
+pub(super) struct WorldReading {
+    drawn: RecordedWorld,
+    phases: Vec<Phase>,
+}
+
+impl WorldReading {
+    /// Takes a piece of the recording `path`.
+    pub(super) fn take(&mut self, path: &Path, piece: &Piece<'_>) -> Result<(), RecordingError> {
         let (channel, header, data) = match piece {
             Piece::Message { channel, header, data } => (channel, header, data),
             Piece::Metadata(record) if record.name == PHASES_METADATA => {
-                phases = phase::read(&record.metadata).ok_or_else(|| {
+                self.phases = phase::read(&record.metadata).ok_or_else(|| {
                     RecordingError::message(path, PHASES_METADATA, "names and times of different lengths".to_owned())
                 })?;
                 return Ok(());
@@ -92,12 +104,16 @@ pub fn read_world(path: &Path) -> Result<RecordedWorld, RecordingError> {
             _ => return Ok(()),
         };
         let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
-        drawn
+        self.drawn
             .add(&channel.topic, schema, SimTime::from_nanos(header.log_time), data)
             .map_err(|problem| RecordingError::message(path, &channel.topic, problem))
-    })?;
-    drawn.divide(&phases);
-    Ok(drawn)
+    }
+
+    /// The world, now that all pieces were taken.
+    pub(super) fn finish(mut self) -> RecordedWorld {
+        self.drawn.divide(&self.phases);
+        self.drawn
+    }
 }
 
 impl RecordedWorld {

@@ -23,6 +23,19 @@ pub enum ReportError {
         /// The recording.
         path: PathBuf,
     },
+    /// The recording has more receptions than a page can hold.
+    #[error(
+        "`{}` has {receptions} receptions, and a browser has to hold all of them; allowed: at most {allowed}; \
+         `sextant figure` draws any number", .path.display()
+    )]
+    TooLarge {
+        /// The recording.
+        path: PathBuf,
+        /// Receptions in all networks.
+        receptions: usize,
+        /// How many are allowed.
+        allowed: usize,
+    },
     /// A file or folder cannot be read.
     #[error("`{}` cannot be read: {why}", .path.display())]
     Read {

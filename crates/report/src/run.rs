@@ -20,13 +20,20 @@ use super::plane::Plane;
 use super::survey::{Contacts, Survey};
 use super::world::{Body, Marks, PhaseSpan, Solid, Way, World};
 
+/// More receptions make a page of a few hundred megabytes, which browsers do not open.
+const MOST_RECEPTIONS: usize = 20_000_000;
+
 impl Report {
     /// A report of the recording `path` of a run.
     ///
     /// # Errors
-    /// If the recording cannot be read, is damaged, or has nothing to show.
+    /// If the recording cannot be read, is damaged, has nothing to show, or has too many receptions for a page.
     pub fn of_recording(path: &Path) -> Result<Self, ReportError> {
         let run = recording::read_run(path)?;
+        let receptions: usize = run.logs.iter().map(|named| named.log.receptions().len()).sum();
+        if receptions > MOST_RECEPTIONS {
+            return Err(ReportError::TooLarge { path: path.to_owned(), receptions, allowed: MOST_RECEPTIONS });
+        }
         let drawn = recording::read_world(path)?;
         let course = recording::read_course(path)?;
         let summary = summary(&run);

@@ -97,6 +97,7 @@ mod csv_rows;
 mod engine;
 mod event;
 mod faults;
+mod halo;
 mod link;
 mod link_budget;
 mod model;
@@ -104,6 +105,7 @@ mod network;
 mod observer;
 mod outcome;
 mod purpose;
+mod region;
 mod scene;
 mod sensing;
 mod service;
@@ -127,6 +129,7 @@ pub use applications::traffic::{
 pub use engine::EndPose;
 pub use event::Timer;
 pub use faults::{Death, DeathsConfig, Faults, FaultsConfig, LyingAnchorsConfig};
+pub use halo::{AllSimulated, SimulatedPart};
 pub use link::antennas::{Antennas, AntennasConfig, HeadingsConfig};
 pub use link::ieee80211ad::DmgRadio;
 pub use link::ieee802154::{Mac, Radio};
@@ -137,6 +140,7 @@ pub use link_budget::{LinkBudget, LinkBudgets, LinkReception};
 pub use network::Network;
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
+pub use region::{Reach, SimulatedRegion};
 pub use service::delays::{DelayCount, Delays};
 pub use service::delivery::{Delivery, DriveEnd};
 pub use service::estimate::Estimate;
@@ -149,9 +153,10 @@ pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
 pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use setup::Setup;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
-pub use simulation::{Applications, Simulation};
+pub use simulation::{Applications, Simulation, Team};
 pub use station::{
-    Kind, Listening, Odometry, OdometryConfig, Pose, RobotBody, RobotConfig, RoleConfig, Sink, SinkConfig,
+    Kind, Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RoleConfig,
+    Sink, SinkConfig,
 };
 pub use world::anchors::{AnchorsConfig, OptimisedAnchorsConfig};
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};

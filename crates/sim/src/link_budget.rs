@@ -96,7 +96,7 @@ impl LinkBudgets {
         let fixed = nodes.clone().chain(sinks.iter().map(|sink| sink.position));
         let bands = bands(networks)?;
         let message_loss = setup.faults.message_loss();
-        let all = Bands { world, channel_seed: *seed, seed: *seed, first_packet: 0, message_loss };
+        let all = Bands { world, channel_seed: *seed, seed: *seed, round: 0, message_loss };
         let in_band = |band: &Vec<usize>| band.iter().map(|&network| &networks[network]).collect::<Vec<_>>();
         let mut airs: Vec<Air> = (bands.iter().enumerate())
             .map(|(i, band)| Air::new(all.air(i, &in_band(band)), fixed.clone(), roll))

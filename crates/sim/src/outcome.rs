@@ -7,6 +7,7 @@ use sextant_mac::EnergySpent;
 use crate::applications::controller::{Ending, StopsLeftOut};
 use crate::engine::EndPose;
 use crate::faults::Death;
+use crate::halo::SimulatedPart;
 use crate::service::packets::{NetworkRecord, Packets};
 use crate::service::sensed::Sensations;
 
@@ -31,6 +32,8 @@ pub struct Survey {
     pub end: SimTime,
     /// Number of events.
     pub events: u64,
+    /// What was simulated of the nodes' traffic.
+    pub simulated: SimulatedPart,
     /// Whether an observer ended the simulation early.
     pub interrupted: bool,
 }

@@ -43,5 +43,7 @@ pub(crate) const LYING: Purpose = Purpose::new(24);
 pub(crate) const CLOCK: Purpose = Purpose::new(26);
 /// Phases of interferers.
 pub(crate) const INTERFERENCE: Purpose = Purpose::new(27);
+/// Rounds and bands of a simulation: what tells frames apart that are sent at the same time in different ones.
+pub(crate) const ROUND: Purpose = Purpose::new(28);
 /// Noise of the odometry of robots.
 pub(crate) const ODOMETRY: Purpose = Purpose::new(16);

@@ -17,6 +17,10 @@ use crate::station::{Motion, Roll};
 /// The clock, the pending events, the airs, and where the stations are.
 pub(crate) struct Scene {
     pub(crate) now: SimTime,
+    /// The event under way.
+    pub(crate) event: Event,
+    /// Events that links took without the queue.
+    pub(crate) steps: u64,
     pub(crate) queue: EventQueue<Event>,
     pub(crate) airs: Vec<Air>,
     pub(crate) motions: Vec<Motion>,
@@ -24,6 +28,10 @@ pub(crate) struct Scene {
     pub(crate) seed: Seed,
     /// Number of packets that applications have offered.
     pub(crate) offered: u64,
+    /// Number of events that do not count, because nothing happened.
+    pub(crate) discounted: u64,
+    /// What happens before it is not counted.
+    pub(crate) counted_from: SimTime,
     /// What links have to say to the applications.
     pub(crate) upcalls: Vec<Upcall>,
     /// Packets that have ended, for the observer; none if packets are not traced.

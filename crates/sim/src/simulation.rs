@@ -3,6 +3,7 @@
 mod applications;
 pub(crate) mod discovery;
 mod stations;
+mod team;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,15 +18,20 @@ use crate::applications::node_traffic::NodeTraffic;
 use crate::applications::robot::RobotTask;
 use crate::applications::source::Source;
 use crate::applications::standard::Standard;
+use crate::applications::traffic::Traffic;
 use crate::engine::{Ended, Engine, Extras};
+use crate::halo::{AllSimulated, SimulatedPart};
+use crate::link::books::Books;
 use crate::observer::{Observer, RememberingObserver};
 use crate::outcome::{RobotRecord, Survey};
+use crate::region::{Reach, SimulatedRegion};
 use crate::service::network_id::NetworkId;
 use crate::service::packets::Packets;
 use crate::setup::Setup;
 use crate::station::{Kind, Roll};
 pub use applications::Applications;
 use stations::Stations;
+pub use team::Team;
 
 /// A simulation that runs once, to its end. Its nodes have applications of the type `N`, and its robots and sinks may.
 pub struct Simulation<N: Application = NodeTraffic> {
@@ -35,6 +41,13 @@ pub struct Simulation<N: Application = NodeTraffic> {
     robots: Vec<String>,
     /// The networks that robots survey; the first one if no robot surveys.
     surveyed: Vec<SurveyedNetwork>,
+    /// How far signals reach.
+    reach: Reach,
+    /// Length of the diagonal of a box round all stations at the start (m).
+    extent_m: f64,
+    /// Why nodes cannot rest, if they cannot.
+    no_rest: Option<AllSimulated>,
+    simulated: SimulatedPart,
 }
 
 /// A network that robots survey.
@@ -50,20 +63,31 @@ impl Simulation {
     /// If the frames are too small for the addresses, there are several robots but frames are sent to one of them,
     /// or the superframes do not fit the world, robots and traffic.
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
+        Self::of_robots(setup, None)
+    }
+
+    /// The same with these robots alone, by number, or with all; the others are not there.
+    fn of_robots(setup: Setup, present: Option<&[usize]>) -> Result<Self, SettingError> {
         let stations = Stations::of(&setup);
         let mut sources: Vec<Vec<Source>> = vec![Vec::new(); stations.roll.nodes];
         for (id, network) in (0..=u8::MAX).map(NetworkId).zip(&setup.networks) {
             stations.check_frames(id, network)?;
+            let kinds: Vec<(&Traffic, Arc<Traffic>)> =
+                network.traffic.kinds().map(|kind| (kind, Arc::new(kind.clone()))).collect();
+            let shared = |traffic: &Traffic| {
+                let known = kinds.iter().find(|(kind, _)| std::ptr::eq(*kind, traffic));
+                known.map_or_else(|| Arc::new(traffic.clone()), |(_, shared)| Arc::clone(shared))
+            };
             for (node, sources) in sources.iter_mut().enumerate() {
                 let node = NodeId::from_index(node);
                 let Some(traffic) = network.traffic.of(node).filter(|_| network.has(node)) else { continue };
                 let to = stations.destination(id, traffic, node)?;
                 let clock = network.technology.settings().clock(setup.seed, id, node);
-                sources.push(Source::new(id, Arc::new(traffic.clone()), to).with_clock(clock));
+                sources.push(Source::new(id, shared(traffic), to).with_clock(clock));
             }
         }
         let nodes = sources.into_iter().map(NodeTraffic::new).collect();
-        Self::with_all(setup, Applications::of_nodes(nodes))
+        Self::with_all(setup, Applications::of_nodes(nodes), present)
     }
 }
 
@@ -80,7 +104,7 @@ impl<N: Application> Simulation<N> {
     /// If there is not one application for each of these stations.
     pub fn with(setup: Setup, applications: Applications<N>) -> Result<Self, SettingError> {
         applications.check(&setup)?;
-        Self::with_all(setup, applications)
+        Self::with_all(setup, applications, None)
     }
 
     /// The same, with a start that is left out of the counts: packets that are offered before the end of the warm-up, and
@@ -90,18 +114,36 @@ impl<N: Application> Simulation<N> {
         Self { engine: self.engine.with_warm_up(warm_up), ..self }
     }
 
-    fn with_all(mut setup: Setup, own: Applications<N>) -> Result<Self, SettingError> {
+    /// The same, where only this part of the nodes' traffic is simulated: what nobody could hear is left out, and counted.
+    /// All is simulated if nodes cannot rest, and [`Survey::simulated`] says why.
+    ///
+    /// # Errors
+    /// If the halo is smaller than the reach of a frame.
+    pub fn with_region(self, region: SimulatedRegion) -> Result<Self, SettingError> {
+        let Some(halo_m) = region.halo_m(self.reach)? else { return Ok(self) };
+        let no_rest = self.no_rest.or_else(|| (halo_m >= self.extent_m).then_some(AllSimulated::AllWithin));
+        Ok(match no_rest {
+            Some(reason) => Self { simulated: SimulatedPart::AllBecause(reason), ..self },
+            None => Self { engine: self.engine.with_halo(halo_m), ..self },
+        })
+    }
+
+    fn with_all(mut setup: Setup, own: Applications<N>, present: Option<&[usize]>) -> Result<Self, SettingError> {
         let roll = setup.roll();
         let stations = Stations::of(&setup);
         stations.check_mobile_anchors()?;
         let coordinator = stations.coordinator()?;
-        let name = |id: NetworkId| setup.networks.get(id.index()).and_then(|network| network.name.clone());
-        let surveyed = setup.surveyed().into_iter().map(|id| SurveyedNetwork { id, name: name(id) }).collect();
+        let (reach, extent_m) = (setup.reach(), stations.extent_m());
+        let surveyed = surveyed(&setup);
         let names = setup.robots.iter().map(|robot| robot.body.name.clone()).collect();
         let (mut own_robots, mut own_sinks) = (own.robots.into_iter(), own.sinks.into_iter());
         let mut applications: Vec<_> = own.nodes.into_iter().map(Standard::Own).collect();
         for (i, robot) in setup.robots.iter_mut().enumerate() {
             let body = robot.body.clone();
+            if present.is_some_and(|present| !present.contains(&i)) {
+                applications.push(Standard::Absent);
+                continue;
+            }
             applications.push(match std::mem::replace(&mut robot.task, RobotTask::Own) {
                 RobotTask::Survey(controller) => {
                     Standard::Robot(Box::new(Journey::of_survey(body, controller, roll.nodes)))
@@ -113,8 +155,18 @@ impl<N: Application> Simulation<N> {
             });
         }
         applications.extend(setup.sinks.iter().map(|_| own_sinks.next().map_or(Standard::Sink, Standard::Own)));
-        let extras = Extras { first_packet: 0, channel_seed: setup.seed, coordinator };
-        Ok(Self { engine: Engine::new(setup, applications, extras)?, roll, robots: names, surveyed })
+        let extras = Extras { round: 0, channel_seed: setup.seed, coordinator };
+        let no_rest = no_rest(&setup, &applications, roll);
+        Ok(Self {
+            engine: Engine::new(setup, applications, extras)?,
+            roll,
+            robots: names,
+            surveyed,
+            reach,
+            extent_m,
+            no_rest,
+            simulated: SimulatedPart::All,
+        })
     }
 
     /// Runs until the tasks of all robots and nodes are done, or the time is over, or the observer ends the simulation.
@@ -131,7 +183,26 @@ impl<N: Application> Simulation<N> {
     /// observer is declared.
     fn run_told(self, observer: &mut dyn Observer) -> (Survey, Applications<N>) {
         let observer = &mut RememberingObserver::new(observer);
-        let Self { engine, roll, robots: names, surveyed } = self;
+        let Self { engine, roll, robots: names, surveyed, simulated, .. } = self;
+        let ended = engine.run(observer);
+        let simulated = ended.halo_m.map_or(simulated, |halo_m| SimulatedPart::NearListeners { halo_m });
+        Outcome { roll, names, surveyed, simulated }.of(ended)
+    }
+}
+
+/// What the result of a simulation needs besides what an engine leaves behind.
+struct Outcome {
+    roll: Roll,
+    /// Names of the robots.
+    names: Vec<String>,
+    surveyed: Vec<SurveyedNetwork>,
+    simulated: SimulatedPart,
+}
+
+impl Outcome {
+    /// The result, and what is left of the own applications.
+    fn of<N: Application>(self, ended: Ended<Standard<N>>) -> (Survey, Applications<N>) {
+        let Self { roll, names, surveyed, simulated } = self;
         let Ended {
             applications,
             logs,
@@ -143,7 +214,9 @@ impl<N: Application> Simulation<N> {
             sensed,
             deaths,
             interrupted,
-        } = engine.run(observer);
+            ..
+        } = ended;
+        let networks: Vec<_> = networks.into_iter().map(Books::close).collect();
         let mut own = Applications::of_nodes(Vec::with_capacity(roll.nodes));
         let mut journeys = Vec::new();
         for (station, application) in roll.stations().zip(applications) {
@@ -155,7 +228,7 @@ impl<N: Application> Simulation<N> {
                 }
                 (Standard::Own(sink), Kind::Sink(_)) => own.sinks.push(sink),
                 (Standard::Robot(journey), _) => journeys.push(journey.into_record()),
-                (Standard::Sink, _) => {}
+                (Standard::Sink | Standard::Absent, _) => {}
             }
         }
         let robots = (names.into_iter().zip(journeys).zip(path_lengths_m).zip(end_poses))
@@ -183,9 +256,36 @@ impl<N: Application> Simulation<N> {
         });
         let first = surveyed.next().expect("a network is surveyed");
         let logs = NetworkLogs::new(first, surveyed.collect());
-        let survey = Survey { logs, robots, packets, energy, networks, sensed, deaths, end, events, interrupted };
+        let survey =
+            Survey { logs, robots, packets, energy, networks, sensed, deaths, end, events, simulated, interrupted };
         (survey, own)
     }
+}
+
+/// The networks that the robots of `setup` survey; the first one if no robot surveys.
+fn surveyed(setup: &Setup) -> Vec<SurveyedNetwork> {
+    let name = |id: NetworkId| setup.networks.get(id.index()).and_then(|network| network.name.clone());
+    setup.surveyed().into_iter().map(|id| SurveyedNetwork { id, name: name(id) }).collect()
+}
+
+/// Why the nodes of `setup` cannot rest, if they cannot.
+fn no_rest<N: Application>(setup: &Setup, applications: &[Standard<N>], roll: Roll) -> Option<AllSimulated> {
+    let (nodes, others) = applications.split_at(roll.nodes);
+    if setup.networks.iter().any(|network| network.technology.has_coordinator()) {
+        return Some(AllSimulated::Superframes);
+    }
+    if nodes.iter().any(Application::hears) {
+        return Some(AllSimulated::NodeApplications);
+    }
+    if !nodes.iter().all(Application::may_rest) {
+        let is_saturated =
+            setup.networks.iter().flat_map(|network| network.traffic.kinds()).any(|kind| !kind.may_rest());
+        return Some(if is_saturated { AllSimulated::Saturated } else { AllSimulated::NodeApplications });
+    }
+    if setup.networks.iter().flat_map(|network| network.traffic.kinds()).all(Traffic::is_silent) {
+        return Some(AllSimulated::OnlyAnswers);
+    }
+    (!others.iter().any(Application::hears)).then_some(AllSimulated::NoListener)
 }
 
 /// The error of a robot that nothing drives.

@@ -6,6 +6,7 @@ mod automated;
 mod curves;
 mod distributed;
 mod layers;
+mod partition;
 mod planned;
 mod random_walk;
 mod seeking;

@@ -14,7 +14,7 @@ use sextant_mac::csma::CsmaSettings;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
     Estimate, Faults, Field, FieldConfig, FieldSensorConfig, Ieee802154, Listening, Mac, Network, NetworkId,
-    Observer, Odometry, Radio, ReceptionModel, Robot, RobotBody, RobotTask, Sensors, SensorsConfig, Setup,
+    Observer, Odometry, OwnFrame, Radio, ReceptionModel, Robot, RobotBody, RobotTask, Sensors, SensorsConfig, Setup,
     Simulation, Technology, TrafficPlan, World,
 };
 
@@ -150,6 +150,7 @@ impl Scene {
             listen: Duration::from_secs(1),
             listening: Listening::AtStops,
             odometry: Odometry::default(),
+            frame: OwnFrame::default(),
             networks: vec![NetworkId::default()],
             sweeps_per_stop: 1,
         };

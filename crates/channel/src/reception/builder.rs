@@ -1,5 +1,7 @@
 //! Building a log from receptions that come one by one.
 
+use std::sync::Arc;
+
 use sextant_kernel::NodeId;
 
 use super::columns::{Columns, scatter};
@@ -27,6 +29,8 @@ use crate::Position;
 pub struct ReceptionLogBuilder {
     columns: Columns,
     nodes: Nodes,
+    /// Whether the log has antenna sectors even if no reception names one.
+    has_sectors: bool,
 }
 
 /// The node of each reception.
@@ -99,6 +103,11 @@ impl ReceptionLogBuilder {
         self.columns.push(&reception);
     }
 
+    /// The log has antenna sectors, even if none of its receptions names one: it is a part of a log where some do.
+    pub fn keep_sectors(&mut self) {
+        self.has_sectors = true;
+    }
+
     /// Number of receptions added.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -113,7 +122,7 @@ impl ReceptionLogBuilder {
 
     /// Removes the receptions at the stop `first` and at later stops.
     pub fn forget_from(&mut self, first: u32) {
-        let mut kept = Self::default();
+        let mut kept = Self { has_sectors: self.has_sectors, ..Self::default() };
         let nodes = self.nodes.runs().flat_map(|(node, count)| std::iter::repeat_n(node, count));
         for (at, node) in nodes.enumerate() {
             if self.columns.stops[at] < first {
@@ -140,8 +149,21 @@ impl ReceptionLogBuilder {
                 return Err(LogError::NotFinite { stop, x_m, y_m, z_m });
             }
         }
+        self.build_at(names, Arc::new(stops), contacts)
+    }
+
+    /// The same at stops that have been checked.
+    pub(super) fn build_at(
+        self,
+        names: Vec<String>,
+        stops: Arc<Vec<Stop>>,
+        contacts: Vec<Contact>,
+    ) -> Result<ReceptionLog, LogError> {
         let first = self.check(&names, &stops)?;
         let mut columns = self.columns;
+        if self.has_sectors {
+            columns.fill_sectors();
+        }
         columns.shrink_to_fit();
         if let Nodes::Mixed(mut nodes) = self.nodes {
             // A stable counting sort by stop, then one by node.

@@ -45,6 +45,12 @@ impl Columns {
         self.ratios.push(before, Level::new(snr_db));
     }
 
+    /// Makes the column of sectors, if no reception names one.
+    pub(super) fn fill_sectors(&mut self) {
+        let len = self.len();
+        self.sectors.0.resize(len, None);
+    }
+
     /// The reception at `at`, which belongs to `node`.
     pub(super) fn get(&self, node: NodeId, at: usize) -> Reception {
         let Packets { received, sent } = self.packets.get(at);

@@ -11,7 +11,7 @@ use crate::interrupt::Interrupt;
 use sextant::{Scenario, sweep};
 use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, Window};
 use sextant_recording::output::write_file;
-use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket};
+use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket, Recording};
 
 /// Arguments of `sextant figure`.
 #[derive(Clone, Debug, Args)]
@@ -78,8 +78,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     if arguments.layout {
         return write_layouts(arguments);
     }
-    let run = recording::read_run(path)?;
-    let drawn = recording::read_world(path)?;
+    let Recording { run, world: drawn, packets } = recording::read_recording(path)?;
     let is_empty = drawn.maps.is_empty() && drawn.targets.is_empty() && drawn.fields.is_empty();
     if is_empty && drawn.applications.is_empty() && drawn.sinks.is_empty() && run.log().stops().is_empty() {
         return Err(Failure::bad_input_with_help(
@@ -96,7 +95,6 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         sector_displacements: &run.sector_displacements(),
         claimed_obstacles: &run.claimed_obstacles(),
     };
-    let packets = recording::read_packets(path)?;
     let mut figures = figure::all(&source);
     figures.extend(figure::of_packets(&PacketSource {
         title: source.title,

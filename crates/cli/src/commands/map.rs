@@ -12,6 +12,7 @@ use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
+use sextant::mapping::tiles::{self, TileCount, Tiling};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
@@ -42,6 +43,10 @@ pub(crate) struct Arguments {
     /// Compute one map with this algorithm and its default settings, instead of the maps of the recorded scenario
     #[arg(long, value_parser = algorithms(), value_name = "ALGORITHM")]
     pub(crate) algorithm: Option<AlgorithmName>,
+    /// Join the logs of robots whose frames of coordinates differ, by the nodes that they have in common: the maps are in
+    /// the frame of the first robot
+    #[arg(long)]
+    pub(crate) stitch: bool,
     /// Compare the maps with the true positions in this CSV file, with columns node,x_m,y_m,z_m, or node,lat,lon,alt_m if
     /// the log has lat,lon. The default for a recording are the true positions in it
     #[arg(long, value_name = "nodes.csv")]
@@ -76,6 +81,12 @@ pub(crate) struct Arguments {
     /// The format of the figures
     #[arg(long, value_enum, default_value_t, requires = "figure")]
     pub(crate) figure_format: PictureFormat,
+    /// Map tile by tile, with memory for the stops, the nodes and one tile instead of all receptions: N tiles, `auto` for as
+    /// many as the free memory needs, or `auto:MB` for as many as so many megabytes need. The map is the same as in one
+    /// piece. For recordings, and folders with stops.csv and receptions.csv. A temporary file is written
+    /// beside --out
+    #[arg(long, value_name = "N|auto|auto:MB", conflicts_with = "figure")]
+    pub(crate) tiles: Option<TileCount>,
     /// Settings that override those of the maps.
     #[command(flatten)]
     pub(crate) overrides: Overrides,
@@ -101,11 +112,35 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
     let network = arguments.network.as_deref();
-    let mut input = Input::read(&arguments.log, network, &arguments.reading.options())?;
+    let options = arguments.reading.options();
+    // Reading a large log takes so long that it has to end in order.
+    let keeper = arguments.tiles.map(|_| interrupt.keep());
+    let (mut input, survey) = match arguments.tiles {
+        Some(_) => tiles::survey(&arguments.log, network, &options, interrupt)
+            .map(|(input, survey)| (input, Some(survey)))?,
+        None => (Input::read(&arguments.log, network, &options)?, None),
+    };
     let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.log.display());
     let scenario = input.scenario.as_deref().map(|text| RecordedScenario { name: &name, text, files: &input.files });
     let set = &arguments.overrides.set;
-    let settings = MapSettings::new(scenario, arguments.algorithm, (arguments.profile.as_deref(), network), set)?;
+    let settings = |set: &[String]| {
+        MapSettings::new(scenario, arguments.algorithm, (arguments.profile.as_deref(), network), set)
+    };
+    let mut settings_of_maps = settings(set)?;
+    if arguments.stitch {
+        if input.log().robot_count() < 2 {
+            let problem =
+                format!("`--stitch` joins the logs of robots, but the log has {}", input.log().robot_count());
+            return Err(Failure::bad_input_with_help(
+                problem,
+                "give the stops a column `robot`, or leave out `--stitch`",
+            ));
+        }
+        let stitched = (0..settings_of_maps.maps.len()).map(|map| format!("maps.{map}.stitch={{}}"));
+        let set: Vec<String> = set.iter().cloned().chain(stitched).collect();
+        settings_of_maps = settings(&set)?;
+    }
+    let settings = settings_of_maps;
     if let Some(name) = network
         && input.logs.names().next().is_none()
         && settings.maps.iter().all(|map| map.network.is_none())
@@ -136,9 +171,17 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         }
         None => None,
     };
-    let _keeper = interrupt.keep();
+    let _keeper = keeper.unwrap_or_else(|| interrupt.keep());
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
-    let (mut summary, maps) = mapping::map(&mut input, &settings, arguments.out.as_deref(), start, &watcher)?;
+    let out = arguments.out.as_deref();
+    let (mut summary, maps) = match arguments.tiles.zip(survey) {
+        Some((count, survey)) => {
+            let tiling = Tiling::new(&input, &survey, &settings, count)?;
+            arguments.work.note(&tiling.to_string());
+            tiles::map_tiles(&mut input, (survey, tiling), &settings, out, start, &watcher)?
+        }
+        None => mapping::map(&mut input, &settings, out, start, &watcher)?,
+    };
     watcher.clear();
     summary.notes.iter_mut().for_each(|note| *note = with_flags(note));
     for note in &input.notes {

@@ -12,6 +12,7 @@ use crate::interrupt::Interrupt;
 use crate::live::{LiveView, Settings};
 use sextant::forecast::warnings;
 use sextant::run::{RunCapture, RunRecorder, run};
+use sextant::scenario::DetailConfig;
 
 use super::shared_outputs::reject_shared;
 use crate::progress::RunProgress;
@@ -61,6 +62,13 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     ])?;
     if !arguments.work.quiet {
         warnings(&scenario).iter().for_each(|warning| warn(&warning.to_string()));
+    }
+    let nodes = scenario.world().nodes.len();
+    if scenario.recording().detail.is_none() && DetailConfig::usual(nodes) == DetailConfig::Compact {
+        let (what, keep) = (DetailConfig::DIFFERENCE, DetailConfig::KEEP);
+        arguments
+            .work
+            .note(&format!("the recording of {nodes} nodes is compact: {what}; `--set {keep}` records all"));
     }
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);

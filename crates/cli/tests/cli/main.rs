@@ -48,4 +48,6 @@ mod schema;
 mod sector_sweeps;
 mod sensing;
 mod sweep;
+mod teams;
+mod tiles;
 mod traffic;

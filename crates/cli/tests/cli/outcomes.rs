@@ -45,7 +45,8 @@ fn twice(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     for block in text.split("\n\n") {
         let mut labels = Vec::new();
-        for line in block.lines().map(str::trim) {
+        // Several robots may end in the same way.
+        for line in block.lines().map(str::trim).filter(|line| !line.contains(": ended because")) {
             let label = match line.split_once("  ") {
                 Some((label, _)) => label.to_owned(),
                 None => line.replace(|letter: char| letter.is_ascii_digit(), ""),

@@ -68,13 +68,19 @@ impl DataFrame {
         Ok(&FILLER[..usize::from(mpdu_octets - least)])
     }
 
+    /// The frame with this payload.
+    #[must_use]
+    pub fn frame<'a>(&self, sequence: u8, payload: &'a [u8]) -> Frame<'a> {
+        let mut frame = Frame::data(sequence, self.source, self.destination, payload);
+        frame.ack_request = self.destination.address != Address::BROADCAST;
+        frame
+    }
+
     /// Replaces the content of `mpdu` with the MPDU; see [`Frame::write`].
     ///
     /// # Panics
     /// If the payload is larger than [`DataFrame::max_payload_octets`].
     pub fn write(&self, sequence: u8, payload: &[u8], mpdu: &mut Vec<u8>) {
-        let mut frame = Frame::data(sequence, self.source, self.destination, payload);
-        frame.ack_request = self.destination.address != Address::BROADCAST;
-        frame.write(mpdu).expect("the size was checked");
+        self.frame(sequence, payload).write(mpdu).expect("the size was checked");
     }
 }

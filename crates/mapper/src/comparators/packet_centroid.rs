@@ -8,9 +8,10 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch};
 
 use super::weight_power;
+use crate::each_node::EachNode;
 use crate::{
-    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError,
-    Mapper, TopologyMap,
+    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, FixedLaw, Knowledge, KnowledgeKind,
+    LogParts, MapError, Mapper, PartEstimator, PartsError, TopologyMap,
 };
 
 /// The packet centroid as written in a scenario.
@@ -90,12 +91,27 @@ impl Estimator for PacketCentroid {
         Self::USES
     }
 
+    fn by_parts(&self) -> Option<&dyn PartEstimator> {
+        Some(self)
+    }
+
     fn estimate(
         &self,
         knowledge: &Knowledge<'_>,
         _: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         Ok((self.map(knowledge.log), None))
+    }
+}
+
+impl PartEstimator for PacketCentroid {
+    fn fix<'a>(
+        &'a self,
+        _: &dyn LogParts,
+        knowledge: &'a Knowledge<'a>,
+        _: &dyn Watch,
+    ) -> Result<Box<dyn FixedLaw + 'a>, PartsError> {
+        Ok(Box::new(EachNode { estimator: *self, knowledge }))
     }
 }
 

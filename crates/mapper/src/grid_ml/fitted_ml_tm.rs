@@ -4,13 +4,13 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
 use super::ml_tm::uses_under;
-use crate::grid_ml::fitted::WideSearch;
-use crate::log_facts::reach::heard_nodes;
-use crate::log_facts::search_box::Limits;
+use crate::grid_ml::fitted::{GridSize, WideSearch};
+use crate::log_facts::reach::{HeardNode, heard_nodes};
+use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::posterior::FitState;
 use crate::{
     CoordinateFrame, Estimator, EstimatorFindings, Fit, Fitted, FittedConfig, Knowledge, KnowledgeKind, MapError,
-    MlTm, MlTmConfig, NodeOfLog, ProfileConfig, Surface, TopologyMap, TrapezoidConfig,
+    MlTm, MlTmConfig, NodeOfLog, PartEstimator, ProfileConfig, Surface, TopologyMap, TrapezoidConfig,
 };
 
 /// ML-TM under a profile that is first estimated from the log, for logs whose channel is unknown.
@@ -87,25 +87,15 @@ impl FittedMlTm {
         let evidence = fit.evidence(log);
         let limits = Limits::new(log, fit.reach_m, fit.heights);
         let boxes: Vec<_> = heard_nodes(&evidence).into_iter().map(|heard| (heard, limits.of(&heard))).collect();
-        let (step_m, kind) = (ml_tm.grid_step_m(), ml_tm.estimate_kind());
-        let counted = ml_tm.counted(&evidence);
-        let wide = WideSearch { log: &counted, fit, step_m, kind };
-        let mut map = if evidence.sectors().is_none() && wide.is_warranted(&boxes) {
-            let estimates = wide.estimates(&boxes, watch)?;
-            TopologyMap {
-                estimates,
-                grid_step_m: Some(step_m),
-                ..TopologyMap::of_places(MlTm::NAME, Vec::new(), CoordinateFrame::World)
-            }
-        } else {
-            ml_tm.map_within(&evidence, Some(&limits), watch)?
-        };
-        map.heights = Some(fit.heights);
-        let state = FitState { is_reach_known: fit.is_reach_known, is_settled: fit.converged };
-        for estimate in map.estimates.iter_mut().flatten() {
-            estimate.concern = state.concern(estimate.concern);
-        }
-        Ok(map)
+        let mut size = GridSize::default();
+        size.add(&boxes, evidence.receptions().len(), fit, ml_tm.grid_step_m());
+        let grid = GridKind::of(&evidence, size, evidence.stops().len());
+        map_evidence(ml_tm, fit, grid, &evidence, &boxes, watch)
+    }
+
+    /// The settings that say how a profile is fitted, and those of the map.
+    pub(super) fn stages(&self) -> (&Fitted, &MlTm, Option<[f64; 2]>) {
+        (&self.fitted, &self.ml_tm, self.z_range_m)
     }
 
     /// The same for an `algorithm` that needs sectors in the log.
@@ -128,6 +118,55 @@ impl FittedMlTm {
     }
 }
 
+/// How the likelihood of a node is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum GridKind {
+    /// On the grid of the settings, which all nodes share.
+    Shared,
+    /// On a grid of its own that adapts itself, because the shared one would take too long.
+    Own,
+}
+
+impl GridKind {
+    /// That of a log with the sectors of `log`, where so many stops are evidence and grids have this size.
+    pub(super) fn of(log: &ReceptionLog, size: GridSize, stops: usize) -> Self {
+        if log.sectors().is_none() && size.takes_too_long(stops) { Self::Own } else { Self::Shared }
+    }
+}
+
+/// The map of the nodes of `evidence` in their `boxes`, by `ml_tm`, which has the profile of `fit`.
+pub(super) fn map_evidence(
+    ml_tm: &MlTm,
+    fit: &Fit,
+    grid: GridKind,
+    evidence: &ReceptionLog,
+    boxes: &[(HeardNode, SearchBox)],
+    watch: &dyn Watch,
+) -> Result<TopologyMap, MapError> {
+    let mut map = match grid {
+        GridKind::Own => {
+            let (step_m, kind) = (ml_tm.grid_step_m(), ml_tm.estimate_kind());
+            let log = &*ml_tm.counted(evidence);
+            let estimates = WideSearch { log, fit, step_m, kind }.estimates(boxes, watch)?;
+            TopologyMap {
+                estimates,
+                grid_step_m: Some(step_m),
+                ..TopologyMap::of_places(MlTm::NAME, Vec::new(), CoordinateFrame::World)
+            }
+        }
+        GridKind::Shared => {
+            let within: Vec<_> = boxes.iter().map(|(heard, within)| (heard.node, *within)).collect();
+            ml_tm.map_within(evidence, Some(&within), watch)?
+        }
+    };
+    map.heights = Some(fit.heights);
+    let state = FitState { is_reach_known: fit.is_reach_known, is_settled: fit.converged };
+    for estimate in map.estimates.iter_mut().flatten() {
+        estimate.concern = state.concern(estimate.concern);
+    }
+    Ok(map)
+}
+
 impl Estimator for FittedMlTm {
     fn name(&self) -> &'static str {
         MlTm::NAME
@@ -145,6 +184,10 @@ impl Estimator for FittedMlTm {
     ) -> Option<Result<Surface, MapError>> {
         let fit: &Fit = learned?.get()?;
         Some(self.with_fit(fit).surface(&fit.evidence(log), node, watch))
+    }
+
+    fn by_parts(&self) -> Option<&dyn PartEstimator> {
+        Some(self)
     }
 
     fn estimate(

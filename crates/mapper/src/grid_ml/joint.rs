@@ -15,7 +15,6 @@ use super::ml_tm::uses_under;
 use crate::grid_ml::findings::Findings;
 use crate::grid_ml::ml_tm::DEFAULT_MEMORY_MB;
 use crate::grid_ml::solver::{Contenders, Moments, Peak, Scratch, Search, Solver};
-use crate::log_facts::reach::heard_nodes;
 use crate::{
     CoordinateFrame, CountRule, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
     FittedMlTm, Knowledge, KnowledgeKind, Lattice, MapError, Mapper, MlTm, MlTmConfig, NetworkFits, ProfileConfig,
@@ -167,9 +166,7 @@ impl JointMlTm {
         let solvers: Result<Vec<Solver<'_>>, MapError> =
             prepared.iter().map(|member| member.ml_tm.solver(&lattice, &member.log, watch)).collect();
         let solvers = solvers?;
-        let operations = |(member, solver): (&Prepared<'_>, &Solver<'_>)| -> f64 {
-            heard_nodes(&member.log).iter().map(|heard| solver.operations(heard)).sum()
-        };
+        let operations = |(member, solver): (&Prepared<'_>, &Solver<'_>)| -> f64 { solver.operations(&member.log) };
         watch.begin(Work {
             name: Self::NAME,
             unit: "node",

@@ -15,13 +15,12 @@ use crate::grid_ml::findings::Findings;
 use crate::grid_ml::sector_errors::likeliest_sigma_db;
 use crate::grid_ml::solver::{Moments, Peak, Scratch, Solver};
 use crate::log_facts::heights::check_z_range;
-use crate::log_facts::reach::heard_nodes;
-use crate::log_facts::search_box::{Limits, SearchBox};
+use crate::log_facts::search_box::SearchBox;
 use crate::log_facts::sectors::SectorSettings;
 use crate::{
     Concern, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, Knowledge, KnowledgeKind,
-    Lattice, MapError, NodeOfLog, ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights, Surface, TieRule,
-    TopologyMap,
+    Lattice, MapError, NodeOfLog, PartEstimator, ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights,
+    Surface, TieRule, TopologyMap,
 };
 
 /// ML-TM as written in a scenario.
@@ -177,11 +176,11 @@ impl MlTm {
         self.map_within(log, None, watch)
     }
 
-    /// The same with each node in the box that `limits` give it, if there are any.
+    /// The same with nodes in their boxes, if they have any.
     pub(crate) fn map_within(
         &self,
         log: &ReceptionLog,
-        limits: Option<&Limits>,
+        limits: Option<&[(NodeId, SearchBox)]>,
         watch: &dyn Watch,
     ) -> Result<TopologyMap, MapError> {
         let mut map = TopologyMap {
@@ -198,16 +197,15 @@ impl MlTm {
         let log = &*self.counted(log);
         let lattice = self.lattice(log)?;
         let solver = self.solver(&lattice, log, watch)?;
-        let heard_nodes = heard_nodes(log);
         let mut boxes: Vec<Option<SearchBox>> = vec![None; log.node_count()];
-        if let Some(limits) = limits {
-            heard_nodes.iter().for_each(|heard| boxes[heard.node.index()] = Some(limits.of(heard)));
+        for &(node, within) in limits.unwrap_or_default() {
+            boxes[node.index()] = Some(within);
         }
         watch.begin(Work {
             name: Self::NAME,
             unit: "node",
             steps: log.node_count() as u64,
-            operations: heard_nodes.iter().map(|heard| solver.operations(heard)).sum(),
+            operations: solver.operations(log),
         });
         let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = (0..log.node_count())
             .into_par_iter()
@@ -276,22 +274,40 @@ impl MlTm {
         self.sectors.check_widths(table, self.profile.range_m(), self.grid_step_m)
     }
 
+    /// The same algorithm with what is estimated from the whole log, of which `sample` are some of the nodes: the error of
+    /// the strengths by which nodes name sectors, if the settings ask for it and do not give it.
+    pub(crate) fn with_errors_of(&self, sample: &ReceptionLog, watch: &dyn Watch) -> Result<Self, MapError> {
+        let mut fixed = self.clone();
+        if let Some(soft) = fixed.sectors.soft.as_mut() {
+            let sample = &*self.counted(sample);
+            let lattice = self.lattice(sample)?;
+            soft.sigma_db = self.sigma_db(&lattice, sample, watch)?.or(soft.sigma_db);
+        }
+        Ok(fixed)
+    }
+
+    /// Whether a sample of the log must be known before a part of it can be mapped.
+    pub(crate) fn needs_sample(&self) -> bool {
+        self.sectors.soft.is_some_and(|soft| soft.sigma_db.is_none())
+    }
+
     pub(crate) fn solver<'a>(
         &'a self,
         lattice: &'a Lattice,
         log: &'a ReceptionLog,
         watch: &'a dyn Watch,
     ) -> Result<Solver<'a>, MapError> {
+        let sigma_db = self.sigma_db(lattice, log, watch)?;
         let sectors = self.sectors.table(log)?.map(|table| (table, &self.sectors));
-        let with = |sigma_db| Solver::new(lattice, log.stops(), &self.profile, sectors, sigma_db, watch);
-        let sigma_db = match self.sectors.soft.filter(|_| sectors.is_some()) {
-            Some(soft) => {
-                let fitted = || likeliest_sigma_db(lattice, log, |sigma_db| with(Some(sigma_db)));
-                Some(soft.sigma_db.unwrap_or_else(fitted))
-            }
-            None => None,
-        };
-        Ok(with(sigma_db))
+        Ok(Solver::new(lattice, log.stops(), &self.profile, sectors, sigma_db, watch))
+    }
+
+    /// The error of the strengths by which nodes name sectors (dB); `None` if it does not count.
+    fn sigma_db(&self, lattice: &Lattice, log: &ReceptionLog, watch: &dyn Watch) -> Result<Option<f64>, MapError> {
+        let sectors = self.sectors.table(log)?.map(|table| (table, &self.sectors));
+        let with = |sigma_db| Solver::new(lattice, log.stops(), &self.profile, sectors, Some(sigma_db), watch);
+        let soft = self.sectors.soft.filter(|_| sectors.is_some());
+        Ok(soft.map(|soft| soft.sigma_db.unwrap_or_else(|| likeliest_sigma_db(lattice, log, with))))
     }
 
     fn estimate(
@@ -404,6 +420,10 @@ impl Estimator for MlTm {
         watch: &dyn Watch,
     ) -> Option<Result<Surface, MapError>> {
         Some(self.surface(log, node, watch))
+    }
+
+    fn by_parts(&self) -> Option<&dyn PartEstimator> {
+        Some(self)
     }
 
     fn estimate(

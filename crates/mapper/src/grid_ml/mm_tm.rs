@@ -4,9 +4,12 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
 use super::ml_tm::uses_under;
+use super::ml_tm_parts::fixed;
+use crate::each_node::EachNode;
 use crate::{
-    Estimator, EstimatorFindings, Fit, FittedMlTm, Knowledge, KnowledgeKind, MapError, Mapper, MlTm, MlTmConfig,
-    NodeOfLog, ProfileConfig, ReceptionProfile, SectorTolerance, Surface, TopologyMap,
+    Estimator, EstimatorFindings, Fit, FittedMlTm, FixedLaw, Knowledge, KnowledgeKind, LogParts, MapError, Mapper,
+    MlTm, MlTmConfig, NodeOfLog, PartEstimator, PartsError, ProfileConfig, ReceptionProfile, SectorTolerance,
+    Surface, TopologyMap,
 };
 
 /// MmTM: [`MlTm`] on a log whose receptions have sectors. Its likelihood of node i at vertex g is the product over all
@@ -116,6 +119,10 @@ impl Estimator for MmTm {
         }
     }
 
+    fn by_parts(&self) -> Option<&dyn PartEstimator> {
+        Some(self)
+    }
+
     fn estimate(
         &self,
         knowledge: &Knowledge<'_>,
@@ -132,5 +139,22 @@ impl MmTm {
     /// If a value is invalid.
     pub fn mapper(config: MlTmConfig) -> Result<Mapper, SettingError> {
         Self::try_from(config).map(Mapper::new)
+    }
+}
+
+impl PartEstimator for MmTm {
+    fn fix<'a>(
+        &'a self,
+        parts: &dyn LogParts,
+        knowledge: &'a Knowledge<'a>,
+        watch: &dyn Watch,
+    ) -> Result<Box<dyn FixedLaw + 'a>, PartsError> {
+        match &self.0 {
+            Likelihood::Given(ml_tm) => {
+                let estimator = Self(Likelihood::Given(fixed(ml_tm, parts, watch)?));
+                Ok(Box::new(EachNode { estimator, knowledge }))
+            }
+            Likelihood::Fitted(fitted) => fitted.fix_for(parts, knowledge, Some(Self::NAME), watch),
+        }
     }
 }

@@ -6,8 +6,10 @@ pub(crate) mod directions;
 pub(crate) mod findings;
 mod fitted;
 mod fitted_ml_tm;
+mod fitted_parts;
 mod joint;
 mod ml_tm;
+mod ml_tm_parts;
 mod ml_tm_settings;
 mod mm_tm;
 #[cfg(feature = "obstacles")]

@@ -4,13 +4,15 @@ use rayon::prelude::*;
 use sextant_channel::{Db, ObstacleField, Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
+use crate::each_node::EachNode;
+use crate::grid_ml::ml_tm_parts::fixed;
 use crate::log_facts::heights::Heights;
 use crate::posterior::NodeEvidence;
 use crate::posterior::local_posterior;
 use crate::profile::KnownLink;
 use crate::{
-    ChannelProfileConfig, Estimate, EstimateKind, Estimator, EstimatorFindings, Knowledge, KnowledgeKind, MapError,
-    MlTm, MlTmConfig, SoughtHeights, TopologyMap,
+    ChannelProfileConfig, Estimate, EstimateKind, Estimator, EstimatorFindings, FixedLaw, Knowledge, KnowledgeKind,
+    LogParts, MapError, MlTm, MlTmConfig, PartEstimator, PartsError, SoughtHeights, TopologyMap,
 };
 
 /// ML-TM under a known channel with known obstacles. The likelihood of a place includes, for each stop, what the
@@ -162,12 +164,28 @@ impl Estimator for ObstacleMlTm {
         &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss, KnowledgeKind::Obstacles]
     }
 
+    fn by_parts(&self) -> Option<&dyn PartEstimator> {
+        Some(self)
+    }
+
     fn estimate(
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge.log, knowledge.obstacles(MlTm::NAME)?, watch).map(|map| (map, None))
+    }
+}
+
+impl PartEstimator for ObstacleMlTm {
+    fn fix<'a>(
+        &'a self,
+        parts: &dyn LogParts,
+        knowledge: &'a Knowledge<'a>,
+        watch: &dyn Watch,
+    ) -> Result<Box<dyn FixedLaw + 'a>, PartsError> {
+        let estimator = Self { start: fixed(&self.start, parts, watch)?, ..self.clone() };
+        Ok(Box::new(EachNode { estimator, knowledge }))
     }
 }
 

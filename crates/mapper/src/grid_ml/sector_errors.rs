@@ -12,6 +12,11 @@ const TRIED_DB: [f64; 6] = [0.5, 1.0, 2.0, 3.0, 5.0, 8.0];
 /// Number of nodes from which the error is estimated.
 const NODES: usize = 48;
 
+/// It is estimated from every how many of `heard` nodes that were heard.
+pub(crate) fn every(heard: usize) -> usize {
+    heard.div_ceil(NODES).max(1)
+}
+
 /// The standard deviation under which `log` is the likeliest, over all places of some of its nodes (dB), of a few
 /// values; between the best and its neighbours by a parabola. `solver` makes the solver for a value.
 pub(crate) fn likeliest_sigma_db<'a>(
@@ -20,7 +25,7 @@ pub(crate) fn likeliest_sigma_db<'a>(
     solver: impl Fn(f64) -> Solver<'a>,
 ) -> f64 {
     let heard = heard_nodes(log);
-    let sample: Vec<&HeardNode> = heard.iter().step_by(heard.len().div_ceil(NODES).max(1)).collect();
+    let sample: Vec<&HeardNode> = heard.iter().step_by(every(heard.len())).collect();
     let evidence = |sigma_db: f64| -> f64 {
         let solver = solver(sigma_db);
         let of_node = |scratch: &mut _, heard: &&HeardNode| {

@@ -58,7 +58,8 @@ pub(super) struct Links {
 }
 
 /// The stops in cells of a grid, and each by itself.
-struct Cells {
+#[derive(Clone, Debug)]
+pub(super) struct Cells {
     /// Each stop by itself: its place. Stops at the same place are one.
     fine: Vec<Place>,
     fine_of: Vec<usize>,
@@ -81,15 +82,13 @@ impl Links {
             return None;
         }
         let reach_m = reach_m(log, &heard);
-        let cells = Cells::of(log, reach_m, uses_rssi);
-        let nodes = heard.into_iter().map(|heard| node_links(log, heard, &cells, reach_m)).collect();
-        let places = cells.fine.iter().chain(&cells.coarse).map(|place| place.position).collect();
-        Some(Self { places, nodes, reach_m })
+        Some(Cells::of(log, reach_m, uses_rssi).links(log, heard, reach_m))
     }
 }
 
 impl Cells {
-    fn of(log: &ReceptionLog, reach_m: f64, uses_rssi: bool) -> Self {
+    /// Those of the stops of `log`, over which nodes are heard within `reach_m`.
+    pub(super) fn of(log: &ReceptionLog, reach_m: f64, uses_rssi: bool) -> Self {
         let (fine, fine_of) = merged(log, 0.0);
         let (coarse, coarse_of) = places(log, reach_m);
         let mut cell_of_fine = vec![0; fine.len()];
@@ -97,6 +96,13 @@ impl Cells {
             cell_of_fine[place] = cell;
         }
         Self { fine, fine_of, coarse, coarse_of, cell_of_fine, uses_rssi }
+    }
+
+    /// The links of the nodes of `log`, which has the same stops.
+    pub(super) fn links(&self, log: &ReceptionLog, heard: Vec<HeardNode>, reach_m: f64) -> Links {
+        let nodes = heard.into_iter().map(|heard| node_links(log, heard, self, reach_m)).collect();
+        let places = self.fine.iter().chain(&self.coarse).map(|place| place.position).collect();
+        Links { places, nodes, reach_m }
     }
 
     /// The cells whose stops are places of their own for `node`: those of its strongest receptions.

@@ -9,6 +9,7 @@ mod likelihood;
 mod links;
 mod losses;
 mod outages;
+mod parts;
 mod posterior;
 mod predict;
 mod receiver;
@@ -22,7 +23,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_channel::ReceptionLog;
+use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use crate::log_facts::heights::check_z_range;
@@ -31,7 +32,7 @@ use crate::numerics::normal::below;
 use crate::posterior::{FitState, Verdict};
 use crate::{
     AnyLog, Concern, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
-    KnowledgeKind, MapError, Mapper, PlacePrior, SoughtHeights, TopologyMap,
+    KnowledgeKind, MapError, Mapper, PartEstimator, PlacePrior, SoughtHeights, TopologyMap,
 };
 use fit::Found;
 use hearing::Hearing;
@@ -152,60 +153,43 @@ impl LinkModel {
         prior: Option<&PlacePrior>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<LinkFit>), MapError> {
-        let mut map = TopologyMap {
-            algorithm: Self::NAME,
-            estimates: vec![None; log.node_count()],
-            grid_step_m: None,
-            vertices_evaluated: 0,
-            heights: None,
-            frame: CoordinateFrame::World,
-        };
+        let mut map = Self::unmapped(log);
         let Some(links) = Links::of(log, self.config.rssi) else { return Ok((map, None)) };
-        let z_range_m = self.config.z_range_m;
-        let Some(heights) = SoughtHeights::of_log(log.stops(), z_range_m, links.reach_m, LEVEL * links.reach_m)
-        else {
+        let Some(learned) = self.learn(&links, log.stops(), (links.nodes.len(), prior), watch)? else {
             return Ok((map, None));
         };
+        learned.locate(&links, &mut map, watch)?;
+        Ok((map, Some(learned.fit)))
+    }
+
+    /// The map of no node of `log`.
+    fn unmapped(log: &ReceptionLog) -> TopologyMap {
+        let nowhere = vec![None; log.node_count()];
+        TopologyMap::of_places(Self::NAME, nowhere, CoordinateFrame::World)
+    }
+
+    /// What `links` tell, of a log with these stops in which so many nodes were heard; `None` without stops.
+    fn learn<'a>(
+        &self,
+        links: &Links,
+        stops: &[Stop],
+        (heard, prior): (usize, Option<&'a PlacePrior>),
+        watch: &dyn Watch,
+    ) -> Result<Option<Learned<'a>>, Interrupted> {
+        let z_range_m = self.config.z_range_m;
+        let heights = SoughtHeights::of_log(stops, z_range_m, links.reach_m, LEVEL * links.reach_m);
+        let Some(heights) = heights else { return Ok(None) };
         let is_spatial = heights.high_m > heights.low_m;
-        let window = Window::new(&links, heights, z_range_m.is_some(), prior);
-        let [low_m, high_m] = window.heights();
-        let planes = links.nodes.iter().map(|node| window.of(node));
-        let (low_m, high_m) = planes
-            .fold((low_m, high_m), |(low_m, high_m), bounds| (low_m.min(bounds.low[2]), high_m.max(bounds.high[2])));
-        map.heights = Some(SoughtHeights { low_m, high_m, ..heights });
-        watch.begin(Self::work(&links, is_spatial));
-        let hearing = Hearing::of(&links, self.config.rssi);
-        let Found { law, outages, rounds, settled } = fit::find(&links, &window, is_spatial, &hearing, watch)?;
+        let window = Window::new(links, heights, z_range_m.is_some(), prior);
+        watch.begin(Self::work(links, is_spatial));
+        let hearing = Hearing::of(links, self.config.rssi);
+        let Found { law, outages, rounds, settled } = fit::find(links, &window, is_spatial, &hearing, watch)?;
         let settled = settled && !law.is_at_bound();
-        let model = Fitted {
-            law,
-            hearing: &hearing,
-            outages: &outages,
-            links: &links,
-            window: &window,
-            is_spatial,
-            inflation: inflation(links.nodes.len()),
-        };
-        let located: Result<Vec<_>, Interrupted> = links
-            .nodes
-            .par_iter()
-            .map(|node| {
-                watch.check()?;
-                let located = model.locate(node);
-                watch.advance(1);
-                Ok(located)
-            })
-            .collect();
-        for (node, (estimate, vertices)) in links.nodes.iter().zip(located?) {
-            // A law that is assumed where the log does not tell it has a reach.
-            let concern = FitState { is_reach_known: true, is_settled: settled }.concern(estimate.concern);
-            map.estimates[node.node().index()] = Some(Estimate { concern, ..estimate });
-            map.vertices_evaluated += vertices;
-        }
-        let Hearing { receiver, counts } = hearing;
-        let evidence = evidence(&links, receiver.is_some());
-        let (losses, outage) = (counts.losses(), outages.of_log);
-        Ok((map, Some(LinkFit { law, receiver, losses, outage, evidence, rounds, settled })))
+        let evidence = evidence(links, hearing.receiver.is_some());
+        let (receiver, losses, outage) = (hearing.receiver, hearing.counts.losses(), outages.of_log);
+        let fit = LinkFit { law, receiver, losses, outage, evidence, rounds, settled };
+        let inflation = inflation(heard);
+        Ok(Some(Learned { fit, hearing, outages, window, heights, is_spatial, inflation }))
     }
 
     fn work(links: &Links, is_spatial: bool) -> Work {
@@ -233,6 +217,51 @@ fn evidence(links: &Links, uses_rssi: bool) -> LinkEvidence {
 /// what they say on logs of one, a few and many nodes.
 fn inflation(nodes: usize) -> f64 {
     1.0 + 10.0 / (nodes as f64 + 4.0)
+}
+
+/// What a log told.
+#[derive(Debug)]
+struct Learned<'a> {
+    fit: LinkFit,
+    hearing: Hearing,
+    outages: Outages,
+    window: Window<'a>,
+    heights: SoughtHeights,
+    is_spatial: bool,
+    /// Factor on covariances.
+    inflation: f64,
+}
+
+impl Learned<'_> {
+    /// Adds the nodes of `links` to `map`.
+    fn locate(&self, links: &Links, map: &mut TopologyMap, watch: &dyn Watch) -> Result<(), Interrupted> {
+        let Self { hearing, outages, window, is_spatial, inflation, .. } = self;
+        let (law, is_spatial, inflation) = (self.fit.law, *is_spatial, *inflation);
+        let model = Fitted { law, hearing, outages, links, window, is_spatial, inflation };
+        let [low_m, high_m] = window.heights();
+        let planes = links.nodes.iter().map(|node| window.of(node));
+        let (low_m, high_m) = planes
+            .fold((low_m, high_m), |(low_m, high_m), bounds| (low_m.min(bounds.low[2]), high_m.max(bounds.high[2])));
+        map.heights = Some(SoughtHeights { low_m, high_m, ..self.heights });
+        let located: Result<Vec<_>, Interrupted> = links
+            .nodes
+            .par_iter()
+            .map(|node| {
+                watch.check()?;
+                let located = model.locate(node);
+                watch.advance(1);
+                Ok(located)
+            })
+            .collect();
+        for (node, (estimate, vertices)) in links.nodes.iter().zip(located?) {
+            // A law that is assumed where the log does not tell it has a reach.
+            let state = FitState { is_reach_known: true, is_settled: self.fit.settled };
+            let concern = state.concern(estimate.concern);
+            map.estimates[node.node().index()] = Some(Estimate { concern, ..estimate });
+            map.vertices_evaluated += vertices;
+        }
+        Ok(())
+    }
 }
 
 /// The model with its law.
@@ -318,6 +347,10 @@ impl Estimator for LinkModel {
 
     fn uses_prior(&self) -> bool {
         true
+    }
+
+    fn by_parts(&self) -> Option<&dyn PartEstimator> {
+        Some(self)
     }
 
     fn estimate(

@@ -1,5 +1,6 @@
 //! How far nodes are heard, estimated from a log without a model.
 
+use rayon::prelude::*;
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
@@ -25,59 +26,123 @@ pub(crate) struct HeardNode {
     pub(crate) corners: [[f64; 3]; 2],
 }
 
-/// The nodes that were heard, in the order of their numbers.
+/// Nodes that a thread looks at in one piece, at least.
+const PIECE: usize = 64;
+
+/// The nodes that were heard, in the order of their numbers. Computed on the current rayon pool; the result is
+/// bit-identical for any number of threads.
 pub(crate) fn heard_nodes(log: &ReceptionLog) -> Vec<HeardNode> {
-    let nodes = || (0..log.node_count()).map(NodeId::from_index);
-    let centres: Vec<Option<Position>> = nodes().map(|node| centre(log, node)).collect();
-    let usual_m = |(node, centre): (NodeId, &Option<Position>)| {
-        let centre = (*centre)?;
-        let mut distances_m: Vec<f64> = heard_at(log, node).map(|(place, _)| place.distance_m(centre)).collect();
-        Some(median(&mut distances_m))
+    let centres = centres(log);
+    let gross_m = gross_m(centres.iter().flatten().map(|centre| centre.usual_m));
+    heard_from(log, &centres, gross_m)
+}
+
+/// All nodes of a log, by number, for the threads of the pool.
+fn nodes(log: &ReceptionLog) -> impl IndexedParallelIterator<Item = usize> {
+    (0..log.node_count()).into_par_iter().with_min_len(PIECE)
+}
+
+/// The centre of each node; `None` if it was not heard.
+pub(crate) fn centres(log: &ReceptionLog) -> Vec<Option<Centre>> {
+    let of_node = |heard_at: &mut HeardAt, node| {
+        heard_at.read(log, NodeId::from_index(node));
+        heard_at.centre()
     };
-    let mut usual_m: Vec<f64> = nodes().zip(&centres).filter_map(usual_m).filter(|&m| m > 0.0).collect();
-    let gross_m = if usual_m.is_empty() { f64::INFINITY } else { GROSS * median(&mut usual_m) };
-    nodes().zip(centres).filter_map(|(node, centre)| heard_node(log, node, centre?, gross_m)).collect()
+    nodes(log).map_init(HeardAt::default, of_node).collect()
 }
 
-/// The stops that heard a node, with the packets heard.
-fn heard_at(log: &ReceptionLog, node: NodeId) -> impl Iterator<Item = (Position, u32)> + Clone {
-    let receptions = log.of(node).iter().filter(|reception| reception.received > 0);
-    receptions.map(|reception| (log.stops()[reception.stop as usize].position, reception.received))
+/// The distance beyond which a reception is a gross error, by the usual distances of all nodes of a log (m).
+pub(crate) fn gross_m(usual_m: impl Iterator<Item = f64>) -> f64 {
+    let mut usual_m: Vec<f64> = usual_m.filter(|&m| m > 0.0).collect();
+    if usual_m.is_empty() { f64::INFINITY } else { GROSS * median(&mut usual_m) }
 }
 
-/// Of the stops that heard a node, the one nearest to their median along each axis; `None` if none did.
-fn centre(log: &ReceptionLog, node: NodeId) -> Option<Position> {
-    let along = |axis: usize| {
-        let mut values: Vec<f64> = heard_at(log, node).map(|(place, _)| <[f64; 3]>::from(place)[axis]).collect();
-        if values.is_empty() { None } else { Some(median(&mut values)) }
+/// The nodes that were heard, without receptions beyond `gross_m` of their centre.
+pub(crate) fn heard_from(log: &ReceptionLog, centres: &[Option<Centre>], gross_m: f64) -> Vec<HeardNode> {
+    let of_node = |heard_at: &mut HeardAt, node: usize| {
+        let Centre { place, .. } = centres[node]?;
+        heard_at.read(log, NodeId::from_index(node));
+        heard_at.places.retain(|(heard_at, _)| heard_at.distance_m(place) <= gross_m);
+        heard_at.heard_node(NodeId::from_index(node))
     };
-    let middle = Position::new(along(0)?, along(1)?, along(2)?);
-    let nearest = heard_at(log, node).min_by(|a, b| a.0.distance_m(middle).total_cmp(&b.0.distance_m(middle)));
-    nearest.map(|(place, _)| place)
+    let heard: Vec<Option<HeardNode>> = nodes(log).map_init(HeardAt::default, of_node).collect();
+    heard.into_iter().flatten().collect()
 }
 
-fn heard_node(log: &ReceptionLog, node: NodeId, centre: Position, gross_m: f64) -> Option<HeardNode> {
-    let heard = || heard_at(log, node).filter(|(place, _)| place.distance_m(centre) <= gross_m);
-    let packets: f64 = heard().map(|(_, packets)| f64::from(packets)).sum();
-    if packets <= 0.0 {
-        return None;
+/// About where a node was heard.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Centre {
+    /// Of the stops that heard it, the one nearest to their median (m).
+    place: Position,
+    /// The usual distance of these stops from it (m).
+    pub(crate) usual_m: f64,
+}
+
+/// The stops that heard a node, in memory that a thread reuses for each node.
+#[derive(Debug, Default)]
+struct HeardAt {
+    /// With the packets heard.
+    places: Vec<(Position, u32)>,
+    /// Numbers whose median is wanted.
+    values: Vec<f64>,
+}
+
+impl HeardAt {
+    fn read(&mut self, log: &ReceptionLog, node: NodeId) {
+        let receptions = log.of(node);
+        let heard = receptions.stops().iter().map(|&stop| log.stops()[stop as usize].position);
+        self.places.clear();
+        match receptions.packets() {
+            None => self.places.extend(heard.map(|place| (place, 1))),
+            Some(packets) => self.places.extend(
+                heard.zip(packets).filter(|&(_, (received, _))| received > 0).map(|(place, (n, _))| (place, n)),
+            ),
+        }
     }
-    let sum = heard().fold(Position::ORIGIN, |sum, (place, packets)| sum + place * f64::from(packets));
-    let middle = sum * (1.0 / packets);
-    let corners = heard().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], (place, _)| {
-        let place: [f64; 3] = place.into();
-        [[0, 1, 2].map(|axis| low[axis].min(place[axis])), [0, 1, 2].map(|axis| high[axis].max(place[axis]))]
-    });
-    // The middle of several stops at one place may miss it by rounding.
-    let is_one_place = corners[0].map(f64::to_bits) == corners[1].map(f64::to_bits);
-    let farthest_m = heard().map(|(place, _)| place.distance_m(middle)).fold(0.0, f64::max);
-    Some(HeardNode {
-        node,
-        middle,
-        farthest_m: if is_one_place { 0.0 } else { farthest_m },
-        stops: u32::try_from(heard().count()).unwrap_or(u32::MAX),
-        corners,
-    })
+
+    /// The stop nearest to the median along each axis; `None` if there are no stops.
+    fn centre(&mut self) -> Option<Centre> {
+        if self.places.is_empty() {
+            return None;
+        }
+        let middle = [0, 1, 2].map(|axis| self.median_of(|place| <[f64; 3]>::from(place)[axis])).into();
+        let nearest = |place: &Position| place.distance_m(middle);
+        let place = self.places.iter().map(|&(place, _)| place);
+        let place = place.min_by(|a, b| nearest(a).total_cmp(&nearest(b)))?;
+        Some(Centre { place, usual_m: self.median_of(|other| other.distance_m(place)) })
+    }
+
+    fn median_of(&mut self, value: impl Fn(Position) -> f64) -> f64 {
+        self.values.clear();
+        self.values.extend(self.places.iter().map(|&(place, _)| value(place)));
+        median(&mut self.values)
+    }
+
+    fn heard_node(&self, node: NodeId) -> Option<HeardNode> {
+        let packets: f64 = self.places.iter().map(|&(_, packets)| f64::from(packets)).sum();
+        if packets <= 0.0 {
+            return None;
+        }
+        let sum = self.places.iter().fold(Position::ORIGIN, |sum, &(place, n)| sum + place * f64::from(n));
+        let middle = sum * (1.0 / packets);
+        let mut corners = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for &(place, _) in &self.places {
+            for (axis, value) in <[f64; 3]>::from(place).into_iter().enumerate() {
+                corners[0][axis] = corners[0][axis].min(value);
+                corners[1][axis] = corners[1][axis].max(value);
+            }
+        }
+        // The middle of several stops at one place may miss it by rounding.
+        let is_one_place = corners[0].map(f64::to_bits) == corners[1].map(f64::to_bits);
+        let farthest_m = self.places.iter().map(|(place, _)| place.distance_m(middle)).fold(0.0, f64::max);
+        Some(HeardNode {
+            node,
+            middle,
+            farthest_m: if is_one_place { 0.0 } else { farthest_m },
+            stops: u32::try_from(self.places.len()).unwrap_or(u32::MAX),
+            corners,
+        })
+    }
 }
 
 /// The distance from the middle of the stops that heard a node to the farthest of them which 95 % of the nodes do not
@@ -85,16 +150,22 @@ fn heard_node(log: &ReceptionLog, node: NodeId, centre: Position, gross_m: f64) 
 /// that, less where it is smaller. The usual gap between stops if each node was heard at one place only, 1 m if there is
 /// no gap.
 pub(crate) fn reach_m(log: &ReceptionLog, heard: &[HeardNode]) -> f64 {
-    known_reach_m(heard).or_else(|| gap_m(log)).unwrap_or(1.0)
+    reach_of_m(log, heard.iter().map(|heard| heard.farthest_m))
+}
+
+/// The same by the farthest stops of the nodes that were heard.
+pub(crate) fn reach_of_m(log: &ReceptionLog, farthest_m: impl Iterator<Item = f64>) -> f64 {
+    known_reach_m(farthest_m).or_else(|| gap_m(log)).unwrap_or(1.0)
 }
 
 /// Whether the log tells how far nodes are heard: nodes were heard at several places.
 pub(crate) fn is_reach_known(heard: &[HeardNode]) -> bool {
-    known_reach_m(heard).is_some()
+    known_reach_m(heard.iter().map(|heard| heard.farthest_m)).is_some()
 }
 
-fn known_reach_m(heard: &[HeardNode]) -> Option<f64> {
-    let mut farthest_m: Vec<f64> = heard.iter().map(|heard| heard.farthest_m).collect();
+/// The reach, by the farthest stops of the nodes that were heard (m); `None` if the log does not tell.
+pub(crate) fn known_reach_m(farthest_m: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut farthest_m: Vec<f64> = farthest_m.collect();
     farthest_m.sort_unstable_by(f64::total_cmp);
     let most = farthest_m.len().saturating_sub(if farthest_m.len() > 2 { 2 } else { 1 });
     let common = crate::numerics::whole(COMMON * farthest_m.len() as f64).min(most);

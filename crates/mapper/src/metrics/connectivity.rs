@@ -1,11 +1,11 @@
 //! One-hop connectivity error: whether neighbours stay neighbours on the map.
 
-use sextant_channel::Position;
+use rayon::prelude::*;
+use sextant_channel::{CellIndex, Position};
 use sextant_kernel::{Interrupted, Watch};
 
 use super::ellipse::{Affine, Axes};
 use super::error::MetricError;
-use crate::numerics::cells::CellIndex;
 
 /// How a neighbourhood, which is a ball on the ground, is transferred to the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,6 +119,9 @@ pub fn connectivity_error(
     Ok(count((truth, map), radius_m, (&images, &half_axes), watch)?)
 }
 
+/// Nodes that one thread counts the neighbours of at a time.
+const NODES_AT_A_TIME: usize = 1024;
+
 /// Counts neighbours, given the mapped nodes' images and half-axes.
 fn count(
     (truth, map): (&[Position], &[Option<Position>]),
@@ -126,13 +129,28 @@ fn count(
     (images, half_axes): (&[Position], &[[f64; 3]]),
     watch: &dyn Watch,
 ) -> Result<ConnectivityError, Interrupted> {
-    let ground = CellIndex::new(truth, radius_m);
-    let mapped = CellIndex::new(images, radius_m);
     let nodes: Vec<usize> = (0..truth.len()).filter(|&node| map[node].is_some()).collect();
     let mut image_of = vec![None; truth.len()];
     for (image, &node) in nodes.iter().enumerate() {
         image_of[node] = Some(image);
     }
+    let neighbourhoods = Neighbourhoods {
+        truth,
+        radius_m,
+        ground: CellIndex::new(truth, radius_m),
+        mapped: CellIndex::new(images, radius_m),
+        images,
+        half_axes,
+        nodes: &nodes,
+        image_of: &image_of,
+    };
+    let parts = (0..truth.len().div_ceil(NODES_AT_A_TIME)).into_par_iter().map(|part| {
+        watch.check()?;
+        let first = part * NODES_AT_A_TIME;
+        let nodes = first..truth.len().min(first + NODES_AT_A_TIME);
+        Ok(nodes.map(|node| neighbourhoods.of(node)).collect::<Vec<_>>())
+    });
+    let parts: Vec<Vec<Neighbours>> = parts.collect::<Result<_, Interrupted>>()?;
     let mut error = ConnectivityError {
         radius_m,
         physical: 0,
@@ -141,44 +159,69 @@ fn count(
         isolated: 0,
         per_node: Vec::with_capacity(truth.len()),
     };
-    let mut is_neighbour = vec![false; truth.len()];
-    let mut neighbours = Vec::new();
-    for (node, &place) in truth.iter().enumerate() {
-        watch.check()?;
-        neighbours.clear();
-        ground.within(place, radius_m, |other| neighbours.push(other as usize));
-        neighbours.retain(|&other| other != node);
-        for &other in &neighbours {
-            is_neighbour[other] = true;
-        }
-        let physical = neighbours.len() as u64;
-        let mut kept = 0;
-        if let Some(image) = image_of[node] {
-            let [a, b, c] = half_axes[image].map(|half_axis| half_axis * radius_m);
-            let centre = images[image];
-            mapped.within(centre, a.max(b).max(c), |other| {
-                let apart = images[other as usize] - centre;
-                let other = nodes[other as usize];
-                let inside = (apart.x_m / a).powi(2) + (apart.y_m / b).powi(2) + (apart.z_m / c).powi(2) <= 1.0;
-                if other != node && inside {
-                    if is_neighbour[other] { kept += 1 } else { error.gained += 1 }
-                }
-            });
-        }
-        for &other in &neighbours {
-            is_neighbour[other] = false;
-        }
+    for Neighbours { physical, kept, gained } in parts.into_iter().flatten() {
         error.physical += physical;
         error.lost += physical - kept;
+        error.gained += gained;
         error.isolated += usize::from(physical == 0);
         error.per_node.push((physical > 0).then(|| share(physical - kept, physical)));
     }
     Ok(error)
 }
 
+/// Numbers of neighbours of a node.
+#[derive(Clone, Copy)]
+struct Neighbours {
+    /// On the ground.
+    physical: u64,
+    /// On the ground and on the map.
+    kept: u64,
+    /// On the map alone.
+    gained: u64,
+}
+
+/// The places of all nodes on the ground and on the map.
+struct Neighbourhoods<'a> {
+    truth: &'a [Position],
+    radius_m: f64,
+    ground: CellIndex,
+    mapped: CellIndex,
+    images: &'a [Position],
+    half_axes: &'a [[f64; 3]],
+    /// The node of each image.
+    nodes: &'a [usize],
+    /// The image of each node.
+    image_of: &'a [Option<usize>],
+}
+
+impl Neighbourhoods<'_> {
+    /// The neighbours of a node. Time in proportion to their number.
+    fn of(&self, node: usize) -> Neighbours {
+        let place = self.truth[node];
+        let mut found = Neighbours { physical: 0, kept: 0, gained: 0 };
+        self.ground.within(place, self.radius_m, |other| found.physical += u64::from(other as usize != node));
+        let Some(image) = self.image_of[node] else { return found };
+        let [a, b, c] = self.half_axes[image].map(|half_axis| half_axis * self.radius_m);
+        let centre = self.images[image];
+        self.mapped.within(centre, a.max(b).max(c), |other| {
+            let apart = self.images[other as usize] - centre;
+            let other = self.nodes[other as usize];
+            let inside = (apart.x_m / a).powi(2) + (apart.y_m / b).powi(2) + (apart.z_m / c).powi(2) <= 1.0;
+            if other != node && inside {
+                // The same comparison as on the ground.
+                let apart = self.truth[other] - place;
+                let is_neighbour = apart.dot(apart) <= self.radius_m * self.radius_m;
+                if is_neighbour { found.kept += 1 } else { found.gained += 1 }
+            }
+        });
+        found
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
     use sextant_kernel::{Purpose, Seed, Unwatched};
 
     const RULES: [NeighbourhoodRule; 3] =
@@ -274,6 +317,56 @@ mod tests {
             }
             let error = connectivity_error(&truth, &map, radius_m, NeighbourhoodRule::Affine, &Unwatched).unwrap();
             assert_eq!((error.physical, error.lost, error.gained), (physical, lost, gained));
+        }
+    }
+
+    /// What [`Neighbourhoods`] counts, over all pairs.
+    fn literal(
+        truth: &[Position],
+        map: &[Option<Position>],
+        radius_m: f64,
+        images: &[Position],
+        half_axes: &[[f64; 3]],
+    ) -> [u64; 3] {
+        let nodes: Vec<usize> = (0..truth.len()).filter(|&node| map[node].is_some()).collect();
+        let on_map = |from: usize, to: usize| {
+            let [from, to] = [from, to].map(|node| nodes.iter().position(|&other| other == node));
+            from.zip(to).is_some_and(|(from, to)| {
+                let apart = images[to] - images[from];
+                let [a, b, c] = half_axes[from].map(|half_axis| half_axis * radius_m);
+                (apart.x_m / a).powi(2) + (apart.y_m / b).powi(2) + (apart.z_m / c).powi(2) <= 1.0
+            })
+        };
+        let mut counts = [0; 3];
+        for from in 0..truth.len() {
+            for to in (0..truth.len()).filter(|&to| to != from) {
+                let apart = truth[to] - truth[from];
+                let near = apart.dot(apart) <= radius_m * radius_m;
+                let near_on_map = on_map(from, to);
+                let pair = [near, near && !near_on_map, !near && near_on_map];
+                counts.iter_mut().zip(pair).for_each(|(count, is_one)| *count += u64::from(is_one));
+            }
+        }
+        counts
+    }
+
+    proptest! {
+        #[test]
+        fn cells_count_what_all_pairs_count(
+            places in proptest::collection::vec(([-20.0..20.0, -9.0..9.0, 0.0..3.0_f64], [-1.0..1.0, -1.0..1.0, -1.0..1.0_f64], 0..8_u8), 1..70),
+            half_axes in [0.5..2.0_f64, 0.5..2.0, 0.5..2.0],
+            radius_m in 0.1..30.0_f64,
+        ) {
+            let truth: Vec<Position> = places.iter().map(|&(place, _, _)| place.into()).collect();
+            let map: Vec<Option<Position>> = places
+                .iter()
+                .map(|&(place, error, kind)| (kind > 0).then(|| Position::from(place) + Position::from(error)))
+                .collect();
+            let images: Vec<Position> = map.iter().copied().flatten().collect();
+            let half_axes = vec![half_axes; images.len()];
+            let error = count((&truth, &map), radius_m, (&images, &half_axes), &Unwatched).unwrap();
+            let expected = literal(&truth, &map, radius_m, &images, &half_axes);
+            prop_assert_eq!([error.physical, error.lost, error.gained], expected);
         }
     }
 

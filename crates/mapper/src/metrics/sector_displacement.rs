@@ -6,10 +6,9 @@ use std::f64::consts::TAU;
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_channel::Position;
+use sextant_channel::{CellIndex, Position};
 
 use super::error::MetricError;
-use crate::numerics::cells::CellIndex;
 
 /// How sector displacement is measured.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,10 @@
 //! Topology preservation: whether nodes along a line keep their order on the map.
 
-use sextant_channel::Position;
+use std::ops::Range;
+
+use sextant_channel::{CellIndex, Position};
 use sextant_kernel::{Interrupted, Watch};
 
-use crate::numerics::cells::CellIndex;
 use crate::numerics::whole;
 
 /// The topology preservation error of a map in the frame of the truth (after Dhanapala and Jayasumana 2014), 0 to 1:
@@ -58,20 +59,21 @@ fn median_spacing_m(pairs: &[([f64; 3], [f64; 3])], watch: &dyn Watch) -> Result
         return Ok(None);
     }
     #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
-    let index = CellIndex::new(&places, extent_m / (1.0 + (1.0 + places.len() as f64).sqrt()));
+    let cell_m = extent_m / (1.0 + (1.0 + places.len() as f64).sqrt());
+    let index = CellIndex::new(&places, cell_m);
     let mut spacings: Vec<f64> = Vec::new();
     for node in 0..places.len() {
         watch.check()?;
-        spacings.extend(nearest_m(&places, &index, node, extent_m));
+        spacings.extend(nearest_m(&places, &index, node, (2.0 * cell_m).min(extent_m / 64.0)..4.0 * extent_m));
     }
     spacings.sort_unstable_by(f64::total_cmp);
     Ok(spacings.get(spacings.len() / 2).copied())
 }
 
-/// Distance from `node` to the nearest other place (m).
-fn nearest_m(places: &[Position], index: &CellIndex, node: usize, extent_m: f64) -> Option<f64> {
-    let mut radius_m = extent_m / 64.0;
-    while radius_m <= 4.0 * extent_m {
+/// Distance from `node` to the nearest other place (m), which is looked for in circles of these radii, each twice the last.
+fn nearest_m(places: &[Position], index: &CellIndex, node: usize, radii_m: Range<f64>) -> Option<f64> {
+    let mut radius_m = radii_m.start;
+    while radius_m < radii_m.end {
         let mut nearest = f64::INFINITY;
         index.within(places[node], radius_m, |other| {
             let distance_m = places[other as usize].distance_m(places[node]);
@@ -114,6 +116,7 @@ fn descents(values: &mut [f64]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
     use sextant_kernel::{Purpose, Seed, Unwatched};
 
     /// The error of a map that nobody interrupts.
@@ -166,6 +169,26 @@ mod tests {
                 expected += values[i + 1..].iter().filter(|b| a >= b).count() as u64;
             }
             assert_eq!(descents(&mut values), expected);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_nearest_neighbours_are_those_of_a_scan_of_all_pairs(
+            places in proptest::collection::vec([-300.0..300.0, -20.0..20.0, 0.0..2.0_f64], 2..400),
+            repeated in 0..3_usize,
+        ) {
+            let mut places: Vec<[f64; 3]> = places;
+            places.extend(places[..repeated.min(places.len())].to_vec());
+            let pairs: Vec<_> = places.iter().map(|&place| (place, place)).collect();
+            let nearest = |from: &[f64; 3]| {
+                let distances = places.iter().map(|&to| Position::from(to).distance_m((*from).into()));
+                distances.filter(|distance_m| *distance_m > 0.0).fold(f64::INFINITY, f64::min)
+            };
+            let mut spacings: Vec<f64> = places.iter().map(nearest).filter(|spacing| spacing.is_finite()).collect();
+            spacings.sort_unstable_by(f64::total_cmp);
+            let expected = spacings.get(spacings.len() / 2).copied();
+            prop_assert_eq!(median_spacing_m(&pairs, &Unwatched).unwrap(), expected);
         }
     }
 

@@ -1,6 +1,5 @@
 //! Mathematics that several estimators share, and limits of memory.
 
-pub(crate) mod cells;
 mod isotonic;
 pub(crate) mod least_squares;
 pub(crate) mod memory;

@@ -1,10 +1,9 @@
 //! The packets between a node and the stops, with an index by place.
 
-use sextant_channel::{Position, Reception, ReceptionLog};
+use sextant_channel::{CellIndex, Position, Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use crate::grid_ml::directions::{Directions, covers};
-use crate::numerics::cells::CellIndex;
 
 /// Packets between one node and one stop.
 #[derive(Clone, Copy, Debug)]

@@ -6,6 +6,7 @@ use std::time::Duration;
 use sextant_channel::{Position, Stop};
 use sextant_kernel::SimTime;
 
+use super::super::detail::Detail;
 use super::super::drawing::playing;
 use super::super::error::RecordingError;
 use super::super::messages::CaptureMessage;
@@ -57,7 +58,7 @@ impl<W: Write> Recorder<W> {
     }
 
     /// Writes a stop of `robot` as a point, and lines to the places of the `nodes` that it heard until `end` (m). If robots
-    /// survey several networks, `network` says in which of them.
+    /// survey several networks, `network` says in which of them. A compact recording has no lines.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -76,7 +77,7 @@ impl<W: Write> Recorder<W> {
             let point = playing::stop(stop.time, stop.position, heard);
             self.write(stop.time, &format!("/robot/{robot}/stops"), &point)?;
         }
-        if nodes.is_empty() {
+        if nodes.is_empty() || self.detail == Detail::Compact {
             return Ok(());
         }
         let span = end - stop.time;

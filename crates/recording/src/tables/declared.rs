@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
 
+use sextant_channel::Reception;
+
 use super::row::{Cell, CellKind, TableColumn};
 use super::{Message, OwnedRow};
 use crate::descriptor::{Declaration, Field, Kind};
@@ -11,7 +13,7 @@ use crate::messages::declarations;
 use crate::names::{ApplicationTopics, LogTopics};
 
 /// The columns of the table of receptions.
-pub(super) const RECEPTION_COLUMNS: [(&str, CellKind); 8] = [
+const RECEPTION_COLUMNS: [(&str, CellKind); 8] = [
     ("node", CellKind::Text),
     ("stop", CellKind::Integer),
     ("received", CellKind::Integer),
@@ -21,6 +23,33 @@ pub(super) const RECEPTION_COLUMNS: [(&str, CellKind); 8] = [
     ("snr_db", CellKind::Real),
     ("lqi", CellKind::Integer),
 ];
+
+/// The columns of the table of receptions.
+pub(super) fn reception_columns() -> Vec<TableColumn> {
+    RECEPTION_COLUMNS.map(|(name, kind)| TableColumn::new(name, kind)).to_vec()
+}
+
+/// A row of the table of receptions.
+pub(super) fn cells_of(reception: &Reception, lqi: Option<u32>, names: &[String]) -> Vec<Cell> {
+    let integer = |number: u32| Cell::Integer(number.into());
+    let &Reception { node, stop, received, sent, sector, rssi_dbm, snr_db } = reception;
+    vec![
+        Cell::Text(name_of(names, node.0.into())),
+        integer(stop),
+        integer(received),
+        integer(sent),
+        sector.map_or(Cell::Missing, |sector| integer(sector.into())),
+        rssi_dbm.map_or(Cell::Missing, Cell::Real),
+        snr_db.map_or(Cell::Missing, Cell::Real),
+        lqi.map_or(Cell::Missing, integer),
+    ]
+}
+
+/// The table called `table` of the network that `topic` belongs to.
+pub(super) fn network_table(table: &str, topic: &str) -> String {
+    let network = LogTopics::network(topic);
+    network.map_or_else(|| table.to_owned(), |network| format!("networks/{network}/{table}"))
+}
 
 /// The message type of stops.
 const STOP: &str = "Stop";
@@ -112,11 +141,7 @@ impl Columns {
         let mut table = table.to_owned();
         match origin {
             Origin::Topic => {}
-            Origin::Network => {
-                if let Some(network) = LogTopics::network(message.topic) {
-                    table = format!("networks/{network}/{table}");
-                }
-            }
+            Origin::Network => table = network_table(&table, message.topic),
             Origin::Robot => {
                 let robot = message.topic.strip_prefix("/robot/").and_then(|rest| rest.strip_suffix("/contacts"));
                 cells.push(robot.map_or(Cell::Missing, |robot| Cell::Text(robot.to_owned())));
@@ -144,7 +169,7 @@ fn column(field: &Field, is_node: bool) -> TableColumn {
         _ if field.name.ends_with("_ns") => CellKind::Real,
         Kind::Uint32 | Kind::OptionalUint32 | Kind::Uint64 | Kind::OptionalUint64 | Kind::Bool => CellKind::Integer,
         Kind::Double | Kind::OptionalDouble => CellKind::Real,
-        Kind::String | Kind::Strings | Kind::Bytes => CellKind::Text,
+        Kind::String | Kind::Strings | Kind::Bytes | Kind::Uint32s | Kind::Doubles => CellKind::Text,
     };
     match field.name.strip_suffix("_ns") {
         Some("time") => TableColumn::new("t_s", kind),
@@ -159,7 +184,7 @@ fn absent(kind: Kind) -> Cell {
         Kind::OptionalUint32 | Kind::OptionalUint64 | Kind::OptionalDouble => Cell::Missing,
         Kind::Uint32 | Kind::Uint64 | Kind::Bool => Cell::Integer(0),
         Kind::Double => Cell::Real(0.0),
-        Kind::String | Kind::Strings | Kind::Bytes => Cell::Text(String::new()),
+        Kind::String | Kind::Strings | Kind::Bytes | Kind::Uint32s | Kind::Doubles => Cell::Text(String::new()),
     }
 }
 
@@ -226,17 +251,17 @@ mod tests {
     fn receptions_have_the_columns_of_their_declaration() {
         let declaration = declarations().find(|declaration| declaration.name == "Reception").unwrap();
         let columns: Vec<_> = declaration.fields.iter().map(|field| column(field, field.name == "node")).collect();
-        let listed = RECEPTION_COLUMNS.map(|(name, kind)| TableColumn::new(name, kind));
-        assert_eq!(columns, listed);
+        assert_eq!(columns, reception_columns());
     }
 
     #[test]
-    fn every_message_type_but_lists_of_names_has_a_table() {
+    fn every_message_type_but_lists_has_a_table() {
         let without: Vec<_> = declarations()
             .map(|declaration| declaration.name)
             .filter(|name| !TABLES.iter().any(|table| table.0 == *name))
             .collect();
-        assert_eq!(without, ["Nodes", "Networks"]);
+        // Those of a stop are rows of the table of receptions.
+        assert_eq!(without, ["Nodes", "Networks", "StopReceptions"]);
     }
 
     #[test]

@@ -49,24 +49,22 @@ pub fn read_tables(
     visit: &mut dyn FnMut(TablePiece<'_>) -> Result<(), RecordingError>,
 ) -> Result<LeftOut, RecordingError> {
     let mut reading = Reading::default();
+    let show = |rows: &Rows, visit: &mut dyn FnMut(TablePiece<'_>) -> Result<(), RecordingError>| {
+        let Rows { table, columns, cells } = rows;
+        cells.iter().try_for_each(|cells| visit(TablePiece::Row(TableRow { table, columns, cells })))
+    };
     sound(path, &mut |piece| match piece {
         Piece::Message { channel, header, data } => {
             let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
             let message = Message { topic: &channel.topic, schema, time_ns: header.log_time, data };
             let problem = |problem| RecordingError::message(path, &channel.topic, problem);
-            let rows = reading.rows(&message).map_err(problem)?;
-            for (table, columns, cells) in &rows {
-                visit(TablePiece::Row(TableRow { table, columns, cells }))?;
-            }
-            Ok(())
+            reading.rows(&message).map_err(problem)?.iter().try_for_each(|rows| show(rows, visit))
         }
         Piece::Attachment { name, data, .. } => visit(TablePiece::Attachment { name, data }),
         Piece::Header { .. } | Piece::Metadata(_) => Ok(()),
     })?;
     // The first stop of a recording that was cut may be incomplete.
-    for (table, columns, cells) in reading.first_stop() {
-        visit(TablePiece::Row(TableRow { table: &table, columns: &columns, cells: &cells }))?;
-    }
+    reading.first_stop().iter().try_for_each(|rows| show(rows, visit))?;
     Ok(reading.left_out)
 }
 
@@ -80,6 +78,19 @@ struct Message<'a> {
 
 /// A row with the name of its table and its columns.
 pub type OwnedRow = (String, Vec<TableColumn>, Vec<Cell>);
+
+/// Rows of one table.
+struct Rows {
+    table: String,
+    columns: Vec<TableColumn>,
+    cells: Vec<Vec<Cell>>,
+}
+
+impl From<OwnedRow> for Rows {
+    fn from((table, columns, cells): OwnedRow) -> Self {
+        Self { table, columns, cells: vec![cells] }
+    }
+}
 
 /// The row of a station, whose index other tables have: nodes come first, then robots, then sinks. `kind` is `node`, `robot`
 /// or `sink`.
@@ -108,66 +119,96 @@ enum FirstStop {
     #[default]
     Ahead,
     /// So many receptions are missing; those that were read, by node.
-    Open { stop: u32, owed: u32, rows: BTreeMap<u32, OwnedRow> },
+    Open { stop: u32, owed: u32, rows: BTreeMap<u32, Vec<Cell>> },
     /// It was passed on.
     Passed,
 }
 
 impl Reading {
     /// The rows that a message is.
-    fn rows(&mut self, message: &Message<'_>) -> Result<Vec<OwnedRow>, String> {
-        if message.schema == "sextant.Nodes" {
-            let nodes = messages::NodesMessage::decode(message.data).map_err(|why| why.to_string())?;
-            let first = self.names.len();
-            self.names.extend(nodes.names);
-            let row = |(index, name): (usize, &String)| station(index, "node", name);
-            return Ok(self.names.iter().enumerate().skip(first).map(row).collect());
+    fn rows(&mut self, message: &Message<'_>) -> Result<Vec<Rows>, String> {
+        match message.schema {
+            "sextant.Nodes" => {
+                let nodes = messages::NodesMessage::decode(message.data).map_err(|why| why.to_string())?;
+                let first = self.names.len();
+                self.names.extend(nodes.names);
+                let rows = (first..).zip(&self.names[first..]);
+                let cells = rows.map(|(index, name)| station(index, "node", name).2).collect();
+                let (table, columns, _) = station(first, "node", "");
+                return Ok(vec![Rows { table, columns, cells }]);
+            }
+            "sextant.Stop" => {
+                let stop = messages::StopMessage::decode(message.data).map_err(|why| why.to_string())?;
+                let row = self.columns.row("Stop", message, &self.names)?;
+                let rows = row.map(Rows::from).into_iter();
+                let is_first = matches!(self.first, FirstStop::Ahead) && LogTopics::network(message.topic).is_none();
+                if is_first {
+                    self.first = FirstStop::Open { stop: stop.stop, owed: stop.receptions, rows: BTreeMap::new() };
+                }
+                let after = if is_first && stop.receptions == 0 { self.first_stop() } else { None };
+                return Ok(rows.chain(after).collect());
+            }
+            "sextant.Reception" => {
+                let reception = messages::ReceptionMessage::decode(message.data).map_err(|why| why.to_string())?;
+                let Some((table, columns, cells)) = self.columns.row("Reception", message, &self.names)? else {
+                    return Ok(Vec::new());
+                };
+                return Ok(self.in_order(message, (table, columns), vec![(reception.node, cells)]));
+            }
+            "sextant.StopReceptions" => {
+                let stop = messages::StopReceptionsMessage::decode(message.data).map_err(|why| why.to_string())?;
+                let cells = stop
+                    .rows()?
+                    .map(|(reception, lqi)| (reception.node.0, declared::cells_of(&reception, lqi, &self.names)));
+                let cells = cells.collect();
+                let table = (declared::network_table("receptions", message.topic), declared::reception_columns());
+                return Ok(self.in_order(message, table, cells));
+            }
+            _ => {}
         }
         if let Some(name) = message.schema.strip_prefix("sextant.") {
             if let Some(row) = self.columns.row(name, message, &self.names)? {
-                return self.in_order(message, row);
+                return Ok(vec![row.into()]);
             }
         } else if let Some(rows) = drawn::rows(message, &self.names)? {
-            return Ok(rows);
+            return Ok(vec![rows]);
         }
         self.left_out.topics.insert(message.topic.to_owned());
         Ok(Vec::new())
     }
 
-    /// The rows that follow now that `row` was read: receptions at the first stop wait for each other.
-    fn in_order(&mut self, message: &Message<'_>, row: OwnedRow) -> Result<Vec<OwnedRow>, String> {
-        if matches!(self.first, FirstStop::Passed) || LogTopics::network(message.topic).is_some() {
-            return Ok(vec![row]);
-        }
-        match (message.schema, &mut self.first) {
-            ("sextant.Stop", FirstStop::Ahead) => {
-                let stop = messages::StopMessage::decode(message.data).map_err(|why| why.to_string())?;
-                self.first = FirstStop::Open { stop: stop.stop, owed: stop.receptions, rows: BTreeMap::new() };
-                let after = if stop.receptions == 0 { self.first_stop() } else { Vec::new() };
-                Ok([vec![row], after].concat())
+    /// The rows that follow now that receptions were read, each with its node: those at the first stop wait for each other.
+    fn in_order(
+        &mut self,
+        message: &Message<'_>,
+        (table, columns): (String, Vec<TableColumn>),
+        read: Vec<(u32, Vec<Cell>)>,
+    ) -> Vec<Rows> {
+        match &mut self.first {
+            FirstStop::Open { owed, rows, .. } if LogTopics::network(message.topic).is_none() => {
+                *owed = owed.saturating_sub(u32::try_from(read.len()).unwrap_or(u32::MAX));
+                rows.extend(read);
+                if *owed == 0 { self.first_stop().into_iter().collect() } else { Vec::new() }
             }
-            ("sextant.Reception", FirstStop::Open { owed, rows, .. }) => {
-                let reception = messages::ReceptionMessage::decode(message.data).map_err(|why| why.to_string())?;
-                rows.insert(reception.node, row);
-                *owed = owed.saturating_sub(1);
-                Ok(if *owed == 0 { self.first_stop() } else { Vec::new() })
+            FirstStop::Ahead | FirstStop::Open { .. } | FirstStop::Passed => {
+                vec![Rows { table, columns, cells: read.into_iter().map(|(_, cells)| cells).collect() }]
             }
-            _ => Ok(vec![row]),
         }
     }
 
     /// The receptions at the first stop: a row for each node. A node that was not heard has one without a packet.
-    fn first_stop(&mut self) -> Vec<OwnedRow> {
+    fn first_stop(&mut self) -> Option<Rows> {
         let FirstStop::Open { stop, mut rows, .. } = std::mem::replace(&mut self.first, FirstStop::Passed) else {
-            return Vec::new();
+            return None;
         };
-        let columns = declared::RECEPTION_COLUMNS.map(|(name, kind)| TableColumn::new(name, kind));
+        let columns = declared::reception_columns();
         let silent = |name: &String| {
             let mut cells = vec![Cell::Text(name.clone()), Cell::Integer(stop.into()), Cell::Integer(0)];
             cells.resize(columns.len(), Cell::Missing);
-            ("receptions".to_owned(), columns.to_vec(), cells)
+            cells
         };
         let nodes = (0..).zip(&self.names);
-        nodes.map(|(node, name)| rows.remove(&node).unwrap_or_else(|| silent(name))).collect()
+        let cells = nodes.map(|(node, name)| rows.remove(&node).unwrap_or_else(|| silent(name))).collect();
+        Some(Rows { table: "receptions".to_owned(), columns, cells })
     }
 }

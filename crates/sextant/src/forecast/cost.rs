@@ -1,7 +1,10 @@
 //! What a simulation costs.
 
 use serde::Serialize;
+use sextant_channel::Position;
 use sextant_sim::Setup;
+
+use crate::scenario::Scenario;
 
 use super::network::Reach;
 use super::way::Way;
@@ -28,7 +31,7 @@ const SWEEPING: Effort = Effort { events_per_frame: 21.5, event_s: 4e-6 };
 pub struct CostForecast {
     /// Simulated time (s).
     pub sim_time_s: f64,
-    /// Frames that the nodes offer; with sector sweeps, their answers.
+    /// Frames that the nodes offer, as far as they are simulated; with sector sweeps, their answers.
     pub frames: f64,
     /// Events of the simulation.
     pub events: f64,
@@ -38,7 +41,7 @@ pub struct CostForecast {
 
 impl CostForecast {
     /// The cost, if the rate of the traffic and the duration are known.
-    pub(super) fn of(setup: &Setup, reaches: &[Reach<'_>], ways: &[Way<'_>]) -> Option<Self> {
+    pub(super) fn of(scenario: &Scenario, setup: &Setup, reaches: &[Reach<'_>], ways: &[Way<'_>]) -> Option<Self> {
         let survey_s = ways.iter().map(Way::duration_s).fold(0.0, f64::max);
         let sim_time_s = setup.duration.map_or(survey_s, |duration| duration.as_secs_f64());
         if sim_time_s <= 0.0 {
@@ -48,9 +51,10 @@ impl CostForecast {
         if reaches.iter().any(Reach::sweeps) {
             cost.add(ways.iter().map(Way::answers).sum(), &SWEEPING);
         }
+        let share = simulated_share(scenario, setup, ways);
         for reach in reaches.iter().filter(|reach| !reach.sweeps()) {
             let effort = if reach.network.technology.has_coordinator() { &COORDINATED } else { &UNSLOTTED };
-            cost.add(sim_time_s * reach.rate_per_s()? * reach.nodes.len() as f64, effort);
+            cost.add(share * sim_time_s * reach.rate_per_s()? * reach.nodes.len() as f64, effort);
         }
         Some(cost)
     }
@@ -61,4 +65,27 @@ impl CostForecast {
         self.events += events;
         self.cpu_s += effort.event_s * events;
     }
+}
+
+/// So many stops of each robot are looked at.
+const STOPS: usize = 64;
+
+/// Share of the nodes whose traffic is simulated, over the stops of the robots.
+fn simulated_share(scenario: &Scenario, setup: &Setup, ways: &[Way<'_>]) -> f64 {
+    let has_coordinator = setup.networks.iter().any(|network| network.technology.has_coordinator());
+    // The applications of nodes answer what they hear.
+    if has_coordinator || scenario.distributed().is_some() {
+        return 1.0;
+    }
+    let Ok(Some(halo_m)) = scenario.region().halo_m(setup.reach()) else { return 1.0 };
+    let nodes = &setup.world.nodes;
+    let near = |place: Position| nodes.iter().filter(|node| node.position.distance_m(place) <= halo_m).count() as f64;
+    let of_way = |way: &Way<'_>| {
+        let step = way.stops().len().div_ceil(STOPS).max(1);
+        let counts: Vec<f64> = way.stops().iter().step_by(step).map(|&stop| near(stop)).collect();
+        counts.iter().sum::<f64>() / counts.len().max(1) as f64
+    };
+    let of_sinks = setup.sinks.iter().map(|sink| near(sink.position));
+    let all: f64 = ways.iter().map(of_way).chain(of_sinks).sum();
+    (all / nodes.len().max(1) as f64).min(1.0)
 }

@@ -45,7 +45,7 @@ impl Forecast {
         let ways: Vec<_> =
             setup.robots.iter().filter_map(|robot| Way::driven(robot, planned(robot), &reaches)).collect();
         let robots: Vec<_> = ways.iter().map(Way::forecast).collect();
-        let cost = CostForecast::of(&setup, &reaches, &ways);
+        let cost = CostForecast::of(scenario, &setup, &reaches, &ways);
         Self { networks, robots, cost }
     }
 }

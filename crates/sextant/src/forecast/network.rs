@@ -1,7 +1,7 @@
 //! What follows for a network: range, neighbours, load of the channel.
 
 use serde::Serialize;
-use sextant_channel::{Channel, ChannelLaw, Db, Dbm, ObstacleField, Position};
+use sextant_channel::{CellIndex, Channel, ChannelLaw, Db, Dbm, ObstacleField, Position};
 use sextant_kernel::NodeId;
 use sextant_sim::{Network, NetworkId, Setup};
 
@@ -77,6 +77,8 @@ pub(super) struct Reach<'a> {
     curve: Curve,
     /// Its nodes.
     pub(super) nodes: Vec<(NodeId, Position)>,
+    /// The same by place.
+    cells: CellIndex,
     /// Range at which one of 100 frames is received.
     pub(super) range: RangeForecast,
 }
@@ -92,7 +94,7 @@ impl<'a> Reach<'a> {
         let octets = Some(network.traffic.mpdu_octets()).filter(|octets| *octets > 0).unwrap_or(USUAL_OCTETS);
         let curve = Curve::new(&network.technology, octets.into(), network.channel.shadowing().sigma_db());
         let placed = setup.world.nodes.iter().enumerate();
-        let nodes = placed
+        let nodes: Vec<_> = placed
             .map(|(node, placed)| (NodeId::from_index(node), placed.position))
             .filter(|(node, _)| network.has(*node))
             .collect();
@@ -105,7 +107,24 @@ impl<'a> Reach<'a> {
         let limit_m = Some(network.channel.max_range_m()).filter(|range_m| range_m.is_finite());
         let range = RangeForecast { half_m: range_m(0.5), hundredth_m: range_m(0.01), limit_m };
         let id = NetworkId(u8::try_from(number).unwrap_or(u8::MAX));
-        Self { network, id, channel, curve, nodes, range }
+        let places: Vec<Position> = nodes.iter().map(|&(_, place)| place).collect();
+        let cells = CellIndex::new(&places, (0.25 * range.hundredth_m).max(f64::MIN_POSITIVE));
+        Self { network, id, channel, curve, nodes, cells, range }
+    }
+
+    /// The nodes within `radius_m` of a place, in their order.
+    fn near(&self, place: Position, radius_m: f64) -> impl Iterator<Item = &(NodeId, Position)> {
+        let mut near = Vec::new();
+        // A little farther, so that rounding leaves no node out.
+        self.cells.within(place, radius_m * (1.0 + 1e-9), |node| near.push(node as usize));
+        near.sort_unstable();
+        let is_near = move |&node: &usize| self.nodes[node].1.distance_m(place) <= radius_m;
+        near.into_iter().filter(is_near).map(|node| &self.nodes[node])
+    }
+
+    /// The nodes from which a frame may be received at `to`, in their order.
+    pub(super) fn in_reach(&self, to: Position) -> impl Iterator<Item = &(NodeId, Position)> {
+        self.near(to, 2.0 * self.range.hundredth_m)
     }
 
     /// Probability that a frame from `from` is received at `to`, undisturbed, with obstacles.
@@ -163,12 +182,8 @@ impl<'a> Reach<'a> {
             return None;
         }
         let of = |(node, place): &(NodeId, Position)| {
-            let hears = |(other, from): &&(NodeId, Position)| {
-                other != node
-                    && from.distance_m(*place) <= self.range.half_m
-                    && self.probability(*from, *place) >= 0.5
-            };
-            self.nodes.iter().filter(hears).count()
+            let hears = |(other, from): &&(NodeId, Position)| other != node && self.probability(*from, *place) >= 0.5;
+            self.near(*place, self.range.half_m).filter(hears).count()
         };
         let counts: Vec<usize> = self.asked().map(of).collect();
         Some(NeighbourForecast {
@@ -197,7 +212,7 @@ impl<'a> Reach<'a> {
         let threshold = self.network.technology.carrier_sense_threshold();
         let sigma_db = self.network.channel.shadowing().sigma_db();
         let farthest_m = self.network.channel.reach_m(power(self.network), threshold);
-        let others = self.nodes.iter().filter(|(other, from)| *other != node && from.distance_m(place) <= farthest_m);
+        let others = self.near(place, farthest_m).filter(|(other, _)| *other != node);
         let share = |(_, from): &(NodeId, Position)| {
             let mean = self.channel.mean_power(power(self.network), *from, place);
             mean.map_or(0.0, |mean| above((mean - threshold).0, sigma_db))

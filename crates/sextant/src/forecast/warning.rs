@@ -1,8 +1,10 @@
 //! What is likely a mistake, although it can be simulated.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use sextant_channel::{Bounds, Position};
+use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 use sextant_sim::{RobotTask, Setup};
 
@@ -60,7 +62,11 @@ struct Warnings<'a> {
 
 impl Warnings<'_> {
     fn warn(&mut self, key: impl Into<String>, message: impl Into<String>) {
-        self.found.push(Warning { key: key.into(), message: message.into() });
+        // The robots of a team have one table.
+        let warning = Warning { key: key.into(), message: message.into() };
+        if !self.found.contains(&warning) {
+            self.found.push(warning);
+        }
     }
 
     /// Powers at 1 m that no small radio has.
@@ -91,9 +97,9 @@ impl Warnings<'_> {
                 .map(|rate_per_s| 1.0 / rate_per_s)
                 .fold(0.0, f64::max);
             if interval_s > listen_s * (1.0 + 1e-9) {
-                let number = self.number_of(&robot.body.name);
+                let table = self.table_of(&robot.body.name);
                 self.warn(
-                    format!("robots[{number}].listen_s"),
+                    format!("{table}.listen_s"),
                     format!(
                         "it listens for {listen_s} s, and a node sends every {interval_s} s on average: at a stop it may \
                          miss nodes in reach; listen for at least {interval_s} s"
@@ -103,15 +109,17 @@ impl Warnings<'_> {
         }
     }
 
-    fn number_of(&self, robot: &str) -> usize {
-        self.scenario.config().robots.iter().position(|config| config.name == robot).unwrap_or(0)
+    fn table_of(&self, robot: &str) -> String {
+        let config = self.scenario.config();
+        let number = config.robots.iter().position(|config| config.name == robot).unwrap_or(0);
+        config.table_of_robot(number)
     }
 
     /// Robots that never move.
     fn way(&mut self, way: &Way<'_>) {
         if way.length_m() < 1e-9 && way.stops().len() < 2 {
-            let number = self.number_of(&way.body().name);
-            self.warn(format!("robots[{number}].controller"), "the robot never moves: its path has no length");
+            let table = self.table_of(&way.body().name);
+            self.warn(format!("{table}.controller"), "the robot never moves: its path has no length");
         }
     }
 
@@ -123,16 +131,16 @@ impl Warnings<'_> {
         }
         let mut deaf = planned[0].out_of_reach();
         for way in &planned[1..] {
-            let others = way.out_of_reach();
+            let others: BTreeSet<NodeId> = way.out_of_reach().into_iter().collect();
             deaf.retain(|node| others.contains(node));
         }
         if deaf.is_empty() {
             return;
         }
         let names: Vec<_> = deaf.iter().map(|node| self.setup.world.nodes[node.index()].name.as_str()).collect();
-        let number = self.number_of(&planned[0].body().name);
+        let table = self.table_of(&planned[0].body().name);
         self.warn(
-            format!("robots[{number}].controller"),
+            format!("{table}.controller"),
             format!(
                 "from {} of {} less than 1 % of the packets arrive at each planned stop: {}; plan stops nearer to them",
                 deaf.len(),
@@ -146,10 +154,9 @@ impl Warnings<'_> {
     fn sinks(&mut self, reaches: &[Reach<'_>]) {
         for (i, sink) in self.setup.sinks.iter().enumerate() {
             let is_in = |reach: &&Reach<'_>| sink.is_in(reach.id);
-            let mut heard = reaches
-                .iter()
-                .filter(is_in)
-                .flat_map(|reach| reach.nodes.iter().map(|(_, from)| reach.probability(*from, sink.position)));
+            let mut heard = reaches.iter().filter(is_in).flat_map(|reach| {
+                reach.in_reach(sink.position).map(|(_, from)| reach.probability(*from, sink.position))
+            });
             if !heard.any(|probability| probability >= 0.01) {
                 self.warn(
                     format!("sinks[{i}].position_m"),

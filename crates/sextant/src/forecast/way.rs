@@ -159,7 +159,7 @@ impl<'a> Way<'a> {
         let mut heard = Vec::new();
         for reach in &self.reaches {
             let offered = self.offered_by(reach).unwrap_or(1.0);
-            for (node, from) in &reach.nodes {
+            for (node, from) in reach.in_reach(place) {
                 let probability = reach.probability(*from, place);
                 if probability <= 0.0 {
                     continue;

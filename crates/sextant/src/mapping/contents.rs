@@ -6,6 +6,7 @@ use serde::Serialize;
 use sextant_kernel::NodeId;
 
 use super::notes;
+use crate::summary::LogCounts;
 use sextant_kernel::text::counted;
 use sextant_logs::RobotLog;
 use sextant_logs::doctor::Finding;
@@ -68,7 +69,7 @@ impl Contents {
             packets_sent: receptions.iter().map(|row| u64::from(row.sent)).sum(),
             strengths: strengths.count(),
             strengths_dbm: range,
-            notes: read.notes.iter().cloned().chain(notes::of_log(log)).collect(),
+            notes: read.notes.iter().cloned().chain(notes::of_log(log, &LogCounts::of(log))).collect(),
             findings: read.findings.clone(),
         }
     }

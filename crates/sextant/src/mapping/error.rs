@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use sextant_kernel::Interrupted;
 use sextant_logs::RobotLogError;
-use sextant_mapper::MapError;
+use sextant_mapper::{MapError, PartsError};
 use sextant_recording::RecordingError;
 
+use super::tiles_error::TilesError;
 use crate::scenario::ScenarioErrors;
 
 /// Why a log cannot be mapped.
@@ -14,10 +15,10 @@ use crate::scenario::ScenarioErrors;
 pub enum MapLogError {
     /// The log of a robot cannot be read, or a map cannot be written.
     #[error(transparent)]
-    Log(#[from] RobotLogError),
+    Log(RobotLogError),
     /// The recording cannot be read.
     #[error(transparent)]
-    Recording(#[from] RecordingError),
+    Recording(RecordingError),
     /// The settings of the maps are invalid.
     #[error(transparent)]
     Settings(#[from] ScenarioErrors),
@@ -58,6 +59,12 @@ pub enum MapLogError {
     /// A map cannot be computed.
     #[error(transparent)]
     Map(MapError),
+    /// A part of a log cannot be read by whoever has it.
+    #[error("{0}")]
+    Part(String),
+    /// The log cannot be mapped tile by tile.
+    #[error(transparent)]
+    Tiles(#[from] TilesError),
     /// The work was stopped before it had a result.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
@@ -70,7 +77,26 @@ impl MapLogError {
         match self {
             Self::Log(error) => error.is_system_error(),
             Self::Recording(error) => error.is_system_error(),
+            Self::Tiles(error) => error.is_system_error(),
             _ => false,
+        }
+    }
+}
+
+impl From<RobotLogError> for MapLogError {
+    fn from(error: RobotLogError) -> Self {
+        match error {
+            RobotLogError::Interrupted(interrupted) => Self::Interrupted(interrupted),
+            error => Self::Log(error),
+        }
+    }
+}
+
+impl From<RecordingError> for MapLogError {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::Interrupted(interrupted) => Self::Interrupted(interrupted),
+            error => Self::Recording(error),
         }
     }
 }
@@ -80,6 +106,18 @@ impl From<MapError> for MapLogError {
         match error {
             MapError::Interrupted(interrupted) => Self::Interrupted(interrupted),
             error => Self::Map(error),
+        }
+    }
+}
+
+impl From<PartsError> for MapLogError {
+    fn from(error: PartsError) -> Self {
+        match error {
+            PartsError::Map(error) => error.into(),
+            PartsError::Read(error) => match error.downcast::<TilesError>() {
+                Ok(error) => Self::Tiles(*error),
+                Err(other) => Self::Part(other.to_string()),
+            },
         }
     }
 }

@@ -51,8 +51,9 @@ pub fn figures(title: &str, input: &Input, drawn: RecordedWorld, maps: &[Compute
         && let Some(map) = maps.first()
     {
         // True places without heights are at the height of the map, so that errors are those in the plane.
+        let positions = map.map.positions();
         for (node, place) in &mut drawn.nodes {
-            place.z_m = map.map.positions()[node.index()].map_or(place.z_m, |mapped| mapped.z_m);
+            place.z_m = positions[node.index()].map_or(place.z_m, |mapped| mapped.z_m);
         }
     }
     let drawn = RecordedWorld { maps: maps.iter().map(places).collect(), ..drawn };

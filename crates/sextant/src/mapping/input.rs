@@ -11,7 +11,7 @@ use super::error::MapLogError;
 use crate::measure::Dimensions;
 use sextant_kernel::text::{counted, listed};
 use sextant_logs::{self as robot_log, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
-use sextant_recording::{self as recording, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
+use sextant_recording::{self as recording, Known, ORIGIN_METADATA, RecordedRun, SCENARIO_ATTACHMENT};
 
 /// A reception log and what is known with it.
 #[derive(Debug)]
@@ -52,24 +52,37 @@ impl Input {
         if Source::of(path).is_some() {
             let RobotLog { log, plane, mut notes, findings, .. } = robot_log::read(path, options)?;
             notes.extend(findings.iter().map(ToString::to_string));
-            let known = Known::default();
-            return Ok(Self {
-                logs: log.into(),
-                paths: Vec::new(),
-                recording: None,
-                scenario: None,
-                files: Files::default(),
-                truth: None,
-                true_dimensions: Dimensions::Space,
-                prior: None,
-                known,
-                seed: Seed(1),
-                notes,
-                plane,
-            });
+            return Ok(Self::of_robot(log, plane, notes));
         }
         robot_log::refuse_options(path, options)?;
-        let mut run = recording::read_log(path)?;
+        Self::of_recording(path, recording::read_log(path)?, network)
+    }
+
+    /// The log of a robot, with places in `plane` if there is one.
+    pub(super) fn of_robot(log: ReceptionLog, plane: Option<LocalPlane>, notes: Vec<String>) -> Self {
+        Self {
+            logs: log.into(),
+            paths: Vec::new(),
+            recording: None,
+            scenario: None,
+            files: Files::default(),
+            truth: None,
+            true_dimensions: Dimensions::Space,
+            prior: None,
+            known: Known::default(),
+            seed: Seed(1),
+            notes,
+            plane,
+        }
+    }
+
+    /// What is known with the log `run` of the recording at `path`, which is read for it once more. The log to map is that of
+    /// `network`, or of the first one.
+    pub(super) fn of_recording(
+        path: &Path,
+        mut run: RecordedRun,
+        network: Option<&str>,
+    ) -> Result<Self, MapLogError> {
         if let Some(name) = network
             && let Err(known) = run.logs.put_first(name)
         {

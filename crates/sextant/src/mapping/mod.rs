@@ -9,6 +9,8 @@ mod map_log;
 mod notes;
 mod pipeline;
 mod prior;
+pub mod tiles;
+mod tiles_error;
 
 pub use contents::Contents;
 pub use error::MapLogError;
@@ -18,3 +20,4 @@ pub use logs::MapLogs;
 pub use map_log::{LogMap, map_log};
 pub use pipeline::{ComputedMap, map};
 pub use prior::place_prior;
+pub use tiles_error::TilesError;

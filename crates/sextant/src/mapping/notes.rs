@@ -1,23 +1,20 @@
 //! What the user should know of a log before the maps are trusted.
 
 use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::NodeId;
 use sextant_mapper::EstimatorFindings;
 
 use crate::measure::axes;
+use crate::summary::LogCounts;
 use sextant_kernel::text::{counted, listed};
 use sextant_logs::doctor::exponent;
 
 /// Silence tells nothing if less than this share of the packets was missed.
 const RARELY_MISSED: f64 = 0.01;
 
-/// The notes on `log`: which nodes were never heard, and whether silence says anything.
-pub(super) fn of_log(log: &ReceptionLog) -> Vec<String> {
-    let is_heard = |node: NodeId| log.of(node).iter().any(|reception| reception.received > 0);
-    let nodes = || (0..log.node_count()).map(NodeId::from_index);
-    let unheard: Vec<&str> =
-        nodes().filter(|&node| !is_heard(node)).map(|node| log.names()[node.index()].as_str()).collect();
+/// The notes on `log`, of which these are the `counts`: which nodes were never heard, and whether silence says anything.
+pub(super) fn of_log(log: &ReceptionLog, counts: &LogCounts) -> Vec<String> {
     let mut notes = Vec::new();
+    let unheard: Vec<&str> = counts.unheard.iter().map(|node| log.names()[node.index()].as_str()).collect();
     if !unheard.is_empty() {
         let were = if unheard.len() == 1 { "was" } else { "were" };
         notes.push(format!(
@@ -27,30 +24,18 @@ pub(super) fn of_log(log: &ReceptionLog) -> Vec<String> {
             listed(&unheard)
         ));
     }
-    let (mut sent, mut received) = (0, 0);
-    for node in nodes().filter(|&node| is_heard(node)) {
-        let entries = log.of(node);
-        // A pair that is absent is one packet that was missed.
-        sent += (log.stops().len() - entries.len()) as u64;
-        for reception in entries.iter() {
-            sent += u64::from(reception.sent);
-            received += u64::from(reception.received);
-        }
-    }
-    let missed = sent - received;
-    if received > 0 && (missed as f64) < RARELY_MISSED * sent as f64 && !has_strengths(log) {
+    // A pair that is absent is one packet that was missed.
+    let pairs = counts.heard(log.node_count()) * log.stops().len() as u64;
+    let sent = pairs - counts.listed_of_heard + counts.sent_of_heard;
+    let missed = sent - counts.received;
+    let has_strengths = 2 * counts.with_strength > counts.receptions;
+    if counts.received > 0 && (missed as f64) < RARELY_MISSED * sent as f64 && !has_strengths {
         notes.push(format!(
             "nearly every node was heard at every stop ({missed} of {sent} packets were missed), so packets tell hardly \
              anything about distances: a map needs stops that are out of reach of some nodes, or signal strengths"
         ));
     }
     notes
-}
-
-/// Whether most of what was heard has a signal strength.
-fn has_strengths(log: &ReceptionLog) -> bool {
-    let heard = || log.receptions().iter().filter(|reception| reception.received > 0);
-    2 * heard().filter(|reception| reception.rssi_dbm.is_some()).count() > heard().count()
 }
 
 /// The notes on a map of `log`: what is odd in its law, and in how it differs from the true places of the nodes.
@@ -71,7 +56,7 @@ pub(super) fn of_map(
 #[cfg(test)]
 mod tests {
     use sextant_channel::{Position, Reception, Stop};
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_kernel::{NodeId, RobotId, SimTime};
 
     use super::*;
 
@@ -90,7 +75,8 @@ mod tests {
         };
         let names = (0..names).map(|i| format!("n{i}")).collect();
         let entries = packets.iter().map(entry).collect();
-        of_log(&ReceptionLog::new(names, (0..4).map(stop).collect(), entries, Vec::new()).unwrap())
+        let log = ReceptionLog::new(names, (0..4).map(stop).collect(), entries, Vec::new()).unwrap();
+        of_log(&log, &LogCounts::of(&log))
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::logs::MapLogs;
 use super::notes;
 use crate::measure::{Truth, in_world, measure};
 use crate::scenario::{MapJob, MapSettings};
-use crate::summary::{GatheringSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
+use crate::summary::{GatheringSummary, LogCounts, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
 /// A map that was computed from a log.
 #[derive(Clone, Debug)]
@@ -37,27 +37,58 @@ pub fn map<'a>(
     start: Stopwatch,
     watch: &dyn Watch,
 ) -> Result<(Summary, Vec<ComputedMap<'a>>), MapLogError> {
-    let truth = input.true_places();
-    let dimensions = input.true_dimensions;
-    input.notes.extend(notes::of_log(input.log()));
-    let map_start = Stopwatch::start();
-    let mut summaries: Vec<MapSummary> = Vec::new();
-    let mut maps = Vec::new();
-    let logs = MapLogs::from(&input.logs);
-    let knowledge = |named| Knowledge {
+    let counts = LogCounts::of(input.log());
+    let stages = Stages { settings, out, start, watch, counts };
+    stages.run(input, &mut |input, job| {
+        let logs = MapLogs::from(&input.logs);
+        Ok(job.mapper.map_and_learn(knowledge(input, settings, logs.knowledge(job)), watch)?)
+    })
+}
+
+/// What a map may know: of its `logs`, and with them.
+pub(super) fn knowledge<'a>(input: &'a Input, settings: &'a MapSettings, logs: Knowledge<'a>) -> Knowledge<'a> {
+    Knowledge {
         neighbours: input.known.neighbours.as_ref(),
         beacons: input.known.beacons.as_ref(),
         anchors: &input.known.anchors,
         obstacles: settings.obstacles.as_ref(),
         prior: input.prior.as_ref(),
         seed: input.seed,
-        ..logs.knowledge(named)
-    };
-    let mut interrupted = false;
-    let mut found: Vec<String> = Vec::new();
-    for named in &settings.maps {
-        let made = named.mapper.map_and_learn(knowledge(named), watch).map_err(MapLogError::from).and_then(
-            |(map, learned)| {
+        ..logs
+    }
+}
+
+/// A map, and what was learned with it.
+pub(super) type Solved = Result<(TopologyMap, Option<EstimatorFindings>), MapLogError>;
+
+/// The stages of all maps, whichever way they are computed.
+pub(super) struct Stages<'a, 'w> {
+    pub(super) settings: &'a MapSettings,
+    pub(super) out: Option<&'w Path>,
+    pub(super) start: Stopwatch,
+    pub(super) watch: &'w dyn Watch,
+    /// What the log of the input has.
+    pub(super) counts: LogCounts,
+}
+
+impl<'a> Stages<'a, '_> {
+    /// Computes each map by `solve`, measures it, writes it, and summarises all.
+    pub(super) fn run(
+        self,
+        input: &mut Input,
+        solve: &mut dyn FnMut(&Input, &MapJob) -> Solved,
+    ) -> Result<(Summary, Vec<ComputedMap<'a>>), MapLogError> {
+        let Self { settings, out, start, watch, counts } = self;
+        let truth = input.true_places();
+        let dimensions = input.true_dimensions;
+        input.notes.extend(notes::of_log(input.log(), &counts));
+        let map_start = Stopwatch::start();
+        let mut summaries: Vec<MapSummary> = Vec::new();
+        let mut maps = Vec::new();
+        let mut interrupted = false;
+        let mut found: Vec<String> = Vec::new();
+        for named in &settings.maps {
+            let made = solve(input, named).and_then(|(map, learned)| {
                 let (map, alignment) = in_world(map, truth.as_deref());
                 let truth =
                     truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors, dimensions });
@@ -65,46 +96,46 @@ pub fn map<'a>(
                 let names = input.log().names();
                 let summary = measure(&subject, &map, learned.as_ref(), names, truth, &settings.metrics, watch)?;
                 Ok((ComputedMap { named, map, learned }, alignment, summary))
-            },
-        );
-        let (computed, alignment, summary) = match made {
-            Err(MapLogError::Interrupted(_)) => {
-                interrupted = true;
-                break;
+            });
+            let (computed, alignment, summary) = match made {
+                Err(MapLogError::Interrupted(_)) => {
+                    interrupted = true;
+                    break;
+                }
+                made => made?,
+            };
+            summaries.push(MapSummary { alignment: Some(alignment), ..summary });
+            if let Some(out) = out {
+                let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
+                sextant_logs::write_map(&path, input.log().names(), &computed.map, input.plane.as_ref())?;
             }
-            made => made?,
-        };
-        summaries.push(MapSummary { alignment: Some(alignment), ..summary });
-        if let Some(out) = out {
-            let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
-            sextant_logs::write_map(&path, input.log().names(), &computed.map, input.plane.as_ref())?;
-        }
-        if input.recording.is_none() {
-            for note in
-                notes::of_map(input.log(), &computed.map.positions(), computed.learned.as_ref(), truth.as_deref())
-            {
-                if !found.contains(&note) {
-                    found.push(note);
+            if input.recording.is_none() {
+                for note in
+                    notes::of_map(input.log(), &computed.map.positions(), computed.learned.as_ref(), truth.as_deref())
+                {
+                    if !found.contains(&note) {
+                        found.push(note);
+                    }
                 }
             }
+            maps.push(computed);
         }
-        maps.push(computed);
+        input.notes.extend(found);
+        let summary = Summary {
+            gathering: Some(GatheringSummary::of_log(input.log(), &counts, &input.paths)),
+            interrupted,
+            notes: input.notes.clone(),
+            maps: summaries,
+            timing: Some(Timing {
+                wall_s: start.elapsed_s(),
+                map_s: Some(map_start.elapsed_s()),
+                peak_rss_bytes: peak_rss_bytes(),
+                ..Timing::default()
+            }),
+            ..Summary::default()
+        };
+        Ok((summary, maps))
     }
-    input.notes.extend(found);
-    let summary = Summary {
-        gathering: Some(GatheringSummary::of_log(input.log(), &input.paths)),
-        interrupted,
-        notes: input.notes.clone(),
-        maps: summaries,
-        timing: Some(Timing {
-            wall_s: start.elapsed_s(),
-            map_s: Some(map_start.elapsed_s()),
-            peak_rss_bytes: peak_rss_bytes(),
-            ..Timing::default()
-        }),
-        ..Summary::default()
-    };
-    Ok((summary, maps))
 }
 
 /// `DIR/MAP.NAME.csv` for `DIR/MAP.csv`.

@@ -99,7 +99,9 @@ pub(super) fn posterior_bound(
     // Nodes that hear a beacon or a sweep first are not heard independently of that.
     let beacons_come_first = network.technology.has_coordinator() || network.technology.antennas().is_some();
     let is_independent = !network.channel.shadowing().is_spatial();
-    let places_are_known = scenario.robots_of_survey().all(|robot| robot.odometry == OdometryConfig::default());
+    let places_are_known = scenario
+        .robots_of_survey()
+        .all(|robot| robot.odometry == OdometryConfig::default() && robot.frame.is_world());
     for (is_met, why) in [
         (is_independent, NoBound::SharedShadowing),
         (packets_per_stop.is_alike, NoBound::ListeningTimes),

@@ -2,7 +2,7 @@
 
 use sextant_channel::NetworkLog;
 use sextant_kernel::NodeId;
-use sextant_sim::{Network, NetworkRecord, RoleConfig, Survey};
+use sextant_sim::{Network, NetworkRecord, RoleConfig, SimulatedPart, Survey};
 use sha2::{Digest, Sha256};
 
 use super::discovery::Discoveries;
@@ -11,7 +11,7 @@ use super::mac;
 use crate::scenario::Scenario;
 use crate::summary::{
     ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary,
-    ScenarioSummary, SensingSummary, SimulationSummary, Summary,
+    RegionSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary,
 };
 
 /// The summary of a run without timing: of its survey, if it has one, of the discovery before it, of its maps and of its
@@ -35,6 +35,7 @@ pub(super) fn sum_up(
             events: survey.map_or(0, |survey| survey.events) + events,
             nodes: scenario.world().nodes.len(),
             obstacles: scenario.world().obstacles.len(),
+            region: survey.and_then(region),
         }),
         discovery: discoveries.summary(scenario),
         maps,
@@ -57,11 +58,29 @@ fn of_survey(scenario: &Scenario, survey: &Survey) -> Summary {
     }
 }
 
+/// Which part of the nodes' traffic was simulated; `None` if all, as the scenario asks for.
+fn region(survey: &Survey) -> Option<RegionSummary> {
+    match survey.simulated {
+        SimulatedPart::All => None,
+        SimulatedPart::AllBecause(reason) => {
+            Some(RegionSummary { simulated: "all", because: Some(reason.reason()), halo_m: None, share: 1.0 })
+        }
+        SimulatedPart::NearListeners { halo_m } => {
+            #[expect(clippy::cast_precision_loss, reason = "far below 2^53 packets")]
+            let [offered, left_out] = [survey.packets.offered as f64, survey.packets.not_simulated as f64];
+            let share = if left_out > 0.0 { offered / (offered + left_out) } else { 1.0 };
+            Some(RegionSummary { simulated: "listeners", because: None, halo_m: Some(halo_m), share })
+        }
+    }
+}
+
 fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
     let packets = survey.packets;
     GatheringSummary {
         path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
         duration_s: Some(survey.end.as_secs_f64()),
+        packets_not_simulated: matches!(survey.simulated, SimulatedPart::NearListeners { .. })
+            .then_some(packets.not_simulated),
         packets_offered: Some(packets.offered),
         packets_sent: Some(packets.sent),
         packets_received: Some(packets.received),

@@ -2,7 +2,7 @@
 
 use sextant_apps::distributed::{MappingNode, MappingRecord};
 use sextant_kernel::SettingError;
-use sextant_sim::{Applications, Observer, Simulation, Survey};
+use sextant_sim::{Applications, Observer, Simulation, Survey, Team};
 
 use crate::scenario::Scenario;
 
@@ -10,6 +10,8 @@ use crate::scenario::Scenario;
 pub enum Simulator {
     /// The nodes send the traffic of their networks.
     OfTraffic(Box<Simulation>),
+    /// The same, with robots that may be simulated in parallel.
+    OfTeam(Box<Team>),
     /// The nodes compute a map themselves.
     OfNodes(Box<Simulation<MappingNode>>),
 }
@@ -31,11 +33,20 @@ impl Simulator {
     pub fn new(scenario: &Scenario) -> Result<Self, SettingError> {
         let setup = scenario.setup();
         Ok(match scenario.distributed() {
-            None => Self::OfTraffic(Box::new(Simulation::new(setup)?.with_warm_up(scenario.warm_up()))),
+            None => {
+                if scenario.warm_up().is_zero()
+                    && let Some(team) = Team::of(&setup, scenario.region())?
+                {
+                    return Ok(Self::OfTeam(Box::new(team)));
+                }
+                let simulation = Simulation::new(setup)?.with_warm_up(scenario.warm_up());
+                Self::OfTraffic(Box::new(simulation.with_region(scenario.region())?))
+            }
             Some(map) => {
                 let nodes = map.nodes(setup.world.nodes.len(), scenario.anchors());
                 let simulation = Simulation::with(setup, Applications::of_nodes(nodes))?;
-                Self::OfNodes(Box::new(simulation.with_warm_up(scenario.warm_up())))
+                let simulation = simulation.with_warm_up(scenario.warm_up());
+                Self::OfNodes(Box::new(simulation.with_region(scenario.region())?))
             }
         })
     }
@@ -45,6 +56,7 @@ impl Simulator {
     pub fn run(self, observer: &mut impl Observer) -> Simulated {
         match self {
             Self::OfTraffic(simulation) => Simulated { survey: simulation.run(observer), nodes: Vec::new() },
+            Self::OfTeam(team) => Simulated { survey: team.run(observer), nodes: Vec::new() },
             Self::OfNodes(simulation) => {
                 let (survey, Applications { nodes, .. }) = simulation.run_own(observer);
                 Simulated { survey, nodes: nodes.into_iter().map(MappingNode::into_record).collect() }

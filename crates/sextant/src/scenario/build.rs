@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use sextant_channel::{Anchor, Bounds};
 use sextant_kernel::{Files, Seed, SettingError};
-use sextant_sim::{Applications, Discovery, Interferer, RobotBody, RoleConfig, Sensors, Setup, Simulation, World};
+use sextant_sim::{
+    Applications, Discovery, Interferer, RobotBody, RoleConfig, Sensors, Setup, SimulatedRegion, Simulation, World,
+};
 
 use super::applications::{Application, Surroundings, check_applications};
 use super::config::ScenarioConfig;
@@ -15,6 +17,7 @@ use super::maps::{MapJob, check_log_of_maps, check_maps};
 use super::networks::NetworkTables;
 use super::robots::{Robots, check_robots, check_target_names};
 use super::sinks::check_sinks;
+use super::team;
 use sextant_kernel::text::counted;
 
 /// The validated settings. They are built once, because planning the paths of robots takes a while.
@@ -32,14 +35,24 @@ pub(super) struct Parts {
     pub(super) applications: Vec<Application>,
     /// What is left out of the counts at the start.
     pub(super) warm_up: Duration,
+    /// Which part of the nodes' traffic is simulated.
+    pub(super) region: SimulatedRegion,
 }
 
-/// Checks each part of the scenario, then all parts together.
-pub(super) fn check(config: &ScenarioConfig, files: &Files, errors: &mut Errors) -> (Option<Parts>, Vec<MapJob>) {
+/// Adds the robots of the team, then checks each part of the scenario, then all parts together.
+pub(super) fn check(config: &mut ScenarioConfig, files: &Files, errors: &mut Errors) -> (Option<Parts>, Vec<MapJob>) {
     if config.name.trim().is_empty() {
         errors.refuse(&SettingError::new("name", "empty", "a name with at least one letter"));
     }
     let world = errors.take("world", config.world.build(Seed(config.seed), files));
+    if let Some(team) = &config.team {
+        let robots = team::robots(team, world.as_ref(), Seed(config.seed));
+        let Some(robots) = errors.take("team", robots) else { return (None, Vec::new()) };
+        config.robots.extend(robots);
+        let surveying = config.robots.iter().filter(|robot| robot.role == RoleConfig::Survey).count();
+        team::stitch_no_lone_robot(config.team.as_ref(), surveying, &mut config.maps);
+    }
+    let config = &*config;
     let sensors = errors.take("sensors", Sensors::try_from(config.sensors));
     let interferers = check_interferers(config, errors);
     let world = world.zip(sensors).map(|(world, sensors)| World { sensors, interferers, ..world });
@@ -65,6 +78,7 @@ pub(super) fn check(config: &ScenarioConfig, files: &Files, errors: &mut Errors)
         errors.refuse(&SettingError::missing("sinks", needed));
     }
     let warm_up = check_warm_up(config, errors);
+    let region = errors.take("simulation", config.simulation.region());
     let maps = check_maps(&config.maps, &known, errors);
     check_log_of_maps(config, &maps, errors);
     check_target_names(&config.robots, world.as_ref(), errors);
@@ -117,8 +131,23 @@ pub(super) fn check(config: &ScenarioConfig, files: &Files, errors: &mut Errors)
             }
         };
         errors.take("", simulation);
+        errors.take("simulation", region.unwrap_or_default().halo_m(setup.reach()));
     }
-    (Some(Parts { setup, bodies, anchors, discovery, packets_per_stop, distributed, applications, warm_up }), maps)
+    let region = region.unwrap_or_default();
+    (
+        Some(Parts {
+            setup,
+            bodies,
+            anchors,
+            discovery,
+            packets_per_stop,
+            distributed,
+            applications,
+            warm_up,
+            region,
+        }),
+        maps,
+    )
 }
 
 /// The sources of noise, with unique names.

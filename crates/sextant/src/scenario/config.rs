@@ -17,8 +17,11 @@ use sextant_sim::{
 };
 
 use super::SweepConfig;
+use super::detail::DetailConfig;
 use super::network_config::NetworkConfig;
+use super::simulation::SimulationConfig;
 use super::snapshots::SnapshotsConfig;
+use super::team_config::TeamConfig;
 
 /// A scenario: the world, the radios, the robots, and the maps to compute. Lengths are in metres, times in seconds and
 /// powers in dBm; a key with a unit ends in it.
@@ -68,6 +71,9 @@ pub struct ScenarioConfig {
     /// them and of the energy: packets count that are offered later. Less than `duration_s`; nothing is left out if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warm_up_s: Option<f64>,
+    /// Which part of the nodes' traffic is simulated.
+    #[serde(default, skip_serializing_if = "SimulationConfig::is_default")]
+    pub simulation: SimulationConfig,
     /// Sources of noise that disturb the networks of IEEE 802.15.4, also during neighbour discovery.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(extend("default" = []))]
@@ -79,6 +85,9 @@ pub struct ScenarioConfig {
     /// The robots that drive and listen.
     #[serde(default)]
     pub robots: Vec<RobotConfig<ControllerConfig>>,
+    /// Robots that are alike and divide a region among them, in addition to `robots`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub team: Option<TeamConfig>,
     /// The nodes that know their position, for maps that need them; a random fifth of the nodes if absent.
     #[serde(default)]
     pub anchors: AnchorsConfig,
@@ -115,6 +124,17 @@ impl ScenarioConfig {
     #[must_use]
     pub fn has_survey(&self) -> bool {
         self.has_traffic() || self.distributed_mapping.is_some() || !self.maps.is_empty()
+    }
+
+    /// The table of a robot, by number: `robots[0]`, or `team` for those of the team, which come last.
+    #[must_use]
+    pub fn table_of_robot(&self, number: usize) -> String {
+        let of_team = self.team.as_ref().map_or(0, |team| team.robots as usize);
+        if number < self.robots.len().saturating_sub(of_team) {
+            format!("robots[{number}]")
+        } else {
+            "team".to_owned()
+        }
     }
 
     /// Whether nodes send the traffic of their networks: to robots, or for a time.
@@ -170,6 +190,9 @@ impl MetricsConfig {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RecordingConfig {
+    /// How much is recorded. If absent: `full` for at most 20000 nodes, `compact` for more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detail: Option<DetailConfig>,
     /// Whether every frame is recorded.
     pub frames: bool,
     /// Whether every packet is recorded: when it was offered, each assessment of the channel and each transmission with its
@@ -204,6 +227,12 @@ impl RecordingConfig {
             Some(snapshots) => Err(SettingError::new("map_snapshots", snapshots, "0 to 100")),
             None => Ok(()),
         }
+    }
+
+    /// How much is recorded of a world with so many nodes.
+    #[must_use]
+    pub fn detail_of(&self, nodes: usize) -> DetailConfig {
+        self.detail.unwrap_or(DetailConfig::usual(nodes))
     }
 
     /// Number of snapshots of a map that takes so many elementary operations.

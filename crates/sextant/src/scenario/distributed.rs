@@ -156,7 +156,7 @@ fn check_network(i: usize, robot: &Robot, network: NetworkId, config: &ScenarioC
     let key = if config.robots[i].networks.is_empty() { "network" } else { "networks" };
     let own = config.networks.keys().nth(network.index()).map_or("", String::as_str);
     let allowed = format!("`{own}` alone, the network of `{TABLE}`, for a robot with `role = \"anchor\"`");
-    errors.refuse(&SettingError::new(format!("robots[{i}].{key}"), names.join(", "), allowed));
+    errors.refuse(&SettingError::new(format!("{}.{key}", config.table_of_robot(i)), names.join(", "), allowed));
 }
 
 /// The antenna of nodes, and the sectors of robots with their number in a ring; `None` within if the network has no

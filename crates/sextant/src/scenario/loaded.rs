@@ -8,7 +8,7 @@ use std::time::Duration;
 use sextant_apps::{ControllerConfig, MapSourceConfig};
 use sextant_channel::Anchor;
 use sextant_kernel::{Files, Seed};
-use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, World};
+use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, SimulatedRegion, World};
 
 use super::applications::Application;
 use super::build::{Parts, check};
@@ -112,7 +112,7 @@ impl Scenario {
         let whole = deserialize(&document).map_err(ScenarioErrors::from).and_then(|mut config: ScenarioConfig| {
             let named_files = named_files(&mut config, &document, &base.folder);
             let mut errors = Errors::default();
-            let (parts, maps) = check(&config, &files, &mut errors);
+            let (parts, maps) = check(&mut config, &files, &mut errors);
             errors.placed(&document)?;
             Ok((config, named_files, parts.expect("what has no errors has all its parts"), maps))
         });
@@ -120,7 +120,7 @@ impl Scenario {
             let check = |document: &Document, mut config: ScenarioConfig| {
                 named_files(&mut config, document, &base.folder);
                 let mut errors = Errors::default();
-                check(&config, &files, &mut errors);
+                check(&mut config, &files, &mut errors);
                 errors.found
             };
             diagnosis::errors_of(document, &check).unwrap_or(first)
@@ -201,6 +201,12 @@ impl Scenario {
     #[must_use]
     pub fn warm_up(&self) -> Duration {
         self.parts.warm_up
+    }
+
+    /// Which part of the nodes' traffic is simulated.
+    #[must_use]
+    pub fn region(&self) -> SimulatedRegion {
+        self.parts.region
     }
 
     /// All its networks.

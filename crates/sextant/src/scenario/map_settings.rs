@@ -23,6 +23,8 @@ use super::known_networks::KnownNetworks;
 use super::maps::{MapJob, check_maps};
 use super::network_config::NetworkConfig;
 use super::networks::{CheckedLinks, NetworkTables, ScenarioTables};
+use super::team;
+use super::team_config::TeamConfig;
 
 /// The key of the algorithm that has reception profiles, and of the one that chooses by the log.
 const WITH_PROFILE: &str = "ml_tm";
@@ -134,6 +136,8 @@ struct MapSettingsConfig {
     #[serde(default)]
     robots: Vec<RobotConfig<ControllerConfig>>,
     #[serde(default)]
+    team: Option<TeamConfig>,
+    #[serde(default)]
     maps: Vec<MapConfig>,
     #[serde(default)]
     metrics: MetricsConfig,
@@ -195,6 +199,8 @@ impl MapSettings {
             alone.for_each(|map| map.network = Some(network.to_owned()));
         }
         let mut errors = Errors::default();
+        team::stitch_no_lone_robot(config.team.as_ref(), 1 + config.robots.len(), &mut config.maps);
+        config.robots.extend(config.team.as_ref().map(TeamConfig::any_robot));
         let tables = NetworkTables::all(config.tables());
         let none = Files::Attached(Arc::default());
         let files = scenario.map_or(&none, |scenario| scenario.files);

@@ -1,7 +1,7 @@
 //! The maps of a scenario.
 
 use sextant_kernel::{SettingError, SettingProblem};
-use sextant_mapper::{KnowledgeKind, MapConfig, Mapper};
+use sextant_mapper::{KnowledgeKind, MapConfig, Mapper, Stitched};
 use sextant_sim::RoleConfig;
 
 use super::config::ScenarioConfig;
@@ -29,6 +29,10 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
             continue;
         }
         let mapper = Mapper::try_from(config.algorithm).map_err(|error| error.within("algorithm"));
+        let mapper = mapper.and_then(|mapper| match config.stitch {
+            Some(rules) => Stitched::mapper(mapper, rules),
+            None => Ok(mapper),
+        });
         // A setting may only be absent because the network that should say it is invalid.
         let is_missing = |error: &SettingError| matches!(error.problem, SettingProblem::Missing { .. });
         if mapper.as_ref().is_err_and(is_missing) && !networks.are_known() && !errors.found.is_empty() {
@@ -44,8 +48,13 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
     maps
 }
 
-/// Refuses maps of what robots heard, if no robot surveys.
+/// Refuses maps of what robots heard, if no robot surveys, and those that join the logs of robots, if there are not two.
 pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[MapJob], errors: &mut Errors) {
+    let surveying = config.robots.iter().filter(|robot| robot.role == RoleConfig::Survey).count();
+    for i in (0..config.maps.len()).filter(|&i| surveying == 1 && config.maps[i].stitch.is_some()) {
+        let remedy = "leave out `stitch`, which joins the logs of two or more robots";
+        errors.refuse(&SettingError::conflict(format!("maps[{i}].stitch"), "one robot that surveys", remedy));
+    }
     if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
         return;
     }

@@ -5,6 +5,7 @@ mod applications;
 mod build;
 mod config;
 mod deserialize;
+mod detail;
 mod diagnosis;
 mod distributed;
 mod document;
@@ -25,16 +26,20 @@ mod refusal;
 mod robots;
 mod schema;
 mod setting_line;
+mod simulation;
 mod sinks;
 mod snapshots;
 mod source;
 mod survey_identity;
 mod sweep;
+mod team;
+mod team_config;
 mod unit;
 
 pub use algorithm::{Algorithm, Task};
 pub use applications::{Application, ApplicationMap};
 pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
+pub use detail::DetailConfig;
 pub use distributed::NodeMapJob;
 pub use error::{Excerpt, ScenarioError, ScenarioErrors};
 pub use known_networks::PacketsPerStop;
@@ -47,6 +52,7 @@ pub use schema::{schema, schema_of_files};
 pub use snapshots::SnapshotsConfig;
 pub use survey_identity::SurveyIdentity;
 pub use sweep::{Setting, SweepAxes, SweepConfig};
+pub use team_config::{FramesConfig, TeamConfig};
 
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ use sextant_sim::{Controller, NetworkId, Robot, RobotBody, RobotConfig, RobotTas
 use super::config::ScenarioConfig;
 use super::errors::Errors;
 use super::network_config::NetworkConfig;
-use super::networks;
+use super::networks::{self, NetworkTables};
 
 /// Maximum distance from the start of a robot to the nearest node (m).
 const FARTHEST_START_M: f64 = 1e5;
@@ -28,7 +28,7 @@ pub(super) struct Robots {
 pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) -> Robots {
     let mut robots = Robots::default();
     for (i, robot_config) in config.robots.iter().enumerate() {
-        let table = format!("robots[{i}]");
+        let table = config.table_of_robot(i);
         let none = ObstacleField::default();
         let obstacles = world.map_or(&none, |world| &world.obstacles);
         // Planning a path over such a distance would take too long.
@@ -41,6 +41,7 @@ pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, error
             continue;
         }
         let checked = body(robot_config, obstacles, config).and_then(|body| {
+            check_frame(robot_config, config)?;
             let controller = controller(i, robot_config, &body, obstacles, Seed(config.seed))?;
             if robot_config.role == RoleConfig::Anchor && config.distributed_mapping.is_none() {
                 let allowed = "\"survey\", or a table `[distributed_mapping]`: a mobile anchor tells nodes its place";
@@ -75,6 +76,15 @@ pub(super) fn check_target_names(
             errors.refuse(&SettingError::new(format!("world.targets[{i}].name"), found, "a unique name"));
         }
     }
+}
+
+/// Refuses frames of their own for robots whose log has directions: these would be in the frame of the world.
+fn check_frame(robot: &RobotConfig<ControllerConfig>, config: &ScenarioConfig) -> Result<(), SettingError> {
+    if robot.frame.is_world() || !NetworkTables::all(config).iter().any(NetworkTables::sweeps_sectors) {
+        return Ok(());
+    }
+    let remedy = "remove one of them, because sectors have directions in the world";
+    Err(SettingError::conflict("frame", "`mac.sector_sweep`", remedy))
 }
 
 /// The networks whose nodes a robot surveys.

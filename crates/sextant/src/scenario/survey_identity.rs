@@ -15,6 +15,8 @@ use sha2::{Digest, Sha256};
 
 use super::config::ScenarioConfig;
 use super::network_config::NetworkConfig;
+use super::simulation::SimulationConfig;
+use super::team_config::TeamConfig;
 
 /// A hash of all settings that a survey depends on, except the seed. Scenarios with the same hash have the same survey for
 /// each seed. Files are hashed by name, not by content.
@@ -37,10 +39,14 @@ struct SurveySettings<'a> {
     duration_s: &'a Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     warm_up_s: &'a Option<f64>,
+    #[serde(skip_serializing_if = "SimulationConfig::is_default")]
+    simulation: &'a SimulationConfig,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     interferers: &'a [InterfererConfig],
     sinks: &'a [SinkConfig],
     robots: &'a [RobotConfig<ControllerConfig>],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    team: &'a Option<TeamConfig>,
     faults: &'a FaultsConfig,
     /// The map that nodes compute while they are surveyed, and the anchors that begin it.
     distributed: Option<(&'a DistributedMappingConfig, &'a AnchorsConfig)>,
@@ -67,9 +73,11 @@ impl SurveyIdentity {
             networks,
             duration_s,
             warm_up_s,
+            simulation,
             interferers,
             sinks,
             robots,
+            team,
             faults,
             name: _,
             seed: _,
@@ -95,9 +103,11 @@ impl SurveyIdentity {
             networks,
             duration_s,
             warm_up_s,
+            simulation,
             interferers,
             sinks,
             robots,
+            team,
             faults,
             distributed: distributed_mapping.as_ref().map(|mapping| (mapping, anchors)),
         };

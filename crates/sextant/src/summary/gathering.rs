@@ -5,6 +5,7 @@ use serde::Serialize;
 use sextant_channel::{Position, ReceptionLog};
 use sextant_sim::Packets;
 
+use super::log_counts::LogCounts;
 use super::robots::RobotSummary;
 
 /// The survey: packets, paths and energy.
@@ -24,6 +25,10 @@ pub struct GatheringSummary {
     /// Time from the start until the last robot finished (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
+    /// Packets that were due while nobody who listens was near, and therefore not simulated; of Poisson traffic the expected
+    /// number. They are not among those offered, but the energy includes an estimate for them. Absent if all was simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub packets_not_simulated: Option<u64>,
     /// Packets that nodes wanted to send.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub packets_offered: Option<u64>,
@@ -75,7 +80,7 @@ pub struct GatheringSummary {
 
 impl GatheringSummary {
     /// The summary of a log and of the known `paths` of its robots, by name.
-    pub(crate) fn of_log(log: &ReceptionLog, paths: &[(String, Vec<Position>)]) -> Self {
+    pub(crate) fn of_log(log: &ReceptionLog, counts: &LogCounts, paths: &[(String, Vec<Position>)]) -> Self {
         let mut robots = vec![RobotSummary::default(); log.robot_count()];
         for stop in log.stops() {
             robots[stop.robot.index()].stops += 1;
@@ -89,14 +94,12 @@ impl GatheringSummary {
                 robot.path_length_m = places.windows(2).map(|pair| pair[0].distance_m(pair[1])).sum();
             }
         }
-        let received = || log.receptions().iter().map(|reception| reception.received);
-        let packets = || received().map(u64::from).sum();
         Self {
             stops: log.stops().len(),
-            receptions: received().filter(|&received| received > 0).count(),
+            receptions: usize::try_from(counts.receptions).unwrap_or(usize::MAX),
             path_length_m: Some(robots.iter().map(|robot| robot.path_length_m).sum()),
-            packets_received: (robots.len() == 1).then(packets),
-            packets_received_by_robots: (robots.len() > 1).then(packets),
+            packets_received: (robots.len() == 1).then_some(counts.received),
+            packets_received_by_robots: (robots.len() > 1).then_some(counts.received),
             robots: if log.robots().is_empty() { Vec::new() } else { robots },
             ..Self::default()
         }

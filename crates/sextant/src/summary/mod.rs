@@ -8,6 +8,7 @@ mod applications_table;
 mod distributed;
 mod distributed_table;
 mod gathering;
+mod log_counts;
 mod mac;
 mod mac_table;
 mod map;
@@ -25,13 +26,14 @@ pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
 };
 pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RoundSummary};
+pub(crate) use log_counts::LogCounts;
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
     AlignmentSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, HeightsSource, HeightsSummary,
     LearnedSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M,
 };
 pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
-pub use results::{FaultsSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};
+pub use results::{FaultsSummary, RegionSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};
 pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};

@@ -107,6 +107,24 @@ pub struct SimulationSummary {
     pub nodes: usize,
     /// Obstacles in the world.
     pub obstacles: usize,
+    /// Which part of the nodes' traffic was simulated. Absent if all, as the scenario asks for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub region: Option<RegionSummary>,
+}
+
+/// Which part of the nodes' traffic was simulated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RegionSummary {
+    /// `listeners` if nodes far from all listeners rested, or `all`.
+    pub simulated: &'static str,
+    /// Why all was simulated. Absent if not all was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub because: Option<&'static str>,
+    /// Radius round each listener within which all nodes were simulated (m). Absent if all was simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub halo_m: Option<f64>,
+    /// Share of the packets that were due which was simulated.
+    pub share: f64,
 }
 
 impl Summary {

@@ -9,7 +9,7 @@ use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
 use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn};
-use super::results::Summary;
+use super::results::{RegionSummary, Summary};
 use super::timing::Timing;
 use crate::columns::{Align, columns};
 use sextant_kernel::text::{counted, listed};
@@ -29,6 +29,14 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     }
     if let Some(gathering) = &summary.gathering {
         columns(&gathering_rows(gathering), &[Align::Left, Align::Right, Align::Left], out)?;
+        let region = summary.simulation.as_ref().and_then(|simulation| simulation.region.as_ref());
+        if let Some(&RegionSummary { halo_m: Some(halo_m), share, .. }) = region {
+            writeln!(
+                out,
+                "simulated: nodes within {halo_m:.1} m of those who listen, {} of the packets",
+                format_args!("{:.1} %", 100.0 * share)
+            )?;
+        }
         let nodes = summary.simulation.as_ref().map_or(0, |simulation| simulation.nodes);
         for robot in &gathering.robots {
             if let Some(end) = robot.end(nodes) {
@@ -85,6 +93,7 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("path length", gathering.path_length_m.map(|length_m| format!("{length_m:.1}")), "m");
     row("duration", gathering.duration_s.map(|duration_s| format!("{duration_s:.1}")), "s");
     row("sector sweeps of robots", count(gathering.sweeps), "");
+    row("packets not simulated", count(gathering.packets_not_simulated), "nobody who listens was near");
     row("packets offered", count(gathering.packets_offered), "");
     row("packets sent", count(gathering.packets_sent), "");
     row("packets received", count(gathering.packets_received), "");
@@ -103,7 +112,9 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     }
     row("pending", count(gathering.pending), "");
     if let Some(energy) = &gathering.energy_j {
-        row("energy of the nodes", Some(format!("{:.1}", energy.tx + energy.rx + energy.idle)), "J");
+        let is_estimated = gathering.packets_not_simulated.is_some_and(|packets| packets > 0);
+        let unit = if is_estimated { "J, with an estimate for the packets not simulated" } else { "J" };
+        row("energy of the nodes", Some(format!("{:.1}", energy.tx + energy.rx + energy.idle)), unit);
     }
     if gathering.robots.len() > 1 {
         for robot in &gathering.robots {

@@ -178,6 +178,10 @@ impl Budget {
     /// is the same in both directions.
     fn mobile_power(&mut self, link: usize, signal: &Signal, listener: &Listener<Position>) -> f64 {
         let (source, place) = (signal.position, listener.place);
+        if source.distance_m(place) > self.channel.law().max_range_m() {
+            // Most nodes of a large network are far from a robot: nothing needs to be remembered of them.
+            return f64::NAN;
+        }
         let known = self.mobile_links[link];
         if known.places == [source, place] || known.places == [place, source] {
             return known.power;
@@ -207,7 +211,7 @@ impl Budget {
 
     fn with_shadowing(&self, mean: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
         let &Listener { station, place, .. } = listener;
-        mean + self.channel.shadowing(signal.source, signal.position, station, place, signal.packet)
+        mean + self.channel.shadowing(signal.source, signal.position, station, place, signal.draw)
     }
 
     /// The power with the gains of both antennas, from the power without.

@@ -8,7 +8,7 @@ use sextant_kernel::StationId;
 
 use super::listener::Listener;
 use super::receiver_id::ReceiverId;
-use super::signal::Signal;
+use super::signal::{Outline, Signal};
 use super::{Air, Transmission};
 
 /// No frame of any technology lasts longer: 133 octets at 20 kbit/s take 53 ms.
@@ -46,7 +46,7 @@ impl Air {
         station: StationId,
         place: Position,
     ) -> Option<StationId> {
-        let Signal { packet, start, end, .. } = transmission.signal;
+        let Outline { packet, start, end, .. } = transmission.signal;
         let others = self.history.as_ref()?.signals.iter();
         let others = others.filter(|other| other.packet != packet && other.sender != receiver);
         let medium = &mut self.medium;

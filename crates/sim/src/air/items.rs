@@ -42,7 +42,16 @@ impl Air {
     fn trial(&self, emission: Emission, PlacedRadio { radio, place }: PlacedRadio) -> Signal {
         let Interface { receiver, station } = radio;
         let (start, end) = (SimTime::ZERO, SimTime::ZERO);
-        Signal { packet: self.packets, source: station, sender: receiver, position: place, emission, start, end }
+        Signal {
+            packet: self.packets,
+            draw: self.salt,
+            source: station,
+            sender: receiver,
+            position: place,
+            emission,
+            start,
+            end,
+        }
     }
 
     /// The rules of a receiver.
@@ -81,7 +90,7 @@ mod tests {
             gain: Db(40.0),
             floor: Dbm(-300.0),
             sensing: std::time::Duration::ZERO,
-            first_packet: 0,
+            salt: 0,
             message_loss: 0.0,
             seed: Seed(5),
         };

@@ -13,6 +13,7 @@ use super::items::LinkItems;
 use super::listener::Listener;
 use super::mounts::Mounts;
 use super::receiver_id::ReceiverId;
+use super::sense::Sense;
 use super::signal::Signal;
 use crate::station::Motion;
 
@@ -100,47 +101,52 @@ impl Medium {
         self.budget.items(signal, listener)
     }
 
-    /// Mean power that a radio hears from others during `[from, to)`.
-    pub(crate) fn sensed(
-        &mut self,
-        Interface { receiver, station }: Interface,
-        place: Position,
-        from: SimTime,
-        to: SimTime,
-    ) -> Milliwatts {
-        let forgotten = to.saturating_sub(self.memory);
-        let mut energy = 0.0;
+    /// Whether the mean power that a radio hears from others in a window is at or above a threshold.
+    pub(crate) fn is_busy(&mut self, sense: &Sense) -> bool {
+        forget(&mut self.recent, sense.to.saturating_sub(self.memory));
+        let window_s = (sense.to - sense.from).as_secs_f64();
         let (budget, reach_m) = (&mut self.budget, self.reach_m);
-        let mut add = |signal: &Signal| {
-            let is_far = signal.position.distance_m(place) > reach_m;
-            if is_far || signal.sender == receiver || signal.start >= to || signal.end <= from {
-                return;
-            }
-            if let Some(power) = budget.power_at(signal, &Listener { receiver, station, place }) {
-                let overlap = signal.end.min(to).saturating_since(signal.start.max(from));
-                energy += power.0 * overlap.as_secs_f64();
-            }
+        let mut energy = 0.0;
+        // No power is negative, so more signals make no channel idle that is busy already.
+        let mut is_busy = |signal: &Signal| {
+            energy += energy_in(signal, sense, reach_m, budget);
+            Milliwatts(energy / window_s) >= sense.threshold
         };
-        self.bursts.iter().for_each(&mut add);
-        forget(&mut self.recent, forgotten);
-        if self.recent.len() <= FEW {
-            self.recent.iter().for_each(&mut add);
-        } else {
-            self.signals.near(place, |cell| {
-                cell.retain(|signal| signal.end > forgotten);
-                cell.iter().for_each(&mut add);
-            });
+        if self.bursts.iter().any(&mut is_busy) {
+            return true;
         }
-        Milliwatts(energy / (to - from).as_secs_f64())
+        if self.recent.len() <= FEW {
+            return self.recent.iter().any(&mut is_busy);
+        }
+        let mut found = false;
+        self.signals.near(sense.place, |cell| found = found || cell.iter().any(&mut is_busy));
+        found
+    }
+
+    /// Whether one of the signals on air now is enough for [`Medium::is_busy`] in a window that ends later, whatever else
+    /// is sent by then. If there are many signals, the answer is no.
+    pub(crate) fn will_be_busy(&mut self, sense: &Sense) -> bool {
+        if self.recent.len() > FEW {
+            return false;
+        }
+        let window_s = (sense.to - sense.from).as_secs_f64();
+        let (budget, reach_m) = (&mut self.budget, self.reach_m);
+        self.recent
+            .iter()
+            .any(|signal| Milliwatts(energy_in(signal, sense, reach_m, budget) / window_s) >= sense.threshold)
     }
 
     /// The signals on air at `now` that may reach `place`, by packet.
     pub(crate) fn on_air(&mut self, now: SimTime, place: Position) -> Vec<Signal> {
         let mut signals = Vec::new();
+        let is_on_air = |signal: &Signal| signal.start <= now && now < signal.end;
+        if self.bursts.is_empty() && !self.recent.iter().any(is_on_air) {
+            return signals;
+        }
         self.signals.near(place, |cell| {
-            signals.extend(cell.iter().filter(|signal| signal.start <= now && now < signal.end));
+            signals.extend(cell.iter().filter(|&signal| is_on_air(signal)));
         });
-        signals.extend(self.bursts.iter().filter(|burst| burst.start <= now && now < burst.end));
+        signals.extend(self.bursts.iter().filter(|&burst| is_on_air(burst)));
         signals.sort_by_key(|signal: &Signal| signal.packet);
         signals
     }
@@ -170,6 +176,13 @@ impl Medium {
         self.mobile.retain(|listener| listener.receiver != receiver);
     }
 
+    /// The receivers that may drive, listen, and are farther than `radius_m` from the sender of a signal at its start.
+    pub(crate) fn mobile_beyond(&self, signal: &Signal, radius_m: f64) -> impl Iterator<Item = ReceiverId> {
+        let (start, position) = (signal.start, signal.position);
+        let far = move |listener: &&Listener<Motion>| listener.place.at(start).distance_m(position) > radius_m;
+        self.mobile.iter().filter(far).map(|listener| listener.receiver)
+    }
+
     /// Fills `found` with the receivers that listen within reach of a signal, by number, and where they were at its
     /// start.
     pub(crate) fn listeners(&mut self, signal: &Signal, found: &mut Vec<Listener<Position>>) {
@@ -197,6 +210,21 @@ impl Medium {
             found.sort_unstable_by_key(|listener| listener.receiver);
         }
     }
+}
+
+/// Energy of a signal at a radio in a window (mW s).
+#[inline]
+fn energy_in(signal: &Signal, sense: &Sense, reach_m: f64, budget: &mut Budget) -> f64 {
+    let &Sense { radio: Interface { receiver, station }, place, from, to, .. } = sense;
+    if signal.start >= to || signal.end <= from || signal.sender == receiver {
+        return 0.0;
+    }
+    if signal.position.distance_m(place) > reach_m {
+        return 0.0;
+    }
+    let power = budget.power_at(signal, &Listener { receiver, station, place });
+    let overlap = signal.end.min(to).saturating_since(signal.start.max(from));
+    power.map_or(0.0, |power| power.0 * overlap.as_secs_f64())
 }
 
 /// Removes the first signals as long as they ended before `forgotten`.

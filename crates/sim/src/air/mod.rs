@@ -13,6 +13,7 @@ mod reached;
 mod receiver;
 mod receiver_id;
 mod reception_model;
+mod sense;
 mod signal;
 mod ways;
 
@@ -38,12 +39,14 @@ pub(crate) use noise::Burst;
 pub(crate) use receiver::{CarrierThresholds, ReceptionRules};
 pub(crate) use receiver_id::ReceiverId;
 pub use reception_model::{ReceptionConfig, ReceptionModel, ThresholdConfig};
+pub(crate) use sense::Sense;
+use signal::Outline;
 pub(crate) use signal::{Aim, Emission, Signal};
 
 /// A transmission under way.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transmission {
-    signal: Signal,
+    signal: Outline,
     /// Number of its network among those of the band.
     network: usize,
     /// The receiver that it is for; `None` if it is for all.
@@ -86,11 +89,14 @@ pub(crate) struct Air {
     /// Number of receivers of each network that listen and are in its audience.
     audience_listening: Vec<usize>,
     packets: u64,
+    salt: u64,
     /// Number of bursts of noise so far.
     bursts: u64,
     /// Share of the frames, received otherwise, that a receiver loses.
     message_loss: f64,
     seed: Seed,
+    /// A robot that is farther from a sender does not count among those who could have heard it (m).
+    hearing_m: f64,
     near: Vec<Listener<Position>>,
     reached: Reached,
     /// Changes of the carrier that have not been taken yet.
@@ -112,8 +118,8 @@ pub(crate) struct AirSettings {
     pub(crate) floor: Dbm,
     /// Window of carrier sense.
     pub(crate) sensing: Duration,
-    /// Number of the first packet; each packet has its own number and so its own draws.
-    pub(crate) first_packet: u64,
+    /// What the addresses of draws of this band have that others have not.
+    pub(crate) salt: u64,
     /// Share of the frames, received otherwise, that a receiver loses.
     pub(crate) message_loss: f64,
     pub(crate) seed: Seed,
@@ -121,7 +127,7 @@ pub(crate) struct AirSettings {
 
 impl Air {
     pub(crate) fn new(settings: AirSettings, places: impl Iterator<Item = Position> + Clone, roll: Roll) -> Self {
-        let AirSettings { channel, power, noise, gain, floor, sensing, first_packet, message_loss, seed } = settings;
+        let AirSettings { channel, power, noise, gain, floor, sensing, salt, message_loss, seed } = settings;
         let first_robot = StationId::from_index(roll.nodes).0;
         let mobile = first_robot..StationId::from_index(roll.nodes + roll.robots).0;
         let emission = Emission { power, aim: Aim::Omnidirectional };
@@ -135,10 +141,12 @@ impl Air {
             roll,
             audiences: Vec::new(),
             audience_listening: Vec::new(),
-            packets: first_packet,
+            packets: 0,
+            salt,
             bursts: 0,
             message_loss,
             seed,
+            hearing_m: f64::INFINITY,
             near: Vec::new(),
             reached: Reached::default(),
             carrier_changes: Vec::new(),
@@ -266,16 +274,16 @@ impl Air {
         self.receivers[receiver.index()].stop(now, deafness);
     }
 
-    /// Whether carrier sense finds power at or above `threshold` in `[from, to)`.
-    pub(crate) fn is_busy(
-        &mut self,
-        interface: Interface,
-        place: Position,
-        from: SimTime,
-        to: SimTime,
-        threshold: Milliwatts,
-    ) -> bool {
-        self.medium.sensed(interface, place, from, to) >= threshold
+    /// Whether carrier sense finds the channel busy.
+    #[inline]
+    pub(crate) fn is_busy(&mut self, sense: &Sense) -> bool {
+        self.medium.is_busy(sense)
+    }
+
+    /// Whether it is certain already that carrier sense will find the channel busy.
+    #[inline]
+    pub(crate) fn will_be_busy(&mut self, sense: &Sense) -> bool {
+        self.medium.will_be_busy(sense)
     }
 
     /// The station of `sender` starts to send a frame, to the station of the receiver `to` or to all of its network.
@@ -288,8 +296,8 @@ impl Air {
         emission: Emission,
         airtime: Duration,
     ) -> Transmission {
-        let signal =
-            Signal { packet: self.packets, source, sender, position, emission, start: now, end: now + airtime };
+        let (packet, draw, end) = (self.packets, self.draw_at(now), now + airtime);
+        let signal = Signal { packet, draw, source, sender, position, emission, start: now, end };
         self.packets += 1;
         self.medium.begin(signal);
         if let Some(history) = &mut self.history {
@@ -299,7 +307,7 @@ impl Air {
         let mut listening = match to {
             Some(to) => usize::from(self.is_listening(to)),
             // A radio that sends is deaf, so the sender is not among them.
-            None => self.audience_listening[network],
+            None => self.audience_listening[network] - self.too_far(&signal, network),
         };
         let mut near = std::mem::take(&mut self.near);
         self.medium.listeners(&signal, &mut near);
@@ -323,7 +331,22 @@ impl Air {
         }
         self.reached.begin(signal.packet, reached);
         self.near = near;
-        Transmission { signal, network, to, beyond: listening > 0 }
+        Transmission { signal: signal.outline(), network, to, beyond: listening > 0 }
+    }
+
+    /// Number of robots that listen in the audience of a network, but are too far from the sender to count.
+    #[inline]
+    fn too_far(&self, signal: &Signal, network: usize) -> usize {
+        if self.hearing_m.is_infinite() {
+            return 0;
+        }
+        let is_in = |receiver: ReceiverId| self.in_audience[receiver.index()] && self.network(receiver) == network;
+        self.medium.mobile_beyond(signal, self.hearing_m).filter(|&receiver| is_in(receiver)).count()
+    }
+
+    /// Robots farther than `hearing_m` from a sender do not count among those who could have heard it from now on.
+    pub(crate) fn limit_hearing(&mut self, hearing_m: f64) {
+        self.hearing_m = hearing_m;
     }
 
     /// A frame ends: fills `arrivals` with its outcome at each radio of its network that it reached, by receiver. For
@@ -334,14 +357,14 @@ impl Air {
         arrivals.clear();
         for &(receiver, station) in &reached {
             let seed = self.seed;
-            let luck = || seed.uniform(purpose::RECEPTION, [signal.packet, receiver.0.into(), 0]);
+            let luck = || seed.uniform(purpose::RECEPTION, signal.draw_at(receiver));
             let rules = *self.rules(receiver);
             if let Some(Heard { power, sinr, outcome }) =
                 self.receivers[receiver.index()].end(now, signal.packet, &rules, luck)
             {
                 self.note_carrier(receiver, station, &rules);
                 if self.network(receiver) == network {
-                    let is_lost = outcome == FrameOutcome::Received && self.loses(signal.packet, receiver);
+                    let is_lost = outcome == FrameOutcome::Received && self.loses(&signal, receiver);
                     let outcome = if is_lost { FrameOutcome::Weak } else { outcome };
                     arrivals.push(Arrival { station, power, sinr, outcome });
                 }
@@ -369,7 +392,7 @@ impl Air {
         transmission: &Transmission,
         receivers: impl Iterator<Item = ReceiverId>,
     ) -> FrameOutcome {
-        let Signal { sender, start, .. } = transmission.signal;
+        let Outline { sender, start, .. } = transmission.signal;
         let others = receivers.filter(|&receiver| receiver != sender);
         let deafness = others.map(|receiver| self.receivers[receiver.index()].deafness_since(start)).max();
         FrameOutcome::NotListened(deafness.unwrap_or(Deafness::Off))
@@ -377,9 +400,14 @@ impl Air {
 
     /// Whether a receiver loses a frame that it could receive.
     #[inline]
-    fn loses(&self, packet: u64, receiver: ReceiverId) -> bool {
+    fn loses(&self, signal: &Outline, receiver: ReceiverId) -> bool {
         self.message_loss > 0.0
-            && self.seed.uniform(purpose::MESSAGE_LOSS, [packet, receiver.0.into(), 0]) < self.message_loss
+            && self.seed.uniform(purpose::MESSAGE_LOSS, signal.draw_at(receiver)) < self.message_loss
+    }
+
+    /// The address of the draws of a signal that begins now.
+    fn draw_at(&self, now: SimTime) -> u64 {
+        now.as_nanos() ^ self.salt
     }
 }
 

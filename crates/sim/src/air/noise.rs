@@ -22,12 +22,13 @@ impl Air {
     /// A burst begins that lasts until `end`; returns its number, which no frame has.
     pub(crate) fn begin_noise(&mut self, now: SimTime, burst: &Burst, end: SimTime) -> u64 {
         let &Burst { source, position, power } = burst;
-        // From the end backwards, so that the numbers of frames, and their draws, are as without noise.
+        // From the end backwards, so that frames have the numbers that they would have without noise.
         let packet = u64::MAX - self.bursts;
+        let draw = self.draw_at(now);
         self.bursts += 1;
         let emission = Emission { power, aim: Aim::Omnidirectional };
         let sender = ReceiverId(source.0);
-        let signal = Signal { packet, source, sender, position, emission, start: now, end };
+        let signal = Signal { packet, draw, source, sender, position, emission, start: now, end };
         self.medium.begin_burst(signal);
         let mut near = std::mem::take(&mut self.near);
         self.medium.listeners(&signal, &mut near);

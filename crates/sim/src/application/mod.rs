@@ -32,6 +32,18 @@ pub trait Application {
         false
     }
 
+    /// Whether it sends nothing but what a schedule says, and may leave frames out that nobody could hear: see
+    /// [`Port::is_out_of_hearing`]. Asked once, before the start.
+    fn may_rest(&self) -> bool {
+        false
+    }
+
+    /// Somebody who listens comes near a station out of hearing.
+    fn woken(&mut self, _port: &mut Port<'_>) {}
+
+    /// The simulation ends. It is too late to send anything.
+    fn ended(&mut self, _port: &mut Port<'_>) {}
+
     /// The simulation begins.
     fn started(&mut self, _port: &mut Port<'_>) {}
 

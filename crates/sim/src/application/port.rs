@@ -118,6 +118,35 @@ impl Port<'_> {
         self.model.networks[network.index()].offer(self.station, to, payload, &mut self.model.scene)
     }
 
+    /// Whether nobody who listens is near, so that what the station sends reaches nobody, and holds back nobody who is
+    /// heard. Then an application that [may rest](super::Application::may_rest) need not send it. It is
+    /// [woken](super::Application::woken) when a listener comes near. Always false if all nodes are simulated.
+    #[must_use]
+    #[inline]
+    pub fn is_out_of_hearing(&self) -> bool {
+        self.model.halo.as_ref().is_some_and(|halo| halo.is_outside(self.station))
+    }
+
+    /// Nothing happens in the event that is handled now: it does not count.
+    pub(crate) fn discount_event(&mut self) {
+        self.model.scene.discounted += 1;
+    }
+
+    /// Leaves out frames of this station that were due while it rested.
+    pub(crate) fn skip(&mut self, network: NetworkId, frames: u64) {
+        self.model.networks[network.index()].skip(self.station, frames);
+    }
+
+    /// Notes how many frames of this station were due in a network since [`counted_from`](Self::counted_from).
+    pub(crate) fn note_due(&mut self, network: NetworkId, frames: u64) {
+        self.model.networks[network.index()].note_due(self.station, frames);
+    }
+
+    /// What happens before it is not counted.
+    pub(crate) fn counted_from(&self) -> SimTime {
+        self.model.scene.counted_from
+    }
+
     /// Sets a timer: [`Application::timed`](super::Application::timed) is called `span` from now. Any number may be
     /// pending.
     #[inline]
@@ -325,5 +354,9 @@ impl Port<'_> {
     pub fn finish(&mut self) {
         let had_task = std::mem::take(&mut self.model.has_task[self.station.index()]);
         self.model.unfinished -= usize::from(had_task);
+        if let Some(halo) = self.model.halo.as_mut().filter(|halo| had_task && halo.is_listener(self.station)) {
+            // It hears nothing any more.
+            halo.lift(self.station);
+        }
     }
 }

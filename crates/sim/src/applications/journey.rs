@@ -144,7 +144,7 @@ impl Journey {
     fn depart(&mut self, port: &mut Port<'_>) {
         let Some(DriveAhead { end, contact }) = port.drive_ahead() else { return };
         if let Some(contact) = contact {
-            port.log_contact(end, contact);
+            port.log_contact(end, self.body.frame.of_world(contact));
         }
         let span = end - port.now();
         if self.body.listening == Listening::AlsoWhileDriving

@@ -34,6 +34,27 @@ impl Application for NodeTraffic {
         true
     }
 
+    fn may_rest(&self) -> bool {
+        match &self.0 {
+            Sources::One(source) => source.may_rest(),
+            Sources::Several(sources) => sources.iter().all(Source::may_rest),
+        }
+    }
+
+    fn woken(&mut self, port: &mut Port<'_>) {
+        match &mut self.0 {
+            Sources::One(source) => source.woken(port),
+            Sources::Several(sources) => sources.iter_mut().for_each(|source| source.woken(port)),
+        }
+    }
+
+    fn ended(&mut self, port: &mut Port<'_>) {
+        match &mut self.0 {
+            Sources::One(source) => source.ended(port),
+            Sources::Several(sources) => sources.iter_mut().for_each(|source| source.ended(port)),
+        }
+    }
+
     fn started(&mut self, port: &mut Port<'_>) {
         match &mut self.0 {
             Sources::One(source) => source.started(port),

@@ -26,12 +26,27 @@ pub(crate) struct Source {
     octets: u8,
     /// Whether the next frame follows the end of the last one.
     is_saturated: bool,
+    /// Whether it sends nothing until somebody who listens comes near.
+    rests: bool,
+    /// Whether the simulation, or the life of its node, is over.
+    is_over: bool,
 }
 
 impl Source {
     pub(crate) fn new(network: NetworkId, traffic: Arc<Traffic>, to: Destination) -> Self {
         let clock = Clock::default();
-        Self { network, traffic, to, clock, count: 0, limit: u64::MAX, octets: 0, is_saturated: false }
+        Self {
+            network,
+            traffic,
+            to,
+            clock,
+            count: 0,
+            limit: u64::MAX,
+            octets: 0,
+            is_saturated: false,
+            rests: false,
+            is_over: false,
+        }
     }
 
     /// The same, for a node with this clock.
@@ -59,11 +74,16 @@ impl Source {
         }
         let Some(node) = port.node(port.station()) else { return };
         let last = if self.count == 0 { SimTime::ZERO } else { port.now() };
-        match self.traffic.next(port.seed_of(self.network), node, self.count, last) {
+        let next = self.traffic.next(port.seed_of(self.network), node, self.count, last);
+        self.expect(next, port);
+    }
+
+    /// Waits for the next frame.
+    fn expect(&mut self, next: Next, port: &mut Port<'_>) {
+        match next {
             Next::At(due, octets) => {
                 self.octets = octets;
-                let due = if self.traffic.follows_clock() { self.clock.instant(due) } else { due };
-                port.after(due.saturating_since(port.now()), self.timer());
+                port.after(self.true_time(due).saturating_since(port.now()), self.timer());
             }
             Next::AfterTheLast(octets) => {
                 self.octets = octets;
@@ -71,6 +91,29 @@ impl Source {
             }
             Next::Never => {}
         }
+    }
+
+    /// The true time of an instant of the schedule.
+    fn true_time(&self, due: SimTime) -> SimTime {
+        if self.traffic.follows_clock() { self.clock.instant(due) } else { due }
+    }
+
+    /// Whether it could rest while nobody can hear it.
+    pub(crate) fn may_rest(&self) -> bool {
+        self.traffic.may_rest()
+    }
+
+    /// It goes on with the frame that is due next.
+    fn go_on(&mut self, port: &mut Port<'_>) {
+        let Some(node) = port.node(port.station()) else { return };
+        let address = (port.seed_of(self.network), node);
+        let after = self.traffic.after_rest(address, self.count, port.now(), |due| self.true_time(due));
+        if let Some(count) = after.count {
+            // The next frame has the numbers that it would have had.
+            port.skip(self.network, count - self.count);
+            self.count = count;
+        }
+        self.expect(after.next, port);
     }
 
     fn offer(&mut self, port: &mut Port<'_>) {
@@ -82,12 +125,37 @@ impl Source {
 
 impl Application for Source {
     fn started(&mut self, port: &mut Port<'_>) {
-        self.schedule(port);
+        if port.is_out_of_hearing() && self.may_rest() {
+            self.rests = true;
+        } else {
+            self.schedule(port);
+        }
     }
 
     fn timed(&mut self, _timer: Timer, port: &mut Port<'_>) {
+        if port.is_out_of_hearing() {
+            // Nothing happens.
+            port.discount_event();
+            self.rests = true;
+            return;
+        }
         self.offer(port);
         self.schedule(port);
+    }
+
+    fn woken(&mut self, port: &mut Port<'_>) {
+        if std::mem::take(&mut self.rests) {
+            self.go_on(port);
+        }
+    }
+
+    fn ended(&mut self, port: &mut Port<'_>) {
+        let Some(node) = port.node(port.station()).filter(|_| !std::mem::replace(&mut self.is_over, true)) else {
+            return;
+        };
+        let address = (port.seed_of(self.network), node);
+        let due = |time| self.traffic.due_before(address, time, |due| self.true_time(due));
+        port.note_due(self.network, due(port.now()).saturating_sub(due(port.counted_from())));
     }
 
     #[inline]

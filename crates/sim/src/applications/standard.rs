@@ -18,6 +18,8 @@ pub(crate) enum Standard<N> {
     Robot(Box<Journey>),
     /// Of a sink: it takes what it receives.
     Sink,
+    /// Of a robot that is simulated elsewhere.
+    Absent,
 }
 
 impl<N: Application> Application for Standard<N> {
@@ -26,6 +28,7 @@ impl<N: Application> Application for Standard<N> {
             Self::Own(own) => own.hears(),
             Self::Robot(journey) => journey.hears(),
             Self::Sink => true,
+            Self::Absent => false,
         }
     }
 
@@ -37,7 +40,23 @@ impl<N: Application> Application for Standard<N> {
         match self {
             Self::Own(own) => own.has_task(),
             Self::Robot(journey) => journey.has_task(),
-            Self::Sink => false,
+            Self::Sink | Self::Absent => false,
+        }
+    }
+
+    fn may_rest(&self) -> bool {
+        matches!(self, Self::Own(own) if own.may_rest())
+    }
+
+    fn woken(&mut self, port: &mut Port<'_>) {
+        if let Self::Own(own) = self {
+            own.woken(port);
+        }
+    }
+
+    fn ended(&mut self, port: &mut Port<'_>) {
+        if let Self::Own(own) = self {
+            own.ended(port);
         }
     }
 
@@ -50,7 +69,7 @@ impl<N: Application> Application for Standard<N> {
                 own.started(port);
             }
             Self::Robot(journey) => journey.started(port),
-            Self::Sink => {}
+            Self::Sink | Self::Absent => {}
         }
     }
 
@@ -59,7 +78,7 @@ impl<N: Application> Application for Standard<N> {
         match self {
             Self::Own(own) => own.timed(timer, port),
             Self::Robot(journey) => journey.timed(timer, port),
-            Self::Sink => {}
+            Self::Sink | Self::Absent => {}
         }
     }
 
@@ -67,7 +86,7 @@ impl<N: Application> Application for Standard<N> {
         match self {
             Self::Own(own) => own.delivered(delivery, port),
             Self::Robot(journey) => journey.delivered(delivery, port),
-            Self::Sink => {}
+            Self::Sink | Self::Absent => {}
         }
     }
 
@@ -76,7 +95,7 @@ impl<N: Application> Application for Standard<N> {
         match self {
             Self::Own(own) => own.sent(network, report, port),
             Self::Robot(journey) => journey.sent(network, report, port),
-            Self::Sink => {}
+            Self::Sink | Self::Absent => {}
         }
     }
 
@@ -90,7 +109,7 @@ impl<N: Application> Application for Standard<N> {
         match self {
             Self::Own(own) => own.drive_ended(end, port),
             Self::Robot(journey) => journey.drive_ended(end, port),
-            Self::Sink => {}
+            Self::Sink | Self::Absent => {}
         }
     }
 
@@ -98,7 +117,7 @@ impl<N: Application> Application for Standard<N> {
         match self {
             Self::Own(own) => own.swept(network, answers, port),
             Self::Robot(journey) => journey.swept(network, answers, port),
-            Self::Sink => {}
+            Self::Sink | Self::Absent => {}
         }
     }
 
@@ -112,7 +131,7 @@ impl<N: Application> Application for Standard<N> {
         match self {
             Self::Own(own) => own.listened(network, port),
             Self::Robot(journey) => journey.listened(network, port),
-            Self::Sink => {}
+            Self::Sink | Self::Absent => {}
         }
     }
 }

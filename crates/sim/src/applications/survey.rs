@@ -11,7 +11,7 @@ use crate::event::Timer;
 use crate::service::delivery::Delivery;
 use crate::service::network_id::NetworkId;
 use crate::service::sweep::{SweepAnswer, SweepKind};
-use crate::station::RobotBody;
+use crate::station::{OwnFrame, RobotBody};
 use tally::Tally;
 
 /// The timer of the next sweep in the first network; those of the others follow.
@@ -23,6 +23,8 @@ pub(super) struct Survey {
     networks: Vec<Surveyed>,
     /// Number of sector sweeps in a slot.
     sweeps: u32,
+    /// The frame in which the stops are written.
+    frame: OwnFrame,
 }
 
 /// What a robot does in one network.
@@ -38,7 +40,8 @@ struct Surveyed {
 impl Survey {
     pub(super) fn new(body: &RobotBody, nodes: usize) -> Self {
         let surveyed = |&network| Surveyed { network, tally: Tally::new(nodes), sweeps_left: 0, is_listening: false };
-        Self { networks: body.networks.iter().map(surveyed).collect(), sweeps: body.sweeps_per_stop }
+        let networks = body.networks.iter().map(surveyed).collect();
+        Self { networks, sweeps: body.sweeps_per_stop, frame: body.frame }
     }
 
     /// The slot begins.
@@ -109,7 +112,7 @@ impl Survey {
         for surveyed in &mut self.networks {
             let receptions = surveyed.tally.take();
             heard.extend(receptions.iter().map(heard_of));
-            port.log_stop(surveyed.network, slot.since, slot.place, receptions);
+            port.log_stop(surveyed.network, slot.since, self.frame.of_world(slot.place), receptions);
         }
         if self.networks.len() > 1 {
             heard.sort_by_key(|heard| heard.node);

@@ -11,10 +11,7 @@ use crate::purpose;
 use crate::world::World;
 
 /// Signals this far below the noise may be neglected.
-const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
-
-/// Packets of one band; the packets of the next band are numbered after them, so that no two packets share a draw.
-const PACKETS_OF_A_BAND: u64 = 1 << 44;
+pub(crate) const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
 
 /// The networks of each band, in the order of their first networks.
 ///
@@ -59,8 +56,8 @@ pub(crate) struct Bands<'a> {
     pub(crate) world: &'a World,
     pub(crate) channel_seed: Seed,
     pub(crate) seed: Seed,
-    /// Number of the first packet of the first band.
-    pub(crate) first_packet: u64,
+    /// Number of the round of a simulation: see [`Extras`](super::Extras).
+    pub(crate) round: u64,
     /// Probability that a frame is lost, whatever its power.
     pub(crate) message_loss: f64,
 }
@@ -84,7 +81,7 @@ impl Bands<'_> {
             floor: Dbm(settings().map(|settings| settings.noise_floor().0).fold(f64::MAX, f64::min))
                 - NEGLECTED_BELOW_NOISE,
             sensing: settings().map(|settings| settings.carrier_sense()).max().unwrap_or(Duration::ZERO),
-            first_packet: self.first_packet + band as u64 * PACKETS_OF_A_BAND,
+            salt: self.seed.bits(purpose::ROUND, [self.round, band as u64, 0]),
             message_loss: self.message_loss,
             seed: self.seed,
         }

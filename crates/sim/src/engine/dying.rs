@@ -35,7 +35,8 @@ impl<A: Application> Engine<A> {
                 | Event::TargetEntered(station, _)
                 | Event::TargetLeft(station, _)
                 | Event::SampleDue(station) => self.dead[station.index()],
-                Event::TargetTurned(_)
+                Event::HaloDue(_)
+                | Event::TargetTurned(_)
                 | Event::Died(_)
                 | Event::WarmedUp
                 | Event::NoiseStarted(_)
@@ -47,6 +48,9 @@ impl<A: Application> Engine<A> {
     pub(super) fn die(&mut self, station: StationId) {
         self.dead.resize(self.model.scene.roll.len(), false);
         self.dead[station.index()] = true;
+        if self.model.halo.is_some() {
+            self.applications[station.index()].ended(&mut Port { model: &mut self.model, station });
+        }
         self.deaths.push(Death { node: NodeId(station.0), time: self.model.scene.now });
         for network in &mut self.model.networks {
             network.die(station, &mut self.model.scene);

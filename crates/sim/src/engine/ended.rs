@@ -4,7 +4,7 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::SimTime;
 
 use crate::faults::Death;
-use crate::service::packets::NetworkRecord;
+use crate::link::books::Books;
 use crate::service::sensed::Sensations;
 use crate::station::Pose;
 
@@ -20,7 +20,7 @@ pub(crate) struct Ended<A> {
     /// Where each robot is at the end.
     pub(crate) end_poses: Vec<EndPose>,
     /// What became of the packets in each network, and of the energy.
-    pub(crate) networks: Vec<NetworkRecord>,
+    pub(crate) networks: Vec<Books>,
     /// When it ended.
     pub(crate) end: SimTime,
     /// Number of events.
@@ -29,6 +29,8 @@ pub(crate) struct Ended<A> {
     pub(crate) sensed: Sensations,
     /// The nodes that died, in the order of their deaths.
     pub(crate) deaths: Vec<Death>,
+    /// Radius of the halos (m), if nodes rested beyond those of the listeners.
+    pub(crate) halo_m: Option<f64>,
     /// Whether the observer ended it.
     pub(crate) interrupted: bool,
 }

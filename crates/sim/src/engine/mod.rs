@@ -4,6 +4,7 @@ pub(crate) mod bands;
 mod dying;
 mod ended;
 mod interference;
+mod running;
 mod sensing;
 
 use std::time::Duration;
@@ -16,8 +17,10 @@ use crate::air::Air;
 use crate::application::{Application, Port};
 use crate::event::Event;
 use crate::faults::{Death, Faults};
+use crate::halo::Halo;
 use crate::link::Links;
 use crate::link::antennas::Antennas;
+use crate::link::links::Cut;
 use crate::link::settings::Placement;
 use crate::model::log::Logs;
 use crate::model::{Model, Vehicle};
@@ -37,9 +40,6 @@ use interference::Noise;
 
 pub use ended::EndPose;
 pub(crate) use ended::Ended;
-
-/// Events between two looks at whether to go on.
-const LOOK: u64 = 1000;
 
 /// The engine: it runs once, to its end. `A` is the application of each station.
 pub(crate) struct Engine<A> {
@@ -74,8 +74,9 @@ fn network_ids(count: usize) -> Result<Vec<NetworkId>, SettingError> {
 
 /// What only some runs need.
 pub(crate) struct Extras {
-    /// Number of the first packet of the first network.
-    pub(crate) first_packet: u64,
+    /// Number of the round: frames of different rounds have different draws, though each round begins at time zero. The
+    /// survey is round 0.
+    pub(crate) round: u64,
     /// The seed of the channel, if it is not that of the rest.
     pub(crate) channel_seed: Seed,
     /// The state machine of the station that sends beacons in the first network.
@@ -103,17 +104,21 @@ impl<A: Application> Engine<A> {
             .collect();
         let mut scene = Scene {
             now: SimTime::ZERO,
+            event: Event::WarmedUp,
+            steps: 0,
             queue: EventQueue::new(),
             airs: Vec::new(),
             motions,
             roll,
             seed: setup.seed,
             offered: 0,
+            discounted: 0,
+            counted_from: SimTime::ZERO,
             upcalls: Vec::new(),
             traced: Vec::new(),
         };
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
-        let Extras { first_packet, channel_seed, mut coordinator } = extras;
+        let Extras { round, channel_seed, mut coordinator } = extras;
         bands::check_links(networks)?;
         for carrier_ghz in networks.iter().filter_map(|network| network.channel.carrier_ghz()) {
             world.obstacles.check_carrier(carrier_ghz).map_err(|error| error.within("world"))?;
@@ -126,7 +131,7 @@ impl<A: Application> Engine<A> {
         }
         let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
         let message_loss = setup.faults.message_loss();
-        let all = Bands { world, channel_seed, seed: setup.seed, first_packet, message_loss };
+        let all = Bands { world, channel_seed, seed: setup.seed, round, message_loss };
         for (i, band) in bands.iter().enumerate() {
             let in_band: Vec<&Network> = band.iter().map(|&network| &networks[network]).collect();
             scene.airs.push(Air::new(all.air(i, &in_band), fixed.clone(), roll));
@@ -141,6 +146,7 @@ impl<A: Application> Engine<A> {
             let first_receiver = scene.airs[air].add_receivers(settings.reception_rules(), rules, &audience);
             let placement = Placement {
                 network: id,
+                is_only: networks.len() == 1,
                 radio_states: network.radio_states.clone(),
                 air,
                 first_receiver,
@@ -164,6 +170,7 @@ impl<A: Application> Engine<A> {
                 world: setup.world,
                 vehicles: setup.robots.into_iter().map(|robot| Vehicle::new(robot.body)).collect(),
                 sensing,
+                halo: None,
                 notes: Vec::new(),
                 has_task,
                 unfinished,
@@ -189,43 +196,20 @@ impl<A: Application> Engine<A> {
         Self { warm_up, ..self }
     }
 
-    /// Runs until all tasks are done, the time is over, nothing is left to happen, or the observer ends it.
-    pub(crate) fn run(mut self, observer: &mut impl Observer) -> Ended<A> {
-        self.begin(observer);
-        let mut interrupted = false;
-        while !(interrupted || self.ends_with_tasks && self.model.unfinished == 0) {
-            let Some((now, event)) = self.model.scene.queue.pop() else { break };
-            if let Some(end) = self.end
-                && now >= end
-            {
-                break;
-            }
-            if self.is_dropped(event) {
-                continue;
-            }
-            self.model.scene.now = now;
-            self.events += 1;
-            interrupted = !self.handle(event, observer);
-            // A robot may listen for long.
-            interrupted |= self.events.is_multiple_of(LOOK) && !observer.goes_on(self.progress());
-        }
-        if let Some(end) = self.end
-            && !interrupted
-            && !(self.ends_with_tasks && self.model.unfinished == 0)
-        {
-            self.model.scene.now = end;
-        }
-        // What a robot has driven so far counts.
-        for robot in 0..self.model.vehicles.len() {
-            self.model.halt(self.model.scene.roll.robot(robot));
-        }
-        self.model.tell(&mut self.logs, observer);
-        self.tell_targets(observer);
-        for network in &mut self.model.networks {
-            network.trace_pending(&mut self.model.scene);
-        }
-        self.model.tell_packets(observer);
-        self.finish(interrupted)
+    /// The same, where nodes beyond all halos of `radius_m` round the listeners rest.
+    #[must_use]
+    pub(crate) fn with_halo(mut self, radius_m: f64) -> Self {
+        let roll = self.model.scene.roll;
+        let places = self.model.world.nodes.iter().map(|node| node.position);
+        let hears = |station: StationId| !roll.is_node(station) && self.applications[station.index()].hears();
+        self.model.halo = Some(Halo::new(radius_m, places, roll.stations().map(hears).collect()));
+        self.model.scene.airs.iter_mut().for_each(|air| air.limit_hearing(radius_m));
+        self
+    }
+
+    /// How far nodes that do not rest may be from a listener (m); `None` if all are simulated.
+    pub(crate) fn halo_reach_m(&self) -> Option<f64> {
+        self.model.halo.as_ref().map(Halo::reach_m)
     }
 
     fn progress(&self) -> Progress {
@@ -245,9 +229,11 @@ impl<A: Application> Engine<A> {
         }
         if !self.warm_up.is_zero() {
             let counted_from = SimTime::ZERO + self.warm_up;
+            self.model.scene.counted_from = counted_from;
             self.model.networks.iter_mut().for_each(|network| network.count_from(counted_from));
             self.model.scene.at(counted_from, Event::WarmedUp);
         }
+        self.model.draw_halos();
         for station in self.model.scene.roll.stations() {
             for network in &mut self.model.networks {
                 network.begin(station, &mut self.model.scene);
@@ -286,6 +272,11 @@ impl<A: Application> Engine<A> {
                 self.applications[station.index()].timed(timer, &mut port);
             }
             Event::ArcPartDriven(station) => self.model.pass(station),
+            Event::HaloDue(station) => {
+                // Nothing happens in the world.
+                self.model.scene.discounted += 1;
+                self.model.draw_halo(station);
+            }
             Event::DriveEnded(station) => {
                 let end = self.model.arrive(station).map_or(DriveEnd::Arrived, DriveEnd::Blocked);
                 let mut port = Port { model: &mut self.model, station };
@@ -302,9 +293,11 @@ impl<A: Application> Engine<A> {
             Event::NoiseEnded(number) => self.noises[usize::from(number)].end(number, &mut self.model.scene),
             Event::WarmedUp => {
                 let now = self.model.scene.now;
+                self.catch_up(Cut::now(&self.model.scene));
                 self.model.networks.iter_mut().for_each(|network| network.restart_meters(now));
             }
         }
+        self.wake();
         if !self.model.scene.traced.is_empty() {
             self.model.tell_packets(observer);
         }
@@ -358,29 +351,53 @@ impl<A: Application> Engine<A> {
         self.model.scene.upcalls = upcalls;
     }
 
-    fn finish(self, interrupted: bool) -> Ended<A> {
-        let now = self.model.scene.now;
-        let names: Vec<String> = self.model.world.nodes.into_iter().map(|node| node.name).collect();
-        let robots: Vec<String> = self.model.vehicles.iter().map(|vehicle| vehicle.body.name.clone()).collect();
-        let end_pose = |(robot, vehicle): (usize, &Vehicle)| {
-            let station = self.model.scene.roll.robot(robot);
-            EndPose {
-                truth: self.model.scene.motions[station.index()].pose_at(now),
-                belief: vehicle.believed_at(now),
+    /// Wakes the nodes that have come into a halo.
+    #[inline]
+    fn wake(&mut self) {
+        let Some(halo) = self.model.halo.as_mut().filter(|halo| halo.has_reached()) else { return };
+        let mut reached = halo.take_reached();
+        for station in reached.drain(..) {
+            if !self.is_dead(station) {
+                self.applications[station.index()].woken(&mut Port { model: &mut self.model, station });
             }
+        }
+        if let Some(halo) = &mut self.model.halo {
+            halo.give_back(reached);
+        }
+    }
+
+    fn finish(mut self, interrupted: bool) -> Ended<A> {
+        let now = self.model.scene.now;
+        let halo_m = self.model.halo.as_ref().map(Halo::radius_m);
+        if halo_m.is_some() {
+            for station in self.model.scene.roll.stations() {
+                self.applications[station.index()].ended(&mut Port { model: &mut self.model, station });
+            }
+        }
+        let Model { scene, networks, world, vehicles, .. } = self.model;
+        let end_pose = |(robot, vehicle): (usize, &Vehicle)| {
+            let station = scene.roll.robot(robot);
+            EndPose { truth: scene.motions[station.index()].pose_at(now), belief: vehicle.believed_at(now) }
         };
-        let end_poses = self.model.vehicles.iter().enumerate().map(end_pose).collect();
+        let end_poses = vehicles.iter().enumerate().map(end_pose).collect();
+        let events = self.events + scene.steps - scene.discounted;
+        let networks = networks.into_iter().map(|network| network.finish(now)).collect();
+        // The logs are built last, because that takes as much memory again as they have.
+        drop(scene);
+        let names: Vec<String> = world.nodes.into_iter().map(|node| node.name).collect();
+        let robots: Vec<String> = vehicles.iter().map(|vehicle| vehicle.body.name.clone()).collect();
         Ended {
             applications: self.applications,
             logs: self.logs.build(&names, &robots),
-            path_lengths_m: self.model.vehicles.iter().map(|vehicle| vehicle.path_length_m).collect(),
+            path_lengths_m: vehicles.iter().map(|vehicle| vehicle.path_length_m).collect(),
             end_poses,
-            networks: self.model.networks.into_iter().map(|network| network.finish(now)).collect(),
+            networks,
             end: now,
-            events: self.events,
+            events,
             sensed: self.sensed,
             deaths: self.deaths,
             interrupted,
+            halo_m,
         }
     }
 }

@@ -42,6 +42,8 @@ pub(crate) enum Event {
     WarmedUp,
     /// A robot has driven the next part of an arc.
     ArcPartDriven(StationId),
+    /// A listener has moved so far that its halo is drawn anew.
+    HaloDue(StationId),
 }
 
 impl Event {
@@ -51,6 +53,7 @@ impl Event {
             Self::Timer(station, _)
             | Self::DriveEnded(station)
             | Self::ArcPartDriven(station)
+            | Self::HaloDue(station)
             | Self::TargetEntered(station, _)
             | Self::TargetLeft(station, _)
             | Self::SampleDue(station)

@@ -38,6 +38,11 @@ impl Clock {
         moved(length, whole_ns)
     }
 
+    /// What rounding left is forgotten: the instants of a new frame do not depend on what the station did before.
+    pub(crate) fn forget_rounding(&mut self) {
+        self.owed_ns = 0.0;
+    }
+
     /// True time of an instant of the clock, which started with the simulation.
     pub(crate) fn instant(self, local: SimTime) -> SimTime {
         if self.is_exact() {

@@ -1,17 +1,20 @@
 //! The ledger of a network: what became of the packets of its stations, and who its stations are.
 
 use sextant_kernel::{SimTime, StationId};
-use sextant_mac::{EnergySpent, RadioStates};
+use sextant_mac::RadioStates;
 
+use super::books::{Books, RadioUse};
 use super::settings::Placement;
 use crate::service::delays::Delays;
-use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::packets::Packets;
 use crate::station::Roll;
 
 /// The ledger of a network, whatever its technology.
 pub(super) struct Ledger {
     /// What became of the packets of each station.
     pub(super) packets: Vec<Packets>,
+    /// Number of frames of each station that were due, where nodes may rest.
+    due: Vec<u64>,
     /// Number of frames that were delivered to each station.
     pub(super) deliveries: Vec<u64>,
     /// Time from offer to first reception of the packets of each station that were received; empty without sinks.
@@ -29,6 +32,7 @@ impl Ledger {
     pub(super) fn new(placement: &Placement, roll: Roll) -> Self {
         Self {
             packets: vec![Packets::default(); roll.len()],
+            due: vec![0; roll.len()],
             deliveries: vec![0; roll.len()],
             delays: vec![Delays::default(); if roll.sinks > 0 { roll.len() } else { 0 }],
             counted_from: SimTime::ZERO,
@@ -43,12 +47,14 @@ impl Ledger {
         self.members.as_ref().is_none_or(|members| members[station.index()])
     }
 
-    /// What the network leaves behind; `spent` is the energy of each station, that of others than members included.
-    pub(super) fn close(self, spent: impl IntoIterator<Item = EnergySpent>) -> NetworkRecord {
-        let energy = spent.into_iter().enumerate();
-        let energy =
-            energy.map(|(i, spent)| if self.has(StationId::from_index(i)) { spent } else { EnergySpent::default() });
-        let energy = energy.collect();
-        NetworkRecord { packets: self.packets, energy, deliveries: self.deliveries, delays: self.delays }
+    /// Notes how many frames of a station were due.
+    pub(super) fn note_due(&mut self, station: StationId, frames: u64) {
+        self.due[station.index()] += frames;
+    }
+
+    /// The books of the network, with how each radio was used.
+    pub(super) fn close(self, radios: Vec<RadioUse>) -> Books {
+        let Self { packets, due, deliveries, delays, members, radio_states, .. } = self;
+        Books { packets, due, deliveries, delays, members, radio_states, radios }
     }
 }

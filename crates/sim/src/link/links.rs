@@ -3,13 +3,32 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use sextant_kernel::{SimTime, StationId};
+use sextant_kernel::{Rank, SimTime, StationId};
 
+use super::books::Books;
 use crate::observer::Observer;
 use crate::scene::Scene;
-use crate::service::packets::NetworkRecord;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
+
+/// A place in the order of events.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cut {
+    pub(crate) at: SimTime,
+    pub(crate) rank: Rank,
+}
+
+impl Cut {
+    /// Before the event under way.
+    pub(crate) fn now(scene: &Scene) -> Self {
+        Self { at: scene.now, rank: scene.event.rank() }
+    }
+
+    /// Before all events of an instant.
+    pub(crate) fn before(at: SimTime) -> Self {
+        Self { at, rank: Rank::new(0, StationId(0)) }
+    }
+}
 
 /// What the engine asks of the links of a network, that is of the protocol stacks of all its stations.
 pub(crate) trait NetworkLinks {
@@ -27,6 +46,11 @@ pub(crate) trait NetworkLinks {
 
     /// Starts what the network does by itself, after all stations.
     fn begin_schedule(&mut self, _scene: &mut Scene) {}
+
+    /// Brings all stations to their states before `cut`. Returns when the last one changed; the start if none did.
+    fn catch_up(&mut self, _cut: Cut, _scene: &mut Scene) -> SimTime {
+        SimTime::ZERO
+    }
 
     /// Packets count that are offered from this instant on; without a definition, all count.
     fn count_from(&mut self, _instant: SimTime) {}
@@ -48,6 +72,12 @@ pub(crate) trait NetworkLinks {
         payload: Payload<'_>,
         scene: &mut Scene,
     ) -> Result<FrameId, SendError>;
+
+    /// Leaves out frames that were due while a station rested.
+    fn skip(&mut self, _station: StationId, _frames: u64) {}
+
+    /// Notes how many frames of a station were due, since packets are counted.
+    fn note_due(&mut self, station: StationId, frames: u64);
 
     /// Whether stations sweep sectors.
     fn sweeps_sectors(&self) -> bool {
@@ -91,5 +121,5 @@ pub(crate) trait NetworkLinks {
     fn give_back(&mut self, frame: Vec<u8>);
 
     /// What the network leaves behind, by station.
-    fn finish(self, now: SimTime) -> NetworkRecord;
+    fn finish(self, now: SimTime) -> Books;
 }

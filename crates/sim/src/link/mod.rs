@@ -2,6 +2,7 @@
 //! [`technology`]; the rest of the simulator knows what all have in common.
 
 pub(crate) mod antennas;
+pub(crate) mod books;
 mod capture;
 pub(crate) mod clock;
 mod collectors;

@@ -19,6 +19,8 @@ use crate::world::interferer::Interferer;
 #[derive(Clone)]
 pub(crate) struct Placement {
     pub(crate) network: NetworkId,
+    /// Whether there is no other network.
+    pub(crate) is_only: bool,
     /// Energy model of the radios.
     pub(crate) radio_states: RadioStates,
     /// Number of the air of its band.

@@ -8,16 +8,16 @@ use sextant_kernel::{Files, SimTime, StationId};
 use sextant_mac::{MessageEnergy, RadioStates};
 
 use super::antennas::Antennas;
+use super::books::Books;
 use super::capture::FrameFormat;
 use super::config::{LinkConfig, LinkError, MacConfig};
 use super::ieee80211ad::{self, Ieee80211ad};
 use super::ieee802154::{self, Ieee802154};
-use super::links::NetworkLinks;
+use super::links::{Cut, NetworkLinks};
 use super::settings::{LinkSettings, Placement};
 use crate::event::link::LinkEvent;
 use crate::observer::Observer;
 use crate::scene::Scene;
-use crate::service::packets::NetworkRecord;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 use crate::world::layout::PlacedNode;
@@ -204,6 +204,10 @@ impl Links {
         ask!(self, links => links.begin_schedule(scene));
     }
 
+    pub(crate) fn catch_up(&mut self, cut: Cut, scene: &mut Scene) -> SimTime {
+        ask!(self, links => links.catch_up(cut, scene))
+    }
+
     pub(crate) fn count_from(&mut self, instant: SimTime) {
         ask!(self, links => links.count_from(instant));
     }
@@ -221,6 +225,14 @@ impl Links {
         scene: &mut Scene,
     ) -> Result<FrameId, SendError> {
         ask!(self, links => links.offer(station, to, payload, scene))
+    }
+
+    pub(crate) fn skip(&mut self, station: StationId, frames: u64) {
+        ask!(self, links => links.skip(station, frames));
+    }
+
+    pub(crate) fn note_due(&mut self, station: StationId, frames: u64) {
+        ask!(self, links => links.note_due(station, frames));
     }
 
     pub(crate) fn sweeps_sectors(&self) -> bool {
@@ -259,7 +271,7 @@ impl Links {
         ask!(self, links => links.give_back(frame));
     }
 
-    pub(crate) fn finish(self, now: SimTime) -> NetworkRecord {
+    pub(crate) fn finish(self, now: SimTime) -> Books {
         ask!(self, links => links.finish(now))
     }
 }

@@ -165,6 +165,7 @@ impl Model {
         for network in &self.networks {
             network.moves(station, &mut self.scene);
         }
+        self.follow(station);
     }
 
     /// Notes the place where a robot starts.

@@ -1,12 +1,14 @@
 //! What the commands of applications act on.
 
 mod driving;
+mod following;
 pub(crate) mod log;
 mod vehicle;
 
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{RobotId, StationId};
 
+use crate::halo::Halo;
 use crate::link::Links;
 use crate::observer::Observer;
 use crate::scene::Scene;
@@ -27,6 +29,8 @@ pub(crate) struct Model {
     pub(crate) world: World,
     pub(crate) vehicles: Vec<Vehicle>,
     pub(crate) sensing: Sensing,
+    /// The halos round the listeners; `None` if all nodes are simulated all the time.
+    pub(crate) halo: Option<Halo>,
     /// What the observer will see.
     pub(crate) notes: Vec<Note>,
     /// Which stations have a task that they have not finished.

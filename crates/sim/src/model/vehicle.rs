@@ -15,6 +15,8 @@ pub(crate) struct Vehicle {
     pub(crate) path_length_m: f64,
     /// Number of drives so far.
     pub(crate) drives: u64,
+    /// The pending event that draws its halo anew.
+    pub(crate) halo_due: Option<EventKey>,
 }
 
 /// A drive under way.
@@ -33,7 +35,7 @@ pub(crate) struct Drive {
 impl Vehicle {
     pub(crate) fn new(body: RobotBody) -> Self {
         let belief = body.believed_start.map_or(Motion::standing(body.start), Motion::Standing);
-        Self { body, belief, drive: None, path_length_m: 0.0, drives: 0 }
+        Self { body, belief, drive: None, path_length_m: 0.0, drives: 0, halo_due: None }
     }
 
     /// The pose that the robot believes to have.

@@ -49,6 +49,8 @@ pub struct Packets {
     pub unacknowledged: u64,
     /// Octets of payload that were received. Not part of the sum.
     pub octets_received: u64,
+    /// Due while nobody who listens was near, and therefore not simulated. Not part of `offered`.
+    pub not_simulated: u64,
 }
 
 impl Packets {
@@ -94,6 +96,7 @@ impl std::ops::AddAssign for Packets {
             assessments,
             unacknowledged,
             octets_received,
+            not_simulated,
         } = other;
         self.offered += offered;
         self.sent += sent;
@@ -113,6 +116,7 @@ impl std::ops::AddAssign for Packets {
         self.assessments += assessments;
         self.unacknowledged += unacknowledged;
         self.octets_received += octets_received;
+        self.not_simulated += not_simulated;
     }
 }
 

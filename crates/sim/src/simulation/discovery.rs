@@ -26,10 +26,6 @@ use crate::world::World;
 /// The network whose radios discover each other.
 const NETWORK: NetworkId = NetworkId(0);
 
-/// Largest number of packets of a survey. The packets of discovery are numbered from here on, so that no two packets
-/// share a draw.
-const FIRST_PACKET: u64 = 1 << 40;
-
 /// Neighbour discovery, as written in a scenario. It runs only if a map needs its results.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -174,7 +170,7 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
         (true, true) => Says::Sweeps(Announcer::new(NETWORK, Arc::clone(&traffic), limit)),
     };
     let applications = sends.into_iter().map(|sends| Hello::new(says(sends))).collect();
-    let extras = Extras { first_packet: FIRST_PACKET * (number + 1), channel_seed: setup.seed, coordinator: None };
+    let extras = Extras { round: number + 1, channel_seed: setup.seed, coordinator: None };
     let setup = Setup {
         // Targets and fields are there from the start of the survey.
         world: World { targets: Vec::new(), fields: Vec::new(), ..setup.world.clone() },
@@ -189,12 +185,13 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
 }
 
 fn gathered(ended: Ended<Hello>, nodes: usize) -> Discovered {
-    let [network] = &ended.networks[..] else { unreachable!("discovery has one network") };
+    let Ended { applications, networks, end, events, .. } = ended;
+    let network = networks.into_iter().next().expect("discovery has one network").close();
     let mut energy = EnergySpent::default();
     network.energy.iter().for_each(|&spent| energy += spent);
     let packets: Packets = network.packets.iter().copied().sum();
     let mut links = Vec::new();
-    for (listener, hello) in ended.applications.iter().enumerate() {
+    for (listener, hello) in applications.iter().enumerate() {
         links.extend(hello.heard.iter().map(|(&sender, &Heard { packets: received, sum_dbm, .. })| Link {
             listener: NodeId::from_index(listener),
             sender,
@@ -208,8 +205,8 @@ fn gathered(ended: Ended<Hello>, nodes: usize) -> Discovered {
         sent: packets.sent,
         unsent: packets.lost_queue + packets.lost_channel_access,
         energy,
-        end: ended.end,
-        events: ended.events,
+        end,
+        events,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Who is in which network, and to whom nodes send.
 
+use sextant_channel::Position;
 use sextant_kernel::{NodeId, SettingError, StationId};
 use sextant_mac::coordinator::Coordinator;
 
@@ -23,6 +24,22 @@ pub(super) struct Stations<'a> {
 impl<'a> Stations<'a> {
     pub(super) fn of(setup: &'a Setup) -> Self {
         Self { setup, roll: setup.roll() }
+    }
+
+    /// Length of the diagonal of a box round all stations at the start (m).
+    pub(super) fn extent_m(&self) -> f64 {
+        let Setup { world, robots, sinks, .. } = self.setup;
+        let places = (world.nodes.iter().map(|node| node.position))
+            .chain(robots.iter().map(|robot| robot.body.start))
+            .chain(sinks.iter().map(|sink| sink.position));
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for place in places {
+            for (axis, value) in <[f64; 3]>::from(place).into_iter().enumerate() {
+                low[axis] = low[axis].min(value);
+                high[axis] = high[axis].max(value);
+            }
+        }
+        if low[0] > high[0] { 0.0 } else { Position::from(low).distance_m(Position::from(high)) }
     }
 
     /// Refuses frames that are too small for the addresses, and frames to one of several robots.

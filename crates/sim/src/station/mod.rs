@@ -2,6 +2,7 @@
 
 mod motion;
 mod odometry;
+mod own_frame;
 mod range_sensors;
 mod robot;
 mod sink;
@@ -13,6 +14,7 @@ pub use motion::Pose;
 pub(crate) use motion::{Curve, Motion, Trip, turned};
 pub(crate) use odometry::Luck;
 pub use odometry::{Odometry, OdometryConfig};
+pub use own_frame::{OwnFrame, OwnFrameConfig};
 pub(crate) use range_sensors::RangeSensors;
 pub(crate) use robot::check_name;
 pub use robot::{Listening, RobotBody, RobotConfig, RoleConfig};
@@ -56,6 +58,10 @@ impl Roll {
 
     pub(crate) fn is_node(&self, station: StationId) -> bool {
         station.index() < self.nodes
+    }
+
+    pub(crate) fn is_robot(&self, station: StationId) -> bool {
+        matches!(self.kind(station), Kind::Robot(_))
     }
 
     pub(crate) fn robot(&self, robot: usize) -> StationId {

@@ -9,6 +9,7 @@ use sextant_kernel::SettingError;
 
 use super::motion::Pose;
 use super::odometry::{Odometry, OdometryConfig};
+use super::own_frame::{OwnFrame, OwnFrameConfig};
 use crate::service::network_id::NetworkId;
 
 /// A robot, as written in a scenario; `C` is the configuration of its controller.
@@ -51,9 +52,35 @@ pub struct RobotConfig<C> {
     /// Errors of its odometry; exact if absent.
     #[serde(default)]
     pub odometry: OdometryConfig,
+    /// The frame of coordinates in which it writes its log; that of the world if absent. For a robot that surveys.
+    #[serde(default, skip_serializing_if = "OwnFrameConfig::is_world")]
+    #[schemars(extend("default" = {}))]
+    pub frame: OwnFrameConfig,
     /// What drives it; an agent has none.
     #[serde(default = "no_controller", skip_serializing_if = "Option::<C>::is_none")]
     pub controller: Option<C>,
+}
+
+impl<C> RobotConfig<C> {
+    /// A robot that surveys from `start_m`, with defaults for all other settings.
+    #[must_use]
+    pub fn new(name: String, start_m: Position, controller: C) -> Self {
+        Self {
+            name,
+            start_m,
+            role: RoleConfig::Survey,
+            speed_m_per_s: default_speed_m_per_s(),
+            radius_m: default_radius_m(),
+            listen_s: default_listen_s(),
+            network: None,
+            networks: Vec::new(),
+            sweeps_per_stop: one(),
+            listen_while_driving: false,
+            odometry: OdometryConfig::default(),
+            frame: OwnFrameConfig::default(),
+            controller: Some(controller),
+        }
+    }
 }
 
 /// What a robot does at its stops, as written in a scenario.
@@ -123,6 +150,8 @@ pub struct RobotBody {
     pub listening: Listening,
     /// Where it believes to be.
     pub odometry: Odometry,
+    /// The frame of coordinates in which it writes its log.
+    pub frame: OwnFrame,
 }
 
 /// When a robot on a survey listens.
@@ -151,8 +180,18 @@ impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
             sweeps_per_stop: sweeps_per_stop(config.sweeps_per_stop)?,
             listening: if config.listen_while_driving { Listening::AlsoWhileDriving } else { Listening::AtStops },
             odometry: Odometry::try_from(config.odometry).map_err(|error| error.within("odometry"))?,
+            frame: own_frame(config.frame, config.role)?,
         })
     }
+}
+
+/// The frame of the log of a robot; others than those that survey write none.
+fn own_frame(config: OwnFrameConfig, role: RoleConfig) -> Result<OwnFrame, SettingError> {
+    if !config.is_world() && role != RoleConfig::Survey {
+        let remedy = "remove the table, because only a robot that surveys writes a log";
+        return Err(SettingError::conflict("frame", "another `role` than \"survey\"", remedy));
+    }
+    OwnFrame::try_from(config).map_err(|error| error.within("frame"))
 }
 
 /// Refuses a stop without sweeps, and numbers that are certain to be a mistake.

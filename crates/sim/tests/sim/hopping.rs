@@ -68,7 +68,11 @@ fn received(listen: Duration) -> Received {
         for (start, end, heard) in air.0.iter().filter(|(start, end, _)| *end > from && *start < to) {
             let (by_robot, by_sink) = (heard.contains(&0) && *start >= from, heard.contains(&(1 + i)));
             counts.both += u32::from(by_robot && by_sink);
-            counts.robot_only += u32::from(by_robot && !by_sink);
+            // A sink may still follow a frame that began before the robot came.
+            let is_late = |(start_before, end_before, _): &(SimTime, SimTime, Vec<usize>)| {
+                *start_before < from && *end_before > *start
+            };
+            counts.robot_only += u32::from(by_robot && !by_sink && !air.0.iter().any(is_late));
             counts.sink_only += u32::from(by_sink && !by_robot);
             counts.sink_only_across_an_end += u32::from(by_sink && !by_robot && is_across(*start, *end));
         }

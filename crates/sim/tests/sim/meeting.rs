@@ -190,12 +190,17 @@ fn two_robots_agree_on_the_place_halfway_and_meet_there() {
 
 #[test]
 fn a_robot_that_answers_at_once_finds_the_channel_busy_with_its_own_acknowledgement() {
-    let mut idle_after = Vec::new();
+    let (mut idle_after, mut given_up) = (Vec::new(), 0);
     for seed in 0..40 {
         let ended = meet([Position::ORIGIN, Position::new(10.0, 0.0, 0.0)], network::prompt(), seed);
         let [first, second] = &ended.applications[..] else { panic!("two robots") };
         // 20 octets of MPDU and 6 before it: 832 us on air, from 320 us on; the acknowledgement takes 192 and 352 us.
-        let (asked, answered) = (micros(second.received[0].0), micros(first.received[0].0));
+        let Some(answer) = first.received.first() else {
+            // The channel was busy at all five assessments.
+            given_up += 1;
+            continue;
+        };
+        let (asked, answered) = (micros(second.received[0].0), micros(answer.0));
         assert_eq!(asked, 320 + 832);
         assert_eq!(micros(first.reports[0].0), asked + 192 + 352);
         // The window of carrier sense that finds the channel idle begins after the acknowledgement.
@@ -206,6 +211,7 @@ fn a_robot_that_answers_at_once_finds_the_channel_busy_with_its_own_acknowledgem
         assert!((1..=4).any(whole_periods), "seed {seed}: {sensed_from} us");
         idle_after.push(sensed_from - asked);
     }
+    assert!(given_up <= 3, "{given_up} of 40");
     // The earliest one: after two busy ones and one period. One period after a first busy one is too early, because the
     // window begins while the acknowledgement is on air.
     assert_eq!(idle_after.into_iter().min(), Some(2 * 128 + 320));

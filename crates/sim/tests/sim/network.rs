@@ -9,9 +9,9 @@ use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
     Application, Applications, CommandOutcome, Controller, Ending, Faults, Ieee802154, Listening, Mac, Network,
-    NetworkId, Observer, Odometry, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody, RobotCommand,
-    RobotTask, Setup, Simulation, Situation, Survey, Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved,
-    World,
+    NetworkId, Observer, Odometry, OwnFrame, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
+    RobotCommand, RobotTask, Setup, Simulation, Situation, Survey, Technology, Traffic, TrafficConfig, TrafficPlan,
+    Unobserved, World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -54,6 +54,7 @@ pub(crate) fn surveyor_body() -> RobotBody {
         listen: Duration::from_secs(1),
         listening: Listening::AtStops,
         odometry: Odometry::default(),
+        frame: OwnFrame::default(),
         networks: vec![NetworkId::default()],
         sweeps_per_stop: 1,
     }
@@ -195,6 +196,7 @@ pub(crate) fn body(name: &str, start: Position) -> RobotBody {
         sweeps_per_stop: 1,
         listening: Listening::AtStops,
         odometry: Odometry::default(),
+        frame: OwnFrame::default(),
     }
 }
 

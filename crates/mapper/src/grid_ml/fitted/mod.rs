@@ -5,6 +5,7 @@ mod curve;
 mod dead_stops;
 mod expectation;
 mod report;
+mod scene;
 mod wide;
 
 use rayon::prelude::*;
@@ -14,15 +15,17 @@ use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use crate::grid_ml::directions::{CoverageEdge, Directions};
 use crate::log_facts::heights::{Heights, SoughtHeights};
-use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
-use crate::log_facts::search_box::{Limits, SearchBox};
+use crate::log_facts::reach::heard_nodes;
+use crate::log_facts::search_box::SearchBox;
 use crate::log_facts::sectors::SectorSettings;
 use crate::profile::averaged_over_cell;
 use crate::{FittedConfig, MapError, ReceptionProfile, TableProfile};
 use belief::Belief;
 use curve::{Counts, FittedCurve};
+pub(crate) use dead_stops::add_heard;
 use expectation::Round;
-pub(crate) use wide::WideSearch;
+pub(crate) use scene::{Sample, Scene, Settled};
+pub(crate) use wide::{GridSize, WideSearch};
 
 /// How a reception profile is estimated from a log.
 ///
@@ -61,12 +64,6 @@ pub struct Fit {
     pub heights: SoughtHeights,
 }
 
-/// Maximum number of nodes from which the curve is estimated, in a plane and in space. This gives an accuracy of a
-/// few thousandths.
-const ENOUGH_NODES: [usize; 2] = [512, 192];
-/// Number of listed packets from which the curve is estimated, if so many are listed, and least number of nodes for them.
-const ENOUGH_PACKETS: u64 = 200_000;
-const LEAST_NODES: u64 = 64;
 /// The curve has converged if it changes by less than this share of its statistical error.
 const NOISE: f64 = 0.2;
 /// Number of nodes whose posteriors are held at a time.
@@ -102,17 +99,34 @@ impl Fitted {
         watch: &dyn Watch,
     ) -> Result<Option<Fit>, MapError> {
         let heard_nodes = heard_nodes(log);
-        let reach_m = reach_m(log, &heard_nodes);
-        let Some(sought) = SoughtHeights::of_log(log.stops(), z_range_m, reach_m, step_m) else { return Ok(None) };
-        let heights = sought.heights();
-        let limits = Limits::new(log, reach_m, sought);
-        let directions = Directions::of(log, sectors, reach_m, heights, CoverageEdge::Tolerant)?;
-        let directions = directions.as_ref();
+        let farthest_m: Vec<f64> = heard_nodes.iter().map(|heard| heard.farthest_m).collect();
+        let listed = log.receptions().iter().map(|reception| u64::from(reception.sent)).sum();
+        let scene = Scene::of(log, (z_range_m, step_m), &farthest_m);
+        let Some(scene) = scene else { return Ok(None) };
         let heard: Vec<(NodeId, SearchBox)> =
-            heard_nodes.iter().map(|heard| (heard.node, limits.of(heard))).collect();
-        let enough = ENOUGH_NODES[usize::from(!matches!(heights, Heights::Level(_)))].min(nodes_with_enough(log));
-        let sample: Vec<(NodeId, SearchBox)> =
-            heard.iter().copied().step_by(heard.len().div_ceil(enough).max(1)).collect();
+            heard_nodes.iter().map(|heard| (heard.node, scene.limits.of(heard))).collect();
+        let every = scene.every(heard.len(), log.node_count(), listed);
+        let sample: Vec<(NodeId, SearchBox)> = heard.iter().copied().step_by(every).collect();
+        let mut heard_at = vec![0; log.stops().len()];
+        dead_stops::add_heard(log, &mut heard_at);
+        let settled = self.settle(&Sample { log, nodes: &sample, heard_at: &heard_at }, &scene, sectors, watch)?;
+        let Some(settled) = settled else { return Ok(None) };
+        let outliers = settled.outliers(log, &heard, &scene, watch)?;
+        Ok(Some(settled.fit(&scene, outliers)))
+    }
+
+    /// The curve of `sample` after enough rounds; `None` if it has no nodes.
+    pub(crate) fn settle(
+        &self,
+        sample: &Sample<'_>,
+        scene: &Scene,
+        sectors: &SectorSettings,
+        watch: &dyn Watch,
+    ) -> Result<Option<Settled>, MapError> {
+        let Sample { log, nodes: sample, heard_at } = *sample;
+        let heights = scene.heights.heights();
+        let found = Directions::of(log, sectors, scene.reach_m, heights, CoverageEdge::Tolerant)?;
+        let directions = found.as_ref();
         let nodes: Vec<NodeId> = sample.iter().map(|&(node, _)| node).collect();
         let mut beliefs: Vec<Belief> =
             sample.iter().map(|(node, within)| Belief::first(log, *node, within)).collect();
@@ -145,26 +159,12 @@ impl Fitted {
             let is_settled = distance < self.tolerance.max(NOISE * error);
             curve = next;
             if rounds >= ROUNDS_BEFORE_TESTS {
-                let found = dead_stops::find(log, &ln_silence, watch)?;
+                let found = dead_stops::find(log.stops(), heard_at, &ln_silence, watch)?;
                 converged = is_settled && found == is_dead;
                 is_dead = found;
             }
         }
-        let round = Round { log, heights, directions, curve: &curve, is_dead: &is_dead, watch };
-        let outliers = heard.par_iter().flat_map_iter(|(node, within)| round.outliers(*node, within)).collect();
-        watch.check()?;
-        let dead_stops = (0..).zip(&is_dead).filter(|(_, dead)| **dead).map(|(stop, _)| stop).collect();
-        Ok(Some(Fit {
-            curve: curve.table(),
-            rounds,
-            converged,
-            dead_stops,
-            outliers,
-            nodes: sample.len(),
-            reach_m,
-            is_reach_known: is_reach_known(&heard_nodes),
-            heights: sought,
-        }))
+        Ok(Some(Settled { curve, directions: found, is_dead, rounds, converged, nodes: sample.len() }))
     }
 
     /// The work of all rounds, if all stops are in reach of each of `nodes` nodes.
@@ -205,6 +205,11 @@ impl Fit {
     /// If this is not the fit of `log`.
     #[must_use]
     pub fn evidence(&self, log: &ReceptionLog) -> ReceptionLog {
+        self.evidence_of(log, |node| node)
+    }
+
+    /// The same for a part of the log, whose nodes are `of_log` in the whole log.
+    pub(crate) fn evidence_of(&self, log: &ReceptionLog, of_log: impl Fn(NodeId) -> NodeId) -> ReceptionLog {
         let mut is_dead = vec![false; log.stops().len()];
         self.dead_stops.iter().for_each(|&stop| is_dead[stop as usize] = true);
         let mut kept: Vec<Stop> = Vec::new();
@@ -221,13 +226,16 @@ impl Fit {
             })
             .collect();
         let entry = |reception: Reception| {
-            let far = self.outliers.binary_search(&(reception.node, reception.stop)).is_ok();
+            let far = self.outliers.binary_search(&(of_log(reception.node), reception.stop)).is_ok();
             let (received, sent) = if far { (0, 0) } else { (reception.received, reception.sent) };
             Reception { stop: new_index[reception.stop as usize], received, sent, ..reception }
         };
         let live = log.receptions().iter().filter(|reception| !is_dead[reception.stop as usize]);
         let mut receptions = ReceptionLogBuilder::default();
         receptions.extend(live.map(entry));
+        if log.receptions().sectors().is_some() {
+            receptions.keep_sectors();
+        }
         let evidence = receptions.build(log.names().to_vec(), kept, log.contacts().to_vec());
         match log.sectors() {
             Some(sectors) => evidence.and_then(|evidence| evidence.with_sectors(sectors.clone())),
@@ -235,14 +243,6 @@ impl Fit {
         }
         .expect("a part of a log is a log")
     }
-}
-
-/// Number of nodes that together have enough packets in the log.
-fn nodes_with_enough(log: &ReceptionLog) -> usize {
-    let listed: u64 = log.receptions().iter().map(|reception| u64::from(reception.sent)).sum();
-    let nodes = log.node_count() as u64;
-    let enough = (ENOUGH_PACKETS.saturating_mul(nodes) / listed.max(1)).max(LEAST_NODES);
-    usize::try_from(enough).unwrap_or(usize::MAX)
 }
 
 /// The places of the stops that heard a node, with the packets heard.

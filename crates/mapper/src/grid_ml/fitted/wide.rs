@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::{Watch, Work};
+use sextant_kernel::{NodeId, Watch, Work};
 
 use super::Fit;
 use crate::log_facts::heights::Heights;
@@ -67,22 +67,40 @@ impl Curve {
     }
 }
 
-impl WideSearch<'_> {
-    /// Whether a grid would take too long for nodes in these boxes.
-    pub(crate) fn is_warranted(&self, boxes: &[(HeardNode, SearchBox)]) -> bool {
-        let reach_m = 2.0 * self.fit.curve.range_m();
+/// How much a grid would take for the nodes of a log.
+#[derive(Debug, Default)]
+pub(crate) struct GridSize {
+    /// Vertices of each node.
+    vertices: Vec<(NodeId, f64)>,
+    /// Pairs of a node and a stop that the log lists.
+    pairs: usize,
+}
+
+impl GridSize {
+    /// Adds the nodes in these boxes, of which the log lists so many pairs. The curve of `fit` is on a grid of `step_m`.
+    pub(crate) fn add(&mut self, boxes: &[(HeardNode, SearchBox)], pairs: usize, fit: &Fit, step_m: f64) {
+        let reach_m = 2.0 * fit.curve.range_m();
         let vertices = |within: &SearchBox| -> f64 {
-            let along = |axis: usize| (within.high[axis] - within.low[axis]).min(reach_m) / self.step_m + 1.0;
+            let along = |axis: usize| (within.high[axis] - within.low[axis]).min(reach_m) / step_m + 1.0;
             (0..3).map(along).product()
         };
-        let vertices: f64 = boxes.iter().map(|(_, within)| vertices(within)).sum();
-        let operations = vertices * self.log.stops().len() as f64;
-        let of_node = operations / boxes.len().max(1) as f64;
-        let (pairs, most) = LONG_LOG;
-        operations > MOST_OPERATIONS[1] && of_node > MOST_OPERATIONS[0]
-            || self.log.receptions().len() > pairs && of_node > most
+        self.vertices.extend(boxes.iter().map(|(heard, within)| (heard.node, vertices(within))));
+        self.pairs += pairs;
     }
 
+    /// Whether a grid would take too long, with so many stops.
+    pub(crate) fn takes_too_long(mut self, stops: usize) -> bool {
+        // Nodes may come in parts of a log, and sums depend on the order.
+        self.vertices.sort_unstable_by_key(|&(node, _)| node);
+        let vertices: f64 = self.vertices.iter().map(|&(_, vertices)| vertices).sum();
+        let operations = vertices * stops as f64;
+        let of_node = operations / self.vertices.len().max(1) as f64;
+        let (pairs, most) = LONG_LOG;
+        operations > MOST_OPERATIONS[1] && of_node > MOST_OPERATIONS[0] || self.pairs > pairs && of_node > most
+    }
+}
+
+impl WideSearch<'_> {
     /// The estimates of the nodes in `boxes`, in the order of the nodes of the log.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! The entries of the log for one node, sorted by how they enter the likelihood.
 
-use sextant_channel::{Position, Reception, Receptions, Stop};
+use sextant_channel::{Position, Receptions};
 
 use super::receiver::Receiver;
 use super::wedges::Wedges;
@@ -47,31 +47,45 @@ impl Evidence {
         }
     }
 
-    /// Reads the entries of one node. [`clear`](Self::clear) them before the next.
-    pub(crate) fn read(&mut self, receptions: Receptions<'_>, stops: &[Stop], wedges: Option<&Wedges>) {
+    /// Reads the entries of one node, heard at stops at `places`. [`clear`](Self::clear) them before the next.
+    pub(crate) fn read(&mut self, receptions: Receptions<'_>, places: &[Position], wedges: Option<&Wedges>) {
         self.receivers.clear();
         self.heard.clear();
         self.counts.clear();
         self.entries = receptions.len();
         (self.received, self.missed) = (0, 0);
         self.sectored = false;
-        for Reception { stop, received, sent, sector, .. } in receptions {
-            let stop = stop as usize;
-            self.listed[stop / 64] |= 1 << (stop % 64);
-            let place = stops[stop].position;
-            let missed = sent - received;
-            self.received += u64::from(received);
-            self.missed += u64::from(missed);
-            if received > 0 {
-                let sector = sector.filter(|_| wedges.is_some());
-                self.sectored |= sector.is_some();
-                self.receivers.push(Receiver { place, packets: received, sector });
+        let sectors = receptions.sectors().filter(|_| wedges.is_some());
+        let sector = |at: usize| sectors.and_then(|sectors| sectors[at]);
+        match receptions.packets() {
+            None => {
+                for (at, &stop) in receptions.stops().iter().enumerate() {
+                    self.enter(stop as usize, places, 1, 1, sector(at));
+                }
             }
-            if (received, missed) == (1, 0) {
-                self.heard.push(place);
-            } else if sent > 0 {
-                self.counts.push(Count { place, received, missed });
+            Some(packets) => {
+                for (at, (&stop, (received, sent))) in receptions.stops().iter().zip(packets).enumerate() {
+                    self.enter(stop as usize, places, received, sent, sector(at));
+                }
             }
+        }
+    }
+
+    #[inline(always)]
+    fn enter(&mut self, stop: usize, places: &[Position], received: u32, sent: u32, sector: Option<u8>) {
+        self.listed[stop / 64] |= 1 << (stop % 64);
+        let place = places[stop];
+        let missed = sent - received;
+        self.received += u64::from(received);
+        self.missed += u64::from(missed);
+        if received > 0 {
+            self.sectored |= sector.is_some();
+            self.receivers.push(Receiver { place, packets: received, sector });
+        }
+        if (received, missed) == (1, 0) {
+            self.heard.push(place);
+        } else if sent > 0 {
+            self.counts.push(Count { place, received, missed });
         }
     }
 

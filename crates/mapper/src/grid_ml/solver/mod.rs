@@ -5,20 +5,27 @@
 //! steps. First comes the bounding box of the places within R of every reception. For each lattice row in it follows
 //! the span that lies within R of the receptions on the rim (those whose ball does not hold the whole box). Last, for
 //! the vertices that survive, comes the product over the receptions and the stops in range that heard nothing. If
-//! only the highest is wanted, a bound of it in single precision spares all but a few vertices. Nothing is stored
-//! per vertex of the lattice, so that memory does not grow with it.
+//! only the highest is wanted, bounds in single precision spare all but a few vertices: under a trapezoid one bound
+//! for many vertices, from the curvature at one of them, otherwise one bound for each. Nothing is stored per vertex of
+//! the lattice, so that memory does not grow with it.
 //!
 //! If no vertex survives, outliers are admitted: a good place found near the median of the receptions bounds
 //! how many receptions the best vertex can contradict, and the same box and rows, relaxed by that number,
 //! hold every vertex that can be as good. A coarse-to-fine branch and bound was slower wherever it was tried.
 
 mod admission;
+mod balls;
 mod conditions;
 mod coverage;
 mod curve;
+mod cuts;
 mod evidence;
 mod lanes;
 mod margin;
+mod narrow;
+mod operations;
+mod places;
+mod product;
 mod receiver;
 mod rows;
 mod score;
@@ -29,12 +36,10 @@ mod soft;
 mod wedge_test;
 mod wedges;
 
-use sextant_channel::{Position, Receptions, SectorTable, Stop};
+use sextant_channel::{CellIndex, Position, Receptions, SectorTable, Stop};
 use sextant_kernel::Watch;
 
-use crate::log_facts::reach::HeardNode;
 use crate::log_facts::sectors::SectorSettings;
-use crate::numerics::cells::CellIndex;
 use crate::{Lattice, ReceptionProfile};
 use admission::Admission;
 pub(crate) use curve::Curve;
@@ -50,7 +55,8 @@ pub(crate) use wedges::{Edges, Wedges};
 #[derive(Debug)]
 pub(crate) struct Solver<'a> {
     lattice: &'a Lattice,
-    stops: &'a [Stop],
+    /// Where the stops are: less memory than the stops themselves.
+    places: Vec<Position>,
     cells: CellIndex,
     /// The profile of the settings.
     curve: Curve,
@@ -92,7 +98,7 @@ impl<'a> Solver<'a> {
     /// settings ask for their probabilities (dB).
     pub(crate) fn new(
         lattice: &'a Lattice,
-        stops: &'a [Stop],
+        stops: &[Stop],
         profile: &ReceptionProfile,
         sectors: Option<(&SectorTable, &SectorSettings)>,
         sigma_db: Option<f64>,
@@ -109,7 +115,7 @@ impl<'a> Solver<'a> {
         });
         let wedges =
             sectors.map(|(table, settings)| Wedges::new(table, settings, soft.as_ref(), lattice, range_m, is_flat));
-        Self { lattice, stops, cells, clamped: curve.clamped(), curve, wedges, soft, watch }
+        Self { lattice, places, cells, clamped: curve.clamped(), curve, wedges, soft, watch }
     }
 
     pub(crate) fn lattice(&self) -> &'a Lattice {
@@ -117,23 +123,7 @@ impl<'a> Solver<'a> {
     }
 
     pub(crate) fn scratch(&self) -> Scratch {
-        Scratch { evidence: Evidence::new(self.stops.len()), rows: Rows::default(), survivors: Survivors::default() }
-    }
-
-    /// Evaluations of the profile that the search for a node takes, at most: vertices within range of all stops that heard
-    /// it (of any, if there are none) times stops in range of one of these.
-    pub(crate) fn operations(&self, heard: &HeardNode) -> f64 {
-        let [first, last] = heard.corners;
-        let range_m = self.curve.range_m;
-        let is_feasible = (0..3).all(|axis| last[axis] - first[axis] < 2.0 * range_m);
-        let (low, high) = if is_feasible { (last, first) } else { (first, last) };
-        let (low, high) = (low.map(|value| value - range_m), high.map(|value| value + range_m));
-        let spans = [0, 1, 2].map(|axis| self.lattice.span(axis, low[axis], high[axis]).0.len());
-        let stops: usize =
-            self.cells.near_box(low.map(|x| x - range_m), high.map(|x| x + range_m)).map(<[_]>::len).sum();
-        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
-        let operations = spans.iter().product::<usize>() as f64 * stops as f64;
-        operations
+        Scratch { evidence: Evidence::new(self.places.len()), rows: Rows::default(), survivors: Survivors::default() }
     }
 
     /// Gives `sink` the log-likelihood of every vertex of the search set, but for those certain to lie more than
@@ -149,7 +139,7 @@ impl<'a> Solver<'a> {
         let Scratch { evidence, rows, survivors } = scratch;
         let mut search = Search::default();
         let wedges = self.wedges.as_ref();
-        evidence.read(receptions, self.stops, wedges);
+        evidence.read(receptions, &self.places, wedges);
         if evidence.heard_packets() > 0 {
             let mut scorer = self.scorer(&self.curve, Admission::WithinAll, evidence, survivors);
             if rows.intersection(self.lattice, self.curve.range_m, scorer.evidence.receptions(), wedges) {
@@ -176,7 +166,7 @@ impl<'a> Solver<'a> {
     ) -> Search {
         let Scratch { evidence, rows, survivors } = scratch;
         let mut search = Search { infeasible: true, evaluated: 0 };
-        evidence.read(receptions, self.stops, self.wedges.as_ref());
+        evidence.read(receptions, &self.places, self.wedges.as_ref());
         if evidence.heard_packets() > 0 {
             search.evaluated = self.admit_outliers(evidence, rows, survivors, margin, sink);
         }

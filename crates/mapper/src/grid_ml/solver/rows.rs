@@ -5,6 +5,7 @@ use std::ops::Range;
 use sextant_channel::Position;
 
 use super::Row;
+use super::balls::{Balls, Part};
 use super::conditions::{Plane, Residual};
 use super::receiver::Receiver;
 use super::wedges::Wedges;
@@ -27,6 +28,8 @@ pub(crate) struct Rows {
     rim_packets: u64,
     /// The rim's receptions in reach of a layer of the box.
     layer: Vec<Receiver>,
+    /// The balls round the receptions on the rim.
+    balls: Balls,
     /// Changes along a row of the packets in range.
     steps: Vec<i64>,
     /// Coordinates along an axis, to be sorted.
@@ -80,7 +83,12 @@ impl Rows {
                 return false;
             }
         }
-        self.find_rim(lattice, range_m, receivers, false)
+        if !self.find_rim(lattice, range_m, receivers, false) {
+            return false;
+        }
+        let (low, high) = self.corners(lattice);
+        self.balls.set(&self.rim, range_m, [low, high]);
+        true
     }
 
     /// The first and the last vertex of the box.
@@ -139,36 +147,30 @@ impl Rows {
         mut visit: impl FnMut(Row, Range<usize>),
     ) {
         let has_slow_planes = self.planes.iter().any(|plane| plane.is_along_rows() && plane.normal[0].abs() > 0.0);
-        let reach = range_m * range_m * ROUNDING;
-        // If the half-length is below this, the ends of a span are not accurate to a small part of a step.
-        let grazing = 1e-4 * range_m;
         let [along, ys, zs] = self.span.clone();
         for k in zs {
             let z = lattice.coordinate(2, k);
-            for j in ys.clone() {
+            let mut ys = ys.clone();
+            if self.span[2].len() > 1 {
+                let Some((first, last)) = self.balls.layer(z) else { continue };
+                let (rows, _) = lattice.span(1, first, last);
+                ys = ys.start.max(rows.start)..ys.end.min(rows.end);
+            }
+            for j in ys {
                 let y = lattice.coordinate(1, j);
-                let (mut low, mut high, mut shortest) = (f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY);
-                for Receiver { place, .. } in &self.rim {
-                    let (dy, dz) = (y - place.y_m, z - place.z_m);
-                    let square = reach - dy * dy - dz * dz;
-                    let half = square.sqrt();
-                    low = if place.x_m - half > low { place.x_m - half } else { low };
-                    high = if place.x_m + half < high { place.x_m + half } else { high };
-                    shortest = if square < shortest { square } else { shortest };
-                    if square < 0.0 || low > high {
-                        high = f64::NEG_INFINITY;
-                        break;
+                let span = match self.balls.row(y, z) {
+                    Part::Nothing => continue,
+                    Part::Interval { mut low, mut high, error_m } if !has_slow_planes => {
+                        self.planes.iter().for_each(|plane| plane.cut(y, z, &mut low, &mut high));
+                        if low > high + 2.0 * error_m {
+                            continue;
+                        }
+                        let (span, in_doubt) = lattice.span_within(0, low, high, error_m);
+                        if in_doubt { self.exact_span(lattice, range_m, [j, k]) } else { span }
                     }
-                }
-                self.planes.iter().for_each(|plane| plane.cut(y, z, &mut low, &mut high));
-                if low > high {
-                    continue;
-                }
-                let (span, in_doubt) = lattice.span(0, low, high);
-                let mut span = span.start.max(along.start)..span.end.min(along.end);
-                if in_doubt || has_slow_planes || shortest < grazing * grazing {
-                    self.shrink(lattice, range_m, [j, k], &mut span);
-                }
+                    Part::Interval { .. } | Part::Grazed => self.exact_span(lattice, range_m, [j, k]),
+                };
+                let span = span.start.max(along.start)..span.end.min(along.end);
                 match wedges.filter(|_| !self.residuals.is_empty()) {
                     None if span.is_empty() => {}
                     None => visit([j, k], span),
@@ -180,8 +182,34 @@ impl Rows {
         }
     }
 
-    /// Takes vertices that are not nearer than `range_m` to every reception or not in a half-space off the ends of a span.
+    /// The vertices of a row that lie nearer than `range_m` to every reception and in all half-spaces.
     #[cold]
+    fn exact_span(&self, lattice: &Lattice, range_m: f64, [j, k]: Row) -> Range<usize> {
+        let reach = range_m * range_m * ROUNDING;
+        let (y, z) = (lattice.coordinate(1, j), lattice.coordinate(2, k));
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        for Receiver { place, .. } in &self.rim {
+            let (dy, dz) = (y - place.y_m, z - place.z_m);
+            let square = reach - dy * dy - dz * dz;
+            if square < 0.0 {
+                return 0..0;
+            }
+            let half = square.sqrt();
+            low = low.max(place.x_m - half);
+            high = high.min(place.x_m + half);
+        }
+        self.planes.iter().for_each(|plane| plane.cut(y, z, &mut low, &mut high));
+        if low > high {
+            return 0..0;
+        }
+        let [along, _, _] = &self.span;
+        let (span, _) = lattice.span(0, low, high);
+        let mut span = span.start.max(along.start)..span.end.min(along.end);
+        self.shrink(lattice, range_m, [j, k], &mut span);
+        span
+    }
+
+    /// Takes vertices that are not nearer than `range_m` to every reception or not in a half-space off the ends of a span.
     fn shrink(&self, lattice: &Lattice, range_m: f64, [j, k]: Row, span: &mut Range<usize>) {
         let is_within = |i| {
             let vertex = lattice.position([i, j, k]);

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use sextant_channel::Position;
+use sextant_channel::{CellIndex, Position};
 use sextant_kernel::Watch;
 
 use super::admission::Admission;
 use super::curve::Curve;
+use super::cuts::Narrowing;
 use super::evidence::Evidence;
 use super::lanes::{LANES, Lanes};
 use super::screen::{Scene, Screen};
@@ -14,7 +15,6 @@ use super::soft::SoftSectors;
 use super::wedges::Wedges;
 use super::{Row, Sink};
 use crate::Lattice;
-use crate::numerics::cells::CellIndex;
 
 /// Vertices collected before they are scored: bounds the memory.
 const BATCH: usize = 2048;
@@ -22,14 +22,15 @@ const BATCH: usize = 2048;
 /// Vertices to be scored.
 #[derive(Debug, Default)]
 pub(crate) struct Survivors {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
-    index: Vec<u64>,
+    pub(super) x: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    pub(super) z: Vec<f64>,
+    pub(super) index: Vec<u64>,
     /// Stops in range that have no entry for the node.
-    silent: Vec<Position>,
+    pub(super) silent: Vec<Position>,
     /// Bounding box of the vertices.
-    corners: [[f64; 3]; 2],
+    pub(super) corners: [[f64; 3]; 2],
+    pub(super) narrowing: Narrowing,
     screen: Screen,
     chosen: Vec<usize>,
 }
@@ -84,6 +85,10 @@ impl Scorer<'_> {
         }
         self.evaluated += count as u64;
         let constant = self.find_silent();
+        if S::WANTS_PEAK && self.can_narrow() {
+            self.narrow(constant, sink);
+        }
+        let count = self.survivors.index.len();
         let mut chosen = std::mem::take(&mut self.survivors.chosen);
         chosen.clear();
         // Bounds do not include sectors, so they are useless where receptions contradict their sectors.
@@ -123,7 +128,7 @@ impl Scorer<'_> {
     }
 
     /// Gives `sink` the log-likelihoods of the first `count` of a few survivors.
-    fn score(&mut self, vertices: [usize; LANES], count: usize, constant: f64, sink: &mut impl Sink) {
+    pub(super) fn score(&mut self, vertices: [usize; LANES], count: usize, constant: f64, sink: &mut impl Sink) {
         let Survivors { x, y, z, index, silent, .. } = &*self.survivors;
         let (x, y, z) = (vertices.map(|v| x[v]), vertices.map(|v| y[v]), vertices.map(|v| z[v]));
         let mut lanes = Lanes::new(&x, &y, &z);
@@ -187,6 +192,6 @@ impl Survivors {
     }
 }
 
-fn bounds(values: &[f64]) -> (f64, f64) {
+pub(super) fn bounds(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)))
 }

@@ -10,29 +10,19 @@ use wide::f32x4;
 
 use super::curve::Curve;
 use super::evidence::Evidence;
+use super::places::{LANES, Places};
+use super::product::{GROUP, GROUPS, LEAST, Product};
 use super::single::single;
 use super::wedges::Coverage;
 
-/// Stops taken together.
-const LANES: usize = 4;
-
-/// Factors, each at least [`LEAST`], whose product is a normal number.
-const GROUP: usize = 4;
-
-/// The place of stops that only fill up a vector (m); it is beyond any range.
-const NOWHERE: f32 = 1e18;
-
-/// Lowest bound of a factor. Raising a factor keeps it an upper bound.
-const LEAST: f32 = 1e-9;
-
 /// Error of a distance over the largest coordinate: sixteen roundings.
-const APART: f64 = 1e-6;
+pub(super) const APART: f64 = 1e-6;
 
 /// Relative error of a factor but for its distance, and of the products: eight roundings.
-const PER_FACTOR: f64 = 5e-7;
+pub(super) const PER_FACTOR: f64 = 5e-7;
 
 /// Absolute error of a probability.
-const ROUNDING: f32 = 2e-7;
+pub(super) const ROUNDING: f32 = 2e-7;
 
 /// Most packets at one stop; a log with more is scored without bounds.
 const MOST_PACKETS: u32 = 64;
@@ -47,38 +37,6 @@ pub(crate) struct Screen {
     /// What the keys are above a bound's logarithm [bit]: at most the rounding errors, less the factors of the
     /// stops that fill up vectors.
     offset: f64,
-}
-
-/// Places by coordinate, a few side by side.
-#[derive(Debug, Default)]
-struct Places {
-    coordinates: Vec<[f32x4; 3]>,
-    count: usize,
-}
-
-impl Places {
-    fn set<'p>(&mut self, places: impl ExactSizeIterator<Item = &'p Position>, middle: Position) {
-        self.coordinates.clear();
-        self.count = places.len();
-        let mut block = [[NOWHERE; LANES]; 3];
-        for (i, &place) in places.enumerate() {
-            for (axis, value) in <[f64; 3]>::from(place - middle).into_iter().enumerate() {
-                block[axis][i % LANES] = single(value);
-            }
-            if i % LANES == LANES - 1 {
-                self.coordinates.push(block.map(f32x4::from));
-                block = [[NOWHERE; LANES]; 3];
-            }
-        }
-        if !self.count.is_multiple_of(LANES) {
-            self.coordinates.push(block.map(f32x4::from));
-        }
-    }
-
-    /// Stops that only fill up a vector.
-    fn filling(&self) -> f64 {
-        (self.coordinates.len() * LANES - self.count) as f64
-    }
 }
 
 /// The evidence on a node, and the vertices to be bounded.
@@ -173,7 +131,7 @@ impl Screen {
         for ((x, y), z) in x.iter().zip(y).zip(z) {
             let vertex =
                 <[f64; 3]>::from(Position::new(*x, *y, *z) - middle).map(|value| f32x4::splat(single(value)));
-            let mut bound = Bound { vertex, mantissa: [1.0; LANES], exponent: 0 };
+            let mut bound = Bound { vertex, product: Product::default() };
             if let Some(coverage) = coverage {
                 bound.multiply(&self.heard, |square| above.at(square));
                 bound.multiply_apart(&self.silent, |apart, square| {
@@ -190,32 +148,21 @@ impl Screen {
             for count in &evidence.counts {
                 let place = <[f64; 3]>::from(count.place - middle).map(|value| f32x4::splat(single(value)));
                 let square = bound.square(&place);
-                bound.raise(above.at(square), count.received);
+                bound.product.raise(above.at(square), count.received);
                 let covered = coverage
                     .filter(|_| count.received == 0)
                     .map(|coverage| coverage.certainly_covers(&bound.apart(&place), single(apart_m)));
                 let s = below.at(square);
-                bound.raise(one - covered.map_or(s, |covered| covered.select(s, below.floor)), count.missed);
+                bound.product.raise(one - covered.map_or(s, |covered| covered.select(s, below.floor)), count.missed);
             }
-            self.keys.push(bound.key());
+            self.keys.push(bound.product.key());
         }
         true
     }
 
     /// The vertices with the highest bounds, the highest first.
     pub(crate) fn highest<const N: usize>(&self) -> [usize; N] {
-        let mut best = [(f64::NEG_INFINITY, 0); N];
-        for (vertex, &bound) in self.keys.iter().enumerate() {
-            if bound > best[N - 1].0 {
-                let mut place = N - 1;
-                while place > 0 && bound > best[place - 1].0 {
-                    best[place] = best[place - 1];
-                    place -= 1;
-                }
-                best[place] = (bound, vertex);
-            }
-        }
-        best.map(|(_, vertex)| vertex)
+        highest(&self.keys)
     }
 
     /// The vertices whose log-likelihood may be `least` or more.
@@ -227,11 +174,26 @@ impl Screen {
     }
 }
 
-/// Running product of the factors of one vertex, by lanes of stops: `mantissa · 2^exponent`.
+/// The indices of the highest of `values`, the highest first.
+pub(super) fn highest<const N: usize>(values: &[f64]) -> [usize; N] {
+    let mut best = [(f64::NEG_INFINITY, 0); N];
+    for (at, &value) in values.iter().enumerate() {
+        if value > best[N - 1].0 {
+            let mut place = N - 1;
+            while place > 0 && value > best[place - 1].0 {
+                best[place] = best[place - 1];
+                place -= 1;
+            }
+            best[place] = (value, at);
+        }
+    }
+    best.map(|(_, at)| at)
+}
+
+/// Running product of the factors of one vertex.
 struct Bound {
     vertex: [f32x4; 3],
-    mantissa: [f64; LANES],
-    exponent: i64,
+    product: Product,
 }
 
 impl Bound {
@@ -257,47 +219,15 @@ impl Bound {
     #[inline(always)]
     fn multiply_apart(&mut self, places: &Places, factor: impl Fn([f32x4; 3], f32x4) -> f32x4) {
         let least = f32x4::splat(LEAST);
-        for chunk in places.coordinates.chunks(8 * GROUP) {
+        for chunk in places.coordinates.chunks(GROUPS * GROUP) {
             for group in chunk.chunks(GROUP) {
                 let mut product = f32x4::ONE;
                 for place in group {
                     product *= factor(self.apart(place), self.square(place)).fast_max(least);
                 }
-                for (mantissa, product) in self.mantissa.iter_mut().zip(product.to_array()) {
-                    *mantissa *= f64::from(product);
-                }
+                self.product.multiply(product);
             }
-            self.normalise();
+            self.product.normalise();
         }
-    }
-
-    /// Multiplies by a factor, the same in all lanes, to the power `times`.
-    fn raise(&mut self, factor: f32x4, times: u32) {
-        let factor = f64::from(factor.to_array()[0].max(LEAST));
-        for done in 0..times {
-            self.mantissa[0] *= factor;
-            if done % 16 == 15 {
-                self.normalise();
-            }
-        }
-        self.normalise();
-    }
-
-    /// Moves the powers of two of the mantissas, which are normal numbers, to the exponent.
-    #[inline(always)]
-    fn normalise(&mut self) {
-        for mantissa in &mut self.mantissa {
-            let bits = mantissa.to_bits();
-            self.exponent += (bits >> 52) as i64 - 1023;
-            *mantissa = f64::from_bits(bits & ((1 << 52) - 1) | 1023 << 52);
-        }
-    }
-
-    /// A number that grows with the product: its binary logarithm, linear between powers of two.
-    fn key(mut self) -> f64 {
-        let [a, b, c, d] = self.mantissa;
-        self.mantissa = [(a * b) * (c * d), 1.0, 1.0, 1.0];
-        self.normalise();
-        self.exponent as f64 + (self.mantissa[0] - 1.0)
     }
 }

@@ -9,6 +9,9 @@ pub(crate) trait Sink {
     /// Whether most vertices make no difference, so that it pays to bound their likelihoods first.
     const WANTS_FEW: bool;
 
+    /// Whether only the vertices of highest likelihood matter, so that nothing depends on which of the others it gets.
+    const WANTS_PEAK: bool = false;
+
     /// The vertex `index` at `place` has the finite log-likelihood `value`.
     fn take(&mut self, index: u64, place: Position, value: f64);
 
@@ -46,6 +49,7 @@ impl Peak {
 
 impl Sink for Peak {
     const WANTS_FEW: bool = true;
+    const WANTS_PEAK: bool = true;
 
     fn take(&mut self, index: u64, _: Position, value: f64) {
         if value < self.highest - Self::TOLERANCE {

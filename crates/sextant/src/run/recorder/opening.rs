@@ -10,7 +10,7 @@ use sextant_sim::{FieldSensorConfig, SensorsConfig};
 
 use crate::run::error::RunError;
 use crate::run::observer::RunStart;
-use crate::scenario::{NamedFile, Scenario};
+use crate::scenario::{DetailConfig, NamedFile, Scenario};
 
 /// Names are drawn in worlds of at most this many nodes: more are slow to draw, and cannot be read.
 const MOST_NAMES: usize = 500;
@@ -23,6 +23,9 @@ pub(super) fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(
         seed: scenario.seed().0,
         version: env!("CARGO_PKG_VERSION"),
     })?;
+    if scenario.recording().detail_of(world.nodes.len()) == DetailConfig::Compact {
+        recorder.make_compact(DetailConfig::DIFFERENCE, DetailConfig::KEEP)?;
+    }
     recorder.scenario(scenario.text())?;
     named_files(recorder, scenario)?;
     let names: Vec<_> = world.nodes.iter().map(|node| node.name.clone()).collect();

@@ -2,6 +2,7 @@
 
 mod config;
 mod plan;
+mod rest;
 mod trace;
 
 use std::sync::Arc;
@@ -120,7 +121,9 @@ impl Traffic {
     ///
     /// Periodic frame k is due at (k + phase + jitter u) intervals. The phase is drawn once per node, u in (-1, 1)
     /// once per frame. Jitter does not accumulate, so each window of (1 + 2 jitter) intervals has at least one frame.
-    /// The gaps of Poisson arrivals are exponential.
+    /// The gaps of Poisson arrivals are exponential, and each has the address of the arrival before it. A gap that passes
+    /// the end of a period is drawn again from there, which changes no probability, because the process has no memory. So
+    /// the arrivals of each period are known without those before it.
     #[must_use]
     pub fn next(&self, seed: Seed, node: NodeId, count: u64, last: SimTime) -> Next {
         let draw = |what| seed.uniform(purpose::TRAFFIC, [node.0.into(), what, count]);
@@ -135,9 +138,8 @@ impl Traffic {
             Schedule::Trace(trace) => {
                 trace.frame(node, count).map_or(Next::Never, |(at, octets)| Next::At(at, octets))
             }
-            Schedule::Poisson { mean_interval_s } => {
-                let gap_s = -mean_interval_s * libm::log(draw(2));
-                Next::At(last + Duration::from_secs_f64(gap_s), self.mpdu_octets)
+            &Schedule::Poisson { mean_interval_s } => {
+                Next::At(poisson_arrival(seed, node, mean_interval_s, last), self.mpdu_octets)
             }
             Schedule::Periodic { interval, jitter } => {
                 let phase = seed.uniform(purpose::TRAFFIC, [node.0.into(), 0, 0]);
@@ -148,6 +150,36 @@ impl Traffic {
                 Next::At(SimTime::ZERO + *interval * periods + offset, self.mpdu_octets)
             }
         }
+    }
+}
+
+/// The periods of Poisson arrivals are so many mean intervals long.
+const PERIOD_INTERVALS: f64 = 64.0;
+
+/// Length of the periods of Poisson arrivals.
+fn poisson_period(mean_interval_s: f64) -> Duration {
+    Duration::from_secs_f64(PERIOD_INTERVALS * mean_interval_s).max(Duration::from_nanos(1))
+}
+
+/// When the period that holds `time` begins.
+fn period_start(period: Duration, time: SimTime) -> SimTime {
+    let since = time.saturating_since(SimTime::ZERO).as_nanos();
+    let past = since % period.as_nanos();
+    time.saturating_sub(Duration::from_nanos(u64::try_from(past).unwrap_or(u64::MAX)))
+}
+
+/// The first Poisson arrival after `last`.
+fn poisson_arrival(seed: Seed, node: NodeId, mean_interval_s: f64, last: SimTime) -> SimTime {
+    let period = poisson_period(mean_interval_s);
+    let mut from = last;
+    loop {
+        let end = period_start(period, from) + period;
+        let luck = seed.uniform(purpose::TRAFFIC, [node.0.into(), 2, from.as_nanos()]);
+        let arrival = from + Duration::from_secs_f64(-mean_interval_s * libm::log(luck));
+        if arrival < end {
+            return arrival;
+        }
+        from = end;
     }
 }
 

@@ -22,6 +22,7 @@ use crate::event::Event as EngineEvent;
 use crate::event::ieee80211ad::Event;
 use crate::event::link::LinkEvent;
 use crate::link::antennas::Antennas;
+use crate::link::books::{Books, RadioUse};
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
 use crate::link::payloads::Payloads;
@@ -29,7 +30,7 @@ use crate::link::settings::Placement;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
-use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 use crate::service::upcall::Upcall;
@@ -268,19 +269,20 @@ impl NetworkLinks for Links {
         scene.airs[self.radios.air].moves(self.radios.receiver(station), station, motion);
     }
 
-    fn finish(mut self, now: SimTime) -> NetworkRecord {
-        let mut spent = Vec::with_capacity(self.stacks.len());
+    fn finish(mut self, now: SimTime) -> Books {
+        let mut radios = Vec::with_capacity(self.stacks.len());
         for (i, stack) in self.stacks.iter_mut().enumerate() {
             let state = stack.radio.state;
             stack.radio.meter.enter(state, now);
-            spent.push(stack.radio.meter.spent(&self.ledger.radio_states, self.radios.power));
+            let (meter, tx_power) = (stack.radio.meter, self.radios.power);
+            radios.push(RadioUse { meter, tx_power, rests_in: sextant_mac::RadioState::Receive });
             let Packets { offered, received, lost_collision, lost_channel_access, lost_signal, .. } =
                 self.ledger.packets[i];
             let Packets { out_of_range, not_listened, lost_queue, .. } = self.ledger.packets[i];
             let ended = received + lost_collision + lost_channel_access + lost_signal + out_of_range + not_listened;
             self.ledger.packets[i].pending = offered - ended - lost_queue;
         }
-        self.ledger.close(spent)
+        self.ledger.close(radios)
     }
 
     fn sweeps_sectors(&self) -> bool {
@@ -305,6 +307,10 @@ impl NetworkLinks for Links {
         scene: &mut Scene,
     ) -> Result<FrameId, SendError> {
         self.take_frame(station, to, payload, scene)
+    }
+
+    fn note_due(&mut self, station: StationId, frames: u64) {
+        self.ledger.note_due(station, frames);
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {

@@ -4,6 +4,7 @@ mod acknowledging;
 mod beacons;
 mod dying;
 mod frames;
+mod quiet;
 mod receiving;
 mod sending;
 mod tracing;
@@ -27,15 +28,15 @@ use crate::air::{Arrival, Transmission};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
+use crate::link::books::{Books, RadioUse};
 use crate::link::clock::Clock;
 use crate::link::ledger::Ledger;
-use crate::link::links::NetworkLinks;
+use crate::link::links::{Cut, NetworkLinks};
 use crate::link::payloads::Payloads;
 use crate::link::settings::Placement;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
-use crate::service::packets::NetworkRecord;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::upcall::Upcall;
 use crate::station::Kind;
@@ -53,6 +54,11 @@ pub(crate) struct Links {
     coordinator: Option<(StationId, Coordinator)>,
     /// The beacon that is on air.
     beacon: Option<Transmission>,
+    /// Whether there is no other network.
+    is_only: bool,
+    /// The state of the radio of a node that sends nothing.
+    rests_in: RadioState,
+    nodes: usize,
     queue_frames: usize,
     payloads: Payloads,
     ledger: Ledger,
@@ -67,7 +73,7 @@ impl Links {
     pub(in crate::link) fn new(settings: &Ieee802154, placement: Placement, scene: &Scene) -> Self {
         let Ieee802154 { radio, mac, .. } = settings;
         let ledger = Ledger::new(&placement, scene.roll);
-        let Placement { network, air, first_receiver, hears, coordinator, .. } = placement;
+        let Placement { network, is_only, air, first_receiver, hears, coordinator, .. } = placement;
         let phy = radio.phy();
         let pan = pan(network);
         let stations = || scene.roll.stations();
@@ -98,6 +104,9 @@ impl Links {
             hears,
             coordinator,
             beacon: None,
+            is_only,
+            rests_in: mac.initial_state(),
+            nodes: scene.roll.nodes,
             queue_frames: mac.csma().queue_frames().into(),
             payloads: Payloads::default(),
             ledger,
@@ -152,7 +161,14 @@ impl NetworkLinks for Links {
             return;
         }
         self.stacks[station.index()].listening = self.listens_at_rest(station, scene);
+        self.stacks[station.index()].is_quiet = self.is_quiet(station, scene);
         self.transceiver(station, scene).tune();
+    }
+
+    fn catch_up(&mut self, cut: Cut, scene: &mut Scene) -> SimTime {
+        let roll = scene.roll;
+        let last = roll.stations().map(|station| self.catch_up_station(station, cut, scene)).max();
+        last.unwrap_or(SimTime::ZERO)
     }
 
     fn count_from(&mut self, instant: SimTime) {
@@ -168,6 +184,7 @@ impl NetworkLinks for Links {
         match event {
             Event::Csma(event) => self.handle_csma(station, event, scene, observer),
             Event::CcaEnded => {
+                self.take_steps(station, event, scene);
                 let busy = self.transceiver(station, scene).senses_busy();
                 if let Some(track) = &mut self.stacks[station.index()].track {
                     track.end_assessment(busy);
@@ -192,6 +209,7 @@ impl NetworkLinks for Links {
     }
 
     fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
+        self.rouse(station, scene);
         let over = self.schedule(station, span, Event::ListeningOver, scene);
         let stack = &mut self.stacks[station.index()];
         stack.listening = true;
@@ -215,12 +233,13 @@ impl NetworkLinks for Links {
         self.mpdu = mpdu;
     }
 
-    fn finish(mut self, now: SimTime) -> NetworkRecord {
-        let mut spent = Vec::with_capacity(self.stacks.len());
+    fn finish(mut self, now: SimTime) -> Books {
+        let mut radios = Vec::with_capacity(self.stacks.len());
         for (i, stack) in self.stacks.iter_mut().enumerate() {
             let state = stack.state();
             stack.meter.enter(state, now);
-            spent.push(stack.meter.spent(&self.ledger.radio_states, stack.tx_power));
+            let rests_in = if i < self.nodes { self.rests_in } else { RadioState::Receive };
+            radios.push(RadioUse { meter: stack.meter, tx_power: stack.tx_power, rests_in });
             let packets = &mut self.ledger.packets[i];
             let counts = |frame: &QueuedFrame| frame.offered >= self.ledger.counted_from;
             packets.pending = stack.waiting.iter().filter(|frame| counts(frame)).count() as u64;
@@ -238,7 +257,7 @@ impl NetworkLinks for Links {
                 }
             }
         }
-        self.ledger.close(spent)
+        self.ledger.close(radios)
     }
 
     fn begin_schedule(&mut self, scene: &mut Scene) {
@@ -255,6 +274,20 @@ impl NetworkLinks for Links {
         scene: &mut Scene,
     ) -> Result<FrameId, SendError> {
         self.take_frame(station, to, payload, scene)
+    }
+
+    fn skip(&mut self, station: StationId, frames: u64) {
+        let stack = &mut self.stacks[station.index()];
+        // The next frame has the numbers that it would have had.
+        #[expect(clippy::cast_possible_truncation, reason = "numbers of frames go round")]
+        {
+            stack.sequence = stack.sequence.wrapping_add(frames as u8);
+            stack.frames = stack.frames.wrapping_add(frames as u32);
+        }
+    }
+
+    fn note_due(&mut self, station: StationId, frames: u64) {
+        self.ledger.note_due(station, frames);
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {

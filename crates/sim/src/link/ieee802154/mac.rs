@@ -59,7 +59,7 @@ impl Mac {
         match self {
             Self::CsmaUnslotted(csma) => NodeMac::Unslotted(Csma::new(*csma, phy)),
             Self::BeaconEnabled(beacons) => {
-                NodeMac::Device(Device::new(beacons, phy, short_address(node).unwrap_or(Address::NONE)))
+                NodeMac::Device(Box::new(Device::new(beacons, phy, short_address(node).unwrap_or(Address::NONE))))
             }
         }
     }
@@ -84,7 +84,7 @@ pub(crate) fn short_address(station: StationId) -> Option<u16> {
 /// The channel access of one station.
 pub(crate) enum NodeMac {
     Unslotted(Csma),
-    Device(Device),
+    Device(Box<Device>),
     /// A station that sends no data: the coordinator of superframes.
     ReceivesOnly,
 }

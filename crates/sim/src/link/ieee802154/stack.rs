@@ -2,14 +2,40 @@
 
 use sextant_channel::{Dbm, Milliwatts};
 use sextant_kernel::{EventKey, SimTime, StationId};
-use sextant_mac::{EnergyMeter, RadioState};
+use sextant_mac::csma::Contention;
+use sextant_mac::{Cycles, EnergyMeter, RadioState};
 
 use super::frame_queue::{QueuedFrame, Waiting};
 use super::radio::Levels;
 use crate::air::Transmission;
+use crate::event::ieee802154::Event;
 use crate::link::clock::Clock;
 use crate::link::track::Track;
 use crate::service::outcome::{Deafness, FrameOutcome};
+
+/// What channel access waits for, and when that comes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Due {
+    pub(super) at: SimTime,
+    pub(super) event: Event,
+}
+
+/// Backoffs and assessments ahead of the queue, up to the assessment that is in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    /// The first of them.
+    pub(super) first: Due,
+    /// What contention is at the start of that assessment, ...
+    pub(super) contention: Contention,
+    /// ... when that is, ...
+    pub(super) start: SimTime,
+    /// ... how many events are before it, ...
+    pub(super) steps: u64,
+    /// ... what the radio did in between, ...
+    pub(super) cycles: Cycles,
+    /// ... and the clock of the station then.
+    pub(super) clock: Clock,
+}
 
 /// The state of one station's link, apart from its channel access machine.
 pub(super) struct Stack {
@@ -50,10 +76,18 @@ pub(super) struct Stack {
     pub(super) waiting: Waiting,
     /// Number of frames offered so far.
     pub(super) frames: u32,
+    /// The event in the queue that channel access waits for; that of a quiet station is only set while it is there.
     pub(super) timer: Option<EventKey>,
+    /// Whether nobody sees what the radio does between its frames, so that channel access runs ahead of the queue.
+    pub(super) is_quiet: bool,
+    /// What channel access of a quiet station waits for next.
+    pub(super) due: Option<Due>,
+    /// What of it is in the queue.
+    pub(super) queued: Option<Due>,
+    /// How it comes to that, if nobody has asked for its state since.
+    pub(super) plan: Option<Plan>,
     /// The pending event of following beacons.
     pub(super) tracking: Option<EventKey>,
-    pub(super) backoffs: u64,
     /// The acknowledgement on air, with its sequence number.
     pub(super) acknowledgement: Option<(Transmission, u8)>,
     /// The sender of the frame that was received last: whom an acknowledgement answers.
@@ -85,8 +119,11 @@ impl Stack {
             waiting: Waiting::default(),
             frames: 0,
             timer: None,
+            is_quiet: false,
+            due: None,
+            queued: None,
+            plan: None,
             tracking: None,
-            backoffs: 0,
             acknowledgement: None,
             answered: None,
             track: None,

@@ -5,8 +5,8 @@ use std::time::Duration;
 use sextant_kernel::{EventKey, StationId};
 use sextant_mac::{Phy, RadioState, coordinator, csma, device, responder};
 
-use super::stack::Stack;
-use crate::air::{Aim, Emission, Interface, ReceiverId};
+use super::stack::{Due, Stack};
+use crate::air::{Aim, Emission, Interface, ReceiverId, Sense};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
@@ -61,11 +61,25 @@ impl Transceiver<'_> {
         if self.stack.overriding.is_some() || self.stack.overridden_until > from {
             return true;
         }
-        let place = self.scene.place(self.station);
-        let receiver = self.radios.receiver(self.station);
-        let air = &mut self.scene.airs[self.radios.air];
-        let interface = Interface { receiver, station: self.station };
-        air.is_busy(interface, place, from, now, self.stack.cca_threshold)
+        let sense = Sense {
+            radio: Interface { receiver: self.radios.receiver(self.station), station: self.station },
+            place: self.scene.place(self.station),
+            from,
+            to: now,
+            threshold: self.stack.cca_threshold,
+        };
+        self.scene.airs[self.radios.air].is_busy(&sense)
+    }
+
+    /// Schedules what channel access waits for. A quiet station looks ahead before anything of it goes into the queue.
+    #[inline]
+    fn await_access(&mut self, span: Duration, event: Event) -> Option<EventKey> {
+        if self.stack.is_quiet {
+            self.stack.due = Some(Due { at: self.scene.now + span, event });
+            None
+        } else {
+            Some(self.schedule_exactly(span, event))
+        }
     }
 
     /// Brings the receiver in line with the state of the radio.
@@ -99,18 +113,20 @@ impl Transceiver<'_> {
 
 impl csma::Radio for Transceiver<'_> {
     fn backoff_periods(&mut self, max_inclusive: u32) -> u32 {
-        self.stack.backoffs += 1;
         if let Some(track) = &mut self.stack.track {
             track.begin_backoff(self.scene.now);
         }
-        self.scene.backoff(self.radios.network, self.station, self.stack.backoffs, max_inclusive)
+        // Its number is the time and not a count, so that it does not depend on what the station sent before.
+        self.scene.backoff(self.radios.network, self.station, self.scene.now.as_nanos(), max_inclusive)
     }
 
     fn after(&mut self, span: Duration, event: csma::Event) {
-        self.stack.timer = Some(self.schedule(span, Event::Csma(event)));
+        let span = self.stack.clock.span(span);
+        self.stack.timer = self.await_access(span, Event::Csma(event));
     }
 
     fn cancel_timer(&mut self) {
+        (self.stack.due, self.stack.queued) = (None, None);
         if let Some(key) = self.stack.timer.take() {
             self.scene.queue.cancel(key);
         }
@@ -127,7 +143,8 @@ impl csma::Radio for Transceiver<'_> {
             track.begin_assessment(self.scene.now);
         }
         self.stack.meter.wake(self.radios.phy.turnaround());
-        self.schedule(self.radios.phy.cca(), Event::CcaEnded);
+        let span = self.stack.clock.span(self.radios.phy.cca());
+        self.await_access(span, Event::CcaEnded);
     }
 
     fn start_transmission(&mut self, frame: csma::OutgoingFrame) {
@@ -137,7 +154,7 @@ impl csma::Radio for Transceiver<'_> {
             Destination::All => None,
         });
         self.stack.transmission = Some(self.begin_transmission(to, airtime));
-        self.schedule_exactly(airtime, Event::Csma(csma::Event::TransmissionEnded));
+        self.await_access(airtime, Event::Csma(csma::Event::TransmissionEnded));
     }
 }
 

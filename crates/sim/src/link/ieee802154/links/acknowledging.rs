@@ -8,6 +8,7 @@ use sextant_mac::{csma, responder};
 
 use super::Links;
 use crate::link::ieee802154::transceiver::Transceiver;
+use crate::link::links::{Cut, NetworkLinks};
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
@@ -38,6 +39,7 @@ impl Links {
             Frame::acknowledgement(sequence).write(&mut self.mpdu).expect("an acknowledgement has five octets");
             let answered = self.stacks[station.index()].answered;
             // Nodes that wait for a robot's answer all look at it, because it has no address: the best outcome counts.
+            self.catch_up(Cut::now(scene), scene);
             let is_to_node = answered.is_some_and(|to| scene.roll.is_node(to));
             let fate = if is_to_node && !scene.roll.is_node(station) {
                 self.fate_at_nodes(&transmission, scene)
@@ -56,7 +58,9 @@ impl Links {
             let event = csma::Event::AckReceived { sequence };
             let stack = &mut self.stacks[listener.index()];
             let mut radio = Transceiver { radios: &self.radios, stack, scene, station: listener, awaits_ack: false };
-            if let Some(report) = self.macs[listener.index()].handle(now, event, &mut radio) {
+            let report = self.macs[listener.index()].handle(now, event, &mut radio);
+            self.look_ahead(listener, scene);
+            if let Some(report) = report {
                 self.end_access(listener, report, scene);
             }
         }

@@ -10,11 +10,13 @@ use crate::scene::Scene;
 impl Links {
     /// A station dies: its radio is off from now on, or from the end of the frame on air.
     pub(super) fn turn_off(&mut self, station: StationId, scene: &mut Scene) {
+        self.catch_up_now(station, scene);
         let stack = &mut self.stacks[station.index()];
         if stack.transmission.is_some() || stack.acknowledgement.is_some() {
             return;
         }
         stack.is_dead = true;
+        (stack.due, stack.plan) = (None, None);
         stack.wanted = RadioState::Sleep;
         stack.overriding = None;
         stack.awaits_ack = false;

@@ -1,7 +1,6 @@
 //! Receiving: a data frame ends, and is delivered to the stations for which it is.
 
 use sextant_kernel::StationId;
-use sextant_mac::frame::{Frame, FrameBody};
 use sextant_mac::responder::Verdict;
 
 use super::Links;
@@ -21,6 +20,9 @@ impl Links {
         let transmission = stack.transmission.take().expect("only a frame on air ends");
         let frame = stack.frame.expect("a frame is under way");
         scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
+        if let Destination::Station(to) = frame.to {
+            self.catch_up_now(to, scene);
+        }
         let fate = match frame.to {
             Destination::Station(to) => self.fate(&transmission, scene, |station| station == to),
             Destination::All => self.fate(&transmission, scene, |station| self.hears[station.index()]),
@@ -44,12 +46,12 @@ impl Links {
         if !(is_heard || observer.wants_frames()) {
             return;
         }
-        self.write_frame(station);
+        self.write_frame(station, observer.wants_frames());
         if observer.wants_frames() {
             self.tell_frame(&transmission, fate, scene, observer);
         }
         if is_heard {
-            self.deliver(frame.offered >= self.ledger.counted_from, scene);
+            self.deliver(station, frame.offered >= self.ledger.counted_from, scene);
         }
     }
 
@@ -58,16 +60,13 @@ impl Links {
         arrival.outcome == FrameOutcome::Received && self.hears[arrival.station.index()]
     }
 
-    /// Delivers the frame in `mpdu` to all stations that have received it and for which it is; `counts` if it was offered
-    /// after the warm-up.
-    fn deliver(&mut self, counts: bool, scene: &mut Scene) {
-        let mpdu = std::mem::take(&mut self.mpdu);
-        let frame = Frame::parse(&mpdu).expect("stations write what they can read");
-        let source = frame.source.and_then(|source| source.address.station());
-        let payload = match frame.body {
-            FrameBody::Data(payload) => Some(payload.len()),
-            _ => None,
-        };
+    /// Delivers the frame of `from`, whose payload is in `mpdu`, to all stations that have received it and for which it is;
+    /// `counts` if it was offered after the warm-up.
+    fn deliver(&mut self, from: StationId, counts: bool, scene: &mut Scene) {
+        let stack = &self.stacks[from.index()];
+        let to = stack.frame.expect("a frame is under way").to;
+        // Whether it is for a station does not depend on its payload.
+        let frame = self.data_frame(from, to).frame(stack.sequence, &[]);
         for i in 0..self.arrivals.len() {
             let arrival = self.arrivals[i];
             if !self.is_delivered(&arrival) {
@@ -76,17 +75,14 @@ impl Links {
             let station = arrival.station;
             let gap = self.ack_gap(station, scene.now);
             let stack = &mut self.stacks[station.index()];
-            stack.answered = source;
+            stack.answered = Some(from);
             let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
             let verdict = self.responders[station.index()].receive_and_respond(&frame, gap, &mut radio);
-            if let (Verdict::Deliver, Some(octets), Some(from)) = (verdict, payload, source) {
-                let end = mpdu.len() - 2;
-                self.payload = end - octets..end;
+            if verdict == Verdict::Deliver {
                 self.ledger.deliveries[station.index()] += u64::from(counts);
                 let (sequence, power) = (frame.sequence, arrival.power);
                 scene.upcalls.push(Upcall::Delivered { station, from, sequence, power, sector: None, snr: None });
             }
         }
-        self.mpdu = mpdu;
     }
 }

@@ -6,6 +6,7 @@ use sextant_mac::frame::DataFrame;
 
 use super::Links;
 use super::tracing::RefusedFrame;
+use crate::event::ieee802154::Event;
 use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::link::payloads::Content;
@@ -74,6 +75,7 @@ impl Links {
         let stack = &mut self.stacks[station.index()];
         stack.sequence = stack.sequence.wrapping_add(1);
         stack.outcome = FrameOutcome::WORST;
+        stack.clock.forget_rounding();
         stack.frame = Some(frame);
         if let Some(track) = &mut stack.track {
             track.begin(scene.now);
@@ -83,9 +85,12 @@ impl Links {
             ack_request: frame.to != Destination::All,
             sequence: stack.sequence,
         };
+        self.catch_up_now(station, scene);
         let now = scene.now;
+        let stack = &mut self.stacks[station.index()];
         let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
         self.macs[station.index()].start(now, outgoing, &mut radio);
+        self.look_ahead(station, scene);
     }
 
     /// Handles an event of channel access.
@@ -96,6 +101,9 @@ impl Links {
         scene: &mut Scene,
         observer: &mut impl Observer,
     ) {
+        if !matches!(event, csma::Event::CcaEnded { .. }) {
+            self.take_steps(station, Event::Csma(event), scene);
+        }
         if event == csma::Event::TransmissionEnded {
             self.end_frame(station, scene, observer);
         }
@@ -103,7 +111,9 @@ impl Links {
         let stack = &mut self.stacks[station.index()];
         let awaits_ack = event == csma::Event::ReceiveReady;
         let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack };
-        if let Some(report) = self.macs[station.index()].handle(now, event, &mut radio) {
+        let report = self.macs[station.index()].handle(now, event, &mut radio);
+        self.look_ahead(station, scene);
+        if let Some(report) = report {
             self.end_access(station, report, scene);
         }
     }
@@ -160,8 +170,8 @@ impl Links {
         data_frame(self.pan, station, to)
     }
 
-    /// Writes the data frame of `station` that is under way.
-    pub(super) fn write_frame(&mut self, station: StationId) {
+    /// Writes the data frame of `station` that is under way, or only its payload if nobody looks at more.
+    pub(super) fn write_frame(&mut self, station: StationId, is_whole: bool) {
         let stack = &self.stacks[station.index()];
         let frame = stack.frame.expect("a frame is under way");
         let header = self.data_frame(station, frame.to);
@@ -169,7 +179,15 @@ impl Links {
             Content::Filler => header.filler(frame.mpdu_octets).expect("sizes of traffic were checked at the start"),
             Content::Octets(slot) => self.payloads.octets(slot),
         };
-        header.write(stack.sequence, payload, &mut self.mpdu);
+        if is_whole {
+            header.write(stack.sequence, payload, &mut self.mpdu);
+            let end = self.mpdu.len() - 2;
+            self.payload = end - payload.len()..end;
+        } else {
+            self.mpdu.clear();
+            self.mpdu.extend_from_slice(payload);
+            self.payload = 0..payload.len();
+        }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Finding the points near a place.
 
-use sextant_channel::{CellGrid, Position};
+use crate::{CellGrid, Position};
 
 /// Points sorted into cubic cells. The points of a cell are adjacent in memory.
 #[derive(Debug)]
-pub(crate) struct CellIndex {
+pub struct CellIndex {
     grid: CellGrid,
     first: Vec<usize>,
     points: Vec<(Position, u32)>,
@@ -13,7 +13,11 @@ pub(crate) struct CellIndex {
 impl CellIndex {
     /// The index of `points` in cells about `cell_m` wide. Cells are wider if a few points lie in a large space, so
     /// that there are at most a few times as many cells as points.
-    pub(crate) fn new(points: &[Position], cell_m: f64) -> Self {
+    ///
+    /// # Panics
+    /// If `cell_m` is not positive.
+    #[must_use]
+    pub fn new(points: &[Position], cell_m: f64) -> Self {
         let grid = CellGrid::covering(points.iter().copied(), cell_m);
         let mut first = vec![0; grid.cell_count() + 1];
         let cells: Vec<usize> = points.iter().map(|&point| grid.cell(grid.layers_of(point))).collect();
@@ -34,7 +38,8 @@ impl CellIndex {
 
     /// The points in the cells that touch the box from `low` to `high`, in slices: a superset of those in the
     /// box, in a fixed order.
-    pub(crate) fn near_box(&self, low: [f64; 3], high: [f64; 3]) -> impl Iterator<Item = &[(Position, u32)]> {
+    #[inline]
+    pub fn near_box(&self, low: [f64; 3], high: [f64; 3]) -> impl Iterator<Item = &[(Position, u32)]> {
         let [x0, y0, z0] = self.grid.layers_of(low.into());
         let [x1, y1, z1] = self.grid.layers_of(high.into());
         (z0..=z1)
@@ -42,8 +47,13 @@ impl CellIndex {
             .map(move |row| &self.points[self.first[row + x0]..self.first[row + x1 + 1]])
     }
 
+    /// Number of points in the cells that touch the box from `low` to `high`.
+    pub fn count_near_box(&self, low: [f64; 3], high: [f64; 3]) -> usize {
+        self.near_box(low, high).map(<[_]>::len).sum()
+    }
+
     /// Calls `found` with each point within `radius_m` of `place`, itself included.
-    pub(crate) fn within(&self, place: Position, radius_m: f64, mut found: impl FnMut(u32)) {
+    pub fn within(&self, place: Position, radius_m: f64, mut found: impl FnMut(u32)) {
         let reach = Position::new(radius_m, radius_m, radius_m);
         for &(point, id) in self.near_box((place - reach).into(), (place + reach).into()).flatten() {
             let apart = point - place;

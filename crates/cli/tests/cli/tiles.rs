@@ -1,0 +1,213 @@
+//! `sextant map --tiles`: the same maps as in one piece, and what is refused.
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::program::{scenario, sextant};
+
+/// A recording of a shipped scenario, in a folder of its own.
+struct Recorded {
+    folder: TempDir,
+}
+
+impl Recorded {
+    fn of(name: &str) -> Self {
+        let folder = TempDir::new().expect("there is room");
+        let mut command = sextant();
+        command.arg("run").arg(scenario(name)).arg("--out").arg(folder.path().join("run.mcap"));
+        let output = command.output().expect("it starts");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        Self { folder }
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Maps the recording with these words to `out`.
+    fn map(&self, out: &str, words: &[&str]) -> Output {
+        let mut command = sextant();
+        command.arg("map").arg(self.file("run.mcap")).arg("--out").arg(self.file(out)).args(words);
+        command.args(["--format", "json"]).output().expect("it starts")
+    }
+
+    /// The map file and the summary without its timing.
+    fn mapped(&self, words: &[&str]) -> (String, Value) {
+        let output = self.map("map.csv", words);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{words:?}: {stderr}");
+        let mut summary: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        summary.as_object_mut().expect("an object").remove("timing");
+        (std::fs::read_to_string(self.file("map.csv")).expect("a map"), summary)
+    }
+
+    /// Checks that the map with `words` is the same in one piece and in tiles.
+    fn check(&self, tiles: &[&str], words: &[&str]) {
+        let (map, summary) = self.mapped(words);
+        assert!(map.lines().count() > 50, "{map}");
+        for count in tiles {
+            let (tiled, of_tiles) = self.mapped(&[words, &["--tiles", count]].concat());
+            assert!(tiled == map, "{words:?} in {count} tiles: the map is another one");
+            assert_eq!(of_tiles, summary, "{words:?} in {count} tiles");
+        }
+        let mut left: Vec<_> = std::fs::read_dir(self.folder.path())
+            .expect("a folder")
+            .map(|entry| entry.expect("a file").file_name())
+            .collect();
+        left.sort();
+        assert_eq!(left, ["map.csv", "run.mcap"], "no temporary file remains");
+    }
+
+    /// The error of a map with these words, which leaves no file.
+    fn refused(&self, words: &[&str]) -> String {
+        let output = self.map("refused.csv", words);
+        assert!(!output.status.success(), "{words:?}");
+        let left = std::fs::read_dir(self.folder.path()).expect("a folder").count();
+        assert_eq!(left, 1, "{words:?} left a file");
+        // Messages are wrapped.
+        String::from_utf8_lossy(&output.stderr)
+            .split_whitespace()
+            .filter(|word| *word != "│")
+            .collect::<Vec<_>>()
+            .join(" ")
+    }
+}
+
+/// A log of a robot: 80 nodes, of which each stop hears those near it, with a packet a row.
+fn csv_log(folder: &Path, header: &str, row: impl Fn(usize, usize, f64) -> Option<String>) {
+    let (mut stops, mut receptions) = ("stop,x_m,y_m\n".to_owned(), format!("{header}\n"));
+    for stop in 0..144_usize {
+        let [x_m, y_m] = [stop % 12, stop / 12].map(|lane| lane as f64 * 2.0);
+        stops.push_str(&format!("s{stop},{x_m},{y_m}\n"));
+        for node in 0..80_usize {
+            let at = [node * 37 % 101, node * 53 % 97].map(|share| share as f64 * 0.22);
+            let row = row(node, stop, f64::hypot(x_m - at[0], y_m - at[1]));
+            receptions.push_str(&row.map(|row| format!("n{node},s{stop},{row}\n")).unwrap_or_default());
+        }
+    }
+    std::fs::create_dir(folder).expect("there is room");
+    std::fs::write(folder.join("stops.csv"), stops).expect("there is room");
+    std::fs::write(folder.join("receptions.csv"), receptions).expect("there is room");
+}
+
+#[test]
+fn tiles_of_the_log_of_a_robot_give_the_map_of_one_piece() {
+    let folder = TempDir::new().expect("there is room");
+    let draw = |node: usize, stop: usize| (node * 7919 + stop * 104_729) % 1009;
+    let heard =
+        |distance_m: f64, node, stop| distance_m < 5.0 && (draw(node, stop) as f64) < 900.0 - 150.0 * distance_m;
+    csv_log(&folder.path().join("counts"), "node,stop,received,sent", |node, stop, distance_m| {
+        heard(distance_m, node, stop).then(|| format!("{},4", 1 + draw(node, stop) % 4))
+    });
+    csv_log(&folder.path().join("strengths"), "node,stop,rssi_dbm", |node, stop, distance_m| {
+        heard(distance_m, node, stop).then(|| format!("{:.1}", -50.0 - 6.0 * distance_m))
+    });
+    csv_log(&folder.path().join("received"), "node,stop,received", |node, stop, distance_m| {
+        heard(distance_m, node, stop).then(|| (1 + draw(node, stop) % 3).to_string())
+    });
+    let profile = ["--profile", "trapezoid:p0=0.8,plateau_m=0,range_m=6"];
+    for (log, words) in [
+        ("counts", &profile[..]),
+        ("strengths", &profile),
+        ("received", &profile),
+        ("counts", &["--algorithm", "ml-tm"]),
+        ("strengths", &["--algorithm", "link-model"]),
+    ] {
+        let map = |words: &[&str]| {
+            let mut command = sextant();
+            command.arg("map").arg(folder.path().join(log)).arg("--out").arg(folder.path().join("map.csv"));
+            let output = command.args(words).args(["--format", "json"]).output().expect("it starts");
+            assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+            let mut summary: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+            // What is odd in a log is sought in one piece only.
+            for key in ["timing", "notes"] {
+                summary.as_object_mut().expect("an object").remove(key);
+            }
+            (std::fs::read_to_string(folder.path().join("map.csv")).expect("a map"), summary)
+        };
+        let whole = map(words);
+        assert!(whole.0.lines().count() > 70, "{}", whole.0);
+        for count in ["2", "7"] {
+            assert!(map(&[words, &["--tiles", count]].concat()) == whole, "{log}, {words:?} in {count} tiles");
+        }
+    }
+}
+
+const POSTERIOR: &str = "maps.0.algorithm.ml_tm.estimate=posterior_mean";
+
+#[test]
+fn tiles_of_a_survey_among_obstacles_give_the_map_of_one_piece() {
+    let run = Recorded::of("ml-tm/circular.toml");
+    run.check(&["1", "4", "9", "auto", "auto:61"], &[]);
+    run.check(&["4", "9"], &["--set", POSTERIOR]);
+    // The profile is fitted to all tiles.
+    run.check(&["4", "9"], &["--profile", "fitted"]);
+    run.check(&["5"], &["--algorithm", "packet-centroid"]);
+}
+
+#[test]
+fn tiles_of_a_survey_in_space_give_the_map_of_one_piece() {
+    let run = Recorded::of("ml-tm/sphere.toml");
+    run.check(&["4"], &[]);
+    run.check(&["4"], &["--set", POSTERIOR]);
+}
+
+#[test]
+fn what_tiles_cannot_do_is_refused_and_leaves_nothing() {
+    let run = Recorded::of("smoke.toml");
+    for (words, parts) in [
+        (&["--tiles", "0"][..], &["`0` is not a number of tiles", "allowed: 1 or more, `auto`"][..]),
+        (&["--tiles", "5000"], &["5000 tiles are about", "less than the reach", "allowed: 1 to"]),
+        (&["--tiles", "auto:1"], &["MB of memory", "free: 1 MB; no number of tiles fits"]),
+        (
+            &["--tiles", "2", "--algorithm", "self-calibrated"],
+            &["`self-calibrated` cannot map tile by tile", "`packet-centroid`"],
+        ),
+        (&["--tiles", "2", "--figure", "pictures"], &["--figure"]),
+    ] {
+        let error = run.refused(words);
+        for part in parts {
+            assert!(error.contains(part), "{words:?}: {error}");
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_under_the_temporary_file_is_an_error_and_leaves_nothing() {
+    let run = Recorded::of("smoke.toml");
+    std::os::unix::fs::symlink("/dev/full", run.file("refused.csv.tiles.part")).expect("there is room");
+    let error = run.refused(&["--tiles", "2"]);
+    assert!(error.contains("refused.csv.tiles.part") && error.contains("No space left on device"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_that_is_killed_leaves_no_temporary_file() {
+    use std::io::Read;
+    use std::time::Duration;
+
+    let run = Recorded::of("smoke.toml");
+    for name in ["-KILL", "-INT"] {
+        let mut command = sextant();
+        command.arg("map").arg(run.file("run.mcap")).arg("--out").arg(run.file("map.csv")).args(["--tiles", "2"]);
+        command.args(["--set", "maps.0.algorithm.ml_tm.grid_step_m=0.0003", "--set", POSTERIOR]);
+        command.args(["--set", "maps.0.algorithm.ml_tm.max_memory_mb=100000"]);
+        let mut child = command.spawn().expect("it starts");
+        let mut told = [0; 64];
+        child.stderr.as_mut().expect("a pipe").read_exact(&mut told).expect("it tells the tiles first");
+        std::thread::sleep(Duration::from_millis(300));
+        crate::program::signal(&child, name);
+        child.wait().expect("it ends");
+        assert_eq!(files(run.folder.path()), ["run.mcap"], "{name}");
+    }
+}
+
+#[cfg(unix)]
+fn files(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned()).collect()
+}

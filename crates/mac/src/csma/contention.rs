@@ -1,0 +1,59 @@
+//! A contention for the channel that is certain to find it busy, several times in a row.
+
+use super::port::Attempt;
+use super::{Csma, Receiver, State};
+use crate::RadioState;
+
+/// Backoffs and assessments of a frame, one after the other, as far as its station can know them in advance: what
+/// [`Csma::handle`] does with [`BackoffExpired`](super::Event::BackoffExpired) and busy channels, without the radio.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contention {
+    attempt: Attempt,
+    max_be: u8,
+    max_backoffs: u8,
+}
+
+impl Contention {
+    /// The assessment after the backoff finds the channel busy, and the frame is not given up: the greatest number of periods of
+    /// the next backoff.
+    #[inline]
+    pub fn defer(&mut self) -> u32 {
+        debug_assert!(!self.is_last(), "the frame is given up");
+        let exponent = (self.attempt.exponent + 1).min(self.max_be);
+        self.attempt = Attempt { busy: self.attempt.busy + 1, exponent, ..self.attempt.with_cca() };
+        (1 << exponent) - 1
+    }
+
+    /// Whether the next assessment ends the frame if it finds the channel busy.
+    #[must_use]
+    #[inline]
+    pub const fn is_last(&self) -> bool {
+        self.attempt.busy >= self.max_backoffs
+    }
+}
+
+impl Csma {
+    /// The contention under way, if the radio assesses the channel at once when the backoff is over.
+    #[must_use]
+    #[inline]
+    pub const fn contention(&self) -> Option<Contention> {
+        match self.state {
+            State::BackingOff(attempt, Receiver::AtRest) if !self.settings.has_idle_turnarounds() => {
+                Some(Contention {
+                    attempt,
+                    max_be: self.settings.max_be(),
+                    max_backoffs: self.settings.max_backoffs(),
+                })
+            }
+            _ => None,
+        }
+    }
+
+    /// The backoff of a contention that [`Csma::contention`] began is over: the assessment is under way, and the radio is in
+    /// [`RadioState::Receive`].
+    #[inline]
+    pub const fn assess(&mut self, contention: Contention) -> RadioState {
+        self.state = State::Sensing(contention.attempt.with_cca());
+        RadioState::Receive
+    }
+}

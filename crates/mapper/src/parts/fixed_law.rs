@@ -1,0 +1,74 @@
+//! Estimators whose law is fixed for a whole log before its parts are mapped.
+
+use std::fmt;
+
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{NodeId, Unreported, Watch, Work};
+
+use super::{LogParts, PartsError};
+use crate::{CoordinateFrame, EstimatorFindings, Knowledge, MapError, SoughtHeights, TopologyMap};
+
+/// An estimator that can map a log part by part.
+pub trait PartEstimator {
+    /// Fixes all that the estimate of a node takes from other nodes.
+    ///
+    /// # Errors
+    /// If a part cannot be read, the algorithm lacks knowledge, or `watch` ends the work.
+    fn fix<'a>(
+        &'a self,
+        parts: &dyn LogParts,
+        knowledge: &'a Knowledge<'a>,
+        watch: &dyn Watch,
+    ) -> Result<Box<dyn FixedLaw + 'a>, PartsError>;
+}
+
+/// What is known before the parts of a log are mapped. The estimate of a node depends on it, on the stops, and on what was
+/// heard of the node.
+pub trait FixedLaw: fmt::Debug {
+    /// The map of a part, whose nodes have the numbers `nodes` in the whole log.
+    ///
+    /// # Errors
+    /// If the map would need more memory than allowed, or `watch` ends the work.
+    fn map_part(&self, nodes: &[NodeId], log: &ReceptionLog, watch: &dyn Watch) -> Result<TopologyMap, MapError>;
+
+    /// What was learned from the whole log, if anything.
+    fn learned(self: Box<Self>) -> Option<EstimatorFindings> {
+        None
+    }
+}
+
+/// The map of all parts by `estimator`, which is called `name`, with what was learned from the whole log.
+pub(crate) fn map_parts(
+    estimator: &dyn PartEstimator,
+    name: &'static str,
+    parts: &dyn LogParts,
+    knowledge: &Knowledge<'_>,
+    watch: &dyn Watch,
+) -> Result<(TopologyMap, Option<EstimatorFindings>), PartsError> {
+    let law = estimator.fix(parts, knowledge, watch)?;
+    let nodes = parts.whole().node_count();
+    let mut map = TopologyMap {
+        estimates: vec![None; nodes],
+        ..TopologyMap::of_places(name, Vec::new(), CoordinateFrame::World)
+    };
+    // A part takes about as long as the whole divided by their number; how long that is, only the parts can say.
+    watch.begin(Work { name, unit: "tile", steps: parts.count() as u64, operations: 0.0 });
+    for part in 0..parts.count() {
+        watch.check()?;
+        let of_part = law.map_part(parts.nodes(part), &parts.read(part)?, &Unreported(watch))?;
+        for (node, estimate) in parts.nodes(part).iter().zip(of_part.estimates) {
+            map.estimates[node.index()] = estimate;
+        }
+        map.vertices_evaluated += of_part.vertices_evaluated;
+        map.grid_step_m = map.grid_step_m.or(of_part.grid_step_m);
+        map.heights = joined(map.heights, of_part.heights);
+        watch.advance(1);
+    }
+    Ok((map, law.learned()))
+}
+
+/// The heights of two parts of a map.
+fn joined(one: Option<SoughtHeights>, other: Option<SoughtHeights>) -> Option<SoughtHeights> {
+    let Some((one, other)) = one.zip(other) else { return one.or(other) };
+    Some(SoughtHeights { low_m: one.low_m.min(other.low_m), high_m: one.high_m.max(other.high_m), ..one })
+}

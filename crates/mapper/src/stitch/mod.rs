@@ -1,0 +1,23 @@
+//! One map from the logs of robots whose frames of coordinates differ: each robot's log gives a map in its own frame, the
+//! nodes on the maps of two robots tell how their frames differ, and the estimator maps the log of all in one frame.
+//!
+//! Robots know the vertical, so frames differ by a turn about it, an offset, the handedness and, if asked, the scale.
+
+mod consensus;
+mod frame_change;
+mod joint;
+mod logs;
+mod pair;
+mod report;
+mod settings;
+mod shared;
+mod stitched;
+mod tree;
+mod tukey;
+
+pub use frame_change::{FrameChange, Handedness};
+pub use pair::{PairFault, PairFit, PairState};
+pub use report::{RobotFrame, RobotOutcome, Stitching};
+pub use settings::{StitchConfig, StitchRules};
+pub use shared::{OwnMap, PlacedNode};
+pub use stitched::{Stitched, stitch};

@@ -1,0 +1,47 @@
+//! What was simulated.
+
+/// What was simulated of the nodes' traffic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SimulatedPart {
+    /// All, as asked for.
+    All,
+    /// All, though only what is near the listeners was asked for.
+    AllBecause(AllSimulated),
+    /// What is near the listeners.
+    NearListeners {
+        /// Radius of the halos (m).
+        halo_m: f64,
+    },
+}
+
+/// Why all nodes are simulated, though only those near the listeners were asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AllSimulated {
+    /// Nobody listens.
+    NoListener,
+    /// Nodes have applications of their own, which answer what they hear.
+    NodeApplications,
+    /// Nodes are saturated: when a frame is due depends on all before it.
+    Saturated,
+    /// Nodes send in superframes, whose beacons they follow.
+    Superframes,
+    /// Nodes send nothing unless they are asked to, as in sector sweeps.
+    OnlyAnswers,
+    /// All nodes are within a halo, wherever its listener is among them.
+    AllWithin,
+}
+
+impl AllSimulated {
+    /// The reason, in a few words that follow "because".
+    #[must_use]
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::NoListener => "nobody listens",
+            Self::NodeApplications => "nodes have applications that answer what they hear",
+            Self::Saturated => "nodes are saturated",
+            Self::Superframes => "nodes follow the beacons of superframes",
+            Self::OnlyAnswers => "nodes send only when they are asked",
+            Self::AllWithin => "the halo covers all nodes",
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Which part of the world is simulated, as asked for.
+
+mod reach;
+
+use sextant_kernel::SettingError;
+
+pub use reach::Reach;
+
+/// What is simulated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SimulatedRegion {
+    /// All nodes, all the time.
+    #[default]
+    All,
+    /// Nodes within the halo of a listener.
+    Listeners {
+        /// Radius of the halo (m); `None` if it follows from the reach of signals.
+        halo_m: Option<f64>,
+    },
+}
+
+impl SimulatedRegion {
+    /// Radius of the halo (m); `None` if all is simulated.
+    ///
+    /// # Errors
+    /// If the halo is smaller than the reach of a frame. The key is `halo_m`.
+    pub fn halo_m(self, reach: Reach) -> Result<Option<f64>, SettingError> {
+        match self {
+            Self::All => Ok(None),
+            Self::Listeners { halo_m: None } => Ok(Some(reach.halo_m())),
+            Self::Listeners { halo_m: Some(halo_m) } => {
+                if halo_m >= reach.reception_m {
+                    return Ok(Some(halo_m));
+                }
+                let allowed =
+                    format!("at least {:.6}, because frames are received from so far (m)", reach.reception_m);
+                Err(SettingError::new("halo_m", halo_m, allowed))
+            }
+        }
+    }
+}
