@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::column::{Column, Kind};
-use super::row::{Row, written};
+use super::row::Row;
 use super::statistics::Mean;
 use crate::scenario::{Scenario, ScenarioError, ScenarioErrors, Setting, SurveyIdentity, SweepAxes};
 use crate::summary::Measure;
@@ -25,6 +25,7 @@ pub struct Sweep {
     keys: Vec<Column>,
     subjects: Subjects,
     measures: Vec<Measure>,
+    identity: String,
     fingerprint: String,
 }
 
@@ -98,12 +99,14 @@ impl Sweep {
             cells.push(Cell { settings: settings.clone(), survey });
         }
         let (seed, runs) = (first_seed.unwrap_or_default(), runs.unwrap_or(sweep.runs).get());
-        digest.update(format!("{seed} {runs} {}", env!("CARGO_PKG_VERSION")));
+        digest.update(format!("{seed} {}", env!("CARGO_PKG_VERSION")));
         let measures = measures::all(&subjects);
         for measure in &measures {
-            digest.update(measure.column() + "\n");
+            digest.update(measure.path() + "\n");
         }
-        let fingerprint = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let identity = hexadecimal(&digest.clone().finalize());
+        digest.update(format!("{runs} runs"));
+        let fingerprint = hexadecimal(&digest.finalize());
         Ok(Self {
             path: path.to_owned(),
             set: set.to_vec(),
@@ -114,6 +117,7 @@ impl Sweep {
             keys,
             subjects,
             measures,
+            identity,
             fingerprint,
         })
     }
@@ -160,32 +164,6 @@ impl Sweep {
         &self.measures
     }
 
-    /// The columns of the table: cell, replicate, seed, the settings that vary, the error of a failed run, and the
-    /// measures.
-    #[must_use]
-    pub fn columns(&self) -> Vec<Column> {
-        let identity = ["cell", "replicate", "seed"].map(|name| Column::new(name, Kind::Integer));
-        let error = Column::new("error", Kind::Text);
-        let measures = self.measures();
-        let measures = measures.iter().map(Column::from);
-        identity.into_iter().chain(self.keys.clone()).chain([error]).chain(measures).collect()
-    }
-
-    /// The texts of a row for the [`columns`](Self::columns); empty where a column does not apply.
-    #[must_use]
-    pub fn texts(&self, row: &Row) -> Vec<String> {
-        let identity = [row.cell.to_string(), row.replicate.to_string(), self.seed_of(row.replicate).to_string()];
-        let measures = self.measures();
-        let (error, values) = match &row.outcome {
-            Ok(values) => (String::new(), values.clone()),
-            Err(error) => (error.clone(), vec![None; measures.len()]),
-        };
-        let texts = measures.iter().zip(values).map(|(measure, value)| {
-            value.map_or_else(String::new, |value| written(value, Column::from(measure).kind))
-        });
-        identity.into_iter().chain(self.values(row.cell)).chain([error]).chain(texts).collect()
-    }
-
     /// The settings that vary.
     #[must_use]
     pub fn keys(&self) -> &[Column] {
@@ -207,8 +185,13 @@ impl Sweep {
         Mean::of(&values)
     }
 
-    /// Hash of everything that decides the rows: the scenario of each cell, the files that it names, the seed, the number of
-    /// runs, the columns and the version.
+    /// Hash of everything that decides a row: the scenario of each cell, the files that it names, the seed, the measures and
+    /// the version. It does not depend on the number of runs.
+    pub(super) fn identity(&self) -> &str {
+        &self.identity
+    }
+
+    /// Hash of everything that decides the rows: the [`identity`](Self::identity) and the number of runs.
     pub(super) fn fingerprint(&self) -> &str {
         &self.fingerprint
     }
@@ -274,6 +257,10 @@ fn extend<'a>(list: &mut Vec<String>, names: impl Iterator<Item = &'a String>) {
             list.push(name.clone());
         }
     }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
