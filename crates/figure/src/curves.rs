@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use super::axes::{Axes, Axis, Shown};
 use super::file::Figure;
-use super::palette::{CURVES, PATTERNS};
+use super::palette::{CURVES, FAINT_INK, PATTERNS};
 use super::picture::{Picture, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
 
@@ -25,7 +25,7 @@ pub struct Series {
     pub half_widths: Vec<f64>,
 }
 
-/// Several curves with common axes; the vertical axis begins at 0.
+/// Several curves with common axes; the vertical axis has 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
     /// The title.
@@ -62,6 +62,20 @@ impl Curves {
             series.points.iter().zip(widths).map(|(point, half)| point.1 + half).fold(0.0, f64::max)
         };
         let top = self.series.iter().map(reach).fold(0.0, f64::max);
+        let depth = |series: &Series| {
+            let widths = series.half_widths.iter().copied().chain(std::iter::repeat(0.0));
+            // Intervals alone do not need an axis below 0.
+            let is_below = series.points.iter().any(|point| point.1 < 0.0);
+            let lowest = series.points.iter().zip(widths).map(|(point, half)| point.1 - half).fold(0.0, f64::min);
+            if is_below { lowest } else { 0.0 }
+        };
+        let bottom = self.series.iter().map(depth).fold(0.0, f64::min);
+        let (floor, ceiling) = if bottom < 0.0 {
+            let room = 0.05 * (top - bottom);
+            (bottom - room, top + room)
+        } else {
+            (0.0, 1.05 * top.max(1e-9))
+        };
         // An axis needs a width even if there is only one value.
         let (low, high) = if low < high { (low, high) } else { (low.min(0.0) - 0.5, high.max(0.0) + 0.5) };
         let legend = self.series.iter().enumerate().map(|(i, series)| {
@@ -73,16 +87,19 @@ impl Curves {
         let margin = 0.03 * (high - low);
         let axes = Axes {
             across: Axis { low: low - margin, high: high + margin, name: self.across.clone(), shown: Shown::All },
-            up: Axis { low: 0.0, high: 1.05 * top.max(1e-9), name: self.up.clone(), shown: Shown::All },
+            up: Axis { low: floor, high: ceiling, name: self.up.clone(), shown: Shown::All },
             area: areas[0],
         };
         axes.draw_grid(&mut picture);
+        if floor < 0.0 {
+            picture.line(axes.at(axes.across.low, 0.0), axes.at(axes.across.high, 0.0), Stroke::new(FAINT_INK, 1.0));
+        }
         for (i, series) in self.series.iter().enumerate() {
             let (stroke, pattern) = style(i);
             let places: Vec<_> = series.points.iter().map(|&(x, y)| axes.at(x, y)).collect();
             picture.dashed(&places, pattern, stroke);
             for (&(x, y), &half) in series.points.iter().zip(&series.half_widths).filter(|(_, half)| **half > 0.0) {
-                let (low, high) = (axes.at(x, (y - half).max(0.0)), axes.at(x, y + half));
+                let (low, high) = (axes.at(x, (y - half).max(floor)), axes.at(x, y + half));
                 picture.line(low, high, Stroke::new(stroke.color, 1.0));
             }
             // Many marks would hide the line.
