@@ -63,12 +63,14 @@ impl SettingName {
         self.unit
     }
 
-    /// With a value: `tx power −50 dBm`.
+    /// With a value: `tx power −50 dBm`. A word speaks for itself: `suburban`.
     pub(super) fn with(&self, value: &str) -> String {
-        let number = value.parse::<f64>().is_ok();
-        let value = if number { value.replacen('-', "\u{2212}", 1) } else { value.to_owned() };
-        let value = value.strip_suffix(".0").filter(|_| number).map_or(value.clone(), str::to_owned);
-        let unit = if self.unit.is_empty() || !number { String::new() } else { format!(" {}", self.unit) };
+        if value.parse::<f64>().is_err() {
+            let is_answer = matches!(value, "true" | "false");
+            return if is_answer { format!("{} {value}", self.words) } else { value.to_owned() };
+        }
+        let value = value.strip_suffix(".0").unwrap_or(value).replacen('-', "\u{2212}", 1);
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         format!("{} {value}{unit}", self.words)
     }
 }
@@ -93,6 +95,7 @@ mod tests {
             assert_eq!(SettingName::of(key).axis(), axis);
         }
         assert_eq!(SettingName::of("radio.tx_power_dbm").with("-55.0"), "tx power \u{2212}55 dBm");
-        assert_eq!(SettingName::of("channel.environment").with("heavy-tree"), "channel environment heavy-tree");
+        assert_eq!(SettingName::of("channel.environment").with("heavy-tree"), "heavy-tree");
+        assert_eq!(SettingName::of("recording.frames").with("true"), "recording frames true");
     }
 }

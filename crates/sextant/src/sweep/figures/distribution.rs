@@ -17,12 +17,11 @@ pub(super) fn steps(table: &FinishedTable, title: &str, drawn: &Drawn) -> Curves
             curves.entry(groups.of(row)).or_default().push(value);
         }
     }
-    let all = || curves.values().flatten().copied();
-    let ends = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+    let end = curves.values().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
     let most = curves.values().map(Vec::len).max().unwrap_or(0);
     let series = curves.into_iter().map(|(curve, values)| Series {
         name: curve.name("runs"),
-        points: stairs(values, ends),
+        points: stairs(values, end),
         half_widths: Vec::new(),
     });
     Curves {
@@ -34,15 +33,15 @@ pub(super) fn steps(table: &FinishedTable, title: &str, drawn: &Drawn) -> Curves
     }
 }
 
-/// The corners of the stairs from the lower end of the axis to the upper one.
-fn stairs(mut values: Vec<f64>, (low, high): (f64, f64)) -> Vec<(f64, f64)> {
+/// The corners of the stairs from the least value to the end of the axis.
+fn stairs(mut values: Vec<f64>, end: f64) -> Vec<(f64, f64)> {
     values.sort_by(f64::total_cmp);
     let runs = values.len() as f64;
-    let mut corners = vec![(low, 0.0)];
+    let mut corners = Vec::new();
     for (i, value) in values.into_iter().enumerate() {
         corners.extend([(value, i as f64 / runs), (value, (i + 1) as f64 / runs)]);
     }
-    corners.push((high, 1.0));
+    corners.push((end, 1.0));
     corners
 }
 
@@ -55,8 +54,8 @@ mod tests {
         let text = "cell,replicate,seed,map,error,mapped\n0,0,1,a,,4\n0,0,1,b,,1\n0,1,2,a,,2\n";
         let table = FinishedTable::parse(text).unwrap();
         let curves = steps(&table, "t", &Drawn::of(&table, 5));
-        assert_eq!(curves.series[0].points, [(1.0, 0.0), (2.0, 0.0), (2.0, 0.5), (4.0, 0.5), (4.0, 1.0), (4.0, 1.0)]);
-        assert_eq!(curves.series[1].points, [(1.0, 0.0), (1.0, 0.0), (1.0, 1.0), (4.0, 1.0)]);
+        assert_eq!(curves.series[0].points, [(2.0, 0.0), (2.0, 0.5), (4.0, 0.5), (4.0, 1.0), (4.0, 1.0)]);
+        assert_eq!(curves.series[1].points, [(1.0, 0.0), (1.0, 1.0), (4.0, 1.0)]);
         assert_eq!(curves.series[1].name, "b");
     }
 }

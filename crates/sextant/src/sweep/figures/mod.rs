@@ -92,8 +92,9 @@ impl StudyFigures<'_> {
             let reference = Reference::parse(&table, against).map_err(|why| why.of(path))?;
             let of: Vec<_> = drawn.iter().filter_map(|drawn| Differences::of(&table, drawn, &reference)).collect();
             let figures = of.iter().filter_map(|differences| {
-                let figure =
-                    differences.curves(&title)?.figure(&format!("{title}-difference-{}", name(differences.drawn)));
+                let figure = differences
+                    .curves(&title)?
+                    .figure_apart(&format!("{title}-difference-{}", name(differences.drawn)));
                 Some(figure)
             });
             return Ok(StudyDrawing {
@@ -103,7 +104,7 @@ impl StudyFigures<'_> {
         }
         if self.distributions {
             let figure = |drawn: &Drawn| {
-                distribution::steps(&table, &title, drawn).figure(&format!("{title}-ecdf-{}", name(drawn)))
+                distribution::steps(&table, &title, drawn).figure_of_lines(&format!("{title}-ecdf-{}", name(drawn)))
             };
             return Ok(StudyDrawing { figures: drawn.iter().map(figure).collect(), differences: None });
         }
@@ -114,7 +115,7 @@ impl StudyFigures<'_> {
             let mut curves = means::curves(&table, &title, across, drawn);
             let theory = self.scenario.map(|scenario| theory::curves(&table, scenario, across, drawn));
             curves.series.extend(theory.unwrap_or_default());
-            curves.figure(&format!("{title}-{}", name(drawn)))
+            curves.figure_apart(&format!("{title}-{}", name(drawn)))
         };
         Ok(StudyDrawing { figures: drawn.iter().map(figure).collect(), differences: None })
     }

@@ -60,7 +60,7 @@ pub(super) const BY_NODES: &[Known<'static>] = &[
     known("distributed.iterations", Count, "iterations: the last one with a change"),
     known("distributed.converged", Share, "converged: 1 if no placed node was bad at the end, and 0 if not"),
     known("distributed.bad", Count, "placed nodes with bad coordinates"),
-    known("distributed.unplaced", Count, "nodes without a place"),
+    known("distributed.unplaced", Count, "nodes that found no place"),
     known("distributed.anchors.initial", Count, "anchors at the start"),
     known("distributed.anchors.new", Count, "nodes that became anchors"),
     known("distributed.anchors.gave_up", Count, "anchors that gave up"),
