@@ -100,14 +100,14 @@ plan small full
 mkdir -p "$folder/full/parts"
 if mount -t tmpfs -o size=64k sextant-test "$folder/full/parts" 2>"$folder/mount.log"; then
     full_disk="$folder/full/parts"
-    # Room for two pages.
-    head -c 56k /dev/zero >"$full_disk/filler"
+    # Room for two pages. The file looks like one that is being written, which is no part.
+    head -c 56k /dev/zero >"$full_disk/filler.part"
     submit full --chunk 1 --max-running 2
     wait_until_idle full 60
     df --output=size,used,avail "$full_disk"
     status full
     if has_done full 8; then fail "the disk was not full"; fi
-    rm "$full_disk/filler"
+    rm "$full_disk/filler.part"
     resume full
     wait_until_idle full 60
     compare full small

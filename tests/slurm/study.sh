@@ -25,7 +25,7 @@ submit() {
     local printed
     printed=$("$sextant" sweep "$folder/$1" --submit slurm "${@:2}")
     echo "$printed"
-    job=$(grep -oE '[0-9]+' <<<"$printed" | head -n 1)
+    job=$(sed -nE 's/.*: job ([0-9]+).*/\1/p' <<<"$printed")
 }
 
 resume() { "$sextant" sweep "$folder/$1" --resume; }
@@ -49,7 +49,7 @@ node_is_up() { [[ "$(node_state "$1")" =~ ^(idle|mixed|allocated)$ ]]; }
 
 # compare STUDY SCENARIO: the collected table is the local one, byte for byte, and no cell is there twice.
 compare() {
-    "$sextant" sweep "$folder/$1" --collect --out "$folder/$1.csv"
+    "$sextant" sweep "$folder/$1" --collect --out "$folder/$1.csv" --quiet >/dev/null
     [ -z "$(cut -d, -f1-3 "$folder/$1.csv" | sort | uniq -d)" ] || fail "a cell is there twice"
     cmp "$folder/$1.csv" "$folder/tables/$2.csv" || fail "the tables differ"
     sha256sum "$folder/$1.csv" "$folder/tables/$2.csv" | sed "s|$folder/||"
