@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Report, SourceCode};
 use sextant::LinkError;
+use sextant::campaign::CampaignError;
 use sextant::export::ExportError;
 use sextant::mapping::MapLogError;
 use sextant::run::RunError;
@@ -28,6 +29,8 @@ pub(crate) enum Failure {
     Failed(Report),
     /// Stopped by Ctrl-C or another signal. Exit code 130.
     Interrupted,
+    /// Stopped by a scheduler; it may go on later. Exit code 75 (`EX_TEMPFAIL` of BSD).
+    Terminated,
     /// The reader of standard output closed it, as `head` does. Exit code 0.
     Unread,
 }
@@ -68,6 +71,7 @@ impl Failure {
             Self::BadInput(_) => ExitCode::from(2),
             Self::Failed(_) => ExitCode::from(1),
             Self::Interrupted => ExitCode::from(130),
+            Self::Terminated => ExitCode::from(75),
             Self::Unread => ExitCode::SUCCESS,
         }
     }
@@ -82,6 +86,7 @@ impl Failure {
             Self::BadInput(reports) => reports.iter().map(spoken).collect::<String>(),
             Self::Failed(report) => spoken(report),
             Self::Interrupted => "interrupted\n".to_owned(),
+            Self::Terminated => "terminated; finished runs are kept\n".to_owned(),
             Self::Unread => return,
         };
         // If standard error is closed, nobody can be told.
@@ -149,6 +154,17 @@ impl From<SweepError> for Failure {
             SweepError::OtherParts { .. } => {
                 Self::of(&error, Some("remove the folder to start again, or choose another --out"), false)
             }
+            error => Self::of(&error, error.advice(), error.is_system_error()),
+        }
+    }
+}
+
+impl From<CampaignError> for Failure {
+    fn from(error: CampaignError) -> Self {
+        match error {
+            CampaignError::Interrupted(_) => Self::Interrupted,
+            CampaignError::Scenario(errors) => errors.into(),
+            CampaignError::Table(error) => error.into(),
             error => Self::of(&error, error.advice(), error.is_system_error()),
         }
     }

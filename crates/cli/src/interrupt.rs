@@ -24,6 +24,8 @@ const LOOK: Duration = Duration::from_millis(20);
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Interrupt {
     is_requested: Arc<AtomicBool>,
+    /// Whether SIGTERM came: a scheduler or an administrator ends the process, not its user.
+    is_terminated: Arc<AtomicBool>,
     keepers: Arc<AtomicUsize>,
     temporaries: Temporaries,
 }
@@ -68,7 +70,7 @@ impl Interrupt {
     /// If the system rejects the handler.
     pub(crate) fn install() -> Result<Self, Failure> {
         let interrupt = Self::default();
-        let Self { is_requested, keepers, temporaries } = interrupt.clone();
+        let Self { is_requested, is_terminated, keepers, temporaries } = interrupt.clone();
         ctrlc::set_handler(move || {
             if is_requested.swap(true, Ordering::SeqCst) {
                 temporaries.remove();
@@ -87,7 +89,14 @@ impl Interrupt {
             });
         })
         .map_err(|error| Failure::failed(format!("Ctrl-C cannot be handled: {error}")))?;
+        note_termination(is_terminated)?;
         Ok(interrupt)
+    }
+
+    /// Whether SIGTERM ended the work, as schedulers send it before they kill a process.
+    #[must_use]
+    pub(crate) fn is_terminated(&self) -> bool {
+        self.is_terminated.load(Ordering::Relaxed)
     }
 
     /// Whether the work should end.
@@ -108,6 +117,20 @@ impl Interrupt {
         self.temporaries.change(|paths| paths.insert(path.to_owned()));
         Temporary { path: path.to_owned(), temporaries: self.temporaries.clone() }
     }
+}
+
+/// Sets `flag` when SIGTERM comes, before the handler of all signals is called.
+#[cfg(unix)]
+fn note_termination(flag: Arc<AtomicBool>) -> Result<(), Failure> {
+    signal_hook::flag::register(signal_hook::consts::SIGTERM, flag)
+        .map(|_| ())
+        .map_err(|error| Failure::failed(format!("SIGTERM cannot be handled: {error}")))
+}
+
+/// There is no such signal.
+#[cfg(not(unix))]
+fn note_termination(_: Arc<AtomicBool>) -> Result<(), Failure> {
+    Ok(())
 }
 
 impl Drop for Keeper {

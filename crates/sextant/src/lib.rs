@@ -31,6 +31,7 @@
 //! Long work asks a [`Watch`] whether to go on, and tells it how far it is; [`Unwatched`] goes on to the end. Each activity
 //! has one type of errors. The same scenario and seed give the same bytes at any number of threads.
 
+pub mod campaign;
 pub mod columns;
 pub mod export;
 pub mod forecast;
@@ -43,6 +44,7 @@ pub mod summary;
 pub mod sweep;
 pub mod template;
 
+pub use campaign::{Campaign, CampaignError};
 pub use export::{ExportError, export};
 pub use forecast::Forecast;
 pub use link::{LinkError, LinkReport, explain_link};

@@ -14,7 +14,7 @@ use crate::diagnostic::{Failure, report};
 use crate::terminal::warn;
 use sextant::Forecast;
 use sextant::forecast::warnings;
-use sextant::scenario::{Scenario, ScenarioErrors, SweepAxes};
+use sextant::scenario::{Scenario, ScenarioErrors, ScenarioFile};
 use sextant::sweep::Sweep;
 use sextant_kernel::text::counted;
 
@@ -77,7 +77,7 @@ fn check(path: &Path, arguments: &Arguments) -> Result<Valid, Vec<Report>> {
     let scenario = Scenario::load_with(path, set, None).map_err(|errors| {
         let mut found = reports(&errors);
         // The scenario may be wrong in its sweep too.
-        if let Err(of_sweep) = SweepAxes::read(path, set) {
+        if let Err(of_sweep) = ScenarioFile::read(path).and_then(|file| file.axes(set)) {
             let is_new = |error: &&sextant::scenario::ScenarioError| {
                 errors.errors().iter().all(|known| known.place() != error.place())
             };

@@ -1,5 +1,6 @@
 //! The command line: commands, flags and help texts, and the calls into the library.
 
+mod campaign;
 mod check;
 mod completions;
 mod explain;
@@ -35,7 +36,9 @@ use crate::interrupt::Interrupt;
 /// Simulates wireless sensor networks and robots that listen to them, and computes maps of the nodes from the receptions.
 #[derive(Debug, Parser)]
 #[command(name = "sextant", version, max_term_width = 110)]
-#[command(after_help = "Exit codes: 0 done, 1 failed, 2 usage or bad input, 130 interrupted.")]
+#[command(
+    after_help = "Exit codes: 0 done, 1 failed, 2 usage or bad input, 130 interrupted, 75 terminated by a scheduler (parts of a plan)."
+)]
 pub(crate) struct Cli {
     /// The command.
     #[command(subcommand)]
@@ -52,7 +55,7 @@ pub(crate) enum Command {
     /// Map the nodes from a recording of `run` or from the log of a real robot
     Map(Box<map::Arguments>),
     /// Run a scenario with many settings and seeds, and write one table
-    Sweep(sweep::Arguments),
+    Sweep(Box<sweep::Arguments>),
     /// Reproduce the tables and figures of the thesis, beside the published values
     Reproduce(reproduce::Arguments),
     /// Check scenario files without running them

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Map, Value, json};
 
+use super::campaign;
 use super::options::{Format, Printing, ScenarioSource, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
@@ -19,7 +20,7 @@ use sextant_kernel::text::counted;
 /// Arguments of `sextant sweep`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// The scenario; its table `[sweep]` lists the settings that vary.
+    /// The scenario; its table `[sweep]` lists the settings that vary. Or the folder of a plan.
     #[command(flatten)]
     pub(crate) source: ScenarioSource,
     /// The table to write, TABLE.csv or TABLE.parquet, with one row per cell and run [default: SCENARIO.csv in the
@@ -32,9 +33,12 @@ pub(crate) struct Arguments {
     /// Do only part I of N of the work (I from 1 to N). The tables of all parts together have all rows
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub(crate) shard: Shard,
-    /// Continue a sweep that was interrupted
+    /// Continue a sweep that was interrupted. Of a plan: submit what is missing or failed
     #[arg(long)]
     pub(crate) resume: bool,
+    /// Replace a plan that exists, with all that was done of it
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Print the plan, and run nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
@@ -44,6 +48,9 @@ pub(crate) struct Arguments {
     /// How the work is done.
     #[command(flatten)]
     pub(crate) work: Work,
+    /// Plans.
+    #[command(flatten)]
+    pub(crate) campaign: campaign::Flags,
 }
 
 impl Arguments {
@@ -62,6 +69,9 @@ impl Arguments {
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     arguments.work.start_threads()?;
+    if campaign::is_asked_for(arguments) {
+        return campaign::execute(arguments, interrupt);
+    }
     let (source, out) = (&arguments.source, arguments.table());
     TableFormat::of(&out)?;
     let plan = Sweep::read(&source.scenario, &source.overrides.set, source.seed, arguments.runs)?;
@@ -82,12 +92,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     };
     write_table(&out, &plan, &rows)?;
     clear_parts(&out)?;
-    let results = Results { plan: &plan, rows: &rows };
-    match arguments.printing.format {
-        Format::Text => results.print(&out, &mut stdout)?,
-        Format::Json => writeln!(stdout, "{:#}", results.json())?,
-    }
-    Ok(())
+    Ok(Results { plan: &plan, rows: &rows }.tell(&out, arguments.printing.format, &mut stdout)?)
 }
 
 fn print_plan(plan: &Sweep, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
@@ -111,12 +116,20 @@ fn print_plan(plan: &Sweep, out: &Path, stdout: &mut impl Write) -> io::Result<(
 }
 
 /// The rows of a sweep, summarised for each cell.
-struct Results<'a> {
-    plan: &'a Sweep,
-    rows: &'a [Row],
+pub(super) struct Results<'a> {
+    pub(super) plan: &'a Sweep,
+    pub(super) rows: &'a [Row],
 }
 
 impl Results<'_> {
+    /// Prints them; they are in the table `out`.
+    pub(super) fn tell(&self, out: &Path, format: Format, stdout: &mut impl Write) -> io::Result<()> {
+        match format {
+            Format::Text => self.print(out, stdout),
+            Format::Json => writeln!(stdout, "{:#}", self.json()),
+        }
+    }
+
     /// The mean of a measure with its interval, in the unit of the printed table: `6.0 ± 0.3 %`; `-` without a value.
     fn written(&self, cell: usize, path: &str) -> String {
         let mean = self.measure(path).and_then(|measure| {

@@ -2,7 +2,6 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_apps::{ControllerConfig, MapSourceConfig};
@@ -19,8 +18,8 @@ use super::distributed::NodeMapJob;
 use super::document::Document;
 use super::error::ScenarioErrors;
 use super::errors::Errors;
+use super::file::ScenarioFile;
 use super::known_networks::PacketsPerStop;
-use super::layers;
 use super::maps::MapJob;
 use super::survey_identity::SurveyIdentity;
 use sextant_kernel::text::counted;
@@ -28,7 +27,11 @@ use sextant_kernel::text::counted;
 /// A scenario that has been read and checked.
 #[derive(Clone)]
 pub struct Scenario {
-    base: Base,
+    file: ScenarioFile,
+    /// Settings that override those of the file, each `path.to.key=value`.
+    set: Vec<String>,
+    /// The seed that overrides that of the file.
+    seed: Option<u64>,
     config: ScenarioConfig,
     named_files: Vec<NamedFile>,
     text: String,
@@ -43,20 +46,6 @@ pub struct NamedFile {
     pub written: PathBuf,
     /// Its path on the disk.
     pub path: PathBuf,
-}
-
-/// A scenario as it was read, and what overrides it.
-#[derive(Clone, Debug)]
-struct Base {
-    document: Arc<Document>,
-    /// The file, if it is from one.
-    file: PathBuf,
-    /// Paths in the scenario are relative to this folder.
-    folder: PathBuf,
-    /// Settings that override it, each `path.to.key=value`.
-    set: Vec<String>,
-    /// The seed that overrides it.
-    seed: Option<u64>,
 }
 
 impl Scenario {
@@ -74,10 +63,7 @@ impl Scenario {
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn load_with(path: impl AsRef<Path>, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
-        let path = path.as_ref();
-        let document = Arc::new(layers::read(path)?);
-        let (file, folder) = (path.to_owned(), layers::folder_of(path));
-        Self::of(Base { document, file, folder, set: set.to_vec(), seed })
+        ScenarioFile::read(path)?.scenario(set, seed)
     }
 
     /// Reads a scenario from its text, and checks it. Files that it names are relative to the working folder.
@@ -85,8 +71,7 @@ impl Scenario {
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn parse(text: &str) -> Result<Self, ScenarioErrors> {
-        let document = Arc::new(layers::parse(text, Path::new(""))?);
-        Self::of(Base { document, file: PathBuf::new(), folder: PathBuf::new(), set: Vec::new(), seed: None })
+        ScenarioFile::of_text(text)?.scenario(&[], None)
     }
 
     /// The same scenario with another value of the setting `key`, `channel.max_range_m` or `robots.0.speed_m_per_s` for
@@ -95,22 +80,22 @@ impl Scenario {
     /// # Errors
     /// If the key or the value is invalid: all errors found.
     pub fn with(&self, key: &str, value: impl fmt::Display) -> Result<Self, ScenarioErrors> {
-        let mut base = self.base.clone();
+        let (mut set, mut seed) = (self.set.clone(), self.seed);
         match value.to_string().parse() {
             // The seed is not part of the text of a scenario, so that runs with different seeds have the same one.
-            Ok(seed) if key == "seed" => base.seed = Some(seed),
-            _ => base.set.push(format!("{key}={value}")),
+            Ok(other) if key == "seed" => seed = Some(other),
+            _ => set.push(format!("{key}={value}")),
         }
-        Self::of(base)
+        self.file.scenario(&set, seed)
     }
 
-    fn of(base: Base) -> Result<Self, ScenarioErrors> {
-        let mut document = Document::clone(&base.document);
-        document.override_by(&base.set, base.seed, &base.folder)?;
+    /// The scenario of `file` with these settings instead of its own, checked.
+    pub(super) fn of(file: ScenarioFile, set: Vec<String>, seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        let mut document = file.overridden(&set, seed)?;
         let text = std::mem::take(&mut document.text);
-        let files = Files::of_folder(&base.folder);
+        let files = Files::of_folder(file.folder());
         let whole = deserialize(&document).map_err(ScenarioErrors::from).and_then(|mut config: ScenarioConfig| {
-            let named_files = named_files(&mut config, &document, &base.folder);
+            let named_files = named_files(&mut config, &document, file.folder());
             let mut errors = Errors::default();
             let (parts, maps) = check(&mut config, &files, &mut errors);
             errors.placed(&document)?;
@@ -118,14 +103,14 @@ impl Scenario {
         });
         let (config, named_files, parts, maps) = whole.map_err(|first| {
             let check = |document: &Document, mut config: ScenarioConfig| {
-                named_files(&mut config, document, &base.folder);
+                named_files(&mut config, document, file.folder());
                 let mut errors = Errors::default();
                 check(&mut config, &files, &mut errors);
                 errors.found
             };
             diagnosis::errors_of(document, &check).unwrap_or(first)
         })?;
-        Ok(Self { base, config, named_files, text, parts, maps })
+        Ok(Self { file, set, seed, config, named_files, text, parts, maps })
     }
 
     /// The scenario as written, with all layers merged.
@@ -156,7 +141,7 @@ impl Scenario {
     /// Name of the file, without its folder.
     #[must_use]
     pub fn file_name(&self) -> String {
-        self.base.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+        self.file.path().file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// The files that its settings name: tables of nodes and meshes of obstacles. They are not part of its

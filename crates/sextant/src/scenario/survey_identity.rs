@@ -20,7 +20,7 @@ use super::team_config::TeamConfig;
 
 /// A hash of all settings that a survey depends on, except the seed. Scenarios with the same hash have the same survey for
 /// each seed. Files are hashed by name, not by content.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SurveyIdentity([u8; 32]);
 
 /// The settings that a survey depends on.

@@ -2,16 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
-use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::document::{Document, Entry, Value};
 use super::effective;
-use super::error::{ScenarioError, ScenarioErrors};
+use super::error::ScenarioError;
 use super::key_path::{KeyPath, Step};
-use super::layers;
 use super::refusal::Refusal;
 
 /// Maximum number of cells of a sweep; more are surely a mistake.
@@ -63,17 +61,6 @@ pub struct SweepAxes {
 }
 
 impl SweepAxes {
-    /// Reads the `[sweep]` of the scenario at `path` with the settings `set`. The keys of `product` keep the order of the
-    /// file, and the last key varies fastest.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or `[sweep]` does not have the form of [`SweepConfig`].
-    pub fn read(path: &Path, set: &[String]) -> Result<Self, ScenarioErrors> {
-        let mut document = layers::read(path)?;
-        document.override_by(set, None, &layers::folder_of(path))?;
-        Ok(Self::of(&document)?)
-    }
-
     /// The sweep of a document.
     pub(super) fn of(document: &Document) -> Result<Self, ScenarioError> {
         let path = KeyPath(vec![Step::Key("sweep".to_owned())]);

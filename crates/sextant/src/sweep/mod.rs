@@ -9,6 +9,7 @@
 mod column;
 mod curves;
 mod error;
+mod facts;
 mod finished_table;
 mod parts;
 mod plan;
@@ -19,7 +20,9 @@ mod statistics;
 mod table_file;
 mod table_reader;
 mod theory;
-mod unit;
+mod trial;
+pub(crate) mod unit;
+mod work_list;
 
 pub use column::{Column, Kind};
 pub use curves::{figures, figures_with_theory};
@@ -32,6 +35,13 @@ pub use share::Share;
 pub use statistics::{Mean, students_t_975};
 pub use table_file::TableFormat;
 pub use table_reader::read_table;
+pub use trial::{Trial, TrialError, trial};
+pub use work_list::{CellRun, WorkList};
+
+pub(crate) use facts::hexadecimal;
+pub(crate) use plan::Checked;
+#[cfg(feature = "parquet")]
+pub(crate) use table_file::write_table as write_texts;
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -49,7 +59,7 @@ use parts::Parts;
 pub fn run(plan: &Sweep, shard: Shard, out: &Path, resume: bool, watch: &dyn Watch) -> Result<Vec<Row>, SweepError> {
     let parts = Parts::open(out, &format!("{}{}", plan.fingerprint(), shard.suffix()), resume)?;
     let measures = plan.measures().len();
-    let units = plan.units().into_iter().filter(|unit| shard.has(unit.index)).collect();
+    let units = plan.work().units().filter(|unit| shard.has(unit.index)).collect();
     let (rows, outcome) = each(units, "sweeping", watch, |unit| {
         if let Some(rows) = parts.read(unit.index, measures)? {
             return Ok(rows);
@@ -68,7 +78,7 @@ pub fn run(plan: &Sweep, shard: Shard, out: &Path, resume: bool, watch: &dyn Wat
 /// # Errors
 /// If `watch` stops the work; the rows finished until then are returned as well.
 pub fn rows(plans: &[Sweep], watch: &dyn Watch) -> (Vec<Vec<Row>>, Result<(), SweepError>) {
-    let units = plans.iter().enumerate().flat_map(|(i, plan)| plan.units().into_iter().map(move |unit| (i, unit)));
+    let units = plans.iter().enumerate().flat_map(|(i, plan)| plan.work().units().map(move |unit| (i, unit)));
     let (made, outcome) = each(units.collect(), "running", watch, |(i, unit)| {
         let rows = unit::run(&plans[*i], unit, watch).ok_or(Interrupted)?;
         Ok((*i, rows))

@@ -54,38 +54,16 @@ impl Parts {
             Err(error) => return Err(SweepError::Read { path, why: error.to_string() }),
         };
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
-        let rows: Option<Vec<Row>> = reader.records().map(|record| row(&record.ok()?, measures)).collect();
+        let rows: Option<Vec<Row>> = reader.records().map(|record| Row::parse(&record.ok()?, measures)).collect();
         rows.map(Some).ok_or(SweepError::Part { path })
     }
 
     /// Writes the rows of a finished unit.
     pub(super) fn write(&self, unit: usize, rows: &[Row]) -> Result<(), SweepError> {
         let mut file = CsvFile::headless(EmptyCell::Bare);
-        rows.iter().for_each(|row| file.row(record(row)));
+        rows.iter().for_each(|row| file.row(row.record()));
         Ok(file.save(&self.path(unit))?)
     }
-}
-
-/// The fields of a row: cell, replicate, error, then the values with all their digits.
-fn record(row: &Row) -> Vec<String> {
-    let (error, values) = match &row.outcome {
-        Ok(values) => (String::new(), values.as_slice()),
-        Err(error) => (error.clone(), [].as_slice()),
-    };
-    let values = values.iter().map(|value| value.map_or_else(String::new, |value| format!("{value:?}")));
-    [row.cell.to_string(), row.replicate.to_string(), error].into_iter().chain(values).collect()
-}
-
-/// The row of a [`record`] with this many `measures`; `None` if the record is invalid.
-fn row(record: &csv::StringRecord, measures: usize) -> Option<Row> {
-    let value = |text: &str| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) };
-    let values: Vec<Option<f64>> = record.iter().skip(3).map(value).collect::<Option<_>>()?;
-    let outcome = match record.get(2)? {
-        "" if values.len() == measures => Ok(values),
-        "" => return None,
-        error => Err(error.to_owned()),
-    };
-    Some(Row { cell: record.get(0)?.parse().ok()?, replicate: record.get(1)?.parse().ok()?, outcome })
 }
 
 /// Removes the folder beside `out`.

@@ -2,29 +2,32 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
 use super::column::{Column, Kind};
+use super::facts::{self, Contents, hexadecimal};
 use super::row::{Row, written};
 use super::statistics::Mean;
-use crate::scenario::{Scenario, ScenarioError, ScenarioErrors, Setting, SurveyIdentity, SweepAxes};
+use super::work_list::WorkList;
+use crate::scenario::{NamedFile, Scenario, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity, SweepAxes};
 use crate::summary::Measure;
 use crate::summary::measures::{self, Subjects};
 
 /// The cells and runs of a sweep.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    path: PathBuf,
+    file: ScenarioFile,
     set: Vec<String>,
     seed: u64,
     runs: u32,
     cells: Vec<Cell>,
-    surveys: usize,
+    work: WorkList,
     keys: Vec<Column>,
     subjects: Subjects,
     measures: Vec<Measure>,
+    named_files: Vec<NamedFile>,
     fingerprint: String,
 }
 
@@ -35,14 +38,22 @@ pub struct Cell {
     pub settings: Vec<Setting>,
     /// Number of its survey. Cells with the same number share their surveys.
     pub survey: usize,
+    /// Hash of its scenario and of the files that this names, as 64 hexadecimal digits.
+    pub sha256: String,
 }
 
-/// The smallest part of a sweep: one survey and the cells that share it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Unit {
-    pub(super) index: usize,
-    pub(super) replicate: u32,
-    pub(super) cells: Vec<usize>,
+/// What is known of a sweep whose cells were all checked before.
+#[derive(Clone, Debug)]
+pub(crate) struct Checked {
+    pub(crate) set: Vec<String>,
+    pub(crate) seed: u64,
+    pub(crate) runs: u32,
+    /// Survey and hash of each cell.
+    pub(crate) cells: Vec<(usize, String)>,
+    pub(crate) subjects: Subjects,
+    /// The files that any cell names.
+    pub(crate) named_files: Vec<NamedFile>,
+    pub(crate) fingerprint: String,
 }
 
 impl Sweep {
@@ -57,65 +68,93 @@ impl Sweep {
         seed: Option<u64>,
         runs: Option<NonZeroU32>,
     ) -> Result<Self, ScenarioErrors> {
-        let sweep = SweepAxes::read(path, set)?;
-        let mut keys: Vec<(String, Vec<&str>)> = Vec::new();
-        for setting in sweep.cells.iter().flatten() {
-            let i = keys.iter().position(|(key, _)| *key == setting.key).unwrap_or_else(|| {
-                keys.push((setting.key.clone(), Vec::new()));
-                keys.len() - 1
-            });
-            keys[i].1.push(&setting.value);
-        }
-        let keys = keys.iter().map(|(key, values)| Column::new(key, kind(values))).collect();
-        let mut surveys: Vec<SurveyIdentity> = Vec::new();
+        Self::of(ScenarioFile::read(path)?, set, seed, runs)
+    }
+
+    /// The sweep of a scenario file that is read, as [`read`](Self::read).
+    ///
+    /// # Errors
+    /// If a cell is not a valid scenario: all errors of the first such cell.
+    pub fn of(
+        file: ScenarioFile,
+        set: &[String],
+        seed: Option<u64>,
+        runs: Option<NonZeroU32>,
+    ) -> Result<Self, ScenarioErrors> {
+        let axes = file.axes(set)?;
+        let facts = facts::of_cells(&file, set, seed, &axes.cells)?;
+        let mut surveys: BTreeMap<SurveyIdentity, usize> = BTreeMap::new();
         let mut subjects = Subjects::default();
-        let mut cells = Vec::with_capacity(sweep.cells.len());
-        let mut digest = Sha256::new();
         let mut contents = Contents::default();
-        let mut first_seed = None;
-        for settings in &sweep.cells {
-            let flags = flags(set, settings);
-            let scenario = Scenario::load_with(path, &flags, seed)?;
-            first_seed.get_or_insert(scenario.seed().0);
-            digest.update(scenario.text());
-            for file in scenario.named_files() {
-                digest.update(contents.of(&file.path)?);
+        let mut named_files = Vec::new();
+        let mut cells = Vec::with_capacity(facts.len());
+        let mut digest = Sha256::new();
+        for cell in &facts {
+            let next = surveys.len();
+            let survey = *surveys.entry(cell.survey).or_insert(next);
+            let sha256 = contents.sha256(cell)?;
+            digest.update(&sha256);
+            subjects.extend(&cell.subjects);
+            for file in &cell.files {
+                if !named_files.contains(file) {
+                    named_files.push(file.clone());
+                }
             }
-            let by_nodes = scenario.distributed().map(|map| &map.name);
-            let maps = by_nodes.into_iter().chain(scenario.maps().iter().map(|named| &named.name));
-            let applications = scenario.applications().iter().map(|application| &application.name);
-            let searches = scenario.applications().iter().filter(|application| application.algorithm.is_search());
-            extend(&mut subjects.by_nodes, by_nodes.into_iter());
-            extend(&mut subjects.maps, maps);
-            extend(&mut subjects.applications, applications);
-            extend(&mut subjects.searches, searches.map(|application| &application.name));
-            let survey = scenario.survey_identity();
-            let known = surveys.iter().position(|other| *other == survey);
-            let survey = known.unwrap_or_else(|| {
-                surveys.push(survey);
-                surveys.len() - 1
-            });
-            cells.push(Cell { settings: settings.clone(), survey });
+            cells.push((survey, sha256));
         }
-        let (seed, runs) = (first_seed.unwrap_or_default(), runs.unwrap_or(sweep.runs).get());
+        let seed = facts.first().map(|cell| cell.seed).unwrap_or_default();
+        let runs = runs.unwrap_or(axes.runs).get();
         digest.update(format!("{seed} {runs} {}", env!("CARGO_PKG_VERSION")));
-        let measures = measures::all(&subjects);
-        for measure in &measures {
+        for measure in &measures::all(&subjects) {
             digest.update(measure.column() + "\n");
         }
-        let fingerprint = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self {
-            path: path.to_owned(),
-            set: set.to_vec(),
-            seed,
-            runs,
-            cells,
-            surveys: surveys.len(),
-            keys,
-            subjects,
-            measures,
-            fingerprint,
-        })
+        let fingerprint = hexadecimal(&digest.finalize());
+        let checked = Checked { set: set.to_vec(), seed, runs, cells, subjects, named_files, fingerprint };
+        Ok(Self::checked(file, axes, checked))
+    }
+
+    /// The sweep of a scenario file whose `axes` have as many cells as were `checked`.
+    pub(crate) fn checked(file: ScenarioFile, axes: SweepAxes, checked: Checked) -> Self {
+        let Checked { set, seed, runs, cells, subjects, named_files, fingerprint } = checked;
+        let keys = keys(&axes.cells);
+        let cells: Vec<Cell> = axes
+            .cells
+            .into_iter()
+            .zip(cells)
+            .map(|(settings, (survey, sha256))| Cell { settings, survey, sha256 })
+            .collect();
+        let work = WorkList::of(&cells, runs);
+        let measures = measures::all(&subjects);
+        Self { file, set, seed, runs, cells, work, keys, subjects, measures, named_files, fingerprint }
+    }
+
+    /// The scenario file.
+    #[must_use]
+    pub fn file(&self) -> &ScenarioFile {
+        &self.file
+    }
+
+    /// The settings of all cells, each `path.to.key=value`.
+    #[must_use]
+    pub fn set(&self) -> &[String] {
+        &self.set
+    }
+
+    /// What is simulated, mapped and applied in any cell.
+    pub(crate) fn subjects(&self) -> &Subjects {
+        &self.subjects
+    }
+
+    /// The files that any cell names.
+    #[must_use]
+    pub fn named_files(&self) -> &[NamedFile] {
+        &self.named_files
+    }
+
+    /// The order of the runs.
+    #[must_use]
+    pub fn work(&self) -> &WorkList {
+        &self.work
     }
 
     /// The cells.
@@ -139,7 +178,7 @@ impl Sweep {
     /// Number of surveys to simulate; a survey that cells share counts once.
     #[must_use]
     pub fn survey_count(&self) -> usize {
-        self.surveys * self.runs as usize
+        self.work.units().count()
     }
 
     /// Names of the maps that any cell computes.
@@ -209,13 +248,13 @@ impl Sweep {
 
     /// Hash of everything that decides the rows: the scenario of each cell, the files that it names, the seed, the number of
     /// runs, the columns and the version.
-    pub(super) fn fingerprint(&self) -> &str {
+    pub(crate) fn fingerprint(&self) -> &str {
         &self.fingerprint
     }
 
     /// The scenario of a cell with the seed of a replicate.
     pub(super) fn scenario(&self, cell: usize, replicate: u32) -> Result<Scenario, ScenarioErrors> {
-        Scenario::load_with(&self.path, &flags(&self.set, &self.cells[cell].settings), Some(self.seed_of(replicate)))
+        self.file.scenario(&flags(&self.set, &self.cells[cell].settings), Some(self.seed_of(replicate)))
     }
 
     /// The seed of a replicate.
@@ -237,46 +276,23 @@ impl Sweep {
         };
         self.keys.iter().map(value).collect()
     }
-
-    /// The units: each survey with all cells that share it, once per replicate.
-    pub(super) fn units(&self) -> Vec<Unit> {
-        let mut units = Vec::new();
-        for survey in 0..self.surveys {
-            let cells: Vec<_> = (0..self.cells.len()).filter(|&cell| self.cells[cell].survey == survey).collect();
-            for replicate in 0..self.runs {
-                units.push(Unit { index: units.len(), replicate, cells: cells.clone() });
-            }
-        }
-        units
-    }
 }
 
-/// Hashes of the contents of files, each of which is read once.
-#[derive(Default)]
-struct Contents(BTreeMap<PathBuf, [u8; 32]>);
-
-impl Contents {
-    fn of(&mut self, file: &Path) -> Result<[u8; 32], ScenarioError> {
-        if let Some(&hash) = self.0.get(file) {
-            return Ok(hash);
-        }
-        let bytes = std::fs::read(file).map_err(|error| ScenarioError::unreadable(file, &error))?;
-        let hash = Sha256::digest(bytes).into();
-        self.0.insert(file.to_owned(), hash);
-        Ok(hash)
+/// The settings that vary, in the order in which the cells name them.
+fn keys(cells: &[Vec<Setting>]) -> Vec<Column> {
+    let mut keys: Vec<(&str, Vec<&str>)> = Vec::new();
+    for setting in cells.iter().flatten() {
+        let i = keys.iter().position(|(key, _)| *key == setting.key).unwrap_or_else(|| {
+            keys.push((&setting.key, Vec::new()));
+            keys.len() - 1
+        });
+        keys[i].1.push(&setting.value);
     }
+    keys.into_iter().map(|(key, values)| Column::new(key, kind(&values))).collect()
 }
 
-/// Adds the names that are not in the list.
-fn extend<'a>(list: &mut Vec<String>, names: impl Iterator<Item = &'a String>) {
-    for name in names {
-        if !list.contains(name) {
-            list.push(name.clone());
-        }
-    }
-}
-
-fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
+/// The settings of all cells, then those of a cell.
+pub(super) fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
     set.iter().cloned().chain(settings.iter().map(Setting::line)).collect()
 }
 

@@ -15,6 +15,30 @@ pub struct Row {
     pub outcome: Result<Vec<Option<f64>>, String>,
 }
 
+impl Row {
+    /// Its fields in a file of finished runs: cell, replicate, error, then the values with all their digits.
+    pub(crate) fn record(&self) -> Vec<String> {
+        let (error, values) = match &self.outcome {
+            Ok(values) => (String::new(), values.as_slice()),
+            Err(error) => (error.clone(), [].as_slice()),
+        };
+        let values = values.iter().map(|value| value.map_or_else(String::new, |value| format!("{value:?}")));
+        [self.cell.to_string(), self.replicate.to_string(), error].into_iter().chain(values).collect()
+    }
+
+    /// The row of a [`record`](Self::record) with this many `measures`; `None` if the record is invalid.
+    pub(crate) fn parse(record: &csv::StringRecord, measures: usize) -> Option<Self> {
+        let value = |text: &str| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) };
+        let values: Vec<Option<f64>> = record.iter().skip(3).map(value).collect::<Option<_>>()?;
+        let outcome = match record.get(2)? {
+            "" if values.len() == measures => Ok(values),
+            "" => return None,
+            error => Err(error.to_owned()),
+        };
+        Some(Self { cell: record.get(0)?.parse().ok()?, replicate: record.get(1)?.parse().ok()?, outcome })
+    }
+}
+
 /// A number as written in a table: an integer without a decimal point, any other number with as many digits as it takes
 /// to read the same number back.
 pub(super) fn written(value: f64, kind: Kind) -> String {

@@ -44,7 +44,7 @@ impl TableFormat {
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
-pub(super) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>]) -> Result<(), TableError> {
+pub(crate) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>]) -> Result<(), TableError> {
     match TableFormat::of(path)? {
         TableFormat::Csv => Ok(csv(columns, rows).save(path)?),
         #[cfg(feature = "parquet")]

@@ -2,14 +2,15 @@
 
 use sextant_kernel::{Unreported, Watch};
 
-use super::plan::{Sweep, Unit};
+use super::plan::Sweep;
 use super::row::Row;
+use super::work_list::Unit;
 use crate::run::{RunError, Surveyed, run_on, survey};
 use crate::scenario::{Scenario, ScenarioErrors};
 use crate::summary::Numbers;
 
 /// The rows of `unit`; `None` if the work is stopped. Its cells share their survey.
-pub(super) fn run(plan: &Sweep, unit: &Unit, watch: &dyn Watch) -> Option<Vec<Row>> {
+pub(crate) fn run(plan: &Sweep, unit: &Unit, watch: &dyn Watch) -> Option<Vec<Row>> {
     let watch = &Unreported(watch);
     let mut surveyed: Option<Option<Surveyed>> = None;
     let mut rows = Vec::with_capacity(unit.cells.len());

@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 use super::known;
 use super::unit::Unit;
 
@@ -30,7 +32,7 @@ pub(super) enum Of {
 pub struct UnknownMeasure(String);
 
 /// What a run has numbers of.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Subjects {
     /// Names of its maps.
     pub maps: Vec<String>,
@@ -40,6 +42,25 @@ pub struct Subjects {
     pub applications: Vec<String>,
     /// Names of those that search targets.
     pub searches: Vec<String>,
+}
+
+impl Subjects {
+    /// Adds the names of others that are new, in their order.
+    pub(crate) fn extend(&mut self, others: &Self) {
+        let Self { maps, by_nodes, applications, searches } = self;
+        for (list, names) in [
+            (maps, &others.maps),
+            (by_nodes, &others.by_nodes),
+            (applications, &others.applications),
+            (searches, &others.searches),
+        ] {
+            for name in names {
+                if !list.contains(name) {
+                    list.push(name.clone());
+                }
+            }
+        }
+    }
 }
 
 impl Measure {

@@ -1,0 +1,46 @@
+//! `--submit slurm`, `--resume` and `--cancel` of a plan.
+
+use std::env;
+use std::io::{self, Write};
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+
+use crate::diagnostic::Failure;
+use sextant::campaign::Campaign;
+use sextant::campaign::slurm::{Attempts, SlurmSettings, Submitted};
+use sextant_kernel::text::counted;
+
+pub(super) fn submit(campaign: &Campaign, settings: &SlurmSettings) -> Result<(), Failure> {
+    Ok(tell(campaign, &campaign.submit(&program()?, settings)?)?)
+}
+
+pub(super) fn resume(campaign: &Campaign, settings: &SlurmSettings, attempts: NonZeroU32) -> Result<(), Failure> {
+    Ok(tell(campaign, &campaign.resume(&program()?, settings, Attempts::at_most(attempts))?)?)
+}
+
+pub(super) fn cancel(campaign: &Campaign) -> Result<(), Failure> {
+    let jobs = campaign.cancel()?;
+    Ok(writeln!(io::stdout(), "cancelled: {}", jobs.join(", "))?)
+}
+
+/// This program, as the tasks call it.
+fn program() -> Result<PathBuf, Failure> {
+    env::current_exe().map_err(|error| Failure::failed(format!("the path of this program is not known: {error}")))
+}
+
+fn tell(campaign: &Campaign, submitted: &Submitted) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    let Submitted { name, jobs, tasks, runs, left_to_queue, given_up } = submitted;
+    writeln!(stdout, "submitted {} in {}: job {}", counted(*runs, "run"), counted(*tasks, "task"), jobs.join(", "))?;
+    if *left_to_queue > 0 {
+        writeln!(stdout, "{} left to tasks that still wait or run", counted(*left_to_queue, "run"))?;
+    }
+    if *given_up > 0 {
+        writeln!(
+            stdout,
+            "{} not submitted again: submitted too often already (--attempts)",
+            counted(*given_up, "run")
+        )?;
+    }
+    writeln!(stdout, "job script: {}", campaign.folder().join("slurm").join(name).join("job.sh").display())
+}

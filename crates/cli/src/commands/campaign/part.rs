@@ -1,0 +1,28 @@
+//! `sextant sweep DIR --cells A..B`.
+
+use std::io::{self, Write};
+
+use super::super::sweep;
+use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
+use crate::terminal::Watcher;
+use sextant::campaign::{Campaign, CampaignError, RunRange};
+use sextant_kernel::text::counted;
+
+pub(super) fn execute(
+    campaign: &Campaign,
+    range: RunRange,
+    arguments: &sweep::Arguments,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    let _keeper = interrupt.keep();
+    let watcher = Watcher::new(interrupt, arguments.work.quiet);
+    let done = campaign.run(range, &watcher);
+    watcher.clear();
+    let done = match done {
+        Err(CampaignError::Interrupted(_)) if interrupt.is_terminated() => return Err(Failure::Terminated),
+        other => other?,
+    };
+    let before = range.len() - done;
+    Ok(writeln!(io::stdout(), "{range}: {} done now, {before} before", counted(done, "run"))?)
+}

@@ -1,0 +1,253 @@
+//! Sweeps that outgrow one machine: a plan in a folder, done part by part by any number of machines.
+//!
+//! The folder has all that a run needs, and can be moved. Whoever does a part writes one file, under a name of its own, and
+//! renames it when it is whole: there are no locks, and no file has two writers. The rows of a run do not depend on where it
+//! was done, so it is harmless to do one twice.
+//!
+//! | in the folder | what |
+//! | --- | --- |
+//! | `plan.json` | what the plan is of: the version, the seeds, hashes of all files |
+//! | `files/` | the scenario, what it extends and what it names |
+//! | `work.jsonl`, `work.parquet` | the work list: one line a run of a cell, numbered from 0 |
+//! | `parts/` | what is done: `A-B.csv` has the runs A to B - 1 |
+//! | `slurm/` | one folder a submission: the job script, its chunks, the identities of the jobs, what the tasks printed |
+
+mod bundle;
+mod error;
+mod part;
+mod plan_file;
+mod progress;
+mod range;
+pub mod slurm;
+mod work_file;
+
+pub use error::CampaignError;
+pub use plan_file::Estimate;
+pub use progress::{FailedRun, Pace, Progress};
+pub use range::RunRange;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+use sextant_kernel::{Interrupted, Watch, Work};
+use sextant_recording::output::OutputError;
+
+use crate::summary::Stopwatch;
+use crate::sweep::{Row, Sweep, Trial, unit};
+use part::Parts;
+use plan_file::PlanFile;
+
+/// What is done of a part is saved this often (s), so that little is lost with a machine.
+const SAVED_EVERY_S: f64 = 30.0;
+
+/// A sweep as a plan in a folder.
+#[derive(Debug)]
+pub struct Campaign {
+    folder: PathBuf,
+    sweep: Sweep,
+    estimate: Option<Estimate>,
+}
+
+impl Campaign {
+    /// Writes the plan of `sweep` to `folder`, which is new or empty, or has a plan that is replaced if `replace` is set.
+    /// `trial` is how long one run took.
+    ///
+    /// # Errors
+    /// If there is something else in the folder, a file cannot be written, or one that the scenario names cannot move.
+    pub fn create(
+        sweep: Sweep,
+        folder: &Path,
+        trial: Option<Trial>,
+        replace: Replace,
+    ) -> Result<Self, CampaignError> {
+        make_room(folder, replace)?;
+        let estimate = trial.map(|trial| Estimate::of(&sweep, trial));
+        let files = bundle::write(&sweep, &folder.join(FILES))?;
+        work_file::write(&sweep, folder)?;
+        let parts = folder.join(PARTS);
+        fs::create_dir_all(&parts).map_err(|error| OutputError::new(&parts, &error))?;
+        // Without this file the folder is no plan, so it comes last.
+        PlanFile::of(&sweep, files, estimate).write(folder)?;
+        Self::open(folder)
+    }
+
+    /// Rejects a folder where [`create`](Self::create) could not write a plan, before long work.
+    ///
+    /// # Errors
+    /// If there is something else in the folder.
+    pub fn check_room(folder: &Path, replace: Replace) -> Result<(), CampaignError> {
+        let is_plan = Self::is_in(folder);
+        if is_plan && replace == Replace::Nothing {
+            return Err(CampaignError::Exists { folder: folder.to_owned() });
+        }
+        let found = match fs::read_dir(folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            other => {
+                other.and_then(|entries| entries.map(|entry| Ok(entry?.file_name())).collect::<Result<Vec<_>, _>>())
+            }
+        };
+        let found = found.map_err(|error| OutputError::new(folder, &error))?;
+        let is_own = |name: &std::ffi::OsString| is_plan && CONTENTS.iter().any(|own| name == own);
+        match found.into_iter().find(|name| !is_own(name)) {
+            None => Ok(()),
+            Some(other) => {
+                let found = other.to_string_lossy().into_owned();
+                Err(CampaignError::NotEmpty { folder: folder.to_owned(), found })
+            }
+        }
+    }
+
+    /// Opens the plan in `folder`.
+    ///
+    /// # Errors
+    /// If there is none, it is of another version, or one of its files was changed.
+    pub fn open(folder: &Path) -> Result<Self, CampaignError> {
+        let plan = PlanFile::read(folder)?;
+        let estimate = plan.estimate;
+        let sweep = plan.sweep(folder)?;
+        Ok(Self { folder: folder.to_owned(), sweep, estimate })
+    }
+
+    /// Whether there is a plan in `folder`.
+    #[must_use]
+    pub fn is_in(folder: &Path) -> bool {
+        PlanFile::path(folder).is_file()
+    }
+
+    /// Its folder.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// What it is the plan of.
+    #[must_use]
+    pub fn sweep(&self) -> &Sweep {
+        &self.sweep
+    }
+
+    /// How long all takes, by one run that was tried.
+    #[must_use]
+    pub fn estimate(&self) -> Option<Estimate> {
+        self.estimate
+    }
+
+    /// Does the runs of `range` that are not done, on all cores, and returns how many it did. What is done appears in the
+    /// folder at once when all is done; a run that failed before is done again. If `watch` stops the work, what is done until
+    /// then is kept.
+    ///
+    /// # Errors
+    /// If the range has runs that the plan has not, a part cannot be read or written or is of another plan, or the work is
+    /// stopped. A run that fails is a row with its error.
+    pub fn run(&self, range: RunRange, watch: &dyn Watch) -> Result<usize, CampaignError> {
+        let work = self.sweep.work();
+        if range.end > work.len() {
+            return Err(CampaignError::Range { found: range, runs: work.len() });
+        }
+        let parts = self.parts();
+        let before = parts.read_within(range)?;
+        let todo: Vec<usize> = (range.start..range.end).filter(|number| !before.is_done(*number)).collect();
+        let mut own = parts.begin(range, before.finished())?;
+        if todo.is_empty() && before.has_whole(range) {
+            own.discard();
+            return Ok(0);
+        }
+        let units = work.units_of(todo.iter().copied());
+        watch.begin(Work { name: "sweeping", unit: "survey", steps: units.len() as u64, operations: 0.0 });
+        let watched = Stopwatch::start();
+        let saved_s = Mutex::new((0.0, own));
+        let outcome = units.par_iter().try_for_each(|unit| {
+            let rows = unit::run(&self.sweep, unit, watch).ok_or(Interrupted)?;
+            watch.advance(1);
+            let mut guard = saved_s.lock().unwrap_or_else(PoisonError::into_inner);
+            let (last_s, own) = &mut *guard;
+            own.extend(rows);
+            if watched.elapsed_s() - *last_s > SAVED_EVERY_S {
+                *last_s = watched.elapsed_s();
+                own.save(watched.elapsed_s())?;
+            }
+            Ok::<(), CampaignError>(())
+        });
+        own = saved_s.into_inner().unwrap_or_else(PoisonError::into_inner).1;
+        match outcome {
+            Ok(()) => {
+                own.finish(watched.elapsed_s())?;
+                before.remove_unfinished();
+                Ok(todo.len())
+            }
+            Err(error) => {
+                // The first error is told; if this part cannot be written either, its runs are missing and are seen to be.
+                let _ = own.save(watched.elapsed_s());
+                Err(error)
+            }
+        }
+    }
+
+    /// How far it is: what the parts in the folder say.
+    ///
+    /// # Errors
+    /// If a part cannot be read or is of another plan.
+    pub fn progress(&self) -> Result<Progress, CampaignError> {
+        Ok(Progress::of(&self.sweep, &self.parts().read()?))
+    }
+
+    /// The rows of all runs, by cell, then replicate.
+    ///
+    /// # Errors
+    /// If a run is missing, or a part cannot be read or is of another plan.
+    pub fn collect(&self) -> Result<Vec<Row>, CampaignError> {
+        let parts = self.parts().read()?;
+        let progress = Progress::of(&self.sweep, &parts);
+        if progress.missing() > 0 {
+            return Err(CampaignError::Missing {
+                missing: progress.missing(),
+                runs: progress.runs(),
+                ranges: progress.missing_ranges(),
+            });
+        }
+        let mut rows: Vec<Row> = parts.into_rows();
+        rows.sort_by_key(|row| (row.cell, row.replicate));
+        Ok(rows)
+    }
+
+    fn parts(&self) -> Parts<'_> {
+        Parts::of(&self.sweep, self.folder.join(PARTS))
+    }
+}
+
+/// Whether a plan that is in the folder may be replaced, with all that was done of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Replace {
+    /// It stays.
+    Nothing,
+    /// It is removed.
+    Plan,
+}
+
+/// The folder of what a run needs.
+const FILES: &str = "files";
+
+/// The folder of what is done.
+const PARTS: &str = "parts";
+
+/// All that a plan has in its folder.
+const CONTENTS: [&str; 6] = [PlanFile::NAME, FILES, work_file::LINES, work_file::TABLE, PARTS, slurm::FOLDER];
+
+/// Makes `folder` an empty one.
+fn make_room(folder: &Path, replace: Replace) -> Result<(), CampaignError> {
+    Campaign::check_room(folder, replace)?;
+    for name in CONTENTS {
+        let path = folder.join(name);
+        let removed = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+        match removed {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(OutputError::new(&path, &error).into());
+            }
+            _ => {}
+        }
+    }
+    Ok(fs::create_dir_all(folder).map_err(|error| OutputError::new(folder, &error))?)
+}

@@ -1,0 +1,188 @@
+//! Plans on a cluster that runs Slurm: arrays of jobs, each of whose tasks does a part.
+//!
+//! A submission is a folder with the job script, which a person can read and submit, and with the parts that its tasks do.
+//! What is done is told by the parts in the folder of the plan, never by the queue. The queue is only asked which tasks still
+//! wait or run, so that nothing is submitted twice.
+
+mod chunks;
+mod scheduler;
+mod script;
+mod settings;
+mod submission;
+
+pub use settings::{Chunk, SlurmSettings};
+pub use submission::{Attempts, Submitted};
+
+use std::fs;
+use std::path::Path;
+
+use sextant_kernel::text::counted;
+
+use super::error::CampaignError;
+use super::range::RunRange;
+use super::{Campaign, Progress};
+use scheduler::Task;
+use submission::{Record, Submission};
+
+/// The folder of submissions in that of a plan.
+pub(super) const FOLDER: &str = "slurm";
+
+impl Campaign {
+    /// Submits all runs that are not done, as arrays of tasks that call `program`, and returns what was submitted.
+    ///
+    /// # Errors
+    /// If it was submitted before, nothing is missing, a file cannot be written, or Slurm refuses.
+    pub fn submit(&self, program: &Path, settings: &SlurmSettings) -> Result<Submitted, CampaignError> {
+        let before = self.submissions()?;
+        let jobs: Vec<String> = before.iter().flat_map(Submission::jobs).collect();
+        if !jobs.is_empty() {
+            return Err(CampaignError::Submitted { jobs });
+        }
+        self.submit_open(program, settings, &before, Attempts::ANY)
+    }
+
+    /// Submits all runs that are missing or failed, that no task of an earlier submission still waits for or does, and that
+    /// were submitted fewer than `attempts` times before. What `settings` lack is that of the last submission.
+    ///
+    /// # Errors
+    /// If it was never submitted, another process submits it at this moment, nothing is left to submit, a file cannot be
+    /// written, or Slurm refuses.
+    pub fn resume(
+        &self,
+        program: &Path,
+        settings: &SlurmSettings,
+        attempts: Attempts,
+    ) -> Result<Submitted, CampaignError> {
+        let before = self.submissions()?;
+        let Some(last) = before.last() else {
+            return Err(CampaignError::NeverSubmitted { folder: self.folder.clone() });
+        };
+        self.submit_open(program, &settings.or(&last.record.settings), &before, attempts)
+    }
+
+    /// Cancels all tasks that wait or run, and returns their jobs.
+    ///
+    /// # Errors
+    /// If it was never submitted, or Slurm refuses.
+    pub fn cancel(&self) -> Result<Vec<String>, CampaignError> {
+        let submissions = self.submissions()?;
+        let jobs: Vec<String> = submissions.iter().flat_map(Submission::jobs).collect();
+        if jobs.is_empty() {
+            return Err(CampaignError::NeverSubmitted { folder: self.folder.clone() });
+        }
+        scheduler::cancel(&jobs)?;
+        Ok(jobs)
+    }
+
+    /// The submissions, the first one first: their jobs and number of runs.
+    ///
+    /// # Errors
+    /// If their files cannot be read, or one is under way.
+    pub fn submitted(&self) -> Result<Vec<Submitted>, CampaignError> {
+        Ok(self.submissions()?.iter().map(Submission::submitted).collect())
+    }
+
+    fn submissions(&self) -> Result<Vec<Submission>, CampaignError> {
+        Submission::all(&self.folder.join(FOLDER))
+    }
+
+    fn submit_open(
+        &self,
+        program: &Path,
+        settings: &SlurmSettings,
+        before: &[Submission],
+        attempts: Attempts,
+    ) -> Result<Submitted, CampaignError> {
+        let progress = self.progress()?;
+        let tried = self.tried(before);
+        let queued = self.queued(before)?;
+        let (mut exhausted, mut waiting) = (0, 0);
+        let open: Vec<usize> = progress
+            .open()
+            .filter(|&number| {
+                let (is_queued, is_exhausted) = (queued[number], attempts.are_used_up(tried[number]));
+                waiting += usize::from(is_queued);
+                exhausted += usize::from(is_exhausted && !is_queued);
+                !is_queued && !is_exhausted
+            })
+            .collect();
+        if open.is_empty() {
+            return Err(CampaignError::NothingToSubmit { why: why_nothing(&progress, waiting, exhausted) });
+        }
+        let greatest_array = scheduler::greatest_array();
+        let chunks = chunks::of(self, &open, settings.chunk.unwrap_or_default(), greatest_array);
+        let folder = submission::claim(&self.folder.join(FOLDER), before.len() + 1)?;
+        self.send(program, settings, &folder, &chunks, greatest_array).inspect_err(|_| {
+            // A submission without a job would stand in the way of the next one.
+            let _ = fs::remove_dir_all(&folder);
+        })?;
+        let submission = Submission::read(&folder)?.ok_or_else(|| CampaignError::Submitting { folder })?;
+        Ok(Submitted { left_to_queue: waiting, given_up: exhausted, ..submission.submitted() })
+    }
+
+    /// Writes a submission to `folder`, and submits it as few arrays as Slurm allows.
+    fn send(
+        &self,
+        program: &Path,
+        settings: &SlurmSettings,
+        folder: &Path,
+        chunks: &[RunRange],
+        greatest_array: usize,
+    ) -> Result<(), CampaignError> {
+        let plan =
+            std::path::absolute(&self.folder).map_err(|error| CampaignError::unreadable(&self.folder, &error))?;
+        let folder_of_plan = plan.join(FOLDER).join(folder.file_name().unwrap_or_default());
+        submission::write_chunks(folder, chunks)?;
+        let name = plan.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let script = script::Script { name: &name, plan: &plan, folder: &folder_of_plan, program, settings };
+        let path = folder_of_plan.join(submission::SCRIPT);
+        submission::write_script(&path, &script.text())?;
+        let mut jobs = Vec::new();
+        for first in (0..chunks.len()).step_by(greatest_array) {
+            let tasks = greatest_array.min(chunks.len() - first);
+            match scheduler::submit(&path, tasks, settings.max_running, first) {
+                Ok(job) => jobs.push(submission::Array { job, first, tasks }),
+                // What was submitted goes on, and is known; the rest is still missing.
+                Err(error) if jobs.is_empty() => return Err(error),
+                Err(_) => break,
+            }
+        }
+        let submitted = jobs.last().map_or(0, |last| last.first + last.tasks);
+        let runs = chunks[..submitted].iter().map(|chunk| chunk.len()).sum();
+        Record { settings: settings.clone(), arrays: jobs, runs }.write(folder)
+    }
+
+    /// How often each run was submitted.
+    fn tried(&self, before: &[Submission]) -> Vec<u32> {
+        let mut tried = vec![0; self.sweep.work().len()];
+        for chunk in before.iter().flat_map(Submission::submitted_chunks) {
+            tried.iter_mut().take(chunk.end).skip(chunk.start).for_each(|count| *count += 1);
+        }
+        tried
+    }
+
+    /// Which runs a task still waits for or does.
+    fn queued(&self, before: &[Submission]) -> Result<Vec<bool>, CampaignError> {
+        let mut queued = vec![false; self.sweep.work().len()];
+        let jobs: Vec<String> = before.iter().flat_map(Submission::jobs).collect();
+        for Task { job, index } in scheduler::queued(&jobs)? {
+            for submission in before {
+                if let Some(chunk) = submission.chunk_of(&job, index) {
+                    queued.iter_mut().take(chunk.end).skip(chunk.start).for_each(|queued| *queued = true);
+                }
+            }
+        }
+        Ok(queued)
+    }
+}
+
+fn why_nothing(progress: &Progress, waiting: usize, exhausted: usize) -> String {
+    let open = progress.missing() + progress.failed().len();
+    if open == 0 {
+        return "all runs are done".to_owned();
+    }
+    let waiting = (waiting > 0).then(|| format!("{} still wait or run in the queue", counted(waiting, "run")));
+    let exhausted =
+        (exhausted > 0).then(|| format!("{} were submitted too often already", counted(exhausted, "run")));
+    [waiting, exhausted].into_iter().flatten().collect::<Vec<_>>().join(", ")
+}

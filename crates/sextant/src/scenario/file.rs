@@ -1,0 +1,79 @@
+//! A scenario file that is read once, for many scenarios.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::document::Document;
+use super::error::ScenarioErrors;
+use super::layers;
+use super::loaded::Scenario;
+use super::sweep::SweepAxes;
+
+/// A scenario file with those that it extends, read but not checked: the settings that override it may make it valid.
+#[derive(Clone, Debug)]
+pub struct ScenarioFile {
+    document: Arc<Document>,
+    /// Empty for a text that is from no file.
+    path: PathBuf,
+    /// Paths in it are relative to this folder.
+    folder: PathBuf,
+}
+
+impl ScenarioFile {
+    /// Reads the file at `path` and those that it extends.
+    ///
+    /// # Errors
+    /// If one cannot be read or is not TOML.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ScenarioErrors> {
+        let path = path.as_ref();
+        let document = Arc::new(layers::read(path)?);
+        Ok(Self { document, path: path.to_owned(), folder: layers::folder_of(path) })
+    }
+
+    /// A text that is from no file. Files that it names are relative to the working folder.
+    pub(super) fn of_text(text: &str) -> Result<Self, ScenarioErrors> {
+        let document = Arc::new(layers::parse(text, Path::new(""))?);
+        Ok(Self { document, path: PathBuf::new(), folder: PathBuf::new() })
+    }
+
+    /// Where the file is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Paths in it are relative to this folder.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Where the files are that it was read from: those that it extends, then itself.
+    pub fn layers(&self) -> impl Iterator<Item = &Path> {
+        self.document.sources.iter().map(|source| Path::new(&source.name))
+    }
+
+    /// The scenario with the settings `set` (each `path.to.key=value`) and with `seed` instead of its own, checked.
+    ///
+    /// # Errors
+    /// If a setting is invalid or a file that it names cannot be read: all errors found.
+    pub fn scenario(&self, set: &[String], seed: Option<u64>) -> Result<Scenario, ScenarioErrors> {
+        Scenario::of(self.clone(), set.to_vec(), seed)
+    }
+
+    /// What its `[sweep]` varies, with the settings `set`. The keys of `product` keep the order of the file, and the last
+    /// key varies fastest.
+    ///
+    /// # Errors
+    /// If `[sweep]` does not have the form of [`SweepConfig`](super::SweepConfig).
+    pub fn axes(&self, set: &[String]) -> Result<SweepAxes, ScenarioErrors> {
+        Ok(SweepAxes::of(&self.overridden(set, None)?)?)
+    }
+
+    /// Its settings, overridden by `set` and `seed`.
+    pub(super) fn overridden(&self, set: &[String], seed: Option<u64>) -> Result<Document, ScenarioErrors> {
+        let mut document = Document::clone(&self.document);
+        document.override_by(set, seed, &self.folder)?;
+        Ok(document)
+    }
+}

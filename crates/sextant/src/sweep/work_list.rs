@@ -1,0 +1,179 @@
+//! The order of the work of a sweep.
+
+use std::ops::Range;
+
+use super::plan::Cell;
+
+/// The runs of a sweep in the order in which they are done, numbered from 0. Runs that share a survey follow one another:
+/// by survey, then replicate, then cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WorkList {
+    /// The cells, by survey.
+    cells: Vec<usize>,
+    /// Where each cell stands in `cells`.
+    places: Vec<usize>,
+    /// Where the cells of each survey begin in `cells`, and the end of the last.
+    starts: Vec<usize>,
+    /// Runs of each cell.
+    runs: usize,
+}
+
+/// A run of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct CellRun {
+    /// Number of the cell, from 0.
+    pub cell: usize,
+    /// Number of the run, from 0.
+    pub replicate: u32,
+}
+
+/// The smallest part of a sweep: one survey and the cells that share it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Unit {
+    pub(crate) index: usize,
+    pub(crate) replicate: u32,
+    pub(crate) cells: Vec<usize>,
+}
+
+impl WorkList {
+    /// The list of `cells`, each of which has this many `runs`.
+    pub(super) fn of(cells: &[Cell], runs: u32) -> Self {
+        let surveys = cells.iter().map(|cell| cell.survey + 1).max().unwrap_or(0);
+        let mut starts = vec![0; surveys + 1];
+        for cell in cells {
+            starts[cell.survey + 1] += 1;
+        }
+        for survey in 0..surveys {
+            starts[survey + 1] += starts[survey];
+        }
+        let mut next = starts.clone();
+        let (mut order, mut places) = (vec![0; cells.len()], vec![0; cells.len()]);
+        for (i, cell) in cells.iter().enumerate() {
+            let place = next[cell.survey];
+            next[cell.survey] += 1;
+            (order[place], places[i]) = (i, place);
+        }
+        Self { cells: order, places, starts, runs: runs as usize }
+    }
+
+    /// Number of runs.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.cells.len() * self.runs
+    }
+
+    /// Whether there is nothing to do.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The run with this number.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[must_use]
+    pub fn get(&self, number: usize) -> CellRun {
+        let (unit, within) = self.unit_at(number);
+        let survey = unit / self.runs;
+        CellRun { cell: self.cells[self.starts[survey] + within], replicate: self.replicate(unit) }
+    }
+
+    /// The number of a run; `None` if it is none of the sweep.
+    #[must_use]
+    pub fn number_of(&self, run: CellRun) -> Option<usize> {
+        let place = *self.places.get(run.cell)?;
+        let survey = self.starts.partition_point(|&start| start <= place) - 1;
+        let (start, end) = (self.starts[survey], self.starts[survey + 1]);
+        let replicate = run.replicate as usize;
+        (replicate < self.runs).then(|| self.runs * start + replicate * (end - start) + (place - start))
+    }
+
+    /// The numbers of the runs that share a survey with run `number`.
+    #[must_use]
+    pub fn shared(&self, number: usize) -> Range<usize> {
+        let (unit, within) = self.unit_at(number);
+        let survey = unit / self.runs;
+        let first = number - within;
+        first..first + self.starts[survey + 1] - self.starts[survey]
+    }
+
+    /// The number of the survey of run `number`: runs with the same one share it.
+    #[must_use]
+    pub fn survey_of(&self, number: usize) -> usize {
+        self.unit_at(number).0
+    }
+
+    /// All units.
+    pub(crate) fn units(&self) -> impl Iterator<Item = Unit> {
+        (0..(self.starts.len() - 1) * self.runs).map(|index| {
+            let survey = index / self.runs;
+            let cells = self.cells[self.starts[survey]..self.starts[survey + 1]].to_vec();
+            Unit { index, replicate: self.replicate(index), cells }
+        })
+    }
+
+    /// The units of the runs with these numbers, each with only the cells that are asked for.
+    pub(crate) fn units_of(&self, numbers: impl IntoIterator<Item = usize>) -> Vec<Unit> {
+        let mut units: Vec<Unit> = Vec::new();
+        for number in numbers {
+            let (index, _) = self.unit_at(number);
+            let CellRun { cell, replicate } = self.get(number);
+            match units.last_mut() {
+                Some(last) if last.index == index => last.cells.push(cell),
+                _ => units.push(Unit { index, replicate, cells: vec![cell] }),
+            }
+        }
+        units
+    }
+
+    /// The unit of run `number`, and which of its runs this is.
+    fn unit_at(&self, number: usize) -> (usize, usize) {
+        assert!(number < self.len(), "there is no run {number}");
+        let survey = self.starts.partition_point(|&start| start * self.runs <= number) - 1;
+        let (start, end) = (self.starts[survey], self.starts[survey + 1]);
+        let within = number - self.runs * start;
+        (survey * self.runs + within / (end - start), within % (end - start))
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "the number of runs is a u32")]
+    fn replicate(&self, unit: usize) -> u32 {
+        (unit % self.runs) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(surveys: &[usize], runs: u32) -> WorkList {
+        let cell = |&survey: &usize| Cell { settings: Vec::new(), survey, sha256: String::new() };
+        WorkList::of(&surveys.iter().map(cell).collect::<Vec<_>>(), runs)
+    }
+
+    #[test]
+    fn runs_that_share_a_survey_follow_one_another() {
+        let list = list(&[0, 1, 0], 2);
+        let runs: Vec<_> = (0..list.len()).map(|i| list.get(i)).map(|run| (run.cell, run.replicate)).collect();
+        assert_eq!(runs, [(0, 0), (2, 0), (0, 1), (2, 1), (1, 0), (1, 1)]);
+        assert_eq!((list.shared(3), list.shared(4)), (2..4, 4..5));
+        let units: Vec<_> = list.units().collect();
+        assert_eq!(units.len(), 4);
+        assert_eq!(units[1], Unit { index: 1, replicate: 1, cells: vec![0, 2] });
+        assert_eq!(list.units_of(0..list.len()), units);
+        assert_eq!(list.units_of([3, 4]).iter().map(|unit| unit.cells.clone()).collect::<Vec<_>>(), [[2], [1]]);
+    }
+
+    #[test]
+    fn each_run_has_one_number() {
+        for (surveys, runs) in [(&[0][..], 1), (&[0, 0, 0], 3), (&[0, 1, 2, 1, 0, 2, 3], 5)] {
+            let list = list(surveys, runs);
+            for number in 0..list.len() {
+                assert_eq!(list.number_of(list.get(number)), Some(number));
+                assert!(list.shared(number).contains(&number));
+            }
+            assert_eq!(list.number_of(CellRun { cell: surveys.len(), replicate: 0 }), None);
+            assert_eq!(list.number_of(CellRun { cell: 0, replicate: runs }), None);
+        }
+    }
+}
