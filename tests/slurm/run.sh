@@ -59,9 +59,8 @@ step "a node dies in the middle"
 plan study dying
 submit dying --chunk 4
 wait_for 60 "the middle of the study" has_done dying 12
-wait_for 20 "jobs on node a" runs_on a
-echo "jobs of node a when it dies:"
-squeue --noheader --array --nodelist a --states R --format '  %F_%K'
+wait_for 20 "jobs on node a" runs_tasks a 2
+echo "jobs of node a when it dies: $(squeue --noheader --array --nodelist a --states R --format %F_%K | xargs)"
 node_kill a
 if runs_processes a; then fail "processes of node a survived"; fi
 echo "node a was killed with its jobs at $(date +%T)"
@@ -106,6 +105,8 @@ if mount -t tmpfs -o size=64k sextant-test "$folder/full/parts" 2>"$folder/mount
     wait_until_idle full 60
     df --output=size,used,avail "$full_disk"
     status full
+    echo "what the jobs printed:"
+    cat "$folder"/full/slurm/000001/*.log | sort | uniq -c
     if has_done full 8; then fail "the disk was not full"; fi
     rm "$full_disk/filler.part"
     resume full

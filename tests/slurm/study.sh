@@ -15,7 +15,7 @@ local_table() {
 
 # plan SCENARIO STUDY
 plan() {
-    "$sextant" sweep "$here/$1.toml" --plan "$folder/$2" --no-trial
+    "$sextant" sweep "$here/$1.toml" --plan "$folder/$2" --no-trial | head -n 1
     [ "$(wc -l <"$folder/$2/work.jsonl")" -eq "$(($(wc -l <"$folder/tables/$1.csv") - 1))" ] ||
         fail "the work list of $2 has other rows than the table"
 }
@@ -43,7 +43,8 @@ has_done() {
 wait_until_idle() { wait_for "$2" "the jobs of $1" has_no_job "$1"; }
 has_no_job() { ! squeue --noheader --format %o | grep -qF "$folder/$1/"; }
 job_is() { scontrol show job "$1" | grep -q "JobState=$2"; }
-runs_on() { [ -n "$(squeue --noheader --nodelist "$1" --states R)" ]; }
+# runs_tasks NODE N
+runs_tasks() { [ "$(squeue --noheader --array --nodelist "$1" --states R | wc -l)" -ge "$2" ]; }
 runs_processes() { [ -n "$(node_processes "$1")" ]; }
 node_is_up() { [[ "$(node_state "$1")" =~ ^(idle|mixed|allocated)$ ]]; }
 
