@@ -13,6 +13,7 @@ mod live;
 mod man;
 mod map;
 mod options;
+mod plan_flags;
 mod reading;
 mod recover;
 mod report;
@@ -107,6 +108,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments, &interrupt),
         Command::Map(arguments) => map::execute(arguments, &interrupt),
+        Command::Sweep(arguments) if campaign::is_asked_for(arguments) => campaign::execute(arguments, &interrupt),
         Command::Sweep(arguments) => sweep::execute(arguments, &interrupt),
         Command::Reproduce(arguments) => reproduce::execute(arguments, &interrupt),
         Command::Check(arguments) => check::execute(arguments),

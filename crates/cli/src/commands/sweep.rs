@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Map, Value, json};
 
-use super::campaign;
 use super::options::{Format, Printing, ScenarioSource, Work};
+use super::plan_flags::PlanFlags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
     pub(crate) work: Work,
     /// Plans.
     #[command(flatten)]
-    pub(crate) campaign: campaign::Flags,
+    pub(crate) campaign: PlanFlags,
 }
 
 impl Arguments {
@@ -69,9 +69,6 @@ impl Arguments {
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     arguments.work.start_threads()?;
-    if campaign::is_asked_for(arguments) {
-        return campaign::execute(arguments, interrupt);
-    }
     let (source, out) = (&arguments.source, arguments.table());
     TableFormat::of(&out)?;
     let plan = Sweep::read(&source.scenario, &source.overrides.set, source.seed, arguments.runs)?;

@@ -16,8 +16,9 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 11] = [
-    "sweep", "run", "export", "forecast", "link", "mapping", "measure", "summary", "scenario", "columns", "template",
+const ROOMS: [&str; 12] = [
+    "campaign", "sweep", "run", "export", "forecast", "link", "mapping", "measure", "summary", "scenario", "columns",
+    "template",
 ];
 
 /// The modules of the command line from top to bottom.

@@ -6,6 +6,7 @@
 mod applications;
 mod architecture;
 mod bags;
+mod campaigns;
 mod captures;
 mod check;
 mod command_line;

@@ -5,11 +5,11 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use sextant_recording::output::{CsvFile, EmptyCell, OutputError, write_file};
+use sextant_recording::output::{CsvFile, EmptyCell, OutputError, PartFile};
 
 use super::error::CampaignError;
 use super::range::RunRange;
@@ -240,19 +240,21 @@ impl Part<'_> {
         let mut file = CsvFile::headless(EmptyCell::Bare);
         file.row([MARK, self.sweep.fingerprint(), &format!("{wall_s:.3}")]);
         self.rows.values().for_each(|row| file.row(row.record()));
-        write_file(&self.own, file.bytes())?;
-        // What a machine wrote is there for the others, also if it loses its power.
-        fs::File::open(&self.own)
-            .and_then(|file| file.sync_all())
-            .map_err(|error| OutputError::new(&self.own, &error))?;
-        Ok(())
+        let mut own = PartFile::create(&self.own)?;
+        own.write_all(file.bytes()).map_err(|error| OutputError::new(&self.own, &error))?;
+        // Synced, so that it is there for the others also if this machine loses its power.
+        Ok(own.finish()?)
     }
 
     /// Writes the part, which is whole, and gives it its final name.
     pub(super) fn finish(self, wall_s: f64) -> Result<(), CampaignError> {
         debug_assert_eq!(self.rows.len(), self.range.len(), "all runs of the part have a row");
         self.save(wall_s)?;
-        Ok(fs::rename(&self.own, &self.whole).map_err(|error| OutputError::new(&self.whole, &error))?)
+        match fs::rename(&self.own, &self.whole) {
+            // Another process did the same part, gave it its final name, and removed what was not finished.
+            Err(error) if error.kind() == io::ErrorKind::NotFound && self.whole.is_file() => Ok(()),
+            other => Ok(other.map_err(|error| OutputError::new(&self.whole, &error))?),
+        }
     }
 
     /// Leaves the part as it was.

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::document::Document;
 use super::error::ScenarioErrors;
 use super::layers;
-use super::loaded::Scenario;
 use super::sweep::SweepAxes;
 
 /// A scenario file with those that it extends, read but not checked: the settings that override it may make it valid.
@@ -51,14 +50,6 @@ impl ScenarioFile {
     /// Where the files are that it was read from: those that it extends, then itself.
     pub fn layers(&self) -> impl Iterator<Item = &Path> {
         self.document.sources.iter().map(|source| Path::new(&source.name))
-    }
-
-    /// The scenario with the settings `set` (each `path.to.key=value`) and with `seed` instead of its own, checked.
-    ///
-    /// # Errors
-    /// If a setting is invalid or a file that it names cannot be read: all errors found.
-    pub fn scenario(&self, set: &[String], seed: Option<u64>) -> Result<Scenario, ScenarioErrors> {
-        Scenario::of(self.clone(), set.to_vec(), seed)
     }
 
     /// What its `[sweep]` varies, with the settings `set`. The keys of `product` keep the order of the file, and the last

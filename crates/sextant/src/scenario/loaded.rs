@@ -48,6 +48,16 @@ pub struct NamedFile {
     pub path: PathBuf,
 }
 
+impl ScenarioFile {
+    /// The scenario with the settings `set` (each `path.to.key=value`) and with `seed` instead of its own, checked.
+    ///
+    /// # Errors
+    /// If a setting is invalid or a file that it names cannot be read: all errors found.
+    pub fn scenario(&self, set: &[String], seed: Option<u64>) -> Result<Scenario, ScenarioErrors> {
+        Scenario::of(self.clone(), set.to_vec(), seed)
+    }
+}
+
 impl Scenario {
     /// Reads the scenario at `path`, and checks it.
     ///
@@ -90,7 +100,7 @@ impl Scenario {
     }
 
     /// The scenario of `file` with these settings instead of its own, checked.
-    pub(super) fn of(file: ScenarioFile, set: Vec<String>, seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+    fn of(file: ScenarioFile, set: Vec<String>, seed: Option<u64>) -> Result<Self, ScenarioErrors> {
         let mut document = file.overridden(&set, seed)?;
         let text = std::mem::take(&mut document.text);
         let files = Files::of_folder(file.folder());

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
-use super::plan::flags;
 use crate::scenario::{NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity};
 use crate::summary::measures::Subjects;
 
@@ -89,6 +88,11 @@ impl Contents {
         self.0.insert(file.to_owned(), hash);
         Ok(hash)
     }
+}
+
+/// The settings of all cells, then those of a cell.
+pub(super) fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
+    set.iter().cloned().chain(settings.iter().map(Setting::line)).collect()
 }
 
 /// Octets as hexadecimal digits.

@@ -7,7 +7,7 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::column::{Column, Kind};
-use super::facts::{self, Contents, hexadecimal};
+use super::facts::{self, Contents, flags, hexadecimal};
 use super::row::{Row, written};
 use super::statistics::Mean;
 use super::work_list::WorkList;
@@ -123,7 +123,8 @@ impl Sweep {
             .zip(cells)
             .map(|(settings, (survey, sha256))| Cell { settings, survey, sha256 })
             .collect();
-        let work = WorkList::of(&cells, runs);
+        let surveys: Vec<usize> = cells.iter().map(|cell| cell.survey).collect();
+        let work = WorkList::of(&surveys, runs);
         let measures = measures::all(&subjects);
         Self { file, set, seed, runs, cells, work, keys, subjects, measures, named_files, fingerprint }
     }
@@ -289,11 +290,6 @@ fn keys(cells: &[Vec<Setting>]) -> Vec<Column> {
         keys[i].1.push(&setting.value);
     }
     keys.into_iter().map(|(key, values)| Column::new(key, kind(&values))).collect()
-}
-
-/// The settings of all cells, then those of a cell.
-pub(super) fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
-    set.iter().cloned().chain(settings.iter().map(Setting::line)).collect()
 }
 
 /// The kind of a column with these TOML values.

@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use super::plan::Cell;
-
 /// The runs of a sweep in the order in which they are done, numbered from 0. Runs that share a survey follow one another:
 /// by survey, then replicate, then cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,21 +34,21 @@ pub(crate) struct Unit {
 }
 
 impl WorkList {
-    /// The list of `cells`, each of which has this many `runs`.
-    pub(super) fn of(cells: &[Cell], runs: u32) -> Self {
-        let surveys = cells.iter().map(|cell| cell.survey + 1).max().unwrap_or(0);
-        let mut starts = vec![0; surveys + 1];
-        for cell in cells {
-            starts[cell.survey + 1] += 1;
+    /// The list of cells with these `surveys`, each of which has this many `runs`.
+    pub(super) fn of(surveys: &[usize], runs: u32) -> Self {
+        let count = surveys.iter().map(|survey| survey + 1).max().unwrap_or(0);
+        let mut starts = vec![0; count + 1];
+        for survey in surveys {
+            starts[survey + 1] += 1;
         }
-        for survey in 0..surveys {
+        for survey in 0..count {
             starts[survey + 1] += starts[survey];
         }
         let mut next = starts.clone();
-        let (mut order, mut places) = (vec![0; cells.len()], vec![0; cells.len()]);
-        for (i, cell) in cells.iter().enumerate() {
-            let place = next[cell.survey];
-            next[cell.survey] += 1;
+        let (mut order, mut places) = (vec![0; surveys.len()], vec![0; surveys.len()]);
+        for (i, &survey) in surveys.iter().enumerate() {
+            let place = next[survey];
+            next[survey] += 1;
             (order[place], places[i]) = (i, place);
         }
         Self { cells: order, places, starts, runs: runs as usize }
@@ -146,14 +144,9 @@ impl WorkList {
 mod tests {
     use super::*;
 
-    fn list(surveys: &[usize], runs: u32) -> WorkList {
-        let cell = |&survey: &usize| Cell { settings: Vec::new(), survey, sha256: String::new() };
-        WorkList::of(&surveys.iter().map(cell).collect::<Vec<_>>(), runs)
-    }
-
     #[test]
     fn runs_that_share_a_survey_follow_one_another() {
-        let list = list(&[0, 1, 0], 2);
+        let list = WorkList::of(&[0, 1, 0], 2);
         let runs: Vec<_> = (0..list.len()).map(|i| list.get(i)).map(|run| (run.cell, run.replicate)).collect();
         assert_eq!(runs, [(0, 0), (2, 0), (0, 1), (2, 1), (1, 0), (1, 1)]);
         assert_eq!((list.shared(3), list.shared(4)), (2..4, 4..5));
@@ -167,7 +160,7 @@ mod tests {
     #[test]
     fn each_run_has_one_number() {
         for (surveys, runs) in [(&[0][..], 1), (&[0, 0, 0], 3), (&[0, 1, 2, 1, 0, 2, 3], 5)] {
-            let list = list(surveys, runs);
+            let list = WorkList::of(surveys, runs);
             for number in 0..list.len() {
                 assert_eq!(list.number_of(list.get(number)), Some(number));
                 assert!(list.shared(number).contains(&number));

@@ -116,7 +116,7 @@ impl Campaign {
             // A submission without a job would stand in the way of the next one.
             let _ = fs::remove_dir_all(&folder);
         })?;
-        let submission = Submission::read(&folder)?.ok_or_else(|| CampaignError::Submitting { folder })?;
+        let submission = Submission::read(&folder)?.ok_or(CampaignError::Submitting { folder })?;
         Ok(Submitted { left_to_queue: waiting, given_up: exhausted, ..submission.submitted() })
     }
 
@@ -149,7 +149,11 @@ impl Campaign {
         }
         let submitted = jobs.last().map_or(0, |last| last.first + last.tasks);
         let runs = chunks[..submitted].iter().map(|chunk| chunk.len()).sum();
-        Record { settings: settings.clone(), arrays: jobs, runs }.write(folder)
+        let record = Record { settings: settings.clone(), arrays: jobs, runs };
+        record.write(folder).inspect_err(|_| {
+            // A job that nobody knows of would be submitted again. The error of the file is the one that is told.
+            let _ = scheduler::cancel(&record.jobs().collect::<Vec<_>>());
+        })
     }
 
     /// How often each run was submitted.

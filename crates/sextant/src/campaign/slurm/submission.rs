@@ -102,6 +102,10 @@ pub(super) fn write_script(path: &Path, text: &str) -> Result<(), CampaignError>
 }
 
 impl Record {
+    pub(super) fn jobs(&self) -> impl Iterator<Item = String> {
+        self.arrays.iter().map(|array| array.job.clone())
+    }
+
     pub(super) fn write(&self, folder: &Path) -> Result<(), CampaignError> {
         let path = folder.join(RECORD);
         let json = serde_json::to_vec_pretty(self)
@@ -140,7 +144,7 @@ impl Submission {
     }
 
     pub(super) fn jobs(&self) -> impl Iterator<Item = String> {
-        self.record.arrays.iter().map(|array| array.job.clone())
+        self.record.jobs()
     }
 
     /// The chunks that were submitted: all, unless Slurm refused a later array.
