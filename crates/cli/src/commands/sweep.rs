@@ -5,6 +5,7 @@ mod existing;
 
 use std::io::{self, Write};
 use std::num::NonZeroU32;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -18,7 +19,9 @@ use crate::terminal::Watcher;
 use existing::Start;
 use sextant::columns::{Align, columns};
 use sextant::summary::Measure;
-use sextant::sweep::{Column, Mean, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, extend, write_table};
+use sextant::sweep::{
+    Column, Mean, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, extend, rows_of, write_table,
+};
 use sextant_kernel::text::counted;
 
 /// Arguments of `sextant sweep`.
@@ -147,6 +150,9 @@ fn print_plan(plan: &Sweep, out: &Path, stdout: &mut impl Write) -> io::Result<(
     Ok(())
 }
 
+/// Of a large sweep, so many cells are printed.
+const MOST_CELLS: usize = 100;
+
 /// The rows of a sweep, summarised for each cell.
 pub(super) struct Results<'a> {
     pub(super) plan: &'a Sweep,
@@ -166,7 +172,7 @@ impl Results<'_> {
     /// `-` without a value.
     fn written(&self, path: &str) -> Vec<String> {
         let mean = |cell: usize| self.plan.mean(self.rows, cell, self.measure(path)?);
-        let means: Vec<Option<Mean>> = (0..self.plan.cells().len()).map(mean).collect();
+        let means: Vec<Option<Mean>> = self.shown().map(mean).collect();
         let largest = means.iter().flatten().map(|mean| mean.mean.abs()).fold(0.0, f64::max);
         let (factor, unit) = self.measure(path).map_or((1.0, ""), |measure| measure.unit().for_size(largest));
         let text = |mean: Option<Mean>| mean.map_or_else(|| "-".to_owned(), |mean| mean.times(factor).rounded(unit));
@@ -177,9 +183,9 @@ impl Results<'_> {
         self.plan.measures().iter().find(|measure| measure.path() == path)
     }
 
-    fn failed(&self, cell: Option<usize>) -> usize {
-        let rows = self.rows.iter().filter(|row| cell.is_none_or(|cell| row.cell == cell));
-        rows.filter(|row| row.outcome.is_err()).count()
+    /// The cells that are printed.
+    fn shown(&self) -> Range<usize> {
+        0..self.plan.cells().len().min(MOST_CELLS)
     }
 
     /// The names of the measures of whole runs that are printed, with their paths: those of which any cell has a value.
@@ -211,8 +217,8 @@ impl Results<'_> {
     }
 
     fn print(&self, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
-        let cells = 0..self.plan.cells().len();
-        let count = |i: usize| self.rows.iter().filter(|row| row.cell == i).count() - self.failed(Some(i));
+        let cells = self.shown();
+        let count = |i: usize| rows_of(self.rows, i).iter().filter(|row| row.outcome.is_ok()).count();
         let mut named = vec![
             ("cell".to_owned(), cells.clone().map(|i| i.to_string()).collect()),
             ("runs".to_owned(), cells.clone().map(|i| count(i).to_string()).collect()),
@@ -232,7 +238,11 @@ impl Results<'_> {
         let row = |i: usize| named.iter().map(|(_, texts): &(String, Vec<String>)| texts[i].clone()).collect();
         let rows: Vec<_> = [header].into_iter().chain(cells.map(row)).collect();
         columns(&rows, &align, stdout)?;
-        let failed = self.failed(None);
+        let left_out = self.plan.cells().len() - self.shown().len();
+        if left_out > 0 {
+            writeln!(stdout, "and {} that are in the table only", counted(left_out, "cell"))?;
+        }
+        let failed = failed(self.rows);
         let failures = if failed > 0 { format!(", {failed} of them failed (column error)") } else { String::new() };
         writeln!(stdout, "\n{}: {}{failures}", out.display(), counted(self.rows.len(), "run"))
     }
@@ -247,11 +257,15 @@ impl Results<'_> {
                     means.insert(measure.name(), mean.json().into());
                 }
             }
-            json!({"cell": i, "settings": settings, "failed": self.failed(Some(i)), "measures": means})
+            json!({"cell": i, "settings": settings, "failed": failed(rows_of(self.rows, i)), "measures": means})
         });
         json!({"sweep": {"runs": self.plan.runs(), "seed": self.plan.seed(), "rows": self.rows.len(),
                          "cells": cells.collect::<Vec<_>>()}})
     }
+}
+
+fn failed(rows: &[Row]) -> usize {
+    rows.iter().filter(|row| row.outcome.is_err()).count()
 }
 
 /// The shortest end of each key that no other key has: `p0` for `maps.0.algorithm.ml_tm.profile.trapezoid.p0`.

@@ -31,7 +31,7 @@ pub use described::{ColumnSubject, DescribedColumn, described_columns};
 pub use error::{SweepError, TableError};
 pub use figures::{StudyDrawing, StudyFigures};
 pub use finished_table::FinishedTable;
-pub use plan::{Cell, Sweep};
+pub use plan::{Cell, Sweep, rows_of};
 pub use row::Row;
 pub use shard::Shard;
 pub use share::Share;

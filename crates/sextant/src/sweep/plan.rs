@@ -209,15 +209,17 @@ impl Sweep {
         &self.keys
     }
 
-    /// The values of a measure in the successful runs of a cell, each with the number of the run.
+    /// The values of a measure in the successful runs of a cell, each with the number of the run. The rows are in the order
+    /// of their cells.
     #[must_use]
     pub fn values_of(&self, rows: &[Row], cell: usize, measure: &Measure) -> Vec<(u32, f64)> {
         let Some(at) = self.measures.iter().position(|other| other == measure) else { return Vec::new() };
         let value = |row: &Row| Some((row.replicate, row.outcome.as_ref().ok()?[at]?));
-        rows.iter().filter(|row| row.cell == cell).filter_map(value).collect()
+        rows_of(rows, cell).iter().filter_map(value).collect()
     }
 
-    /// The mean of a measure over the successful runs of a cell; `None` if there are none, or it does not apply.
+    /// The mean of a measure over the successful runs of a cell; `None` if there are none, or it does not apply. The rows are in
+    /// the order of their cells.
     #[must_use]
     pub fn mean(&self, rows: &[Row], cell: usize, measure: &Measure) -> Option<Mean> {
         let values: Vec<f64> = self.values_of(rows, cell, measure).into_iter().map(|(_, value)| value).collect();
@@ -259,6 +261,14 @@ impl Sweep {
         };
         self.keys.iter().map(value).collect()
     }
+}
+
+/// The rows of a cell, of rows in the order of their cells.
+#[must_use]
+pub fn rows_of(rows: &[Row], cell: usize) -> &[Row] {
+    let start = rows.partition_point(|row| row.cell < cell);
+    let end = rows.partition_point(|row| row.cell <= cell);
+    &rows[start..end]
 }
 
 /// The settings that vary, in the order in which the cells name them.

@@ -75,6 +75,12 @@ fn refuse_flags_of_scenarios(arguments: &sweep::Arguments) -> Result<(), Failure
 fn collect(campaign: &Campaign, arguments: &sweep::Arguments) -> Result<(), Failure> {
     let out = arguments.out.clone().unwrap_or_else(|| default_table(campaign));
     TableFormat::of(&out)?;
+    if out.exists() && !arguments.force {
+        return Err(Failure::bad_input_with_help(
+            format!("`{}` exists", out.display()),
+            "`--force` replaces it, `--out TABLE` names another table",
+        ));
+    }
     let rows = campaign.collect()?;
     write_table(&out, campaign.sweep(), &rows)?;
     let results = Results { plan: campaign.sweep(), rows: &rows };
