@@ -12,11 +12,13 @@ use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
-use sextant::mapping::tiles::{self, TileCount, Tiling};
+use sextant::NumberRange;
+use sextant::mapping::tiles::{self, KeptTiles, TileCount, Tiling};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
 use sextant_figure::Figure;
+use sextant_kernel::text::counted;
 use sextant_logs::{self as robot_log, Names};
 use sextant_recording::SCENARIO_ATTACHMENT;
 use sextant_recording::output::{open_folder, write_file};
@@ -87,6 +89,13 @@ pub(crate) struct Arguments {
     /// beside --out
     #[arg(long, value_name = "N|auto|auto:MB", conflicts_with = "figure")]
     pub(crate) tiles: Option<TileCount>,
+    /// With --tiles: keep each finished tile in this folder, and use those that are there: of an interrupted run, or made by
+    /// other machines
+    #[arg(long, value_name = "DIR", requires = "tiles")]
+    pub(crate) keep_tiles: Option<PathBuf>,
+    /// With --keep-tiles: make only the tiles A to B - 1, from 0, and write no map
+    #[arg(long, value_name = "A..B", requires = "keep_tiles", conflicts_with_all = ["out", "summary"])]
+    pub(crate) only_tiles: Option<NumberRange>,
     /// Settings that override those of the maps.
     #[command(flatten)]
     pub(crate) overrides: Overrides,
@@ -178,7 +187,14 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         Some((count, survey)) => {
             let tiling = Tiling::new(&input, &survey, &settings, count)?;
             arguments.work.note(&tiling.to_string());
-            tiles::map_tiles(&mut input, (survey, tiling), &settings, out, start, &watcher)?
+            let (only, folder) = (arguments.only_tiles, arguments.keep_tiles.clone());
+            let kept = folder.map(|folder| KeptTiles { folder, only });
+            if let (Some(only), Some(kept)) = (only, &kept) {
+                let made = tiles::make_tiles(&mut input, (survey, tiling), &settings, kept, &watcher);
+                watcher.clear();
+                return Ok(writeln!(io::stdout(), "{only} of {} are kept", counted(made?, "tile"))?);
+            }
+            tiles::map_tiles(&mut input, (survey, tiling), &settings, (out, kept.as_ref()), start, &watcher)?
         }
         None => mapping::map(&mut input, &settings, out, start, &watcher)?,
     };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use sextant::campaign::RunRange;
+use sextant::NumberRange;
 use sextant::campaign::slurm::{Chunk, SlurmSettings};
 
 /// Flags of plans.
@@ -36,7 +36,7 @@ pub(super) struct Action {
     /// Of a plan: do the runs A to B - 1 of its work list, which is numbered from 0. Ends with exit code 75 on SIGTERM, and
     /// keeps what is done
     #[arg(long, value_name = "A..B", conflicts_with = "resume")]
-    pub(super) cells: Option<RunRange>,
+    pub(super) cells: Option<NumberRange>,
     /// Of a plan: submit all of it to this scheduler
     #[arg(long, value_name = "SCHEDULER", conflicts_with = "resume")]
     pub(super) submit: Option<Scheduler>,

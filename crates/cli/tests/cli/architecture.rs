@@ -16,8 +16,19 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 12] = [
-    "campaign", "sweep", "run", "export", "forecast", "link", "mapping", "measure", "summary", "scenario", "columns",
+const ROOMS: [&str; 13] = [
+    "campaign",
+    "sweep",
+    "run",
+    "export",
+    "forecast",
+    "link",
+    "mapping",
+    "measure",
+    "summary",
+    "scenario",
+    "columns",
+    "number_range",
     "template",
 ];
 

@@ -211,3 +211,53 @@ fn files(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned()).collect()
 }
+
+#[test]
+fn tiles_that_are_kept_by_several_processes_give_the_map_of_one() {
+    let recorded = Recorded::of("ml-tm/classics.toml");
+    for words in [&["--algorithm", "ml-tm"][..], &["--algorithm", "link-model"], &[]] {
+        let maps = TempDir::new().expect("there is room");
+        let kept = maps.path().to_str().expect("UTF-8");
+        let make = |tiles: &str| {
+            let mut command = sextant();
+            command.arg("map").arg(recorded.file("run.mcap")).args(words).args(["--tiles", "6"]);
+            let output = command.args(["--keep-tiles", kept, "--only-tiles", tiles]).output().expect("it starts");
+            (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned(), output.stderr)
+        };
+        let output = recorded.map("refused.csv", &[words, &["--tiles", "6"]].concat());
+        if !output.status.success() {
+            // The maps of the scenario have some that cannot be made in tiles.
+            continue;
+        }
+        std::fs::remove_file(recorded.file("refused.csv")).expect("it is there");
+        let (map, summary) = recorded.mapped(words);
+        assert_eq!(make("2..5").1, "2..5 of 6 tiles are kept\n", "{words:?}");
+        assert_eq!(make("0..3").0, Some(0), "a tile may be asked for twice");
+        let all = [words, &["--tiles", "6", "--keep-tiles", kept]].concat();
+        let (joined, of_joined) = recorded.mapped(&all);
+        assert!(joined == map, "{words:?}: the map is another one");
+        assert_eq!(of_joined, summary, "{words:?}");
+        let (code, _, stderr) = make("5..7");
+        let message = String::from_utf8_lossy(&stderr).into_owned();
+        assert!(code == Some(2) && message.contains("there are no tiles 5..7"), "{message}");
+    }
+    std::fs::remove_file(recorded.file("map.csv")).expect("it is there");
+}
+
+#[test]
+fn tiles_of_other_settings_are_refused() {
+    let recorded = Recorded::of("smoke.toml");
+    let kept = recorded.folder.path().join("kept");
+    let words = ["--algorithm", "ml-tm", "--tiles", "2", "--keep-tiles", kept.to_str().expect("UTF-8")];
+    assert!(recorded.map("a.csv", &words).status.success());
+    let other = [&words[..], &["--set", "maps.0.algorithm.ml_tm.grid_step_m=0.4"]].concat();
+    let output = recorded.map("b.csv", &other);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("cannot be used as a finished tile"), "{message}");
+    let tile = kept.join("ml-tm/000001.csv");
+    let text = std::fs::read_to_string(&tile).expect("a tile");
+    std::fs::write(&tile, text.replacen("\n0,", "\nx,", 1)).expect("there is room");
+    let output = recorded.map("c.csv", &words);
+    assert!(!output.status.success() && !recorded.file("c.csv").exists());
+}

@@ -51,11 +51,19 @@ pub(crate) fn map_parts(
         estimates: vec![None; nodes],
         ..TopologyMap::of_places(name, Vec::new(), CoordinateFrame::World)
     };
+    let wanted = (0..parts.count()).filter(|&part| parts.is_wanted(part)).count();
     // A part takes about as long as the whole divided by their number; how long that is, only the parts can say.
-    watch.begin(Work { name, unit: "tile", steps: parts.count() as u64, operations: 0.0 });
-    for part in 0..parts.count() {
+    watch.begin(Work { name, unit: "tile", steps: wanted as u64, operations: 0.0 });
+    for part in (0..parts.count()).filter(|&part| parts.is_wanted(part)) {
         watch.check()?;
-        let of_part = law.map_part(parts.nodes(part), &parts.read(part)?, &Unreported(watch))?;
+        let of_part = match parts.made(part)? {
+            Some(made) => made,
+            None => {
+                let made = law.map_part(parts.nodes(part), &parts.read(part)?, &Unreported(watch))?;
+                parts.keep(part, &made)?;
+                made
+            }
+        };
         for (node, estimate) in parts.nodes(part).iter().zip(of_part.estimates) {
             map.estimates[node.index()] = estimate;
         }

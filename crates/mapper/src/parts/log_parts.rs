@@ -6,7 +6,7 @@ use sextant_channel::{Reception, ReceptionLog, ReceptionLogBuilder};
 use sextant_kernel::{NodeId, Watch};
 
 use super::PartsError;
-use crate::MapError;
+use crate::{MapError, TopologyMap};
 
 /// A log that is read part by part, as often as needed. Each node that was heard belongs to one part.
 pub trait LogParts: fmt::Debug {
@@ -25,6 +25,27 @@ pub trait LogParts: fmt::Debug {
     /// # Errors
     /// If it cannot be read.
     fn read(&self, part: usize) -> Result<ReceptionLog, PartsError>;
+
+    /// Whether a part is to be mapped. The nodes of others have no estimate.
+    fn is_wanted(&self, _part: usize) -> bool {
+        true
+    }
+
+    /// The map of a part, if it was made and kept before.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    fn made(&self, _part: usize) -> Result<Option<TopologyMap>, PartsError> {
+        Ok(None)
+    }
+
+    /// Keeps the map of a part, so that it need not be made again.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    fn keep(&self, _part: usize, _map: &TopologyMap) -> Result<(), PartsError> {
+        Ok(())
+    }
 }
 
 /// Looks at a part: its nodes and its log.

@@ -6,7 +6,7 @@ use sextant_kernel::Interrupted;
 use sextant_kernel::text::{counted, listed};
 use sextant_recording::output::OutputError;
 
-use super::range::RunRange;
+use crate::number_range::NumberRange;
 use crate::scenario::ScenarioErrors;
 use crate::sweep::TableError;
 
@@ -64,7 +64,7 @@ pub enum CampaignError {
     #[error("there are no runs {found}; the plan has the runs 0..{runs}")]
     Range {
         /// The range.
-        found: RunRange,
+        found: NumberRange,
         /// Number of runs of the plan.
         runs: usize,
     },
@@ -86,7 +86,7 @@ pub enum CampaignError {
     #[error(
         "{missing} of {} are missing: {}",
         counted(*.runs, "run"),
-        listed(&.ranges.iter().map(RunRange::to_string).collect::<Vec<_>>())
+        listed(&.ranges.iter().map(NumberRange::to_string).collect::<Vec<_>>())
     )]
     Missing {
         /// Number of runs that are missing.
@@ -94,7 +94,7 @@ pub enum CampaignError {
         /// Number of runs of the plan.
         runs: usize,
         /// Which.
-        ranges: Vec<RunRange>,
+        ranges: Vec<NumberRange>,
     },
     /// A program of the cluster cannot be called, or refused.
     #[error("`{command}` failed: {why}")]

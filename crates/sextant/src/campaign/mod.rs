@@ -17,14 +17,12 @@ mod error;
 mod part;
 mod plan_file;
 mod progress;
-mod range;
 pub mod slurm;
 mod work_file;
 
 pub use error::CampaignError;
 pub use plan_file::Estimate;
 pub use progress::{FailedRun, Pace, Progress};
-pub use range::RunRange;
 
 use std::fs;
 use std::io;
@@ -35,6 +33,7 @@ use rayon::prelude::*;
 use sextant_kernel::{Interrupted, Watch, Work};
 use sextant_recording::output::OutputError;
 
+use crate::number_range::NumberRange;
 use crate::summary::Stopwatch;
 use crate::sweep::{Row, Sweep, Trial, unit};
 use part::Parts;
@@ -142,7 +141,7 @@ impl Campaign {
     /// # Errors
     /// If the range has runs that the plan has not, a part cannot be read or written or is of another plan, or the work is
     /// stopped. A run that fails is a row with its error.
-    pub fn run(&self, range: RunRange, watch: &dyn Watch) -> Result<usize, CampaignError> {
+    pub fn run(&self, range: NumberRange, watch: &dyn Watch) -> Result<usize, CampaignError> {
         let work = self.sweep.work();
         if range.end > work.len() {
             return Err(CampaignError::Range { found: range, runs: work.len() });

@@ -12,7 +12,7 @@ use std::time::SystemTime;
 use sextant_recording::output::{CsvFile, EmptyCell, OutputError, PartFile};
 
 use super::error::CampaignError;
-use super::range::RunRange;
+use crate::number_range::NumberRange;
 use crate::sweep::{CellRun, Row, Sweep};
 
 /// Begins the first line of a part.
@@ -28,7 +28,7 @@ pub(super) struct Parts<'a> {
 /// The name of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Name {
-    range: RunRange,
+    range: NumberRange,
     /// The number of the process, unless the part is finished.
     unfinished: Option<u32>,
 }
@@ -45,7 +45,7 @@ pub(super) struct Written {
 pub(super) struct Done {
     /// By number in the work list. A run that succeeded in any part has succeeded.
     rows: BTreeMap<usize, Row>,
-    whole: Vec<RunRange>,
+    whole: Vec<NumberRange>,
     unfinished: Vec<PathBuf>,
     pub(super) written: Vec<Written>,
 }
@@ -54,7 +54,7 @@ pub(super) struct Done {
 #[derive(Debug)]
 pub(super) struct Part<'a> {
     sweep: &'a Sweep,
-    range: RunRange,
+    range: NumberRange,
     rows: BTreeMap<usize, Row>,
     /// The file of this process.
     own: PathBuf,
@@ -64,7 +64,7 @@ pub(super) struct Part<'a> {
 impl Name {
     /// Numbers are padded, so that a listing is in their order.
     fn text(self) -> String {
-        let RunRange { start, end } = self.range;
+        let NumberRange { start, end } = self.range;
         let unfinished = self.unfinished.map_or_else(String::new, |number| format!(".unfinished-{number:03}"));
         format!("{start:09}-{end:09}{unfinished}.csv")
     }
@@ -76,7 +76,7 @@ impl Name {
             None => (stem, None),
         };
         let (start, end) = numbers.split_once('-')?;
-        let range = RunRange { start: start.parse().ok()?, end: end.parse().ok()? };
+        let range = NumberRange { start: start.parse().ok()?, end: end.parse().ok()? };
         (!range.is_empty()).then_some(Self { range, unfinished })
     }
 }
@@ -92,14 +92,14 @@ impl<'a> Parts<'a> {
     }
 
     /// What is done of the runs in `range`.
-    pub(super) fn read_within(&self, range: RunRange) -> Result<Done, CampaignError> {
+    pub(super) fn read_within(&self, range: NumberRange) -> Result<Done, CampaignError> {
         let mut done = self.read_where(|other| other.start < range.end && range.start < other.end)?;
         done.rows.retain(|number, _| range.has(*number));
         done.unfinished.retain(|path| name_of(path).is_some_and(|name| name.range == range));
         Ok(done)
     }
 
-    fn read_where(&self, wanted: impl Fn(RunRange) -> bool) -> Result<Done, CampaignError> {
+    fn read_where(&self, wanted: impl Fn(NumberRange) -> bool) -> Result<Done, CampaignError> {
         let unreadable = |error: io::Error| CampaignError::unreadable(&self.folder, &error);
         let mut done = Done { rows: BTreeMap::new(), whole: Vec::new(), unfinished: Vec::new(), written: Vec::new() };
         for entry in fs::read_dir(&self.folder).map_err(unreadable)? {
@@ -164,7 +164,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Begins the part `range`, of which the rows `before` are finished.
-    pub(super) fn begin(&self, range: RunRange, before: BTreeMap<usize, Row>) -> Result<Part<'a>, CampaignError> {
+    pub(super) fn begin(&self, range: NumberRange, before: BTreeMap<usize, Row>) -> Result<Part<'a>, CampaignError> {
         let mut number = 1;
         let own = loop {
             let path = self.folder.join(Name { range, unfinished: Some(number) }.text());
@@ -197,7 +197,7 @@ impl Done {
     }
 
     /// Whether there is a finished part of just these runs.
-    pub(super) fn has_whole(&self, range: RunRange) -> bool {
+    pub(super) fn has_whole(&self, range: NumberRange) -> bool {
         self.whole.contains(&range)
     }
 
@@ -270,7 +270,7 @@ mod tests {
 
     #[test]
     fn a_name_is_read_as_it_is_written() {
-        let range = RunRange { start: 64, end: 1000 };
+        let range = NumberRange { start: 64, end: 1000 };
         for (unfinished, text) in
             [(None, "000000064-000001000.csv"), (Some(2), "000000064-000001000.unfinished-002.csv")]
         {

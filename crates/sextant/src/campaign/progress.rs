@@ -3,7 +3,7 @@
 use std::time::{Duration, SystemTime};
 
 use super::part::{Done, Written};
-use super::range::RunRange;
+use crate::number_range::NumberRange;
 use crate::sweep::{CellRun, Sweep};
 
 /// How far a plan is.
@@ -92,8 +92,8 @@ impl Progress {
 
     /// The runs without a row.
     #[must_use]
-    pub fn missing_ranges(&self) -> Vec<RunRange> {
-        RunRange::joined(self.numbers(|state| state == State::Missing))
+    pub fn missing_ranges(&self) -> Vec<NumberRange> {
+        NumberRange::joined(self.numbers(|state| state == State::Missing))
     }
 
     /// The numbers of the runs that are missing or failed.

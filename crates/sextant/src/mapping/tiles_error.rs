@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::number_range::NumberRange;
+
 /// Why a log cannot be mapped tile by tile.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TilesError {
@@ -65,6 +67,22 @@ pub enum TilesError {
         /// The file.
         path: PathBuf,
         /// The system's answer.
+        why: String,
+    },
+    /// The log has no such tiles.
+    #[error("there are no tiles {found}; the log has the tiles 0..{tiles}")]
+    NoSuchTiles {
+        /// The tiles that are asked for.
+        found: NumberRange,
+        /// Number of tiles.
+        tiles: usize,
+    },
+    /// A tile that is kept cannot be read or written.
+    #[error("`{}` cannot be used as a finished tile: {why}", .path.display())]
+    Kept {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
         why: String,
     },
     /// The log has other receptions than when it was read first.

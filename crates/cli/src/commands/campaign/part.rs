@@ -6,12 +6,13 @@ use super::super::sweep;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
-use sextant::campaign::{Campaign, CampaignError, RunRange};
+use sextant::NumberRange;
+use sextant::campaign::{Campaign, CampaignError};
 use sextant_kernel::text::counted;
 
 pub(super) fn execute(
     campaign: &Campaign,
-    range: RunRange,
+    range: NumberRange,
     arguments: &sweep::Arguments,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {

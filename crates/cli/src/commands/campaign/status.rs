@@ -8,8 +8,9 @@ use serde_json::{Value, json};
 use super::super::options::Printing;
 use super::plan::duration;
 use crate::diagnostic::Failure;
+use sextant::NumberRange;
 use sextant::campaign::slurm::Submitted;
-use sextant::campaign::{Campaign, FailedRun, Progress, RunRange};
+use sextant::campaign::{Campaign, FailedRun, Progress};
 use sextant_kernel::text::{counted, listed};
 
 pub(super) fn print(campaign: &Campaign, printing: Printing) -> Result<(), Failure> {
@@ -69,7 +70,7 @@ fn by_reason(failed: &[FailedRun]) -> BTreeMap<&str, Vec<&FailedRun>> {
     reasons
 }
 
-fn texts(ranges: &[RunRange]) -> Vec<String> {
+fn texts(ranges: &[NumberRange]) -> Vec<String> {
     ranges.iter().map(ToString::to_string).collect()
 }
 

@@ -1,7 +1,8 @@
 //! The runs of each task.
 
-use super::super::{Campaign, RunRange};
+use super::super::Campaign;
 use super::settings::Chunk;
+use crate::number_range::NumberRange;
 
 /// A task should take so long (s): much longer than its start, and short enough for a queue.
 const LONGEST_TASK_S: f64 = 900.0;
@@ -11,17 +12,17 @@ const SHORTEST_TASK_S: f64 = 10.0;
 const USUAL_TASKS: f64 = 64.0;
 
 /// Shares the runs `open`, which are in order, among tasks. Runs that share a survey stay together.
-pub(super) fn of(campaign: &Campaign, open: &[usize], chunk: Chunk, greatest_array: usize) -> Vec<RunRange> {
+pub(super) fn of(campaign: &Campaign, open: &[usize], chunk: Chunk, greatest_array: usize) -> Vec<NumberRange> {
     let runs = match chunk {
         Chunk::Runs(runs) => runs.get(),
         Chunk::Auto => automatic(open.len(), campaign.estimate().map(|all| all.total_s), campaign, greatest_array),
     };
-    let mut chunks: Vec<RunRange> = Vec::new();
+    let mut chunks: Vec<NumberRange> = Vec::new();
     for &number in open {
         let begins_survey = campaign.sweep().work().shared(number).start == number;
         match chunks.last_mut() {
             Some(last) if last.end == number && (last.len() < runs || !begins_survey) => last.end += 1,
-            _ => chunks.push(RunRange { start: number, end: number + 1 }),
+            _ => chunks.push(NumberRange { start: number, end: number + 1 }),
         }
     }
     chunks

@@ -19,8 +19,8 @@ use std::path::Path;
 use sextant_kernel::text::counted;
 
 use super::error::CampaignError;
-use super::range::RunRange;
 use super::{Campaign, Progress};
+use crate::number_range::NumberRange;
 use scheduler::Task;
 use submission::{Record, Submission};
 
@@ -126,7 +126,7 @@ impl Campaign {
         program: &Path,
         settings: &SlurmSettings,
         folder: &Path,
-        chunks: &[RunRange],
+        chunks: &[NumberRange],
         greatest_array: usize,
     ) -> Result<(), CampaignError> {
         let plan =

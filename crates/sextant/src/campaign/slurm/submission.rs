@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sextant_recording::output::{OutputError, write_file};
 
-use super::super::RunRange;
 use super::super::error::CampaignError;
 use super::settings::SlurmSettings;
+use crate::number_range::NumberRange;
 
 /// The job script.
 pub(super) const SCRIPT: &str = "job.sh";
@@ -78,7 +78,7 @@ pub(super) struct Array {
 pub(super) struct Submission {
     folder: PathBuf,
     pub(super) record: Record,
-    chunks: Vec<RunRange>,
+    chunks: Vec<NumberRange>,
 }
 
 /// Makes the folder of submission `number`. If two processes ask for the same number, one gets it.
@@ -92,7 +92,7 @@ pub(super) fn claim(folder: &Path, number: usize) -> Result<PathBuf, CampaignErr
     }
 }
 
-pub(super) fn write_chunks(folder: &Path, chunks: &[RunRange]) -> Result<(), CampaignError> {
+pub(super) fn write_chunks(folder: &Path, chunks: &[NumberRange]) -> Result<(), CampaignError> {
     let lines: String = chunks.iter().map(|chunk| format!("{chunk}\n")).collect();
     Ok(write_file(&folder.join(CHUNKS), lines.as_bytes())?)
 }
@@ -148,13 +148,13 @@ impl Submission {
     }
 
     /// The chunks that were submitted: all, unless Slurm refused a later array.
-    pub(super) fn submitted_chunks(&self) -> &[RunRange] {
+    pub(super) fn submitted_chunks(&self) -> &[NumberRange] {
         let end = self.record.arrays.last().map_or(0, |last| last.first + last.tasks);
         &self.chunks[..end.min(self.chunks.len())]
     }
 
     /// The runs of a task.
-    pub(super) fn chunk_of(&self, job: &str, index: usize) -> Option<RunRange> {
+    pub(super) fn chunk_of(&self, job: &str, index: usize) -> Option<NumberRange> {
         let array = self.record.arrays.iter().find(|array| array.job == job)?;
         self.chunks.get(array.first + index).copied()
     }

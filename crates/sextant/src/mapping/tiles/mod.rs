@@ -6,6 +6,7 @@
 
 mod budget;
 mod census;
+mod kept;
 mod pipeline;
 mod plan;
 mod row;
@@ -14,6 +15,7 @@ mod survey;
 mod tile_count;
 mod tiled_log;
 
-pub use pipeline::{Tiling, map_tiles};
+pub use kept::KeptTiles;
+pub use pipeline::{Tiling, make_tiles, map_tiles};
 pub use survey::{Survey, survey};
 pub use tile_count::{TileCount, UnknownTileCount};

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use sextant_channel::Reception;
 use sextant_kernel::text::counted;
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::Knowledge;
+use sextant_mapper::{EstimatorFindings, Knowledge, TopologyMap};
 use sextant_recording as recording;
 
 use super::budget::{Budget, free_bytes};
+use super::kept::KeptTiles;
 use super::plan::{Plan, tiles};
 use super::spill::Spill;
 use super::survey::{Survey, looked};
@@ -19,8 +20,8 @@ use crate::Summary;
 use crate::mapping::TilesError;
 use crate::mapping::pipeline::{Stages, knowledge};
 use crate::mapping::{ComputedMap, Input, MapLogError};
-use crate::scenario::MapSettings;
-use crate::summary::Stopwatch;
+use crate::scenario::{MapJob, MapSettings};
+use crate::summary::{LogCounts, Stopwatch};
 
 /// How a log is divided, and what that takes.
 #[derive(Clone, Debug)]
@@ -87,7 +88,8 @@ impl fmt::Display for Tiling {
 }
 
 /// Computes the maps of `settings` tile by tile, and does with them what [`map`](crate::mapping::map) does. The temporary file
-/// is beside `out`, or in the folder of the system for such files.
+/// is beside `out`, or in the folder of the system for such files. Tiles that are `kept` are not made again, and each one that
+/// is made is kept.
 ///
 /// # Errors
 /// If a map cannot be computed or a file cannot be written.
@@ -95,10 +97,61 @@ pub fn map_tiles<'a>(
     input: &mut Input,
     (survey, tiling): (Survey, Tiling),
     settings: &'a MapSettings,
-    out: Option<&Path>,
+    (out, kept): (Option<&Path>, Option<&KeptTiles>),
     start: Stopwatch,
     watch: &dyn Watch,
 ) -> Result<(Summary, Vec<ComputedMap<'a>>), MapLogError> {
+    let (log, counts) = tiled(input, (survey, tiling), out, watch)?;
+    let stages = Stages { settings, out, start, watch, counts };
+    stages.run(input, &mut |input, job| mapped(input, &log, settings, job, kept, watch))
+}
+
+/// Makes tiles of the maps of `settings`, and keeps them: no map is written. Returns how many tiles there are of each map.
+///
+/// # Errors
+/// If a tile cannot be made or kept, or there is none of those that are asked for.
+pub fn make_tiles(
+    input: &mut Input,
+    (survey, tiling): (Survey, Tiling),
+    settings: &MapSettings,
+    kept: &KeptTiles,
+    watch: &dyn Watch,
+) -> Result<usize, MapLogError> {
+    let tiles = tiling.plan.tiles.len();
+    kept.check(tiles)?;
+    kept.open()?;
+    // The temporary file must not be that of another process which makes tiles of this log.
+    let own = kept.folder.join(format!("{}", std::process::id()));
+    let (log, _) = tiled(input, (survey, tiling), Some(&own), watch)?;
+    for job in &settings.maps {
+        mapped(input, &log, settings, job, Some(kept), watch)?;
+    }
+    Ok(tiles)
+}
+
+/// The map `job`, with the tiles that are `kept`.
+fn mapped(
+    input: &Input,
+    log: &TiledLog,
+    settings: &MapSettings,
+    job: &MapJob,
+    kept: Option<&KeptTiles>,
+    watch: &dyn Watch,
+) -> Result<(TopologyMap, Option<EstimatorFindings>), MapLogError> {
+    let knowledge = knowledge(input, settings, Knowledge::from(input.log()));
+    Ok(match kept {
+        Some(kept) => job.mapper.map_parts(&kept.of_map(log, input, (settings, job))?, knowledge, watch)?,
+        None => job.mapper.map_parts(log, knowledge, watch)?,
+    })
+}
+
+/// Puts the receptions of a log into the tiles of its plan.
+fn tiled(
+    input: &mut Input,
+    (survey, tiling): (Survey, Tiling),
+    out: Option<&Path>,
+    watch: &dyn Watch,
+) -> Result<(TiledLog, LogCounts), MapLogError> {
     let Survey { census, rows } = survey;
     let mut spill = Spill::create(&temporary(out), tiling.plan.tiles.len(), tiling.spilled_bytes)?;
     let router = Router::new(&tiling.plan, tiling.nodes);
@@ -123,20 +176,14 @@ pub fn map_tiles<'a>(
     spill.finish()?;
     drop(router);
     let whole = input.log().clone();
-    let (log, counts) = match rows {
+    match rows {
         Some(rows) => {
             let (log, notes, counts) = TiledLog::of_rows(whole, tiling.plan, spill, rows, watch)?;
             input.notes.extend(notes);
-            (log, counts)
+            Ok((log, counts))
         }
-        None => (TiledLog::new(whole, tiling.plan, spill, census.columns.sectors), census.log_counts()),
-    };
-    drop(census);
-    let stages = Stages { settings, out, start, watch, counts };
-    stages.run(input, &mut |input, job| {
-        let knowledge = knowledge(input, settings, Knowledge::from(input.log()));
-        Ok(job.mapper.map_parts(&log, knowledge, watch)?)
-    })
+        None => Ok((TiledLog::new(whole, tiling.plan, spill, census.columns.sectors), census.log_counts())),
+    }
 }
 
 /// The second pass over a log, which puts each reception into its tile.

@@ -5,6 +5,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use sextant_channel::Reception;
+use sha2::{Digest, Sha256};
 
 use super::row;
 use crate::mapping::TilesError;
@@ -23,6 +24,8 @@ pub(super) struct Spill {
     end: u64,
     tiles: Vec<SpilledTile>,
     has_name: bool,
+    /// Of all that was written, and of which tile it is.
+    digest: Sha256,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -40,7 +43,15 @@ impl Spill {
         let file = created.map_err(|why| unwritten(path, bytes, &why))?;
         // An open file may lose its name on some systems only; there it goes when it is dropped.
         let has_name = cfg!(not(unix)) || std::fs::remove_file(path).is_err();
-        Ok(Self { path: path.to_owned(), file, bytes, end: 0, tiles: vec![SpilledTile::default(); tiles], has_name })
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            bytes,
+            end: 0,
+            tiles: vec![SpilledTile::default(); tiles],
+            has_name,
+            digest: Sha256::new(),
+        })
     }
 
     /// Adds a reception to a tile.
@@ -59,12 +70,19 @@ impl Spill {
         Ok(())
     }
 
+    /// Hash of all receptions, and of the tiles that they are in.
+    pub(super) fn sha256(&self) -> [u8; 32] {
+        self.digest.clone().finalize().into()
+    }
+
     fn write(&mut self, tile: usize) -> Result<(), TilesError> {
         let SpilledTile { blocks, waiting } = &mut self.tiles[tile];
         if waiting.is_empty() {
             return Ok(());
         }
         self.file.write_all(waiting).map_err(|why| unwritten(&self.path, self.bytes, &why))?;
+        self.digest.update(tile.to_le_bytes());
+        self.digest.update(&*waiting);
         blocks.push((self.end, waiting.len()));
         self.end += waiting.len() as u64;
         waiting.clear();

@@ -51,6 +51,11 @@ impl TiledLog {
         Self { whole, tiles: plan.tiles, spill, has_sectors, rows: None }
     }
 
+    /// Hash of all receptions, and of the tiles that they are in.
+    pub(super) fn sha256(&self) -> [u8; 32] {
+        self.spill.sha256()
+    }
+
     /// The same with the rows of the log of a robot in `spill`. Returns what the user should know of how they became receptions,
     /// and how much the log has.
     pub(super) fn of_rows(

@@ -1,0 +1,261 @@
+//! Tiles that are kept in a folder, so that a map can be made in pieces, by several machines, or go on after an interruption.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::NodeId;
+use sextant_mapper::{
+    Concern, CoordinateFrame, Estimate, HeightReason, LogParts, PartsError, SoughtHeights, TopologyMap,
+};
+use sextant_recording::output::{CsvFile, EmptyCell, write_file};
+use sha2::{Digest, Sha256};
+
+use super::tiled_log::TiledLog;
+use crate::mapping::{Input, TilesError};
+use crate::number_range::NumberRange;
+use crate::scenario::{MapJob, MapSettings};
+
+/// Begins the first line of a tile.
+const MARK: &str = "sextant-tile-1";
+
+/// A folder with finished tiles, and which tiles are to be made.
+#[derive(Clone, Debug)]
+pub struct KeptTiles {
+    /// The folder.
+    pub folder: PathBuf,
+    /// The tiles to make, from 0; all if absent.
+    pub only: Option<NumberRange>,
+}
+
+/// The tiles of one map, with those that are kept.
+#[derive(Debug)]
+pub(super) struct KeptLog<'a> {
+    log: &'a TiledLog,
+    folder: PathBuf,
+    only: Option<NumberRange>,
+    /// What the tiles are of: the log, the settings and the version.
+    identity: String,
+    name: &'static str,
+}
+
+impl KeptTiles {
+    /// Rejects tiles that a log in so many `tiles` has not.
+    pub(super) fn check(&self, tiles: usize) -> Result<(), TilesError> {
+        match self.only {
+            Some(only) if only.end > tiles => Err(TilesError::NoSuchTiles { found: only, tiles }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Creates the folder if it does not exist.
+    pub(super) fn open(&self) -> Result<(), TilesError> {
+        fs::create_dir_all(&self.folder).map_err(|why| unwritten(&self.folder, &why))
+    }
+
+    /// The tiles of the map `job` of `input`, which are in the subfolder with its name.
+    pub(super) fn of_map<'a>(
+        &self,
+        log: &'a TiledLog,
+        input: &Input,
+        (settings, job): (&MapSettings, &MapJob),
+    ) -> Result<KeptLog<'a>, TilesError> {
+        let folder = self.folder.join(&job.name);
+        fs::create_dir_all(&folder).map_err(|why| unwritten(&folder, &why))?;
+        let mut digest = Sha256::new();
+        let version = env!("CARGO_PKG_VERSION");
+        let known = (&settings.obstacles, &input.prior, &input.known.anchors, input.seed);
+        for text in [format!("{version} {job:?} {known:?}"), format!("{:?}", log.whole().stops())] {
+            digest.update(text);
+        }
+        digest.update(log.sha256());
+        let mut identity = String::new();
+        for octet in digest.finalize() {
+            // Writing to a text cannot fail.
+            let _ = write!(identity, "{octet:02x}");
+        }
+        Ok(KeptLog { log, folder, only: self.only, identity, name: job.mapper.name() })
+    }
+}
+
+impl KeptLog<'_> {
+    fn path(&self, tile: usize) -> PathBuf {
+        self.folder.join(format!("{tile:06}.csv"))
+    }
+
+    /// The map of a tile as text.
+    fn written(&self, map: &TopologyMap) -> CsvFile {
+        let mut file = CsvFile::headless(EmptyCell::Bare);
+        let number = |number: Option<f64>| number.map_or_else(String::new, |number| format!("{number:?}"));
+        let (reason, span_m) = match map.heights.map(|heights| heights.reason) {
+            None => ("", None),
+            Some(HeightReason::Settings) => ("settings", None),
+            Some(HeightReason::LevelStops) => ("level-stops", None),
+            Some(HeightReason::UnevenStops(span_m)) => ("uneven-stops", Some(span_m)),
+            Some(HeightReason::Reach) => ("reach", None),
+        };
+        let (low_m, high_m) = (map.heights.map(|heights| heights.low_m), map.heights.map(|heights| heights.high_m));
+        file.row([
+            MARK.to_owned(),
+            self.identity.clone(),
+            map.estimates.len().to_string(),
+            map.vertices_evaluated.to_string(),
+            number(map.grid_step_m),
+            reason.to_owned(),
+            number(span_m),
+            number(low_m),
+            number(high_m),
+        ]);
+        for (i, estimate) in map.estimates.iter().enumerate() {
+            let Some(estimate) = estimate else { continue };
+            let Position { x_m, y_m, z_m } = estimate.position;
+            let place = [x_m, y_m, z_m].map(|number| format!("{number:?}"));
+            let covariance = estimate.covariance.iter().flatten().flatten().map(|entry| format!("{entry:?}"));
+            let row = [i.to_string()].into_iter().chain(place).chain([
+                number(estimate.log_likelihood),
+                estimate.ties.to_string(),
+                u8::from(estimate.infeasible).to_string(),
+                estimate.concern.map_or("", Concern::name).to_owned(),
+            ]);
+            file.row(row.chain(covariance));
+        }
+        file
+    }
+
+    /// The map in a text; why it is none.
+    fn read_text(&self, text: &str, nodes: usize) -> Result<TopologyMap, String> {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
+        let mut records = reader.records().map(|record| record.map_err(|error| error.to_string()));
+        let head = records.next().ok_or("it is empty")??;
+        if head.get(0) != Some(MARK) {
+            return Err(format!("its first line is not `{MARK}`"));
+        }
+        if head.get(1) != Some(&self.identity) {
+            return Err("it is of another log, of other settings or of another version".to_owned());
+        }
+        let misfit = || "its first line is broken".to_owned();
+        let count: usize = field(&head, 2).and_then(|text| text.parse().ok()).ok_or_else(misfit)?;
+        if count != nodes {
+            return Err(format!("it has {count} nodes, not {nodes}"));
+        }
+        let mut map = TopologyMap {
+            estimates: vec![None; nodes],
+            vertices_evaluated: field(&head, 3).and_then(|text| text.parse().ok()).ok_or_else(misfit)?,
+            grid_step_m: optional(&head, 4).ok_or_else(misfit)?,
+            heights: heights(&head).ok_or_else(misfit)?,
+            ..TopologyMap::of_places(self.name, Vec::new(), CoordinateFrame::World)
+        };
+        for (i, record) in records.enumerate() {
+            let (node, estimate) = estimate(&record?)
+                .filter(|(node, _)| *node < nodes)
+                .ok_or_else(|| format!("line {} is broken", i + 2))?;
+            map.estimates[node] = Some(estimate);
+        }
+        Ok(map)
+    }
+}
+
+impl LogParts for KeptLog<'_> {
+    fn whole(&self) -> &ReceptionLog {
+        self.log.whole()
+    }
+
+    fn count(&self) -> usize {
+        self.log.count()
+    }
+
+    fn nodes(&self, part: usize) -> &[NodeId] {
+        self.log.nodes(part)
+    }
+
+    fn read(&self, part: usize) -> Result<ReceptionLog, PartsError> {
+        self.log.read(part)
+    }
+
+    fn is_wanted(&self, part: usize) -> bool {
+        self.only.is_none_or(|only| only.has(part))
+    }
+
+    fn made(&self, part: usize) -> Result<Option<TopologyMap>, PartsError> {
+        let path = self.path(part);
+        let text = match fs::read_to_string(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            other => other.map_err(|error| TilesError::Kept { path: path.clone(), why: error.to_string() }),
+        };
+        let read = |text: String| self.read_text(&text, self.nodes(part).len());
+        let map = text.and_then(|text| read(text).map_err(|why| TilesError::Kept { path, why }));
+        map.map(Some).map_err(|error| PartsError::Read(error.into()))
+    }
+
+    fn keep(&self, part: usize, map: &TopologyMap) -> Result<(), PartsError> {
+        let path = self.path(part);
+        // Two processes may make the same tile; each writes its own file, and both files have the same octets.
+        let own = self.folder.join(format!("{part:06}.{}.unfinished", std::process::id()));
+        write_file(&own, self.written(map).bytes())
+            .map_err(|error| TilesError::Kept { path: error.path, why: error.why })
+            .and_then(|()| fs::rename(&own, &path).map_err(|why| unwritten(&path, &why)))
+            .map_err(|error| PartsError::Read(error.into()))
+    }
+}
+
+fn unwritten(path: &Path, why: &io::Error) -> TilesError {
+    TilesError::Kept { path: path.to_owned(), why: why.to_string() }
+}
+
+fn field(record: &csv::StringRecord, at: usize) -> Option<&str> {
+    record.get(at)
+}
+
+/// A number, or nothing where the text is empty; `None` if it is neither.
+fn optional(record: &csv::StringRecord, at: usize) -> Option<Option<f64>> {
+    match field(record, at)? {
+        "" => Some(None),
+        text => text.parse().ok().map(Some),
+    }
+}
+
+fn heights(head: &csv::StringRecord) -> Option<Option<SoughtHeights>> {
+    let span_m = optional(head, 6)?;
+    let reason = match field(head, 5)? {
+        "" => return Some(None),
+        "settings" => HeightReason::Settings,
+        "level-stops" => HeightReason::LevelStops,
+        "uneven-stops" => HeightReason::UnevenStops(span_m?),
+        "reach" => HeightReason::Reach,
+        _ => return None,
+    };
+    Some(Some(SoughtHeights { low_m: optional(head, 7)??, high_m: optional(head, 8)??, reason }))
+}
+
+/// The number of a node in its tile, and where it is.
+fn estimate(record: &csv::StringRecord) -> Option<(usize, Estimate)> {
+    let number = |at: usize| field(record, at)?.parse::<f64>().ok();
+    let concern = match field(record, 7)? {
+        "" => None,
+        name => Some(
+            [Concern::AtEdge, Concern::Unsettled, Concern::NoEvidence].into_iter().find(|one| one.name() == name)?,
+        ),
+    };
+    let covariance = match record.len() {
+        8 => None,
+        17 => {
+            let mut entries = [[0.0; 3]; 3];
+            for (at, entry) in (8..17).zip(entries.iter_mut().flatten()) {
+                *entry = number(at)?;
+            }
+            Some(entries)
+        }
+        _ => return None,
+    };
+    let estimate = Estimate {
+        position: Position::new(number(1)?, number(2)?, number(3)?),
+        log_likelihood: optional(record, 4)?,
+        ties: field(record, 5)?.parse().ok()?,
+        infeasible: field(record, 6)? == "1",
+        concern,
+        covariance,
+    };
+    Some((field(record, 0)?.parse().ok()?, estimate))
+}
