@@ -47,7 +47,7 @@ run hall.toml --set radio.tx_power_dbm=-25
 keep hall.figures/map-self-calibrated tutorial-map
 "$sextant" sweep hall.toml --out power.csv --quiet > /dev/null
 "$sextant" figure power.csv --out power.figures > /dev/null
-keep power.figures/power-self-calibrated-position_error_m-mean tutorial-power
+keep power.figures/power-position_error_m-mean tutorial-power
 "$sextant" map my-log --figure log.figures --quiet > /dev/null
 keep log.figures/map-auto tutorial-log
 

@@ -16,6 +16,8 @@ const MOST_MARKS: usize = 40;
 
 /// Distance of the points of different curves that are drawn side by side (px).
 const APART: f64 = 4.0;
+/// Largest width of all of them together (px).
+const WIDEST: f64 = 28.0;
 
 /// A curve and its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +52,8 @@ enum Style {
     Marked,
     /// Marks at the points, those of different curves side by side, so that intervals do not hide each other.
     Apart,
+    /// As apart, and with room for intervals that reach below 0.
+    Differences,
     /// Lines only.
     Lines,
 }
@@ -65,6 +69,12 @@ impl Curves {
     #[must_use]
     pub fn figure_apart(self, name: &str) -> Figure {
         Figure { name: name.to_owned(), picture: self.draw_as(&CURVES, Style::Apart) }
+    }
+
+    /// The figure of numbers of either sign, such as differences: intervals are drawn whole, also below 0.
+    #[must_use]
+    pub fn figure_of_differences(self, name: &str) -> Figure {
+        Figure { name: name.to_owned(), picture: self.draw_as(&CURVES, Style::Differences) }
     }
 
     /// The figure without marks at the points: for stairs.
@@ -94,8 +104,8 @@ impl Curves {
         let top = self.series.iter().map(reach).fold(0.0, f64::max);
         let depth = |series: &Series| {
             let widths = series.half_widths.iter().copied().chain(std::iter::repeat(0.0));
-            // Intervals alone do not need an axis below 0.
-            let is_below = series.points.iter().any(|point| point.1 < 0.0);
+            // Intervals alone do not need an axis below 0, unless its sign is the question.
+            let is_below = drawn == Style::Differences || series.points.iter().any(|point| point.1 < 0.0);
             let lowest = series.points.iter().zip(widths).map(|(point, half)| point.1 - half).fold(0.0, f64::min);
             if is_below { lowest } else { 0.0 }
         };
@@ -124,10 +134,12 @@ impl Curves {
         if floor < 0.0 {
             picture.line(axes.at(axes.across.low, 0.0), axes.at(axes.across.high, 0.0), Stroke::new(FAINT_INK, 1.0));
         }
+        let curves = self.series.len() as f64;
+        let apart = APART.min(WIDEST / curves);
         for (i, series) in self.series.iter().enumerate() {
             let (stroke, pattern) = style(i);
             let aside = match drawn {
-                Style::Apart => APART * (i as f64 - (self.series.len() as f64 - 1.0) / 2.0),
+                Style::Apart | Style::Differences => apart * (i as f64 - (curves - 1.0) / 2.0),
                 Style::Marked | Style::Lines => 0.0,
             };
             let at = |x: f64, y: f64| {
@@ -182,6 +194,25 @@ mod tests {
         assert!((b[0] - a[0] - APART).abs() < 1e-9 && (b[1] - a[1] - APART).abs() < 1e-9, "{a:?} {b:?}");
         assert_eq!(discs(two().figure("t"), CURVES[0]), discs(two().figure("t"), CURVES[1]));
         assert!(discs(two().figure_of_lines("t"), CURVES[0]).is_empty());
+    }
+
+    #[test]
+    fn an_interval_below_zero_is_drawn_whole_where_its_sign_is_the_question() {
+        let above = || {
+            let mut curves = two();
+            curves.series.remove(0);
+            curves.series[0].half_widths = vec![5.0; 2];
+            curves
+        };
+        let ticks = |figure: Figure| -> Vec<String> {
+            let texts = figure.picture.marks.into_iter().filter_map(|mark| match mark {
+                Mark::Text { text, .. } => Some(text),
+                _ => None,
+            });
+            texts.filter(|text| text.starts_with('\u{2212}')).collect()
+        };
+        assert_eq!(ticks(above().figure("t")), [""; 0]);
+        assert!(!ticks(above().figure_of_differences("t")).is_empty());
     }
 
     #[test]

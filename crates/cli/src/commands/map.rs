@@ -8,11 +8,13 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::options::{Format, Overrides, PictureFormat, Results, Work};
 use super::reading::Reading;
+use super::slurm_flags::{Scheduler, SlurmFlags, own_program};
 use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
 use sextant::NumberRange;
+use sextant::campaign::slurm::submit_map;
 use sextant::mapping::tiles::{self, KeptTiles, TileCount, Tiling};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
@@ -96,6 +98,9 @@ pub(crate) struct Arguments {
     /// With --keep-tiles: make only the tiles A to B - 1, from 0, and write no map
     #[arg(long, value_name = "A..B", requires = "keep_tiles", conflicts_with_all = ["out", "summary"])]
     pub(crate) only_tiles: Option<NumberRange>,
+    /// With --keep-tiles and --out: submit an array of jobs that make the tiles, and one that joins them, to this scheduler
+    #[arg(long, value_name = "SCHEDULER", requires = "keep_tiles", requires = "out", conflicts_with = "only_tiles")]
+    pub(crate) submit: Option<Scheduler>,
     /// Settings that override those of the maps.
     #[command(flatten)]
     pub(crate) overrides: Overrides,
@@ -105,6 +110,9 @@ pub(crate) struct Arguments {
     /// How the work is done.
     #[command(flatten)]
     pub(crate) work: Work,
+    /// What a submission asks of Slurm.
+    #[command(flatten)]
+    pub(crate) slurm: SlurmFlags,
     /// How the log of a robot is read. This has headings of its own, which would hold for flags below.
     #[command(flatten)]
     pub(crate) reading: Reading,
@@ -188,6 +196,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
             let tiling = Tiling::new(&input, &survey, &settings, count)?;
             arguments.work.note(&tiling.to_string());
             let (only, folder) = (arguments.only_tiles, arguments.keep_tiles.clone());
+            if let (Some(_), Some(folder)) = (arguments.submit, &folder) {
+                return submit(folder, tiling.tiles(), &arguments.slurm);
+            }
             let kept = folder.map(|folder| KeptTiles { folder, only });
             if let (Some(only), Some(kept)) = (only, &kept) {
                 let made = tiles::make_tiles(&mut input, (survey, tiling), &settings, kept, &watcher);
@@ -212,6 +223,35 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         write_figures(&figures, folder, arguments, interrupt)?;
     }
     Ok(())
+}
+
+/// Submits this very map in so many tiles.
+fn submit(folder: &Path, tiles: usize, slurm: &SlurmFlags) -> Result<(), Failure> {
+    let words = words_of_tasks(std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()), tiles);
+    let jobs = submit_map(&own_program()?, &words, folder, tiles, &slurm.settings())?;
+    let (tasks, of_tiles) = (counted(jobs.tasks, "task"), jobs.tiles.join(", "));
+    writeln!(io::stdout(), "submitted {} in {tasks}: job {of_tiles}", counted(tiles, "tile"))?;
+    Ok(writeln!(io::stdout(), "job {} joins them when they have ended", jobs.join)?)
+}
+
+/// The command line of the tasks: this one without what is for the submission, and with the number of `tiles`, which must not
+/// depend on the memory of a machine.
+fn words_of_tasks(words: impl Iterator<Item = String>, tiles: usize) -> Vec<String> {
+    let of_submission = ["--submit", "--tiles", "--threads", "--format"];
+    let mut kept = Vec::new();
+    let mut words = words.peekable();
+    while let Some(word) = words.next() {
+        let (flag, has_value) = word.split_once('=').map_or((word.as_str(), false), |(flag, _)| (flag, true));
+        if of_submission.contains(&flag) || SlurmFlags::NAMES.contains(&flag) {
+            if !has_value {
+                words.next();
+            }
+        } else if flag != "--quiet" {
+            kept.push(word);
+        }
+    }
+    kept.extend(["--tiles".to_owned(), tiles.to_string()]);
+    kept
 }
 
 /// The name of a log in titles: that of its file or folder.
@@ -242,4 +282,16 @@ fn write_figures(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tasks_get_the_words_of_the_map_alone() {
+        let line = "map log --tiles auto:500 --keep-tiles kept --out m.csv --submit slurm --chunk=2 --time 1:00:00 --quiet --set a=b";
+        let words = words_of_tasks(line.split(' ').map(str::to_owned), 8);
+        assert_eq!(words.join(" "), "map log --keep-tiles kept --out m.csv --set a=b --tiles 8");
+    }
 }

@@ -21,6 +21,7 @@ mod reproduce;
 mod run;
 mod schema;
 mod shared_outputs;
+mod slurm_flags;
 mod spoken;
 mod sweep;
 

@@ -3,10 +3,10 @@
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use super::slurm_flags::{Scheduler, SlurmFlags};
 use sextant::NumberRange;
-use sextant::campaign::slurm::{Chunk, SlurmSettings};
 
 /// Flags of plans.
 #[derive(Clone, Debug, Args)]
@@ -49,49 +49,6 @@ pub(super) struct Action {
     /// Of a plan: cancel what still waits or runs
     #[arg(long, conflicts_with = "resume")]
     pub(super) cancel: bool,
-}
-
-/// A scheduler of a cluster.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Scheduler {
-    /// Slurm
-    Slurm,
-}
-
-/// What a submission asks of Slurm.
-#[derive(Clone, Debug, Args)]
-pub(super) struct SlurmFlags {
-    /// Runs of a task, rounded up to those that share a survey [default: auto, a quarter of an hour or less]
-    #[arg(long, value_name = "N|auto")]
-    chunk: Option<Chunk>,
-    /// Time limit of a task, for example 1:00:00
-    #[arg(long, value_name = "TIME")]
-    time: Option<String>,
-    /// Partition
-    #[arg(long, value_name = "NAME")]
-    partition: Option<String>,
-    /// Account that pays
-    #[arg(long, value_name = "NAME")]
-    account: Option<String>,
-    /// Tasks that run at the same time, at most
-    #[arg(long, value_name = "N")]
-    max_running: Option<NonZeroU32>,
-    /// Cores of a task [default: 1]
-    #[arg(long, value_name = "N")]
-    cpus: Option<NonZeroU32>,
-    /// Memory of a task, for example 4G
-    #[arg(long, value_name = "SIZE")]
-    memory: Option<String>,
-    /// Another option of sbatch, for example --option=--qos=long. May be repeated
-    #[arg(long = "option", value_name = "OPTION", allow_hyphen_values = true)]
-    options: Vec<String>,
-}
-
-impl SlurmFlags {
-    pub(super) fn settings(&self) -> SlurmSettings {
-        let Self { chunk, time, partition, account, max_running, cpus, memory, options } = self.clone();
-        SlurmSettings { chunk, time, partition, account, max_running, cpus, memory, options }
-    }
 }
 
 impl Action {

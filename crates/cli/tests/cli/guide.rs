@@ -80,6 +80,11 @@ fn the_reference_of_keys_is_that_of_the_program() {
 }
 
 #[test]
+fn the_reference_of_columns_is_that_of_the_program() {
+    hold("docs/reference/columns.md", &reference::columns());
+}
+
+#[test]
 fn commands_and_options_in_sentences_exist() {
     let known = reference::options_by_command();
     let mut wrong = Vec::new();

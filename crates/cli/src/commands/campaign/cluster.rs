@@ -1,31 +1,25 @@
 //! `--submit slurm`, `--resume` and `--cancel` of a plan.
 
-use std::env;
 use std::io::{self, Write};
 use std::num::NonZeroU32;
-use std::path::PathBuf;
 
+use super::super::slurm_flags::own_program;
 use crate::diagnostic::Failure;
 use sextant::campaign::Campaign;
 use sextant::campaign::slurm::{Attempts, SlurmSettings, Submitted};
 use sextant_kernel::text::counted;
 
 pub(super) fn submit(campaign: &Campaign, settings: &SlurmSettings) -> Result<(), Failure> {
-    Ok(tell(campaign, &campaign.submit(&program()?, settings)?)?)
+    Ok(tell(campaign, &campaign.submit(&own_program()?, settings)?)?)
 }
 
 pub(super) fn resume(campaign: &Campaign, settings: &SlurmSettings, attempts: NonZeroU32) -> Result<(), Failure> {
-    Ok(tell(campaign, &campaign.resume(&program()?, settings, Attempts::at_most(attempts))?)?)
+    Ok(tell(campaign, &campaign.resume(&own_program()?, settings, Attempts::at_most(attempts))?)?)
 }
 
 pub(super) fn cancel(campaign: &Campaign) -> Result<(), Failure> {
     let jobs = campaign.cancel()?;
     Ok(writeln!(io::stdout(), "cancelled: {}", jobs.join(", "))?)
-}
-
-/// This program, as the tasks call it.
-fn program() -> Result<PathBuf, Failure> {
-    env::current_exe().map_err(|error| Failure::failed(format!("the path of this program is not known: {error}")))
 }
 
 fn tell(campaign: &Campaign, submitted: &Submitted) -> io::Result<()> {

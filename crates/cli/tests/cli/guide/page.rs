@@ -10,11 +10,14 @@
 //! | `<!-- fails -->` | the last command of the block ends with exit code 1 or 2, and prints its message |
 //! | `<!-- heavy -->` | the block runs only if all blocks are asked for |
 //! | `<!-- feature: NAME -->` | the block runs only if the program was built with this feature |
+//! | `<!-- python: MODULE -->` | the block runs only if Python has this module; otherwise the test says that it is left out |
 //! | `<!-- not run: REASON -->` | the block is only shown |
 //! | `<!-- run: COMMAND -->` | a command that readers do not see |
 //! | `<!-- copy: FROM TO -->` | a file or folder of the tree, copied to the working folder |
 
+use std::io::Write;
 use std::ops::Range;
+use std::process::Command;
 
 /// What a page does, in order.
 #[derive(Debug, PartialEq, Eq)]
@@ -87,7 +90,11 @@ fn step(language: &str, block: &[&str], marks: &[&str], place: Range<usize>) -> 
             ("prints", _) => return Ok(Some(Step::Prints { expected: text(), place })),
             ("not run", reason) if !reason.is_empty() => return Ok(None),
             ("feature", name) if !has_feature(name)? => return Ok(None),
-            ("feature", _) => {}
+            ("python", module) if !has_module(module) => {
+                std::io::stderr().write_all(format!("left out: Python has no module {module}\n").as_bytes()).ok();
+                return Ok(None);
+            }
+            ("feature" | "python", _) => {}
             ("fails" | "heavy", "") => {}
             _ => return Err(format!("the comment `{mark}` is not known")),
         }
@@ -109,6 +116,12 @@ fn has_feature(name: &str) -> Result<bool, String> {
         "sqlite-bags" => Ok(cfg!(feature = "sqlite-bags")),
         _ => Err(format!("there is no feature `{name}`")),
     }
+}
+
+/// Whether the Python of the tests has a module.
+fn has_module(module: &str) -> bool {
+    let import = Command::new("python3").args(["-c", &format!("import {module}")]).output();
+    import.is_ok_and(|output| output.status.success())
 }
 
 fn commands(commands: Vec<String>, marks: &[&str]) -> Step {

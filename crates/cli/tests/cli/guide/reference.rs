@@ -1,5 +1,6 @@
 //! The pages of reference, as the program gives them.
 
+mod columns;
 mod keys;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,6 +22,11 @@ pub(crate) fn commands() -> String {
 /// The reference of keys.
 pub(crate) fn keys() -> String {
     keys::page(&sextant::scenario::key_reference())
+}
+
+/// The reference of the columns of tables of sweeps.
+pub(crate) fn columns() -> String {
+    columns::page(&sextant::sweep::described_columns(None))
 }
 
 /// The long options of each command.

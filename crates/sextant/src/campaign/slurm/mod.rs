@@ -9,9 +9,11 @@ mod scheduler;
 mod script;
 mod settings;
 mod submission;
+mod tiles;
 
 pub use settings::{Chunk, SlurmSettings};
 pub use submission::{Attempts, Submitted};
+pub use tiles::{SubmittedMap, submit_map};
 
 use std::fs;
 use std::path::Path;
@@ -22,7 +24,8 @@ use super::error::CampaignError;
 use super::{Campaign, Progress};
 use crate::number_range::NumberRange;
 use scheduler::Task;
-use submission::{Record, Submission};
+use script::{EACH_TASK, Script, each_chunk, quoted};
+use submission::{Array, Record, Submission};
 
 /// The folder of submissions in that of a plan.
 pub(super) const FOLDER: &str = "slurm";
@@ -134,18 +137,14 @@ impl Campaign {
         let folder_of_plan = plan.join(FOLDER).join(folder.file_name().unwrap_or_default());
         submission::write_chunks(folder, chunks)?;
         let name = plan.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let script = script::Script { name: &name, plan: &plan, folder: &folder_of_plan, program, settings };
+        let script = Script { name: &name, folder: &folder_of_plan, settings, output: EACH_TASK };
+        let [program, plan] = [program, plan.as_path()].map(|path| quoted(&path.display().to_string()));
+        let call = format!("{program} sweep {plan} --cells \"$part\" --threads \"$SLURM_CPUS_PER_TASK\" --quiet");
         let path = folder_of_plan.join(submission::SCRIPT);
-        submission::write_script(&path, &script.text())?;
-        let mut jobs = Vec::new();
-        for first in (0..chunks.len()).step_by(greatest_array) {
-            let tasks = greatest_array.min(chunks.len() - first);
-            match scheduler::submit(&path, tasks, settings.max_running, first) {
-                Ok(job) => jobs.push(submission::Array { job, first, tasks }),
-                // What was submitted goes on, and is known; the rest is still missing.
-                Err(error) if jobs.is_empty() => return Err(error),
-                Err(_) => break,
-            }
+        submission::write_script(&path, &script.text(&each_chunk(&folder_of_plan.join(submission::CHUNKS), &call)))?;
+        let (jobs, refused) = submit_chunks(&path, chunks.len(), settings, greatest_array);
+        if let (true, Some(error)) = (jobs.is_empty(), refused) {
+            return Err(error);
         }
         let submitted = jobs.last().map_or(0, |last| last.first + last.tasks);
         let runs = chunks[..submitted].iter().map(|chunk| chunk.len()).sum();
@@ -178,6 +177,25 @@ impl Campaign {
         }
         Ok(queued)
     }
+}
+
+/// Submits so many chunks as few arrays as Slurm allows. What was submitted goes on if a later array is refused; the error is
+/// returned too.
+fn submit_chunks(
+    script: &Path,
+    chunks: usize,
+    settings: &SlurmSettings,
+    greatest_array: usize,
+) -> (Vec<Array>, Option<CampaignError>) {
+    let mut jobs = Vec::new();
+    for first in (0..chunks).step_by(greatest_array) {
+        let tasks = greatest_array.min(chunks - first);
+        match scheduler::submit(script, tasks, settings.max_running, first) {
+            Ok(job) => jobs.push(Array { job, first, tasks }),
+            Err(error) => return (jobs, Some(error)),
+        }
+    }
+    (jobs, None)
 }
 
 fn why_nothing(progress: &Progress, waiting: usize, exhausted: usize) -> String {

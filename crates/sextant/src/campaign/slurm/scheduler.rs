@@ -28,11 +28,23 @@ pub(super) fn submit(
     let array = format!("--array=0-{}{at_once}", tasks - 1);
     let mut command = Command::new("sbatch");
     command.args(["--parsable", &array]).arg(script).arg(first.to_string());
-    let answer = answer(&mut command)?;
+    job(&mut command)
+}
+
+/// Submits a script that runs when all of `jobs` have ended, however they ended, and returns the identity of the job.
+pub(super) fn submit_after(script: &Path, jobs: &[String]) -> Result<String, CampaignError> {
+    let mut command = Command::new("sbatch");
+    command.args(["--parsable", &format!("--dependency=afterany:{}", jobs.join(":"))]).arg(script);
+    job(&mut command)
+}
+
+/// The identity of the job that a call of `sbatch` made.
+fn job(command: &mut Command) -> Result<String, CampaignError> {
+    let answer = answer(command)?;
     // With several clusters: JOB;CLUSTER.
     let job = answer.trim().split(';').next().unwrap_or_default();
     if job.is_empty() || !job.bytes().all(|byte| byte.is_ascii_digit()) {
-        return Err(failed(&command, format!("its answer is no job: `{}`", answer.trim())));
+        return Err(failed(command, format!("its answer is no job: `{}`", answer.trim())));
     }
     Ok(job.to_owned())
 }

@@ -6,32 +6,32 @@ use std::path::Path;
 use super::settings::SlurmSettings;
 use super::submission::CHUNKS;
 
-/// What the script is made of.
+/// The file of what a task of an array prints.
+pub(super) const EACH_TASK: &str = "%A_%a.log";
+
+/// What a script is made of.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Script<'a> {
-    /// Name of the plan.
+    /// Name of the job.
     pub(super) name: &'a str,
-    /// Folder of the plan, as an absolute path.
-    pub(super) plan: &'a Path,
-    /// Folder of the submission, as an absolute path.
+    /// What is printed goes to files in this folder, an absolute path.
     pub(super) folder: &'a Path,
-    /// The program.
-    pub(super) program: &'a Path,
     pub(super) settings: &'a SlurmSettings,
+    /// The name of such a file.
+    pub(super) output: &'a str,
 }
 
 impl Script<'_> {
-    /// The script. `sbatch --array=0-9 job.sh` does the first ten lines of the file of chunks.
-    pub(super) fn text(&self) -> String {
-        let Self { name, plan, folder, program, settings } = self;
+    /// The script that does `work`.
+    pub(super) fn text(&self, work: &str) -> String {
+        let Self { name, folder, settings, output } = self;
         let mut text = String::from("#!/bin/sh\n");
-        let output = folder.join("%A_%a.log");
         let mut option = |line: String| {
             // Writing to a text cannot fail.
             let _ = writeln!(text, "#SBATCH {line}");
         };
         option(format!("--job-name={}", quoted(&format!("sextant-{name}"))));
-        option(format!("--output={}", quoted(&output.display().to_string())));
+        option(format!("--output={}", quoted(&folder.join(output).display().to_string())));
         option("--open-mode=append".to_owned());
         option("--requeue".to_owned());
         option(format!("--cpus-per-task={}", settings.cpus.map_or(1, std::num::NonZeroU32::get)));
@@ -46,27 +46,26 @@ impl Script<'_> {
             }
         }
         settings.options.iter().for_each(|line| option(line.clone()));
-        let _ = write!(
-            text,
-            "\n\
-             # Each task of the array does one line of the file `{CHUNKS}`: the runs A to B - 1 of the work list. It can be\n\
-             # repeated: what is done is not done again. The first argument is the line of task 0, from 0.\n\
-             plan={}\n\
-             chunks={}\n\
-             line=$((${{1:-0}} + SLURM_ARRAY_TASK_ID + 1))\n\
-             runs=$(sed -n \"${{line}}p\" \"$chunks\")\n\
-             # With `exec`, the signals of Slurm reach the program, which then keeps what is done.\n\
-             exec {} sweep \"$plan\" --cells \"$runs\" --threads \"$SLURM_CPUS_PER_TASK\" --quiet\n",
-            quoted(&plan.display().to_string()),
-            quoted(&folder.join(CHUNKS).display().to_string()),
-            quoted(&program.display().to_string()),
-        );
-        text
+        text + "\n" + work
     }
 }
 
+/// The work of the tasks of an array: `sbatch --array=0-9 job.sh` does the first ten lines of the file `chunks`, each by the
+/// command line `call`, where `$part` stands for the line.
+pub(super) fn each_chunk(chunks: &Path, call: &str) -> String {
+    format!(
+        "# Each task of the array does one line A..B of the file `{CHUNKS}`: the numbers A to B - 1. It can be repeated: what is\n\
+         # done is not done again. The first argument is the line of task 0, from 0.\n\
+         line=$((${{1:-0}} + SLURM_ARRAY_TASK_ID + 1))\n\
+         part=$(sed -n \"${{line}}p\" {})\n\
+         # With `exec`, the signals of Slurm reach the program, which then keeps what is done.\n\
+         exec {call}\n",
+        quoted(&chunks.display().to_string()),
+    )
+}
+
 /// A word of a shell, with quotes only where it needs them.
-fn quoted(word: &str) -> String {
+pub(super) fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:,=@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
         word.to_owned()
@@ -90,14 +89,10 @@ mod tests {
             options: vec!["--qos=low".to_owned()],
             ..SlurmSettings::default()
         };
-        let script = Script {
-            name: "study",
-            plan: Path::new("/home/me/my study"),
-            folder: Path::new("/home/me/my study/slurm/000001"),
-            program: Path::new("/home/me/bin/sextant"),
-            settings: &settings,
-        };
-        insta::assert_snapshot!(script.text());
+        let folder = Path::new("/home/me/my study/slurm/000001");
+        let script = Script { name: "study", folder, settings: &settings, output: EACH_TASK };
+        let work = each_chunk(&folder.join(CHUNKS), "sextant sweep '/home/me/my study' --cells \"$part\"");
+        insta::assert_snapshot!(script.text(&work));
     }
 
     #[test]

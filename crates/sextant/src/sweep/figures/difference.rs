@@ -148,15 +148,17 @@ pub(super) fn table(table: &FinishedTable, of: &[Differences]) -> CsvFile {
     let mut file = CsvFile::new(head.chain(tail), EmptyCell::Bare);
     for Differences { drawn, reference, pairs, .. } in of {
         let has_maps = table.is_of_maps(drawn.column);
-        let mut cells: Vec<((&str, &str), usize, Vec<f64>)> = Vec::new();
+        let mut cells: Vec<(usize, Vec<f64>)> = Vec::new();
+        let mut places: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+        let map_of = |row: usize| if has_maps { table.map(row) } else { "" };
         for &(row, difference) in pairs {
-            let key = (table.cell(row, 0), if has_maps { table.map(row) } else { "" });
-            match cells.iter_mut().find(|(known, ..)| *known == key) {
-                Some((.., values)) => values.push(difference / drawn.factor),
-                None => cells.push((key, row, vec![difference / drawn.factor])),
-            }
+            let place = *places.entry((table.cell(row, 0), map_of(row))).or_insert_with(|| {
+                cells.push((row, Vec::new()));
+                cells.len() - 1
+            });
+            cells[place].1.push(difference / drawn.factor);
         }
-        for ((cell, map), row, values) in cells {
+        for (row, values) in cells {
             let Some(mean) = Mean::of(&values) else { continue };
             let settings = table.settings().map(|column| table.cell(row, column).to_owned());
             let against = match reference {
@@ -165,7 +167,7 @@ pub(super) fn table(table: &FinishedTable, of: &[Differences]) -> CsvFile {
             };
             let half_width = mean.half_width_95.map_or_else(String::new, |half_width| format!("{half_width:?}"));
             let numbers = [against, mean.runs.to_string(), format!("{:?}", mean.mean), half_width];
-            let head = [table.columns()[drawn.column].clone(), cell.to_owned(), map.to_owned()];
+            let head = [table.columns()[drawn.column].clone(), table.cell(row, 0).to_owned(), map_of(row).to_owned()];
             file.row(head.into_iter().chain(settings).chain(numbers));
         }
     }

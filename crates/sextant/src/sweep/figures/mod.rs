@@ -94,7 +94,7 @@ impl StudyFigures<'_> {
             let figures = of.iter().filter_map(|differences| {
                 let figure = differences
                     .curves(&title)?
-                    .figure_apart(&format!("{title}-difference-{}", name(differences.drawn)));
+                    .figure_of_differences(&format!("{title}-difference-{}", name(differences.drawn)));
                 Some(figure)
             });
             return Ok(StudyDrawing {

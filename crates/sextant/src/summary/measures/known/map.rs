@@ -107,7 +107,7 @@ pub(super) static SCATTERING: LazyLock<Vec<Made>> = LazyLock::new(|| {
         SCATTERING_EDGES.map(|edge| Made {
             path: format!("distributed.scattering_{edge}.position_error_m.{what}"),
             unit: Metre,
-            meaning: format!("{words} position error in the bin of neighbour scattering that ends at {edge}"),
+            meaning: format!("{words} position error, bin of neighbour scattering to {edge}"),
         })
     });
     up_to.chain(bins).collect()

@@ -1,0 +1,64 @@
+//! The flags of submissions to a cluster.
+
+use std::env;
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::diagnostic::Failure;
+use sextant::campaign::slurm::{Chunk, SlurmSettings};
+
+/// A scheduler of a cluster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Scheduler {
+    /// Slurm
+    Slurm,
+}
+
+/// What a submission asks of Slurm.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Submissions to Slurm")]
+pub(crate) struct SlurmFlags {
+    /// Runs of a task, rounded up to those that share a survey [default: auto, a quarter of an hour or less]. Of a map: tiles of
+    /// a task [default: 1]
+    #[arg(long, value_name = "N|auto")]
+    chunk: Option<Chunk>,
+    /// Time limit of a task, for example 1:00:00
+    #[arg(long, value_name = "TIME")]
+    time: Option<String>,
+    /// Partition
+    #[arg(long, value_name = "NAME")]
+    partition: Option<String>,
+    /// Account that pays
+    #[arg(long, value_name = "NAME")]
+    account: Option<String>,
+    /// Tasks that run at the same time, at most
+    #[arg(long, value_name = "N")]
+    max_running: Option<NonZeroU32>,
+    /// Cores of a task [default: 1]
+    #[arg(long, value_name = "N")]
+    cpus: Option<NonZeroU32>,
+    /// Memory of a task, for example 4G
+    #[arg(long, value_name = "SIZE")]
+    memory: Option<String>,
+    /// Another option of sbatch, for example --option=--qos=long. May be repeated
+    #[arg(long = "option", value_name = "OPTION", allow_hyphen_values = true)]
+    options: Vec<String>,
+}
+
+impl SlurmFlags {
+    /// The flags; each has a value.
+    pub(super) const NAMES: [&str; 8] =
+        ["--chunk", "--time", "--partition", "--account", "--max-running", "--cpus", "--memory", "--option"];
+
+    pub(super) fn settings(&self) -> SlurmSettings {
+        let Self { chunk, time, partition, account, max_running, cpus, memory, options } = self.clone();
+        SlurmSettings { chunk, time, partition, account, max_running, cpus, memory, options }
+    }
+}
+
+/// This program, as the tasks of a submission call it.
+pub(super) fn own_program() -> Result<PathBuf, Failure> {
+    env::current_exe().map_err(|error| Failure::failed(format!("the path of this program is not known: {error}")))
+}

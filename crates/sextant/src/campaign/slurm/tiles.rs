@@ -1,0 +1,81 @@
+//! A map tile by tile on a cluster: an array makes the tiles, and a job that waits for it joins them.
+
+use std::fs;
+use std::path::Path;
+
+use sextant_recording::output::OutputError;
+
+use super::super::error::CampaignError;
+use super::script::{EACH_TASK, Script, each_chunk, quoted};
+use super::settings::{Chunk, SlurmSettings};
+use super::{FOLDER, scheduler, submission, submit_chunks};
+use crate::number_range::NumberRange;
+
+/// The script that joins the tiles.
+const JOIN: &str = "join.sh";
+
+/// The jobs of a map.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SubmittedMap {
+    /// Those that make the tiles.
+    pub tiles: Vec<String>,
+    /// Number of their tasks.
+    pub tasks: usize,
+    /// The one that joins them.
+    pub join: String,
+}
+
+/// Submits a map in so many `tiles`, which are kept in `folder`: an array whose tasks call `program` with `words` and
+/// `--only-tiles`, and a job that calls it with `words` alone once all tasks have ended. That one makes the tiles that are
+/// missing by then, and writes the map.
+///
+/// # Errors
+/// If a file cannot be written, or Slurm refuses.
+pub fn submit_map(
+    program: &Path,
+    words: &[String],
+    folder: &Path,
+    tiles: usize,
+    settings: &SlurmSettings,
+) -> Result<SubmittedMap, CampaignError> {
+    let all = std::path::absolute(folder.join(FOLDER)).map_err(|error| CampaignError::unreadable(folder, &error))?;
+    let count = fs::read_dir(&all).map_or(0, Iterator::count);
+    let own = submission::claim(&all, count + 1)?;
+    let runs = match settings.chunk {
+        Some(Chunk::Runs(tiles)) => tiles.get(),
+        Some(Chunk::Auto) | None => 1,
+    };
+    let chunk = |start: usize| NumberRange { start, end: (start + runs).min(tiles) };
+    let chunks: Vec<NumberRange> = (0..tiles).step_by(runs).map(chunk).collect();
+    submission::write_chunks(&own, &chunks)?;
+    let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+    let call = format!(
+        "{} {} --threads \"$SLURM_CPUS_PER_TASK\" --quiet",
+        quoted(&program.display().to_string()),
+        words.join(" ")
+    );
+    let of_tiles = Script { name: &format!("{name}-tiles"), folder: &own, settings, output: EACH_TASK };
+    let path = own.join(submission::SCRIPT);
+    let work = each_chunk(&own.join(submission::CHUNKS), &format!("{call} --only-tiles \"$part\""));
+    submission::write_script(&path, &of_tiles.text(&work))?;
+    let of_join = Script { name: &format!("{name}-join"), folder: &own, settings, output: "%j.log" };
+    let join = own.join(JOIN);
+    let work = format!("# The tiles that are there are joined; any that are missing are made first.\nexec {call}\n");
+    submission::write_script(&join, &of_join.text(&work))?;
+    let (arrays, refused) = submit_chunks(&path, chunks.len(), settings, scheduler::greatest_array());
+    if let (true, Some(error)) = (arrays.is_empty(), refused) {
+        fs::remove_dir_all(&own).map_err(|error| OutputError::new(&own, &error))?;
+        return Err(error);
+    }
+    let jobs: Vec<String> = arrays.iter().map(|array| array.job.clone()).collect();
+    let tasks = arrays.iter().map(|array| array.tasks).sum();
+    match scheduler::submit_after(&join, &jobs) {
+        Ok(join) => Ok(SubmittedMap { tiles: jobs, tasks, join }),
+        Err(error) => {
+            // Tiles that nobody joins are not asked for. The first error is the one that is told.
+            let _ = scheduler::cancel(&jobs);
+            Err(error)
+        }
+    }
+}
