@@ -11,7 +11,7 @@ use super::error::ReportError;
 /// The table of a sweep, by columns.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SweepTable {
-    /// Number of rows.
+    /// Number of runs: each is a row.
     pub rows: usize,
     /// The settings that vary.
     pub settings: Vec<SweepColumn>,
@@ -36,7 +36,7 @@ pub struct SweepColumn {
     pub name: String,
     /// What it is called on an axis, if it is one of the usual measures.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub label: Option<&'static str>,
+    pub label: Option<String>,
     /// The values.
     pub values: SweepValues,
 }
@@ -57,6 +57,15 @@ pub enum SweepValues {
 }
 
 impl SweepValues {
+    /// Whether no row has a value.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        match self {
+            Self::Numbers(numbers) => numbers.to_vec().iter().all(|number| number.is_nan()),
+            Self::Texts { words, .. } => words.iter().all(String::is_empty),
+        }
+    }
+
     fn of(cells: &[&str]) -> Self {
         let numbers: Vec<Option<f64>> = cells.iter().map(|cell| cell.parse().ok()).collect();
         let are_numbers = cells.iter().zip(&numbers).all(|(cell, number)| cell.is_empty() || number.is_some());
@@ -83,21 +92,43 @@ impl SweepTable {
     /// If it cannot be read, or is another table.
     pub(super) fn read(path: &Path) -> Result<Self, ReportError> {
         let table = FinishedTable::read(path)?;
-        let column = |column: usize| SweepColumn {
+        let runs = table.runs();
+        let values = |cells: Vec<&str>| SweepValues::of(&cells);
+        let setting = |column: usize| SweepColumn {
             name: table.columns()[column].clone(),
-            label: table.label(column),
-            values: SweepValues::of(&table.cells(column).collect::<Vec<_>>()),
+            label: None,
+            values: values(runs.iter().map(|&run| table.cell(run, column)).collect()),
         };
-        let is_filled = |column: &usize| table.cells(*column).any(|cell| !cell.is_empty());
-        let failures: Vec<&str> = table.cells(table.error_column()).filter(|cell| !cell.is_empty()).collect();
-        let rows = table.rows();
+        let mut measures = Vec::new();
+        for column in table.measures() {
+            let name = &table.columns()[column];
+            let label = table.known(column).filter(|_| table.is_usual(column)).map(|measure| measure.label());
+            if !table.is_of_maps(column) {
+                let cells = runs.iter().map(|&run| table.cell(run, column)).collect();
+                measures.push(SweepColumn { name: name.clone(), label, values: values(cells) });
+                continue;
+            }
+            // A row of the report is a run, so that a measure of maps has a column for each of them.
+            for map in table.maps() {
+                let cell = |&run: &usize| table.row_of(run, map).map_or("", |row| table.cell(row, column));
+                let label = label.as_ref().map(|label| match table.maps() {
+                    [_] => label.clone(),
+                    _ => format!("{map}: {label}"),
+                });
+                let cells = runs.iter().map(cell).collect();
+                measures.push(SweepColumn { name: format!("{map}.{name}"), label, values: values(cells) });
+            }
+        }
+        measures.retain(|column| !column.values.is_empty());
+        let errors = runs.iter().map(|&run| table.cell(run, table.error_column()));
+        let failures: Vec<&str> = errors.filter(|error| !error.is_empty()).collect();
         Ok(Self {
-            rows,
-            settings: table.settings().map(column).collect(),
-            measures: table.measures().filter(is_filled).map(column).collect(),
+            rows: runs.len(),
+            settings: table.settings().map(setting).collect(),
+            measures,
             failed: failures.len(),
             failure: failures.first().map(|&failure| failure.to_owned()),
-            students_t_975: Column::reals((1..rows.max(2)).map(students_t_975)),
+            students_t_975: Column::reals((1..runs.len().max(2)).map(students_t_975)),
             across: table.across().map(|across| across - table.settings().start),
         })
     }

@@ -150,7 +150,11 @@ fn measures(path: &str) -> Vec<Measure> {
 fn write_measures(out: &mut impl Write, measures: &[Measure]) -> io::Result<()> {
     writeln!(out, "Not a key of a scenario, but of its results: numbers of the summary, and columns of sweeps.\n")?;
     for measure in measures {
-        item(out, &measure.path(), &format!("{} (column {})", measure.unit().in_words(), measure.column()))?;
+        item(
+            out,
+            &measure.path(),
+            &format!("{}; {} (column {})", measure.meaning(), measure.unit().in_words(), measure.column()),
+        )?;
     }
     writeln!(
         out,

@@ -8,7 +8,8 @@ use clap::Args;
 use super::options::PictureFormat;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use sextant::{Scenario, sweep};
+use sextant::Scenario;
+use sextant::sweep::{StudyDrawing, StudyFigures};
 use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, Window};
 use sextant_recording::output::write_file;
 use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket, Recording};
@@ -16,7 +17,7 @@ use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket, Reco
 /// Arguments of `sextant figure`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// A recording of `run`, or a CSV table of `sweep`
+    /// A recording of `run`, or a table of `sweep`, TABLE.csv or TABLE.parquet
     #[arg(value_name = "RUN.mcap|TABLE.csv")]
     pub(crate) recording: PathBuf,
     /// The folder for the figures [default: RUN.figures beside the file]. It is created if it does not exist
@@ -37,6 +38,13 @@ pub(crate) struct Arguments {
     /// The scenario of a table: what theory says is drawn beside, where its assumptions hold. Only for tables
     #[arg(long, value_name = "SCENARIO.toml", conflicts_with = "layout")]
     pub(crate) scenario: Option<PathBuf>,
+    /// Draw differences between runs with the same seed instead of means: to a map, or to a value of a setting, KEY=VALUE.
+    /// TABLE-differences.csv has their numbers. Only for tables
+    #[arg(long, value_name = "MAP|KEY=VALUE", conflicts_with_all = ["scenario", "layout"])]
+    pub(crate) against: Option<String>,
+    /// Draw distributions over the runs instead of means: the share of runs with at most each value. Only for tables
+    #[arg(long, conflicts_with_all = ["scenario", "layout", "against"])]
+    pub(crate) ecdf: bool,
     /// Draw no figures; write beside the recording how viewers show it: RUN.foxglove.json, a layout for Foxglove, and
     /// RUN.rerun.py, a script that shows it in Rerun
     #[arg(long, conflicts_with_all = ["format", "column"])]
@@ -45,7 +53,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let path = &arguments.recording;
-    let is_table = path.extension().is_some_and(|extension| extension == "csv");
+    let is_table = path.extension().is_some_and(|extension| extension == "csv" || extension == "parquet");
     if is_table && arguments.layout {
         return Err(Failure::bad_input_with_help(
             format!("`--layout` is given, but `{}` is a table", path.display()),
@@ -53,15 +61,15 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         ));
     }
     if is_table {
-        let scenario = arguments.scenario.as_ref().map(Scenario::load).transpose()?;
-        let figures = sweep::figures_with_theory(path, &arguments.column, scenario.as_ref())?;
-        if figures.is_empty() {
+        return draw_table(arguments, interrupt);
+    }
+    for (flag, is_given) in [("--against", arguments.against.is_some()), ("--ecdf", arguments.ecdf)] {
+        if is_given {
             return Err(Failure::bad_input_with_help(
-                format!("`{}` has none of the measures that are drawn", path.display()),
-                "`--column COLUMN` draws any measure of the table",
+                format!("`{flag}` is given, but `{}` is not a table", path.display()),
+                format!("`{flag}` compares runs of a table of `sweep`, whose name ends with .csv or .parquet"),
             ));
         }
-        return write(&figures, arguments, interrupt);
     }
     if let [column, ..] = &arguments.column[..] {
         return Err(Failure::bad_input_with_help(
@@ -106,7 +114,39 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     write(&figures, arguments, interrupt)
 }
 
+/// Draws the table of a sweep.
+fn draw_table(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let path = &arguments.recording;
+    let scenario = arguments.scenario.as_ref().map(Scenario::load).transpose()?;
+    let wish = StudyFigures {
+        columns: &arguments.column,
+        scenario: scenario.as_ref(),
+        against: arguments.against.as_deref(),
+        distributions: arguments.ecdf,
+    };
+    let StudyDrawing { figures, differences } = wish.draw(path)?;
+    if figures.is_empty() && differences.is_none() {
+        return Err(Failure::bad_input_with_help(
+            format!("`{}` has none of the measures that are drawn", path.display()),
+            "`--column COLUMN` draws any measure of the table",
+        ));
+    }
+    write(&figures, arguments, interrupt)?;
+    if let Some(differences) = differences {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let file = arguments.folder().join(format!("{stem}-differences.csv"));
+        differences.save(&file)?;
+        writeln!(io::stdout().lock(), "{}", file.display())?;
+    }
+    Ok(())
+}
+
 impl Arguments {
+    /// The folder for the figures.
+    fn folder(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| self.recording.with_extension("figures"))
+    }
+
     /// The window of the time line.
     fn window(&self, packets: &[RecordedPacket]) -> Result<Window, Failure> {
         let &Self { from, to, .. } = self;
@@ -149,7 +189,7 @@ fn write_layouts(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn write(figures: &[Figure], arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    let folder = arguments.out.clone().unwrap_or_else(|| arguments.recording.with_extension("figures"));
+    let folder = arguments.folder();
     std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let format = arguments.format.into();
     let mut stdout = io::stdout().lock();

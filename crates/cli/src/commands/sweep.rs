@@ -1,33 +1,46 @@
 //! `sextant sweep`: runs one scenario with many settings and seeds.
 
+mod column_list;
+mod existing;
+
 use std::io::{self, Write};
 use std::num::NonZeroU32;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Map, Value, json};
 
-use super::options::{Format, Printing, ScenarioSource, Work};
+use super::options::{Format, Overrides, Printing, Work};
 use super::plan_flags::PlanFlags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
+use existing::Start;
 use sextant::columns::{Align, columns};
 use sextant::summary::Measure;
-use sextant::sweep::{Column, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, run, write_table};
+use sextant::sweep::{
+    Column, Mean, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, extend, rows_of, write_table,
+};
 use sextant_kernel::text::counted;
 
 /// Arguments of `sextant sweep`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// The scenario; its table `[sweep]` lists the settings that vary. Or the folder of a plan.
+    /// The scenario; its table `[sweep]` lists the settings that vary. Or the folder of a plan
+    #[arg(value_name = "SCENARIO.toml|PLAN", required_unless_present = "columns")]
+    pub(crate) scenario: Option<PathBuf>,
+    /// Random seed of the first run of each cell; overrides that of the scenario
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Settings that override those of the scenario.
     #[command(flatten)]
-    pub(crate) source: ScenarioSource,
-    /// The table to write, TABLE.csv or TABLE.parquet, with one row per cell and run [default: SCENARIO.csv in the
-    /// working folder]
+    pub(crate) overrides: Overrides,
+    /// The table to write, TABLE.csv or TABLE.parquet, with one row for each cell, run and map [default: SCENARIO.csv in
+    /// the working folder]. If it has some runs of this sweep, only the others are run and added
     #[arg(long, value_name = "TABLE")]
     pub(crate) out: Option<PathBuf>,
-    /// Runs of each cell, with the seeds seed, seed + 1, ..; overrides that of the scenario
+    /// Runs of each cell, with the seeds seed, seed + 1, ..; overrides that of the scenario. More than a table has extend it
     #[arg(long, value_name = "N")]
     pub(crate) runs: Option<NonZeroU32>,
     /// Do only part I of N of the work (I from 1 to N). The tables of all parts together have all rows
@@ -36,9 +49,12 @@ pub(crate) struct Arguments {
     /// Continue a sweep that was interrupted. Of a plan: submit what is missing or failed
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Replace a plan that exists, with all that was done of it
+    /// Replace the table if it exists, or a plan with all that was done of it
     #[arg(long)]
     pub(crate) force: bool,
+    /// Print what the columns of the table mean, of this scenario or of all, and run nothing
+    #[arg(long)]
+    pub(crate) columns: bool,
     /// Print the plan, and run nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
@@ -58,7 +74,8 @@ impl Arguments {
     #[must_use]
     pub(crate) fn table(&self) -> PathBuf {
         let default = || {
-            let mut name = self.source.scenario.file_stem().unwrap_or_default().to_owned();
+            let scenario = self.scenario.as_deref().and_then(Path::file_stem);
+            let mut name = scenario.unwrap_or_default().to_owned();
             name.push(self.shard.suffix());
             name.push(".csv");
             PathBuf::from(name)
@@ -69,16 +86,37 @@ impl Arguments {
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     arguments.work.start_threads()?;
-    let (source, out) = (&arguments.source, arguments.table());
+    let Some(scenario) = &arguments.scenario else {
+        return Ok(column_list::print(None, arguments.printing)?);
+    };
+    let out = arguments.table();
     TableFormat::of(&out)?;
-    let plan = Sweep::read(&source.scenario, &source.overrides.set, source.seed, arguments.runs)?;
+    let plan = Sweep::read(scenario, &arguments.overrides.set, arguments.seed, arguments.runs)?;
+    if arguments.columns {
+        return Ok(column_list::print(Some(&plan), arguments.printing)?);
+    }
     let mut stdout = io::stdout().lock();
     if arguments.dry_run {
         return Ok(print_plan(&plan, &out, &mut stdout)?);
     }
+    let rows = match existing::start(arguments, &plan, &out)? {
+        Start::Finished(rows) => rows,
+        Start::Run(known) => swept(arguments, &plan, known, &out, interrupt)?,
+    };
+    Ok(Results { plan: &plan, rows: &rows }.tell(&out, arguments.printing.format, &mut stdout)?)
+}
+
+/// Runs what is not `known`, and writes the table of all rows.
+fn swept(
+    arguments: &Arguments,
+    plan: &Sweep,
+    known: Vec<Row>,
+    out: &Path,
+    interrupt: &Interrupt,
+) -> Result<Vec<Row>, Failure> {
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
-    let rows = run(&plan, arguments.shard, &out, arguments.resume, &watcher);
+    let rows = extend(plan, known, arguments.shard, out, arguments.resume, &watcher);
     watcher.clear();
     let rows = match rows {
         Err(SweepError::Interrupted(_)) => {
@@ -87,9 +125,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         }
         other => other?,
     };
-    write_table(&out, &plan, &rows)?;
-    clear_parts(&out)?;
-    Ok(Results { plan: &plan, rows: &rows }.tell(&out, arguments.printing.format, &mut stdout)?)
+    write_table(out, plan, &rows)?;
+    clear_parts(out)?;
+    Ok(rows)
 }
 
 fn print_plan(plan: &Sweep, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
@@ -112,6 +150,9 @@ fn print_plan(plan: &Sweep, out: &Path, stdout: &mut impl Write) -> io::Result<(
     Ok(())
 }
 
+/// Of a large sweep, so many cells are printed.
+const MOST_CELLS: usize = 100;
+
 /// The rows of a sweep, summarised for each cell.
 pub(super) struct Results<'a> {
     pub(super) plan: &'a Sweep,
@@ -127,22 +168,24 @@ impl Results<'_> {
         }
     }
 
-    /// The mean of a measure with its interval, in the unit of the printed table: `6.0 ± 0.3 %`; `-` without a value.
-    fn written(&self, cell: usize, path: &str) -> String {
-        let mean = self.measure(path).and_then(|measure| {
-            let (factor, unit) = measure.unit().for_people();
-            Some(self.plan.mean(self.rows, cell, measure)?.times(factor).text(unit))
-        });
-        mean.unwrap_or_else(|| "-".to_owned())
+    /// The means of a measure with their intervals by cell, all in the unit that suits the largest of them: `6.0 ± 0.3 %`;
+    /// `-` without a value.
+    fn written(&self, path: &str) -> Vec<String> {
+        let mean = |cell: usize| self.plan.mean(self.rows, cell, self.measure(path)?);
+        let means: Vec<Option<Mean>> = self.shown().map(mean).collect();
+        let largest = means.iter().flatten().map(|mean| mean.mean.abs()).fold(0.0, f64::max);
+        let (factor, unit) = self.measure(path).map_or((1.0, ""), |measure| measure.unit().for_size(largest));
+        let text = |mean: Option<Mean>| mean.map_or_else(|| "-".to_owned(), |mean| mean.times(factor).rounded(unit));
+        means.into_iter().map(text).collect()
     }
 
     fn measure(&self, path: &str) -> Option<&Measure> {
         self.plan.measures().iter().find(|measure| measure.path() == path)
     }
 
-    fn failed(&self, cell: Option<usize>) -> usize {
-        let rows = self.rows.iter().filter(|row| cell.is_none_or(|cell| row.cell == cell));
-        rows.filter(|row| row.outcome.is_err()).count()
+    /// The cells that are printed.
+    fn shown(&self) -> Range<usize> {
+        0..self.plan.cells().len().min(MOST_CELLS)
     }
 
     /// The names of the measures of whole runs that are printed, with their paths: those of which any cell has a value.
@@ -174,34 +217,34 @@ impl Results<'_> {
     }
 
     fn print(&self, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
-        let mut header = vec!["cell".to_owned(), "runs".to_owned()];
-        let of_run = self.printed();
-        header.extend(of_run.iter().map(|(name, _)| name.clone()));
+        let cells = self.shown();
+        let count = |i: usize| rows_of(self.rows, i).iter().filter(|row| row.outcome.is_ok()).count();
+        let mut named = vec![
+            ("cell".to_owned(), cells.clone().map(|i| i.to_string()).collect()),
+            ("runs".to_owned(), cells.clone().map(|i| count(i).to_string()).collect()),
+        ];
+        let mut add = |name: String, path: &str| named.push((name, self.written(path)));
+        self.printed().iter().for_each(|(name, path)| add(name.clone(), path));
         for map in self.plan.maps() {
-            header.extend([format!("{map}: connectivity error"), format!("{map}: mean error")]);
+            add(format!("{map}: connectivity error"), &format!("maps.{map}.connectivity_error"));
+            add(format!("{map}: mean error"), &format!("maps.{map}.position_error_m.mean"));
         }
-        let of_applications = self.printed_of_applications();
-        header.extend(of_applications.iter().map(|(name, _)| name.clone()));
-        header.extend(shortened(self.plan.keys()));
-        let align = vec![Align::Right; header.len()];
-        let mut rows = vec![header];
-        for i in 0..self.plan.cells().len() {
-            let count = self.rows.iter().filter(|row| row.cell == i).count() - self.failed(Some(i));
-            let mut row = vec![i.to_string(), count.to_string()];
-            row.extend(of_run.iter().map(|(_, path)| self.written(i, path)));
-            for map in self.plan.maps() {
-                for number in ["connectivity_error", "position_error_m.mean"] {
-                    row.push(self.written(i, &format!("maps.{map}.{number}")));
-                }
-            }
-            row.extend(of_applications.iter().map(|(_, path)| self.written(i, path)));
-            row.extend(self.plan.values(i));
-            rows.push(row);
+        self.printed_of_applications().iter().for_each(|(name, path)| add(name.clone(), path));
+        for (i, name) in shortened(self.plan.keys()).enumerate() {
+            named.push((name, cells.clone().map(|cell| self.plan.values(cell)[i].clone()).collect()));
         }
+        let align = vec![Align::Right; named.len()];
+        let header = named.iter().map(|(name, _)| name.clone()).collect();
+        let row = |i: usize| named.iter().map(|(_, texts): &(String, Vec<String>)| texts[i].clone()).collect();
+        let rows: Vec<_> = [header].into_iter().chain(cells.map(row)).collect();
         columns(&rows, &align, stdout)?;
-        let failed = self.failed(None);
+        let left_out = self.plan.cells().len() - self.shown().len();
+        if left_out > 0 {
+            writeln!(stdout, "and {} that are in the table only", counted(left_out, "cell"))?;
+        }
+        let failed = failed(self.rows);
         let failures = if failed > 0 { format!(", {failed} of them failed (column error)") } else { String::new() };
-        writeln!(stdout, "\n{}: {}{failures}", out.display(), counted(self.rows.len(), "row"))
+        writeln!(stdout, "\n{}: {}{failures}", out.display(), counted(self.rows.len(), "run"))
     }
 
     fn json(&self) -> Value {
@@ -211,14 +254,18 @@ impl Results<'_> {
             let mut means = Map::new();
             for measure in self.plan.measures() {
                 if let Some(mean) = self.plan.mean(self.rows, i, measure) {
-                    means.insert(measure.column(), mean.json().into());
+                    means.insert(measure.name(), mean.json().into());
                 }
             }
-            json!({"cell": i, "settings": settings, "failed": self.failed(Some(i)), "measures": means})
+            json!({"cell": i, "settings": settings, "failed": failed(rows_of(self.rows, i)), "measures": means})
         });
         json!({"sweep": {"runs": self.plan.runs(), "seed": self.plan.seed(), "rows": self.rows.len(),
                          "cells": cells.collect::<Vec<_>>()}})
     }
+}
+
+fn failed(rows: &[Row]) -> usize {
+    rows.iter().filter(|row| row.outcome.is_err()).count()
 }
 
 /// The shortest end of each key that no other key has: `p0` for `maps.0.algorithm.ml_tm.profile.trapezoid.p0`.

@@ -87,7 +87,7 @@ impl Study {
 
     fn collected(&self) -> Vec<u8> {
         let out = self.file("collected.csv");
-        printed(&self.on_plan(&["--collect", "--out", out.to_str().expect("UTF-8")]));
+        printed(&self.on_plan(&["--collect", "--force", "--out", out.to_str().expect("UTF-8")]));
         fs::read(out).expect("a table")
     }
 
@@ -137,6 +137,8 @@ fn parts_done_elsewhere_give_the_table_of_a_local_sweep() {
     printed(&study.on_plan(&["--cells", "0..5", "--threads", "1"]));
     assert_eq!(study.parts(), ["000000000-000000005.csv", "000000005-000000008.csv"]);
     assert_eq!(study.collected(), local);
+    let message = refused(&study.on_plan(&["--collect", "--out", study.file("collected.csv").to_str().unwrap()]));
+    assert!(message.contains("collected.csv` exists") && message.contains("--force"), "{message}");
     let status = study.status();
     assert_eq!((&status["done"], &status["missing"]), (&4.into(), &0.into()));
     let failed = status["failed"].as_array().unwrap();

@@ -184,6 +184,18 @@ fn likely_mistakes_are_warned_of() {
 }
 
 #[test]
+fn a_way_that_is_not_looked_at_to_its_end_says_so_and_names_no_node_out_of_reach() {
+    // The last node is heard only at the last of 25 001 stops.
+    let far = "[0, 0], [10, 0], [20, 0], [30000, 0]]";
+    let nodes = LINE.replace("[[0, 0], [10, 0], [20, 0], [30, 0]]", &format!("[{far}"));
+    let stops = (0..25_000).map(|i| format!("[{}, 1], ", 0.001 * f64::from(i))).collect::<String>();
+    let text = nodes.replace("[[0, 1], [10, 1], [20, 1], [30, 1]]", &format!("[{stops}[30000, 1]]"));
+    let (code, stdout, stderr) = told(&text, &["check", "-v", "a.toml"]);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    assert!(stdout.contains("(only the first part of a long way)"), "{stdout}");
+}
+
+#[test]
 fn a_run_warns_before_it_starts_unless_it_is_quiet() {
     let text = LINE.replace("interval_s = 0.5", "interval_s = 5.0");
     let (code, _, stderr) = told(&text, &["run", "a.toml"]);

@@ -289,9 +289,10 @@ fn a_sweep_has_columns_of_the_nodes_work() {
     let table = std::fs::read_to_string(folder.path().join("t.csv")).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     let column = |name: &str| rows[0].iter().position(|other| *other == name).unwrap_or_else(|| panic!("{name}"));
-    let initial = column("dmmtm-ss.distributed.anchors.initial");
+    let initial = column("distributed.anchors.initial");
     assert_eq!((rows[1][initial], rows[2][initial]), ("6", "18"));
-    let messages = column("dmmtm-ss.distributed.messages.mean_per_node");
+    assert_eq!(rows[1][column("map")], "dmmtm-ss", "a map that nodes compute is one like others");
+    let messages = column("distributed.messages.mean_per_node");
     assert!(
         rows[1][messages].parse::<f64>().unwrap() > 1.0 && rows[1][messages].contains('.'),
         "{}",

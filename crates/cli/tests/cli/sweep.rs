@@ -47,7 +47,7 @@ fn a_table_has_one_row_per_cell_and_run_and_the_error_of_failed_runs() {
     let output = sweep(&scenario, &out, &[]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let rows = table(&out);
-    let [error, mapped, seed] = ["error", "ml-tm.mapped", "seed"].map(|name| column(&out, name));
+    let [error, mapped, seed] = ["error", "mapped", "seed"].map(|name| column(&out, name));
     assert_eq!(rows.len(), 4 * 2);
     for (i, row) in rows.iter().enumerate() {
         assert_eq!(row[0], (i / 2).to_string(), "rows are sorted by cell");
@@ -58,7 +58,7 @@ fn a_table_has_one_row_per_cell_and_run_and_the_error_of_failed_runs() {
         assert!(!fails || row[error].contains("grid"), "{}", &row[error]);
     }
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("8 rows, 4 of them failed"), "{text}");
+    assert!(text.contains("8 runs, 4 of them failed"), "{text}");
     assert!(!out.with_extension("csv.parts").exists());
 }
 
@@ -102,8 +102,8 @@ fn a_run_in_a_sweep_equals_the_same_run_alone() {
     let row = &table(&out)[2 * 2 + 1];
     for (name, pointer) in [
         ("packets_received", "/gathering/packets_received"),
-        ("ml-tm.position_error_m.mean", "/maps/0/position_error_m/mean"),
-        ("ml-tm.posterior_bound_m", "/maps/0/posterior_bound_m"),
+        ("position_error_m.mean", "/maps/0/position_error_m/mean"),
+        ("posterior_bound_m", "/maps/0/posterior_bound_m"),
     ] {
         assert_eq!(row[column(&out, name)], summary.pointer(pointer).unwrap().to_string(), "{name}");
     }
@@ -126,9 +126,9 @@ fn cells_that_differ_in_their_anchors_share_surveys_and_have_the_same_maps_as_al
         let text = std::fs::read_to_string(&scenario).unwrap();
         std::fs::write(&base, text.split("[sweep]").next().unwrap()).unwrap();
         assert!(sweep(&base, &alone, &["--runs", "1", "--set", &set]).status.success());
-        table(&alone)[0][column(&alone, "weighted-centroid.position_error_m.mean")].to_owned()
+        table(&alone)[0][column(&alone, "position_error_m.mean")].to_owned()
     });
-    let at = column(&out, "weighted-centroid.position_error_m.mean");
+    let at = column(&out, "position_error_m.mean");
     assert_eq!([&together[0][at], &together[1][at]], [&errors[0], &errors[1]]);
     assert!(errors[0] != errors[1] && !errors[0].is_empty(), "{errors:?}");
 }
@@ -224,4 +224,118 @@ fn a_dry_run_prints_the_plan_and_runs_nothing() {
     assert!(text.starts_with("4 cells of 2 runs with the seeds 1 to 2: 8 rows, 4 surveys simulated"), "{text}");
     assert!(text.contains("channel.environment=\"heavy-tree\""), "{text}");
     assert!(!out.exists() && !folder.path().join("t.csv.parts").exists());
+}
+
+/// Two maps of each run of two cells.
+const TWO_MAPS: &str = "
+[[maps]]
+[maps.algorithm.ml_tm]
+grid_step_m = 0.5
+profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 }
+[[maps]]
+[maps.algorithm.weighted_centroid]
+[sweep]
+runs = 2
+[sweep.product]
+anchors.share = [0.3, 0.6]
+";
+
+#[test]
+fn more_runs_extend_a_table_and_a_finished_one_is_not_replaced() {
+    let folder = TempDir::new().unwrap();
+    let scenario = scenario(&folder, TWO_MAPS);
+    let file = |name: &str| folder.path().join(name);
+    let said = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
+    for name in [
+        "t.csv",
+        #[cfg(feature = "parquet")]
+        "t.parquet",
+    ] {
+        let (out, whole) = (file(name), file(&format!("whole-{name}")));
+        assert!(sweep(&scenario, &out, &["--quiet"]).status.success());
+        let two = std::fs::read(&out).unwrap();
+        let again = sweep(&scenario, &out, &[]);
+        assert_eq!(again.status.code(), Some(2), "a finished table stays");
+        assert!(said(&again).contains("all runs of this sweep, 2 of each cell"), "{}", said(&again));
+        assert!(said(&again).contains("--force") && said(&again).contains("--runs N"), "{}", said(&again));
+        assert!(sweep(&scenario, &out, &["--resume"]).status.success(), "nothing is left to do");
+        let fewer = sweep(&scenario, &out, &["--runs", "1"]);
+        assert!(fewer.status.code() == Some(2) && said(&fewer).contains("2 runs of each cell"), "{}", said(&fewer));
+        let other = sweep(&scenario, &out, &["--runs", "3", "--seed", "9"]);
+        assert!(other.status.code() == Some(2) && said(&other).contains("another sweep"), "{}", said(&other));
+        let part = sweep(&scenario, &out, &["--shard", "1/2"]);
+        assert!(part.status.code() == Some(2) && said(&part).contains("a part of a sweep"), "{}", said(&part));
+        assert_eq!(std::fs::read(&out).unwrap(), two, "each refusal left the table as it was");
+
+        let longer = sweep(&scenario, &out, &["--runs", "4"]);
+        assert!(longer.status.success(), "{}", said(&longer));
+        assert!(said(&longer).contains("has 4 of 8 runs of this sweep"), "{}", said(&longer));
+        assert!(sweep(&scenario, &whole, &["--runs", "4", "--quiet"]).status.success());
+        assert_eq!(std::fs::read(&out).unwrap(), std::fs::read(&whole).unwrap());
+        assert!(sweep(&scenario, &out, &["--force", "--quiet"]).status.success());
+        assert_eq!(std::fs::read(&out).unwrap(), two);
+    }
+    std::fs::write(file("mine.csv"), "a,b\n1,2\n").unwrap();
+    let mine = sweep(&scenario, &file("mine.csv"), &[]);
+    assert!(mine.status.code() == Some(2) && said(&mine).contains("is not the table of a sweep"), "{}", said(&mine));
+}
+
+#[test]
+fn an_extension_runs_only_what_is_missing() {
+    let folder = TempDir::new().unwrap();
+    let (scenario, out) = (scenario(&folder, TWO_MAPS), folder.path().join("t.csv"));
+    assert!(sweep(&scenario, &out, &["--quiet"]).status.success());
+    // A number that no run gives shows that the rows of the table are kept. The cells of a run without its rows are run.
+    let text = std::fs::read_to_string(&out).unwrap();
+    let at = column(&out, "stops");
+    let mark = |line: &str| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        cells[at] = "123456";
+        cells.join(",")
+    };
+    let (head, rows) = text.split_once('\n').unwrap();
+    let kept: Vec<String> = rows.lines().filter(|line| !line.starts_with("1,1,")).map(mark).collect();
+    std::fs::write(&out, format!("{head}\n{}\n", kept.join("\n"))).unwrap();
+    let longer = sweep(&scenario, &out, &["--runs", "3"]);
+    assert!(longer.status.success(), "{}", String::from_utf8_lossy(&longer.stderr));
+    let rows = table(&out);
+    assert_eq!(rows.len(), 2 * 3 * 2, "two cells, three runs, two maps");
+    let (marked, new): (Vec<_>, Vec<_>) = rows.iter().partition(|row| &row[at] == "123456");
+    let runs = |rows: &[&csv::StringRecord]| {
+        rows.iter().map(|row| [row[0].to_owned(), row[1].to_owned()].concat()).collect::<Vec<_>>()
+    };
+    assert_eq!(runs(&marked), ["00", "00", "01", "01", "10", "10"]);
+    assert_eq!(runs(&new), ["02", "02", "11", "11", "12", "12"]);
+}
+
+#[test]
+fn columns_are_listed_with_units_and_meanings() {
+    let folder = TempDir::new().unwrap();
+    let (scenario, out) = (scenario(&folder, TWO_MAPS), folder.path().join("t.csv"));
+    let listed = |arguments: &[&str]| {
+        let output = sextant().args(["sweep", "--columns", "--format", "json"]).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<Vec<serde_json::Value>>(&output.stdout).unwrap()
+    };
+    let of_scenario = listed(&[&*scenario.to_string_lossy()]);
+    let error = of_scenario.iter().find(|column| column["name"] == "position_error_m.mean").unwrap();
+    assert_eq!((&error["unit"], &error["of"]), (&"m".into(), &"map".into()));
+    assert!(of_scenario.iter().any(|column| column["name"] == "anchors.share" && column["of"] == "setting"));
+    assert!(sweep(&scenario, &out, &["--quiet"]).status.success());
+    let mut reader = csv::Reader::from_path(&out).unwrap();
+    let written: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let names: Vec<&str> = of_scenario.iter().map(|column| column["name"].as_str().unwrap()).collect();
+    let mut rest = names.iter();
+    assert!(
+        written.iter().all(|column| rest.any(|name| name == column)),
+        "{written:?}: not in the order of {names:?}"
+    );
+    assert!(written.len() + 20 < names.len(), "columns without values are not written");
+    let all = listed(&[]);
+    assert!(all.len() > 200 && all.iter().any(|column| column["name"] == "applications.NAME.time_s"));
+    let text = sextant().args(["sweep", "--columns"]).output().unwrap();
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.lines().any(|line| line.starts_with("mac.delay_s.mean ") && line.contains(" s ")), "{text}");
+    let none = sextant().arg("sweep").output().unwrap();
+    assert_eq!(none.status.code(), Some(2), "without `--columns` a scenario is needed");
 }

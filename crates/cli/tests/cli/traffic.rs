@@ -358,7 +358,7 @@ fn a_sweep_of_the_load_is_drawn_with_its_intervals() {
         let file = folder.path(&format!("star.figures/star-{measure}.svg"));
         assert!(listed.contains(&*file.to_string_lossy()), "{listed}");
         let svg = fs::read_to_string(&file).expect("a figure");
-        assert!(svg.contains("traffic.poisson.rate_per_s") && svg.contains("95 % intervals"), "{measure}");
+        assert!(svg.contains("rate (1/s)") && svg.contains("95 % intervals"), "{measure}");
     }
     let unknown = sextant().arg("figure").arg(&table).args(["--column", "mac.nothing"]).output().expect("it starts");
     assert_eq!(unknown.status.code(), Some(2));

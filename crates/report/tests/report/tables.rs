@@ -6,8 +6,8 @@ use sextant_report::{Report, ReportError, SweepValues};
 
 use super::{file, folder};
 
-const SWEEP: &str = "cell,replicate,seed,a.kind,b.rate,error,mac.prr,other\n\
-                     0,0,1,x,10,,0.5,\n0,1,2,x,10,,0.7,\n1,0,1,y,2.5,boom,,\n";
+const SWEEP: &str = "cell,replicate,seed,a.kind,b.rate,map,error,mac.prr,other,mapped\n\
+                     0,0,1,x,10,p,,0.5,,3\n0,0,1,x,10,q,,0.5,,4\n0,1,2,x,10,q,,0.7,,5\n1,0,1,y,2.5,,boom,,,\n";
 const TABLE: &str = "what,published,unit,mean,half_width_95,runs,result,source\n\
                      ML-TM,5,%,6.5,0.25,10,,table 3.6\na < b,6 < 19,points,1.5,0.5,10,holds,table 3.6\n";
 
@@ -21,12 +21,18 @@ fn columns_of_a_sweep_are_numbers_or_texts() {
     let report = Report::of_table(&file(&folder, "t.csv", SWEEP), &titles()).expect("a table");
     let sweep = report.sweep.expect("a sweep");
     let names: Vec<_> = sweep.settings.iter().chain(&sweep.measures).map(|column| column.name.as_str()).collect();
-    assert_eq!(names, ["a.kind", "b.rate", "mac.prr"], "empty measures are left out");
+    assert_eq!(names, ["a.kind", "b.rate", "mac.prr", "p.mapped", "q.mapped"], "empty measures are left out");
+    let SweepValues::Numbers(mapped) = &sweep.measures[2].values else { panic!("numbers") };
+    let mapped = mapped.to_vec();
+    assert!(
+        sweep.rows == 3 && mapped.len() == 3 && mapped[..2] == [4.0, 5.0] && mapped[2].is_nan(),
+        "a row is a run"
+    );
     assert!(matches!(&sweep.settings[0].values, SweepValues::Texts { words, .. } if words == &["x", "y"]));
     let SweepValues::Numbers(rates) = &sweep.settings[1].values else { panic!("numbers") };
     assert_eq!(rates.to_vec(), [10.0, 10.0, 2.5]);
     assert_eq!((sweep.failed, sweep.failure.as_deref(), sweep.across), (1, Some("boom"), Some(1)));
-    assert_eq!(sweep.measures[0].label, Some("packet reception ratio"));
+    assert_eq!(sweep.measures[0].label.as_deref(), Some("packet reception ratio"));
 }
 
 #[test]

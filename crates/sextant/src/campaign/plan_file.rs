@@ -23,8 +23,8 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub(super) struct PlanFile {
     /// The version of the program that made it.
     version: String,
-    /// Hash of all that decides the rows.
-    fingerprint: String,
+    /// Hash of all that decides a row.
+    identity: String,
     /// Seed of the first run of each cell.
     seed: u64,
     /// Runs of each cell.
@@ -78,7 +78,7 @@ impl PlanFile {
     pub(super) fn of(sweep: &Sweep, files: Bundle, estimate: Option<Estimate>) -> Self {
         Self {
             version: VERSION.to_owned(),
-            fingerprint: sweep.fingerprint().to_owned(),
+            identity: sweep.identity().to_owned(),
             seed: sweep.seed(),
             runs: sweep.runs(),
             set: sweep.set().to_vec(),
@@ -129,7 +129,7 @@ impl PlanFile {
             cells: self.surveys.into_iter().zip(self.sha256).collect(),
             subjects: self.subjects,
             named_files: self.files.named_files(&files),
-            fingerprint: self.fingerprint,
+            identity: self.identity,
         };
         Ok(Sweep::checked(scenario, axes, checked))
     }

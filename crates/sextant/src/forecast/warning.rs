@@ -123,10 +123,10 @@ impl Warnings<'_> {
         }
     }
 
-    /// Nodes that no robot can hear, if all ways are known.
+    /// Nodes that no robot can hear, if all ways are known to their ends.
     fn out_of_reach(&mut self, planned: &[Way<'_>]) {
         let surveys = self.setup.robots.iter().filter(|robot| robot.is_surveying()).count();
-        if planned.is_empty() || planned.len() < surveys {
+        if planned.is_empty() || planned.len() < surveys || planned.iter().any(Way::is_cut) {
             return;
         }
         let mut deaf = planned[0].out_of_reach();

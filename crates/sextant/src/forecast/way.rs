@@ -22,6 +22,9 @@ pub struct WayForecast {
     pub robot: String,
     /// Whether its way depends on what it hears, so that all of this is an estimate.
     pub estimate: bool,
+    /// Whether the way is longer than was looked at, so that all of this is of its first part.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub cut: bool,
     /// Length of its way (m).
     pub path_length_m: f64,
     /// Number of its stops.
@@ -50,6 +53,7 @@ pub(super) struct Way<'a> {
     body: &'a RobotBody,
     reaches: Vec<&'a Reach<'a>>,
     is_estimate: bool,
+    is_cut: bool,
     stops: Vec<Position>,
     length_m: f64,
     duration_s: f64,
@@ -74,6 +78,7 @@ impl<'a> Way<'a> {
             body,
             reaches,
             is_estimate,
+            is_cut: false,
             stops: Vec::new(),
             length_m: 0.0,
             duration_s: 0.0,
@@ -150,7 +155,7 @@ impl<'a> Way<'a> {
                 }
             }
         }
-        self.is_estimate = true;
+        self.is_cut = true;
     }
 
     /// Listens at `place`: what is heard, if what is expected comes true.
@@ -218,6 +223,11 @@ impl<'a> Way<'a> {
         &self.stops
     }
 
+    /// Whether it is longer than was looked at.
+    pub(super) fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
     /// The nodes from which less than one of 100 packets is received at each stop.
     pub(super) fn out_of_reach(&self) -> Vec<NodeId> {
         self.best.iter().filter(|(_, best)| **best < 0.01).map(|(node, _)| *node).collect()
@@ -228,6 +238,7 @@ impl<'a> Way<'a> {
         WayForecast {
             robot: self.body.name.clone(),
             estimate: self.is_estimate,
+            cut: self.is_cut,
             path_length_m: self.length_m,
             stops: self.stops.len(),
             duration_s: self.duration_s,

@@ -112,11 +112,30 @@ pub enum TableError {
         /// What is wrong.
         why: String,
     },
+    /// The table is of another sweep.
+    #[error(
+        "`{}` is the table of another sweep: the scenario, a file that it names, a setting, the first seed or the version differs",
+        .path.display()
+    )]
+    OtherSweep {
+        /// The file.
+        path: PathBuf,
+    },
     /// No setting has two numbers.
     #[error("`{}` has no setting with at least two numbers, so there is no axis", .path.display())]
     NoAxis {
         /// The file.
         path: PathBuf,
+    },
+    /// The table lacks the map or the value that others are to be compared with.
+    #[error("`{}` has nothing called `{wanted}` to compare with", .path.display())]
+    NoReference {
+        /// The file.
+        path: PathBuf,
+        /// What is wanted.
+        wanted: String,
+        /// What there is.
+        known: String,
     },
     /// The table lacks a measure.
     #[error("the table has no measure `{measure}`")]
@@ -145,8 +164,8 @@ impl TableError {
                 .to_owned(),
             Self::Other { .. } => "`sextant sweep SCENARIO.toml --out TABLE.csv` writes such a table".to_owned(),
             Self::NoAxis { .. } => "vary a number in [sweep] of the scenario".to_owned(),
-            Self::NoMeasure { known, .. } => format!("it has {known}"),
-            Self::Output(_) | Self::Read { .. } => return None,
+            Self::NoMeasure { known, .. } | Self::NoReference { known, .. } => format!("it has {known}"),
+            Self::Output(_) | Self::Read { .. } | Self::OtherSweep { .. } => return None,
         })
     }
 }

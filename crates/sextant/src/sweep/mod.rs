@@ -7,34 +7,37 @@
 //! shards does not change its rows.
 
 mod column;
-mod curves;
+mod described;
 mod error;
 mod facts;
+mod figures;
 mod finished_table;
 mod parts;
 mod plan;
 mod row;
+mod setting;
 mod shard;
 mod share;
 mod statistics;
 mod table_file;
 mod table_reader;
-mod theory;
+mod tidy;
 mod trial;
 pub(crate) mod unit;
 mod work_list;
 
 pub use column::{Column, Kind};
-pub use curves::{figures, figures_with_theory};
+pub use described::{ColumnSubject, DescribedColumn, described_columns};
 pub use error::{SweepError, TableError};
+pub use figures::{StudyDrawing, StudyFigures};
 pub use finished_table::FinishedTable;
-pub use plan::{Cell, Sweep};
+pub use plan::{Cell, Sweep, rows_of};
 pub use row::Row;
 pub use shard::Shard;
 pub use share::Share;
 pub use statistics::{Mean, students_t_975};
 pub use table_file::TableFormat;
-pub use table_reader::read_table;
+pub use table_reader::{read_own_table, read_table};
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 
@@ -43,6 +46,7 @@ pub(crate) use plan::Checked;
 #[cfg(feature = "parquet")]
 pub(crate) use table_file::write_table as write_texts;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -50,6 +54,7 @@ use rayon::prelude::*;
 use sextant_kernel::{Interrupted, Watch, Work};
 
 use parts::Parts;
+use work_list::Unit;
 
 /// Runs the units of `plan` that belong to `shard`, on all cores, and returns their rows by cell, then replicate.
 /// Finished units are kept in a folder beside `out`. With `resume`, those of an interrupted sweep are used again.
@@ -57,9 +62,28 @@ use parts::Parts;
 /// # Errors
 /// If a file cannot be written, or `watch` stops the work. A run that fails gives a row with its error.
 pub fn run(plan: &Sweep, shard: Shard, out: &Path, resume: bool, watch: &dyn Watch) -> Result<Vec<Row>, SweepError> {
+    extend(plan, Vec::new(), shard, out, resume, watch)
+}
+
+/// As [`run`], but of a sweep of which the rows `known` are there already, from [`read_own_table`]: only what is missing is
+/// run. Returns all rows.
+///
+/// # Errors
+/// As [`run`].
+pub fn extend(
+    plan: &Sweep,
+    known: Vec<Row>,
+    shard: Shard,
+    out: &Path,
+    resume: bool,
+    watch: &dyn Watch,
+) -> Result<Vec<Row>, SweepError> {
     let parts = Parts::open(out, &format!("{}{}", plan.fingerprint(), shard.suffix()), resume)?;
     let measures = plan.measures().len();
-    let units = plan.work().units().filter(|unit| shard.has(unit.index)).collect();
+    let are_known: BTreeSet<(usize, u32)> = known.iter().map(|row| (row.cell, row.replicate)).collect();
+    let is_known = |cell: usize, replicate: u32| are_known.contains(&(cell, replicate));
+    let is_missing = |unit: &Unit| unit.cells.iter().any(|&cell| !is_known(cell, unit.replicate));
+    let units = plan.work().units().filter(|unit| shard.has(unit.index) && is_missing(unit)).collect();
     let (rows, outcome) = each(units, "sweeping", watch, |unit| {
         if let Some(rows) = parts.read(unit.index, measures)? {
             return Ok(rows);
@@ -69,7 +93,8 @@ pub fn run(plan: &Sweep, shard: Shard, out: &Path, resume: bool, watch: &dyn Wat
         Ok(rows)
     });
     outcome?;
-    Ok(sorted(rows.into_iter().flatten().collect()))
+    let new = rows.into_iter().flatten().filter(|row| !is_known(row.cell, row.replicate));
+    Ok(sorted(known.iter().cloned().chain(new).collect()))
 }
 
 /// Runs all units of several plans, on all cores, and returns the finished rows of each plan by cell, then replicate. A
@@ -123,13 +148,13 @@ fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
     rows
 }
 
-/// Writes the table of `rows` to the file at `path`, completely or not at all.
+/// Writes the tidy table of `rows`, with one row for each cell, run and map, to the file at `path`, completely or not at all.
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
 pub fn write_table(path: &Path, plan: &Sweep, rows: &[Row]) -> Result<(), TableError> {
-    let texts: Vec<_> = rows.iter().map(|row| plan.texts(row)).collect();
-    table_file::write_table(path, &plan.columns(), &texts)
+    let (columns, texts) = tidy::table(plan, rows);
+    table_file::write_table(path, &columns, &texts)
 }
 
 /// Removes the folder of finished units beside `out`, once the table is written.

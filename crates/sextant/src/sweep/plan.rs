@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 
 use super::column::{Column, Kind};
 use super::facts::{self, Contents, flags, hexadecimal};
-use super::row::{Row, written};
+use super::row::Row;
 use super::statistics::Mean;
 use super::work_list::WorkList;
 use crate::scenario::{NamedFile, Scenario, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity, SweepAxes};
@@ -28,6 +28,7 @@ pub struct Sweep {
     subjects: Subjects,
     measures: Vec<Measure>,
     named_files: Vec<NamedFile>,
+    identity: String,
     fingerprint: String,
 }
 
@@ -53,7 +54,8 @@ pub(crate) struct Checked {
     pub(crate) subjects: Subjects,
     /// The files that any cell names.
     pub(crate) named_files: Vec<NamedFile>,
-    pub(crate) fingerprint: String,
+    /// Hash of all that decides a row.
+    pub(crate) identity: String,
 }
 
 impl Sweep {
@@ -104,18 +106,19 @@ impl Sweep {
         }
         let seed = facts.first().map(|cell| cell.seed).unwrap_or_default();
         let runs = runs.unwrap_or(axes.runs).get();
-        digest.update(format!("{seed} {runs} {}", env!("CARGO_PKG_VERSION")));
+        digest.update(format!("{seed} {}", env!("CARGO_PKG_VERSION")));
         for measure in &measures::all(&subjects) {
-            digest.update(measure.column() + "\n");
+            digest.update(measure.path() + "\n");
         }
-        let fingerprint = hexadecimal(&digest.finalize());
-        let checked = Checked { set: set.to_vec(), seed, runs, cells, subjects, named_files, fingerprint };
+        let identity = hexadecimal(&digest.finalize());
+        let checked = Checked { set: set.to_vec(), seed, runs, cells, subjects, named_files, identity };
         Ok(Self::checked(file, axes, checked))
     }
 
     /// The sweep of a scenario file whose `axes` have as many cells as were `checked`.
     pub(crate) fn checked(file: ScenarioFile, axes: SweepAxes, checked: Checked) -> Self {
-        let Checked { set, seed, runs, cells, subjects, named_files, fingerprint } = checked;
+        let Checked { set, seed, runs, cells, subjects, named_files, identity } = checked;
+        let fingerprint = hexadecimal(&Sha256::digest(format!("{identity} {runs} runs")));
         let keys = keys(&axes.cells);
         let cells: Vec<Cell> = axes
             .cells
@@ -126,7 +129,7 @@ impl Sweep {
         let surveys: Vec<usize> = cells.iter().map(|cell| cell.survey).collect();
         let work = WorkList::of(&surveys, runs);
         let measures = measures::all(&subjects);
-        Self { file, set, seed, runs, cells, work, keys, subjects, measures, named_files, fingerprint }
+        Self { file, set, seed, runs, cells, work, keys, subjects, measures, named_files, identity, fingerprint }
     }
 
     /// The scenario file.
@@ -200,55 +203,36 @@ impl Sweep {
         &self.measures
     }
 
-    /// The columns of the table: cell, replicate, seed, the settings that vary, the error of a failed run, and the
-    /// measures.
-    #[must_use]
-    pub fn columns(&self) -> Vec<Column> {
-        let identity = ["cell", "replicate", "seed"].map(|name| Column::new(name, Kind::Integer));
-        let error = Column::new("error", Kind::Text);
-        let measures = self.measures();
-        let measures = measures.iter().map(Column::from);
-        identity.into_iter().chain(self.keys.clone()).chain([error]).chain(measures).collect()
-    }
-
-    /// The texts of a row for the [`columns`](Self::columns); empty where a column does not apply.
-    #[must_use]
-    pub fn texts(&self, row: &Row) -> Vec<String> {
-        let identity = [row.cell.to_string(), row.replicate.to_string(), self.seed_of(row.replicate).to_string()];
-        let measures = self.measures();
-        let (error, values) = match &row.outcome {
-            Ok(values) => (String::new(), values.clone()),
-            Err(error) => (error.clone(), vec![None; measures.len()]),
-        };
-        let texts = measures.iter().zip(values).map(|(measure, value)| {
-            value.map_or_else(String::new, |value| written(value, Column::from(measure).kind))
-        });
-        identity.into_iter().chain(self.values(row.cell)).chain([error]).chain(texts).collect()
-    }
-
     /// The settings that vary.
     #[must_use]
     pub fn keys(&self) -> &[Column] {
         &self.keys
     }
 
-    /// The values of a measure in the successful runs of a cell, each with the number of the run.
+    /// The values of a measure in the successful runs of a cell, each with the number of the run. The rows are in the order
+    /// of their cells.
     #[must_use]
     pub fn values_of(&self, rows: &[Row], cell: usize, measure: &Measure) -> Vec<(u32, f64)> {
         let Some(at) = self.measures.iter().position(|other| other == measure) else { return Vec::new() };
         let value = |row: &Row| Some((row.replicate, row.outcome.as_ref().ok()?[at]?));
-        rows.iter().filter(|row| row.cell == cell).filter_map(value).collect()
+        rows_of(rows, cell).iter().filter_map(value).collect()
     }
 
-    /// The mean of a measure over the successful runs of a cell; `None` if there are none, or it does not apply.
+    /// The mean of a measure over the successful runs of a cell; `None` if there are none, or it does not apply. The rows are in
+    /// the order of their cells.
     #[must_use]
     pub fn mean(&self, rows: &[Row], cell: usize, measure: &Measure) -> Option<Mean> {
         let values: Vec<f64> = self.values_of(rows, cell, measure).into_iter().map(|(_, value)| value).collect();
         Mean::of(&values)
     }
 
-    /// Hash of everything that decides the rows: the scenario of each cell, the files that it names, the seed, the number of
-    /// runs, the columns and the version.
+    /// Hash of everything that decides a row: the scenario of each cell, the files that it names, the seed, the measures and
+    /// the version. It does not depend on the number of runs.
+    pub(crate) fn identity(&self) -> &str {
+        &self.identity
+    }
+
+    /// Hash of everything that decides the rows: the [`identity`](Self::identity) and the number of runs.
     pub(crate) fn fingerprint(&self) -> &str {
         &self.fingerprint
     }
@@ -277,6 +261,14 @@ impl Sweep {
         };
         self.keys.iter().map(value).collect()
     }
+}
+
+/// The rows of a cell, of rows in the order of their cells.
+#[must_use]
+pub fn rows_of(rows: &[Row], cell: usize) -> &[Row] {
+    let start = rows.partition_point(|row| row.cell < cell);
+    let end = rows.partition_point(|row| row.cell <= cell);
+    &rows[start..end]
 }
 
 /// The settings that vary, in the order in which the cells name them.

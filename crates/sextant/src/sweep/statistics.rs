@@ -39,6 +39,22 @@ impl Mean {
         }
     }
 
+    /// The mean with its interval as a text, with as many decimals as three digits of the mean need, and two of the
+    /// interval: `12.3 ± 1.4 ms`, `0.0123 ± 0.0002`. A narrow interval adds at most three decimals.
+    #[must_use]
+    pub fn rounded(&self, unit: &str) -> String {
+        let of_mean = decimals(self.mean, 3);
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        match self.half_width_95 {
+            Some(half_width) => {
+                let most = if self.mean.abs() > 0.0 { of_mean + 3 } else { MOST_DECIMALS };
+                let decimals = of_mean.max(decimals(half_width, 2)).min(most);
+                format!("{:.decimals$} ± {half_width:.decimals$}{unit}", self.mean)
+            }
+            None => format!("{:.of_mean$}{unit}", self.mean),
+        }
+    }
+
     /// The keys `mean`, `runs` and, if there is an interval, `half_width_95`.
     #[must_use]
     pub fn json(&self) -> Map<String, Value> {
@@ -56,6 +72,24 @@ impl Mean {
     pub fn times(self, factor: f64) -> Self {
         let half_width_95 = self.half_width_95.map(|half_width| factor * half_width);
         Self { mean: factor * self.mean, half_width_95, ..self }
+    }
+}
+
+/// More decimals are never printed.
+const MOST_DECIMALS: usize = 9;
+
+/// How many decimals show so many digits of a number; none of 0.
+fn decimals(number: f64, digits: i32) -> usize {
+    let mut shown = number.abs();
+    if shown > 0.0 {
+        let mut decimals = 0;
+        while shown < 10_f64.powi(digits - 1) - 0.5 && decimals < MOST_DECIMALS {
+            shown *= 10.0;
+            decimals += 1;
+        }
+        decimals
+    } else {
+        0
     }
 }
 
@@ -78,6 +112,26 @@ mod tests {
         assert!((mean.half_width_95.unwrap() - 2.776_445 * (2.5_f64 / 5.0).sqrt()).abs() < 1e-5);
         // t(0.975; 1) = 12.7062.
         assert!((Mean::of(&[0.0, 2.0]).unwrap().half_width_95.unwrap() - 12.7062).abs() < 1e-3);
+    }
+
+    #[test]
+    fn three_digits_of_a_mean_and_two_of_its_interval_are_printed() {
+        let text = |mean, half_width_95| Mean { mean, half_width_95, runs: 3 }.rounded("m");
+        for (mean, half_width, expected) in [
+            (12.345, 1.0, "12.3 ± 1.0 m"),
+            (0.001_234, 0.000_5, "0.00123 ± 0.00050 m"),
+            (1234.5, 2.0, "1234.5 ± 2.0 m"),
+            (1234.5, 20.0, "1234 ± 20 m"),
+            (146.2, 0.0, "146 ± 0 m"),
+            (0.0, 0.0, "0 ± 0 m"),
+            (0.0, 0.3, "0.00 ± 0.30 m"),
+            (-5.0, 0.07, "-5.000 ± 0.070 m"),
+            (99.96, 1.0, "100.0 ± 1.0 m"),
+            (10.0, 1e-12, "10.0000 ± 0.0000 m"),
+        ] {
+            assert_eq!(text(mean, Some(half_width)), expected, "{mean} {half_width}");
+        }
+        assert_eq!((text(2.0, None), text(250.0, None)), ("2.00 m".to_owned(), "250 m".to_owned()));
     }
 
     #[test]

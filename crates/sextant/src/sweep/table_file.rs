@@ -55,6 +55,40 @@ pub(crate) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>])
     }
 }
 
+/// The texts of a table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Texts {
+    /// The names of its columns.
+    pub(super) columns: Vec<String>,
+    /// Its rows, each with a text for each column; empty where there is no value.
+    pub(super) rows: Vec<Vec<String>>,
+}
+
+/// Reads the table at `path`: Parquet if its name ends so, and CSV otherwise.
+///
+/// # Errors
+/// If it cannot be read, or is no such table.
+pub(super) fn read_texts(path: &Path) -> Result<Texts, TableError> {
+    let unreadable = |error: std::io::Error| TableError::Read { path: path.to_owned(), why: error.to_string() };
+    let other = |why: String| TableError::Other { path: path.to_owned(), why };
+    if path.extension().is_some_and(|extension| extension == "parquet") {
+        #[cfg(feature = "parquet")]
+        return parquet::decode(std::fs::File::open(path).map_err(unreadable)?).map_err(other);
+        #[cfg(not(feature = "parquet"))]
+        return Err(TableError::NoParquet { path: path.to_owned() });
+    }
+    parsed(&std::fs::read_to_string(path).map_err(unreadable)?).map_err(other)
+}
+
+/// The texts of a CSV table.
+pub(super) fn parsed(text: &str) -> Result<Texts, String> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let texts = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+    let columns = texts(reader.headers().map_err(|error| error.to_string())?);
+    let rows = reader.records().map(|record| Ok(texts(&record?))).collect::<Result<_, csv::Error>>();
+    Ok(Texts { columns, rows: rows.map_err(|error| error.to_string())? })
+}
+
 fn csv(columns: &[Column], rows: &[Vec<String>]) -> CsvFile {
     let mut file = CsvFile::new(columns.iter().map(|column| &column.name), EmptyCell::Bare);
     rows.iter().for_each(|row| file.row(row));

@@ -16,15 +16,16 @@ use sextant::sweep::{TableFormat, write_table};
 /// Whether a sweep is planned, or a plan is named instead of a scenario.
 pub(super) fn is_asked_for(arguments: &sweep::Arguments) -> bool {
     let action = &arguments.campaign.action;
-    action.plan.is_some() || action.of_plan().is_some() || arguments.source.scenario.is_dir()
+    let is_folder = arguments.scenario.as_ref().is_some_and(|scenario| scenario.is_dir());
+    arguments.scenario.is_some() && (action.plan.is_some() || action.of_plan().is_some() || is_folder)
 }
 
 pub(super) fn execute(arguments: &sweep::Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     arguments.work.start_threads()?;
     let flags = &arguments.campaign;
-    let (action, source) = (&flags.action, &arguments.source.scenario);
+    let (action, source) = (&flags.action, arguments.scenario.as_deref().unwrap_or(Path::new("")));
     if let Some(folder) = &action.plan {
-        return plan::execute(arguments, folder, interrupt);
+        return plan::execute(arguments, source, folder, interrupt);
     }
     if !source.is_dir() {
         let flag = action.of_plan().unwrap_or_default();
@@ -57,10 +58,9 @@ pub(super) fn execute(arguments: &sweep::Arguments, interrupt: &Interrupt) -> Re
 
 /// What decides the rows is fixed by the plan.
 fn refuse_flags_of_scenarios(arguments: &sweep::Arguments) -> Result<(), Failure> {
-    let source = &arguments.source;
     let flags = [
-        (source.seed.is_some(), "--seed"),
-        (!source.overrides.set.is_empty(), "--set"),
+        (arguments.seed.is_some(), "--seed"),
+        (!arguments.overrides.set.is_empty(), "--set"),
         (arguments.runs.is_some(), "--runs"),
     ];
     match flags.into_iter().find(|(is_given, _)| *is_given) {
@@ -75,6 +75,12 @@ fn refuse_flags_of_scenarios(arguments: &sweep::Arguments) -> Result<(), Failure
 fn collect(campaign: &Campaign, arguments: &sweep::Arguments) -> Result<(), Failure> {
     let out = arguments.out.clone().unwrap_or_else(|| default_table(campaign));
     TableFormat::of(&out)?;
+    if out.exists() && !arguments.force {
+        return Err(Failure::bad_input_with_help(
+            format!("`{}` exists", out.display()),
+            "`--force` replaces it, `--out TABLE` names another table",
+        ));
+    }
     let rows = campaign.collect()?;
     write_table(&out, campaign.sweep(), &rows)?;
     let results = Results { plan: campaign.sweep(), rows: &rows };

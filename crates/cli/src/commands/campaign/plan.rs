@@ -11,9 +11,13 @@ use sextant::campaign::{Campaign, Replace};
 use sextant::sweep::{Sweep, Trial, TrialError, trial};
 use sextant_kernel::text::counted;
 
-pub(super) fn execute(arguments: &sweep::Arguments, folder: &Path, interrupt: &Interrupt) -> Result<(), Failure> {
-    let source = &arguments.source;
-    let sweep = Sweep::read(&source.scenario, &source.overrides.set, source.seed, arguments.runs)?;
+pub(super) fn execute(
+    arguments: &sweep::Arguments,
+    scenario: &Path,
+    folder: &Path,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    let sweep = Sweep::read(scenario, &arguments.overrides.set, arguments.seed, arguments.runs)?;
     let replace = if arguments.force { Replace::Plan } else { Replace::Nothing };
     Campaign::check_room(folder, replace)?;
     let watcher = Watcher::new(interrupt, arguments.work.quiet);

@@ -52,7 +52,11 @@ fn of_network(network: &NetworkForecast, lines: &mut Vec<(String, String)>) {
 }
 
 fn of_way(way: &WayForecast, lines: &mut Vec<(String, String)>) {
-    let estimate = if way.estimate { " (an estimate: the way depends on what is heard)" } else { "" };
+    let estimate = match (way.cut, way.estimate) {
+        (true, _) => " (only the first part of a long way)",
+        (false, true) => " (an estimate: the way depends on what is heard)",
+        (false, false) => "",
+    };
     let text =
         format!("{:.1} m, {}, {:.1} s{estimate}", way.path_length_m, counted(way.stops, "stop"), way.duration_s);
     lines.push((format!("{}: path", way.robot), text));

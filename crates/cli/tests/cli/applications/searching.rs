@@ -82,7 +82,7 @@ fn the_table_of_a_sweep_has_the_course_of_each_search() {
     let table = fs::read_to_string(folder.path().join("t.csv")).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     let value = |name: &str| {
-        let column = rows[0].iter().position(|other| *other == name).unwrap_or_else(|| panic!("{name}"));
+        let column = rows[0].iter().position(|other| *other == format!("applications.{name}"))?;
         rows[1][column].parse::<f64>().ok()
     };
     let drawn = read_world(&folder.path().join("run.mcap")).unwrap();

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::known;
+use super::known::{self, Known};
 use super::unit::Unit;
 
 /// A number of a run, of one of its maps or of one of its applications, by its path in the summary:
@@ -12,8 +12,7 @@ use super::unit::Unit;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Measure {
     of: Of,
-    path: String,
-    unit: Unit,
+    known: Known<'static>,
 }
 
 /// What a number is of; a map and an application have a name.
@@ -64,16 +63,25 @@ impl Subjects {
 }
 
 impl Measure {
-    /// Name of its column: its path, without `simulation` and `gathering`, and without the word `maps` or `applications`.
+    /// Name of its column in the table of a sweep. That of a number of a run is its path without `simulation` and
+    /// `gathering`, that of a map is its path in the map, and that of an application is its path.
     #[must_use]
     pub fn column(&self) -> String {
-        let path = &self.path;
+        let path = self.known.path;
         match &self.of {
-            Of::Run => ["simulation.", "gathering."]
-                .iter()
-                .find_map(|group| path.strip_prefix(group))
-                .unwrap_or(path)
-                .to_owned(),
+            Of::Run => of_run_shortened(path).to_owned(),
+            Of::Map(_) => path.to_owned(),
+            Of::Application(_) => self.path(),
+        }
+    }
+
+    /// Its name among all measures of a run: its path, without `simulation` and `gathering`, and without the word `maps` or
+    /// `applications`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let path = self.known.path;
+        match &self.of {
+            Of::Run => of_run_shortened(path).to_owned(),
             Of::Map(name) | Of::Application(name) => format!("{name}.{path}"),
         }
     }
@@ -81,9 +89,9 @@ impl Measure {
     /// Its path in the summary.
     #[must_use]
     pub fn path(&self) -> String {
-        let path = &self.path;
+        let path = self.known.path;
         match &self.of {
-            Of::Run => path.clone(),
+            Of::Run => path.to_owned(),
             Of::Map(name) => format!("maps.{name}.{path}"),
             Of::Application(name) => format!("applications.{name}.{path}"),
         }
@@ -92,7 +100,54 @@ impl Measure {
     /// Its unit in the column.
     #[must_use]
     pub fn unit(&self) -> Unit {
-        self.unit
+        self.known.unit
+    }
+
+    /// What it is: a name, and after a colon a definition if the name needs one.
+    #[must_use]
+    pub fn meaning(&self) -> &'static str {
+        self.known.meaning
+    }
+
+    /// What it is called on an axis, without its unit: `mean position error`.
+    #[must_use]
+    pub fn name_in_words(&self) -> &'static str {
+        self.meaning().split(':').next().unwrap_or_default()
+    }
+
+    /// What it is called on an axis, with its unit: `mean position error (m)`.
+    #[must_use]
+    pub fn label(&self) -> String {
+        let name = self.name_in_words();
+        match self.unit().symbol() {
+            "" | "1" => name.to_owned(),
+            unit => format!("{name} ({unit})"),
+        }
+    }
+
+    /// The map that it is of.
+    #[must_use]
+    pub fn map(&self) -> Option<&str> {
+        match &self.of {
+            Of::Map(name) => Some(name),
+            Of::Run | Of::Application(_) => None,
+        }
+    }
+
+    /// The measure of this column of the table of a sweep; of a map, that of the map `map`.
+    #[must_use]
+    pub fn of_column(column: &str, map: &str) -> Option<Self> {
+        let of_run = || known::of_run(true).find(|known| of_run_shortened(known.path) == column);
+        if let Some(known) = of_run() {
+            return Some(Self { of: Of::Run, known });
+        }
+        match column.strip_prefix("applications.") {
+            Some(rest) => named(rest, Of::Application, || known::of_application(true)),
+            None => {
+                let known = known::of_map(true).find(|known| known.path == column)?;
+                Some(Self { of: Of::Map(map.to_owned()), known })
+            }
+        }
     }
 
     pub(super) fn of(&self) -> &Of {
@@ -101,7 +156,7 @@ impl Measure {
 
     /// Its path in the run, the map or the application.
     pub(super) fn path_within(&self) -> &str {
-        &self.path
+        self.known.path
     }
 }
 
@@ -110,8 +165,8 @@ impl FromStr for Measure {
 
     fn from_str(path: &str) -> Result<Self, UnknownMeasure> {
         let of_run = || {
-            let (found, unit) = known::of_run(true).find(|(known, _)| *known == path)?;
-            Some(Self { of: Of::Run, path: found.to_owned(), unit })
+            let known = known::of_run(true).find(|known| known.path == path)?;
+            Some(Self { of: Of::Run, known })
         };
         let found = match path.split_once('.') {
             Some(("maps", rest)) => named(rest, Of::Map, || known::of_map(true)),
@@ -123,23 +178,28 @@ impl FromStr for Measure {
 }
 
 /// The measure whose path is a name, then one of `known`. A name may have dots.
-fn named<I: Iterator<Item = (&'static str, Unit)>>(
+fn named<I: Iterator<Item = Known<'static>>>(
     path: &str,
     of: fn(String) -> Of,
     known: impl Fn() -> I,
 ) -> Option<Measure> {
     path.match_indices('.').find_map(|(dot, _)| {
         let (name, rest) = (&path[..dot], &path[dot + 1..]);
-        let (found, unit) = known().find(|(known, _)| *known == rest)?;
-        Some(Measure { of: of(name.to_owned()), path: found.to_owned(), unit })
+        let known = known().find(|known| known.path == rest)?;
+        Some(Measure { of: of(name.to_owned()), known })
     })
+}
+
+/// The path of a number of a run without the words `simulation` and `gathering`.
+fn of_run_shortened(path: &str) -> &str {
+    ["simulation.", "gathering."].iter().find_map(|group| path.strip_prefix(group)).unwrap_or(path)
 }
 
 /// All measures of a run with these subjects, in the order of their columns.
 #[must_use]
 pub fn all(subjects: &Subjects) -> Vec<Measure> {
     let Subjects { maps, by_nodes, applications, searches } = subjects;
-    let measure = |of: Of, (path, unit): (&str, Unit)| Measure { of, path: path.to_owned(), unit };
+    let measure = |of: Of, known: Known<'static>| Measure { of, known };
     let mut measures: Vec<_> = known::of_run(!by_nodes.is_empty()).map(|number| measure(Of::Run, number)).collect();
     for map in maps {
         let numbers = known::of_map(by_nodes.contains(map));
@@ -183,7 +243,7 @@ mod tests {
         let (maps, applications) = (vec![map], vec![search]);
         let summary = Summary { gathering: Some(gathering), maps, applications, ..Summary::default() };
         let numbers = Numbers::of(&summary);
-        for (path, column, value) in [
+        for (path, name, value) in [
             ("gathering.stops", "stops", Some(12.0)),
             ("gathering.energy_j.rx", "energy_j.rx", Some(1.25)),
             ("simulation.nodes", "nodes", None),
@@ -202,7 +262,11 @@ mod tests {
             ("applications.p-g.arrivals", "p-g.arrivals", None),
         ] {
             let measure: Measure = path.parse().unwrap();
-            assert_eq!((measure.path(), measure.column()), (path.to_owned(), column.to_owned()));
+            assert_eq!((measure.path(), measure.name()), (path.to_owned(), name.to_owned()));
+            assert_eq!(
+                Measure::of_column(&measure.column(), measure.map().unwrap_or_default()),
+                Some(measure.clone())
+            );
             assert_eq!(numbers.get(&measure), value, "{path}");
         }
     }
@@ -214,11 +278,11 @@ mod tests {
             assert!(error.contains(&format!("`{path}`")), "{error}");
         }
         let of_dots: Measure = "maps.fine.2.mapped".parse().unwrap();
-        assert_eq!(of_dots.column(), "fine.2.mapped");
+        assert_eq!((of_dots.name(), of_dots.column()), ("fine.2.mapped".to_owned(), "mapped".to_owned()));
     }
 
     #[test]
-    fn no_two_measures_share_a_column_and_each_is_found_by_its_path() {
+    fn no_two_measures_of_a_map_or_a_run_share_a_column_and_each_is_found_by_its_path() {
         let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
         let subjects = Subjects {
             maps: names(&["ml-tm", "tpm"]),
@@ -230,10 +294,14 @@ mod tests {
         for measure in &measures {
             assert_eq!(&measure.path().parse::<Measure>().unwrap(), measure);
         }
-        let mut columns: Vec<_> = measures.iter().map(Measure::column).collect();
+        let mut columns: Vec<_> = measures.iter().map(|measure| (measure.map(), measure.column())).collect();
         let count = columns.len();
         columns.sort();
         columns.dedup();
         assert_eq!(columns.len(), count);
+        let of_maps: Vec<_> = columns.iter().filter(|(map, _)| map.is_some()).map(|(_, column)| column).collect();
+        let others = columns.iter().filter(|(map, _)| map.is_none());
+        assert!(others.clone().all(|(_, column)| !of_maps.contains(&column)), "one column, two meanings");
+        assert!(others.count() > 50 && measures.iter().all(|measure| !measure.label().contains(':')));
     }
 }

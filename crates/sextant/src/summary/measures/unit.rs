@@ -46,6 +46,44 @@ impl Unit {
         }
     }
 
+    /// The symbol of the unit, as the number stands in the summary; empty of counts, and `1` of shares.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Count | Self::MeanCount => "",
+            Self::Share | Self::Outcome => "1",
+            Self::PerSecond => "1/s",
+            Self::Plain => "of the field",
+            Self::Metre => "m",
+            Self::Second => "s",
+            Self::Degree => "°",
+            Self::Joule => "J",
+            Self::BitPerSecond => "bit/s",
+        }
+    }
+
+    /// The factor to the unit in which people read numbers of this size, and that unit: milliseconds for 0.002 s.
+    #[must_use]
+    pub fn for_size(self, size: f64) -> (f64, &'static str) {
+        let steps: &[(f64, &'static str)] = match self {
+            Self::Second => &[(1.0, "s"), (1e-3, "ms"), (1e-6, "µs")],
+            Self::Joule => &[(1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ")],
+            Self::BitPerSecond => &[(1e6, "Mbit/s"), (1e3, "kbit/s"), (1.0, "bit/s")],
+            Self::Count
+            | Self::MeanCount
+            | Self::Share
+            | Self::Outcome
+            | Self::PerSecond
+            | Self::Plain
+            | Self::Metre
+            | Self::Degree => return self.for_people(),
+        };
+        // Zero has no size; it is printed in the first unit.
+        let fits = steps.iter().find(|(step, _)| size.abs() >= *step);
+        let (step, symbol) = if size.abs() > 0.0 { *fits.unwrap_or(&steps[steps.len() - 1]) } else { steps[0] };
+        (1.0 / step, symbol)
+    }
+
     /// The factor to the unit in printed tables, and that unit.
     #[must_use]
     pub fn for_people(self) -> (f64, &'static str) {
@@ -59,5 +97,27 @@ impl Unit {
             Self::Joule => (1000.0, "mJ"),
             Self::BitPerSecond => (1e-3, "kbit/s"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_and_large_numbers_have_units_that_fit() {
+        for (unit, size, expected) in [
+            (Unit::Second, 0.0021, "ms"),
+            (Unit::Second, 1.0, "s"),
+            (Unit::Second, 0.0, "s"),
+            (Unit::Second, 3e-7, "µs"),
+            (Unit::Joule, -12.0, "J"),
+            (Unit::BitPerSecond, 146_000.0, "kbit/s"),
+            (Unit::Metre, 0.0021, "m"),
+            (Unit::Share, 0.5, "%"),
+        ] {
+            assert_eq!(unit.for_size(size).1, expected, "{size} {unit:?}");
+        }
+        assert!((0.0021 * Unit::Second.for_size(0.0021).0 - 2.1).abs() < 1e-12);
     }
 }

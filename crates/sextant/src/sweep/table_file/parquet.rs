@@ -1,5 +1,6 @@
 //! Tables in Apache Parquet, written by the crate of the Arrow project.
 
+use std::fs::File;
 use std::io;
 use std::sync::Arc;
 
@@ -7,10 +8,14 @@ use parquet::basic::{ConvertedType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
+use parquet::record::Field;
 use parquet::schema::types::Type;
 
+use super::Texts;
 use crate::sweep::column::{Column, Kind};
+use crate::sweep::row::written;
 
 /// `rows` under `columns` as a Parquet file.
 pub(super) fn encode(columns: &[Column], rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
@@ -66,11 +71,32 @@ fn field(column: &Column) -> Result<Arc<Type>, ParquetError> {
     Ok(Arc::new(builder.with_repetition(Repetition::OPTIONAL).with_converted_type(converted).build()?))
 }
 
+/// The texts of a Parquet file; why it cannot be read.
+pub(super) fn decode(file: File) -> Result<Texts, String> {
+    all_rows(file).map_err(|error| error.to_string())
+}
+
+fn all_rows(file: File) -> Result<Texts, ParquetError> {
+    let reader = SerializedFileReader::new(file)?;
+    let fields = reader.metadata().file_metadata().schema().get_fields();
+    let columns = fields.iter().map(|field| field.name().to_owned()).collect();
+    let rows = reader.get_row_iter(None)?;
+    let rows = rows.map(|row| Ok(row?.get_column_iter().map(|(_, field)| text(field)).collect()));
+    Ok(Texts { columns, rows: rows.collect::<Result<_, ParquetError>>()? })
+}
+
+/// A value as it would stand in a CSV table.
+fn text(field: &Field) -> String {
+    match field {
+        Field::Null => String::new(),
+        Field::Str(text) => text.clone(),
+        Field::Double(value) => written(*value, Kind::Real),
+        other => other.to_string(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use parquet::file::reader::{FileReader, SerializedFileReader};
-    use parquet::record::Field;
-
     use super::super::tests::table;
     use super::*;
 

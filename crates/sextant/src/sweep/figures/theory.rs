@@ -1,20 +1,51 @@
 //! What theory says of the cells of a sweep, where its assumptions hold.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use sextant_channel::Db;
 use sextant_mac::csma::CsmaSettings;
 use sextant_mac::csma::analysis::{lone_saturated_period, one_shot};
 use sextant_sim::{Ieee802154, Mac, Network, ReceptionModel, TrafficConfig};
 
+use super::Drawn;
+use super::groups::{Curve, Groups};
 use crate::scenario::Scenario;
+use crate::sweep::finished_table::FinishedTable;
+use sextant_figure::Series;
 
 /// A link on which as many frames arrive counts as one without losses.
 const LOSSLESS: f64 = 1.0 - 1e-9;
 
 /// A value of theory, and where it comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Theory {
-    pub(super) source: &'static str,
-    pub(super) value: f64,
+struct Theory {
+    source: &'static str,
+    value: f64,
+}
+
+/// What theory says of a measure in the cells of `scenario`, as curves.
+pub(super) fn curves(table: &FinishedTable, scenario: &Scenario, across: usize, drawn: &Drawn) -> Vec<Series> {
+    let groups = Groups::new(table, drawn.column, &[across]);
+    let mut curves: BTreeMap<Curve, Vec<(f64, f64)>> = BTreeMap::new();
+    let mut known = BTreeSet::new();
+    for &row in table.runs() {
+        let settings: Vec<String> = table.settings().map(|setting| table.cell(row, setting).to_owned()).collect();
+        if !known.insert(settings) {
+            continue;
+        }
+        let cell = table.settings().try_fold(scenario.clone(), |cell, setting| {
+            cell.with(&table.columns()[setting], table.cell(row, setting)).ok()
+        });
+        let found = cell.and_then(|cell| of(&cell, &table.columns()[drawn.column]));
+        if let (Some(x), Some(Theory { source, value })) = (table.number(row, across), found) {
+            curves.entry(groups.of(row).noted(source)).or_default().push((x, drawn.factor * value));
+        }
+    }
+    let series = |(curve, mut points): (Curve, Vec<(f64, f64)>)| {
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Series { name: curve.name(""), points, half_widths: Vec::new() }
+    };
+    curves.into_iter().map(series).collect()
 }
 
 /// Nodes that all hear each other and one sink, send by unslotted CSMA-CA, and lose frames that overlap and no others.
@@ -53,7 +84,7 @@ impl<'a> Star<'a> {
 }
 
 /// What theory says of a measure of a scenario; `None` where no assumptions hold that are known here.
-pub(super) fn of(scenario: &Scenario, measure: &str) -> Option<Theory> {
+fn of(scenario: &Scenario, measure: &str) -> Option<Theory> {
     let star = Star::of(scenario)?;
     let (phy, nodes) = (star.links.radio.phy(), scenario.world().nodes.len());
     match (measure, scenario.config().traffic.as_ref()?) {

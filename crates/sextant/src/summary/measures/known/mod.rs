@@ -1,0 +1,69 @@
+//! What is measured: the numbers of a run, of a map and of an application, by path, in the order of the columns of tables.
+//! A path leads through the keys of the summary, or is a name that [`derived`](super::derived) works out.
+
+mod application;
+mod map;
+mod run;
+
+use super::unit::Unit::{self, Count, Joule, MeanCount, Metre, Second, Share};
+
+/// A number that is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Known<'a> {
+    /// Its path in the run, the map or the application.
+    pub(super) path: &'a str,
+    pub(super) unit: Unit,
+    /// What it is: a name, and after a colon a definition if the name needs one.
+    pub(super) meaning: &'a str,
+}
+
+/// A number that is one of a family.
+#[derive(Clone, Debug)]
+struct Made {
+    path: String,
+    unit: Unit,
+    meaning: String,
+}
+
+const fn known<'a>(path: &'a str, unit: Unit, meaning: &'a str) -> Known<'a> {
+    Known { path, unit, meaning }
+}
+
+/// All of a map that may be computed by nodes.
+pub(super) fn of_map(is_by_nodes: bool) -> impl Iterator<Item = Known<'static>> {
+    let (work, scattering) =
+        if is_by_nodes { (map::BY_NODES, map::SCATTERING.as_slice()) } else { Default::default() };
+    all(map::MAP, &map::DISTRIBUTIONS).chain(all(work, scattering))
+}
+
+/// All of an application that may be a search for targets.
+pub(super) fn of_application(is_search: bool) -> impl Iterator<Item = Known<'static>> {
+    all(application::APPLICATION, if is_search { application::COURSE.as_slice() } else { Default::default() })
+}
+
+/// All of a run in which nodes may compute a map.
+pub(super) fn of_run(has_maps_by_nodes: bool) -> impl Iterator<Item = Known<'static>> {
+    all(run::RUN, &[]).chain(all(if has_maps_by_nodes { run::WITH_MAPS_BY_NODES } else { &[] }, &[]))
+}
+
+fn all(written: &'static [Known<'static>], made: &'static [Made]) -> impl Iterator<Item = Known<'static>> {
+    written.iter().copied().chain(made.iter().map(|Made { path, unit, meaning }| known(path, *unit, meaning)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_number_has_a_name_of_its_own_that_fits_on_an_axis() {
+        for numbers in [of_run(true).collect::<Vec<_>>(), of_map(true).collect(), of_application(true).collect()] {
+            let mut names = Vec::new();
+            for Known { path, meaning, .. } in numbers {
+                let name = meaning.split(':').next().unwrap_or_default();
+                assert!((4..=85).contains(&name.chars().count()), "{path}: {name}");
+                assert!(!names.contains(&name), "{path}: another number is called `{name}` too");
+                names.push(name);
+            }
+        }
+    }
+}

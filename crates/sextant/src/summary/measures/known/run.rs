@@ -1,0 +1,68 @@
+//! The numbers of a run as a whole.
+
+use super::{Count, Joule, Known, Second, Share, known};
+use crate::summary::Unit::{BitPerSecond, Metre};
+
+/// Of any run.
+pub(super) const RUN: &[Known<'static>] = &[
+    known("simulation.nodes", Count, "nodes"),
+    known("simulation.obstacles", Count, "obstacles"),
+    known("gathering.stops", Count, "stops: places where robots listened"),
+    known("gathering.path_length_m", Metre, "length of the paths of all robots"),
+    known("gathering.duration_s", Second, "duration of the survey"),
+    known("gathering.packets_offered", Count, "packets offered during the survey"),
+    known("gathering.packets_sent", Count, "packets sent during the survey: on air at least once"),
+    known("gathering.packets_received", Count, "packets received by robots: each counts once"),
+    known("gathering.lost_collision", Count, "packets lost to collisions at robots"),
+    known("gathering.lost_channel_access", Count, "packets never sent during the survey: the channel was busy"),
+    known("gathering.lost_signal", Count, "packets too weak at robots in range"),
+    known("gathering.energy_j.tx", Joule, "energy of nodes for transmitting during the survey"),
+    known("gathering.energy_j.rx", Joule, "energy of nodes for receiving during the survey"),
+    known("gathering.energy_j.idle", Joule, "energy of idle nodes during the survey"),
+    known("simulation.events", Count, "events of the simulation: a measure of work"),
+    known("discovery.neighbours.energy_j.tx", Joule, "energy for transmitting in the discovery of neighbours"),
+    known("discovery.neighbours.energy_j.rx", Joule, "energy for receiving in the discovery of neighbours"),
+    known("discovery.anchors.energy_j.tx", Joule, "energy for transmitting in the flood of anchors"),
+    known("mac.offered", Count, "packets offered to sinks"),
+    known("mac.sent", Count, "packets sent to sinks: on air at least once"),
+    known("mac.delivered", Count, "packets delivered to sinks"),
+    known("mac.prr", Share, "packet reception ratio: delivered over offered, without pending packets"),
+    known("mac.delivered_of_sent", Share, "share of sent packets that were delivered"),
+    known("mac.throughput_bit_per_s", BitPerSecond, "throughput: payload delivered per second"),
+    known("mac.delay_s.mean", Second, "mean delay: from the offer of a packet to its first reception"),
+    known("mac.delay_s.p50", Second, "median of the delay"),
+    known("mac.delay_s.p90", Second, "90th percentile of the delay"),
+    known("mac.delay_s.p99", Second, "99th percentile of the delay"),
+    known("mac.transmissions", Count, "transmissions: data frames on air"),
+    known("mac.retries", Count, "retries: data frames that are repetitions"),
+    known("mac.backoffs", Count, "backoffs: random waits before an assessment of the channel"),
+    known("mac.no_acknowledgement", Count, "packets without an acknowledgement after all retries"),
+    known("mac.channel_access_failures", Count, "packets given up because the channel was busy"),
+    known("mac.lost_collision", Count, "packets lost to collisions at sinks"),
+    known("mac.lost_channel_access", Count, "packets never sent to sinks: the channel was busy"),
+    known("mac.lost_queue", Count, "packets replaced by newer ones before they were sent to sinks"),
+    known("mac.lost_signal", Count, "packets too weak at sinks in range"),
+    known("mac.pending", Count, "packets to sinks that wait or are on air at the end"),
+    known("mac.energy_j.tx", Joule, "energy of nodes for transmitting"),
+    known("mac.energy_j.rx", Joule, "energy of nodes for receiving"),
+    known("mac.energy_j.idle", Joule, "energy of idle nodes"),
+    known("sensing.detections", Count, "detections of targets"),
+    known("sensing.samples", Count, "samples of fields"),
+    known("mac.out_of_range", Count, "packets out of the range of their sink"),
+    known("mac.not_listened", Count, "packets sent while their sink did not listen"),
+    known("mac.not_listened_by.transmitting", Count, "packets sent while their sink transmitted"),
+    known("mac.not_listened_by.asleep", Count, "packets sent while their sink was asleep"),
+    known("mac.not_listened_by.off", Count, "packets sent while their sink was off"),
+    known("gathering.lost_queue", Count, "packets of the survey replaced by newer ones before they were sent"),
+    known("gathering.out_of_range", Count, "packets out of the range of all robots that listened"),
+    known("gathering.not_listened", Count, "packets sent while no robot listened"),
+    known("gathering.not_listened_by.transmitting", Count, "packets sent while robots transmitted"),
+    known("gathering.not_listened_by.asleep", Count, "packets sent while robots were asleep"),
+    known("gathering.not_listened_by.off", Count, "packets sent while robots were off"),
+    known("gathering.pending", Count, "packets that wait or are on air at the end of the survey"),
+    known("discovery.anchors.energy_j.rx", Joule, "energy for receiving in the flood of anchors"),
+];
+
+/// Of a run in which nodes compute a map.
+pub(super) const WITH_MAPS_BY_NODES: &[Known<'static>] =
+    &[known("simulation.sim_time_s", Second, "simulated time until the last event")];
