@@ -289,6 +289,17 @@ fn wrong_words_are_told_apart() {
 }
 
 #[test]
+fn a_submission_that_was_cut_off_stops_only_other_submissions() {
+    let study = Study::planned(SWEEP);
+    fs::create_dir_all(study.file("plan/slurm/000001")).unwrap();
+    let printed = printed(&study.on_plan(&["--status"]));
+    assert!(printed.contains("submission 000001: no job yet; if it was cut off, remove slurm/000001"), "{printed}");
+    let resumed = study.on_plan(&["--resume"]);
+    assert_eq!(resumed.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&resumed.stderr).contains("another submission is under way"), "{resumed:?}");
+}
+
+#[test]
 fn a_file_that_cannot_move_is_refused() {
     let study = Study::new(SWEEP);
     let nodes = study.file("study/nodes.csv");

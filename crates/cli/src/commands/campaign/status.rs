@@ -55,6 +55,10 @@ fn text(
         writeln!(stdout, "failed: run {} (cell {cell}, replicate {replicate}){others}: {reason}", first.number)?;
     }
     for Submitted { name, jobs, tasks, runs, .. } in submitted {
+        if jobs.is_empty() {
+            writeln!(stdout, "submission {name}: no job yet; if it was cut off, remove slurm/{name}")?;
+            continue;
+        }
         let (runs, tasks) = (counted(*runs, "run"), counted(*tasks, "task"));
         writeln!(stdout, "submission {name}: {runs} in {tasks}, job {}", jobs.join(", "))?;
     }

@@ -77,16 +77,26 @@ impl Campaign {
         Ok(jobs)
     }
 
-    /// The submissions, the first one first: their jobs and number of runs.
+    /// The submissions, the first one first: their jobs and number of runs. One that has no job yet has none here either.
     ///
     /// # Errors
-    /// If their files cannot be read, or one is under way.
+    /// If their files cannot be read.
     pub fn submitted(&self) -> Result<Vec<Submitted>, CampaignError> {
-        Ok(self.submissions()?.iter().map(Submission::submitted).collect())
+        let (made, begun) = Submission::all(&self.folder.join(FOLDER))?;
+        Ok(made
+            .iter()
+            .map(Submission::submitted)
+            .chain(begun.iter().map(|folder| Submitted::begun(folder)))
+            .collect())
     }
 
+    /// The submissions, if none is under way.
     fn submissions(&self) -> Result<Vec<Submission>, CampaignError> {
-        Submission::all(&self.folder.join(FOLDER))
+        let (made, begun) = Submission::all(&self.folder.join(FOLDER))?;
+        match begun.into_iter().next() {
+            None => Ok(made),
+            Some(folder) => Err(CampaignError::Submitting { folder }),
+        }
     }
 
     fn submit_open(

@@ -54,6 +54,19 @@ pub struct Submitted {
     pub given_up: usize,
 }
 
+impl Submitted {
+    /// A submission that has no job yet.
+    pub(super) fn begun(folder: &Path) -> Self {
+        let name = name_of(folder);
+        Self { name, jobs: Vec::new(), tasks: 0, runs: 0, left_to_queue: 0, given_up: 0 }
+    }
+}
+
+/// The name of a folder.
+fn name_of(folder: &Path) -> String {
+    folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
 /// What is kept of a submission.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -115,17 +128,24 @@ impl Record {
 }
 
 impl Submission {
-    /// The submissions in `folder`, in their order.
-    pub(super) fn all(folder: &Path) -> Result<Vec<Self>, CampaignError> {
+    /// The submissions in `folder`, in their order, and the folders of those that have no job yet.
+    pub(super) fn all(folder: &Path) -> Result<(Vec<Self>, Vec<PathBuf>), CampaignError> {
         let unreadable = |error: io::Error| CampaignError::unreadable(folder, &error);
         let entries = match fs::read_dir(folder) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((Vec::new(), Vec::new())),
             other => other.map_err(unreadable)?,
         };
         let mut folders =
             entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
         folders.sort();
-        folders.into_iter().map(|folder| Self::read(&folder)?.ok_or(CampaignError::Submitting { folder })).collect()
+        let (mut made, mut begun) = (Vec::new(), Vec::new());
+        for folder in folders {
+            match Self::read(&folder)? {
+                Some(submission) => made.push(submission),
+                None => begun.push(folder),
+            }
+        }
+        Ok((made, begun))
     }
 
     /// The submission in `folder`; `None` if it has no job yet.
@@ -161,7 +181,7 @@ impl Submission {
 
     pub(super) fn submitted(&self) -> Submitted {
         Submitted {
-            name: self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            name: name_of(&self.folder),
             jobs: self.jobs().collect(),
             tasks: self.submitted_chunks().len(),
             runs: self.record.runs,
