@@ -139,7 +139,7 @@ fn print_plan(plan: &Sweep, out: &Path, stdout: &mut impl Write) -> io::Result<(
         counted(plan.cells().len(), "cell"),
         counted(runs, "run"),
         plan.seed(),
-        counted(plan.cells().len() * runs, "row"),
+        counted(plan.cells().len() * runs, "run"),
         counted(plan.survey_count(), "survey"),
     )?;
     writeln!(stdout, "table: {}\n", out.display())?;

@@ -116,7 +116,7 @@ fn cells_that_differ_in_their_anchors_share_surveys_and_have_the_same_maps_as_al
                             [sweep]\nruns = 1\nproduct.anchors.share = [0.3, 0.6]\n";
     let (scenario, out) = (scenario(&folder, sweep_of_anchors), folder.path().join("t.csv"));
     let plan = String::from_utf8(sweep(&scenario, &out, &["--dry-run"]).stdout).unwrap();
-    assert!(plan.contains("2 rows, 1 survey simulated"), "{plan}");
+    assert!(plan.contains("2 runs, 1 survey simulated"), "{plan}");
     assert!(sweep(&scenario, &out, &[]).status.success());
     let together = table(&out);
     let errors = ["0.3", "0.6"].map(|share| {
@@ -221,7 +221,7 @@ fn a_dry_run_prints_the_plan_and_runs_nothing() {
     let (scenario, out) = (scenario(&folder, SWEEP), folder.path().join("t.csv"));
     let output = sweep(&scenario, &out, &["--dry-run"]);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.starts_with("4 cells of 2 runs with the seeds 1 to 2: 8 rows, 4 surveys simulated"), "{text}");
+    assert!(text.starts_with("4 cells of 2 runs with the seeds 1 to 2: 8 runs, 4 surveys simulated"), "{text}");
     assert!(text.contains("channel.environment=\"heavy-tree\""), "{text}");
     assert!(!out.exists() && !folder.path().join("t.csv.parts").exists());
 }
