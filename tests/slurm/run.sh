@@ -139,6 +139,17 @@ wait_until_idle twice 60
 status twice
 compare twice small
 
+step "a map in tiles: an array makes them, and a job joins them"
+"$sextant" run "$here/../../scenarios/ml-tm/circular.toml" --out "$folder/run.mcap" --quiet >/dev/null
+map() { "$sextant" map "$folder/run.mcap" --algorithm ml-tm --quiet "$@"; }
+map --out "$folder/whole.csv" >/dev/null
+map --tiles 6 --keep-tiles "$folder/tiles" --out "$folder/tiled.csv" --submit slurm --chunk 2
+wait_for 60 "the map" test -s "$folder/tiled.csv"
+find "$folder/tiles" -name '*.csv' | sed "s|$folder/||" | sort
+[ "$(find "$folder/tiles/ml-tm" -name '*.csv' | wc -l)" -eq 6 ] || fail "tiles are missing"
+cmp "$folder/whole.csv" "$folder/tiled.csv" || fail "the maps differ"
+sha256sum "$folder/whole.csv" "$folder/tiled.csv" | sed "s|$folder/||"
+
 step "the job with more work than time has come to its limit"
 wait_for 100 "its end" job_is "$limited_job" TIMEOUT
 scontrol show job "$limited_job" | grep -oE '(JobState|RunTime|TimeLimit)=[^ ]*' | tr '\n' ' '
