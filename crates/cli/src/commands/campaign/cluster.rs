@@ -24,7 +24,7 @@ pub(super) fn cancel(campaign: &Campaign) -> Result<(), Failure> {
 
 fn tell(campaign: &Campaign, submitted: &Submitted) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
-    let Submitted { name, jobs, tasks, runs, left_to_queue, given_up } = submitted;
+    let Submitted { name, jobs, tasks, runs, left_to_queue, given_up, refused } = submitted;
     writeln!(stdout, "submitted {} in {}: job {}", counted(*runs, "run"), counted(*tasks, "task"), jobs.join(", "))?;
     if *left_to_queue > 0 {
         writeln!(stdout, "{} left to tasks that still wait or run", counted(*left_to_queue, "run"))?;
@@ -35,6 +35,9 @@ fn tell(campaign: &Campaign, submitted: &Submitted) -> io::Result<()> {
             "{} not submitted again: submitted too often already (--attempts)",
             counted(*given_up, "run")
         )?;
+    }
+    if let Some(why) = refused {
+        writeln!(stdout, "the other runs were refused, and can be resumed later: {why}")?;
     }
     writeln!(stdout, "job script: {}", campaign.folder().join("slurm").join(name).join("job.sh").display())
 }

@@ -67,6 +67,7 @@ fn print(campaign: &Campaign, stdout: &mut impl Write) -> io::Result<()> {
 /// A time in the unit that people would use.
 pub(super) fn duration(s: f64) -> String {
     match s {
+        _ if s < 0.01 => format!("{:.2} ms", 1e3 * s),
         _ if s < 1.0 => format!("{:.0} ms", 1e3 * s),
         _ if s < 120.0 => format!("{s:.1} s"),
         _ if s < 7200.0 => format!("{:.1} minutes", s / 60.0),

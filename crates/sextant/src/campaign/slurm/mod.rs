@@ -125,15 +125,17 @@ impl Campaign {
         let greatest_array = scheduler::greatest_array();
         let chunks = chunks::of(self, &open, settings.chunk.unwrap_or_default(), greatest_array);
         let folder = submission::claim(&self.folder.join(FOLDER), before.len() + 1)?;
-        self.send(program, settings, &folder, &chunks, greatest_array).inspect_err(|_| {
+        let refused = self.send(program, settings, &folder, &chunks, greatest_array).inspect_err(|_| {
             // A submission without a job would stand in the way of the next one.
             let _ = fs::remove_dir_all(&folder);
         })?;
         let submission = Submission::read(&folder)?.ok_or(CampaignError::Submitting { folder })?;
-        Ok(Submitted { left_to_queue: waiting, given_up: exhausted, ..submission.submitted() })
+        let refused = refused.map(|error| error.to_string());
+        Ok(Submitted { left_to_queue: waiting, given_up: exhausted, refused, ..submission.submitted() })
     }
 
-    /// Writes a submission to `folder`, and submits it as few arrays as Slurm allows.
+    /// Writes a submission to `folder`, and submits it as few arrays as Slurm allows. Returns why a later array was refused, if
+    /// one was.
     fn send(
         &self,
         program: &Path,
@@ -141,7 +143,7 @@ impl Campaign {
         folder: &Path,
         chunks: &[NumberRange],
         greatest_array: usize,
-    ) -> Result<(), CampaignError> {
+    ) -> Result<Option<CampaignError>, CampaignError> {
         let plan =
             std::path::absolute(&self.folder).map_err(|error| CampaignError::unreadable(&self.folder, &error))?;
         let folder_of_plan = plan.join(FOLDER).join(folder.file_name().unwrap_or_default());
@@ -153,16 +155,18 @@ impl Campaign {
         let path = folder_of_plan.join(submission::SCRIPT);
         submission::write_script(&path, &script.text(&each_chunk(&folder_of_plan.join(submission::CHUNKS), &call)))?;
         let (jobs, refused) = submit_chunks(&path, chunks.len(), settings, greatest_array);
-        if let (true, Some(error)) = (jobs.is_empty(), refused) {
-            return Err(error);
-        }
+        let refused = match refused {
+            Some(error) if jobs.is_empty() => return Err(error),
+            other => other,
+        };
         let submitted = jobs.last().map_or(0, |last| last.first + last.tasks);
         let runs = chunks[..submitted].iter().map(|chunk| chunk.len()).sum();
         let record = Record { settings: settings.clone(), arrays: jobs, runs };
         record.write(folder).inspect_err(|_| {
             // A job that nobody knows of would be submitted again. The error of the file is the one that is told.
             let _ = scheduler::cancel(&record.jobs().collect::<Vec<_>>());
-        })
+        })?;
+        Ok(refused)
     }
 
     /// How often each run was submitted.

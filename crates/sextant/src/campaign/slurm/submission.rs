@@ -52,13 +52,15 @@ pub struct Submitted {
     pub left_to_queue: usize,
     /// Number of runs that were not submitted because they were submitted too often.
     pub given_up: usize,
+    /// Why not all arrays were submitted, if so: the scheduler refused one.
+    pub refused: Option<String>,
 }
 
 impl Submitted {
     /// A submission that has no job yet.
     pub(super) fn begun(folder: &Path) -> Self {
         let name = name_of(folder);
-        Self { name, jobs: Vec::new(), tasks: 0, runs: 0, left_to_queue: 0, given_up: 0 }
+        Self { name, jobs: Vec::new(), tasks: 0, runs: 0, left_to_queue: 0, given_up: 0, refused: None }
     }
 }
 
@@ -187,6 +189,7 @@ impl Submission {
             runs: self.record.runs,
             left_to_queue: 0,
             given_up: 0,
+            refused: None,
         }
     }
 }
