@@ -24,7 +24,8 @@
 //! - [`map_log`] maps a log that was made in code, or read by `sextant-logs` or `sextant-recording`; [`mapping`] has all
 //!   settings of `sextant map`.
 //! - [`explain_link`] says why a station hears another one, or not: the power between the two, item by item.
-//! - [`Sweep`] runs a scenario with many settings and seeds.
+//! - [`Sweep`] runs a scenario with many settings and seeds. [`Campaign`] is a sweep as a plan in a folder, which several
+//!   machines do part by part.
 //! - [`Template`](template::Template)s are scenarios to begin with; [`scenario::explain`] says what a key means.
 //! - [`Summary`] is the result of each of them, as the JSON object of `--summary`.
 //!
