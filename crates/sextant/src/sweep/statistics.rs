@@ -44,8 +44,10 @@ impl Mean {
     #[must_use]
     pub fn rounded(&self, unit: &str) -> String {
         let of_mean = decimals(self.mean, 3);
+        // What is narrower than the rounding of the sums is no width.
+        let half_width_95 = self.half_width_95.map(|half| if half < 1e-9 * self.mean.abs() { 0.0 } else { half });
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-        match self.half_width_95 {
+        match half_width_95 {
             Some(half_width) => {
                 let most = if self.mean.abs() > 0.0 { of_mean + 3 } else { MOST_DECIMALS };
                 let decimals = of_mean.max(decimals(half_width, 2)).min(most);
@@ -127,7 +129,7 @@ mod tests {
             (0.0, 0.3, "0.00 ± 0.30 m"),
             (-5.0, 0.07, "-5.000 ± 0.070 m"),
             (99.96, 1.0, "100.0 ± 1.0 m"),
-            (10.0, 1e-12, "10.0000 ± 0.0000 m"),
+            (10.0, 1e-12, "10.0 ± 0.0 m"),
         ] {
             assert_eq!(text(mean, Some(half_width)), expected, "{mean} {half_width}");
         }
