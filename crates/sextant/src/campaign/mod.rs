@@ -149,37 +149,36 @@ impl Campaign {
         let parts = self.parts();
         let before = parts.read_within(range)?;
         let todo: Vec<usize> = (range.start..range.end).filter(|number| !before.is_done(*number)).collect();
-        let mut own = parts.begin(range, before.finished())?;
         if todo.is_empty() && before.has_whole(range) {
-            own.discard();
             return Ok(0);
         }
         let units = work.units_of(todo.iter().copied());
         watch.begin(Work { name: "sweeping", unit: "survey", steps: units.len() as u64, operations: 0.0 });
-        let watched = Stopwatch::start();
-        let saved_s = Mutex::new((0.0, own));
+        let start = Stopwatch::start();
+        // When the part was saved last (s), and the part.
+        let saved = Mutex::new((0.0, parts.begin(range, before.finished())?));
         let outcome = units.par_iter().try_for_each(|unit| {
             let rows = unit::run(&self.sweep, unit, watch).ok_or(Interrupted)?;
             watch.advance(1);
-            let mut guard = saved_s.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut guard = saved.lock().unwrap_or_else(PoisonError::into_inner);
             let (last_s, own) = &mut *guard;
             own.extend(rows);
-            if watched.elapsed_s() - *last_s > SAVED_EVERY_S {
-                *last_s = watched.elapsed_s();
-                own.save(watched.elapsed_s())?;
+            if start.elapsed_s() - *last_s > SAVED_EVERY_S {
+                *last_s = start.elapsed_s();
+                own.save(start.elapsed_s())?;
             }
             Ok::<(), CampaignError>(())
         });
-        own = saved_s.into_inner().unwrap_or_else(PoisonError::into_inner).1;
+        let (_, own) = saved.into_inner().unwrap_or_else(PoisonError::into_inner);
         match outcome {
             Ok(()) => {
-                own.finish(watched.elapsed_s())?;
+                own.finish(start.elapsed_s())?;
                 before.remove_unfinished();
                 Ok(todo.len())
             }
             Err(error) => {
                 // The first error is told; if this part cannot be written either, its runs are missing and are seen to be.
-                let _ = own.save(watched.elapsed_s());
+                let _ = own.save(start.elapsed_s());
                 Err(error)
             }
         }

@@ -256,12 +256,6 @@ impl Part<'_> {
             other => Ok(other.map_err(|error| OutputError::new(&self.whole, &error))?),
         }
     }
-
-    /// Leaves the part as it was.
-    pub(super) fn discard(self) {
-        // An empty file does no harm.
-        let _ = fs::remove_file(&self.own);
-    }
 }
 
 #[cfg(test)]
