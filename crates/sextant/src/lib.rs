@@ -36,6 +36,7 @@ pub mod campaign;
 pub mod columns;
 pub mod export;
 pub mod forecast;
+mod hexadecimal;
 pub mod link;
 pub mod mapping;
 pub mod measure;

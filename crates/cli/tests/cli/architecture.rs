@@ -16,7 +16,7 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 13] = [
+const ROOMS: [&str; 14] = [
     "campaign",
     "sweep",
     "run",
@@ -29,6 +29,7 @@ const ROOMS: [&str; 13] = [
     "scenario",
     "columns",
     "number_range",
+    "hexadecimal",
     "template",
 ];
 

@@ -9,18 +9,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::program::{self, sextant, signal};
-
-/// Two worlds, each mapped twice. The second map needs a grid that is too large for any memory.
-const SWEEP: &str = "
-[sweep]
-runs = 2
-[sweep.product]
-channel.environment = [\"suburban\", \"heavy-tree\"]
-[[sweep.list]]
-maps.0.algorithm.ml_tm.profile.trapezoid.p0 = 0.8
-[[sweep.list]]
-maps.0.algorithm.ml_tm.grid_step_m = 1e-5
-";
+use crate::sweep::SWEEP;
 
 /// A folder with a scenario, which extends another one that names a table of nodes, and its plan in `plan`.
 struct Study {

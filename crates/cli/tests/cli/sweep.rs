@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use crate::program::{self, sextant};
 
 /// Two worlds, each mapped twice. The second map needs a grid that is too large for any memory.
-const SWEEP: &str = "
+pub(super) const SWEEP: &str = "
 [sweep]
 runs = 2
 [sweep.product]

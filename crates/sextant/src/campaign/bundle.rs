@@ -9,8 +9,9 @@ use sextant_recording::output::{OutputError, write_file};
 use sha2::{Digest, Sha256};
 
 use super::error::CampaignError;
+use crate::hexadecimal::hexadecimal;
 use crate::scenario::NamedFile;
-use crate::sweep::{Sweep, hexadecimal};
+use crate::sweep::Sweep;
 
 /// The files of a plan.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

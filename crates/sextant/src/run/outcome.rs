@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 use super::discovery::Discoveries;
 use super::ending;
 use super::mac;
+use crate::hexadecimal::hexadecimal;
 use crate::scenario::Scenario;
 use crate::summary::{
     ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary,
@@ -161,7 +162,7 @@ fn identity(scenario: &Scenario) -> ScenarioSummary {
     ScenarioSummary {
         name: scenario.name().to_owned(),
         file: scenario.file_name(),
-        sha256: Sha256::digest(scenario.text()).iter().map(|byte| format!("{byte:02x}")).collect(),
+        sha256: hexadecimal(&Sha256::digest(scenario.text())),
         seed: scenario.seed().0,
         version: env!("CARGO_PKG_VERSION").to_owned(),
     }

@@ -1,12 +1,12 @@
 //! What a sweep keeps of each of its scenarios.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
+use crate::hexadecimal::hexadecimal;
 use crate::scenario::{NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity};
 use crate::summary::measures::Subjects;
 
@@ -93,13 +93,4 @@ impl Contents {
 /// The settings of all cells, then those of a cell.
 pub(super) fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
     set.iter().cloned().chain(settings.iter().map(Setting::line)).collect()
-}
-
-/// Octets as hexadecimal digits.
-pub(crate) fn hexadecimal(octets: &[u8]) -> String {
-    octets.iter().fold(String::with_capacity(2 * octets.len()), |mut text, octet| {
-        // Writing to a text cannot fail.
-        let _ = write!(text, "{octet:02x}");
-        text
-    })
 }

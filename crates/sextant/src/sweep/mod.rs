@@ -41,7 +41,6 @@ pub use table_reader::{read_own_table, read_table};
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 
-pub(crate) use facts::hexadecimal;
 pub(crate) use plan::Checked;
 #[cfg(feature = "parquet")]
 pub(crate) use table_file::write_table as write_texts;

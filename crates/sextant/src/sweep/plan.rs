@@ -7,10 +7,11 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::column::{Column, Kind};
-use super::facts::{self, Contents, flags, hexadecimal};
+use super::facts::{self, Contents, flags};
 use super::row::Row;
 use super::statistics::Mean;
 use super::work_list::WorkList;
+use crate::hexadecimal::hexadecimal;
 use crate::scenario::{NamedFile, Scenario, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity, SweepAxes};
 use crate::summary::Measure;
 use crate::summary::measures::{self, Subjects};

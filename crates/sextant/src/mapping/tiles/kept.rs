@@ -1,6 +1,5 @@
 //! Tiles that are kept in a folder, so that a map can be made in pieces, by several machines, or go on after an interruption.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,6 +13,7 @@ use sextant_recording::output::{CsvFile, EmptyCell, write_file};
 use sha2::{Digest, Sha256};
 
 use super::tiled_log::TiledLog;
+use crate::hexadecimal::hexadecimal;
 use crate::mapping::{Input, TilesError};
 use crate::number_range::NumberRange;
 use crate::scenario::{MapJob, MapSettings};
@@ -71,11 +71,7 @@ impl KeptTiles {
             digest.update(text);
         }
         digest.update(log.sha256());
-        let mut identity = String::new();
-        for octet in digest.finalize() {
-            // Writing to a text cannot fail.
-            let _ = write!(identity, "{octet:02x}");
-        }
+        let identity = hexadecimal(&digest.finalize());
         Ok(KeptLog { log, folder, only: self.only, identity, name: job.mapper.name() })
     }
 }
@@ -136,13 +132,13 @@ impl KeptLog<'_> {
             return Err("it is of another log, of other settings or of another version".to_owned());
         }
         let misfit = || "its first line is broken".to_owned();
-        let count: usize = field(&head, 2).and_then(|text| text.parse().ok()).ok_or_else(misfit)?;
+        let count: usize = head.get(2).and_then(|text| text.parse().ok()).ok_or_else(misfit)?;
         if count != nodes {
             return Err(format!("it has {count} nodes, not {nodes}"));
         }
         let mut map = TopologyMap {
             estimates: vec![None; nodes],
-            vertices_evaluated: field(&head, 3).and_then(|text| text.parse().ok()).ok_or_else(misfit)?,
+            vertices_evaluated: head.get(3).and_then(|text| text.parse().ok()).ok_or_else(misfit)?,
             grid_step_m: optional(&head, 4).ok_or_else(misfit)?,
             heights: heights(&head).ok_or_else(misfit)?,
             ..TopologyMap::of_places(self.name, Vec::new(), CoordinateFrame::World)
@@ -204,13 +200,9 @@ fn unwritten(path: &Path, why: &io::Error) -> TilesError {
     TilesError::Kept { path: path.to_owned(), why: why.to_string() }
 }
 
-fn field(record: &csv::StringRecord, at: usize) -> Option<&str> {
-    record.get(at)
-}
-
 /// A number, or nothing where the text is empty; `None` if it is neither.
 fn optional(record: &csv::StringRecord, at: usize) -> Option<Option<f64>> {
-    match field(record, at)? {
+    match record.get(at)? {
         "" => Some(None),
         text => text.parse().ok().map(Some),
     }
@@ -218,7 +210,7 @@ fn optional(record: &csv::StringRecord, at: usize) -> Option<Option<f64>> {
 
 fn heights(head: &csv::StringRecord) -> Option<Option<SoughtHeights>> {
     let span_m = optional(head, 6)?;
-    let reason = match field(head, 5)? {
+    let reason = match head.get(5)? {
         "" => return Some(None),
         "settings" => HeightReason::Settings,
         "level-stops" => HeightReason::LevelStops,
@@ -231,8 +223,8 @@ fn heights(head: &csv::StringRecord) -> Option<Option<SoughtHeights>> {
 
 /// The number of a node in its tile, and where it is.
 fn estimate(record: &csv::StringRecord) -> Option<(usize, Estimate)> {
-    let number = |at: usize| field(record, at)?.parse::<f64>().ok();
-    let concern = match field(record, 7)? {
+    let number = |at: usize| record.get(at)?.parse::<f64>().ok();
+    let concern = match record.get(7)? {
         "" => None,
         name => Some(
             [Concern::AtEdge, Concern::Unsettled, Concern::NoEvidence].into_iter().find(|one| one.name() == name)?,
@@ -252,10 +244,10 @@ fn estimate(record: &csv::StringRecord) -> Option<(usize, Estimate)> {
     let estimate = Estimate {
         position: Position::new(number(1)?, number(2)?, number(3)?),
         log_likelihood: optional(record, 4)?,
-        ties: field(record, 5)?.parse().ok()?,
-        infeasible: field(record, 6)? == "1",
+        ties: record.get(5)?.parse().ok()?,
+        infeasible: record.get(6)? == "1",
         concern,
         covariance,
     };
-    Some((field(record, 0)?.parse().ok()?, estimate))
+    Some((record.get(0)?.parse().ok()?, estimate))
 }
