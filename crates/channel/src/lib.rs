@@ -68,6 +68,7 @@ mod purpose;
 mod reception;
 mod reflection;
 mod sector;
+mod sector_gains;
 mod shadowing;
 #[cfg(feature = "obstacles")]
 mod shape;
@@ -108,6 +109,7 @@ pub use reception::{
 };
 pub use reflection::{Ray, ReflectionsConfig};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
+pub use sector_gains::SectorGains;
 pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
 #[cfg(feature = "obstacles")]
 pub use shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

@@ -9,6 +9,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
+use crate::SectorGains;
+
 /// The directions of one sector, in the frame of the stops and not of the robot: azimuth counterclockwise from x,
 /// elevation up from the horizontal plane. A robot whose antenna turns with it logs the sector in the frame of the
 /// stops.
@@ -102,9 +104,12 @@ impl SectorConfig {
     }
 }
 
-/// The sectors of a listener, by their identities.
+/// The sectors of a listener, by their identities, with the gains of its antenna if they are known.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SectorTable(BTreeMap<u8, SectorConfig>);
+pub struct SectorTable {
+    sectors: BTreeMap<u8, SectorConfig>,
+    gains: Option<SectorGains>,
+}
 
 impl SectorTable {
     /// A table of these sectors. They may overlap.
@@ -121,46 +126,68 @@ impl SectorTable {
                 return Err(within(SettingError::new("sector", id, "an identity that no other sector has")));
             }
         }
-        Ok(Self(table))
+        Ok(Self { sectors: table, gains: None })
+    }
+
+    /// The same sectors with the gains of their antenna.
+    ///
+    /// # Errors
+    /// If the antenna has other sectors.
+    pub fn with_gains(self, gains: SectorGains) -> Result<Self, SettingError> {
+        if !gains.identities().iter().eq(self.sectors.keys()) {
+            let of_antenna = identities(gains.identities().iter().copied());
+            return Err(SettingError::new("antenna", format!("sectors {of_antenna}"), self.identities()));
+        }
+        Ok(Self { gains: Some(gains), ..self })
+    }
+
+    /// The gains of the antenna, if they are known.
+    #[must_use]
+    pub fn gains(&self) -> Option<&SectorGains> {
+        self.gains.as_ref()
     }
 
     /// Number of sectors.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.sectors.len()
     }
 
     /// Whether there are no sectors.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.sectors.is_empty()
     }
 
     /// The sectors, by ascending identity.
     pub fn iter(&self) -> impl Iterator<Item = &SectorConfig> {
-        self.0.values()
+        self.sectors.values()
     }
 
     /// Whether the table has the sector `id`.
     #[must_use]
     pub fn contains(&self, id: u8) -> bool {
-        self.0.contains_key(&id)
+        self.sectors.contains_key(&id)
     }
 
     /// The identities, as a person would write them: `0 to 7, 9`.
     #[must_use]
     pub fn identities(&self) -> String {
-        let mut runs: Vec<[u8; 2]> = Vec::new();
-        for &id in self.0.keys() {
-            match runs.last_mut() {
-                Some([_, last]) if *last + 1 == id => *last = id,
-                _ => runs.push([id, id]),
-            }
-        }
-        let run =
-            |[first, last]: &[u8; 2]| if first == last { first.to_string() } else { format!("{first} to {last}") };
-        if runs.is_empty() { "none".into() } else { runs.iter().map(run).collect::<Vec<_>>().join(", ") }
+        identities(self.sectors.keys().copied())
     }
+}
+
+/// Identities as a person would write them: `0 to 7, 9`.
+fn identities(ids: impl Iterator<Item = u8>) -> String {
+    let mut runs: Vec<[u8; 2]> = Vec::new();
+    for id in ids {
+        match runs.last_mut() {
+            Some([_, last]) if *last + 1 == id => *last = id,
+            _ => runs.push([id, id]),
+        }
+    }
+    let run = |[first, last]: &[u8; 2]| if first == last { first.to_string() } else { format!("{first} to {last}") };
+    if runs.is_empty() { "none".into() } else { runs.iter().map(run).collect::<Vec<_>>().join(", ") }
 }
 
 impl TryFrom<EvenSectorsConfig> for SectorTable {
