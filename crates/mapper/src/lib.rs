@@ -44,6 +44,7 @@ mod metrics;
 mod numerics;
 mod own_place;
 mod parts;
+mod pattern;
 mod posterior;
 mod profile;
 mod purpose;
@@ -95,6 +96,7 @@ pub use own_place::{
     OwnPlaceConfig, PlaceModel, RingOrientation, UnorientedRing,
 };
 pub use parts::{FixedLaw, LogParts, PartEstimator, PartsError};
+pub use pattern::{PatternFit, PatternLaw};
 pub use posterior::{
     Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule, TrueModel, posterior_bound_m,
 };

@@ -1,5 +1,7 @@
 //! ML-TM under a profile estimated from the log.
 
+use std::borrow::Cow;
+
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
@@ -7,6 +9,7 @@ use super::ml_tm::uses_under;
 use crate::grid_ml::fitted::{GridSize, WideSearch};
 use crate::log_facts::reach::{HeardNode, heard_nodes};
 use crate::log_facts::search_box::{Limits, SearchBox};
+use crate::log_facts::sectors::SectorSettings;
 use crate::posterior::FitState;
 use crate::{
     CoordinateFrame, Estimator, EstimatorFindings, Fit, Fitted, FittedConfig, Knowledge, KnowledgeKind, MapError,
@@ -91,6 +94,16 @@ impl FittedMlTm {
         size.add(&boxes, evidence.receptions().len(), fit, ml_tm.grid_step_m());
         let grid = GridKind::of(&evidence, size, evidence.stops().len());
         map_evidence(ml_tm, fit, grid, &evidence, &boxes, watch)
+    }
+
+    /// How sectors are used.
+    pub(super) fn sectors(&self) -> &SectorSettings {
+        self.ml_tm.sectors()
+    }
+
+    /// The log with its receptions counted by the rule of the settings.
+    pub(super) fn counted<'a>(&self, log: &'a ReceptionLog) -> Cow<'a, ReceptionLog> {
+        self.ml_tm.counted(log)
     }
 
     /// The settings that say how a profile is fitted, and those of the map.

@@ -1,11 +1,13 @@
 //! MmTM: topology maps from an antenna array that knows the sector of each reception (Gunathillake 2018, chapter 4).
 
-use sextant_channel::ReceptionLog;
+use sextant_channel::{ReceptionLog, SectorGains, SectorTable};
 use sextant_kernel::{SettingError, Watch};
 
 use super::ml_tm::uses_under;
 use super::ml_tm_parts::fixed;
 use crate::each_node::EachNode;
+use crate::log_facts::sectors::GainUse;
+use crate::pattern::PatternMap;
 use crate::{
     Estimator, EstimatorFindings, Fit, FittedMlTm, FixedLaw, Knowledge, KnowledgeKind, LogParts, MapError, Mapper,
     MlTm, MlTmConfig, NodeOfLog, PartEstimator, PartsError, ProfileConfig, ReceptionProfile, SectorTolerance,
@@ -15,6 +17,9 @@ use crate::{
 /// MmTM: [`MlTm`] on a log whose receptions have sectors. Its likelihood of node i at vertex g is the product over all
 /// stops of Z₁ (received or missed over the distance) and Z₂ (the direction from the robot to the vertex is in the sector
 /// of the reception; 1 for a missed packet).
+///
+/// Where the log knows the gains of the antenna and the profile is fitted, these replace the wedges: see
+/// [`PatternLaw`](crate::PatternLaw).
 ///
 /// A log without sectors, or without their directions, is an error; [`MlTm`] maps it without them. So is a sector
 /// that is narrower than a grid step at the range of the profile, because the grid cannot show what it says.
@@ -56,16 +61,52 @@ impl MmTm {
     /// # Errors
     /// [`MapError::Missing`] if the log lacks sectors or their directions; [`MapError::NarrowSector`]; and those of
     /// [`MlTm::map`].
-    pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<(TopologyMap, Option<Fit>), MapError> {
-        let (map, fit) = match &self.0 {
+    pub fn map(
+        &self,
+        log: &ReceptionLog,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
+        let (map, learned) = match &self.0 {
             Likelihood::Given(ml_tm) => {
                 ml_tm.demand_sectors(log, Self::NAME)?;
                 (ml_tm.map(log, watch)?, None)
             }
-            Likelihood::Fitted(fitted) => fitted.map_sectors(log, Self::NAME, watch)?,
+            Likelihood::Fitted(fitted) => match gains_of(fitted, log)? {
+                Some(gains) => {
+                    let (counted, pattern) = (fitted.counted(log), pattern(fitted));
+                    let (map, fit) = pattern.map(&counted, gains, Self::NAME, watch)?;
+                    (map, fit.map(EstimatorFindings::new))
+                }
+                None => {
+                    let (map, fit) = fitted.map_sectors(log, Self::NAME, watch)?;
+                    (map, fit.map(EstimatorFindings::new))
+                }
+            },
         };
-        Ok((TopologyMap { algorithm: Self::NAME, ..map }, fit))
+        Ok((TopologyMap { algorithm: Self::NAME, ..map }, learned))
     }
+}
+
+/// The gains by which a log is mapped; `None` if sectors are wedges.
+fn gains_of<'a>(fitted: &FittedMlTm, log: &'a ReceptionLog) -> Result<Option<&'a SectorGains>, MapError> {
+    let use_of_gains = fitted.sectors().gains;
+    if use_of_gains == GainUse::Never || log.receptions().sectors().is_none() {
+        return Ok(None);
+    }
+    match log.sectors().and_then(SectorTable::gains) {
+        None if use_of_gains == GainUse::Needed => Err(MapError::Missing {
+            algorithm: MmTm::NAME,
+            what: "the gains of the sectors",
+            remedy: "a log has them in `antenna.toml`; `model = \"wedge\"` does without them",
+        }),
+        gains => Ok(gains),
+    }
+}
+
+/// The map by gains with the settings of a grid.
+fn pattern(fitted: &FittedMlTm) -> PatternMap {
+    let (_, ml_tm, z_range_m) = fitted.stages();
+    PatternMap { grid_step_m: ml_tm.grid_step_m(), estimate: ml_tm.estimate_kind(), z_range_m }
 }
 
 impl TryFrom<MlTmConfig> for MmTm {
@@ -85,7 +126,12 @@ impl TryFrom<MlTmConfig> for MmTm {
                 Err(SettingError::new("profile.channel.obstacles", "known", "unknown; only ml_tm counts obstacles"))
             }
             ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => {
-                MlTm::try_from(config).map(|ml_tm| Self(Likelihood::Given(ml_tm)))
+                let ml_tm = MlTm::try_from(config)?;
+                if ml_tm.sectors().gains == GainUse::Needed {
+                    let remedy = "write `profile.fitted = {}`, or another model";
+                    return Err(SettingError::conflict("sectors.model", "a profile that is given", remedy));
+                }
+                Ok(Self(Likelihood::Given(ml_tm)))
             }
         }
     }
@@ -128,7 +174,7 @@ impl Estimator for MmTm {
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(EstimatorFindings::new)))
+        self.map(knowledge.log, watch)
     }
 }
 

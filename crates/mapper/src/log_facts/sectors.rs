@@ -23,21 +23,37 @@ pub struct SectorsConfig {
     /// What a stop that heard nothing says about places to which no sector points.
     #[cfg_attr(feature = "config", serde(default))]
     pub silence: SilenceRule,
-    /// How likely a node names a sector, given the direction to it.
-    #[cfg_attr(feature = "config", serde(default))]
-    pub model: SectorModel,
+    /// How likely a node names a sector, given the direction to it. If absent: `gains` where the log knows the gains of the
+    /// antenna and the profile is fitted, otherwise `wedge`.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub model: Option<SectorModel>,
 }
 
 /// How likely a node names a sector, given the direction to it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorModel {
     /// All directions within the sector and its tolerance are alike, others are impossible (thesis, chapter 4).
-    #[default]
     Wedge,
-    /// By the gains of all sectors: the node names the one that it hears best.
+    /// By the gains of the antenna, which the log knows: the node names the sector that it hears best, and is heard as far
+    /// as that sector reaches. What this antenna differs by from its pattern is estimated from the log. Only with
+    /// `profile.fitted`.
+    Gains,
+    /// By gains that are guessed from the widths of the sectors: the node names the one that it hears best.
     Soft(SoftSectorsConfig),
+}
+
+/// Whether the gains of an antenna say how nodes are heard and which sectors they name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum GainUse {
+    /// If the log knows them.
+    #[default]
+    IfKnown,
+    /// The log must know them.
+    Needed,
+    /// They do not.
+    Never,
 }
 
 /// The gains of sectors, and the errors of their strengths, as written in a scenario. The main lobe of a sector is
@@ -110,6 +126,7 @@ pub(crate) struct SectorSettings {
     pub(crate) silence: SilenceRule,
     /// If the probabilities of sectors count.
     pub(crate) soft: Option<SoftSectorsConfig>,
+    pub(crate) gains: GainUse,
 }
 
 impl SectorSettings {
@@ -161,9 +178,14 @@ impl TryFrom<SectorsConfig> for SectorSettings {
                 Some(list.map_err(|error| SettingError { key: format!("layout.list{}", error.key), ..error })?)
             }
         };
+        let gains = match model {
+            None if layout.is_none() && tolerance != SectorTolerance::Unlimited => GainUse::IfKnown,
+            Some(SectorModel::Gains) => GainUse::Needed,
+            None | Some(SectorModel::Wedge | SectorModel::Soft(_)) => GainUse::Never,
+        };
         let soft = match model {
-            SectorModel::Wedge => None,
-            SectorModel::Soft(soft) => {
+            None | Some(SectorModel::Wedge | SectorModel::Gains) => None,
+            Some(SectorModel::Soft(soft)) => {
                 let within = |error: SettingError| error.within("model.soft");
                 if let Some(sigma_db) = soft.sigma_db {
                     SettingError::positive("sigma_db", sigma_db).map_err(within)?;
@@ -172,6 +194,6 @@ impl TryFrom<SectorsConfig> for SectorSettings {
                 Some(soft)
             }
         };
-        Ok(Self { tolerance, layout, silence, soft })
+        Ok(Self { tolerance, layout, silence, soft, gains })
     }
 }

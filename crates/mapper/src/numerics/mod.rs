@@ -4,6 +4,7 @@ mod isotonic;
 pub(crate) mod least_squares;
 pub(crate) mod memory;
 pub(crate) mod normal;
+pub(crate) mod octahedron;
 mod whole;
 
 pub use isotonic::never_rising;

@@ -16,6 +16,7 @@ use sextant_channel::{SectorConfig, SectorTable, Wedge};
 
 use super::single::single;
 use crate::Lattice;
+use crate::numerics::octahedron::{folded, unfolded};
 use crate::numerics::whole;
 
 /// A sector is not possible where its probability is below this.
@@ -265,20 +266,6 @@ fn middles(angle: f64, part: f64) -> Vec<f64> {
     (0..count).map(|i| angle * ((i as f64 + 0.5) / count as f64 - 0.5)).collect()
 }
 
-/// The octahedral map of a direction: both coordinates from −1 to 1.
-#[inline]
-fn folded([x, y, z]: [f64; 3]) -> [f64; 2] {
-    let scale = 1.0 / (x.abs() + y.abs() + z.abs());
-    let (u, v) = (x * scale, y * scale);
-    if z >= 0.0 { [u, v] } else { [(1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v)] }
-}
-
-/// The direction of a place on the map, of any length.
-fn unfolded(u: f64, v: f64) -> [f64; 3] {
-    let z = 1.0 - u.abs() - v.abs();
-    if z >= 0.0 { [u, v, z] } else { [(1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v), z] }
-}
-
 /// A direction turned by small angles, along a parallel and along a meridian.
 fn turned([x, y, z]: [f64; 3], along: f64, up: f64) -> [f64; 3] {
     let length = (x * x + y * y + z * z).sqrt();
@@ -350,20 +337,6 @@ mod tests {
             assert!((sum - 1.0).abs() < 0.1, "{apart:?}: {sum}");
         }
         assert!(soft.ln_probability(3, [0.0; 3]).abs() < 1e-12, "at the stop");
-    }
-
-    #[test]
-    fn the_map_of_directions_is_undone() {
-        for i in 0..200 {
-            let draw = |axis| Seed(9).uniform(Purpose::new(8), [i, axis, 0]) - 0.5;
-            let direction = [draw(0), draw(1), draw(2)];
-            let [u, v] = folded(direction);
-            let back = unfolded(u, v);
-            let length = |d: [f64; 3]| d.iter().map(|c| c * c).sum::<f64>().sqrt();
-            for axis in 0..3 {
-                assert!((back[axis] / length(back) - direction[axis] / length(direction)).abs() < 1e-12);
-            }
-        }
     }
 
     #[test]

@@ -1,0 +1,155 @@
+//! The gains of all sectors over the sphere of directions, and what follows from them.
+//!
+//! A node names the sector that it hears best. The strength of each sector is its gain in the direction of the node, plus an
+//! error, which is normal in decibels. With errors of Gumbel's law instead, the probability that sector s is the strongest
+//! is `exp(G_s/β) / Σ exp(G_j/β)` (McFadden 1974), with `β = σ √2/1.702` nearest to the normal law (Camilli 1994). One time in
+//! fifty a sector is any: a reflection, or a report of an earlier sweep.
+
+use std::f64::consts::SQRT_2;
+
+use rayon::prelude::*;
+use sextant_channel::{Position, SectorGains};
+
+use super::law::PatternLaw;
+use crate::numerics::octahedron::{folded, unfolded};
+use crate::numerics::whole;
+
+/// Cells along an axis of the octahedral map: 1.4 degrees along the horizon.
+const CELLS: usize = 128;
+/// Corners along an axis.
+const CORNERS: usize = CELLS + 1;
+/// How often a node names any sector.
+const ANY: f64 = 0.02;
+/// Least gain in a table (dBi): none at all.
+const NONE_DBI: f64 = -120.0;
+
+/// The gains of all sectors at the corners of the octahedral map (dBi), by corner.
+#[derive(Clone, Debug)]
+pub(super) struct GainMap {
+    sectors: usize,
+    gains_dbi: Vec<f32>,
+}
+
+/// The cell of a direction, and where in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    corner: usize,
+    right: f64,
+    up: f64,
+}
+
+impl Cell {
+    /// That of a direction, of any length but 0.
+    #[inline]
+    pub(super) fn of(direction: [f64; 3]) -> Self {
+        let [u, v] = folded(direction).map(|along| 0.5 * (along + 1.0) * CELLS as f64);
+        let (i, j) = (whole(u).min(CELLS - 1), whole(v).min(CELLS - 1));
+        Self { corner: j * CORNERS + i, right: u - i as f64, up: v - j as f64 }
+    }
+
+    /// The value of a column, interpolated between the corners.
+    #[inline]
+    fn value(self, values: &[f32], columns: usize, column: usize) -> f64 {
+        let at = |corner: usize| f64::from(values[corner * columns + column]);
+        let along = |corner: usize| {
+            let low = at(corner);
+            low + self.right * (at(corner + 1) - low)
+        };
+        let low = along(self.corner);
+        low + self.up * (along(self.corner + CORNERS) - low)
+    }
+}
+
+/// The directions of all corners, by rows.
+fn corners() -> impl IndexedParallelIterator<Item = [f64; 3]> {
+    let at = |i: usize| 2.0 * i as f64 / CELLS as f64 - 1.0;
+    (0..CORNERS * CORNERS).into_par_iter().map(move |corner| unfolded(at(corner % CORNERS), at(corner / CORNERS)))
+}
+
+impl GainMap {
+    pub(super) fn new(gains: &SectorGains) -> Self {
+        let sectors = gains.identities().len();
+        let of_corner = |all: &mut Vec<f64>, direction: [f64; 3]| {
+            let direction = Position::from(direction);
+            let length = direction.dot(direction).sqrt();
+            gains.all_dbi(direction * (1.0 / length), all);
+            all.iter().map(|gain| single(gain.max(NONE_DBI))).collect::<Vec<f32>>()
+        };
+        let gains_dbi: Vec<Vec<f32>> = corners().map_init(Vec::new, of_corner).collect();
+        Self { sectors, gains_dbi: gains_dbi.concat() }
+    }
+
+    /// Number of sectors.
+    pub(super) fn sectors(&self) -> usize {
+        self.sectors
+    }
+
+    /// The greatest gain of any sector in any direction (dBi).
+    pub(super) fn greatest_dbi(&self) -> f64 {
+        f64::from(self.gains_dbi.iter().copied().fold(f32::NEG_INFINITY, f32::max))
+    }
+
+    /// The median over all directions of the greatest gain of any sector (dBi).
+    pub(super) fn usual_dbi(&self) -> f64 {
+        let mut best: Vec<f32> = self.gains_dbi.chunks(self.sectors).map(highest).collect();
+        let middle = best.len() / 2;
+        f64::from(*best.select_nth_unstable_by(middle, f32::total_cmp).1)
+    }
+
+    /// The gain of a sector (dBi).
+    #[inline]
+    pub(super) fn gain_dbi(&self, cell: Cell, sector: usize) -> f64 {
+        cell.value(&self.gains_dbi, self.sectors, sector)
+    }
+
+    /// What nodes in each direction hear and name under `law`, with strengths that have an error of `blur_db` more.
+    pub(super) fn names(&self, law: &PatternLaw, blur_db: f64) -> Names {
+        let scale_db = law.noise_db.hypot(blur_db) * SQRT_2 / 1.702;
+        let columns = self.sectors + 1;
+        let any = ANY / self.sectors as f64;
+        let mut values = vec![0.0_f32; self.gains_dbi.len() / self.sectors * columns];
+        values.par_chunks_mut(columns).zip(self.gains_dbi.par_chunks(self.sectors)).for_each(|(names, gains)| {
+            let mut top = f64::NEG_INFINITY;
+            for (gain, ripple) in gains.iter().zip(&law.ripple_db) {
+                top = top.max(f64::from(*gain) + ripple);
+            }
+            let share = |gain: f32, ripple: f64| libm::exp(((f64::from(gain) + ripple - top) / scale_db).max(-40.0));
+            let sum: f64 = gains.iter().zip(&law.ripple_db).map(|(&gain, &ripple)| share(gain, ripple)).sum();
+            for ((name, &gain), &ripple) in names.iter_mut().zip(gains).zip(&law.ripple_db) {
+                *name = single(libm::log((1.0 - ANY) * share(gain, ripple) / sum + any));
+            }
+            names[gains.len()] = single(top);
+        });
+        Names { columns, values }
+    }
+}
+
+/// For each corner of the octahedral map, the logarithm of the probability of each sector, and the greatest gain of all.
+#[derive(Clone, Debug)]
+pub(super) struct Names {
+    columns: usize,
+    values: Vec<f32>,
+}
+
+impl Names {
+    /// The logarithm of the probability that a node there names a sector.
+    #[inline]
+    pub(super) fn ln_probability(&self, cell: Cell, sector: usize) -> f64 {
+        cell.value(&self.values, self.columns, sector)
+    }
+
+    /// The greatest gain of all sectors (dBi).
+    #[inline]
+    pub(super) fn top_dbi(&self, cell: Cell) -> f64 {
+        cell.value(&self.values, self.columns, self.columns - 1)
+    }
+}
+
+fn highest(gains: &[f32]) -> f32 {
+    gains.iter().copied().fold(f32::NEG_INFINITY, f32::max)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "tables are in single precision")]
+fn single(value: f64) -> f32 {
+    value as f32
+}

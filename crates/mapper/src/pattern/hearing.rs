@@ -1,0 +1,137 @@
+//! How far nodes are heard, from places that stand for their posteriors.
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::law::PatternLaw;
+use crate::numerics::normal::{Normal, density};
+
+/// Most steps of the scoring.
+const STEPS: u32 = 12;
+/// Before anything is heard: mean and standard deviation of the exponent, of the logarithm of σ (dB) and of the logit of the
+/// delivery. They hold the law where a log tells nothing.
+const EXPONENT: [f64; 2] = [2.0, 0.5];
+const LN_SIGMA: [f64; 2] = [1.4, 0.6];
+const LOGIT: [f64; 2] = [1.5, 1.5];
+
+/// Packets of a node at a stop, seen from one of the places that stand for its posterior.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial {
+    /// Greatest gain towards the place (dBi).
+    pub(super) gain_db: f64,
+    pub(super) distance_m: f64,
+    pub(super) received: f64,
+    pub(super) sent: f64,
+    /// Probability of the place.
+    pub(super) weight: f64,
+}
+
+/// The law that is likeliest for `trials`, from `law` on, by Fisher's scoring with halved steps: margin, σ, exponent and
+/// delivery.
+pub(super) fn improve(law: &mut PatternLaw, trials: &[Trial], normal: &Normal) {
+    let mut value = log_likelihood(law, trials, normal);
+    for _ in 0..STEPS {
+        let Some(step) = step(law, trials, normal) else { return };
+        let mut share = 1.0;
+        let better = loop {
+            let next = moved(law, step * share);
+            let of_next = log_likelihood(&next, trials, normal);
+            if of_next > value {
+                break Some((next, of_next));
+            }
+            share *= 0.5;
+            if share < 0.02 {
+                break None;
+            }
+        };
+        let Some((next, of_next)) = better else { return };
+        let gain = of_next - value;
+        (*law, value) = (next, of_next);
+        if gain < 1e-3 {
+            return;
+        }
+    }
+}
+
+fn logit(p: f64) -> f64 {
+    libm::log(p / (1.0 - p))
+}
+
+/// The law with other values of the margin, the logarithm of σ, the exponent and the logit of the delivery.
+fn moved(law: &PatternLaw, step: Vector4<f64>) -> PatternLaw {
+    let limited = |value: f64, most: f64| value.clamp(-most, most);
+    let sigma_db = law.sigma_db * libm::exp(limited(step[1], 0.7));
+    let logit = logit(law.delivery) + limited(step[3], 2.0);
+    PatternLaw {
+        margin_db: law.margin_db + limited(step[0], 10.0),
+        sigma_db: sigma_db.clamp(0.5, 30.0),
+        exponent: (law.exponent + limited(step[2], 0.5)).clamp(0.5, 8.0),
+        delivery: (1.0 / (1.0 + libm::exp(-logit))).clamp(0.01, 0.999),
+        ..law.clone()
+    }
+}
+
+/// How far each value that a prior holds is from its mean, in standard deviations, and the standard deviation.
+fn apart(law: &PatternLaw) -> [[f64; 2]; 3] {
+    let off = |value: f64, [mean, deviation]: [f64; 2]| [(value - mean) / deviation, deviation];
+    [off(libm::log(law.sigma_db), LN_SIGMA), off(law.exponent, EXPONENT), off(logit(law.delivery), LOGIT)]
+}
+
+fn log_likelihood(law: &PatternLaw, trials: &[Trial], normal: &Normal) -> f64 {
+    let prior: f64 = apart(law).iter().map(|[off, _]| -0.5 * off * off).sum();
+    let of_trial = |trial: &Trial| {
+        let s = law.heard(normal, trial.gain_db, trial.distance_m);
+        trial.weight * (trial.received * libm::log(s) + (trial.sent - trial.received) * libm::log(1.0 - s))
+    };
+    prior + trials.iter().map(of_trial).sum::<f64>()
+}
+
+/// The step of Fisher's scoring; `None` if the trials do not determine one.
+fn step(law: &PatternLaw, trials: &[Trial], normal: &Normal) -> Option<Vector4<f64>> {
+    let mut slope = Vector4::zeros();
+    let mut information = Matrix4::zeros();
+    for trial in trials {
+        let s = law.heard(normal, trial.gain_db, trial.distance_m);
+        let score = law.score(trial.gain_db, trial.distance_m);
+        let by_score = law.delivery * density(score);
+        let gradient = Vector4::new(
+            by_score / law.sigma_db,
+            -by_score * score,
+            -by_score * 10.0 * libm::log10(trial.distance_m) / law.sigma_db,
+            normal.below(score) * law.delivery * (1.0 - law.delivery),
+        );
+        let spread = trial.weight / (s * (1.0 - s));
+        slope += gradient * (spread * (trial.received - trial.sent * s));
+        information += gradient * gradient.transpose() * (spread * trial.sent);
+    }
+    for (at, [off, deviation]) in (1..).zip(apart(law)) {
+        slope[at] -= off / deviation;
+        information[(at, at)] += 1.0 / (deviation * deviation);
+    }
+    information[(0, 0)] += 1e-6;
+    Some(information.cholesky()?.solve(&slope))
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_kernel::{Purpose, Seed};
+
+    use super::*;
+
+    #[test]
+    fn the_law_that_drew_the_packets_is_found() {
+        let truth = PatternLaw { margin_db: 12.0, exponent: 2.3, sigma_db: 3.0, ..PatternLaw::guess(0.0, 1) };
+        let normal = Normal::new();
+        let trials: Vec<Trial> = (0..20_000)
+            .map(|i| {
+                let draw = |at| Seed(5).uniform(Purpose::new(8), [i, at, 0]);
+                let (gain_db, distance_m) = (20.0 * draw(0) - 8.0, 0.5 + 14.0 * draw(1));
+                let is_heard = draw(2) < truth.heard(&normal, gain_db, distance_m);
+                Trial { gain_db, distance_m, received: f64::from(u8::from(is_heard)), sent: 1.0, weight: 1.0 }
+            })
+            .collect();
+        let mut law = PatternLaw::guess(2.0, 1);
+        improve(&mut law, &trials, &normal);
+        assert!((law.margin_db - 12.0).abs() < 0.7 && (law.exponent - 2.3).abs() < 0.1, "{law:?}");
+        assert!((law.sigma_db - 3.0).abs() < 0.3 && (law.delivery - 0.8).abs() < 0.02, "{law:?}");
+    }
+}

@@ -1,0 +1,74 @@
+//! How packets are received and sectors are named through an antenna whose gains are known.
+
+use crate::numerics::normal::Normal;
+
+/// Least probability that a packet is received or missed: no single packet rules a place out.
+const LEAST: f64 = 0.005;
+
+/// The law of a listener with a known antenna.
+///
+/// A packet over a distance d is received with the probability `p Φ((A + G − 10 n lg d) / σ)`: G is the greatest gain of
+/// all sectors in the direction of the node, A the margin of the link budget at 1 m, n the exponent of the path loss, σ the
+/// standard deviation of what a distance does not tell, and p the share of packets that arrive over a good link. Of the
+/// sectors, a node names the one that it hears best; the strengths have normal errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatternLaw {
+    /// A: the margin of the link budget at 1 m without antenna gain (dB).
+    pub margin_db: f64,
+    /// n: exponent of the path loss.
+    pub exponent: f64,
+    /// σ: standard deviation of the power of a link (dB).
+    pub sigma_db: f64,
+    /// p: share of packets that arrive over a good link.
+    pub delivery: f64,
+    /// Standard deviation of the error of the strength of a sector (dB).
+    pub noise_db: f64,
+    /// How far the antenna is turned from what the log says, counterclockwise (rad).
+    pub yaw_rad: f64,
+    /// By how much the gain of each sector differs from the pattern (dB), by the order of identities.
+    pub ripple_db: Vec<f64>,
+}
+
+impl PatternLaw {
+    /// A law to begin with, for a margin at 1 m.
+    pub(super) fn guess(margin_db: f64, sectors: usize) -> Self {
+        Self {
+            margin_db,
+            exponent: 2.0,
+            sigma_db: 5.0,
+            delivery: 0.8,
+            noise_db: 1.0,
+            yaw_rad: 0.0,
+            ripple_db: vec![0.0; sectors],
+        }
+    }
+
+    /// The standard score of a link of this gain (dB) over a distance (m).
+    #[inline]
+    pub(super) fn score(&self, gain_db: f64, distance_m: f64) -> f64 {
+        (self.margin_db + gain_db - 10.0 * self.exponent * libm::log10(distance_m)) / self.sigma_db
+    }
+
+    /// The probability that a packet is received over a link of this gain (dB) and distance (m).
+    #[inline]
+    pub(super) fn heard(&self, normal: &Normal, gain_db: f64, distance_m: f64) -> f64 {
+        (self.delivery * normal.below(self.score(gain_db, distance_m))).clamp(LEAST, 1.0 - LEAST)
+    }
+
+    /// The distance beyond which a link of this gain receives as good as nothing (m).
+    pub(super) fn reach_m(&self, gain_db: f64) -> f64 {
+        libm::pow(10.0, (self.margin_db + gain_db + 2.5 * self.sigma_db) / (10.0 * self.exponent))
+    }
+
+    /// The largest change from `other` of what tells how far nodes are heard and which sectors they name (dB).
+    pub(super) fn change_db(&self, other: &Self) -> f64 {
+        let ripple = self.ripple_db.iter().zip(&other.ripple_db).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let slope = 10.0 * (self.exponent - other.exponent).abs();
+        [self.margin_db - other.margin_db, self.sigma_db - other.sigma_db, self.noise_db - other.noise_db]
+            .into_iter()
+            .map(f64::abs)
+            .fold(ripple.max(slope), f64::max)
+            .max(10.0 * (self.delivery - other.delivery).abs())
+            .max((self.yaw_rad - other.yaw_rad).abs().to_degrees())
+    }
+}

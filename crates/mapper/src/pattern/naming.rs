@@ -1,0 +1,155 @@
+//! Which sectors nodes name: the noise, the ripple and the yaw, from places that stand for their posteriors.
+
+use nalgebra::{DMatrix, DVector};
+use sextant_channel::Position;
+
+use super::evidence::Sight;
+use super::gain_map::GainMap;
+use super::law::PatternLaw;
+
+/// Steps of Newton's method for the ripple, in a round.
+const STEPS: u32 = 3;
+/// Most change of a gain in a step (dB).
+const MOST_DB: f64 = 1.5;
+/// Least and most noise (dB), and standard deviation of the ripple (dB).
+const NOISE_DB: [f64; 2] = [0.25, 8.0];
+const RIPPLE_DB: [f64; 2] = [0.1, 6.0];
+/// How often a name says nothing.
+const ANY: f64 = 0.02;
+/// Steps of a search along one value.
+const GOLDEN_STEPS: u32 = 14;
+/// In a round the antenna turns at most so far (rad).
+const TURN_RAD: f64 = 0.07;
+
+/// A sector that a node named, seen from one of the places that stand for its posterior.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Naming {
+    pub(super) place: Position,
+    pub(super) stop: Position,
+    pub(super) sector: usize,
+    /// Probability of the place.
+    pub(super) weight: f64,
+}
+
+/// The gains of all sectors for each naming.
+struct Gains {
+    sectors: usize,
+    dbi: Vec<f64>,
+}
+
+impl Gains {
+    fn of(map: &GainMap, namings: &[Naming], yaw_rad: f64) -> Self {
+        let turn = [libm::cos(yaw_rad), libm::sin(yaw_rad)];
+        let sectors = map.sectors();
+        let mut dbi = Vec::with_capacity(namings.len() * sectors);
+        for naming in namings {
+            let cell = Sight::of(naming.place, naming.stop, turn).cell;
+            dbi.extend((0..sectors).map(|sector| map.gain_dbi(cell, sector)));
+        }
+        Self { sectors, dbi }
+    }
+
+    fn rows(&self) -> std::slice::Chunks<'_, f64> {
+        self.dbi.chunks(self.sectors)
+    }
+}
+
+/// The probabilities of all sectors of these gains.
+fn probabilities(gains: &[f64], ripple_db: &[f64], scale_db: f64, shares: &mut [f64]) {
+    let mut top = f64::NEG_INFINITY;
+    for ((share, gain), ripple) in shares.iter_mut().zip(gains).zip(ripple_db) {
+        *share = (gain + ripple) / scale_db;
+        top = top.max(*share);
+    }
+    let mut sum = 0.0;
+    for share in shares.iter_mut() {
+        *share = libm::exp((*share - top).max(-40.0));
+        sum += *share;
+    }
+    shares.iter_mut().for_each(|share| *share /= sum);
+}
+
+fn scale_db(noise_db: f64) -> f64 {
+    noise_db * std::f64::consts::SQRT_2 / 1.702
+}
+
+fn log_likelihood(gains: &Gains, namings: &[Naming], ripple_db: &[f64], noise_db: f64) -> f64 {
+    let mut shares = vec![0.0; gains.sectors];
+    let mut sum = 0.0;
+    for (row, naming) in gains.rows().zip(namings) {
+        probabilities(row, ripple_db, scale_db(noise_db), &mut shares);
+        let named = (1.0 - ANY) * shares[naming.sector] + ANY / gains.sectors as f64;
+        sum += naming.weight * libm::log(named);
+    }
+    sum
+}
+
+/// Improves noise, yaw and ripple of `law`. `ripple_sigma_db` is the standard deviation of the ripple, which is estimated as
+/// well.
+pub(super) fn improve(law: &mut PatternLaw, map: &GainMap, namings: &[Naming], ripple_sigma_db: &mut f64) {
+    if namings.is_empty() {
+        return;
+    }
+    let turned =
+        |yaw_rad: f64| log_likelihood(&Gains::of(map, namings, yaw_rad), namings, &law.ripple_db, law.noise_db);
+    law.yaw_rad = highest(&turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD]);
+    let gains = Gains::of(map, namings, law.yaw_rad);
+    let [low, high] = NOISE_DB.map(libm::log);
+    let with_noise = |ln: f64| log_likelihood(&gains, namings, &law.ripple_db, libm::exp(ln));
+    law.noise_db = libm::exp(highest(&with_noise, [low, high]));
+    if let Some(variances) = improve_ripple(law, &gains, namings, *ripple_sigma_db) {
+        let square: f64 = law.ripple_db.iter().map(|b| b * b).sum::<f64>() + variances;
+        *ripple_sigma_db = (square / gains.sectors as f64).sqrt().clamp(RIPPLE_DB[0], RIPPLE_DB[1]);
+    }
+}
+
+/// Newton's method for the ripple, which is normal before anything is heard. Gives the sum of its variances.
+fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming], sigma_db: f64) -> Option<f64> {
+    let sectors = gains.sectors;
+    let scale = scale_db(law.noise_db);
+    let mut variances = None;
+    let mut shares = vec![0.0; sectors];
+    for _ in 0..STEPS {
+        let mut slope = DVector::from_iterator(sectors, law.ripple_db.iter().map(|b| -b / (sigma_db * sigma_db)));
+        let mut curvature = DMatrix::identity(sectors, sectors) / (sigma_db * sigma_db);
+        for (row, naming) in gains.rows().zip(namings) {
+            probabilities(row, &law.ripple_db, scale, &mut shares);
+            // A name that says nothing has no slope.
+            let own = (1.0 - ANY) * shares[naming.sector];
+            let weight = naming.weight * own / (own + ANY / sectors as f64);
+            slope[naming.sector] += weight / scale;
+            let likely: Vec<usize> = (0..sectors).filter(|&sector| shares[sector] > 1e-6).collect();
+            for &one in &likely {
+                slope[one] -= weight * shares[one] / scale;
+                curvature[(one, one)] += weight * shares[one] / (scale * scale);
+                for &other in &likely {
+                    curvature[(one, other)] -= weight * shares[one] * shares[other] / (scale * scale);
+                }
+            }
+        }
+        let decomposed = curvature.cholesky()?;
+        let step = decomposed.solve(&slope);
+        law.ripple_db.iter_mut().zip(step.iter()).for_each(|(b, step)| *b += step.clamp(-MOST_DB, MOST_DB));
+        variances = Some(decomposed.inverse().trace());
+    }
+    variances
+}
+
+/// Where a function of one value is highest between two ends, by golden sections.
+pub(super) fn highest(value: &impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+    const SHARE: f64 = 0.618_033_988_749_894_8;
+    let (mut left, mut right) = (high - SHARE * (high - low), low + SHARE * (high - low));
+    let (mut of_left, mut of_right) = (value(left), value(right));
+    for _ in 0..GOLDEN_STEPS {
+        if of_left >= of_right {
+            (high, right, of_right) = (right, left, of_left);
+            left = high - SHARE * (high - low);
+            of_left = value(left);
+        } else {
+            (low, left, of_left) = (left, right, of_right);
+            right = low + SHARE * (high - low);
+            of_right = value(right);
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,184 @@
+//! Where a node may be: the cells of its box that hold the probability, halved where it is.
+
+use sextant_channel::Position;
+
+use super::evidence::{Evidence, Likelihood};
+use crate::log_facts::search_box::SearchBox;
+use crate::numerics::whole;
+use crate::posterior::Verdict;
+
+/// Cells along the longest side of a box, in the plane and in space.
+const FIRST: [f64; 2] = [28.0, 14.0];
+/// Cells this far below the likeliest are not halved, with each likelihood from the roughest to the finest.
+const KEPT: [f64; 3] = [16.0, 12.0, 9.0];
+/// No more cells than this are halved at a time.
+const MOST: usize = 700;
+/// Cells are small enough at this share of the spread of the posterior.
+const FINE: f64 = 0.5;
+/// Times that cells are halved, at most.
+const HALVINGS: u32 = 12;
+
+/// A cell with the log-likelihood at its middle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) position: Position,
+    pub(super) value: f64,
+}
+
+/// The posterior of a node.
+#[derive(Clone, Debug)]
+pub(super) struct Places {
+    /// With probabilities that sum to 1.
+    pub(super) places: Vec<(Position, f64)>,
+    pub(super) likeliest: (Position, f64),
+    /// The logarithm of the mean likelihood over the box.
+    pub(super) ln_evidence: f64,
+    pub(super) verdict: Verdict,
+    /// How far below the highest the highest log-likelihood at a guessed end of the box is.
+    pub(super) edge_below: f64,
+    pub(super) step_m: f64,
+    pub(super) evaluated: u64,
+}
+
+/// Under three likelihoods from rough to fine, the posterior of a node in a box, in cells of at most `step_m` where the
+/// posterior is not wide.
+pub(super) fn find(
+    likelihoods: &[Likelihood<'_>; 3],
+    evidence: &Evidence,
+    within: &SearchBox,
+    step_m: f64,
+) -> Option<Places> {
+    let sides = [0, 1, 2].map(|axis| (within.high[axis] - within.low[axis]).max(0.0));
+    let is_level = within.is_level();
+    let longest = sides.iter().copied().fold(0.0, f64::max);
+    let mut steps = (longest / FIRST[usize::from(!is_level)]).max(step_m);
+    let first_m = steps;
+    let mut counts = [1_usize; 3];
+    for axis in 0..if is_level { 2 } else { 3 } {
+        counts[axis] = whole((sides[axis] / steps).ceil()).max(1);
+    }
+    let mut evaluated = 0;
+    let mut cells: Vec<Place> = Vec::new();
+    let centre = within.middle();
+    let mut value = |which: usize, position: Position| {
+        evaluated += 1;
+        Place { position, value: likelihoods[which].at(evidence, position) }
+    };
+    for k in 0..counts[2] {
+        for j in 0..counts[1] {
+            for i in 0..counts[0] {
+                let offset = |at: usize, axis: usize| (at as f64 + 0.5 - 0.5 * counts[axis] as f64) * steps;
+                let position = centre + Position::new(offset(i, 0), offset(j, 1), offset(k, 2));
+                cells.push(value(0, position));
+            }
+        }
+    }
+    let all = cells.len() as f64;
+    let mut shrinks = 1.0;
+    let mut which = 0;
+    for halving in 0..HALVINGS {
+        let highest = cells.iter().map(|cell| cell.value).fold(f64::NEG_INFINITY, f64::max);
+        if !highest.is_finite() {
+            return None;
+        }
+        cells.retain(|cell| cell.value >= highest - KEPT[which]);
+        let is_done = which == 2
+            && steps <= step_m
+            && steps <= FINE * spread_m(&cells, highest, if is_level { 2.0 } else { 3.0 });
+        if is_done || cells.len() > MOST && which == 2 {
+            break;
+        }
+        if cells.len() > MOST {
+            cells.sort_by(|a, b| b.value.total_cmp(&a.value));
+            cells.truncate(MOST);
+        }
+        // The finest likelihood is for cells that a stop sees under small angles.
+        which = usize::try_from(halving + 1).map_or(2, |next| next.min(2));
+        steps *= 0.5;
+        shrinks *= if is_level { 0.25 } else { 0.125 };
+        let quarter = 0.5 * steps;
+        let signs = [-quarter, quarter];
+        let ups = if is_level { &[0.0][..] } else { &signs[..] };
+        let mut next = Vec::with_capacity(cells.len() * 8);
+        for cell in &cells {
+            for &up in ups {
+                for north in signs {
+                    for east in signs {
+                        next.push(value(which, cell.position + Position::new(east, north, up)));
+                    }
+                }
+            }
+        }
+        cells = next;
+    }
+    posterior(&cells, within, (all / shrinks, steps.min(first_m)), evaluated)
+}
+
+/// The mean standard deviation along the axes (m).
+fn spread_m(cells: &[Place], highest: f64, axes: f64) -> f64 {
+    let (mut weight, mut sum) = (0.0, Position::ORIGIN);
+    for cell in cells {
+        let likelihood = libm::exp(cell.value - highest);
+        weight += likelihood;
+        sum = sum + cell.position * likelihood;
+    }
+    let mean = sum * (1.0 / weight);
+    let square: f64 = cells
+        .iter()
+        .map(|cell| {
+            let off = cell.position - mean;
+            libm::exp(cell.value - highest) * off.dot(off)
+        })
+        .sum();
+    (square / weight / axes).sqrt()
+}
+
+fn posterior(cells: &[Place], within: &SearchBox, (all, step_m): (f64, f64), evaluated: u64) -> Option<Places> {
+    let mut verdict = Verdict::default();
+    let mut likeliest = (Position::ORIGIN, f64::NEG_INFINITY);
+    let mut edge = f64::NEG_INFINITY;
+    for cell in cells {
+        verdict.take(cell.value);
+        if cell.value > likeliest.1 {
+            likeliest = (cell.position, cell.value);
+        }
+        if within.is_at_edge(cell.position, step_m) {
+            edge = edge.max(cell.value);
+        }
+    }
+    let highest = likeliest.1;
+    if !highest.is_finite() {
+        return None;
+    }
+    let sum: f64 = cells.iter().map(|cell| libm::exp(cell.value - highest)).sum();
+    let places = cells.iter().map(|cell| (cell.position, libm::exp(cell.value - highest) / sum)).collect();
+    Some(Places {
+        places,
+        likeliest,
+        ln_evidence: highest + libm::log(sum / all),
+        verdict: verdict.among(all),
+        edge_below: highest - edge,
+        step_m,
+        evaluated,
+    })
+}
+
+impl Places {
+    /// The mean place (m).
+    pub(super) fn mean(&self) -> Position {
+        self.places.iter().fold(Position::ORIGIN, |sum, &(place, probability)| sum + place * probability)
+    }
+
+    /// A few places that stand for all, each with the same probability.
+    pub(super) fn sample(&self, count: usize) -> Vec<Position> {
+        let mut sample = Vec::with_capacity(count);
+        let mut below = 0.0;
+        for &(place, probability) in &self.places {
+            below += probability;
+            while sample.len() < count && (sample.len() as f64 + 0.5) / count as f64 <= below {
+                sample.push(place);
+            }
+        }
+        sample
+    }
+}

@@ -1,0 +1,97 @@
+//! How the law of an antenna reads.
+
+use sextant_kernel::text::counted;
+
+use super::PatternFit;
+use crate::learned::Unconverged;
+use crate::{CurveFinding, Finding, Line, Section, TopologyMap};
+
+/// The law of an antenna that was estimated from a log.
+#[cfg(feature = "config")]
+#[derive(serde::Serialize)]
+struct PatternKeys {
+    /// Rounds of the estimation.
+    rounds: u32,
+    /// Whether it converged, and no node has a concern.
+    converged: bool,
+    /// Margin of the link budget at 1 m without antenna gain (dB).
+    margin_db: f64,
+    /// Exponent of the path loss.
+    exponent: f64,
+    /// Standard deviation of the power of a link (dB).
+    sigma_db: f64,
+    /// Share of packets that arrive over a good link.
+    delivery: f64,
+    /// Standard deviation of the error of the strength of a sector (dB).
+    noise_db: f64,
+    /// How far the antenna is turned from what the log says, counterclockwise (degrees).
+    yaw_deg: f64,
+    /// Standard deviation of the differences of the sectors from the pattern (dB).
+    ripple_sigma_db: f64,
+    /// The difference of each sector from the pattern (dB), by the order of identities.
+    ripple_db: Vec<f64>,
+}
+
+impl PatternFit {
+    fn converged_in(&self, map: &TopologyMap) -> bool {
+        self.converged && map.concerns().next().is_none()
+    }
+}
+
+impl Finding for PatternFit {
+    #[cfg(feature = "config")]
+    fn keys(&self, map: &TopologyMap) -> serde_json::Map<String, serde_json::Value> {
+        let law = &self.law;
+        let keys = PatternKeys {
+            rounds: self.rounds,
+            converged: self.converged_in(map),
+            margin_db: law.margin_db,
+            exponent: law.exponent,
+            sigma_db: law.sigma_db,
+            delivery: law.delivery,
+            noise_db: law.noise_db,
+            yaw_deg: law.yaw_rad.to_degrees(),
+            ripple_sigma_db: self.ripple_sigma_db,
+            ripple_db: law.ripple_db.clone(),
+        };
+        crate::learned::one_key("antenna_pattern", &keys)
+    }
+
+    fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
+        let law = &self.law;
+        let end = if self.converged_in(map) { "converged" } else { "did not converge" };
+        let mut yaw_deg = law.yaw_rad.to_degrees().rem_euclid(360.0);
+        if yaw_deg > 180.0 {
+            yaw_deg -= 360.0;
+        }
+        let text = format!(
+            "{name}: antenna pattern {end} in {}: margin {:.1} dB at 1 m, exponent {:.2}, sigma {:.1} dB, \
+             {:.0} % of packets arrive over good links; sectors: noise {:.1} dB, ripple {:.1} dB, \
+             turned by {yaw_deg:.1} degrees",
+            counted(self.rounds as usize, "round"),
+            law.margin_db,
+            law.exponent,
+            law.sigma_db,
+            100.0 * law.delivery,
+            law.noise_db,
+            self.ripple_sigma_db,
+        );
+        let why = Unconverged::of(self.converged, map);
+        let warning = why.map(|why| why.warning(name, "the law of the antenna", self.rounds, None));
+        std::iter::once(Line { section: Section::Laws, text }).chain(warning).collect()
+    }
+
+    fn curves(&self) -> Vec<CurveFinding<'_>> {
+        vec![CurveFinding {
+            network: None,
+            name: "curve in the median direction",
+            probability: Box::new(|distance_m| self.usual_probability(distance_m)),
+            of_stops: Vec::new(),
+            range_m: None,
+        }]
+    }
+
+    fn path_loss_exponent(&self) -> Option<f64> {
+        Some(self.law.exponent)
+    }
+}
