@@ -11,18 +11,19 @@ mod score;
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_channel::ReceptionLog;
+use sextant_channel::{ReceptionLog, SectorGains, SectorTable};
 use sextant_kernel::{SettingError, Watch};
 
 use self::folds::{Fold, Folds};
 use self::score::Predicted;
 pub use self::score::{ChoiceReason, Score};
 use crate::log_facts::reach::{heard_nodes, reach_m};
+use crate::pattern::PatternMap;
 use crate::{
-    AnyLog, Calibration, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit, FittedConfig,
-    FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper, MlTmConfig,
-    PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, SelfCalibrated, SelfCalibratedConfig,
-    SoughtHeights, TopologyMap,
+    AnyLog, Calibration, CoordinateFrame, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
+    FittedConfig, FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper,
+    MlTmConfig, PacketCentroid, PacketCentroidConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated,
+    SelfCalibratedConfig, SoughtHeights, TopologyMap,
 };
 
 /// The choice of an estimator as written in a scenario.
@@ -50,7 +51,9 @@ impl Default for AutoConfig {
 /// and their strengths where the log has them. The self-calibrated map and the fitted grid take packets as independent: one of
 /// them maps the log if it predicts as well as the link model does, the first of them unless the second is better by two
 /// standard errors. Their regions are enlarged until they explain how far their maps from parts of the stops differ. A packet
-/// centroid, whose predictions are those of the link model at its places, must be clearly better than the link model. A log with too few stops or nodes for folds is mapped by the link model.
+/// centroid, whose predictions are those of the link model at its places, must be clearly better than the link model. A log
+/// with too few stops or nodes for folds is mapped by the link model. Where the log knows the gains of the sectors in which
+/// nodes were heard, a map by these is another estimator of independent packets, and the first one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Auto {
     rssi: bool,
@@ -87,12 +90,17 @@ pub enum EstimatorFit {
     Profile(Fit),
     /// A reception curve, the efficiency of each stop, and the obstacles.
     Calibration(Calibration),
+    /// The law of an antenna.
+    Pattern(PatternFit),
 }
 
 /// Powers of packet centroids that are tried.
 const POWERS: [f64; 3] = [1.0, 3.0, 6.0];
 /// Steps of the grid of the fitted map over the reach.
 const STEPS_PER_REACH: f64 = 40.0;
+
+/// The name of the map by gains among the candidates.
+const PATTERN: &str = "antenna-pattern";
 
 /// An estimator that may be chosen.
 #[derive(Clone, Copy)]
@@ -101,6 +109,7 @@ enum Candidate<'a> {
     Fitted(&'a FittedMlTm),
     SelfCalibrated(&'a SelfCalibrated),
     Centroid(&'a PacketCentroid),
+    Pattern(PatternMap),
 }
 
 impl Auto {
@@ -133,6 +142,13 @@ impl Auto {
         let fitted = self.fitted.with_grid_step_m(reach_m / STEPS_PER_REACH);
         let mut candidates = vec![Candidate::LinkModel(&self.link_model)];
         if prior.is_none() {
+            if gains_of(log).is_some() {
+                candidates.push(Candidate::Pattern(PatternMap {
+                    grid_step_m: reach_m / STEPS_PER_REACH,
+                    estimate: EstimateKind::PosteriorMean,
+                    z_range_m: self.z_range_m,
+                }));
+            }
             candidates.extend([Candidate::SelfCalibrated(&self.self_calibrated), Candidate::Fitted(&fitted)]);
             candidates.extend(self.centroids.iter().map(Candidate::Centroid));
         }
@@ -186,7 +202,7 @@ impl Auto {
                 Candidate::Centroid(centroid) => {
                     predict::by_links(fold, &fold.rest, law.as_ref(), &centroid.map(&fold.rest), predicted);
                 }
-                Candidate::Fitted(_) | Candidate::SelfCalibrated(_) => {
+                Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(_) => {
                     let (map, fit) = candidate.map(&fold.rest, None, watch)?;
                     predict::independent(fold, &map, fit.as_ref(), predicted);
                     parts.push(map);
@@ -216,6 +232,11 @@ impl Auto {
     }
 }
 
+/// The gains of the sectors in which nodes of a log were heard, if it knows both.
+fn gains_of(log: &ReceptionLog) -> Option<&SectorGains> {
+    log.sectors().and_then(SectorTable::gains).filter(|_| log.receptions().sectors().is_some())
+}
+
 /// Enlarges the variances of a map by a factor.
 fn enlarge(map: &mut TopologyMap, factor: f64) {
     for covariance in map.estimates.iter_mut().flatten().filter_map(|estimate| estimate.covariance.as_mut()) {
@@ -231,7 +252,9 @@ fn chosen(candidates: &[Candidate<'_>], predicted: &[Predicted]) -> (usize, Choi
     let numbers = |is: fn(&Candidate<'_>) -> bool| -> Vec<usize> {
         (0..candidates.len()).filter(|&number| is(&candidates[number])).collect()
     };
-    let independent = numbers(|one| matches!(one, Candidate::Fitted(_) | Candidate::SelfCalibrated(_)));
+    let is_independent: fn(&Candidate<'_>) -> bool =
+        |one| matches!(one, Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(_));
+    let independent = numbers(is_independent);
     let places = numbers(|one| matches!(one, Candidate::Centroid(_)));
     score::best(predicted, 0, &independent, &places)
 }
@@ -245,6 +268,7 @@ impl Candidate<'_> {
             Self::Centroid(centroid) if centroid.power() < 2.0 => "packet-centroid-1",
             Self::Centroid(centroid) if centroid.power() < 4.0 => "packet-centroid-3",
             Self::Centroid(_) => "packet-centroid-6",
+            Self::Pattern(_) => PATTERN,
         }
     }
 
@@ -268,6 +292,13 @@ impl Candidate<'_> {
                 (map, calibration.map(EstimatorFit::Calibration))
             }
             Self::Centroid(centroid) => (centroid.map(log), None),
+            Self::Pattern(pattern) => match gains_of(log) {
+                Some(gains) => {
+                    let (map, fit) = pattern.map(log, gains, PATTERN, watch)?;
+                    (map, fit.map(EstimatorFit::Pattern))
+                }
+                None => (TopologyMap::of_places(PATTERN, vec![None; log.node_count()], CoordinateFrame::World), None),
+            },
         })
     }
 }
@@ -323,7 +354,7 @@ impl EstimatorSettings for AutoConfig {
     const ANY_LOG: Option<AnyLog> = Some(AnyLog {
         name: "auto",
         rank: 0,
-        description: "The estimator that the log chooses: link model, fitted grid, self-calibrated or packet centroid",
+        description: "The estimator that the log chooses: link model, antenna pattern, fitted grid, self-calibrated or packet centroid",
         settings: "{}",
     });
 

@@ -68,6 +68,7 @@ fn share(fit: &EstimatorFit, place: Position, stop: Position, usual: f64) -> f64
                 None => clear,
             }
         }
+        EstimatorFit::Pattern(pattern) => pattern.probability(place, stop),
         EstimatorFit::Links(_) => usual,
     }
 }

@@ -44,6 +44,7 @@ impl EstimatorFit {
             Self::Links(fit) => fit,
             Self::Profile(fit) => fit,
             Self::Calibration(calibration) => calibration,
+            Self::Pattern(fit) => fit,
         }
     }
 }

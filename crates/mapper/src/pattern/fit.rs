@@ -1,5 +1,7 @@
 //! The law of a log, with the places of its nodes integrated out.
 
+use std::f64::consts::{PI, TAU};
+
 use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
@@ -114,7 +116,8 @@ impl Survey<'_> {
         let mut turned = best.clone();
         for at in 1..YAWS {
             watch.check()?;
-            let yaw_rad = std::f64::consts::TAU * f64::from(at) / f64::from(YAWS);
+            let turn_rad = TAU * f64::from(at) / f64::from(YAWS);
+            let yaw_rad = if turn_rad > PI { turn_rad - TAU } else { turn_rad };
             let law = PatternLaw { yaw_rad, ..best.0.clone() };
             let value = self.ln_evidence(law.clone(), nodes);
             if value > turned.1 {
@@ -122,7 +125,7 @@ impl Survey<'_> {
             }
         }
         // Smaller and smaller turns from the best one.
-        let mut half_rad = std::f64::consts::PI / f64::from(YAWS);
+        let mut half_rad = PI / f64::from(YAWS);
         while half_rad > 0.02 {
             for yaw_rad in [turned.0.yaw_rad - half_rad, turned.0.yaw_rad + half_rad] {
                 watch.check()?;

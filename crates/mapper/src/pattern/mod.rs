@@ -57,6 +57,7 @@ pub struct PatternFit {
     /// Their receptions with a sector.
     pub named: usize,
     gains: GainMap,
+    normal: Normal,
     /// The greatest gain of any sector in the median direction (dBi).
     usual_dbi: f64,
 }
@@ -75,12 +76,12 @@ impl PatternFit {
         let Sight { cell, distance_m } = Sight::of(place, stop, turn);
         let gain = |sector: usize| self.gains.gain_dbi(cell, sector) + self.law.ripple_db[sector];
         let top_dbi = (0..self.gains.sectors()).map(gain).fold(f64::NEG_INFINITY, f64::max);
-        self.law.heard(&Normal::new(), top_dbi, distance_m)
+        self.law.heard(&self.normal, top_dbi, distance_m)
     }
 
     /// The probability that a packet is received over a distance in the median direction (m).
     fn usual_probability(&self, distance_m: f64) -> f64 {
-        self.law.heard(&Normal::new(), self.usual_dbi, distance_m.max(1e-3))
+        self.law.heard(&self.normal, self.usual_dbi, distance_m.max(1e-3))
     }
 }
 
@@ -151,6 +152,7 @@ impl PatternMap {
             nodes: found.nodes,
             named: found.namings,
             gains: gain_map,
+            normal: Normal::new(),
             usual_dbi,
         };
         Ok((map, Some(fit)))

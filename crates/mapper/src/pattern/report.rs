@@ -60,10 +60,7 @@ impl Finding for PatternFit {
     fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
         let law = &self.law;
         let end = if self.converged_in(map) { "converged" } else { "did not converge" };
-        let mut yaw_deg = law.yaw_rad.to_degrees().rem_euclid(360.0);
-        if yaw_deg > 180.0 {
-            yaw_deg -= 360.0;
-        }
+        let yaw_deg = law.yaw_rad.to_degrees();
         let text = format!(
             "{name}: antenna pattern {end} in {}: margin {:.1} dB at 1 m, exponent {:.2}, sigma {:.1} dB, \
              {:.0} % of packets arrive over good links; sectors: noise {:.1} dB, ripple {:.1} dB, \

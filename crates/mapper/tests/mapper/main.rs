@@ -10,6 +10,7 @@ mod ml_tm;
 mod mm_tm;
 mod own_place;
 mod parts;
+mod pattern;
 mod profiles;
 mod real_links;
 mod sectored;

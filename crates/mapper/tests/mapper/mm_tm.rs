@@ -220,8 +220,11 @@ fn a_soft_sector_adds_the_logarithm_of_its_probability() {
     let log = log(&[Position::ORIGIN], &[(0, 1)], Some(even(8, vec![WHOLE])));
     let soft = SoftSectorsConfig { sigma_db: Some(2.0), ..SoftSectorsConfig::default() };
     let with = |model| {
-        let sectors =
-            Some(SectorsConfig { model, tolerance: SectorTolerance::Positional, ..SectorsConfig::default() });
+        let sectors = Some(SectorsConfig {
+            model: Some(model),
+            tolerance: SectorTolerance::Positional,
+            ..SectorsConfig::default()
+        });
         let ml_tm = MlTm::try_from(MlTmConfig { sectors, ..config(0.1) }).unwrap();
         ml_tm.surface(&log, NodeId(0), &Unwatched).unwrap()
     };
@@ -252,7 +255,7 @@ fn a_soft_sector_adds_the_logarithm_of_its_probability() {
         (SoftSectorsConfig { sigma_db: Some(0.0), ..soft }, "sectors.model.soft.sigma_db"),
         (SoftSectorsConfig { side_lobe_db: -1.0, ..soft }, "sectors.model.soft.side_lobe_db"),
     ] {
-        let sectors = Some(SectorsConfig { model: SectorModel::Soft(soft), ..SectorsConfig::default() });
+        let sectors = Some(SectorsConfig { model: Some(SectorModel::Soft(soft)), ..SectorsConfig::default() });
         assert_eq!(MlTm::try_from(MlTmConfig { sectors, ..config(0.25) }).unwrap_err().key, key);
     }
 }

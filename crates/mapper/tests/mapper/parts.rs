@@ -146,7 +146,8 @@ fn a_grid_under_a_given_profile_is_the_same_in_parts() {
 #[test]
 fn sectors_are_the_same_in_parts() {
     let log = survey(Antenna::Sectors, 0.0);
-    let soft = SectorsConfig { model: SectorModel::Soft(SoftSectorsConfig::default()), ..SectorsConfig::default() };
+    let soft =
+        SectorsConfig { model: Some(SectorModel::Soft(SoftSectorsConfig::default())), ..SectorsConfig::default() };
     for sectors in [None, Some(soft)] {
         let config = MlTmConfig { sectors, ..MlTmConfig::new(0.5, trapezoid()) };
         check("ml-tm", AlgorithmConfig::MlTm(config.clone()), &log);

@@ -81,7 +81,7 @@ fn probabilities_of_sectors_place_nodes_better_than_their_edges() {
     let nodes = nodes(31, 80);
     let log = noisy.log(6, &nodes, &lanes(3.0));
     let error_m = |model| {
-        let sectors = Some(SectorsConfig { model, ..SectorsConfig::default() });
+        let sectors = Some(SectorsConfig { model: Some(model), ..SectorsConfig::default() });
         let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.96, 2.0, 7.1));
         let config = MlTmConfig {
             sectors,
