@@ -105,7 +105,7 @@ pub use position::Position;
 pub use power::{Db, Dbm, Milliwatts};
 pub use reception::{
     Contact, Drive, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder, Receptions,
-    ReceptionsIter, Stop,
+    ReceptionsIter, SectorReport, SectorSnr, Stop,
 };
 pub use reflection::{Ray, ReflectionsConfig};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
