@@ -150,17 +150,21 @@ impl SectorTable {
     /// The identities, as a person would write them: `0 to 7, 9`.
     #[must_use]
     pub fn identities(&self) -> String {
-        let mut runs: Vec<[u8; 2]> = Vec::new();
-        for &id in self.0.keys() {
-            match runs.last_mut() {
-                Some([_, last]) if *last + 1 == id => *last = id,
-                _ => runs.push([id, id]),
-            }
-        }
-        let run =
-            |[first, last]: &[u8; 2]| if first == last { first.to_string() } else { format!("{first} to {last}") };
-        if runs.is_empty() { "none".into() } else { runs.iter().map(run).collect::<Vec<_>>().join(", ") }
+        if self.is_empty() { "none".into() } else { runs(self.0.keys().copied()) }
     }
+}
+
+/// Ascending identities, as a person would write them: `0 to 7, 9`.
+pub(crate) fn runs(identities: impl Iterator<Item = u8>) -> String {
+    let mut runs: Vec<[u8; 2]> = Vec::new();
+    for id in identities {
+        match runs.last_mut() {
+            Some([_, last]) if *last + 1 == id => *last = id,
+            _ => runs.push([id, id]),
+        }
+    }
+    let run = |[first, last]: &[u8; 2]| if first == last { first.to_string() } else { format!("{first} to {last}") };
+    runs.iter().map(run).collect::<Vec<_>>().join(", ")
 }
 
 impl TryFrom<EvenSectorsConfig> for SectorTable {
