@@ -78,7 +78,7 @@ mod span;
 mod tree;
 
 pub use antenna::{
-    Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig,
+    Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig, Gaps,
     Ieee802153cConfig, LobeEdge, OmnidirectionalConfig, Orientation, OrientationConfig, PatternConfig, SectorAddress,
     SectorEdge, SectorGainsConfig, Tr38901Config, Vertical,
 };
