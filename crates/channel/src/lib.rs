@@ -78,7 +78,7 @@ mod span;
 mod tree;
 
 pub use antenna::{
-    Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig,
+    Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig, Gaps,
     Ieee802153cConfig, LobeEdge, OmnidirectionalConfig, Orientation, OrientationConfig, PatternConfig, SectorAddress,
     SectorEdge, SectorGainsConfig, Tr38901Config, Vertical,
 };
@@ -105,7 +105,7 @@ pub use position::Position;
 pub use power::{Db, Dbm, Milliwatts};
 pub use reception::{
     Contact, Drive, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder, Receptions,
-    ReceptionsIter, Stop,
+    ReceptionsIter, SectorReport, SectorSnr, Stop,
 };
 pub use reflection::{Ray, ReflectionsConfig};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};

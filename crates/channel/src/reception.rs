@@ -3,7 +3,9 @@
 mod builder;
 mod columns;
 mod drive;
+mod log_error;
 mod network_logs;
+mod sector_snrs;
 mod view;
 
 use std::borrow::Cow;
@@ -15,7 +17,10 @@ use crate::{Position, SectorTable};
 pub use builder::ReceptionLogBuilder;
 use columns::Columns;
 pub use drive::Drive;
+pub use log_error::LogError;
 pub use network_logs::{NetworkLog, NetworkLogs};
+use sector_snrs::SectorSnrs;
+pub use sector_snrs::{SectorReport, SectorSnr};
 pub use view::{Receptions, ReceptionsIter};
 
 /// A place where a robot listened for a while.
@@ -78,6 +83,8 @@ pub struct ReceptionLog {
     contacts: Vec<Contact>,
     robots: Vec<String>,
     sectors: Option<SectorTable>,
+    /// Shared with the same log with other names or counts.
+    sector_snrs: Arc<SectorSnrs>,
 }
 
 impl Default for ReceptionLog {
@@ -91,83 +98,9 @@ impl Default for ReceptionLog {
             contacts: Vec::new(),
             robots: Vec::new(),
             sectors: None,
+            sector_snrs: Arc::default(),
         }
     }
-}
-
-/// Why a reception log is invalid.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LogError {
-    /// A reception names a node that the log does not have.
-    #[error("a reception names node {node}, but the log has {nodes} nodes (0 to {})", .nodes.saturating_sub(1))]
-    UnknownNode {
-        /// The node named.
-        node: u32,
-        /// Number of nodes.
-        nodes: usize,
-    },
-    /// A reception names a stop that the log does not have.
-    #[error("a reception of node `{node}` names stop {stop}, but the log has {stops} stops (0 to {})", .stops.saturating_sub(1))]
-    UnknownStop {
-        /// Name of the node.
-        node: String,
-        /// The stop named.
-        stop: u32,
-        /// Number of stops.
-        stops: usize,
-    },
-    /// More packets received than sent.
-    #[error("node `{node}` at stop {stop}: {received} packets received of {sent} sent; allowed: 0 to {sent}")]
-    MoreThanSent {
-        /// Name of the node.
-        node: String,
-        /// Index of the stop.
-        stop: u32,
-        /// Packets received.
-        received: u32,
-        /// Packets sent.
-        sent: u32,
-    },
-    /// Two receptions of one node at one stop.
-    #[error("node `{node}` at stop {stop} appears twice; give one reception per node and stop")]
-    Twice {
-        /// Name of the node.
-        node: String,
-        /// Index of the stop.
-        stop: u32,
-    },
-    /// A stop or a contact of a robot that the log does not have.
-    #[error("a stop or contact is of robot {robot}, but the log has {robots} robots (0 to {})", .robots.saturating_sub(1))]
-    UnknownRobot {
-        /// The robot named.
-        robot: u32,
-        /// Number of robots.
-        robots: usize,
-    },
-    /// A reception in a sector that the listener does not have.
-    #[error("node `{node}` at stop {stop} was heard in sector {sector}; the listener's sectors are {known}")]
-    UnknownSector {
-        /// Name of the node.
-        node: String,
-        /// Index of the stop.
-        stop: u32,
-        /// The sector named.
-        sector: u8,
-        /// The sectors of the listener.
-        known: String,
-    },
-    /// A stop with invalid coordinates.
-    #[error("stop {stop} is at ({x_m}, {y_m}, {z_m}); coordinates are metres, at most 10⁹ from zero")]
-    NotFinite {
-        /// Index of the stop.
-        stop: usize,
-        /// East (m).
-        x_m: f64,
-        /// North (m).
-        y_m: f64,
-        /// Up (m).
-        z_m: f64,
-    },
 }
 
 impl ReceptionLog {
@@ -226,6 +159,7 @@ impl ReceptionLog {
                 contacts: self.contacts.clone(),
                 robots: self.robots.clone(),
                 sectors: self.sectors.clone(),
+                sector_snrs: Arc::clone(&self.sector_snrs),
             })
         } else {
             Cow::Borrowed(self)
@@ -239,13 +173,16 @@ impl ReceptionLog {
         let stops: Vec<Stop> = self.stops.iter().take_while(|stop| stop.time < time).copied().collect();
         let mut receptions = ReceptionLogBuilder::default();
         receptions.extend(self.receptions().iter().filter(|reception| (reception.stop as usize) < stops.len()));
+        let reports = self.sector_reports().filter(|report| (report.stop as usize) < stops.len());
+        reports.for_each(|report| receptions.report(report));
         let contacts = self.contacts.iter().filter(|contact| contact.time < time).copied().collect();
         let cut = receptions.build(self.names.clone(), stops, contacts).expect("a part of a log is a log");
         Self { robots: self.robots.clone(), sectors: self.sectors.clone(), ..cut }
     }
 
     /// The log of other nodes, called `names`, who were heard at the same stops by the same robots: a part of a log that is
-    /// too large to be in memory at once. The stops are shared, not copied.
+    /// too large to be in memory at once. The stops are shared, not copied. Signal-to-noise ratios of all sectors are those
+    /// that `receptions` has.
     ///
     /// # Errors
     /// If a reception is invalid, or names a sector that the log does not have.
@@ -300,7 +237,7 @@ impl ReceptionLog {
         Ok(Self { sectors: Some(sectors), ..self })
     }
 
-    /// Whether every sector of a reception is among `sectors`.
+    /// Whether every sector of a reception, and every sector with a signal-to-noise ratio, is among `sectors`.
     ///
     /// # Errors
     /// If a sector is not.
@@ -314,8 +251,40 @@ impl ReceptionLog {
                 sector,
                 known: sectors.identities(),
             }),
-            _ => Ok(()),
+            _ => self.sector_snrs.check_sectors(&self.names, sectors),
         }
+    }
+
+    /// The same log with the signal-to-noise ratios of all sectors that nodes reported, in any order, instead of those that
+    /// it had.
+    ///
+    /// # Errors
+    /// If a report names a node, stop or sector that does not exist, is of a node that was not heard at the stop, appears
+    /// twice, or is not finite.
+    pub fn with_sector_snrs(self, reports: Vec<SectorReport>) -> Result<Self, LogError> {
+        let sector_snrs = SectorSnrs::new(&self, reports)?;
+        if let Some(sectors) = &self.sectors {
+            sector_snrs.check_sectors(&self.names, sectors)?;
+        }
+        Ok(Self { sector_snrs: Arc::new(sector_snrs), ..self })
+    }
+
+    /// Whether the signal-to-noise ratios of all sectors were reported for some reception.
+    #[must_use]
+    pub fn has_sector_snrs(&self) -> bool {
+        !self.sector_snrs.is_empty()
+    }
+
+    /// The signal-to-noise ratios of the sectors in which `node` heard the robot at `stop`, by ascending sector; empty if
+    /// it did not report them. A sector that is absent was not decoded.
+    #[must_use]
+    pub fn sector_snrs(&self, node: NodeId, stop: u32) -> &[SectorSnr] {
+        self.sector_snrs.of(node, stop)
+    }
+
+    /// The signal-to-noise ratios of all sectors one by one, by node, stop and sector.
+    pub fn sector_reports(&self) -> impl Iterator<Item = SectorReport> {
+        self.sector_snrs.reports()
     }
 
     /// The sectors of the listener, if the log has them.

@@ -135,7 +135,7 @@ impl SectorTable {
     /// If the antenna has other sectors.
     pub fn with_gains(self, gains: SectorGains) -> Result<Self, SettingError> {
         if !gains.identities().iter().eq(self.sectors.keys()) {
-            let of_antenna = identities(gains.identities().iter().copied());
+            let of_antenna = runs(gains.identities().iter().copied());
             return Err(SettingError::new("antenna", format!("sectors {of_antenna}"), self.identities()));
         }
         Ok(Self { gains: Some(gains), ..self })
@@ -173,21 +173,21 @@ impl SectorTable {
     /// The identities, as a person would write them: `0 to 7, 9`.
     #[must_use]
     pub fn identities(&self) -> String {
-        identities(self.sectors.keys().copied())
+        if self.is_empty() { "none".into() } else { runs(self.sectors.keys().copied()) }
     }
 }
 
-/// Identities as a person would write them: `0 to 7, 9`.
-fn identities(ids: impl Iterator<Item = u8>) -> String {
+/// Ascending identities, as a person would write them: `0 to 7, 9`.
+pub(crate) fn runs(identities: impl Iterator<Item = u8>) -> String {
     let mut runs: Vec<[u8; 2]> = Vec::new();
-    for id in ids {
+    for id in identities {
         match runs.last_mut() {
             Some([_, last]) if *last + 1 == id => *last = id,
             _ => runs.push([id, id]),
         }
     }
     let run = |[first, last]: &[u8; 2]| if first == last { first.to_string() } else { format!("{first} to {last}") };
-    if runs.is_empty() { "none".into() } else { runs.iter().map(run).collect::<Vec<_>>().join(", ") }
+    runs.iter().map(run).collect::<Vec<_>>().join(", ")
 }
 
 impl TryFrom<EvenSectorsConfig> for SectorTable {

@@ -194,7 +194,7 @@ impl LinkBudgets {
         }
         let (aim, items) = best?;
         let sector = match aim {
-            Aim::Sector(sector) if has_sectors => Some(sector),
+            Aim::Sector(sector) if has_sectors => antenna.map(|antenna| antenna.identity(sector)),
             Aim::Sector(_) | Aim::Omnidirectional => None,
         };
         let LinkItems { path, shadowing, transmit_gain, receive_gain, power } = items;

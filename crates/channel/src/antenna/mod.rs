@@ -1,7 +1,6 @@
 //! Antennas: the gain of each sector in each direction.
 
 mod code_book;
-mod code_book_file;
 mod orientation;
 mod pattern;
 mod sectors;
@@ -15,7 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, Seed, SettingError, StationId};
 
-pub use code_book::{CodeBookConfig, SectorGainsConfig};
+pub use code_book::{CodeBookConfig, Gaps, SectorGainsConfig};
 pub use orientation::{Orientation, OrientationConfig};
 pub use pattern::{
     EllipticalConfig, FlatBeam, FlatTopConfig, Ieee802153cConfig, LobeEdge, PatternConfig, SectorEdge, Tr38901Config,
@@ -141,10 +140,12 @@ impl Antenna {
                     Self::new(Beams::Sectors(sectors), greatest, config.quasi_omni_gain_dbi, ripple_db)
                 })
                 .map_err(|error| error.within("sectors")),
-            AntennaConfig::CodeBook(config) => code_book_file::read(config, files)
+            AntennaConfig::CodeBook(config) => CodeBook::read(config, files)
                 .and_then(|book| {
                     let greatest = book.greatest_dbi();
-                    Self::new(Beams::CodeBook(book), greatest, config.quasi_omni_gain_dbi, config.gain_ripple_db)
+                    let equal_dbi = config.quasi_omni_gain_dbi.unwrap_or(0.0);
+                    let quasi_omni_dbi = book.greatest_quasi_omni_dbi().unwrap_or(equal_dbi);
+                    Self::new(Beams::CodeBook(book), greatest, quasi_omni_dbi, config.gain_ripple_db)
                 })
                 .map_err(|error| error.within("code_book")),
         }
@@ -214,6 +215,18 @@ impl Antenna {
         sweep * count..(sweep + 1) * count
     }
 
+    /// The identity of a sector in logs, tables and recordings: that of a code book on air, else its number.
+    ///
+    /// # Panics
+    /// If there is no such sector.
+    #[must_use]
+    pub fn identity(&self, sector: u8) -> u8 {
+        match &self.beams {
+            Beams::Omnidirectional(_) | Beams::Sectors(_) => sector,
+            Beams::CodeBook(book) => book.identity(sector),
+        }
+    }
+
     /// What the sector is called on air. Each ring of an array is a DMG antenna; if there are more than four, an equal
     /// number of consecutive rings is one. The sectors of a steered antenna have the same names at each tilt.
     #[must_use]
@@ -259,11 +272,40 @@ impl Antenna {
         }
     }
 
-    /// Gain of the quasi-omnidirectional pattern: equal in all directions.
+    /// Greatest gain of the quasi-omnidirectional pattern, with which the antenna listens: its gain in all directions,
+    /// unless it was measured.
     #[must_use]
     #[inline]
     pub fn quasi_omni(&self) -> Db {
         self.quasi_omni
+    }
+
+    /// Whether the quasi-omnidirectional pattern was measured.
+    #[must_use]
+    #[inline]
+    pub fn has_measured_quasi_omni(&self) -> bool {
+        matches!(&self.beams, Beams::CodeBook(book) if book.has_quasi_omni())
+    }
+
+    /// Gain of the quasi-omnidirectional pattern in `direction`, if it was measured; `None` if it is
+    /// [`quasi_omni`](Self::quasi_omni) in all directions.
+    #[must_use]
+    #[inline]
+    pub fn measured_quasi_omni(&self, direction: Position) -> Option<Db> {
+        match &self.beams {
+            Beams::Omnidirectional(_) | Beams::Sectors(_) => None,
+            Beams::CodeBook(book) => book.quasi_omni_dbi(direction).map(Db),
+        }
+    }
+
+    /// Elevation of a planar cut whose gains are taken for all elevations (degrees), because nothing else is known;
+    /// `None` of other antennas.
+    #[must_use]
+    pub fn endless_cut_deg(&self) -> Option<f64> {
+        match &self.beams {
+            Beams::Omnidirectional(_) | Beams::Sectors(_) => None,
+            Beams::CodeBook(book) => book.endless_cut_deg(),
+        }
     }
 
     /// A bound of the gain of all sectors with their ripple, and of the quasi-omnidirectional pattern.
@@ -298,7 +340,7 @@ impl Antenna {
         (0..self.sector_count()).map(|sector| Db(self.ripple_db * limited(sector))).collect()
     }
 
-    /// The directions of each sector in the frame of the antenna, by its number: those where it is the best. For a code
+    /// The directions of each sector in the frame of the antenna, by its [identity](Self::identity): those where it is the best. For a code
     /// book, each is the smallest interval of azimuth and elevation that has them all. None without sectors.
     #[must_use]
     pub fn sectors(&self) -> &SectorTable {

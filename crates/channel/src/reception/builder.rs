@@ -5,7 +5,7 @@ use std::sync::Arc;
 use sextant_kernel::NodeId;
 
 use super::columns::{Columns, scatter};
-use super::{Contact, LogError, Reception, ReceptionLog, Stop};
+use super::{Contact, LogError, Reception, ReceptionLog, SectorReport, Stop};
 use crate::Position;
 
 /// Builds a [`ReceptionLog`]. Needs the memory of the log, half as much again while the receptions are sorted,
@@ -31,6 +31,7 @@ pub struct ReceptionLogBuilder {
     nodes: Nodes,
     /// Whether the log has antenna sectors even if no reception names one.
     has_sectors: bool,
+    reports: Vec<SectorReport>,
 }
 
 /// The node of each reception.
@@ -108,6 +109,11 @@ impl ReceptionLogBuilder {
         self.has_sectors = true;
     }
 
+    /// Adds the signal-to-noise ratio of a sector that a node reported beside its reception, before or after that one.
+    pub fn report(&mut self, report: SectorReport) {
+        self.reports.push(report);
+    }
+
     /// Number of receptions added.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -122,7 +128,9 @@ impl ReceptionLogBuilder {
 
     /// Removes the receptions at the stop `first` and at later stops.
     pub fn forget_from(&mut self, first: u32) {
-        let mut kept = Self { has_sectors: self.has_sectors, ..Self::default() };
+        let mut reports = std::mem::take(&mut self.reports);
+        reports.retain(|report| report.stop < first);
+        let mut kept = Self { has_sectors: self.has_sectors, reports, ..Self::default() };
         let nodes = self.nodes.runs().flat_map(|(node, count)| std::iter::repeat_n(node, count));
         for (at, node) in nodes.enumerate() {
             if self.columns.stops[at] < first {
@@ -136,7 +144,8 @@ impl ReceptionLogBuilder {
     ///
     /// # Errors
     /// If a reception names a node or stop that does not exist, appears twice, or has more packets than were sent;
-    /// if a stop is not finite or farther than 10⁹ m from zero along an axis.
+    /// if a stop is not finite or farther than 10⁹ m from zero along an axis; if a report of sectors is not of a reception,
+    /// appears twice or is not finite.
     pub fn build(
         self,
         names: Vec<String>,
@@ -182,7 +191,8 @@ impl ReceptionLogBuilder {
                 return Err(LogError::Twice { node: name.clone(), stop: pair[0] });
             }
         }
-        Ok(ReceptionLog { names, stops, columns, first, contacts, robots: Vec::new(), sectors: None })
+        let log = ReceptionLog { names, stops, columns, first, contacts, ..ReceptionLog::default() };
+        if self.reports.is_empty() { Ok(log) } else { log.with_sector_snrs(self.reports) }
     }
 
     /// Checks each reception on its own. Returns where those of each node will begin.

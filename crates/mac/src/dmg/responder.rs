@@ -13,13 +13,16 @@ use super::sector::{SectorLayout, TxSector};
 use super::settings::{AnswerSettings, Contention, SweepSettings};
 use super::snr_report::SnrReport;
 use super::timing::{
-    AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SSW_ACK_TIMEOUT, SSW_AIRTIME, SSW_FEEDBACK_AIRTIME, duration_field,
-    sweep_end,
+    AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SBIFS, SSW_ACK_TIMEOUT, SSW_AIRTIME, SSW_FEEDBACK_AIRTIME,
+    duration_field, sweep_end,
 };
 use crate::RadioState;
 
+mod answering;
 #[cfg(test)]
 mod tests;
+
+use answering::Answering;
 
 /// Failed attempts in an A-BFT that a responder tolerates before it backs off (dot11RSSRetryLimit).
 const RSS_RETRY_LIMIT: u8 = 8;
@@ -72,17 +75,6 @@ pub enum ResponderReport {
     },
 }
 
-/// An answer under way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Answering {
-    heard: HeardSweep,
-    /// Contention window.
-    cw: u32,
-    sweeps: u8,
-    /// Start of the sweep in an A-BFT or for one station.
-    start: SimTime,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
     Listening,
@@ -97,6 +89,8 @@ enum State {
     /// Silent before the frame with this index.
     Spacing(Answering, u16),
     AwaitingFeedback(Answering),
+    /// Waiting for the end of a slot that needs no more feedback.
+    BetweenSlots(Answering),
     /// Silent before the acknowledgement of a choice.
     TurningToAck(Answering, SectorFeedback),
     Acknowledging(Answering, SectorFeedback),
@@ -118,6 +112,8 @@ pub struct Responder {
     failed: u8,
     /// A-BFTs to let pass.
     skip: u32,
+    /// The initiator whose last A-BFT ended before this station had swept all its sectors, and the frame to go on with.
+    unfinished: Option<(MacAddress, u16)>,
 }
 
 impl Responder {
@@ -134,6 +130,7 @@ impl Responder {
             acknowledged: None,
             failed: 0,
             skip: 0,
+            unfinished: None,
         }
     }
 
@@ -213,14 +210,17 @@ impl Responder {
             (State::Hearing(heard), Event::WaitExpired) => Some(self.answer(heard, now, radio)),
             (State::Contending(..), Event::TransmitReady) => self.pursue(now, radio),
             (State::Waiting(answering), Event::TransmitReady) => {
-                self.send(Answering { sweeps: answering.sweeps + 1, ..answering }, 0, radio);
+                let sweeps = if answering.first == 0 { answering.sweeps + 1 } else { answering.sweeps.max(1) };
+                self.send(Answering { sweeps, ..answering }, answering.first, radio);
                 None
             }
             (State::Spacing(answering, index), Event::TransmitReady) => {
                 self.send(answering, index, radio);
                 None
             }
-            (State::Sweeping(answering, index), Event::TransmissionEnded) if index + 1 < self.layout.total() => {
+            (State::Sweeping(answering, index), Event::TransmissionEnded)
+                if index + 1 < self.end_of_turn(answering) =>
+            {
                 radio.enter(RadioState::Idle);
                 self.alarm.set(now, now + self.layout.gap_after(index), Event::TransmitReady, radio);
                 self.state = State::Spacing(answering, index + 1);
@@ -232,6 +232,9 @@ impl Responder {
                 self.await_feedback(answering, now, radio)
             }
             (State::AwaitingFeedback(answering), Event::WaitExpired) => self.miss(answering, now, radio),
+            (State::AwaitingFeedback(answering) | State::BetweenSlots(answering), Event::TransmitReady) => {
+                self.next_slot(answering, radio)
+            }
             (State::TurningToAck(answering, feedback), Event::TransmitReady) => {
                 self.acknowledge(answering, feedback, radio);
                 None
@@ -252,9 +255,10 @@ impl Responder {
         match self.state {
             State::Listening => true,
             State::Hearing(heard) => heard.initiator == initiator,
-            State::Contending(answering, _) | State::Waiting(answering) | State::AwaitingFeedback(answering) => {
-                answering.heard.initiator == initiator
-            }
+            State::Contending(answering, _)
+            | State::Waiting(answering)
+            | State::AwaitingFeedback(answering)
+            | State::BetweenSlots(answering) => answering.heard.initiator == initiator,
             State::Sweeping(..) | State::Spacing(..) | State::TurningToAck(..) | State::Acknowledging(..) => false,
         }
     }
@@ -279,7 +283,7 @@ impl Responder {
     fn answer(&mut self, heard: HeardSweep, now: SimTime, radio: &mut impl Radio) -> ResponderReport {
         let start = heard.end + MBIFS;
         let cw = self.settings.access_category().cw_min();
-        let answering = Answering { heard, cw, sweeps: 0, start };
+        let answering = Answering { heard, cw, sweeps: 0, start, first: 0, choice: None };
         match self.settings.contention() {
             _ if heard.is_unicast => self.wait(answering, now, radio),
             Contention::Csma | Contention::CsmaFeedback { .. } => self.contend(answering, start, now, radio),
@@ -290,7 +294,9 @@ impl Responder {
             Contention::Abft(abft) => {
                 let slot = radio.slots(u32::from(abft.slots()) - 1);
                 let start = start + abft.slot_duration() * slot;
-                self.wait(Answering { start, ..answering }, now, radio);
+                let unfinished = self.unfinished.take().filter(|(initiator, _)| *initiator == heard.initiator);
+                let first = unfinished.map_or(0, |(_, first)| first);
+                self.wait(Answering { start, first, ..answering }, now, radio);
             }
         }
         ResponderReport::Heard(heard)
@@ -343,7 +349,9 @@ impl Responder {
     fn send(&mut self, answering: Answering, index: u16, radio: &mut impl Radio) {
         let HeardSweep { initiator, is_unicast, .. } = answering.heard;
         let sector = self.layout.sector(index);
-        let mut taken = self.layout.remaining_after(index, SSW_AIRTIME);
+        let later_turns = self.layout.total() - self.end_of_turn(answering);
+        let mut taken =
+            self.layout.remaining_after(index, SSW_AIRTIME) - (SSW_AIRTIME + SBIFS) * u32::from(later_turns);
         if !is_unicast {
             taken += self.settings.taken_after_answer();
         }
@@ -371,6 +379,7 @@ impl Responder {
         radio: &mut impl Radio,
     ) -> Option<ResponderReport> {
         let feedback = MBIFS + SSW_FEEDBACK_AIRTIME + AIR_PROPAGATION * 2;
+        let is_last = self.end_of_turn(answering) == self.layout.total();
         let until = match self.settings.contention() {
             // The initiator repeats its feedback until it is acknowledged.
             _ if answering.heard.is_unicast => {
@@ -378,9 +387,11 @@ impl Responder {
             }
             Contention::CsmaFeedback { .. } => now + feedback,
             Contention::Abft(abft) if abft.has_feedback() => answering.start + abft.slot_duration(),
+            Contention::Abft(abft) if !is_last => return self.wait_for_slot(answering, abft, now, radio),
             Contention::Csma | Contention::Abft(_) => return Some(self.end(answering, ResponderOutcome::Sent)),
         };
-        self.alarm.set(now, until, Event::WaitExpired, radio);
+        let event = if is_last { Event::WaitExpired } else { Event::TransmitReady };
+        self.alarm.set(now, until, event, radio);
         self.state = State::AwaitingFeedback(answering);
         None
     }
@@ -396,7 +407,7 @@ impl Responder {
         let answering = match (self.state, self.acknowledged) {
             (State::AwaitingFeedback(answering), _) if answering.heard.initiator == initiator => answering,
             (State::Listening, Some(heard)) if heard.initiator == initiator => {
-                Answering { heard, cw: 0, sweeps: 1, start: now }
+                Answering { heard, cw: 0, sweeps: 1, start: now, first: 0, choice: None }
             }
             _ => return None,
         };
@@ -407,7 +418,13 @@ impl Responder {
             return None;
         }
         self.failed = 0;
-        Some(self.end(answering, ResponderOutcome::Trained(feedback)))
+        let answering = answering.with_choice(feedback);
+        match self.settings.contention() {
+            Contention::Abft(abft) if self.end_of_turn(answering) < self.layout.total() => {
+                self.wait_for_slot(answering, abft, now, radio)
+            }
+            _ => Some(self.end(answering, ResponderOutcome::Trained(answering.choice.unwrap_or(feedback)))),
+        }
     }
 
     fn acknowledge(&mut self, answering: Answering, feedback: SectorFeedback, radio: &mut impl Radio) {
@@ -428,15 +445,14 @@ impl Responder {
                 return self.pursue(now, radio);
             }
             Contention::Abft(_) if !answering.heard.is_unicast => {
-                self.failed += 1;
-                if self.failed > RSS_RETRY_LIMIT {
-                    self.failed = 0;
-                    self.skip = radio.slots(RSS_BACKOFF - 1);
+                if answering.choice.is_none() {
+                    self.fail(radio);
                 }
             }
             _ => {}
         }
-        Some(self.end(answering, ResponderOutcome::NoFeedback))
+        let outcome = answering.choice.map_or(ResponderOutcome::NoFeedback, ResponderOutcome::Trained);
+        Some(self.end(answering, outcome))
     }
 
     fn end(&mut self, answering: Answering, outcome: ResponderOutcome) -> ResponderReport {

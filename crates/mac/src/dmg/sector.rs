@@ -30,14 +30,16 @@ impl TxSector {
     }
 }
 
-/// How many sectors each DMG antenna of a station has. A sweep goes through them antenna by antenna.
+/// The sectors of each DMG antenna of a station, by their identities on air. A sweep goes through them antenna by
+/// antenna, each in ascending order. Identities may have gaps: those of a measured code book do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SectorLayout {
-    sectors: [u8; MAX_ANTENNAS],
+    /// By DMG antenna: bit `i` is set if it has the sector with identity `i`.
+    identities: [u64; MAX_ANTENNAS],
 }
 
 impl SectorLayout {
-    /// One count of sectors per DMG antenna.
+    /// One count of sectors per DMG antenna, whose identities are 0 and up.
     ///
     /// # Errors
     /// If there are not 1 to 4 antennas, if one has not 1 to 64 sectors, or if together they have more than 128.
@@ -45,30 +47,59 @@ impl SectorLayout {
         if !(1..=MAX_ANTENNAS).contains(&sectors_per_antenna.len()) {
             return Err(SettingError::new("antennas", sectors_per_antenna.len(), "1 to 4 DMG antennas"));
         }
-        for &count in sectors_per_antenna {
-            if !(1..=MAX_ANTENNA_SECTORS).contains(&count) {
-                return Err(SettingError::new("sectors", count, "1 to 64 sectors per DMG antenna"));
+        if let Some(bad) = sectors_per_antenna.iter().find(|&count| !(1..=MAX_ANTENNA_SECTORS).contains(count)) {
+            return Err(SettingError::new("sectors", bad, "1 to 64 sectors per DMG antenna"));
+        }
+        Self::of(
+            (0..)
+                .zip(sectors_per_antenna)
+                .flat_map(|(antenna, &count)| (0..count).map(move |sector| TxSector { antenna, sector })),
+        )
+    }
+
+    /// These sectors, in any order.
+    ///
+    /// # Errors
+    /// If there are none or more than 128, if one appears twice or has an identity beyond its field, or if a DMG antenna
+    /// before the last one has no sector.
+    pub fn of(sectors: impl IntoIterator<Item = TxSector>) -> Result<Self, SettingError> {
+        let mut identities = [0_u64; MAX_ANTENNAS];
+        for TxSector { antenna, sector } in sectors {
+            let Some(known) = identities.get_mut(usize::from(antenna)) else {
+                return Err(SettingError::new("antennas", format!("DMG antenna {antenna}"), "DMG antennas 0 to 3"));
+            };
+            if sector >= MAX_ANTENNA_SECTORS {
+                return Err(SettingError::new("sectors", format!("sector {sector}"), "sectors 0 to 63"));
             }
+            let bit = 1_u64 << sector;
+            if *known & bit != 0 {
+                let found = format!("sector {sector} of DMG antenna {antenna} twice");
+                return Err(SettingError::new("sectors", found, "each sector once"));
+            }
+            *known |= bit;
         }
-        let total: u16 = sectors_per_antenna.iter().copied().map(u16::from).sum();
-        if total > MAX_SECTORS {
-            return Err(SettingError::new("sectors", total, "at most 128 sectors of all DMG antennas"));
+        let layout = Self { identities };
+        let used = identities.iter().filter(|&&known| known > 0).count();
+        if used == 0 || identities[..used].contains(&0) {
+            let found = format!("{used} DMG antennas with sectors");
+            return Err(SettingError::new("antennas", found, "1 to 4 DMG antennas from 0 on, each with sectors"));
         }
-        let mut sectors = [0; MAX_ANTENNAS];
-        sectors[..sectors_per_antenna.len()].copy_from_slice(sectors_per_antenna);
-        Ok(Self { sectors })
+        if layout.total() > MAX_SECTORS {
+            return Err(SettingError::new("sectors", layout.total(), "at most 128 sectors of all DMG antennas"));
+        }
+        Ok(layout)
     }
 
     /// Number of sectors, 1 to 128: the frames of a sweep.
     #[must_use]
     pub fn total(&self) -> u16 {
-        self.sectors.iter().copied().map(u16::from).sum()
+        self.identities.iter().copied().map(count).sum()
     }
 
     /// Number of DMG antennas, 1 to 4.
     #[must_use]
     pub fn antennas(&self) -> u8 {
-        self.sectors.iter().map(|&count| u8::from(count > 0)).sum()
+        self.identities.iter().map(|&known| u8::from(known > 0)).sum()
     }
 
     /// The sector of the frame `index` of a sweep.
@@ -78,13 +109,29 @@ impl SectorLayout {
     #[must_use]
     pub fn sector(&self, index: u16) -> TxSector {
         let mut left = index;
-        for (antenna, &count) in (0..).zip(&self.sectors) {
-            match left.checked_sub(u16::from(count)) {
+        for (antenna, &known) in (0..).zip(&self.identities) {
+            match left.checked_sub(count(known)) {
                 Some(rest) => left = rest,
-                None => return TxSector { antenna, sector: u8::try_from(left).expect("at most 63") },
+                None => {
+                    // Without gaps the identity is the place; else it is the lowest bit that is left after so many.
+                    let is_dense = known & known.wrapping_add(1) == 0;
+                    let nth = || (0..left).fold(known, |rest, _| rest & (rest - 1)).trailing_zeros();
+                    let sector = if is_dense { u32::from(left) } else { nth() };
+                    let sector = u8::try_from(sector).expect("at most 63");
+                    return TxSector { antenna, sector };
+                }
             }
         }
         panic!("a sweep of {} sectors has no frame {index}", self.total())
+    }
+
+    /// The frame of a sweep that is sent from a sector; `None` if the station has no such sector.
+    #[must_use]
+    pub fn index(&self, TxSector { antenna, sector }: TxSector) -> Option<u16> {
+        let known = *self.identities.get(usize::from(antenna))?;
+        let bit = 1_u64.checked_shl(sector.into())?;
+        let before = self.identities[..usize::from(antenna)].iter().copied().map(count).sum::<u16>();
+        (known & bit != 0).then(|| before + count(known & (bit - 1)))
     }
 
     /// The silence between the frame `index` of a sweep and the next: LBIFS if the DMG antenna changes, else SBIFS.
@@ -109,6 +156,11 @@ impl SectorLayout {
         let changes = u32::from(self.antennas() - 1 - self.sector(index).antenna);
         (airtime + SBIFS) * frames + (LBIFS - SBIFS) * changes
     }
+}
+
+/// Number of sectors of a DMG antenna.
+fn count(identities: u64) -> u16 {
+    u16::try_from(identities.count_ones()).expect("at most 64")
 }
 
 #[cfg(test)]
@@ -142,6 +194,39 @@ mod tests {
                 assert_eq!(sweep.remaining_after(index, airtime), rest, "after frame {index} of {airtime:?}");
             }
         }
+    }
+
+    #[test]
+    fn identities_with_gaps_are_swept_in_ascending_order() {
+        // The sectors of a router: 0 to 30 and 59 to 63.
+        let router = (0..=30).chain(59..=63).map(TxSector::first_antenna);
+        let sweep = SectorLayout::of(router.clone().rev()).expect("a good layout");
+        assert_eq!((sweep.total(), sweep.antennas()), (36, 1));
+        assert_eq!((0..36).map(|i| sweep.sector(i)).collect::<Vec<_>>(), router.collect::<Vec<_>>());
+        assert_eq!(sweep.sweep_duration(), layout(&[36]).sweep_duration());
+        let two = SectorLayout::of([(1, 63), (0, 5), (1, 0)].map(|(antenna, sector)| TxSector { antenna, sector }));
+        let two = two.expect("a good layout");
+        for sweep in [sweep, two, layout(&[64, 64]), layout(&[1])] {
+            (0..sweep.total()).for_each(|i| assert_eq!(sweep.index(sweep.sector(i)), Some(i)));
+        }
+        for absent in [(0, 31), (0, 58), (0, 64), (0, 255), (1, 0), (4, 0)] {
+            let (antenna, sector) = absent;
+            assert_eq!(sweep.index(TxSector { antenna, sector }), None, "{absent:?}");
+        }
+    }
+
+    #[test]
+    fn sectors_that_frames_cannot_name_are_rejected() {
+        let refused = |sectors: &[(u8, u8)]| {
+            let sectors = sectors.iter().map(|&(antenna, sector)| TxSector { antenna, sector });
+            SectorLayout::of(sectors).err().map(|error| error.key)
+        };
+        assert_eq!(refused(&[]).as_deref(), Some("antennas"));
+        assert_eq!(refused(&[(4, 0)]).as_deref(), Some("antennas"));
+        assert_eq!(refused(&[(0, 1), (2, 1)]).as_deref(), Some("antennas"));
+        assert_eq!(refused(&[(0, 64)]).as_deref(), Some("sectors"));
+        assert_eq!(refused(&[(0, 7), (0, 7)]).as_deref(), Some("sectors"));
+        assert_eq!(refused(&[(0, 7), (1, 7)]), None);
     }
 
     #[test]

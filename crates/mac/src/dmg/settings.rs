@@ -70,7 +70,8 @@ impl Default for CsmaFeedbackConfig {
 pub struct AbftConfig {
     /// Slots after each sweep (A-BFT Length): 1 to 8.
     pub slots: u8,
-    /// SSW frames that fit in a slot (FSS): 1 to 16, not fewer than the sectors of a node.
+    /// SSW frames that fit in a slot (FSS): 1 to 16. A node with more sectors goes on in the next slots and, if there are
+    /// none left, in the slots after the next sweep.
     pub frames_per_slot: u8,
     /// Whether the robot answers in the slot with the best sector of the node.
     pub feedback: bool,
@@ -178,7 +179,7 @@ impl SweepSettings {
     /// These settings for responders whose antenna has the sectors of `layout`.
     ///
     /// # Errors
-    /// If the sectors do not fit in a slot.
+    /// If the antenna cannot answer in a slot.
     pub fn answers(self, layout: SectorLayout) -> Result<AnswerSettings, SettingError> {
         self.check_responder(&layout)?;
         Ok(AnswerSettings { sweep: self.with_longest_answer(layout.sweep_duration()), layout })
@@ -222,19 +223,14 @@ impl SweepSettings {
     /// Whether a responder with these sectors can answer.
     ///
     /// # Errors
-    /// If its sweep does not fit in a slot of the A-BFT.
+    /// If it has several DMG antennas, for which a slot of the A-BFT has no time.
     fn check_responder(&self, layout: &SectorLayout) -> Result<(), SettingError> {
-        let Contention::Abft(abft) = self.contention else { return Ok(()) };
-        let key = "contention.abft.frames_per_slot";
-        if layout.total() > u16::from(abft.frames_per_slot) {
-            let allowed = format!("{} to 16, because a node has {0} sectors", layout.total());
-            return Err(SettingError::new(key, abft.frames_per_slot, allowed));
+        if !matches!(self.contention, Contention::Abft(_)) || layout.antennas() == 1 {
+            return Ok(());
         }
-        if layout.antennas() > 1 {
-            let found = format!("a node with {} DMG antennas", layout.antennas());
-            return Err(SettingError::new(key, found, "nodes with one DMG antenna: a slot has no time to change it"));
-        }
-        Ok(())
+        let found = format!("slots for nodes with {} DMG antennas", layout.antennas());
+        let allowed = "slots for nodes with one DMG antenna: a slot has no time to change it";
+        Err(SettingError::new("contention.abft", found, allowed))
     }
 }
 
@@ -329,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_responder_must_fit_in_a_slot() {
+    fn a_responder_in_a_slot_has_one_dmg_antenna() {
         let config = SweepConfig { contention: abft(8, 8), ..SweepConfig::default() };
         let settings = SweepSettings::try_from(config).expect("good settings");
         let refused = |sectors: &[u8]| {
@@ -337,8 +333,8 @@ mod tests {
             settings.answers(layout).err().map(|error| error.key)
         };
         assert_eq!(refused(&[8]), None);
-        assert_eq!(refused(&[9]).as_deref(), Some("contention.abft.frames_per_slot"));
-        assert_eq!(refused(&[4, 4]).as_deref(), Some("contention.abft.frames_per_slot"));
+        assert_eq!(refused(&[64]), None);
+        assert_eq!(refused(&[4, 4]).as_deref(), Some("contention.abft"));
         assert_eq!(settings.window(), Duration::from_micros(8 * 163));
     }
 }

@@ -1,6 +1,6 @@
 //! A log without some of its stops.
 
-use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{Position, Reception, ReceptionLog, SectorReport};
 use sextant_kernel::NodeId;
 
 /// At most so many nodes are mapped without a fold, in the plane and in space.
@@ -52,8 +52,12 @@ impl Folds {
         let receptions = nodes.iter().enumerate().flat_map(|(number, &node)| {
             log.of(node).iter().map(move |reception| Reception { node: NodeId::from_index(number), ..reception })
         });
+        let reports = log.sector_reports().filter_map(|report| {
+            let number = nodes.binary_search(&report.node).ok()?;
+            Some(SectorReport { node: NodeId::from_index(number), ..report })
+        });
         let places: Vec<Position> = log.stops().iter().map(|stop| stop.position).collect();
-        let log = part(log, names, log.stops().to_vec(), receptions.collect());
+        let log = part(log, names, receptions.collect(), reports.collect());
         Some(Self { fold_of: folds(&places), log })
     }
 
@@ -81,7 +85,8 @@ impl Folds {
                 snr_db: None,
             })
         });
-        part(&self.log, self.log.names().to_vec(), self.log.stops().to_vec(), kept.chain(left_out).collect())
+        let reports = self.log.sector_reports().filter(|report| !is_left_out(report.stop));
+        part(&self.log, self.log.names().to_vec(), kept.chain(left_out).collect(), reports.collect())
     }
 }
 
@@ -122,9 +127,15 @@ impl Fold<'_> {
     }
 }
 
-/// A log of parts of `log`, with its contacts, robots and sectors.
-fn part(log: &ReceptionLog, names: Vec<String>, stops: Vec<Stop>, receptions: Vec<Reception>) -> ReceptionLog {
-    let part = ReceptionLog::new(names, stops, receptions, log.contacts().to_vec())
+/// A log of parts of `log`, with its stops, contacts, robots and sectors.
+fn part(
+    log: &ReceptionLog,
+    names: Vec<String>,
+    receptions: Vec<Reception>,
+    reports: Vec<SectorReport>,
+) -> ReceptionLog {
+    let part = ReceptionLog::new(names, log.stops().to_vec(), receptions, log.contacts().to_vec())
+        .and_then(|part| part.with_sector_snrs(reports))
         .and_then(|part| part.with_robots(log.robots().to_vec()))
         .and_then(|part| match log.sectors() {
             Some(sectors) => part.with_sectors(sectors.clone()),

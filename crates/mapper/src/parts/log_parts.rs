@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use sextant_channel::{Reception, ReceptionLog, ReceptionLogBuilder};
+use sextant_channel::{Reception, ReceptionLog, ReceptionLogBuilder, SectorReport};
 use sextant_kernel::{NodeId, Watch};
 
 use super::PartsError;
@@ -68,6 +68,11 @@ pub(crate) fn sample(parts: &dyn LogParts, nodes: &[NodeId], watch: &dyn Watch) 
             if let Ok(number) = nodes.binary_search(node) {
                 let renumbered = |reception| Reception { node: NodeId::from_index(number), ..reception };
                 receptions.extend(log.of(at).iter().map(renumbered));
+            }
+        }
+        for report in log.sector_reports() {
+            if let Ok(number) = nodes.binary_search(&of_part[report.node.index()]) {
+                receptions.report(SectorReport { node: NodeId::from_index(number), ..report });
             }
         }
         if log.receptions().sectors().is_some() {

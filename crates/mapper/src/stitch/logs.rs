@@ -12,7 +12,8 @@ pub(super) fn robots(log: &ReceptionLog) -> Vec<RobotId> {
     (0..has_stops.len()).filter(|&robot| has_stops[robot]).map(RobotId::from_index).collect()
 }
 
-/// The part of `log` of the robots that have a frame, with their stops and contacts moved by it.
+/// The part of `log` of the robots that have a frame, with their stops and contacts moved by it. Without antenna sectors and
+/// their signal-to-noise ratios: their directions are those of each robot's own frame.
 pub(super) fn moved(log: &ReceptionLog, frame: impl Fn(RobotId) -> Option<FrameChange>) -> ReceptionLog {
     let frames: Vec<Option<FrameChange>> =
         (0..log.robot_count()).map(|robot| frame(RobotId::from_index(robot))).collect();

@@ -217,19 +217,25 @@ impl Budget {
     /// The power with the gains of both antennas, from the power without.
     #[inline]
     fn with_gains(&mut self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
-        power + self.transmit_gain(signal, listener) + self.mounts.receive_gain(listener.receiver)
+        let (transmit_gain, receive_gain) = self.gains(signal, listener);
+        power + transmit_gain + receive_gain
     }
 
-    /// Gain of the transmitter towards the listener.
+    /// Gain of the transmitter towards the listener, and that of the listener towards the transmitter.
     #[inline]
-    fn transmit_gain(&mut self, signal: &Signal, listener: &Listener<Position>) -> Db {
+    fn gains(&mut self, signal: &Signal, listener: &Listener<Position>) -> (Db, Db) {
         if self.channel.reflects() {
-            return self.gain_over_ways(signal, listener);
+            return self.gains_over_ways(signal, listener);
         }
         let apart = listener.place - signal.position;
         let length_m = apart.length_m();
-        let aim = if length_m > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };
-        self.mounts.transmit_gain(signal.sender, aim, apart * (1.0 / length_m))
+        if length_m > 0.0 {
+            let direction = apart * (1.0 / length_m);
+            let transmit_gain = self.mounts.transmit_gain(signal.sender, signal.emission.aim, direction);
+            (transmit_gain, self.mounts.receive_gain(listener.receiver, direction * -1.0))
+        } else {
+            (Db(0.0), self.mounts.receive_gain(listener.receiver, Position::ORIGIN))
+        }
     }
 
     /// The power of a signal at a listener, item by item; `None` beyond the radius of communication.
@@ -238,7 +244,7 @@ impl Budget {
         let path = self.channel.budget(signal.position, listener.place)?;
         let shadowed = if self.is_per_packet { mean } else { self.with_shadowing(mean, signal, listener) };
         let (transmit_gain, receive_gain) = match self.has_antennas() {
-            true => (self.transmit_gain(signal, listener), self.mounts.receive_gain(listener.receiver)),
+            true => self.gains(signal, listener),
             false => (Db(0.0), Db(0.0)),
         };
         Some(LinkItems {
@@ -250,19 +256,30 @@ impl Budget {
         })
     }
 
-    /// Gain of the transmitter over all ways of a signal: the mean of the gains in their directions, each with the share
-    /// of the power that its way carries.
-    fn gain_over_ways(&mut self, signal: &Signal, listener: &Listener<Position>) -> Db {
+    /// Gains of the transmitter and of the listener over all ways of a signal: the mean of the gains in their directions,
+    /// each with the share of the power that its way carries. What the listener adds is its gain.
+    fn gains_over_ways(&mut self, signal: &Signal, listener: &Listener<Position>) -> (Db, Db) {
         let Self { channel, mounts, ways, .. } = self;
         let from = End { station: signal.source, place: signal.position };
         let rays = ways.between(channel, from, End { station: listener.station, place: listener.place });
-        let (mut all, mut with_gain) = (0.0, 0.0);
+        let listens_alike = mounts.listens_alike(listener.receiver);
+        let (mut all, mut with_gain, mut with_both) = (0.0, 0.0, 0.0);
         for ray in rays {
             let share = (Db(0.0) - ray.loss).to_factor();
             let aim = if ray.departure.length_m() > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };
             all += share;
-            with_gain += share * mounts.transmit_gain(signal.sender, aim, ray.departure).to_factor();
+            let sent = share * mounts.transmit_gain(signal.sender, aim, ray.departure).to_factor();
+            with_gain += sent;
+            if !listens_alike {
+                with_both += sent * mounts.receive_gain(listener.receiver, ray.arrival).to_factor();
+            }
         }
-        if all > 0.0 { Db(10.0 * libm::log10(with_gain / all)) } else { Db(0.0) }
+        let decibels = |ratio: f64| Db(10.0 * libm::log10(ratio));
+        let transmit_gain = if all > 0.0 { decibels(with_gain / all) } else { Db(0.0) };
+        let receive_gain = match listens_alike || with_gain <= 0.0 {
+            true => mounts.receive_gain(listener.receiver, Position::ORIGIN),
+            false => decibels(with_both / with_gain),
+        };
+        (transmit_gain, receive_gain)
     }
 }

@@ -53,6 +53,8 @@ pub(crate) struct Transmission {
     to: Option<ReceiverId>,
     /// Whether a station that it is for listened when it began, but beyond the radius of communication.
     beyond: bool,
+    /// Whether a station that it is for listened when it began, but its power there was negligible.
+    faint: bool,
 }
 
 /// The outcome of a transmission at one receiver.
@@ -309,6 +311,7 @@ impl Air {
             // A radio that sends is deaf, so the sender is not among them.
             None => self.audience_listening[network] - self.too_far(&signal, network),
         };
+        let mut faint = false;
         let mut near = std::mem::take(&mut self.near);
         self.medium.listeners(&signal, &mut near);
         let mut reached = self.reached.spare();
@@ -320,6 +323,7 @@ impl Air {
                     None => self.in_audience[receiver.index()] && self.network(receiver) == network,
                 };
                 listening -= usize::from(is_for);
+                faint |= is_for && power.0 <= 0.0;
                 // A negligible power is not even interference.
                 if power.0 > 0.0 {
                     let rules = *self.rules(receiver);
@@ -331,7 +335,7 @@ impl Air {
         }
         self.reached.begin(signal.packet, reached);
         self.near = near;
-        Transmission { signal: signal.outline(), network, to, beyond: listening > 0 }
+        Transmission { signal: signal.outline(), network, to, beyond: listening > 0, faint }
     }
 
     /// Number of robots that listen in the audience of a network, but are too far from the sender to count.
@@ -377,12 +381,23 @@ impl Air {
 impl Air {
     /// The outcome of a transmission that ends now at the receivers that it is for, if it reached none of them.
     pub(crate) fn missed(&self, transmission: &Transmission) -> FrameOutcome {
+        if transmission.faint && self.is_listened_to(transmission) {
+            return FrameOutcome::Weak;
+        }
         if transmission.beyond {
             return FrameOutcome::OutOfRange;
         }
         match &transmission.to {
             Some(to) => self.missed_by(transmission, std::iter::once(*to)),
             None => self.missed_by(transmission, self.audiences[transmission.network].iter().copied()),
+        }
+    }
+
+    /// Whether a station that a transmission is for listens at its end.
+    fn is_listened_to(&self, transmission: &Transmission) -> bool {
+        match transmission.to {
+            Some(to) => self.is_listening(to),
+            None => self.audience_listening[transmission.network] > 0,
         }
     }
 

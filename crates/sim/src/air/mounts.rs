@@ -52,8 +52,17 @@ impl Mounts {
         }
     }
 
-    /// Gain of a receiver, which listens in all directions alike.
-    pub(crate) fn receive_gain(&self, receiver: ReceiverId) -> Db {
-        self.of(receiver).map_or(Db(0.0), |mount| mount.antenna.quasi_omni())
+    /// Whether a receiver listens in all directions alike.
+    pub(crate) fn listens_alike(&self, receiver: ReceiverId) -> bool {
+        !self.of(receiver).is_some_and(|mount| mount.antenna.has_measured_quasi_omni())
+    }
+
+    /// Gain of a receiver in `direction`, a unit vector of the world from the receiver to where the signal comes from. It
+    /// listens in all directions alike, unless its quasi-omnidirectional pattern was measured.
+    pub(crate) fn receive_gain(&self, receiver: ReceiverId, direction: Position) -> Db {
+        let Some(mount) = self.of(receiver) else { return Db(0.0) };
+        let measured = || mount.antenna.measured_quasi_omni(mount.orientation.to_antenna_frame(direction));
+        let has_direction = direction.length_m() > 0.0;
+        has_direction.then(measured).flatten().unwrap_or_else(|| mount.antenna.quasi_omni())
     }
 }

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Antenna, AntennaConfig, Db, Orientation, SectorTable};
+use sextant_channel::{Antenna, AntennaConfig, Db, Orientation, SectorAddress, SectorTable};
 use sextant_kernel::{Files, Seed, SettingError, StationId};
-use sextant_mac::dmg::SectorLayout;
+use sextant_mac::dmg::{SectorLayout, TxSector};
 
 use crate::air::Mount;
 use crate::purpose;
@@ -249,16 +249,13 @@ fn tilted(config: &AntennasConfig, level: &Arc<Antenna>) -> Result<Vec<Arc<Anten
     config.node_tilts_deg.iter().enumerate().map(raised).collect()
 }
 
-/// The sectors of one sweep of an antenna, by DMG antenna.
+/// The sectors of one sweep of an antenna, by their identities on air.
 ///
 /// # Errors
 /// If there are more than frames can name.
 fn layout(antenna: &Antenna) -> Result<SectorLayout, SettingError> {
-    let mut counts = Vec::new();
-    for sector in antenna.sectors_of_sweep(0) {
-        let dmg_antenna = usize::from(antenna.address(sector).dmg_antenna);
-        counts.resize(counts.len().max(dmg_antenna + 1), 0_u8);
-        counts[dmg_antenna] += 1;
-    }
-    SectorLayout::new(&counts)
+    SectorLayout::of(antenna.sectors_of_sweep(0).map(|sector| {
+        let SectorAddress { dmg_antenna, sector } = antenna.address(sector);
+        TxSector { antenna: dmg_antenna, sector }
+    }))
 }

@@ -18,8 +18,8 @@ pub struct Delivery<'a> {
     pub payload: &'a [u8],
     /// Power at the receiver.
     pub rssi: Dbm,
-    /// The sector from which it was sent, by its number among all sectors of the sender's antenna; `None` if that has no
-    /// sectors, or the network no sector sweeps.
+    /// The sector from which it was sent, by its identity in logs ([`Antenna::identity`](sextant_channel::Antenna::identity));
+    /// `None` if the sender's antenna has no sectors, or the network no sector sweeps.
     pub sector: Option<u8>,
     /// Ratio of signal to interference and noise at which it was received; `None` in a network without sector sweeps.
     pub snr: Option<Db>,

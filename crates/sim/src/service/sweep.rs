@@ -19,14 +19,14 @@ pub enum SweepKind {
 pub struct SweepAnswer {
     /// The node.
     pub from: StationId,
-    /// The sector of this station that the node heard best, by its number among all sectors of the antenna; `None` if
-    /// the antenna has no sectors.
+    /// The sector of this station that the node heard best, by its identity in logs
+    /// ([`Antenna::identity`](sextant_channel::Antenna::identity)); `None` if the antenna has no sectors.
     pub sector: Option<u8>,
     /// Signal-to-noise ratio at which the node heard it, as its frame reports it: in steps of 0.25 dB, -13 to 50.75 dB.
     pub snr: Db,
     /// Power of the node's best frame at this station.
     pub rssi: Dbm,
-    /// The sector of the node from which it sent that frame.
+    /// The sector of the node from which it sent that frame, as the frame calls it.
     pub node_sector: u8,
 }
 
@@ -37,8 +37,8 @@ pub struct Announcement {
     pub network: NetworkId,
     /// The station that sweeps.
     pub from: StationId,
-    /// The sector from which it sent the frame.
-    pub sector: u8,
+    /// The sector from which it sent the frame, by its identity in logs; `None` if its antenna has no sectors.
+    pub sector: Option<u8>,
     /// Signal-to-noise ratio of the frame.
     pub snr: Db,
     /// Power of the frame.

@@ -2,6 +2,7 @@
 
 mod acknowledgement;
 mod broadcasts;
+mod code_books;
 mod discovery;
 mod draws;
 mod driving;

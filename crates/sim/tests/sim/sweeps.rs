@@ -19,18 +19,18 @@ use crate::network;
 
 /// Nodes with `node_sectors` sectors and a robot with `robot_sectors` in one ring that sweeps `sweeps` times at the
 /// origin. Without shadowing; 0 dBi at the boresights reach 7 m.
-struct Scene {
-    places: Vec<Position>,
-    node_sectors: u8,
-    robot_sectors: u8,
-    sweeps: u32,
-    contention: ContentionConfig,
-    reception: ReceptionModel,
-    seed: u64,
+pub(crate) struct Scene {
+    pub(crate) places: Vec<Position>,
+    pub(crate) node_sectors: u8,
+    pub(crate) robot_sectors: u8,
+    pub(crate) sweeps: u32,
+    pub(crate) contention: ContentionConfig,
+    pub(crate) reception: ReceptionModel,
+    pub(crate) seed: u64,
 }
 
 impl Scene {
-    fn of(places: Vec<Position>) -> Self {
+    pub(crate) fn of(places: Vec<Position>) -> Self {
         let reception = ReceptionModel::SirThreshold { least: 2.0 };
         Self {
             places,
@@ -43,7 +43,7 @@ impl Scene {
         }
     }
 
-    fn setup(&self) -> Setup {
+    pub(crate) fn setup(&self) -> Setup {
         let sectors = |count: u8| -> AntennaConfig {
             let text = format!("sectors = {{ azimuth_sectors = {count}, boresight_gain_dbi = 0.0 }}");
             toml::from_str(&text).expect("an antenna")
@@ -83,7 +83,7 @@ impl Scene {
     }
 
     /// Sector sweeps with these antennas.
-    fn technology(&self, antennas: &AntennasConfig) -> Technology {
+    pub(crate) fn technology(&self, antennas: &AntennasConfig) -> Technology {
         let sweep = SweepConfig { contention: self.contention, ..SweepConfig::default() };
         let radio =
             sextant_sim::RadioConfig { sensitivity_dbm: -60.0, ..network::radio(-60.0 + 20.0 * libm::log10(7.0)) };
@@ -100,10 +100,10 @@ impl Scene {
 }
 
 /// A frame: start and end (ns), and what it says.
-type Sent = (u64, u64, StationId, SweepFrame, FrameOutcome);
+pub(crate) type Sent = (u64, u64, StationId, SweepFrame, FrameOutcome);
 
 #[derive(Default)]
-struct OnAir(Vec<Sent>);
+pub(crate) struct OnAir(pub(crate) Vec<Sent>);
 
 impl Observer for OnAir {
     fn wants_frames(&self) -> bool {
@@ -117,7 +117,7 @@ impl Observer for OnAir {
     }
 }
 
-fn receptions(survey: &Survey, node: u32) -> Vec<Reception> {
+pub(crate) fn receptions(survey: &Survey, node: u32) -> Vec<Reception> {
     survey.log().of(NodeId(node)).to_vec()
 }
 

@@ -3,9 +3,11 @@
 use std::time::Duration;
 
 use super::super::script::{OTHER, ROBOT, SENSOR, Script, at, iss, layout, rss, us};
-use super::super::{AbftConfig, Contention, ContentionConfig, CsmaFeedbackConfig, SweepConfig};
+use super::super::{AbftConfig, ContentionConfig, CsmaFeedbackConfig, SweepConfig};
 use super::*;
 use crate::Class;
+
+mod slots;
 
 /// End of the sweeps of the tests.
 const T0: u64 = 1_017_176;
@@ -29,8 +31,13 @@ impl Bench {
     }
 
     fn with(config: SweepConfig, draws: &[u32]) -> Self {
+        Self::of(8, config, draws)
+    }
+
+    /// A sensor with so many sectors.
+    fn of(sectors: u8, config: SweepConfig, draws: &[u32]) -> Self {
         let settings = SweepSettings::try_from(config).expect("good settings");
-        let machine = Responder::new(SENSOR, settings.answers(layout(&[8])).expect("the sectors fit"));
+        let machine = Responder::new(SENSOR, settings.answers(layout(&[sectors])).expect("the sectors fit"));
         Self { machine, radio: Script::new(draws), reports: Vec::new() }
     }
 
@@ -286,41 +293,6 @@ fn an_answer_that_would_end_after_the_window_is_given_up() {
 }
 
 #[test]
-fn in_an_abft_the_sweep_starts_with_the_slot_that_was_drawn() {
-    let abft = |feedback| ContentionConfig::Abft(AbftConfig { feedback, ..AbftConfig::default() });
-    let mut sensor = Bench::new(abft(false), &[5]);
-    sensor.hear_sweep();
-    // A busy channel does not matter.
-    sensor.busy(T0 + 1000, T0 + 900_000);
-    sensor.finish();
-    let start = T0 + 9_000 + 5 * 163_000;
-    assert_eq!((sensor.radio.windows[0], sensor.radio.starts()[0]), (7, start));
-    assert_eq!(sensor.outcomes(), [(start + SWEEP, ResponderOutcome::Sent, 1)]);
-    let mut sensor = Bench::new(abft(true), &[5]);
-    sensor.hear_sweep();
-    sensor.hear(start + SWEEP + 9_000 + 18_255, feedback_frame(SENSOR, 1), 20.0);
-    assert!(matches!(sensor.outcomes()[..], [(_, ResponderOutcome::Trained(_), 1)]));
-}
-
-#[test]
-fn after_nine_abfts_without_feedback_a_station_lets_some_pass() {
-    let mut draws = [0; 10];
-    draws[9] = 2;
-    let mut sensor = Bench::new(ContentionConfig::Abft(AbftConfig::default()), &draws);
-    let sweep = layout(&[1]);
-    let mut answered = Vec::new();
-    for round in 0..14 {
-        let before = sensor.radio.sent.len();
-        sensor.hear(round * 2_000_000 + SSW, iss(ROBOT, MacAddress::BROADCAST, &sweep, 0), 5.0);
-        sensor.run((round + 1) * 2_000_000, Class::EndOfSignal);
-        answered.push(sensor.radio.sent.len() > before);
-    }
-    let expected: Vec<_> = (0..14).map(|round| !(9..11).contains(&round)).collect();
-    assert_eq!(answered, expected);
-    assert_eq!(sensor.outcomes()[0].0, SSW + 9_000 + 163_000);
-}
-
-#[test]
 fn a_sweep_for_this_station_alone_is_answered_without_contention_and_acknowledged() {
     let mut sensor = Bench::new(ContentionConfig::Csma, &[]);
     let sweep = layout(&[64]);
@@ -365,15 +337,4 @@ fn a_new_sweep_of_the_same_initiator_ends_the_answer_to_the_last() {
     assert_eq!(sensor.radio.starts()[0], 90_000 + 9_000 + 18_000 + 2 * 5_000);
     assert_eq!(sensor.radio.sent[0].1.to, ROBOT);
     assert_eq!(sensor.outcomes().len(), 1);
-}
-
-#[test]
-fn a_sensor_whose_sectors_do_not_fit_in_a_slot_is_rejected() {
-    let config = SweepConfig {
-        contention: ContentionConfig::Abft(AbftConfig { frames_per_slot: 4, ..AbftConfig::default() }),
-        ..SweepConfig::default()
-    };
-    let settings = SweepSettings::try_from(config).expect("good settings");
-    assert!(matches!(settings.contention(), Contention::Abft(_)));
-    assert!(settings.answers(layout(&[8])).is_err());
 }

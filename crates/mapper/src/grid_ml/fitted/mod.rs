@@ -10,7 +10,7 @@ mod wide;
 
 use rayon::prelude::*;
 pub use report::NetworkFits;
-use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
+use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorReport, Stop};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use crate::grid_ml::directions::{CoverageEdge, Directions};
@@ -235,6 +235,14 @@ impl Fit {
         receptions.extend(live.map(entry));
         if log.receptions().sectors().is_some() {
             receptions.keep_sectors();
+        }
+        // What a sweep said at a reception that is left out is left out too.
+        let is_kept = |report: &SectorReport| {
+            !is_dead[report.stop as usize]
+                && self.outliers.binary_search(&(of_log(report.node), report.stop)).is_err()
+        };
+        for report in log.sector_reports().filter(is_kept) {
+            receptions.report(SectorReport { stop: new_index[report.stop as usize], ..report });
         }
         let evidence = receptions.build(log.names().to_vec(), kept, log.contacts().to_vec());
         match log.sectors() {

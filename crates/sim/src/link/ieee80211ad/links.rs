@@ -12,10 +12,10 @@ use std::time::Duration;
 
 use sextant_channel::Milliwatts;
 use sextant_kernel::{SimTime, StationId};
-use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, SectorLayout};
+use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, TxSector};
 
 use super::settings::Ieee80211ad;
-use super::stack::{RadioStack, Role, Stack};
+use super::stack::{RadioStack, Role, SectorNumbers, Stack};
 use super::transceiver::{Radios, Transceiver};
 use crate::air::{Arrival, CarrierChange};
 use crate::event::Event as EngineEvent;
@@ -96,7 +96,7 @@ impl Links {
                 broadcasts: 0,
                 reached: Vec::new(),
                 tilt: 0,
-                first_sectors: first_sectors(&layout),
+                numbers: SectorNumbers { layout, first: 0 },
                 listening_over: None,
                 outcome: FrameOutcome::WORST,
                 frames: 0,
@@ -127,15 +127,22 @@ impl Links {
         !self.roll.is_node(station) || self.stacks[station.index()].initiator.is_busy()
     }
 
+    /// The identity in logs of a sector of the sweep of `station` under way: that of a code book, or its number. `None`
+    /// if its antenna has no sectors, or no such sector.
+    fn identity(&self, station: StationId, sector: TxSector) -> Option<u8> {
+        let antenna = self.antennas.of(self.roll.kind(station));
+        let number = self.stacks[station.index()].numbers.of(sector)?;
+        (!antenna.is_omnidirectional()).then(|| antenna.identity(number))
+    }
+
     fn transceiver<'a>(
         &'a mut self,
         station: StationId,
         role: Role,
         scene: &'a mut Scene,
     ) -> (Transceiver<'a>, &'a mut Initiator, &'a mut Responder) {
-        let Stack { initiator, responder, radio, first_sectors, .. } = &mut self.stacks[station.index()];
-        let transceiver =
-            Transceiver { radios: &self.radios, stack: radio, scene, station, role, first_sectors: *first_sectors };
+        let Stack { initiator, responder, radio, numbers, .. } = &mut self.stacks[station.index()];
+        let transceiver = Transceiver { radios: &self.radios, stack: radio, scene, station, role, numbers: *numbers };
         (transceiver, initiator, responder)
     }
 
@@ -322,16 +329,7 @@ impl NetworkLinks for Links {
     }
 }
 
-/// Number of the first sector of each DMG antenna among those of a sweep.
-fn first_sectors(layout: &SectorLayout) -> [u8; 4] {
-    let mut first = [0; 4];
-    for index in (0..layout.total()).rev() {
-        first[usize::from(layout.sector(index).antenna)] = u8::try_from(index).expect("at most 128 sectors");
-    }
-    first
-}
-
-/// What an answer says to the station that swept; `sector` is the number of its sector that the answer names, if it has
+/// What an answer says to the station that swept; `sector` is the identity of its sector that the answer names, if it has
 /// sectors.
 fn read(answer: &Answer, sector: Option<u8>, rssi: Milliwatts, from: StationId) -> SweepAnswer {
     SweepAnswer {

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use sextant_kernel::{EventKey, SimTime, StationId};
-use sextant_mac::dmg::{Initiator, Responder, SweepFrame, TxSector};
+use sextant_mac::dmg::{Initiator, Responder, SectorLayout, SweepFrame, TxSector};
 use sextant_mac::{EnergyMeter, RadioState};
 
 use super::broadcast::Broadcast;
@@ -29,8 +29,8 @@ pub(super) struct Stack {
     pub(super) reached: Vec<StationId>,
     /// The sweep under way among those of a steered antenna.
     pub(super) tilt: u8,
-    /// Number of the first sector of each DMG antenna, at this tilt, among all sectors of the antenna.
-    pub(super) first_sectors: [u8; 4],
+    /// The numbers of the sectors of the sweep under way.
+    pub(super) numbers: SectorNumbers,
     /// The pending end of a time to listen.
     pub(super) listening_over: Option<EventKey>,
     /// The best outcome so far of the frames of the answer under way, at the station that swept.
@@ -41,10 +41,20 @@ pub(super) struct Stack {
     pub(super) tracks: Option<Box<Tracks>>,
 }
 
-impl Stack {
-    /// The number of a sector of the sweep under way among all sectors of the antenna.
-    pub(super) fn sector_number(&self, sector: TxSector) -> u8 {
-        self.first_sectors[usize::from(sector.antenna)] + sector.sector
+/// The numbers of the sectors of a sweep among all sectors of the antenna.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SectorNumbers {
+    /// The sectors of each sweep, as they are called on air.
+    pub(super) layout: SectorLayout,
+    /// Number of the first one, at the tilt of the sweep.
+    pub(super) first: u8,
+}
+
+impl SectorNumbers {
+    /// The number of a sector; `None` if the sweep does not have it.
+    pub(super) fn of(&self, sector: TxSector) -> Option<u8> {
+        let index = u8::try_from(self.layout.index(sector)?).expect("at most 128 sectors");
+        Some(self.first + index)
     }
 }
 

@@ -7,7 +7,7 @@ use sextant_kernel::{EventKey, StationId};
 use sextant_mac::RadioState;
 use sextant_mac::dmg::{self, MacAddress, SweepFrame};
 
-use super::stack::{RadioStack, Role};
+use super::stack::{RadioStack, Role, SectorNumbers};
 use crate::air::{Aim, Emission, Interface, ReceiverId};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee80211ad::Event;
@@ -40,8 +40,8 @@ pub(super) struct Transceiver<'a> {
     pub(super) scene: &'a mut Scene,
     pub(super) station: StationId,
     pub(super) role: Role,
-    /// Number of the first sector of the sweep among those of the antenna, and of the sectors of each DMG antenna.
-    pub(super) first_sectors: [u8; 4],
+    /// The numbers of the sectors of the sweep under way.
+    pub(super) numbers: SectorNumbers,
 }
 
 impl Transceiver<'_> {
@@ -97,7 +97,9 @@ impl dmg::Radio for Transceiver<'_> {
     fn aim(&mut self, aim: dmg::Aim) {
         self.stack.aim = match aim {
             dmg::Aim::QuasiOmni => Aim::Omnidirectional,
-            dmg::Aim::Sector(sector) => Aim::Sector(self.first_sectors[usize::from(sector.antenna)] + sector.sector),
+            dmg::Aim::Sector(sector) => {
+                Aim::Sector(self.numbers.of(sector).expect("a station sweeps its own sectors"))
+            }
         };
     }
 

@@ -7,7 +7,6 @@ use sextant_mac::dmg::{MAX_BEACON_PAYLOAD_OCTETS, TxSector, beacon_octets, beaco
 use super::Links;
 use crate::link::ieee80211ad::broadcast::Broadcast;
 use crate::link::ieee80211ad::stack::Task;
-use crate::link::links::NetworkLinks;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
@@ -100,7 +99,7 @@ impl Links {
     ) {
         let arrival = self.arrivals[i];
         let station = arrival.station;
-        let sector = self.sectors(sender).map(|_| self.stacks[sender.index()].sector_number(sector));
+        let sector = self.identity(sender, sector);
         let reached = &mut self.stacks[sender.index()].reached;
         if let Err(at) = reached.binary_search(&station) {
             reached.insert(at, station);

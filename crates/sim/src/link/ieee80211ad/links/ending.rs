@@ -56,7 +56,7 @@ impl Links {
                 }
             }
             SweepBody::Iss { sector, rx_antennas: 0, .. } if self.hears[station.index()] => {
-                let sector = self.stacks[sender.index()].sector_number(sector);
+                let sector = self.identity(sender, sector);
                 let (network, rssi) = (self.radios.network, arrival.power.to_dbm());
                 let announcement = Announcement { network, from: sender, sector, snr: sinr, rssi };
                 scene.upcalls.push(Upcall::Announced { station, announcement });

@@ -2,7 +2,7 @@
 
 use sextant_channel::Milliwatts;
 use sextant_kernel::StationId;
-use sextant_mac::dmg::{Access, InitiatorReport, SweepPurpose, TxSector};
+use sextant_mac::dmg::{Access, InitiatorReport, SweepPurpose};
 
 use super::{Gathered, Links, read};
 use crate::link::ieee80211ad::stack::{Role, Task};
@@ -49,7 +49,7 @@ impl Links {
         let antenna = self.antennas.of(self.roll.kind(station));
         let per_sweep = antenna.sector_count() / antenna.sweeps();
         let stack = &mut self.stacks[station.index()];
-        stack.first_sectors = stack.first_sectors.map(|first| first - stack.tilt * per_sweep + tilt * per_sweep);
+        stack.numbers.first = tilt * per_sweep;
         stack.tilt = tilt;
     }
 
@@ -107,7 +107,7 @@ impl Links {
     /// Keeps the answers to the sweep of this tilt: of each station, the answer with the best sector.
     fn gather(&mut self, station: StationId, scene: &Scene) {
         let loss = self.antennas.misalignment_loss();
-        let has_sectors = !self.antennas.of(self.roll.kind(station)).is_omnidirectional();
+        let antenna = self.antennas.of(self.roll.kind(station));
         let Some(Gathered { answers, powers }) = self.sweeps.get_mut(&station) else { return };
         let stack = &self.stacks[station.index()];
         for answer in stack.initiator.answers() {
@@ -117,10 +117,10 @@ impl Links {
             if loss > 0.0 && scene.seed.uniform(purpose::MISALIGNMENT, draw) < loss {
                 continue;
             }
-            let TxSector { antenna, sector } = answer.select;
-            let Some(first) = stack.first_sectors.get(usize::from(antenna)) else { continue };
+            let Some(number) = stack.numbers.of(answer.select) else { continue };
             let rssi = powers.get(&from).copied().unwrap_or(Milliwatts(0.0));
-            let found = read(answer, has_sectors.then_some(first + sector), rssi, from);
+            let sector = (!antenna.is_omnidirectional()).then(|| antenna.identity(number));
+            let found = read(answer, sector, rssi, from);
             let best = answers.entry(from).or_insert(found);
             if found.snr > best.snr {
                 *best = found;
