@@ -1,9 +1,9 @@
 //! What the log says of one node, and how likely a place is under a law.
 
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::{Position, Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use super::gain_map::{Cell, Names};
+use super::gain_map::{Cell, GainMap, Names};
 use super::law::PatternLaw;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::Normal;
@@ -11,14 +11,40 @@ use crate::numerics::normal::Normal;
 /// Nodes are at least so far from a stop (m): the law has no meaning on the antenna itself.
 const NEAREST_M: f64 = 0.1;
 
+/// What a node said of the sectors that it heard.
+#[derive(Clone, Debug)]
+pub(super) enum Heard {
+    Nothing,
+    /// It named the best one, by the order of identities.
+    Named(usize),
+    /// It reported the SNRs of several (dB).
+    Reported(Vec<(usize, f64)>),
+}
+
+/// A report of fewer sectors tells no more than the best one does.
+const LEAST_REPORTED: usize = 3;
+/// A residual of a report counts as one of so many standard deviations at most.
+const OUTLIER: f64 = 4.0;
+
+/// The log-likelihood of a report where the sectors have these `gains` with their ripple, but for a constant. The level of
+/// all SNRs is not known: residuals are from their mean. Strengths have the standard deviation `noise_db`.
+pub(super) fn of_report(report: &[(usize, f64)], gain: impl Fn(usize) -> f64, noise_db: f64) -> f64 {
+    let count = report.len() as f64;
+    let mean = report.iter().map(|&(sector, snr_db)| snr_db - gain(sector)).sum::<f64>() / count;
+    let square = |&(sector, snr_db): &(usize, f64)| {
+        let off = (snr_db - gain(sector) - mean) / noise_db;
+        (off * off).min(OUTLIER * OUTLIER)
+    };
+    -0.5 * report.iter().map(square).sum::<f64>() - (count - 1.0) * libm::log(noise_db)
+}
+
 /// A stop that is evidence on a node.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Listener {
     pub(super) place: Position,
     pub(super) received: i32,
     pub(super) missed: i32,
-    /// The sector that the node named, by the order of identities.
-    pub(super) sector: Option<usize>,
+    pub(super) heard: Heard,
 }
 
 /// The stops that are evidence on a node.
@@ -45,12 +71,12 @@ impl Evidence {
             let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
             let near = within.nearest(stop.position).distance_m(stop.position) <= reach_m;
             if sent > 0 && (received > 0 || near) {
-                let sector = entry.and_then(|entry| entry.sector).and_then(|id| columns[usize::from(id)]);
+                let heard = if received > 0 { heard(log, node, entry.as_ref(), columns) } else { Heard::Nothing };
                 listeners.push(Listener {
                     place: stop.position,
                     received: count(received),
                     missed: count(sent - received),
-                    sector: sector.filter(|_| received > 0),
+                    heard,
                 });
             }
         }
@@ -58,10 +84,26 @@ impl Evidence {
     }
 }
 
+/// What the node of a reception said of sectors.
+fn heard(log: &ReceptionLog, node: NodeId, entry: Option<&Reception>, columns: &[Option<usize>]) -> Heard {
+    let Some(entry) = entry else { return Heard::Nothing };
+    let column = |id: u8| columns[usize::from(id)];
+    let reported = log.sector_snrs(node, entry.stop).iter();
+    let reported: Vec<(usize, f64)> =
+        reported.filter_map(|report| Some((column(report.sector)?, f64::from(report.snr_db)))).collect();
+    if reported.len() >= LEAST_REPORTED {
+        return Heard::Reported(reported);
+    }
+    entry.sector.and_then(column).map_or(Heard::Nothing, Heard::Named)
+}
+
 /// A law, ready to be asked for likelihoods.
 pub(super) struct Likelihood<'a> {
     pub(super) law: &'a PatternLaw,
+    pub(super) map: &'a GainMap,
     pub(super) names: &'a Names,
+    /// Standard deviation of reported strengths (dB).
+    pub(super) noise_db: f64,
     pub(super) normal: &'a Normal,
     /// Cosine and sine of the yaw.
     turn: [f64; 2],
@@ -90,8 +132,15 @@ impl Sight {
 }
 
 impl<'a> Likelihood<'a> {
-    pub(super) fn new(law: &'a PatternLaw, names: &'a Names, normal: &'a Normal) -> Self {
-        Self { law, names, normal, turn: [libm::cos(law.yaw_rad), libm::sin(law.yaw_rad)] }
+    /// The likelihood with strengths that have an error of `blur_db` more. `names` are those of the same.
+    pub(super) fn new(
+        law: &'a PatternLaw,
+        map: &'a GainMap,
+        (names, blur_db): (&'a Names, f64),
+        normal: &'a Normal,
+    ) -> Self {
+        let turn = [libm::cos(law.yaw_rad), libm::sin(law.yaw_rad)];
+        Self { law, map, names, noise_db: law.noise_db.hypot(blur_db), normal, turn }
     }
 
     /// How a place is seen from a stop.
@@ -115,9 +164,14 @@ impl<'a> Likelihood<'a> {
                 sum += libm::log(product.max(f64::MIN_POSITIVE));
                 product = 1.0;
             }
-            if let Some(sector) = listener.sector {
-                sum += self.names.ln_probability(sight.cell, sector);
-            }
+            sum += match &listener.heard {
+                Heard::Nothing => 0.0,
+                Heard::Named(sector) => self.names.ln_probability(sight.cell, *sector),
+                Heard::Reported(report) => {
+                    let gain = |sector| self.map.gain_dbi(sight.cell, sector) + self.law.ripple_db[sector];
+                    of_report(report, gain, self.noise_db)
+                }
+            };
         }
         sum + libm::log(product)
     }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
-use super::evidence::{Evidence, Likelihood};
+use super::evidence::{Evidence, Heard, Likelihood};
 use super::gain_map::{GainMap, Names};
 use super::hearing::{self, Trial};
 use super::law::PatternLaw;
@@ -81,7 +81,8 @@ impl Likelihoods {
         step_m: f64,
     ) -> Option<(Evidence, Places)> {
         let evidence = Evidence::of(survey.log, *node, within, self.reach_m, survey.columns);
-        let each = [0, 1, 2].map(|at| Likelihood::new(&self.law, &self.names[at], &self.normal));
+        let each =
+            [0, 1, 2].map(|at| Likelihood::new(&self.law, survey.map, (&self.names[at], BLURS_DB[at]), &self.normal));
         let found = places::find(&each, &evidence, within, step_m)?;
         Some((evidence, found))
     }
@@ -167,7 +168,7 @@ impl Survey<'_> {
             let each: Vec<_> = nodes.par_iter().map(|node| likelihoods.places(self, node, self.step_m())).collect();
             watch.check()?;
             let (mut trials, mut namings) = (Vec::new(), Vec::new());
-            let finest = Likelihood::new(&law, &likelihoods.names[2], &normal);
+            let finest = Likelihood::new(&law, self.map, (&likelihoods.names[2], 0.0), &normal);
             for (evidence, places) in each.iter().flatten() {
                 let sample = places.sample(SAMPLE);
                 let weight = 1.0 / sample.len().max(1) as f64;
@@ -181,8 +182,8 @@ impl Survey<'_> {
                             sent: f64::from(listener.received + listener.missed),
                             weight,
                         });
-                        if let Some(sector) = listener.sector {
-                            namings.push(Naming { place, stop: listener.place, sector, weight });
+                        if !matches!(listener.heard, Heard::Nothing) {
+                            namings.push(Naming { place, stop: listener.place, heard: &listener.heard, weight });
                         }
                     }
                 }

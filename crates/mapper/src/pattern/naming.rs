@@ -1,9 +1,9 @@
-//! Which sectors nodes name: the noise, the ripple and the yaw, from places that stand for their posteriors.
+//! What nodes say of sectors: the noise, the ripple and the yaw, from places that stand for their posteriors.
 
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::Position;
 
-use super::evidence::Sight;
+use super::evidence::{Heard, Sight, of_report};
 use super::gain_map::GainMap;
 use super::law::PatternLaw;
 
@@ -21,12 +21,12 @@ const GOLDEN_STEPS: u32 = 14;
 /// In a round the antenna turns at most so far (rad).
 const TURN_RAD: f64 = 0.07;
 
-/// A sector that a node named, seen from one of the places that stand for its posterior.
+/// What a node said of sectors, seen from one of the places that stand for its posterior.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Naming {
+pub(super) struct Naming<'a> {
     pub(super) place: Position,
     pub(super) stop: Position,
-    pub(super) sector: usize,
+    pub(super) heard: &'a Heard,
     /// Probability of the place.
     pub(super) weight: f64,
 }
@@ -38,7 +38,7 @@ struct Gains {
 }
 
 impl Gains {
-    fn of(map: &GainMap, namings: &[Naming], yaw_rad: f64) -> Self {
+    fn of(map: &GainMap, namings: &[Naming<'_>], yaw_rad: f64) -> Self {
         let turn = [libm::cos(yaw_rad), libm::sin(yaw_rad)];
         let sectors = map.sectors();
         let mut dbi = Vec::with_capacity(namings.len() * sectors);
@@ -73,20 +73,26 @@ fn scale_db(noise_db: f64) -> f64 {
     noise_db * std::f64::consts::SQRT_2 / 1.702
 }
 
-fn log_likelihood(gains: &Gains, namings: &[Naming], ripple_db: &[f64], noise_db: f64) -> f64 {
+fn log_likelihood(gains: &Gains, namings: &[Naming<'_>], ripple_db: &[f64], noise_db: f64) -> f64 {
     let mut shares = vec![0.0; gains.sectors];
     let mut sum = 0.0;
     for (row, naming) in gains.rows().zip(namings) {
-        probabilities(row, ripple_db, scale_db(noise_db), &mut shares);
-        let named = (1.0 - ANY) * shares[naming.sector] + ANY / gains.sectors as f64;
-        sum += naming.weight * libm::log(named);
+        sum += naming.weight
+            * match naming.heard {
+                Heard::Nothing => 0.0,
+                Heard::Named(sector) => {
+                    probabilities(row, ripple_db, scale_db(noise_db), &mut shares);
+                    libm::log((1.0 - ANY) * shares[*sector] + ANY / gains.sectors as f64)
+                }
+                Heard::Reported(report) => of_report(report, |sector| row[sector] + ripple_db[sector], noise_db),
+            };
     }
     sum
 }
 
 /// Improves noise, yaw and ripple of `law`. `ripple_sigma_db` is the standard deviation of the ripple, which is estimated as
 /// well.
-pub(super) fn improve(law: &mut PatternLaw, map: &GainMap, namings: &[Naming], ripple_sigma_db: &mut f64) {
+pub(super) fn improve(law: &mut PatternLaw, map: &GainMap, namings: &[Naming<'_>], ripple_sigma_db: &mut f64) {
     if namings.is_empty() {
         return;
     }
@@ -104,7 +110,7 @@ pub(super) fn improve(law: &mut PatternLaw, map: &GainMap, namings: &[Naming], r
 }
 
 /// Newton's method for the ripple, which is normal before anything is heard. Gives the sum of its variances.
-fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming], sigma_db: f64) -> Option<f64> {
+fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming<'_>], sigma_db: f64) -> Option<f64> {
     let sectors = gains.sectors;
     let scale = scale_db(law.noise_db);
     let mut variances = None;
@@ -113,11 +119,29 @@ fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming], sigma
         let mut slope = DVector::from_iterator(sectors, law.ripple_db.iter().map(|b| -b / (sigma_db * sigma_db)));
         let mut curvature = DMatrix::identity(sectors, sectors) / (sigma_db * sigma_db);
         for (row, naming) in gains.rows().zip(namings) {
+            let named = match naming.heard {
+                Heard::Nothing => continue,
+                Heard::Named(sector) => *sector,
+                Heard::Reported(report) => {
+                    let precision = naming.weight / (law.noise_db * law.noise_db);
+                    let residual = |&(sector, snr_db): &(usize, f64)| snr_db - row[sector] - law.ripple_db[sector];
+                    let count = report.len() as f64;
+                    let mean = report.iter().map(residual).sum::<f64>() / count;
+                    for entry in report {
+                        slope[entry.0] += precision * (residual(entry) - mean);
+                        curvature[(entry.0, entry.0)] += precision;
+                        for other in report {
+                            curvature[(entry.0, other.0)] -= precision / count;
+                        }
+                    }
+                    continue;
+                }
+            };
             probabilities(row, &law.ripple_db, scale, &mut shares);
             // A name that says nothing has no slope.
-            let own = (1.0 - ANY) * shares[naming.sector];
+            let own = (1.0 - ANY) * shares[named];
             let weight = naming.weight * own / (own + ANY / sectors as f64);
-            slope[naming.sector] += weight / scale;
+            slope[named] += weight / scale;
             let likely: Vec<usize> = (0..sectors).filter(|&sector| shares[sector] > 1e-6).collect();
             for &one in &likely {
                 slope[one] -= weight * shares[one] / scale;

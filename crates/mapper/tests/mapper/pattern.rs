@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use sextant_channel::{
     Antenna, AntennaConfig, CodeBookConfig, Orientation, Position, Reception, ReceptionLog, SectorGains,
-    SectorGainsConfig, Stop,
+    SectorGainsConfig, SectorReport, Stop,
 };
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
@@ -63,6 +63,8 @@ struct Unknown {
 
 struct Survey {
     log: ReceptionLog,
+    /// The SNRs of all sectors that nodes could decode.
+    reports: Vec<SectorReport>,
     truth: Vec<Position>,
     ripple: Vec<f64>,
 }
@@ -82,7 +84,7 @@ fn survey(unknown: Unknown) -> Survey {
             Stop { robot: RobotId(0), time: SimTime::from_nanos(u64::from(stop) * 1_000_000_000), position }
         })
         .collect();
-    let mut receptions = Vec::new();
+    let (mut receptions, mut reports) = (Vec::new(), Vec::new());
     for (node, &place) in (0_u32..).zip(&truth) {
         for (stop, of_stop) in (0_u32..).zip(&stops) {
             let apart = place - of_stop.position;
@@ -100,6 +102,13 @@ fn survey(unknown: Unknown) -> Survey {
             if power + 3.0 * draw(25, [node.into(), stop.into(), 0]) > 12.0 && !lost {
                 let sector = u8::try_from(best).ok();
                 let node = NodeId(node);
+                let of_sector = |sector: u8| SectorReport {
+                    node,
+                    stop,
+                    sector,
+                    snr_db: (4.0 * (power - strength(best) + strength(sector.into()))).round() / 4.0,
+                };
+                reports.extend((0..SECTORS).map(of_sector).filter(|report| report.snr_db > 0.0));
                 receptions.push(Reception { node, stop, received: 1, sent: 1, sector, rssi_dbm: None, snr_db: None });
             }
         }
@@ -109,7 +118,7 @@ fn survey(unknown: Unknown) -> Survey {
     let names = (0..truth.len()).map(|node| format!("n{node}")).collect();
     let log =
         ReceptionLog::new(names, stops, receptions, Vec::new()).and_then(|log| log.with_sectors(table)).unwrap();
-    Survey { log, truth, ripple }
+    Survey { log, reports, truth, ripple }
 }
 
 fn map(log: &ReceptionLog, model: SectorModel) -> (TopologyMap, Option<PatternFit>) {
@@ -147,7 +156,7 @@ fn gains_place_nodes_far_better_than_wedges_of_the_same_sectors() {
 
 #[test]
 fn ripple_that_nobody_measured_is_found_with_the_map() {
-    let Survey { log, truth, ripple } = survey(Unknown { ripple_db: 2.0, ..Unknown::default() });
+    let Survey { log, truth, ripple, .. } = survey(Unknown { ripple_db: 2.0, ..Unknown::default() });
     let (map, fit) = map(&log, SectorModel::Gains);
     let (error_m, held) = score(&map, &truth);
     let fit = fit.expect("a law");
@@ -173,4 +182,22 @@ fn an_antenna_that_is_turned_from_what_the_log_says_is_found() {
         println!("{yaw_deg}: {found} {error_m} {held}");
         assert!(off.abs() < 1.5 && error_m < 0.5, "turned by {yaw_deg}, found {found}: {error_m} m");
     }
+}
+
+#[test]
+fn ratios_of_all_sectors_place_nodes_better_than_the_name_of_the_best() {
+    let Survey { log, reports, truth, ripple } = survey(Unknown { ripple_db: 2.0, yaw_deg: 5.0 });
+    let (by_names, _) = map(&log, SectorModel::Gains);
+    let log = log.with_sector_snrs(reports).expect("sound reports");
+    let (by_reports, fit) = map(&log, SectorModel::Gains);
+    let ((error_m, held), (of_names_m, _)) = (score(&by_reports, &truth), score(&by_names, &truth));
+    let law = fit.expect("a law").law;
+    println!("{error_m} {held} {of_names_m} {law:?}");
+    assert!(error_m < 0.6 * of_names_m, "{error_m} m, by names {of_names_m} m");
+    assert!(held >= 0.88, "{held} in their regions");
+    assert!((law.noise_db - 1.0).abs() < 0.25 && (law.yaw_rad.to_degrees() - 5.0).abs() < 1.0, "{law:?}");
+    let level = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+    let (found, truly) = (level(&law.ripple_db), level(&ripple));
+    let off = law.ripple_db.iter().zip(&ripple).map(|(a, b)| (a - found - b + truly).abs()).fold(0.0, f64::max);
+    assert!(off < 1.0, "the ripple is off by {off} dB");
 }
