@@ -76,6 +76,7 @@ mod shape;
 mod span;
 #[cfg(feature = "obstacles")]
 mod tree;
+mod turned_sectors;
 
 pub use antenna::{
     Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig, Gaps,
@@ -109,7 +110,7 @@ pub use reception::{
 };
 pub use reflection::{Ray, ReflectionsConfig};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
-pub use sector_gains::SectorGains;
+pub use sector_gains::{ListenerAntennaConfig, SectorGains};
 pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
 #[cfg(feature = "obstacles")]
 pub use shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

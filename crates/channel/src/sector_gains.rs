@@ -2,7 +2,17 @@
 
 use std::sync::Arc;
 
-use crate::{Antenna, Orientation, Position};
+#[cfg(feature = "config")]
+use schemars::JsonSchema;
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
+use sextant_kernel::{Files, SettingError};
+
+use crate::turned_sectors::turned;
+use crate::{
+    Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, Orientation, OrientationConfig, Position,
+    SectorTable,
+};
 
 /// The gains of the sectors of a listener in all directions, in the frame of the stops: its antenna and how it is turned
 /// there. What single antennas differ by from the pattern is not known to a mapper, so that it is not in here.
@@ -13,12 +23,69 @@ pub struct SectorGains {
     identities: Vec<u8>,
 }
 
+/// The antenna of a listener and how it is turned in the frame of the stops, as a file has it: one of `sectors` and
+/// `code_book`.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
+pub struct ListenerAntennaConfig {
+    /// How the antenna is turned in the frame of the stops; level if absent, with azimuth 0 along x.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_level"))]
+    pub orientation: OrientationConfig,
+    /// Sectors of equal width.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub sectors: Option<AntennaSectorsConfig>,
+    /// Measured sectors.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub code_book: Option<CodeBookConfig>,
+}
+
+#[cfg(feature = "config")]
+fn is_level(orientation: &OrientationConfig) -> bool {
+    *orientation == OrientationConfig::default()
+}
+
 impl SectorGains {
     /// The gains of `antenna`, turned by `orientation`.
     #[must_use]
     pub fn new(antenna: Arc<Antenna>, orientation: Orientation) -> Self {
         let identities = antenna.sectors().iter().map(|sector| sector.sector).collect();
         Self { antenna, orientation, identities }
+    }
+
+    /// The gains of the antenna that `config` describes; its file paths are among `files`.
+    ///
+    /// # Errors
+    /// If there is no antenna or more than one, a value is invalid, or a file cannot be read or has a flaw.
+    pub fn read(config: &ListenerAntennaConfig, files: &Files) -> Result<Self, SettingError> {
+        let antenna = match (&config.sectors, &config.code_book) {
+            (Some(sectors), None) => AntennaConfig::Sectors(sectors.clone()),
+            (None, Some(book)) => AntennaConfig::CodeBook(book.clone()),
+            (None, None) => return Err(SettingError::missing("sectors", "`sectors` or `code_book`")),
+            (Some(_), Some(_)) => {
+                return Err(SettingError::conflict("code_book", "`sectors`", "set one of them"));
+            }
+        };
+        let orientation = config.orientation.try_into().map_err(|why: SettingError| why.within("orientation"))?;
+        Ok(Self::new(Arc::new(Antenna::read(&antenna, files)?), orientation))
+    }
+
+    /// The settings from which they are read again, without a file; `None` of an antenna without sectors.
+    #[must_use]
+    pub fn config(&self) -> Option<ListenerAntennaConfig> {
+        let turned = ListenerAntennaConfig { orientation: self.orientation.config(), ..Default::default() };
+        match self.antenna.config() {
+            AntennaConfig::Omnidirectional(_) => None,
+            AntennaConfig::Sectors(sectors) => Some(ListenerAntennaConfig { sectors: Some(sectors), ..turned }),
+            AntennaConfig::CodeBook(book) => Some(ListenerAntennaConfig { code_book: Some(book), ..turned }),
+        }
+    }
+
+    /// The directions of the sectors in the frame of the stops, with these gains.
+    #[must_use]
+    pub fn into_table(self) -> SectorTable {
+        let table = turned(&self.antenna, self.orientation);
+        table.with_gains(self).expect("the sectors are those of the antenna")
     }
 
     /// The identities of the sectors in the log, ascending.
@@ -49,8 +116,9 @@ impl SectorGains {
 }
 
 impl PartialEq for SectorGains {
-    /// Whether they are of the same antenna, turned alike. Two antennas that were read twice are not the same.
+    /// Whether they are of antennas with the same settings and measured gains, turned alike.
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.antenna, &other.antenna) && self.orientation == other.orientation
+        let is_same = Arc::ptr_eq(&self.antenna, &other.antenna);
+        self.orientation == other.orientation && (is_same || self.antenna.config() == other.antenna.config())
     }
 }

@@ -169,6 +169,23 @@ impl Antenna {
         Ok(Self { beams, quasi_omni, greatest, ripple_db, table })
     }
 
+    /// The settings that it is read from again, gain by gain: those of a code book from a file have the grid and the gains
+    /// of the file in them. The standard deviation of the ripple is among them, its draws are not.
+    #[must_use]
+    pub fn config(&self) -> AntennaConfig {
+        match &self.beams {
+            &Beams::Omnidirectional(Db(gain_dbi)) => {
+                AntennaConfig::Omnidirectional(OmnidirectionalConfig { gain_dbi })
+            }
+            Beams::Sectors(sectors) => AntennaConfig::Sectors(sectors.config.clone()),
+            Beams::CodeBook(book) => AntennaConfig::CodeBook(CodeBookConfig {
+                quasi_omni_gain_dbi: (!book.has_quasi_omni()).then_some(self.quasi_omni.0),
+                gain_ripple_db: self.ripple_db,
+                ..book.config()
+            }),
+        }
+    }
+
     /// Number of sectors over all rings, 1 to 255; an omnidirectional antenna has one.
     #[must_use]
     pub fn sector_count(&self) -> u8 {

@@ -31,6 +31,8 @@ pub struct Orientation {
     forward: Position,
     left: Position,
     up: Position,
+    /// Yaw, pitch and roll (rad).
+    angles_rad: [f64; 3],
 }
 
 impl Default for Orientation {
@@ -58,6 +60,7 @@ impl Orientation {
         forward: Position::new(1.0, 0.0, 0.0),
         left: Position::new(0.0, 1.0, 0.0),
         up: Position::new(0.0, 0.0, 1.0),
+        angles_rad: [0.0; 3],
     };
 
     /// Turned by `yaw_rad` counterclockwise about the vertical, tilted up by `pitch_rad`, and rolled about the forward
@@ -69,7 +72,21 @@ impl Orientation {
         let (sr, cr) = libm::sincos(roll_rad);
         let forward = Position::new(cy * cp, sy * cp, sp);
         let (left, up) = (Position::new(-sy, cy, 0.0), Position::new(-cy * sp, -sy * sp, cp));
-        Self { forward, left: left * cr + up * sr, up: up * cr - left * sr }
+        let angles_rad = [yaw_rad, pitch_rad, roll_rad];
+        Self { forward, left: left * cr + up * sr, up: up * cr - left * sr, angles_rad }
+    }
+
+    /// Yaw, pitch and roll (rad), as they were given.
+    #[must_use]
+    pub fn angles_rad(&self) -> [f64; 3] {
+        self.angles_rad
+    }
+
+    /// The settings from which it is read again.
+    #[must_use]
+    pub fn config(&self) -> OrientationConfig {
+        let [yaw_deg, pitch_deg, roll_deg] = self.angles_rad.map(degrees);
+        OrientationConfig { yaw_deg, pitch_deg, roll_deg }
     }
 
     /// Turned about the vertical only, counterclockwise by `yaw_rad`.
@@ -93,6 +110,13 @@ impl Orientation {
     }
 }
 
+/// An angle in degrees, without the digits that a rounding of degrees to radians has added.
+fn degrees(angle_rad: f64) -> f64 {
+    let deg = angle_rad.to_degrees();
+    let rounded = (deg * 1e9).round() / 1e9;
+    if rounded.to_radians().to_bits() == angle_rad.to_bits() { rounded } else { deg }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,6 +137,20 @@ mod tests {
         assert!(close(turned(0.0, 0.0, 90.0, [0.0, 1.0, 0.0]), Position::new(0.0, 0.0, 1.0)));
         assert!(close(turned(90.0, 90.0, 0.0, [0.0, 0.0, 1.0]), Position::new(0.0, -1.0, 0.0)));
         assert!(close(turned(0.0, 0.0, 0.0, [0.3, 0.4, 0.5]), Position::new(0.3, 0.4, 0.5)));
+    }
+
+    #[test]
+    fn the_settings_of_an_orientation_give_it_again() {
+        for config in [
+            OrientationConfig::default(),
+            OrientationConfig { yaw_deg: 30.1, pitch_deg: -7.25, roll_deg: 400.3 },
+            OrientationConfig { yaw_deg: -179.9, pitch_deg: 90.0, roll_deg: 1.0 / 3.0 },
+        ] {
+            let turned = Orientation::try_from(config).unwrap();
+            assert_eq!(Orientation::try_from(turned.config()).unwrap(), turned);
+        }
+        let written = Orientation::heading(12.3_f64.to_radians()).config();
+        assert_eq!(written, OrientationConfig { yaw_deg: 12.3, pitch_deg: 0.0, roll_deg: 0.0 });
     }
 
     proptest! {

@@ -77,6 +77,8 @@ pub(super) struct Sectors {
     pub(super) rings: u8,
     pub(super) vertical: Vertical,
     directions: EvenSectorsConfig,
+    /// What it was made of.
+    pub(super) config: AntennaSectorsConfig,
 }
 
 impl TryFrom<&AntennaSectorsConfig> for Sectors {
@@ -116,7 +118,7 @@ impl TryFrom<&AntennaSectorsConfig> for Sectors {
             first_azimuth_deg: config.first_azimuth_deg,
             elevations_deg: elevation_intervals(&config.elevations_deg, vertical_width_deg),
         };
-        Ok(Self { pattern, beams, per_ring, rings, vertical: config.vertical, directions })
+        Ok(Self { pattern, beams, per_ring, rings, vertical: config.vertical, directions, config: config.clone() })
     }
 }
 

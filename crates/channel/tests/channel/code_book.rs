@@ -15,7 +15,7 @@ fn gain_dbi(sector: u8, azimuth_deg: i32, elevation_deg: i32) -> f64 {
     5.0 + 6.0 * angle.cos() - 0.05 * f64::from(elevation_deg) + 0.3 * (3.0 * angle).sin()
 }
 
-fn rows(sectors: &[u8], azimuths: impl Iterator<Item = i32> + Clone, elevations: &[i32]) -> String {
+pub(crate) fn rows(sectors: &[u8], azimuths: impl Iterator<Item = i32> + Clone, elevations: &[i32]) -> String {
     let mut text = "sector,azimuth_deg,elevation_deg,gain_dbi\n".to_owned();
     for &sector in sectors {
         for azimuth in azimuths.clone() {
@@ -33,7 +33,7 @@ fn read(text: &str, outside_gain_dbi: Option<f64>) -> Result<Antenna, SettingErr
 }
 
 /// The code book in the file `text`, with the other settings of `config`.
-fn read_with(text: &str, config: CodeBookConfig) -> Result<Antenna, SettingError> {
+pub(crate) fn read_with(text: &str, config: CodeBookConfig) -> Result<Antenna, SettingError> {
     let folder = std::env::temp_dir().join(format!("sextant-code-book-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder for files");
     let name = format!("{:?}.csv", std::thread::current().id());
@@ -42,7 +42,7 @@ fn read_with(text: &str, config: CodeBookConfig) -> Result<Antenna, SettingError
     Antenna::read(&AntennaConfig::CodeBook(config), &Files::of_folder(&folder))
 }
 
-fn whole() -> Antenna {
+pub(crate) fn whole() -> Antenna {
     read(&rows(&[1, 5, 63], (-180..180).step_by(10), &[-30, 0, 30, 60]), None).expect("a whole grid")
 }
 

@@ -7,6 +7,7 @@ mod code_book;
 mod input;
 mod lengths;
 mod reflections;
+mod sector_gains;
 mod shadow;
 mod solids;
 mod volumes;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Antenna, AntennaConfig, Db, Orientation, SectorAddress, SectorTable};
+use sextant_channel::{Antenna, AntennaConfig, Db, Orientation, SectorAddress, SectorGains, SectorTable};
 use sextant_kernel::{Files, Seed, SettingError, StationId};
 use sextant_mac::dmg::{SectorLayout, TxSector};
 
@@ -14,6 +14,8 @@ use crate::air::Mount;
 use crate::purpose;
 use crate::station::{Kind, Roll};
 
+/// Robots have a compass: their antennas keep their directions in the world.
+const ORIENTATION_OF_ROBOTS: Orientation = Orientation::LEVEL;
 /// Most tilts of the antennas of nodes.
 const MOST_TILTS: usize = 256;
 
@@ -77,6 +79,8 @@ pub struct Antennas {
     /// The tilts (rad).
     tilts_rad: Vec<f64>,
     robots: Arc<Antenna>,
+    /// The directions of the sectors of robots in the world, with their gains; none without sectors.
+    robot_sectors: SectorTable,
     /// The sectors of one sweep of a node.
     node_layout: SectorLayout,
     /// The sectors of one sweep of a robot.
@@ -105,8 +109,21 @@ impl Antennas {
         let tilts_rad = config.node_tilts_deg.iter().map(|deg| deg.to_radians()).collect();
         let (robots, robot_layout) = antenna("robots", &config.robots)?;
         let misalignment_loss = SettingError::in_range("misalignment_loss", config.misalignment_loss, 0.0, 1.0)?;
-        let headings = config.node_headings;
-        Ok(Self { nodes, tilts_rad, robots, node_layout, robot_layout, headings, misalignment_loss })
+        let robot_sectors = if robots.is_omnidirectional() {
+            SectorTable::default()
+        } else {
+            SectorGains::new(Arc::clone(&robots), ORIENTATION_OF_ROBOTS).into_table()
+        };
+        Ok(Self {
+            nodes,
+            tilts_rad,
+            robots,
+            robot_sectors,
+            node_layout,
+            robot_layout,
+            headings: config.node_headings,
+            misalignment_loss,
+        })
     }
 
     /// The sectors of one sweep of a node, by DMG antenna.
@@ -131,10 +148,11 @@ impl Antennas {
         &self.robots
     }
 
-    /// The directions of the sectors of a robot, in the world.
+    /// The directions of the sectors of a robot, in the world, with the gains of its antenna: those of the pattern, because
+    /// the ripple of single antennas is not known to anybody. All robots have the same antenna, turned alike.
     #[must_use]
     pub fn robot_sectors(&self) -> &SectorTable {
-        self.robots.sectors()
+        &self.robot_sectors
     }
 
     /// Gain of both antennas of a link together where the best sector points along it, in the weaker direction of a sweep: from
@@ -206,11 +224,13 @@ impl Antennas {
     /// The antenna of a station as it is mounted.
     pub(crate) fn mount(&self, roll: &Roll, station: StationId, seed: Seed) -> Mount {
         let kind = roll.kind(station);
-        let (antenna, heading_rad) = match kind {
-            Kind::Node(_) => (&self.nodes[self.tilt(seed, station)], self.heading_rad(seed, station)),
-            Kind::Robot(_) | Kind::Sink(_) => (&self.robots, 0.0),
+        let (antenna, orientation) = match kind {
+            Kind::Node(_) => {
+                (&self.nodes[self.tilt(seed, station)], Orientation::heading(self.heading_rad(seed, station)))
+            }
+            Kind::Robot(_) | Kind::Sink(_) => (&self.robots, ORIENTATION_OF_ROBOTS),
         };
-        let (antenna, orientation) = (Arc::clone(antenna), Orientation::heading(heading_rad));
+        let antenna = Arc::clone(antenna);
         Mount { ripple: antenna.ripple(seed, station), antenna, orientation }
     }
 }

@@ -55,7 +55,14 @@ fn sectors_go_on_air_and_into_the_log_by_the_identities_of_the_code_book() {
     assert_eq!(answered, of_node.map(TxSector::first_antenna));
     assert_eq!(outcomes[7], FrameOutcome::Received, "sector 55 points back");
     assert_eq!(receptions(&survey, 0).iter().map(|found| found.sector).collect::<Vec<_>>(), [Some(59)]);
-    assert_eq!(survey.log().sectors().expect("sectors").identities(), "0, 7, 30, 59, 63");
+    let sectors = survey.log().sectors().expect("sectors");
+    assert_eq!(sectors.identities(), "0, 7, 30, 59, 63");
+    // The log has the gains of the antenna, by the same identities.
+    let gains = sectors.gains().expect("gains");
+    assert_eq!(gains.identities(), of_robot);
+    let mut towards_node = Vec::new();
+    gains.all_dbi(place * (1.0 / place.length_m()), &mut towards_node);
+    assert!(towards_node.iter().zip([-11.0, -11.0, -11.0, 9.0, -11.0]).all(|(gain, of)| (gain - of).abs() < 1e-9));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Code books: measured gains of the sectors of a real antenna.
 
 mod gaps;
+mod inline;
 mod measured;
 mod rows;
 mod steps;
@@ -42,6 +43,10 @@ pub struct CodeBookConfig {
     /// Gains of each sector.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub sectors: Option<Vec<SectorGainsConfig>>,
+    /// Gains of the pattern with which the antenna listens (dBi): a list for each elevation, with a value for each
+    /// azimuth. If absent, it is the same in all directions.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub quasi_omni_dbi: Option<Vec<Vec<f64>>>,
     /// What becomes of directions of the grid that the file has no gain for.
     #[cfg_attr(feature = "config", serde(default))]
     pub gaps: Gaps,
@@ -59,8 +64,8 @@ pub struct CodeBookConfig {
     /// decibels: for measurements in relative units. `outside_gain_dbi` stays as it is.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub boresight_gain_dbi: Option<f64>,
-    /// Gain of the quasi-omnidirectional pattern in all directions (dBi), 0 if absent; if the file has rows of
-    /// `quasi_omni`, its greatest gain, that of the measurement if absent.
+    /// Gain of the quasi-omnidirectional pattern in all directions (dBi), 0 if absent; if the pattern was measured (rows of
+    /// `quasi_omni` in the file, or `quasi_omni_dbi`), its greatest gain, that of the measurement if absent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub quasi_omni_gain_dbi: Option<f64>,
     /// Standard deviation of the gain over the sectors and stations (dB), beside what was measured.
@@ -108,13 +113,15 @@ impl CodeBook {
     pub(super) fn read(config: &CodeBookConfig, files: &Files) -> Result<Self, SettingError> {
         let (measured, needs_boresight) =
             match (&config.file, &config.azimuths_deg, &config.elevations_deg, &config.sectors) {
-                (Some(file), None, None, None) => rows::read(file, config.gaps, files)?,
+                (Some(file), None, None, None) if config.quasi_omni_dbi.is_none() => {
+                    rows::read(file, config.gaps, files)?
+                }
                 (Some(_), ..) => {
-                    let with = "`azimuths_deg`, `elevations_deg` or `sectors`";
+                    let with = "`azimuths_deg`, `elevations_deg`, `sectors` or `quasi_omni_dbi`";
                     return Err(SettingError::conflict("file", with, "set either the file or the grid"));
                 }
                 (None, Some(azimuths), Some(elevations), Some(sectors)) => {
-                    (written(azimuths, elevations, sectors)?, false)
+                    (inline::read(azimuths, elevations, sectors, config)?, false)
                 }
                 (None, azimuths, elevations, _) => {
                     let key = match (azimuths, elevations) {
@@ -290,40 +297,6 @@ fn cut_half_deg(config: &CodeBookConfig, elevations: &Steps) -> Result<f64, Sett
 
 fn greatest(gains_dbi: &[f64]) -> f64 {
     gains_dbi.iter().copied().fold(NOTHING_DBI, f64::max)
-}
-
-/// The code book of a scenario.
-fn written(
-    azimuths_deg: &[f64],
-    elevations_deg: &[f64],
-    sectors: &[SectorGainsConfig],
-) -> Result<Measured, SettingError> {
-    let steps = |key, angles| {
-        Steps::of(angles).map_err(|found| SettingError::new(key, found, "angles ascending in equal steps"))
-    };
-    let azimuths = steps("azimuths_deg", azimuths_deg)?;
-    let elevations = steps("elevations_deg", elevations_deg)?;
-    let mut rows: Vec<(u8, Vec<f64>)> = Vec::new();
-    for (i, SectorGainsConfig { sector, gain_dbi }) in sectors.iter().enumerate() {
-        let within = |error: SettingError| error.within(format!("sectors[{i}]"));
-        if rows.iter().any(|(other, _)| other == sector) {
-            return Err(within(SettingError::new("sector", sector, "an identity that no other sector has")));
-        }
-        if gain_dbi.len() != elevations.count || gain_dbi.iter().any(|row| row.len() != azimuths.count) {
-            let lengths: Vec<_> = gain_dbi.iter().map(Vec::len).collect();
-            let found = format!("{} lists of {lengths:?} gains", gain_dbi.len());
-            let allowed = format!("{} lists (elevations) of {} gains (azimuths)", elevations.count, azimuths.count);
-            return Err(within(SettingError::new("gain_dbi", found, allowed)));
-        }
-        if let Some(bad) = gain_dbi.iter().flatten().find(|gain| !gain.is_finite()) {
-            return Err(within(SettingError::new("gain_dbi", format!("a list with {bad}"), "finite numbers")));
-        }
-        rows.push((*sector, gain_dbi.concat()));
-    }
-    let measured = Measured { azimuths, elevations, sectors: rows, quasi_omni: None };
-    let flawed = |Flaw { found, allowed }: Flaw| SettingError::new("sectors", found, allowed);
-    unit::suspect_factors(measured.patterns().flat_map(|pattern| pattern.gains.iter().copied())).map_err(flawed)?;
-    measured.checked().map_err(flawed)
 }
 
 /// How far outside the grid a direction still counts as on its border (degrees): rounding of angles.
