@@ -105,24 +105,6 @@ pub enum MapError {
         /// The node.
         name: String,
     },
-    /// An antenna sector is narrower than a grid step at the range of the profile.
-    #[error(
-        "sector {sector} is {width_deg:.3} degrees wide, which is {largest_step_m:.3} m at the range of {range_m} m: less than \
-         the grid_step_m of {grid_step_m}; allowed: a grid_step_m of at most {}",
-        (.largest_step_m * 1e3).floor() / 1e3
-    )]
-    NarrowSector {
-        /// Identity of the sector.
-        sector: u8,
-        /// Its width, in azimuth or elevation (degrees).
-        width_deg: f64,
-        /// Range of the profile (m).
-        range_m: f64,
-        /// Distance of neighbouring vertices (m).
-        grid_step_m: f64,
-        /// The largest allowed distance (m).
-        largest_step_m: f64,
-    },
     /// The algorithm works only in the plane.
     #[error("`{0}` is defined in the plane, but the anchors have different heights")]
     PlanarOnly(&'static str),

@@ -21,6 +21,7 @@ mod saturated;
 #[cfg(test)]
 mod tests;
 mod twins;
+mod wide_sectors;
 
 use sextant_channel::{Position, ReceptionLog};
 
@@ -71,5 +72,8 @@ pub(super) fn of_log(log: &ReceptionLog, known: &[Finding]) -> Vec<Finding> {
     let times = !is_known(&["clock-offset"]);
     let extent = places.then(|| extent::finding(log)).flatten();
     let moved = (places && times && extent.is_none()).then(|| moved::finding(log)).flatten();
-    [extent, losses::finding(log), twins::finding(log), moved].into_iter().flatten().collect()
+    [extent, losses::finding(log), twins::finding(log), moved, wide_sectors::finding(log)]
+        .into_iter()
+        .flatten()
+        .collect()
 }

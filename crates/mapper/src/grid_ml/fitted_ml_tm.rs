@@ -118,14 +118,9 @@ impl FittedMlTm {
         algorithm: &'static str,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<Fit>), MapError> {
-        // The range is not known yet, so that any width will do.
-        self.ml_tm.with_grid_step_m(0.0).demand_sectors(log, algorithm)?;
+        self.ml_tm.demand_sectors(log, algorithm)?;
         match self.fit(log, watch)? {
-            Some(fit) => {
-                let ml_tm = self.with_fit(&fit);
-                ml_tm.demand_sectors(log, algorithm)?;
-                Ok((self.map_with(&ml_tm, &fit, log, watch)?, Some(fit)))
-            }
+            Some(fit) => Ok((self.map_with(&self.with_fit(&fit), &fit, log, watch)?, Some(fit))),
             None => Ok((self.ml_tm.map(log, watch)?, None)),
         }
     }

@@ -120,9 +120,7 @@ impl FittedMlTm {
         watch: &dyn Watch,
     ) -> Result<Box<dyn FixedLaw + 'a>, PartsError> {
         if let Some(algorithm) = needs_sectors {
-            // The range is not known yet, so that any width will do.
-            let any_width = self.stages().1.with_grid_step_m(0.0);
-            each_part(parts, watch, &mut |_, log| any_width.demand_sectors(log, algorithm))?;
+            each_part(parts, watch, &mut |_, log| self.stages().1.demand_sectors(log, algorithm))?;
         }
         match self.law(parts, needs_sectors, watch)? {
             Some(law) => Ok(Box::new(law)),

@@ -251,10 +251,10 @@ impl MlTm {
         }
     }
 
-    /// Checks that sectors of `log` are evidence, and not finer than the grid. `algorithm` is the one that needs them.
+    /// Checks that sectors of `log` are evidence. `algorithm` is the one that needs them.
     ///
     /// # Errors
-    /// [`MapError::Missing`], [`MapError::Log`], [`MapError::NarrowSector`].
+    /// [`MapError::Missing`], [`MapError::Log`].
     pub(crate) fn demand_sectors(&self, log: &ReceptionLog, algorithm: &'static str) -> Result<(), MapError> {
         if log.receptions().is_empty() {
             return Ok(());
@@ -266,12 +266,12 @@ impl MlTm {
                 remedy: "a log has it in the column `sector`; `ml_tm` maps without sectors",
             });
         }
-        let table = self.sectors.table(log)?.ok_or(MapError::Missing {
+        self.sectors.table(log)?.ok_or(MapError::Missing {
             algorithm,
             what: "the directions of the antenna sectors",
             remedy: "a log has them in `sectors.csv`, a scenario in `sectors.layout`; `ml_tm` maps without sectors",
         })?;
-        self.sectors.check_widths(table, self.profile.range_m(), self.grid_step_m)
+        Ok(())
     }
 
     /// The same algorithm with what is estimated from the whole log, of which `sample` are some of the nodes: the error of

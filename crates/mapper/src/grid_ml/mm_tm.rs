@@ -7,6 +7,7 @@ use super::ml_tm::uses_under;
 use super::ml_tm_parts::fixed;
 use crate::each_node::EachNode;
 use crate::log_facts::sectors::GainUse;
+use crate::parts::each_part;
 use crate::pattern::PatternMap;
 use crate::{
     Estimator, EstimatorFindings, Fit, FittedMlTm, FixedLaw, Knowledge, KnowledgeKind, LogParts, MapError, Mapper,
@@ -21,8 +22,7 @@ use crate::{
 /// Where the log knows the gains of the antenna and the profile is fitted, these replace the wedges: see
 /// [`PatternLaw`](crate::PatternLaw).
 ///
-/// A log without sectors, or without their directions, is an error; [`MlTm`] maps it without them. So is a sector
-/// that is narrower than a grid step at the range of the profile, because the grid cannot show what it says.
+/// A log without sectors, or without their directions, is an error; [`MlTm`] maps it without them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MmTm(Likelihood);
 
@@ -59,7 +59,7 @@ impl MmTm {
     /// The map of the nodes in `log`, and the profile that it was made with if it was fitted.
     ///
     /// # Errors
-    /// [`MapError::Missing`] if the log lacks sectors or their directions; [`MapError::NarrowSector`]; and those of
+    /// [`MapError::Missing`] if the log lacks sectors or their directions; and those of
     /// [`MlTm::map`].
     pub fn map(
         &self,
@@ -71,7 +71,7 @@ impl MmTm {
                 ml_tm.demand_sectors(log, Self::NAME)?;
                 (ml_tm.map(log, watch)?, None)
             }
-            Likelihood::Fitted(fitted) => match gains_of(fitted, log)? {
+            Likelihood::Fitted(fitted) => match gains_of(fitted, log, log.receptions().sectors().is_some())? {
                 Some(gains) => {
                     let (counted, pattern) = (fitted.counted(log), pattern(fitted));
                     let (map, fit) = pattern.map(&counted, gains, Self::NAME, watch)?;
@@ -87,10 +87,14 @@ impl MmTm {
     }
 }
 
-/// The gains by which a log is mapped; `None` if sectors are wedges.
-fn gains_of<'a>(fitted: &FittedMlTm, log: &'a ReceptionLog) -> Result<Option<&'a SectorGains>, MapError> {
+/// The gains by which a log is mapped; `None` if sectors are wedges. `has_sectors` says that receptions have sectors.
+fn gains_of<'a>(
+    fitted: &FittedMlTm,
+    log: &'a ReceptionLog,
+    has_sectors: bool,
+) -> Result<Option<&'a SectorGains>, MapError> {
     let use_of_gains = fitted.sectors().gains;
-    if use_of_gains == GainUse::Never || log.receptions().sectors().is_none() {
+    if use_of_gains == GainUse::Never || !has_sectors {
         return Ok(None);
     }
     match log.sectors().and_then(SectorTable::gains) {
@@ -200,7 +204,17 @@ impl PartEstimator for MmTm {
                 let estimator = Self(Likelihood::Given(fixed(ml_tm, parts, watch)?));
                 Ok(Box::new(EachNode { estimator, knowledge }))
             }
-            Likelihood::Fitted(fitted) => fitted.fix_for(parts, knowledge, Some(Self::NAME), watch),
+            Likelihood::Fitted(fitted) => {
+                let mut has_sectors = false;
+                each_part(parts, watch, &mut |_, log| {
+                    has_sectors |= log.receptions().sectors().is_some();
+                    Ok(())
+                })?;
+                match gains_of(fitted, parts.whole(), has_sectors)? {
+                    Some(gains) => pattern(fitted).fix(parts, gains, fitted.stages().1, Self::NAME, watch),
+                    None => fitted.fix_for(parts, knowledge, Some(Self::NAME), watch),
+                }
+            }
         }
     }
 }

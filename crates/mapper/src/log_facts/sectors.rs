@@ -4,10 +4,8 @@
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable, Wedge};
+use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable};
 use sextant_kernel::SettingError;
-
-use crate::MapError;
 
 /// How the sectors of receptions enter the likelihood, as written in a scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -142,25 +140,6 @@ impl SectorSettings {
             log.check_sectors(layout)?;
         }
         Ok(self.layout.as_ref().or(log.sectors()))
-    }
-
-    /// Checks that no sector is narrower than a grid step at the range.
-    ///
-    /// # Errors
-    /// [`MapError::NarrowSector`] with the narrowest one.
-    pub(crate) fn check_widths(&self, table: &SectorTable, range_m: f64, grid_step_m: f64) -> Result<(), MapError> {
-        let narrowest = |wedge: &Wedge| wedge.azimuth_width_rad.min(wedge.elevation_rad[1] - wedge.elevation_rad[0]);
-        let widths = table.iter().filter_map(|sector| Some((sector.sector, narrowest(&sector.wedge().ok()?))));
-        match widths.min_by(|a, b| a.1.total_cmp(&b.1)) {
-            Some((sector, width_rad)) if width_rad * range_m < grid_step_m => Err(MapError::NarrowSector {
-                sector,
-                width_deg: width_rad.to_degrees(),
-                range_m,
-                grid_step_m,
-                largest_step_m: width_rad * range_m,
-            }),
-            _ => Ok(()),
-        }
     }
 }
 

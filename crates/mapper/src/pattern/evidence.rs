@@ -23,6 +23,8 @@ pub(super) enum Heard {
 
 /// A report of fewer sectors tells no more than the best one does.
 const LEAST_REPORTED: usize = 3;
+/// A report in a blurred direction counts as so many sectors at most.
+const TOLD_BLURRED: f64 = 4.0;
 /// A residual of a report counts as one of so many standard deviations at most.
 const OUTLIER: f64 = 4.0;
 
@@ -102,8 +104,8 @@ pub(super) struct Likelihood<'a> {
     pub(super) law: &'a PatternLaw,
     pub(super) map: &'a GainMap,
     pub(super) names: &'a Names,
-    /// Standard deviation of reported strengths (dB).
-    pub(super) noise_db: f64,
+    /// How much rougher it is than the law says (dB).
+    blur_db: f64,
     pub(super) normal: &'a Normal,
     /// Cosine and sine of the yaw.
     turn: [f64; 2],
@@ -140,7 +142,20 @@ impl<'a> Likelihood<'a> {
         normal: &'a Normal,
     ) -> Self {
         let turn = [libm::cos(law.yaw_rad), libm::sin(law.yaw_rad)];
-        Self { law, map, names, noise_db: law.noise_db.hypot(blur_db), normal, turn }
+        Self { law, map, names, blur_db, normal, turn }
+    }
+
+    /// Whether it is not blurred.
+    pub(super) fn is_sharp(&self) -> bool {
+        self.blur_db <= 0.0
+    }
+
+    /// The log-likelihood of a report. Where a direction is blurred, all sectors are wrong together: then a report tells no
+    /// more than a few of them.
+    fn of_report(&self, report: &[(usize, f64)], cell: Cell) -> f64 {
+        let gain = |sector| self.map.gain_dbi(cell, sector) + self.law.ripple_db[sector];
+        let told = of_report(report, gain, self.law.noise_db.hypot(self.blur_db));
+        if self.is_sharp() { told } else { told * (TOLD_BLURRED / report.len() as f64).min(1.0) }
     }
 
     /// How a place is seen from a stop.
@@ -167,10 +182,7 @@ impl<'a> Likelihood<'a> {
             sum += match &listener.heard {
                 Heard::Nothing => 0.0,
                 Heard::Named(sector) => self.names.ln_probability(sight.cell, *sector),
-                Heard::Reported(report) => {
-                    let gain = |sector| self.map.gain_dbi(sight.cell, sector) + self.law.ripple_db[sector];
-                    of_report(report, gain, self.noise_db)
-                }
+                Heard::Reported(report) => self.of_report(report, sight.cell),
             };
         }
         sum + libm::log(product)

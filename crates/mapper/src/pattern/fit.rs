@@ -1,6 +1,7 @@
 //! The law of a log, with the places of its nodes integrated out.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
@@ -12,19 +13,28 @@ use super::hearing::{self, Trial};
 use super::law::PatternLaw;
 use super::naming::{self, Naming};
 use super::places::{self, Places};
+use super::scene::Scene;
 use crate::MapError;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::Normal;
 
-/// How much rougher likelihoods are than the finest one (dB).
-const BLURS_DB: [f64; 3] = [3.0, 1.0, 0.0];
+/// By how much gains change over an angle (dB per rad): a decibel in a degree and a half.
+const SLOPE_DB: f64 = 40.0;
+/// The distance over which cells are seen, as a share of the reach.
+const SEEN_FROM: f64 = 0.33;
+/// Blurred likelihoods. Each has half the blur of the one before.
+const BLURRED: usize = 6;
+/// The blur of the first one (dB).
+const FIRST_BLUR_DB: f64 = 8.0;
+/// A blur of less than this share of the noise is none.
+const SHARP: f64 = 0.5;
 /// The law is estimated from at most so many nodes, and begun with so many.
-const NODES: usize = 72;
-const FIRST_NODES: usize = 20;
+const NODES: usize = 48;
+const FIRST_NODES: usize = 12;
 /// Places that stand for the posterior of a node.
 const SAMPLE: usize = 12;
 /// Most rounds.
-const ROUNDS: u32 = 40;
+const ROUNDS: u32 = 30;
 /// The law has settled if nothing changes by more than this in a round (dB, degrees).
 const SETTLED_DB: f64 = 0.1;
 /// Margins that are tried at first, from the usual one (dB), and so many yaws.
@@ -33,16 +43,22 @@ const YAWS: u32 = 24;
 /// An antenna is turned from what the log says only if this makes the log likelier by so much (logarithm).
 const TURNED: f64 = 10.0;
 /// Steps of the grid over the reach, while the law is estimated.
-const STEPS_PER_REACH: f64 = 40.0;
+const STEPS_PER_REACH: f64 = 25.0;
 
 /// A log, its antenna, and where its nodes are searched for.
 pub(super) struct Survey<'a> {
     pub(super) log: &'a ReceptionLog,
-    pub(super) map: &'a GainMap,
-    /// The place of each sector among the gains, by its identity.
-    pub(super) columns: &'a [Option<usize>],
-    /// How far nodes are heard, as the log says without a model (m).
-    pub(super) reach_m: f64,
+    pub(super) scene: &'a Scene,
+}
+
+/// Some of the nodes, from which a law is estimated.
+pub(super) fn thinned<T: Copy>(nodes: &[T]) -> Vec<T> {
+    few(nodes, NODES)
+}
+
+/// At most so many of `nodes`, from all along the list.
+fn few<T: Copy>(nodes: &[T], most: usize) -> Vec<T> {
+    nodes.iter().copied().step_by(nodes.len().div_ceil(most).max(1)).collect()
 }
 
 /// The law that was found.
@@ -57,20 +73,38 @@ pub(super) struct Found {
     pub(super) namings: usize,
 }
 
-/// The likelihoods of a law, from the roughest to the finest.
+/// The likelihoods of a law, from the roughest to the finest, which is not blurred.
 pub(super) struct Likelihoods {
     law: PatternLaw,
-    names: [Names; 3],
+    /// Shared by laws that differ in what names do not depend on.
+    names: Arc<[OnceLock<Names>; BLURRED + 1]>,
     normal: Normal,
     reach_m: f64,
 }
 
+/// The blur of a likelihood (dB).
+fn blur_db(level: usize) -> f64 {
+    if level >= BLURRED { 0.0 } else { FIRST_BLUR_DB * libm::pow(0.5, level as f64) }
+}
+
 impl Likelihoods {
     pub(super) fn new(law: PatternLaw, map: &GainMap) -> Self {
-        let names = BLURS_DB.map(|blur_db| map.names(&law, blur_db));
         let ripple = law.ripple_db.iter().copied().fold(0.0, f64::max);
         let reach_m = law.reach_m(map.greatest_dbi() + ripple);
-        Self { law, names, normal: Normal::new(), reach_m }
+        Self { law, names: Arc::default(), normal: Normal::new(), reach_m }
+    }
+
+    /// Those of a law with the same noise and ripple.
+    fn of_other(&self, law: PatternLaw, map: &GainMap) -> Self {
+        Self { names: Arc::clone(&self.names), ..Self::new(law, map) }
+    }
+
+    /// The likelihood with the least blur that is no less than `least_db`.
+    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, least_db: f64) -> Likelihood<'a> {
+        let level = (0..BLURRED).rfind(|&level| blur_db(level) >= least_db.min(FIRST_BLUR_DB));
+        let level = level.filter(|_| least_db > SHARP * self.law.noise_db).unwrap_or(BLURRED);
+        let names = self.names[level].get_or_init(|| map.names(&self.law, blur_db(level)));
+        Likelihood::new(&self.law, map, (names, blur_db(level)), &self.normal)
     }
 
     /// The posterior of a node in a box, with its evidence.
@@ -80,22 +114,23 @@ impl Likelihoods {
         (node, within): &(NodeId, SearchBox),
         step_m: f64,
     ) -> Option<(Evidence, Places)> {
-        let evidence = Evidence::of(survey.log, *node, within, self.reach_m, survey.columns);
-        let each =
-            [0, 1, 2].map(|at| Likelihood::new(&self.law, survey.map, (&self.names[at], BLURS_DB[at]), &self.normal));
-        let found = places::find(&each, &evidence, within, step_m)?;
+        let evidence = Evidence::of(survey.log, *node, within, self.reach_m, &survey.scene.columns);
+        let of_step = |width_m: f64| {
+            let angle = 0.5 * width_m / (SEEN_FROM * survey.scene.reach_m);
+            self.blurred(&survey.scene.map, SLOPE_DB * angle)
+        };
+        let found = places::find(&of_step, &evidence, within, step_m)?;
         Some((evidence, found))
     }
 }
 
 impl Survey<'_> {
     fn step_m(&self) -> f64 {
-        self.reach_m / STEPS_PER_REACH
+        self.scene.reach_m / STEPS_PER_REACH
     }
 
     /// The logarithm of the probability of what the log says of some nodes, over all their places.
-    fn ln_evidence(&self, law: PatternLaw, nodes: &[(NodeId, SearchBox)]) -> f64 {
-        let likelihoods = Likelihoods::new(law, self.map);
+    fn ln_evidence(&self, likelihoods: &Likelihoods, nodes: &[(NodeId, SearchBox)]) -> f64 {
         let of_node = |node: &(NodeId, SearchBox)| {
             likelihoods.places(self, node, 2.0 * self.step_m()).map_or(0.0, |(_, found)| found.ln_evidence)
         };
@@ -104,56 +139,46 @@ impl Survey<'_> {
 
     /// The law to begin with: the margin and the yaw under which some nodes are the likeliest.
     fn first(&self, nodes: &[(NodeId, SearchBox)], watch: &dyn Watch) -> Result<PatternLaw, MapError> {
-        let usual_db = 20.0 * libm::log10(self.reach_m) - self.map.usual_dbi();
-        let mut best = (PatternLaw::guess(usual_db, self.map.sectors()), f64::NEG_INFINITY);
-        for off_db in MARGINS_DB {
-            watch.check()?;
-            let law = PatternLaw::guess(usual_db + off_db, self.map.sectors());
-            let value = self.ln_evidence(law.clone(), nodes);
+        let usual_db = 20.0 * libm::log10(self.scene.reach_m) - self.scene.map.usual_dbi();
+        let guess = Likelihoods::new(PatternLaw::guess(usual_db, self.scene.map.sectors()), &self.scene.map);
+        let try_law = |law: PatternLaw, best: &mut (PatternLaw, f64)| {
+            let value = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), nodes);
             if value > best.1 {
-                best = (law, value);
+                *best = (law, value);
             }
+            watch.check()
+        };
+        let mut best = (guess.law.clone(), f64::NEG_INFINITY);
+        for off_db in MARGINS_DB {
+            try_law(PatternLaw::guess(usual_db + off_db, self.scene.map.sectors()), &mut best)?;
         }
         let mut turned = best.clone();
         for at in 1..YAWS {
-            watch.check()?;
             let turn_rad = TAU * f64::from(at) / f64::from(YAWS);
             let yaw_rad = if turn_rad > PI { turn_rad - TAU } else { turn_rad };
-            let law = PatternLaw { yaw_rad, ..best.0.clone() };
-            let value = self.ln_evidence(law.clone(), nodes);
-            if value > turned.1 {
-                turned = (law, value);
-            }
+            try_law(PatternLaw { yaw_rad, ..best.0.clone() }, &mut turned)?;
         }
         // Smaller and smaller turns from the best one.
         let mut half_rad = PI / f64::from(YAWS);
         while half_rad > 0.02 {
-            for yaw_rad in [turned.0.yaw_rad - half_rad, turned.0.yaw_rad + half_rad] {
-                watch.check()?;
-                let law = PatternLaw { yaw_rad, ..best.0.clone() };
-                let value = self.ln_evidence(law.clone(), nodes);
-                if value > turned.1 {
-                    turned = (law, value);
-                }
+            let middle_rad = turned.0.yaw_rad;
+            for yaw_rad in [middle_rad - half_rad, middle_rad + half_rad] {
+                try_law(PatternLaw { yaw_rad, ..best.0.clone() }, &mut turned)?;
             }
             half_rad *= 0.5;
         }
         Ok(if turned.1 > best.1 + TURNED { turned.0 } else { best.0 })
     }
 
-    /// The law of the log, estimated from some of its `heard` nodes: expectation maximisation over their places.
+    /// The law of the log, estimated from these of its nodes: expectation maximisation over their places.
     pub(super) fn fit(
         &self,
-        heard: &[(NodeId, SearchBox)],
+        nodes: &[(NodeId, SearchBox)],
         name: &'static str,
         watch: &dyn Watch,
     ) -> Result<Found, MapError> {
         watch.begin(Work { name, unit: "round", steps: u64::from(ROUNDS), operations: 0.0 });
-        let thinned = |most: usize| -> Vec<(NodeId, SearchBox)> {
-            heard.iter().copied().step_by(heard.len().div_ceil(most).max(1)).collect()
-        };
-        let mut law = self.first(&thinned(FIRST_NODES), watch)?;
-        let nodes = thinned(NODES);
+        let mut law = self.first(&few(nodes, FIRST_NODES), watch)?;
         let normal = Normal::new();
         let mut found = Found {
             law: law.clone(),
@@ -164,11 +189,11 @@ impl Survey<'_> {
             namings: 0,
         };
         while found.rounds < ROUNDS && !found.is_settled {
-            let likelihoods = Likelihoods::new(law.clone(), self.map);
+            let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
             let each: Vec<_> = nodes.par_iter().map(|node| likelihoods.places(self, node, self.step_m())).collect();
             watch.check()?;
             let (mut trials, mut namings) = (Vec::new(), Vec::new());
-            let finest = Likelihood::new(&law, self.map, (&likelihoods.names[2], 0.0), &normal);
+            let finest = likelihoods.blurred(&self.scene.map, 0.0);
             for (evidence, places) in each.iter().flatten() {
                 let sample = places.sample(SAMPLE);
                 let weight = 1.0 / sample.len().max(1) as f64;
@@ -190,7 +215,7 @@ impl Survey<'_> {
             }
             let before = law.clone();
             hearing::improve(&mut law, &trials, &normal);
-            naming::improve(&mut law, self.map, &namings, &mut found.ripple_sigma_db);
+            naming::improve(&mut law, &self.scene.map, &namings, &mut found.ripple_sigma_db);
             found.rounds += 1;
             found.namings = namings.len() / SAMPLE;
             found.is_settled = law.change_db(&before) < SETTLED_DB;

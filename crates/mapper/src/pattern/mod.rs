@@ -16,21 +16,22 @@ mod law;
 mod naming;
 mod places;
 mod report;
+mod scene;
+mod settled;
+mod tiles;
 
-use rayon::prelude::*;
 use sextant_channel::{Position, ReceptionLog, SectorGains};
-use sextant_kernel::{NodeId, Watch, Work};
+use sextant_kernel::Watch;
 
-use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
-use crate::log_facts::search_box::{Limits, SearchBox};
-use crate::posterior::FitState;
-use crate::{CoordinateFrame, Estimate, EstimateKind, MapError, SoughtHeights, TopologyMap};
+use crate::log_facts::reach::heard_nodes;
+use crate::numerics::normal::Normal;
+use crate::{CoordinateFrame, EstimateKind, MapError, TopologyMap};
 use evidence::Sight;
-use fit::{Likelihoods, Survey};
+use fit::thinned;
 use gain_map::GainMap;
 pub use law::PatternLaw;
-
-use crate::numerics::normal::Normal;
+use scene::Scene;
+use settled::Settled;
 
 /// How a log with known gains is mapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,63 +99,15 @@ impl PatternMap {
         name: &'static str,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<PatternFit>), MapError> {
-        let all = heard_nodes(log);
-        let mut map = TopologyMap {
-            grid_step_m: Some(self.grid_step_m),
-            ..TopologyMap::of_places(name, vec![None; log.node_count()], CoordinateFrame::World)
+        let heard = heard_nodes(log);
+        let farthest_m: Vec<f64> = heard.iter().map(|heard| heard.farthest_m).collect();
+        let Some(scene) = Scene::of(self, log, gains, &farthest_m) else {
+            let places = vec![None; log.node_count()];
+            return Ok((TopologyMap::of_places(name, places, CoordinateFrame::World), None));
         };
-        let reach_m = reach_m(log, &all);
-        let heights = SoughtHeights::of_log(log.stops(), self.z_range_m, reach_m, self.grid_step_m);
-        let Some(heights) = heights.filter(|_| !all.is_empty()) else { return Ok((map, None)) };
-        map.heights = Some(heights);
-        let limits = Limits::new(log, reach_m, heights);
-        let heard: Vec<(NodeId, SearchBox)> = all.iter().map(|heard| (heard.node, limits.of(heard))).collect();
-        let mut columns = vec![None; 256];
-        for (at, &id) in gains.identities().iter().enumerate() {
-            columns[usize::from(id)] = Some(at);
-        }
-        let gain_map = GainMap::new(gains);
-        let survey = Survey { log, map: &gain_map, columns: &columns, reach_m };
-        let found = survey.fit(&heard, name, watch)?;
-        let likelihoods = Likelihoods::new(found.law.clone(), &gain_map);
-        let state = FitState { is_reach_known: is_reach_known(&all), is_settled: found.is_settled };
-        watch.begin(Work { name, unit: "node", steps: heard.len() as u64, operations: 0.0 });
-        let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = heard
-            .par_iter()
-            .map(|node| {
-                watch.check()?;
-                let places = likelihoods.places(&survey, node, self.grid_step_m).map(|(_, places)| places);
-                watch.advance(1);
-                let Some(places) = places else { return Ok((None, 0)) };
-                let mut estimate =
-                    Estimate::of_places(self.estimate, &places.places, places.mean(), places.likeliest);
-                if let Some(covariance) = &mut estimate.covariance {
-                    // A node is somewhere in its cell, which may be wider than the step of the map.
-                    let wider = (places.step_m * places.step_m - self.grid_step_m * self.grid_step_m).max(0.0) / 12.0;
-                    for (axis, row) in covariance.iter_mut().enumerate() {
-                        row[axis] += if axis == 2 && node.1.is_level() { 0.0 } else { wider };
-                    }
-                }
-                estimate.concern = state.concern(places.verdict.concern(places.edge_below));
-                Ok((Some(estimate), places.evaluated))
-            })
-            .collect();
-        for ((node, _), (estimate, evaluated)) in heard.iter().zip(solved?) {
-            map.estimates[node.index()] = estimate;
-            map.vertices_evaluated += evaluated;
-        }
-        let usual_dbi = gain_map.usual_dbi();
-        let fit = PatternFit {
-            law: found.law,
-            ripple_sigma_db: found.ripple_sigma_db,
-            rounds: found.rounds,
-            converged: found.is_settled,
-            nodes: found.nodes,
-            named: found.namings,
-            gains: gain_map,
-            normal: Normal::new(),
-            usual_dbi,
-        };
-        Ok((map, Some(fit)))
+        let sample = thinned(&scene.boxes(&heard));
+        let settled = Settled::of(*self, scene, log, &sample, name, watch)?;
+        let map = settled.map(log, &heard, name, watch)?;
+        Ok((map, Some(settled.into_fit())))
     }
 }

@@ -8,9 +8,9 @@ use crate::numerics::whole;
 use crate::posterior::Verdict;
 
 /// Cells along the longest side of a box, in the plane and in space.
-const FIRST: [f64; 2] = [28.0, 14.0];
-/// Cells this far below the likeliest are not halved, with each likelihood from the roughest to the finest.
-const KEPT: [f64; 3] = [16.0, 12.0, 9.0];
+const FIRST: [f64; 2] = [24.0, 12.0];
+/// Cells this far below the likeliest are not halved: while the likelihood is blurred, and when it is not.
+const KEPT: [f64; 2] = [12.0, 9.0];
 /// No more cells than this are halved at a time.
 const MOST: usize = 700;
 /// Cells are small enough at this share of the spread of the posterior.
@@ -40,10 +40,10 @@ pub(super) struct Places {
     pub(super) evaluated: u64,
 }
 
-/// Under three likelihoods from rough to fine, the posterior of a node in a box, in cells of at most `step_m` where the
-/// posterior is not wide.
-pub(super) fn find(
-    likelihoods: &[Likelihood<'_>; 3],
+/// The posterior of a node in a box, in cells of at most `step_m` where it is not wide. `likelihood` is that for cells of a
+/// width (m), blurred by as much as the cells are wide.
+pub(super) fn find<'a>(
+    likelihood: &impl Fn(f64) -> Likelihood<'a>,
     evidence: &Evidence,
     within: &SearchBox,
     step_m: f64,
@@ -60,41 +60,46 @@ pub(super) fn find(
     let mut evaluated = 0;
     let mut cells: Vec<Place> = Vec::new();
     let centre = within.middle();
-    let mut value = |which: usize, position: Position| {
+    let mut of_step = likelihood(steps);
+    let mut value = |likelihood: &Likelihood<'_>, position: Position| {
         evaluated += 1;
-        Place { position, value: likelihoods[which].at(evidence, position) }
+        Place { position, value: likelihood.at(evidence, position) }
     };
     for k in 0..counts[2] {
         for j in 0..counts[1] {
             for i in 0..counts[0] {
                 let offset = |at: usize, axis: usize| (at as f64 + 0.5 - 0.5 * counts[axis] as f64) * steps;
                 let position = centre + Position::new(offset(i, 0), offset(j, 1), offset(k, 2));
-                cells.push(value(0, position));
+                cells.push(value(&of_step, position));
             }
         }
     }
     let all = cells.len() as f64;
     let mut shrinks = 1.0;
-    let mut which = 0;
-    for halving in 0..HALVINGS {
+    let mut is_wide = false;
+    for _ in 0..HALVINGS {
         let highest = cells.iter().map(|cell| cell.value).fold(f64::NEG_INFINITY, f64::max);
         if !highest.is_finite() {
             return None;
         }
-        cells.retain(|cell| cell.value >= highest - KEPT[which]);
-        let is_done = which == 2
-            && steps <= step_m
-            && steps <= FINE * spread_m(&cells, highest, if is_level { 2.0 } else { 3.0 });
-        if is_done || cells.len() > MOST && which == 2 {
+        cells.retain(|cell| cell.value >= highest - KEPT[usize::from(of_step.is_sharp())]);
+        let is_fine = steps <= step_m && steps <= FINE * spread_m(&cells, highest, if is_level { 2.0 } else { 3.0 });
+        if of_step.is_sharp() && (is_fine || cells.len() > MOST) {
             break;
+        }
+        if is_fine {
+            // Smaller cells change nothing, but a sharper likelihood may.
+            is_wide = true;
+            of_step = likelihood(0.0);
+            cells.iter_mut().for_each(|cell| *cell = value(&of_step, cell.position));
+            continue;
         }
         if cells.len() > MOST {
             cells.sort_by(|a, b| b.value.total_cmp(&a.value));
             cells.truncate(MOST);
         }
-        // The finest likelihood is for cells that a stop sees under small angles.
-        which = usize::try_from(halving + 1).map_or(2, |next| next.min(2));
         steps *= 0.5;
+        of_step = likelihood(if is_wide { 0.0 } else { steps });
         shrinks *= if is_level { 0.25 } else { 0.125 };
         let quarter = 0.5 * steps;
         let signs = [-quarter, quarter];
@@ -104,7 +109,7 @@ pub(super) fn find(
             for &up in ups {
                 for north in signs {
                     for east in signs {
-                        next.push(value(which, cell.position + Position::new(east, north, up)));
+                        next.push(value(&of_step, cell.position + Position::new(east, north, up)));
                     }
                 }
             }

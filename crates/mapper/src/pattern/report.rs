@@ -6,6 +6,9 @@ use super::PatternFit;
 use crate::learned::Unconverged;
 use crate::{CurveFinding, Finding, Line, Section, TopologyMap};
 
+/// Sectors whose strengths have such errors contradict the pattern (dB).
+const CONTRADICTED_DB: f64 = 5.0;
+
 /// The law of an antenna that was estimated from a log.
 #[cfg(feature = "config")]
 #[derive(serde::Serialize)]
@@ -73,9 +76,17 @@ impl Finding for PatternFit {
             law.noise_db,
             self.ripple_sigma_db,
         );
+        let contradicted = (law.noise_db > CONTRADICTED_DB).then(|| Line {
+            section: Section::Warnings,
+            text: format!(
+                "{name}: warning: what nodes say of sectors contradicts the pattern (noise {:.1} dB), so directions tell \
+                 little; check that the gains are those of this antenna, and that sectors have the same identities",
+                law.noise_db
+            ),
+        });
         let why = Unconverged::of(self.converged, map);
         let warning = why.map(|why| why.warning(name, "the law of the antenna", self.rounds, None));
-        std::iter::once(Line { section: Section::Laws, text }).chain(warning).collect()
+        std::iter::once(Line { section: Section::Laws, text }).chain(contradicted).chain(warning).collect()
     }
 
     fn curves(&self) -> Vec<CurveFinding<'_>> {

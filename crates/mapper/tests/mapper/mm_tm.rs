@@ -78,14 +78,23 @@ fn a_log_without_sectors_or_without_their_directions_is_an_error_that_says_so() 
 }
 
 #[test]
-fn a_sector_narrower_than_a_grid_step_at_the_range_is_an_error_with_the_largest_step() {
-    let stops = [Position::ORIGIN, Position::new(1.0, 0.0, 0.0)];
-    // 5.625 degrees over 7 m are 0.687 m.
-    let log = log(&stops, &[(0, 3)], Some(even(64, vec![WHOLE])));
-    assert!(map(config(0.68), &log).is_ok());
-    let error = map(config(0.7), &log).unwrap_err();
-    assert!(matches!(error, MapError::NarrowSector { sector: 0, .. }));
-    assert!(error.to_string().ends_with("allowed: a grid_step_m of at most 0.687"), "{error}");
+fn a_sector_narrower_than_a_grid_step_still_places_nodes() {
+    // Of 64 sectors each is 5.625 degrees wide: 0.69 m over 7 m. Grids are finer and much coarser than that.
+    let stops = [Position::ORIGIN, Position::new(1.0, 0.0, 0.0), Position::new(0.0, 3.0, 0.0)];
+    let node = Position::new(4.0, 2.0, 0.0);
+    let sector = |stop: &Position| {
+        let apart = node - *stop;
+        let sectors = (apart.y_m.atan2(apart.x_m).to_degrees() / 5.625 + 0.5).rem_euclid(64.0);
+        sectors.floor() as u8
+    };
+    let heard: Vec<(u32, u8)> = (0..).zip(stops.iter().map(sector)).collect();
+    let log = log(&stops, &heard, Some(even(64, vec![WHOLE])));
+    for step_m in [0.1, 0.4, 0.7, 1.2] {
+        let map = map(config(step_m), &log).unwrap();
+        let estimate = map.estimates[0].as_ref().unwrap();
+        let error_m = estimate.position.distance_m(node);
+        assert!(error_m < 1.2 * step_m.max(0.5), "step {step_m}: {error_m}");
+    }
 }
 
 #[test]

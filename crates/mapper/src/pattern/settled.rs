@@ -1,0 +1,103 @@
+//! A law that was estimated, and the maps under it.
+
+use rayon::prelude::*;
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{NodeId, Watch, Work};
+
+use super::fit::{Found, Likelihoods, Survey};
+use super::places::Places;
+use super::scene::Scene;
+use super::{PatternFit, PatternMap};
+use crate::log_facts::reach::HeardNode;
+use crate::log_facts::search_box::SearchBox;
+use crate::numerics::normal::Normal;
+use crate::posterior::FitState;
+use crate::{CoordinateFrame, Estimate, MapError, TopologyMap};
+
+/// The law of a log, with all that the map of a node depends on beside what was heard of it.
+pub(super) struct Settled {
+    settings: PatternMap,
+    pub(super) scene: Scene,
+    found: Found,
+    likelihoods: Likelihoods,
+}
+
+impl Settled {
+    /// The law of `log`, estimated from some of its nodes.
+    pub(super) fn of(
+        settings: PatternMap,
+        scene: Scene,
+        log: &ReceptionLog,
+        nodes: &[(NodeId, SearchBox)],
+        name: &'static str,
+        watch: &dyn Watch,
+    ) -> Result<Self, MapError> {
+        let found = Survey { log, scene: &scene }.fit(nodes, name, watch)?;
+        let likelihoods = Likelihoods::new(found.law.clone(), &scene.map);
+        Ok(Self { settings, scene, found, likelihoods })
+    }
+
+    /// The map of a log of the same stops, of which these nodes were `heard`.
+    pub(super) fn map(
+        &self,
+        log: &ReceptionLog,
+        heard: &[HeardNode],
+        name: &'static str,
+        watch: &dyn Watch,
+    ) -> Result<TopologyMap, MapError> {
+        let mut map = TopologyMap {
+            grid_step_m: Some(self.settings.grid_step_m),
+            heights: Some(self.scene.heights),
+            ..TopologyMap::of_places(name, vec![None; log.node_count()], CoordinateFrame::World)
+        };
+        let survey = Survey { log, scene: &self.scene };
+        let boxes = self.scene.boxes(heard);
+        watch.begin(Work { name, unit: "node", steps: boxes.len() as u64, operations: 0.0 });
+        let solved: Result<Vec<Option<Places>>, MapError> = boxes
+            .par_iter()
+            .map(|node| {
+                watch.check()?;
+                let places = self.likelihoods.places(&survey, node, self.settings.grid_step_m);
+                watch.advance(1);
+                Ok(places.map(|(_, places)| places))
+            })
+            .collect();
+        for ((node, within), places) in boxes.iter().zip(solved?) {
+            let Some(places) = places else { continue };
+            map.vertices_evaluated += places.evaluated;
+            map.estimates[node.index()] = Some(self.estimate(&places, within));
+        }
+        Ok(map)
+    }
+
+    fn estimate(&self, places: &Places, within: &SearchBox) -> Estimate {
+        let PatternMap { grid_step_m, estimate: kind, .. } = self.settings;
+        let mut estimate = Estimate::of_places(kind, &places.places, places.mean(), places.likeliest);
+        if let Some(covariance) = &mut estimate.covariance {
+            // A node is somewhere in its cell, which may be wider than the step of the map.
+            let wider = (places.step_m * places.step_m - grid_step_m * grid_step_m).max(0.0) / 12.0;
+            for (axis, row) in covariance.iter_mut().enumerate() {
+                row[axis] += if axis == 2 && within.is_level() { 0.0 } else { wider };
+            }
+        }
+        let state = FitState { is_reach_known: self.scene.is_reach_known, is_settled: self.found.is_settled };
+        estimate.concern = state.concern(places.verdict.concern(places.edge_below));
+        estimate
+    }
+
+    /// What was learned.
+    pub(super) fn into_fit(self) -> PatternFit {
+        let usual_dbi = self.scene.map.usual_dbi();
+        PatternFit {
+            law: self.found.law,
+            ripple_sigma_db: self.found.ripple_sigma_db,
+            rounds: self.found.rounds,
+            converged: self.found.is_settled,
+            nodes: self.found.nodes,
+            named: self.found.namings,
+            gains: self.scene.map,
+            normal: Normal::new(),
+            usual_dbi,
+        }
+    }
+}
