@@ -1,5 +1,6 @@
 //! Mathematics that several estimators share, and limits of memory.
 
+pub(crate) mod decades;
 mod isotonic;
 pub(crate) mod least_squares;
 pub(crate) mod memory;

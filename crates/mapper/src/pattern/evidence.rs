@@ -6,6 +6,7 @@ use sextant_kernel::NodeId;
 use super::gain_map::{Cell, GainMap, Names};
 use super::law::PatternLaw;
 use crate::log_facts::search_box::SearchBox;
+use crate::numerics::decades::Decades;
 use crate::numerics::normal::Normal;
 
 /// Nodes are at least so far from a stop (m): the law has no meaning on the antenna itself.
@@ -99,6 +100,19 @@ fn heard(log: &ReceptionLog, node: NodeId, entry: Option<&Reception>, columns: &
     entry.sector.and_then(column).map_or(Heard::Nothing, Heard::Named)
 }
 
+/// Functions in tables.
+#[derive(Clone, Debug)]
+pub(super) struct Tables {
+    pub(super) normal: Normal,
+    pub(super) decades: Decades,
+}
+
+impl Tables {
+    pub(super) fn new() -> Self {
+        Self { normal: Normal::new(), decades: Decades::new() }
+    }
+}
+
 /// A law, ready to be asked for likelihoods.
 pub(super) struct Likelihood<'a> {
     pub(super) law: &'a PatternLaw,
@@ -106,7 +120,7 @@ pub(super) struct Likelihood<'a> {
     pub(super) names: &'a Names,
     /// How much rougher it is than the law says (dB).
     blur_db: f64,
-    pub(super) normal: &'a Normal,
+    tables: &'a Tables,
     /// Cosine and sine of the yaw.
     turn: [f64; 2],
 }
@@ -115,7 +129,8 @@ pub(super) struct Likelihood<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
     pub(super) cell: Cell,
-    pub(super) distance_m: f64,
+    /// Square of the distance (m²).
+    pub(super) square: f64,
 }
 
 impl Sight {
@@ -123,13 +138,13 @@ impl Sight {
     #[inline]
     pub(super) fn of(place: Position, stop: Position, [cos, sin]: [f64; 2]) -> Self {
         let apart = place - stop;
-        let distance_m = apart.dot(apart).sqrt();
-        let direction = if distance_m > 1e-9 {
+        let square = apart.dot(apart);
+        let direction = if square > 1e-18 {
             [cos * apart.x_m + sin * apart.y_m, cos * apart.y_m - sin * apart.x_m, apart.z_m]
         } else {
             [1.0, 0.0, 0.0]
         };
-        Self { cell: Cell::of(direction), distance_m: distance_m.max(NEAREST_M) }
+        Self { cell: Cell::of(direction), square: square.max(NEAREST_M * NEAREST_M) }
     }
 }
 
@@ -139,10 +154,10 @@ impl<'a> Likelihood<'a> {
         law: &'a PatternLaw,
         map: &'a GainMap,
         (names, blur_db): (&'a Names, f64),
-        normal: &'a Normal,
+        tables: &'a Tables,
     ) -> Self {
         let turn = [libm::cos(law.yaw_rad), libm::sin(law.yaw_rad)];
-        Self { law, map, names, blur_db, normal, turn }
+        Self { law, map, names, blur_db, tables, turn }
     }
 
     /// Whether it is not blurred.
@@ -169,7 +184,8 @@ impl<'a> Likelihood<'a> {
         let (mut sum, mut product) = (0.0, 1.0_f64);
         for listener in &evidence.listeners {
             let sight = self.sight(place, listener.place);
-            let s = self.law.heard(self.normal, self.names.top_dbi(sight.cell), sight.distance_m);
+            let decades = self.tables.decades.of_root(sight.square);
+            let s = self.law.heard(&self.tables.normal, self.names.top_dbi(sight.cell), decades);
             product *= match (listener.received, listener.missed) {
                 (1, 0) => s,
                 (0, 1) => 1.0 - s,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
-use super::evidence::{Evidence, Heard, Likelihood};
+use super::evidence::{Evidence, Heard, Likelihood, Tables};
 use super::gain_map::{GainMap, Names};
 use super::hearing::{self, Trial};
 use super::law::PatternLaw;
@@ -16,7 +16,6 @@ use super::places::{self, Places};
 use super::scene::Scene;
 use crate::MapError;
 use crate::log_facts::search_box::SearchBox;
-use crate::numerics::normal::Normal;
 
 /// By how much gains change over an angle (dB per rad): a decibel in a degree and a half.
 const SLOPE_DB: f64 = 40.0;
@@ -36,7 +35,7 @@ const SAMPLE: usize = 12;
 /// Most rounds.
 const ROUNDS: u32 = 30;
 /// The law has settled if nothing changes by more than this in a round (dB, degrees).
-const SETTLED_DB: f64 = 0.1;
+const SETTLED_DB: f64 = 0.2;
 /// Margins that are tried at first, from the usual one (dB), and so many yaws.
 const MARGINS_DB: [f64; 7] = [0.0, -4.0, 4.0, -8.0, 8.0, -12.0, 12.0];
 const YAWS: u32 = 24;
@@ -78,7 +77,7 @@ pub(super) struct Likelihoods {
     law: PatternLaw,
     /// Shared by laws that differ in what names do not depend on.
     names: Arc<[OnceLock<Names>; BLURRED + 1]>,
-    normal: Normal,
+    tables: Arc<Tables>,
     reach_m: f64,
 }
 
@@ -91,12 +90,13 @@ impl Likelihoods {
     pub(super) fn new(law: PatternLaw, map: &GainMap) -> Self {
         let ripple = law.ripple_db.iter().copied().fold(0.0, f64::max);
         let reach_m = law.reach_m(map.greatest_dbi() + ripple);
-        Self { law, names: Arc::default(), normal: Normal::new(), reach_m }
+        Self { law, names: Arc::default(), tables: Arc::new(Tables::new()), reach_m }
     }
 
     /// Those of a law with the same noise and ripple.
     fn of_other(&self, law: PatternLaw, map: &GainMap) -> Self {
-        Self { names: Arc::clone(&self.names), ..Self::new(law, map) }
+        let reach_m = law.reach_m(map.greatest_dbi());
+        Self { law, names: Arc::clone(&self.names), tables: Arc::clone(&self.tables), reach_m }
     }
 
     /// The likelihood with the least blur that is no less than `least_db`.
@@ -104,7 +104,7 @@ impl Likelihoods {
         let level = (0..BLURRED).rfind(|&level| blur_db(level) >= least_db.min(FIRST_BLUR_DB));
         let level = level.filter(|_| least_db > SHARP * self.law.noise_db).unwrap_or(BLURRED);
         let names = self.names[level].get_or_init(|| map.names(&self.law, blur_db(level)));
-        Likelihood::new(&self.law, map, (names, blur_db(level)), &self.normal)
+        Likelihood::new(&self.law, map, (names, blur_db(level)), &self.tables)
     }
 
     /// The posterior of a node in a box, with its evidence.
@@ -179,7 +179,6 @@ impl Survey<'_> {
     ) -> Result<Found, MapError> {
         watch.begin(Work { name, unit: "round", steps: u64::from(ROUNDS), operations: 0.0 });
         let mut law = self.first(&few(nodes, FIRST_NODES), watch)?;
-        let normal = Normal::new();
         let mut found = Found {
             law: law.clone(),
             ripple_sigma_db: 1.0,
@@ -202,7 +201,7 @@ impl Survey<'_> {
                         let sight = finest.sight(place, listener.place);
                         trials.push(Trial {
                             gain_db: finest.names.top_dbi(sight.cell),
-                            distance_m: sight.distance_m,
+                            decades: likelihoods.tables.decades.of_root(sight.square),
                             received: f64::from(listener.received),
                             sent: f64::from(listener.received + listener.missed),
                             weight,
@@ -214,7 +213,7 @@ impl Survey<'_> {
                 }
             }
             let before = law.clone();
-            hearing::improve(&mut law, &trials, &normal);
+            hearing::improve(&mut law, &trials, &likelihoods.tables.normal);
             naming::improve(&mut law, &self.scene.map, &namings, &mut found.ripple_sigma_db);
             found.rounds += 1;
             found.namings = namings.len() / SAMPLE;

@@ -105,10 +105,11 @@ impl GainMap {
     /// What nodes in each direction hear and name under `law`, with strengths that have an error of `blur_db` more.
     pub(super) fn names(&self, law: &PatternLaw, blur_db: f64) -> Names {
         let scale_db = law.noise_db.hypot(blur_db) * SQRT_2 / 1.702;
-        let columns = self.sectors + 1;
         let any = ANY / self.sectors as f64;
-        let mut values = vec![0.0_f32; self.gains_dbi.len() / self.sectors * columns];
-        values.par_chunks_mut(columns).zip(self.gains_dbi.par_chunks(self.sectors)).for_each(|(names, gains)| {
+        let mut ln = vec![0.0_f32; self.gains_dbi.len()];
+        let mut tops_dbi = vec![0.0_f32; CORNERS * CORNERS];
+        let rows = ln.par_chunks_mut(self.sectors).zip(&mut tops_dbi).zip(self.gains_dbi.par_chunks(self.sectors));
+        rows.for_each(|((names, of_corner), gains)| {
             let mut top = f64::NEG_INFINITY;
             for (gain, ripple) in gains.iter().zip(&law.ripple_db) {
                 top = top.max(f64::from(*gain) + ripple);
@@ -118,30 +119,31 @@ impl GainMap {
             for ((name, &gain), &ripple) in names.iter_mut().zip(gains).zip(&law.ripple_db) {
                 *name = single(libm::log((1.0 - ANY) * share(gain, ripple) / sum + any));
             }
-            names[gains.len()] = single(top);
+            *of_corner = single(top);
         });
-        Names { columns, values }
+        Names { sectors: self.sectors, ln, tops_dbi }
     }
 }
 
 /// For each corner of the octahedral map, the logarithm of the probability of each sector, and the greatest gain of all.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
-    columns: usize,
-    values: Vec<f32>,
+    sectors: usize,
+    ln: Vec<f32>,
+    tops_dbi: Vec<f32>,
 }
 
 impl Names {
     /// The logarithm of the probability that a node there names a sector.
     #[inline]
     pub(super) fn ln_probability(&self, cell: Cell, sector: usize) -> f64 {
-        cell.value(&self.values, self.columns, sector)
+        cell.value(&self.ln, self.sectors, sector)
     }
 
     /// The greatest gain of all sectors (dBi).
     #[inline]
     pub(super) fn top_dbi(&self, cell: Cell) -> f64 {
-        cell.value(&self.values, self.columns, self.columns - 1)
+        cell.value(&self.tops_dbi, 1, 0)
     }
 }
 

@@ -18,7 +18,8 @@ const LOGIT: [f64; 2] = [1.5, 1.5];
 pub(super) struct Trial {
     /// Greatest gain towards the place (dBi).
     pub(super) gain_db: f64,
-    pub(super) distance_m: f64,
+    /// Distance (decades of a metre).
+    pub(super) decades: f64,
     pub(super) received: f64,
     pub(super) sent: f64,
     /// Probability of the place.
@@ -79,7 +80,7 @@ fn apart(law: &PatternLaw) -> [[f64; 2]; 3] {
 fn log_likelihood(law: &PatternLaw, trials: &[Trial], normal: &Normal) -> f64 {
     let prior: f64 = apart(law).iter().map(|[off, _]| -0.5 * off * off).sum();
     let of_trial = |trial: &Trial| {
-        let s = law.heard(normal, trial.gain_db, trial.distance_m);
+        let s = law.heard(normal, trial.gain_db, trial.decades);
         trial.weight * (trial.received * libm::log(s) + (trial.sent - trial.received) * libm::log(1.0 - s))
     };
     prior + trials.iter().map(of_trial).sum::<f64>()
@@ -90,13 +91,13 @@ fn step(law: &PatternLaw, trials: &[Trial], normal: &Normal) -> Option<Vector4<f
     let mut slope = Vector4::zeros();
     let mut information = Matrix4::zeros();
     for trial in trials {
-        let s = law.heard(normal, trial.gain_db, trial.distance_m);
-        let score = law.score(trial.gain_db, trial.distance_m);
+        let s = law.heard(normal, trial.gain_db, trial.decades);
+        let score = law.score(trial.gain_db, trial.decades);
         let by_score = law.delivery * density(score);
         let gradient = Vector4::new(
             by_score / law.sigma_db,
             -by_score * score,
-            -by_score * 10.0 * libm::log10(trial.distance_m) / law.sigma_db,
+            -by_score * 10.0 * trial.decades / law.sigma_db,
             normal.below(score) * law.delivery * (1.0 - law.delivery),
         );
         let spread = trial.weight / (s * (1.0 - s));
@@ -124,9 +125,9 @@ mod tests {
         let trials: Vec<Trial> = (0..20_000)
             .map(|i| {
                 let draw = |at| Seed(5).uniform(Purpose::new(8), [i, at, 0]);
-                let (gain_db, distance_m) = (20.0 * draw(0) - 8.0, 0.5 + 14.0 * draw(1));
-                let is_heard = draw(2) < truth.heard(&normal, gain_db, distance_m);
-                Trial { gain_db, distance_m, received: f64::from(u8::from(is_heard)), sent: 1.0, weight: 1.0 }
+                let (gain_db, decades) = (20.0 * draw(0) - 8.0, libm::log10(0.5 + 14.0 * draw(1)));
+                let is_heard = draw(2) < truth.heard(&normal, gain_db, decades);
+                Trial { gain_db, decades, received: f64::from(u8::from(is_heard)), sent: 1.0, weight: 1.0 }
             })
             .collect();
         let mut law = PatternLaw::guess(2.0, 1);

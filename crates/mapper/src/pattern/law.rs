@@ -43,16 +43,16 @@ impl PatternLaw {
         }
     }
 
-    /// The standard score of a link of this gain (dB) over a distance (m).
+    /// The standard score of a link of this gain (dB) over a distance of so many decades of a metre.
     #[inline]
-    pub(super) fn score(&self, gain_db: f64, distance_m: f64) -> f64 {
-        (self.margin_db + gain_db - 10.0 * self.exponent * libm::log10(distance_m)) / self.sigma_db
+    pub(super) fn score(&self, gain_db: f64, decades: f64) -> f64 {
+        (self.margin_db + gain_db - 10.0 * self.exponent * decades) / self.sigma_db
     }
 
-    /// The probability that a packet is received over a link of this gain (dB) and distance (m).
+    /// The probability that a packet is received over a link of this gain (dB) and distance (decades of a metre).
     #[inline]
-    pub(super) fn heard(&self, normal: &Normal, gain_db: f64, distance_m: f64) -> f64 {
-        (self.delivery * normal.below(self.score(gain_db, distance_m))).clamp(LEAST, 1.0 - LEAST)
+    pub(super) fn heard(&self, normal: &Normal, gain_db: f64, decades: f64) -> f64 {
+        (self.delivery * normal.below(self.score(gain_db, decades))).clamp(LEAST, 1.0 - LEAST)
     }
 
     /// The distance beyond which a link of this gain receives as good as nothing (m).
@@ -60,15 +60,19 @@ impl PatternLaw {
         libm::pow(10.0, (self.margin_db + gain_db + 2.5 * self.sigma_db) / (10.0 * self.exponent))
     }
 
-    /// The largest change from `other` of what tells how far nodes are heard and which sectors they name (dB).
+    /// The largest change from `other` of what tells how far nodes are heard and which sectors they name (dB). Of the
+    /// sectors it is the usual one.
     pub(super) fn change_db(&self, other: &Self) -> f64 {
-        let ripple = self.ripple_db.iter().zip(&other.ripple_db).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let slope = 10.0 * (self.exponent - other.exponent).abs();
-        [self.margin_db - other.margin_db, self.sigma_db - other.sigma_db, self.noise_db - other.noise_db]
-            .into_iter()
-            .map(f64::abs)
-            .fold(ripple.max(slope), f64::max)
-            .max(10.0 * (self.delivery - other.delivery).abs())
-            .max((self.yaw_rad - other.yaw_rad).abs().to_degrees())
+        let square: f64 = self.ripple_db.iter().zip(&other.ripple_db).map(|(a, b)| (a - b) * (a - b)).sum();
+        let changes = [
+            (square / self.ripple_db.len().max(1) as f64).sqrt(),
+            self.margin_db - other.margin_db,
+            self.sigma_db - other.sigma_db,
+            self.noise_db - other.noise_db,
+            10.0 * (self.exponent - other.exponent),
+            10.0 * (self.delivery - other.delivery),
+            (self.yaw_rad - other.yaw_rad).to_degrees(),
+        ];
+        changes.into_iter().map(f64::abs).fold(0.0, f64::max)
     }
 }

@@ -24,9 +24,8 @@ use sextant_channel::{Position, ReceptionLog, SectorGains};
 use sextant_kernel::Watch;
 
 use crate::log_facts::reach::heard_nodes;
-use crate::numerics::normal::Normal;
 use crate::{CoordinateFrame, EstimateKind, MapError, TopologyMap};
-use evidence::Sight;
+use evidence::{Sight, Tables};
 use fit::thinned;
 use gain_map::GainMap;
 pub use law::PatternLaw;
@@ -58,7 +57,7 @@ pub struct PatternFit {
     /// Their receptions with a sector.
     pub named: usize,
     gains: GainMap,
-    normal: Normal,
+    tables: Tables,
     /// The greatest gain of any sector in the median direction (dBi).
     usual_dbi: f64,
 }
@@ -74,15 +73,15 @@ impl PatternFit {
     #[must_use]
     pub fn probability(&self, place: Position, stop: Position) -> f64 {
         let turn = [libm::cos(self.law.yaw_rad), libm::sin(self.law.yaw_rad)];
-        let Sight { cell, distance_m } = Sight::of(place, stop, turn);
+        let Sight { cell, square } = Sight::of(place, stop, turn);
         let gain = |sector: usize| self.gains.gain_dbi(cell, sector) + self.law.ripple_db[sector];
         let top_dbi = (0..self.gains.sectors()).map(gain).fold(f64::NEG_INFINITY, f64::max);
-        self.law.heard(&self.normal, top_dbi, distance_m)
+        self.law.heard(&self.tables.normal, top_dbi, self.tables.decades.of_root(square))
     }
 
     /// The probability that a packet is received over a distance in the median direction (m).
     fn usual_probability(&self, distance_m: f64) -> f64 {
-        self.law.heard(&self.normal, self.usual_dbi, distance_m.max(1e-3))
+        self.law.heard(&self.tables.normal, self.usual_dbi, libm::log10(distance_m.max(1e-3)))
     }
 }
 

@@ -12,7 +12,7 @@ const STEPS: u32 = 3;
 /// Most change of a gain in a step (dB).
 const MOST_DB: f64 = 1.5;
 /// Least and most noise (dB), and standard deviation of the ripple (dB).
-const NOISE_DB: [f64; 2] = [0.25, 8.0];
+const NOISE_DB: [f64; 2] = [0.5, 8.0];
 const RIPPLE_DB: [f64; 2] = [0.1, 6.0];
 /// How often a name says nothing.
 const ANY: f64 = 0.02;

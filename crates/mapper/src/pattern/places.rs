@@ -8,11 +8,11 @@ use crate::numerics::whole;
 use crate::posterior::Verdict;
 
 /// Cells along the longest side of a box, in the plane and in space.
-const FIRST: [f64; 2] = [24.0, 12.0];
+const FIRST: [f64; 2] = [20.0, 10.0];
 /// Cells this far below the likeliest are not halved: while the likelihood is blurred, and when it is not.
-const KEPT: [f64; 2] = [12.0, 9.0];
+const KEPT: [f64; 2] = [9.0, 8.0];
 /// No more cells than this are halved at a time.
-const MOST: usize = 700;
+const MOST: usize = 400;
 /// Cells are small enough at this share of the spread of the posterior.
 const FINE: f64 = 0.5;
 /// Times that cells are halved, at most.

@@ -4,13 +4,13 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
+use super::evidence::Tables;
 use super::fit::{Found, Likelihoods, Survey};
 use super::places::Places;
 use super::scene::Scene;
 use super::{PatternFit, PatternMap};
 use crate::log_facts::reach::HeardNode;
 use crate::log_facts::search_box::SearchBox;
-use crate::numerics::normal::Normal;
 use crate::posterior::FitState;
 use crate::{CoordinateFrame, Estimate, MapError, TopologyMap};
 
@@ -46,7 +46,6 @@ impl Settled {
         watch: &dyn Watch,
     ) -> Result<TopologyMap, MapError> {
         let mut map = TopologyMap {
-            grid_step_m: Some(self.settings.grid_step_m),
             heights: Some(self.scene.heights),
             ..TopologyMap::of_places(name, vec![None; log.node_count()], CoordinateFrame::World)
         };
@@ -71,13 +70,13 @@ impl Settled {
     }
 
     fn estimate(&self, places: &Places, within: &SearchBox) -> Estimate {
-        let PatternMap { grid_step_m, estimate: kind, .. } = self.settings;
-        let mut estimate = Estimate::of_places(kind, &places.places, places.mean(), places.likeliest);
+        let mut estimate =
+            Estimate::of_places(self.settings.estimate, &places.places, places.mean(), places.likeliest);
         if let Some(covariance) = &mut estimate.covariance {
-            // A node is somewhere in its cell, which may be wider than the step of the map.
-            let wider = (places.step_m * places.step_m - grid_step_m * grid_step_m).max(0.0) / 12.0;
+            // A node is somewhere in its cell.
+            let within_cell = places.step_m * places.step_m / 12.0;
             for (axis, row) in covariance.iter_mut().enumerate() {
-                row[axis] += if axis == 2 && within.is_level() { 0.0 } else { wider };
+                row[axis] += if axis == 2 && within.is_level() { 0.0 } else { within_cell };
             }
         }
         let state = FitState { is_reach_known: self.scene.is_reach_known, is_settled: self.found.is_settled };
@@ -96,7 +95,7 @@ impl Settled {
             nodes: self.found.nodes,
             named: self.found.namings,
             gains: self.scene.map,
-            normal: Normal::new(),
+            tables: Tables::new(),
             usual_dbi,
         }
     }
