@@ -105,8 +105,8 @@ pub use polygon::Polygon;
 pub use position::Position;
 pub use power::{Db, Dbm, Milliwatts};
 pub use reception::{
-    Contact, Drive, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder, Receptions,
-    ReceptionsIter, SectorReport, SectorSnr, Stop,
+    Contact, Drive, HeardAtStop, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder,
+    Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop,
 };
 pub use reflection::{Ray, ReflectionsConfig};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};

@@ -3,6 +3,7 @@
 mod builder;
 mod columns;
 mod drive;
+mod heard_at_stop;
 mod log_error;
 mod network_logs;
 mod sector_snrs;
@@ -17,6 +18,7 @@ use crate::{Position, SectorTable};
 pub use builder::ReceptionLogBuilder;
 use columns::Columns;
 pub use drive::Drive;
+pub use heard_at_stop::HeardAtStop;
 pub use log_error::LogError;
 pub use network_logs::{NetworkLog, NetworkLogs};
 use sector_snrs::SectorSnrs;
@@ -324,6 +326,16 @@ impl ReceptionLog {
     #[must_use]
     pub fn of(&self, node: NodeId) -> Receptions<'_> {
         Receptions::of_nodes(self, node.index()..node.index() + 1)
+    }
+
+    /// What was heard of a node at a stop, if the log says so.
+    ///
+    /// # Panics
+    /// If the log has no such node.
+    #[must_use]
+    pub fn at(&self, node: NodeId, stop: u32) -> Option<Reception> {
+        let of = self.of(node);
+        of.stops().binary_search(&stop).ok().and_then(|at| of.get(at))
     }
 
     /// Where the robots met obstacles.

@@ -22,6 +22,7 @@
 //! # Ok::<(), sextant_recording::RecordingError>(())
 //! ```
 
+pub mod antenna_text;
 mod capture;
 mod course;
 mod descriptor;

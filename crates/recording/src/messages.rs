@@ -47,6 +47,8 @@ pub(super) mod applications;
 pub(super) mod distributed;
 pub(super) mod networks;
 pub(super) mod packets;
+pub(super) mod sector_gains;
+pub(super) mod sector_snrs;
 pub(super) mod sensing;
 pub(super) mod stop_receptions;
 
@@ -54,6 +56,8 @@ pub use applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
 pub use distributed::MappedNodeMessage;
 pub use networks::{NetworksMessage, SectorMessage};
 pub use packets::{AssessmentMessage, PacketMessage, TransmissionMessage};
+pub use sector_gains::SectorGainsMessage;
+pub use sector_snrs::SectorSnrsMessage;
 pub use sensing::{SensedMessage, SensorsMessage};
 pub use stop_receptions::StopReceptionsMessage;
 
@@ -230,6 +234,8 @@ pub(crate) fn declarations() -> impl Iterator<Item = &'static Declaration> {
         distributed::DECLARATIONS,
         networks::DECLARATIONS,
         packets::DECLARATIONS,
+        sector_gains::DECLARATIONS,
+        sector_snrs::DECLARATIONS,
         sensing::DECLARATIONS,
         stop_receptions::DECLARATIONS,
     ];

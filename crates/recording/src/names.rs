@@ -54,12 +54,18 @@ const NETWORKS_TOPICS: &str = "/networks/";
 const STOPS_TOPIC: &str = "/stops";
 const RECEPTIONS_TOPIC: &str = "/receptions";
 const SECTORS_TOPIC: &str = "/sectors";
+const SECTOR_GAINS_TOPIC: &str = "/sector_gains";
+const SECTOR_SNRS_TOPIC: &str = "/sector_snrs";
+/// Their ends, of any network.
+const LOG_TOPICS: [&str; 5] = [STOPS_TOPIC, RECEPTIONS_TOPIC, SECTORS_TOPIC, SECTOR_GAINS_TOPIC, SECTOR_SNRS_TOPIC];
 
 /// The topics of the reception log of one network.
 pub(super) struct LogTopics {
     pub(super) stops: Cow<'static, str>,
     pub(super) receptions: Cow<'static, str>,
     pub(super) sectors: Cow<'static, str>,
+    pub(super) sector_gains: Cow<'static, str>,
+    pub(super) sector_snrs: Cow<'static, str>,
 }
 
 impl LogTopics {
@@ -69,13 +75,19 @@ impl LogTopics {
             None => Cow::Borrowed(topic),
             Some(name) => Cow::Owned(format!("{NETWORKS_TOPICS}{name}{topic}")),
         };
-        Self { stops: topic(STOPS_TOPIC), receptions: topic(RECEPTIONS_TOPIC), sectors: topic(SECTORS_TOPIC) }
+        Self {
+            stops: topic(STOPS_TOPIC),
+            receptions: topic(RECEPTIONS_TOPIC),
+            sectors: topic(SECTORS_TOPIC),
+            sector_gains: topic(SECTOR_GAINS_TOPIC),
+            sector_snrs: topic(SECTOR_SNRS_TOPIC),
+        }
     }
 
     /// Name of the network to whose log `topic` belongs; `None` for the first one.
     pub(super) fn network(topic: &str) -> Option<&str> {
         let rest = topic.strip_prefix(NETWORKS_TOPICS)?;
-        [STOPS_TOPIC, RECEPTIONS_TOPIC, SECTORS_TOPIC].iter().find_map(|end| rest.strip_suffix(end))
+        LOG_TOPICS.iter().find_map(|end| rest.strip_suffix(end))
     }
 }
 

@@ -1,5 +1,7 @@
 //! Reads from a recording what mappers, metrics and figures need.
 
+mod log_draft;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,10 +9,7 @@ use std::sync::Arc;
 use crate::robot_names::RobotNames;
 use foxglove::messages::PointCloud;
 use prost::Message as _;
-use sextant_channel::{
-    Contact, LogError, NetworkLog, NetworkLogs, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorConfig,
-    SectorTable, Stop,
-};
+use sextant_channel::{Contact, LogError, NetworkLog, NetworkLogs, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{Files, NodeId, SimTime};
 
 use super::drawing;
@@ -19,6 +18,7 @@ use super::messages;
 use super::names::{FILES_ATTACHMENTS, LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
 use super::recorded_summary::{ClaimedObstacle, RecordedMap, RecordedSummary};
 use crate::mcap_file::{Piece, scan};
+use log_draft::LogDraft;
 
 /// The reception log of a recording, with its metadata and attachments.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +30,8 @@ pub struct RecordedRun {
     /// Number of ignored stops, 0 or 1 in each log. Receptions of the last stop of a recovered recording may be missing, and
     /// a missing reception would mean that nothing was heard.
     pub cut_stops: usize,
+    /// Whether signal-to-noise ratios of all sectors were left out, because receptions were passed on one by one.
+    pub leaves_out_sector_snrs: bool,
     /// Metadata records by name. A recording of `run` has [`super::ORIGIN_METADATA`].
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
     /// Attachments in the order of the file.
@@ -116,7 +118,7 @@ pub type TakeReception<'a> = &'a mut dyn FnMut(Reception, &Stop) -> Result<(), R
 
 /// Reads the recording `path` as [`read_log`] does, but passes the receptions of one network to `take`, each with its stop, in
 /// the order of the stops, instead of keeping them: that of `network`, or the first one. The logs of all networks have no
-/// receptions then. Needs memory for the stops, the names, one chunk and the receptions of one stop.
+/// receptions then, and no signal-to-noise ratios of all sectors. Needs memory for the stops, the names, one chunk and the receptions of one stop.
 ///
 /// # Errors
 /// Those of [`read_log`], and the first error of `take`.
@@ -194,8 +196,10 @@ impl RunReading<'_> {
     pub(super) fn finish(mut self, path: &Path) -> Result<RecordedRun, RecordingError> {
         let cut_stops = self.draft.cut_last_stops();
         let paths = std::mem::take(&mut self.draft.paths);
+        let leaves_out_sector_snrs = self.draft.leaves_out_sector_snrs;
         let logs = self.draft.build().map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
-        Ok(RecordedRun { logs, paths, cut_stops, metadata: self.metadata, attachments: self.attachments })
+        let Self { metadata, attachments, .. } = self;
+        Ok(RecordedRun { logs, paths, cut_stops, leaves_out_sector_snrs, metadata, attachments })
     }
 }
 
@@ -264,19 +268,8 @@ struct RunDraft<'a> {
     others: Vec<(String, LogDraft)>,
     contacts: Vec<Contact>,
     paths: Vec<(String, Vec<Position>)>,
-}
-
-/// The reception log of one network that is being read.
-#[derive(Default)]
-struct LogDraft {
-    stops: Vec<Stop>,
-    receptions: ReceptionLogBuilder,
-    /// The sectors; `None` if there are none.
-    sectors: Option<SectorTable>,
-    /// Number of receptions of the last stop that are still missing.
-    owed: u32,
-    /// Receptions of the last stop that wait for those.
-    waiting: Vec<Reception>,
+    /// Whether whoever takes receptions one by one has missed them.
+    leaves_out_sector_snrs: bool,
 }
 
 impl RunDraft<'_> {
@@ -308,7 +301,18 @@ impl RunDraft<'_> {
                 let reception = self.of(LogTopics::network(topic)).reception(&decode(data)?)?;
                 self.keep(topic, reception)
             }
+            "sextant.SectorSnrs" => {
+                if self.stream.is_some() {
+                    self.leaves_out_sector_snrs = true;
+                    return Ok(());
+                }
+                let message: messages::SectorSnrsMessage = decode(data)?;
+                let receptions = &mut self.of(LogTopics::network(topic)).receptions;
+                message.reports()?.for_each(|report| receptions.report(report));
+                Ok(())
+            }
             "sextant.Sector" => self.of(LogTopics::network(topic)).add_sector(decode(data)?),
+            "sextant.SectorGains" => self.of(LogTopics::network(topic)).add_gains(&decode(data)?),
             "foxglove.PosesInFrame" => {
                 if let Some(name) = drawing::robot_of_path(topic) {
                     self.paths.push((name.to_owned(), drawing::path_of(data)?));
@@ -380,85 +384,6 @@ impl RunDraft<'_> {
         let first = build(self.networks.into_iter().next(), self.log)?;
         let others = self.others.into_iter().map(|(name, log)| build(Some(name), log));
         Ok(NetworkLogs::new(first, others.collect::<Result<_, _>>()?))
-    }
-}
-
-impl LogDraft {
-    fn add_stop(&mut self, message: &messages::StopMessage, stop: Stop) -> Result<(), String> {
-        self.settled()?;
-        if message.stop as usize != self.stops.len() {
-            return Err(format!("found stop {}; expected: stop {}", message.stop, self.stops.len()));
-        }
-        self.owed = message.receptions;
-        self.stops.push(stop);
-        Ok(())
-    }
-
-    fn add_sector(&mut self, message: messages::SectorMessage) -> Result<(), String> {
-        let known = self.sectors.take().unwrap_or_default();
-        let sectors = known.iter().cloned().chain([SectorConfig::try_from(message)?]);
-        self.sectors = Some(SectorTable::new(sectors).map_err(|why| why.to_string())?);
-        Ok(())
-    }
-
-    /// The reception of a message, which its stop has announced.
-    fn reception(&mut self, message: &messages::ReceptionMessage) -> Result<Reception, String> {
-        self.settle(1)?;
-        let sector = message.sector.map(|sector| {
-            u8::try_from(sector).map_err(|_| format!("node {}: sector {sector}; allowed: 0 to 255", message.node))
-        });
-        Ok(Reception {
-            node: NodeId(message.node),
-            stop: message.stop,
-            received: message.received,
-            sent: message.sent,
-            sector: sector.transpose()?,
-            rssi_dbm: message.rssi_dbm,
-            snr_db: message.snr_db,
-        })
-    }
-
-    /// Passes a reception on as soon as those of its stop are complete: an incomplete stop is not part of the log.
-    fn pass(&mut self, reception: Reception, stream: &mut Stream<'_>) -> Result<(), String> {
-        self.waiting.push(reception);
-        if self.owed > 0 {
-            return Ok(());
-        }
-        for reception in self.waiting.drain(..) {
-            let known = self.stops.get(reception.stop as usize);
-            let stop =
-                known.ok_or_else(|| format!("a reception names stop {}, which was not before it", reception.stop))?;
-            if let Err(why) = (stream.take)(reception, stop) {
-                let text = why.to_string();
-                stream.failed = Some(why);
-                return Err(text);
-            }
-        }
-        Ok(())
-    }
-
-    /// So many of the receptions that the last stop has announced are here.
-    fn settle(&mut self, receptions: usize) -> Result<(), String> {
-        let count = u32::try_from(receptions).unwrap_or(u32::MAX);
-        self.owed = self.owed.checked_sub(count).ok_or("more receptions than their stop has announced")?;
-        Ok(())
-    }
-
-    fn settled(&self) -> Result<(), String> {
-        if self.owed == 0 {
-            return Ok(());
-        }
-        Err(format!("{} receptions are missing before stop {}", self.owed, self.stops.len()))
-    }
-
-    /// Removes the last stop if it is incomplete. Returns the number of removed stops.
-    fn cut_last_stop(&mut self) -> usize {
-        if self.owed == 0 {
-            return 0;
-        }
-        self.stops.pop();
-        self.receptions.forget_from(u32::try_from(self.stops.len()).unwrap_or(u32::MAX));
-        1
     }
 }
 

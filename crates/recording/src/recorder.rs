@@ -21,7 +21,8 @@ use foxglove::messages::{Log, log::Level};
 use mcap::Attachment;
 use mcap::records::{MessageHeader, Metadata};
 use sextant_channel::{
-    Anchor, Contact, Dbm, Link, NeighbourLog, Position, Reception, ReceptionLog, SectorTable, Stop,
+    Anchor, Contact, Dbm, HeardAtStop, Link, NeighbourLog, Position, Reception, ReceptionLog, SectorReport,
+    SectorTable, Stop,
 };
 use sextant_kernel::SimTime;
 
@@ -198,16 +199,20 @@ impl<W: Write> Recorder<W> {
         self.write(SimTime::ZERO, NETWORKS_TOPIC, &messages::NetworksMessage { names: names.to_vec() })
     }
 
-    /// Writes the directions of the sectors of the robots, in the log of the first network or of the one called `other`.
-    /// Call it once, before the first stop.
+    /// Writes the directions of the sectors of the robots, and their gains if they are known, in the log of the first network
+    /// or of the one called `other`. Call it once, before the first stop.
     ///
     /// # Errors
     /// If any write failed, now or before.
     pub fn sectors(&mut self, other: Option<&str>, sectors: &SectorTable) -> Result<(), RecordingError> {
-        let topic = LogTopics::new(other).sectors;
-        sectors
-            .iter()
-            .try_for_each(|sector| self.write(SimTime::ZERO, &topic, &messages::SectorMessage::from(sector)))
+        let LogTopics { sectors: directions, sector_gains, .. } = LogTopics::new(other);
+        for sector in sectors.iter() {
+            self.write(SimTime::ZERO, &directions, &messages::SectorMessage::from(sector))?;
+        }
+        match sectors.gains().and_then(messages::SectorGainsMessage::new) {
+            Some(message) => self.write(SimTime::ZERO, &sector_gains, &message),
+            None => Ok(()),
+        }
     }
 
     /// The robots' radios in the log `other`, or in the first one, are of IEEE 802.15.4 with this sensitivity: their
@@ -216,22 +221,24 @@ impl<W: Write> Recorder<W> {
         self.sensitivities.insert(other.map(str::to_owned), sensitivity);
     }
 
-    /// Writes a stop and all receptions there, in the log of the first network or of the one called `other`. The stops of
-    /// a log are numbered from 0 in the order of the calls, and `receptions` refer to that number. A chunk never ends within a stop, so that a crash loses complete stops only.
+    /// Writes a stop and all that was `heard` there, in the log of the first network or of the one called `other`. The stops
+    /// of a log are numbered from 0 in the order of the calls, and `heard` refers to that number. A chunk never ends within a
+    /// stop, so that a crash loses complete stops only.
     ///
     /// # Errors
     /// If any write failed, now or before.
     ///
     /// # Panics
     /// If there are 2³² receptions.
-    pub fn stop(
+    pub fn stop<'a>(
         &mut self,
         other: Option<&str>,
         robot: &str,
         index: u32,
         stop: &Stop,
-        receptions: &[Reception],
+        heard: impl Into<HeardAtStop<'a>>,
     ) -> Result<(), RecordingError> {
+        let HeardAtStop { receptions, reports } = heard.into();
         let Position { x_m, y_m, z_m } = stop.position;
         let topics = LogTopics::new(other);
         let message = messages::StopMessage {
@@ -244,6 +251,10 @@ impl<W: Write> Recorder<W> {
             receptions: u32::try_from(receptions.len()).expect("fewer than 2^32 receptions"),
         };
         self.append(stop.time, &topics.stops, &message)?;
+        // Before the receptions, which complete the stop.
+        if !reports.is_empty() {
+            self.append(stop.time, &topics.sector_snrs, &messages::SectorSnrsMessage::new(index, reports))?;
+        }
         let sensitivity = self.sensitivities.get(&other.map(str::to_owned)).copied();
         if self.detail == Detail::Compact && !receptions.is_empty() {
             let message = messages::StopReceptionsMessage::new(index, receptions, sensitivity);
@@ -301,12 +312,17 @@ impl<W: Write> Recorder<W> {
         }
         let mut by_stop = log.receptions().to_vec();
         by_stop.sort_by_key(|reception| (reception.stop, reception.node));
-        let mut rest = by_stop.as_slice();
+        let mut reports: Vec<SectorReport> = log.sector_reports().collect();
+        reports.sort_by_key(|report| (report.stop, report.node));
+        let (mut rest, mut rest_of_reports) = (by_stop.as_slice(), reports.as_slice());
         for (index, stop) in log.stops().iter().enumerate() {
             let index = u32::try_from(index).expect("fewer than 2^32 stops");
             let (here, later) = rest.split_at(rest.partition_point(|reception| reception.stop <= index));
-            self.stop(None, &log.robot_name(stop.robot), index, stop, here)?;
-            rest = later;
+            let of_stop = rest_of_reports.partition_point(|report| report.stop <= index);
+            let (reports, later_reports) = rest_of_reports.split_at(of_stop);
+            let heard = HeardAtStop { receptions: here, reports };
+            self.stop(None, &log.robot_name(stop.robot), index, stop, heard)?;
+            (rest, rest_of_reports) = (later, later_reports);
         }
         log.contacts().iter().try_for_each(|contact| self.contact(&log.robot_name(contact.robot), contact))
     }

@@ -28,6 +28,21 @@ pub struct SectorReport {
     pub snr_db: f64,
 }
 
+impl SectorReport {
+    /// The mean of all reports of the same sector by the same node at the same stop (dB), in the order of nodes, stops and
+    /// sectors: of sweeps that were repeated at a stop.
+    #[must_use]
+    pub fn averaged(mut reports: Vec<Self>) -> Vec<Self> {
+        let key = |report: &Self| (report.node, report.stop, report.sector);
+        reports.sort_by_key(key);
+        let of_sector = |same: &[Self]| {
+            let sum_db: f64 = same.iter().map(|report| report.snr_db).sum();
+            Self { snr_db: sum_db / same.len() as f64, ..same[0] }
+        };
+        reports.chunk_by(|one, other| key(one) == key(other)).map(of_sector).collect()
+    }
+}
+
 /// The reports of all nodes: a sorted list of pairs of node and stop, each with a range of sectors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct SectorSnrs {
@@ -110,9 +125,7 @@ fn check_heard(log: &ReceptionLog, node: NodeId, stop: u32) -> Result<(), LogErr
     if stop as usize >= log.stops().len() {
         return Err(LogError::UnknownStop { node: name.clone(), stop, stops: log.stops().len() });
     }
-    let of = log.of(node);
-    let reception = of.stops().binary_search(&stop).ok().and_then(|at| of.get(at));
-    if reception.is_some_and(|reception| reception.received > 0) {
+    if log.at(node, stop).is_some_and(|reception| reception.received > 0) {
         Ok(())
     } else {
         Err(LogError::NotHeard { node: name.clone(), stop })
@@ -192,6 +205,14 @@ mod tests {
         early.forget_from(1);
         let early = early.build(log.names().to_vec(), log.stops().to_vec(), Vec::new()).unwrap();
         assert_eq!(all(&early), [report(0, 0, 2)]);
+    }
+
+    #[test]
+    fn repeated_reports_are_averaged() {
+        let again = |snr_db, report: SectorReport| SectorReport { snr_db, ..report };
+        let (one, other) = (report(0, 1, 7), report(0, 2, 0));
+        let averaged = SectorReport::averaged(vec![again(3.0, one), other, again(5.5, one), again(-1.0, one)]);
+        assert_eq!(averaged, [again(2.5, one), other]);
     }
 
     #[test]

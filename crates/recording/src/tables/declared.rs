@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
 
-use sextant_channel::Reception;
+use sextant_channel::{Reception, SectorReport};
 
 use super::row::{Cell, CellKind, TableColumn};
 use super::{Message, OwnedRow};
@@ -43,6 +43,20 @@ pub(super) fn cells_of(reception: &Reception, lqi: Option<u32>, names: &[String]
         snr_db.map_or(Cell::Missing, Cell::Real),
         lqi.map_or(Cell::Missing, integer),
     ]
+}
+
+/// The columns of the table of the signal-to-noise ratios of all sectors.
+pub(super) fn report_columns() -> Vec<TableColumn> {
+    let integers = ["stop", "sector"].map(|name| TableColumn::new(name, CellKind::Integer));
+    let [stop, sector] = integers;
+    vec![TableColumn::new("node", CellKind::Text), stop, sector, TableColumn::new("snr_db", CellKind::Real)]
+}
+
+/// A row of the table of the signal-to-noise ratios of all sectors.
+pub(super) fn cells_of_report(report: &SectorReport, names: &[String]) -> Vec<Cell> {
+    let &SectorReport { node, stop, sector, snr_db } = report;
+    let name = Cell::Text(name_of(names, node.0.into()));
+    vec![name, Cell::Integer(stop.into()), Cell::Integer(sector.into()), Cell::Real(snr_db)]
 }
 
 /// The table called `table` of the network that `topic` belongs to.
@@ -260,8 +274,8 @@ mod tests {
             .map(|declaration| declaration.name)
             .filter(|name| !TABLES.iter().any(|table| table.0 == *name))
             .collect();
-        // Those of a stop are rows of the table of receptions.
-        assert_eq!(without, ["Nodes", "Networks", "StopReceptions"]);
+        // Those of a stop are rows of the tables of receptions and of signal-to-noise ratios; gains are a file.
+        assert_eq!(without, ["Nodes", "Networks", "SectorGains", "SectorSnrs", "StopReceptions"]);
     }
 
     #[test]

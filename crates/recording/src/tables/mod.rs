@@ -7,6 +7,7 @@ mod row;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use super::antenna_text;
 use super::error::RecordingError;
 use super::messages;
 use super::names::LogTopics;
@@ -29,7 +30,7 @@ pub struct LeftOut {
 pub enum TablePiece<'a> {
     /// A row of a table.
     Row(TableRow<'a>),
-    /// A file within the recording.
+    /// A file within the recording, or the robots' antenna as a file.
     Attachment {
         /// Its name.
         name: &'a str,
@@ -58,6 +59,11 @@ pub fn read_tables(
             let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
             let message = Message { topic: &channel.topic, schema, time_ns: header.log_time, data };
             let problem = |problem| RecordingError::message(path, &channel.topic, problem);
+            if schema == "sextant.SectorGains" {
+                let text = antenna(data).map_err(problem)?;
+                let name = declared::network_table(ANTENNA_FILE, &channel.topic);
+                return visit(TablePiece::Attachment { name: &name, data: text.as_bytes() });
+            }
             reading.rows(&message).map_err(problem)?.iter().try_for_each(|rows| show(rows, visit))
         }
         Piece::Attachment { name, data, .. } => visit(TablePiece::Attachment { name, data }),
@@ -66,6 +72,15 @@ pub fn read_tables(
     // The first stop of a recording that was cut may be incomplete.
     reading.first_stop().iter().try_for_each(|rows| show(rows, visit))?;
     Ok(reading.left_out)
+}
+
+/// Name of the file with the robots' antenna: that of the folder of a log.
+const ANTENNA_FILE: &str = "antenna.toml";
+
+/// The text of the file with the robots' antenna that a message has.
+fn antenna(data: &[u8]) -> Result<String, String> {
+    let message = messages::SectorGainsMessage::decode(data).map_err(|why| why.to_string())?;
+    antenna_text::write(&message.gains()?).ok_or_else(|| "an antenna without sectors".to_owned())
 }
 
 /// A message of a recording.
@@ -163,6 +178,12 @@ impl Reading {
                 let cells = cells.collect();
                 let table = (declared::network_table("receptions", message.topic), declared::reception_columns());
                 return Ok(self.in_order(message, table, cells));
+            }
+            "sextant.SectorSnrs" => {
+                let stop = messages::SectorSnrsMessage::decode(message.data).map_err(|why| why.to_string())?;
+                let cells = stop.reports()?.map(|report| declared::cells_of_report(&report, &self.names)).collect();
+                let table = declared::network_table("sector_snrs", message.topic);
+                return Ok(vec![Rows { table, columns: declared::report_columns(), cells }]);
             }
             _ => {}
         }

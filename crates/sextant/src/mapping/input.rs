@@ -99,6 +99,12 @@ impl Input {
                 "the recording is incomplete: its last stop is ignored, because receptions may be missing".to_owned(),
             );
         }
+        if run.leaves_out_sector_snrs {
+            notes.push(
+                "the signal-to-noise ratios of all sectors are not used, because the log is mapped part by part"
+                    .to_owned(),
+            );
+        }
         if !run.metadata.contains_key(ORIGIN_METADATA) {
             notes.push("the recording does not name its scenario".to_owned());
         }
