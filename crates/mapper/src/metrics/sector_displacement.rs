@@ -306,7 +306,8 @@ mod tests {
             let index = |y: f64, x: f64| (y.atan2(x).to_degrees() / (360.0 / f64::from(sectors))).round();
             let apart = (index(dy, dx) - index(ey, ex)).rem_euclid(f64::from(sectors));
             let steps = apart.min(f64::from(sectors) - apart);
-            pairs[(0..pairs.len()).find(|&k| (steps - k as f64).abs() < 0.5).unwrap()] += 1;
+            let class = (0..pairs.len()).find(|&k| (steps - k as f64).abs() < 0.5).unwrap();
+            pairs[class] += 1;
         }
         (pairs, upright)
     }
