@@ -72,12 +72,12 @@ fn spread_out(chosen: &mut Vec<ReachedAnchor>, mut others: Vec<ReachedAnchor>) -
     let middle = others.iter().fold(Position::ORIGIN, |sum, anchor| sum + anchor.place * share);
     while chosen.len() < NEAREST && !others.is_empty() {
         let apart_m = |place: Position| -> f64 {
-            let nearest_m =
-                chosen.iter().map(|other| other.place.distance_m(place)).fold(f64::INFINITY, f64::min);
+            let nearest_m = chosen.iter().map(|other| other.place.distance_m(place)).fold(f64::INFINITY, f64::min);
             if chosen.is_empty() { middle.distance_m(place) } else { nearest_m }
         };
         let distances_m: Vec<f64> = others.iter().map(|other| apart_m(other.place)).collect();
-        let farthest = (1..others.len()).fold(0, |best, at| if distances_m[at] > distances_m[best] { at } else { best });
+        let farthest =
+            (1..others.len()).fold(0, |best, at| if distances_m[at] > distances_m[best] { at } else { best });
         chosen.push(others.remove(farthest));
     }
     others

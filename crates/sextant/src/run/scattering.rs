@@ -80,8 +80,7 @@ mod tests {
         let mut places: Vec<Option<Position>> = truth.iter().copied().map(Some).collect();
         places[3] = None;
         places[4] = Some(Position::new(4.0, 5.0, 0.0));
-        let nodes: Vec<MappingRecord> =
-            places.iter().enumerate().map(|(i, &place)| record(place, i > 0)).collect();
+        let nodes: Vec<MappingRecord> = places.iter().enumerate().map(|(i, &place)| record(place, i > 0)).collect();
         // Within 2 m: the node at 1 has 0 and 2, both in place. The node at 2 has 0, 1 and 4, of which one is scattered.
         // The node at 4 has only that at 2 besides the one without a place.
         assert_eq!(of_near(&nodes, &truth, 2.0), [(0.05, 1, 0.0, 0.0), (0.4, 1, 0.0, 0.0), (1.0, 1, 5.0, 5.0)]);

@@ -139,11 +139,7 @@ impl From<&SectorDisplacement> for SectorsSummary {
             without_bearing: found.without_bearing,
             without_bearing_on_map: found.without_bearing_on_map,
         };
-        Self {
-            sector_displacement: found.shares(),
-            sector_displacement_of_pairs: found.pair_shares(),
-            sector_pairs,
-        }
+        Self { sector_displacement: found.shares(), sector_displacement_of_pairs: found.pair_shares(), sector_pairs }
     }
 }
 

@@ -8,7 +8,9 @@ use super::applications_table;
 use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
-use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn, SectorsSummary};
+use super::map::{
+    AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn, SectorsSummary,
+};
 use super::results::{RegionSummary, Summary};
 use super::timing::Timing;
 use crate::columns::{Align, columns};
