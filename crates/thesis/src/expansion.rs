@@ -200,7 +200,8 @@ fn check(condition: Condition, terms: Vec<Term>) -> Result<Check, (&'static str,
 }
 
 fn charts<'a>(entry: &'a ChartEntry, group: &Entry, scope: &Scope<'a>) -> Result<Vec<Chart>, TableError> {
-    let own = Entry { measure: entry.measure.clone(), ..Entry::default() }.under(group);
+    let own = Entry { scenario: entry.scenario.clone(), measure: entry.measure.clone(), ..Entry::default() };
+    let own = own.under(group);
     let scopes = scope.clone().only(&entry.only).each(&entry.each)?;
     scopes.into_iter().map(|scope| chart(entry, &own, &scope.with(&entry.with)?)).collect()
 }

@@ -201,6 +201,8 @@ pub(crate) struct ChartEntry {
     pub(crate) across: String,
     /// Name of the vertical axis, with its unit.
     pub(crate) up: String,
+    /// The scenario, if it is not that of the table.
+    pub(crate) scenario: Option<String>,
     /// The measure, if it is not that of the table.
     pub(crate) measure: Option<String>,
     /// A curve, or the bars of one colour, for each combination of items.

@@ -59,8 +59,13 @@ fn tiny_mmtm(scenario: &str) -> Vec<String> {
     ];
     if scenario.contains("comparison") {
         set.push("anchors.share=0.5".to_owned());
+    } else if scenario.contains("few-anchors") {
+        // A fiftieth of the nodes must be five anchors.
+        let place = |i: usize| format!("[{}.0, {}.0, {}.6]", i % 20, i / 20, i % 2);
+        let places: Vec<_> = (0..260).map(place).collect();
+        set[0] = format!("world.nodes={{ explicit = {{ positions_m = [{}] }} }}", places.join(", "));
     } else {
-        let maps = if scenario.starts_with("dmtm/") { 1 } else { 3 };
+        let maps = if scenario.starts_with("dmtm/") || scenario.contains("one-sweep") { 1 } else { 3 };
         set.extend((0..maps).map(|map| format!("maps.{map}.algorithm.mmtm.grid_step_m=0.45")));
     }
     set

@@ -20,6 +20,7 @@ mod smacof;
 mod strengths;
 mod tpm;
 mod triangle_centroid;
+mod upright_anchors;
 
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};

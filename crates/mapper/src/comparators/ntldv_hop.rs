@@ -9,6 +9,7 @@ use sextant_kernel::{SettingError, Watch};
 
 use super::dv_hop::{HopLength, hop_length_m};
 use super::graph::{Graph, UNREACHED};
+use super::upright_anchors::{ReachedAnchor, sort_nearest_first, upright};
 use super::{check_link_share, default_link_share, node_by_node};
 use crate::comparators::lateration::{Range, multilaterate_linear, refine};
 use crate::numerics::memory::check_table;
@@ -70,17 +71,14 @@ impl NtldvHopConfig {
 }
 
 /// NTLDV-HOP. A node is not placed if it reaches fewer anchors than the number of dimensions plus one, or if all that it
-/// reaches are nearly in one plane (on one line) and such anchors are rejected. Anchors keep their known places. The
-/// paper was not available: this is a reconstruction.
+/// reaches are nearly in one plane (on one line) and such anchors are rejected. If flat anchors are rejected, a node uses
+/// the twelve nearest; of equally near ones, those that are farthest from one another. If these are nearly in one plane, the
+/// nearest anchors out of it are used with them. Anchors keep their known places. The paper was not available: this is a
+/// reconstruction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NtldvHop {
     config: NtldvHopConfig,
 }
-
-/// Volume over mean edge of a tetrahedron, 1 if it is regular, below which it is flat.
-const FLAT: f64 = 0.1;
-/// Number of nearest anchors of which tetrahedra are made.
-const NEAREST: usize = 12;
 
 impl TryFrom<NtldvHopConfig> for NtldvHop {
     type Error = SettingError;
@@ -137,29 +135,33 @@ impl NtldvHop {
     }
 
     fn place(&self, field: &Field<'_>, node: usize) -> Option<Position> {
-        // The nearest anchor comes last: linear least squares subtracts its equation from the others.
-        let mut reached: Vec<usize> =
-            (0..field.anchors.len()).filter(|&anchor| field.hops[anchor][node] != UNREACHED).collect();
-        reached.sort_by_key(|&anchor| std::cmp::Reverse(field.hops[anchor][node]));
-        let length_m = self.hop_length_m(field, node, &reached)?;
-        if self.config.reject_flat_anchors {
-            reached = upright(field, &reached);
-        }
-        let range = |&anchor: &usize| {
-            let hops = f64::from(field.hops[anchor][node]);
-            let weight = if self.config.weigh_by_hops { 1.0 / (hops * hops) } else { 1.0 };
-            Range { weight, ..Range::new(field.anchors[anchor].position, length_m * hops) }
+        let reached = (0..field.anchors.len()).filter(|&anchor| field.hops[anchor][node] != UNREACHED);
+        let reach = |anchor: usize| ReachedAnchor {
+            anchor,
+            place: field.anchors[anchor].position,
+            hops: field.hops[anchor][node],
         };
-        let ranges: Vec<Range> = reached.iter().map(range).collect();
+        let mut reached: Vec<ReachedAnchor> = reached.map(reach).collect();
+        sort_nearest_first(&mut reached);
+        let length_m = self.hop_length_m(field, &reached)?;
+        if self.config.reject_flat_anchors {
+            reached = upright(&reached, field.dimensions);
+        }
+        let range = |of: &ReachedAnchor| {
+            let hops = f64::from(of.hops);
+            let weight = if self.config.weigh_by_hops { 1.0 / (hops * hops) } else { 1.0 };
+            Range { weight, ..Range::new(of.place, length_m * hops) }
+        };
+        // The nearest anchor comes last: linear least squares subtracts its equation from the others.
+        let ranges: Vec<Range> = reached.iter().rev().map(range).collect();
         let linear = multilaterate_linear(&ranges, field.dimensions).ok()?;
         let place = if self.config.refine { refine(linear, &ranges, field.dimensions) } else { linear };
         Some(if self.config.clamp { clamped(place, field, length_m) } else { place })
     }
 
-    /// The length of a hop for `node`, which reaches the anchors `reached`, the nearest one last (m).
-    fn hop_length_m(&self, field: &Field<'_>, node: usize, reached: &[usize]) -> Option<f64> {
-        let known =
-            || reached.iter().rev().filter_map(|&a| Some((f64::from(field.hops[a][node]), field.lengths_m[a]?)));
+    /// The length of a hop for a node that reaches these anchors, the nearest one first (m).
+    fn hop_length_m(&self, field: &Field<'_>, reached: &[ReachedAnchor]) -> Option<f64> {
+        let known = || reached.iter().filter_map(|of| Some((f64::from(of.hops), field.lengths_m[of.anchor]?)));
         if !self.config.mean_hop_length {
             return known().next().map(|(_, length_m)| length_m);
         }
@@ -167,47 +169,6 @@ impl NtldvHop {
             .fold((0.0, 0.0), |(sum, weights), (hops, length_m)| (sum + length_m / hops, weights + 1.0 / hops));
         (weights > 0.0).then(|| sum / weights)
     }
-}
-
-/// Those of the anchors `reached`, the nearest one last, that form a tetrahedron (a triangle in the plane) which is not
-/// nearly flat, in the same order; only the nearest few are tried.
-fn upright(field: &Field<'_>, reached: &[usize]) -> Vec<usize> {
-    let tried = &reached[reached.len().saturating_sub(NEAREST)..];
-    let place = |at: usize| field.anchors[tried[at]].position;
-    let mut is_kept = vec![false; tried.len()];
-    for a in 0..tried.len() {
-        for b in a + 1..tried.len() {
-            for c in b + 1..tried.len() {
-                if field.dimensions == 2 {
-                    if flatness(&[place(a), place(b), place(c)]) > FLAT {
-                        [a, b, c].into_iter().for_each(|at| is_kept[at] = true);
-                    }
-                    continue;
-                }
-                for d in c + 1..tried.len() {
-                    if flatness(&[place(a), place(b), place(c), place(d)]) > FLAT {
-                        [a, b, c, d].into_iter().for_each(|at| is_kept[at] = true);
-                    }
-                }
-            }
-        }
-    }
-    tried.iter().zip(is_kept).filter(|&(_, kept)| kept).map(|(&anchor, _)| anchor).collect()
-}
-
-/// How far a triangle or a tetrahedron is from being flat: its area over the squared mean edge, its volume over the cubed
-/// mean edge, each 1 for the regular one and 0 for a flat one.
-fn flatness(corners: &[Position]) -> f64 {
-    let pairs = corners.iter().enumerate().flat_map(|(i, a)| corners[i + 1..].iter().map(|b| a.distance_m(*b)));
-    let (sum_m, count) = pairs.fold((0.0, 0.0), |(sum, count), edge_m| (sum + edge_m, count + 1.0));
-    let mean_m: f64 = sum_m / count;
-    let edge = |i: usize| nalgebra::Vector3::from(<[f64; 3]>::from(corners[i] - corners[0]));
-    let across = edge(1).cross(&edge(2));
-    let measure = match corners.len() {
-        3 => across.norm() * 2.0 / (3.0_f64.sqrt() * mean_m.powi(2)),
-        _ => across.dot(&edge(3)).abs() * std::f64::consts::SQRT_2 / mean_m.powi(3),
-    };
-    if measure.is_finite() { measure } else { 0.0 }
 }
 
 /// The nearest place in the box of all anchors, widened by `margin_m`.
@@ -251,23 +212,5 @@ impl Estimator for NtldvHop {
 impl EstimatorSettings for NtldvHopConfig {
     fn mapper(self) -> Result<Mapper, SettingError> {
         NtldvHop::try_from(self).map(Mapper::new)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn flatness_is_one_for_regular_and_zero_for_flat_figures() {
-        let triangle = [(0.0, 0.0), (1.0, 0.0), (0.5, 0.75_f64.sqrt())].map(|(x, y)| Position::new(x, y, 0.0));
-        let top = |z: f64| Position::new(0.5, 0.75_f64.sqrt() / 3.0, z);
-        let tetrahedron = |z: f64| [triangle[0], triangle[1], triangle[2], top(z)];
-        assert!((flatness(&triangle) - 1.0).abs() < 1e-12);
-        assert!((flatness(&tetrahedron((2.0_f64 / 3.0).sqrt())) - 1.0).abs() < 1e-12);
-        assert!(flatness(&tetrahedron(0.0)) < 1e-12 && flatness(&tetrahedron(0.03)) < FLAT);
-        assert!(flatness(&[Position::ORIGIN; 4]) < 1e-12, "all in one point");
-        let line = [0.0, 1.0, 5.0].map(|x| Position::new(x, 0.0, 0.0));
-        assert!(flatness(&line) < 1e-12);
     }
 }

@@ -168,7 +168,7 @@ pub(super) fn map_evidence(
         }
     };
     map.heights = Some(fit.heights);
-    let state = FitState { is_reach_known: fit.is_reach_known, is_settled: fit.converged };
+    let state = FitState { is_reach_known: fit.is_reach_known, is_settled: fit.is_settled() };
     for estimate in map.estimates.iter_mut().flatten() {
         estimate.concern = state.concern(estimate.concern);
     }

@@ -93,11 +93,11 @@ pub enum SilenceRule {
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorTolerance {
     /// Half the diagonal of a grid cell beyond each edge of the sector, at any distance.
-    #[default]
     Positional,
     /// An angle at each edge: the larger of the one under which a grid step is seen over the range,
     /// `atan(grid_step_m / R)`, and the one under which half a step is seen over the distance d of the vertex,
     /// `atan(grid_step_m / 2d)`. For azimuths, d is the horizontal distance. A vertex at the stop is in every sector.
+    #[default]
     Angular,
     /// `atan(grid_step_m / R)` at each edge, at any distance (thesis, chapter 4).
     AngularLiteral,

@@ -15,7 +15,7 @@ use super::error::MetricError;
 pub struct SectorDisplacementRule {
     /// Sectors of equal width of a node's antenna, 2 or more.
     pub sectors: u32,
-    /// Two nodes are neighbours if they are at most this far apart on the ground (m).
+    /// Two nodes are neighbours if they are at most this far apart on the ground (m), whatever their heights are.
     pub radius_m: f64,
     /// How far apart two sectors are.
     pub distance: SectorDistance,
@@ -55,7 +55,7 @@ pub enum NodeDisplacement {
 }
 
 /// How many sectors the directions of neighbours on the map are away from the true ones. Pairs are ordered: each of two
-/// neighbours sees the other.
+/// neighbours sees the other. Two nodes that stand on one another have no bearing, and are not compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SectorDisplacement {
     /// Pairs of neighbours, by displacement from 0 to half the sectors.
@@ -64,8 +64,12 @@ pub struct SectorDisplacement {
     pub nodes: Vec<u64>,
     /// Displacement of each node; `None` for those in neither histogram.
     pub per_node: Vec<Option<u32>>,
-    /// Nodes on the map without a neighbour on the map.
+    /// Nodes on the map without a neighbour on the map to compare with.
     pub isolated: usize,
+    /// Pairs of neighbours on the map that are not compared: one stands on the other, so that there is no true bearing.
+    pub without_bearing: u64,
+    /// Pairs that are compared although the map has both nodes in one place on the ground: it suggests the azimuth 0.
+    pub without_bearing_on_map: u64,
     /// Nodes that are not on the map.
     pub unmapped: usize,
 }
@@ -83,6 +87,12 @@ impl SectorDisplacement {
     pub fn pair_shares(&self) -> Vec<f64> {
         shares(&self.pairs)
     }
+
+    /// Pairs of neighbours that are compared.
+    #[must_use]
+    pub fn compared(&self) -> u64 {
+        self.pairs.iter().sum()
+    }
 }
 
 fn shares(counts: &[u64]) -> Vec<f64> {
@@ -91,9 +101,12 @@ fn shares(counts: &[u64]) -> Vec<f64> {
     counts.iter().map(|&count| if all > 0 { count as f64 / all as f64 } else { 0.0 }).collect()
 }
 
+/// Two places that are nearer to one another on the ground have no bearing (m).
+const ONE_PLACE_M: f64 = 1e-6;
+
 /// The sector displacement of a map. A node at `truth[i]` is at `map[i]` on the map; the middle of its sector 0 points to the
 /// azimuth `orientations_rad[i]` (counterclockwise from x), and the others follow counterclockwise. Only azimuths count.
-/// Neighbours are those on the ground.
+/// Neighbours are those within the radius on the ground; those that stand on one another are not compared.
 ///
 /// # Errors
 /// [`MetricError::Length`], [`MetricError::Radius`], [`MetricError::Sectors`].
@@ -120,11 +133,14 @@ pub fn sector_displacement(
         nodes: vec![0; classes],
         per_node: vec![None; truth.len()],
         isolated: 0,
+        without_bearing: 0,
+        without_bearing_on_map: 0,
         unmapped: 0,
     };
-    let index = CellIndex::new(truth, rule.radius_m);
+    let ground: Vec<Position> = truth.iter().map(|place| Position { z_m: 0.0, ..*place }).collect();
+    let index = CellIndex::new(&ground, rule.radius_m);
     let mut displacements: Vec<u32> = Vec::new();
-    for (node, (&place, &orientation_rad)) in truth.iter().zip(orientations_rad).enumerate() {
+    for (node, (&place, &orientation_rad)) in ground.iter().zip(orientations_rad).enumerate() {
         let Some(image) = map[node] else {
             found.unmapped += 1;
             continue;
@@ -132,11 +148,15 @@ pub fn sector_displacement(
         displacements.clear();
         index.within(place, rule.radius_m, |other| {
             let other = other as usize;
-            if let Some(other_image) = map[other].filter(|_| other != node) {
-                let actual = sector_of(truth[other] - place, orientation_rad, rule.sectors);
-                let suggested = sector_of(other_image - image, orientation_rad, rule.sectors);
-                displacements.push(rule.distance.of(actual.abs_diff(suggested), rule.sectors));
+            let Some(other_image) = map[other].filter(|_| other != node) else { return };
+            if !has_bearing(ground[other] - place) {
+                found.without_bearing += 1;
+                return;
             }
+            found.without_bearing_on_map += u64::from(!has_bearing(other_image - image));
+            let actual = sector_of(ground[other] - place, orientation_rad, rule.sectors);
+            let suggested = sector_of(other_image - image, orientation_rad, rule.sectors);
+            displacements.push(rule.distance.of(actual.abs_diff(suggested), rule.sectors));
         });
         for &displacement in &displacements {
             found.pairs[displacement as usize] += 1;
@@ -148,6 +168,11 @@ pub fn sector_displacement(
         }
     }
     Ok(found)
+}
+
+/// Whether there is a direction on the ground along `apart`.
+fn has_bearing(apart: Position) -> bool {
+    apart.x_m.hypot(apart.y_m) > ONE_PLACE_M
 }
 
 /// The sector, of `sectors` of equal width, that points along `apart`, if the middle of sector 0 points to the azimuth
@@ -193,6 +218,7 @@ impl NodeDisplacement {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sextant_kernel::{Purpose, Seed};
 
     /// A node in the middle of a ring of eight neighbours one metre away, at the middles of the sectors.
     fn ring(turned_by_deg: f64) -> Vec<Position> {
@@ -263,6 +289,61 @@ mod tests {
         assert_eq!(of(NodeDisplacement::RoundedMean, &[0, 1]), Some(1), "a half rounds up");
         assert_eq!(of(NodeDisplacement::RoundedMean, &[0, 0, 1]), Some(0));
         assert_eq!(of(NodeDisplacement::Median, &[]), None);
+    }
+
+    /// A full scan over all pairs, with the difference of azimuths instead of sectors.
+    fn shares_by_hand(truth: &[Position], map: &[Position], radius_m: f64, sectors: u32) -> (Vec<u64>, u64) {
+        let (mut pairs, mut upright) = (vec![0; sectors as usize / 2 + 1], 0);
+        for (i, j) in (0..truth.len()).flat_map(|i| (0..truth.len()).map(move |j| (i, j))).filter(|(i, j)| i != j) {
+            let [dx, dy] = [truth[j].x_m - truth[i].x_m, truth[j].y_m - truth[i].y_m];
+            if dx * dx + dy * dy > radius_m * radius_m {
+                continue;
+            } else if dx == 0.0 && dy == 0.0 {
+                upright += 1;
+                continue;
+            }
+            let [ex, ey] = [map[j].x_m - map[i].x_m, map[j].y_m - map[i].y_m];
+            let index = |y: f64, x: f64| (y.atan2(x).to_degrees() / (360.0 / f64::from(sectors))).round();
+            let apart = (index(dy, dx) - index(ey, ex)).rem_euclid(f64::from(sectors));
+            let steps = apart.min(f64::from(sectors) - apart);
+            let class = (0..pairs.len()).find(|&k| (steps - k as f64).abs() < 0.5).unwrap();
+            pairs[class] += 1;
+        }
+        (pairs, upright)
+    }
+
+    #[test]
+    fn neighbours_are_those_on_the_ground_and_nodes_that_stand_on_one_another_are_not_compared() {
+        // Columns of three nodes at heights of 0, 1.5 and 3 m; those of neighbours are 1.5 m apart on the ground.
+        let columns = (0..4).flat_map(|i| (0..3).map(move |j| (f64::from(i) * 1.5, f64::from(j) * 1.5)));
+        let truth: Vec<Position> =
+            columns.flat_map(|(x, y)| [0.0, 1.5, 3.0].map(|z| Position::new(x, y, z))).collect();
+        let draw = |i: usize, axis| Seed(5).normal(Purpose::new(8), [i as u64, axis, 0]);
+        let map: Vec<Position> = truth
+            .iter()
+            .enumerate()
+            .map(|(i, &place)| place + Position::new(0.4 * draw(i, 0), 0.4 * draw(i, 1), 0.4 * draw(i, 2)))
+            .collect();
+        let images: Vec<Option<Position>> = map.iter().copied().map(Some).collect();
+        let rule = SectorDisplacementRule::new(8);
+        let found = sector_displacement(&truth, &images, &vec![0.0; truth.len()], &rule).unwrap();
+        assert_eq!((found.pairs.clone(), found.without_bearing), shares_by_hand(&truth, &map, 1.6, 8));
+        // 17 pairs of adjacent columns with nine pairs of nodes each, and three pairs in each of 12 columns, both ways.
+        assert_eq!((found.compared(), found.without_bearing), (2 * 17 * 9, 2 * 3 * 12));
+        assert_eq!((found.isolated, found.without_bearing_on_map), (0, 0));
+    }
+
+    #[test]
+    fn a_map_that_stacks_two_nodes_is_compared_and_counted() {
+        let truth = [0.0, 1.0].map(|x| Position::new(x, 0.0, 0.0));
+        let map = [0.0, 2.0].map(|z| Some(Position::new(5.0, 5.0, z)));
+        let found = sector_displacement(&truth, &map, &[0.0; 2], &SectorDisplacementRule::new(8)).unwrap();
+        assert_eq!((found.without_bearing_on_map, found.without_bearing), (2, 0));
+        assert_eq!(found.pairs, [1, 0, 0, 0, 1], "the azimuth 0 is right for one of the two");
+        // Only the true bearing decides whether a pair is compared.
+        let upright = [0.0, 1.0].map(|z| Position::new(0.0, 0.0, z));
+        let found = sector_displacement(&upright, &map, &[0.0; 2], &SectorDisplacementRule::new(8)).unwrap();
+        assert_eq!((found.without_bearing, found.compared(), found.isolated), (2, 0, 2));
     }
 
     #[test]

@@ -6,28 +6,24 @@ use sextant_apps::distributed::{Category, MappingRecord, MappingRole};
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, Unwatched};
 use sextant_mac::EnergySpent;
-use sextant_mapper::{CoordinateFrame, Estimate, KnowledgeKind, PositionError, SectorDisplacement, TopologyMap};
+use sextant_mapper::{CoordinateFrame, Estimate, KnowledgeKind, PositionError, TopologyMap};
 use sextant_sim::{Network, NetworkRecord, RobotRecord, RoleConfig};
 
 use super::application::UnalignedMap;
 use super::evaluation::{Evaluation, sector_displacement, truth};
 use super::mapped_node;
+use super::scattering;
 use super::simulator::Simulated;
 use crate::measure::{Dimensions, Subject, Truth, measure};
 use crate::scenario::{NodeMapJob, Scenario};
 use crate::summary::{
     AlignmentSummary, AnchorCounts, DistributedSummary, MapSummary, MeanAndMax, MessagesSummary,
-    MobileAnchorsSummary, OrientationErrorSummary,
+    MobileAnchorsSummary, OrientationErrorSummary, SectorsSummary,
 };
 use sextant_recording::messages::MappedNodeMessage;
 
 /// What the map uses.
 const KNOWLEDGE: &[KnowledgeKind] = &[KnowledgeKind::AnchorReceptions, KnowledgeKind::Anchors];
-
-/// Width of a bin of the error of neighbour scattering.
-const SCATTERING_STEP: f64 = 0.05;
-/// Number of these bins.
-const SCATTERING_BINS: usize = 20;
 
 /// The map that the nodes of `scenario` computed, compared with its world; `None` if they computed none. It does not
 /// stop when the user interrupts: it is what the nodes had then.
@@ -48,8 +44,7 @@ pub(super) fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -
     let measured = measure(&subject, &found, None, &names, Some(known), scenario.metrics(), &Unwatched);
     let summary = MapSummary {
         alignment: Some(AlignmentSummary::None),
-        sector_displacement: displacement.as_ref().map(SectorDisplacement::shares).unwrap_or_default(),
-        sector_displacement_of_pairs: displacement.as_ref().map(SectorDisplacement::pair_shares).unwrap_or_default(),
+        sectors: displacement.as_ref().map(SectorsSummary::from),
         message_energy_j: message_energy_j(scenario, map, &simulated.nodes),
         distributed: Some(summary(scenario, map, simulated)),
         ..measured.expect("nobody stops the work")
@@ -119,7 +114,8 @@ fn summary(scenario: &Scenario, map: &NodeMapJob, simulated: &Simulated) -> Dist
             .then(|| MeanAndMax::of(computed().map(|node| node.vertices as f64)).mean),
         vertices_max: computed().map(|node| node.vertices).max(),
         memory_octets: MeanAndMax::of(nodes.iter().map(|node| (node.grid_octets + node.table_octets) as f64)),
-        scattering: scattering(nodes, &truth(scenario)),
+        scattering: scattering::of_heard(nodes, &truth(scenario)),
+        near_scattering: scattering::of_near(nodes, &truth(scenario), scenario.metrics().scattering_neighbourhood_m),
         radio_energy_j: MeanAndMax::of(joules.map(EnergySpent::total_j)),
     }
 }
@@ -181,22 +177,6 @@ fn orientation_error_deg(
     let errors_deg: Vec<f64> = nodes.iter().zip(&headings_rad).filter_map(error_deg).collect();
     let statistics = PositionError::of(&errors_deg)?;
     Some(OrientationErrorSummary { mean: statistics.mean, p90: statistics.p90 })
-}
-
-/// Position errors by the error of neighbour scattering, of the nodes that computed a place and have neighbours.
-fn scattering(nodes: &[MappingRecord], truth: &[Position]) -> Vec<(f64, usize, f64, f64)> {
-    let mut bins: Vec<Vec<f64>> = vec![Vec::new(); SCATTERING_BINS];
-    for (node, truth) in nodes.iter().zip(truth) {
-        let (Some(estimate), Some(share)) = (&node.estimate, node.scattering.share()) else { continue };
-        let is_within = |bin: &usize| share <= SCATTERING_STEP * (*bin as f64 + 1.0) + 1e-9;
-        let bin = (0..SCATTERING_BINS).find(is_within).unwrap_or(SCATTERING_BINS - 1);
-        bins[bin].push(estimate.position.distance_m(*truth));
-    }
-    let row = |(bin, errors_m): (usize, &Vec<f64>)| {
-        let PositionError { mean, p90, .. } = PositionError::of(errors_m)?;
-        Some((SCATTERING_STEP * (bin as f64 + 1.0), errors_m.len(), mean, p90))
-    };
-    bins.iter().enumerate().filter_map(row).collect()
 }
 
 /// Energy of the messages by the formulas of the thesis (eq. 5.9 and 5.10), with frames of the mean size of the messages

@@ -14,7 +14,7 @@ use super::operations::CountedWork;
 use crate::mapping::MapLogs;
 use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
 use crate::scenario::{MapJob, Scenario};
-use crate::summary::{MapSummary, Stopwatch};
+use crate::summary::{MapSummary, SectorsSummary, Stopwatch};
 
 /// A map, what was estimated with it, and its errors.
 #[derive(Clone, Debug)]
@@ -63,8 +63,7 @@ pub(super) fn evaluate(
     let truth = Truth { places: &known, anchors: scenario.anchors(), dimensions: Dimensions::Space };
     let summary = MapSummary {
         alignment: Some(alignment),
-        sector_displacement: displacement.as_ref().map(SectorDisplacement::shares).unwrap_or_default(),
-        sector_displacement_of_pairs: displacement.as_ref().map(SectorDisplacement::pair_shares).unwrap_or_default(),
+        sectors: displacement.as_ref().map(SectorsSummary::from),
         message_energy_j: message_energy_j(scenario, named, survey, discoveries),
         posterior_bound_m: bound.as_ref().and_then(|bound| bound.as_ref().ok()).copied(),
         posterior_bound_absent: bound.and_then(Result::err).map(|why| why.to_string()),

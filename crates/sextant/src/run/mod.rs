@@ -16,6 +16,7 @@ mod operations;
 mod outcome;
 mod pipeline;
 mod recorder;
+mod scattering;
 mod simulator;
 mod stop;
 mod witness;

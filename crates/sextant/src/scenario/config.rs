@@ -163,6 +163,9 @@ pub struct MetricsConfig {
     pub sector_neighbourhood_m: f64,
     /// The sector displacement of a node from those to its neighbours.
     pub sector_displacement_of_node: NodeDisplacement,
+    /// Nodes within this distance are neighbours for `near_scattering`, the share of them that a map of nodes has farther
+    /// away (m).
+    pub scattering_neighbourhood_m: f64,
 }
 
 impl Default for MetricsConfig {
@@ -171,6 +174,7 @@ impl Default for MetricsConfig {
             neighbourhood_m: vec![5.0, 3.0, 10.0],
             sector_neighbourhood_m: 1.6,
             sector_displacement_of_node: NodeDisplacement::default(),
+            scattering_neighbourhood_m: 2.0,
         }
     }
 }
@@ -182,6 +186,7 @@ impl MetricsConfig {
             SettingError::positive(&format!("neighbourhood_m[{i}]"), radius_m)?;
         }
         SettingError::positive("sector_neighbourhood_m", self.sector_neighbourhood_m)?;
+        SettingError::positive("scattering_neighbourhood_m", self.scattering_neighbourhood_m)?;
         Ok(())
     }
 }

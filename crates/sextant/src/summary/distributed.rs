@@ -42,6 +42,10 @@ pub struct DistributedSummary {
     /// mean and 90th percentile of their position errors (m). A bin has its upper edge, the first one 0 too.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub scattering: Vec<(f64, usize, f64, f64)>,
+    /// The same over the true neighbours within `metrics.scattering_neighbourhood_m`, of which the share counts that the
+    /// map has farther away than that. The edges are 0.05, 0.1, 0.2, 0.4 and 1.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub near_scattering: Vec<(f64, usize, f64, f64)>,
     /// Energy of the simulated radio of a node (J).
     pub radio_energy_j: MeanAndMax,
 }

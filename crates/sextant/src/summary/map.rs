@@ -1,7 +1,7 @@
 //! One map and its errors.
 
 use serde::Serialize;
-use sextant_mapper::{Concern, KnowledgeKind, Line};
+use sextant_mapper::{Concern, KnowledgeKind, Line, SectorDisplacement};
 
 use super::distributed::DistributedSummary;
 
@@ -95,13 +95,9 @@ pub struct MapSummary {
     /// nodes compute). The energy of the simulated radios is in `gathering`, `discovery` and `distributed`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message_energy_j: Option<f64>,
-    /// Share of the nodes whose antenna would point 0, 1, .. sectors away from a neighbour if it followed the map: of each
-    /// node, the median or mean over its neighbours on the ground. Absent if the nodes have no sectors.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub sector_displacement: Vec<f64>,
-    /// Share of the ordered pairs of neighbours whose direction on the map is 0, 1, .. sectors away from the true one.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub sector_displacement_of_pairs: Vec<f64>,
+    /// The sectors that the map suggests, against the true ones. Absent if the nodes have no sectors.
+    #[serde(flatten)]
+    pub sectors: Option<SectorsSummary>,
     /// Distance between vertices of the grid (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_step_m: Option<f64>,
@@ -111,6 +107,40 @@ pub struct MapSummary {
     /// How the nodes computed the map, and what it took, if they did it themselves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distributed: Option<DistributedSummary>,
+}
+
+/// How far the sectors that a map suggests are from those that point to the neighbours.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SectorsSummary {
+    /// Share of the nodes whose antenna would point 0, 1, .. sectors away from a neighbour if it followed the map: of each
+    /// node, the median or mean over its neighbours on the ground.
+    pub sector_displacement: Vec<f64>,
+    /// Share of the ordered pairs of neighbours whose direction on the map is 0, 1, .. sectors away from the true one.
+    pub sector_displacement_of_pairs: Vec<f64>,
+    /// The pairs of neighbours.
+    pub sector_pairs: SectorPairsSummary,
+}
+
+/// Ordered pairs of neighbours on the ground, both of them on the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SectorPairsSummary {
+    /// Pairs that are compared.
+    pub compared: u64,
+    /// Pairs that are not compared, because one node stands on the other and there is no true bearing.
+    pub without_bearing: u64,
+    /// Pairs among those compared that the map has in one place on the ground. It then suggests the azimuth 0.
+    pub without_bearing_on_map: u64,
+}
+
+impl From<&SectorDisplacement> for SectorsSummary {
+    fn from(found: &SectorDisplacement) -> Self {
+        let sector_pairs = SectorPairsSummary {
+            compared: found.compared(),
+            without_bearing: found.without_bearing,
+            without_bearing_on_map: found.without_bearing_on_map,
+        };
+        Self { sector_displacement: found.shares(), sector_displacement_of_pairs: found.pair_shares(), sector_pairs }
+    }
 }
 
 /// What an algorithm learned from a log in addition to the map.

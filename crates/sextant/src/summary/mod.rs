@@ -30,7 +30,7 @@ pub(crate) use log_counts::LogCounts;
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
     AlignmentSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, HeightsSource, HeightsSummary,
-    LearnedSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M,
+    LearnedSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M, SectorPairsSummary, SectorsSummary,
 };
 pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
 pub use results::{FaultsSummary, RegionSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};

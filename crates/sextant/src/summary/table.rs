@@ -8,7 +8,9 @@ use super::applications_table;
 use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
-use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn};
+use super::map::{
+    AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn, SectorsSummary,
+};
 use super::results::{RegionSummary, Summary};
 use super::timing::Timing;
 use crate::columns::{Align, columns};
@@ -66,6 +68,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         for section in Section::ALL.into_iter().filter(|section| *section != Section::Warnings) {
             summary.maps.iter().try_for_each(|map| learned(map, section, out))?;
         }
+        infeasible(&summary.maps, out)?;
         displacements(&summary.maps, out)?;
         distributed_table::write(&summary.maps, summary.interrupted, out)?;
         concerns(&summary.maps, out)?;
@@ -248,13 +251,38 @@ fn learned(map: &MapSummary, section: Section, out: &mut impl Write) -> io::Resu
     lines.map(|line| &line.text).try_for_each(|text| writeln!(out, "{text}"))
 }
 
-/// Shares of the nodes by sector displacement.
+/// Shares of the nodes by sector displacement, and the pairs of neighbours that have no bearing.
 fn displacements(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps.iter().filter(|map| !map.sector_displacement.is_empty()) {
+    for map in maps {
+        let Some(SectorsSummary { sector_displacement, sector_pairs: pairs, .. }) = &map.sectors else { continue };
         let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        let shares = map.sector_displacement.iter().enumerate();
+        let shares = sector_displacement.iter().enumerate();
         let shares: Vec<_> = shares.map(|(sectors, share)| format!("{sectors}: {:.1} %", 100.0 * share)).collect();
         writeln!(out, "{name}: nodes by sector displacement: {}", shares.join(", "))?;
+        let all = pairs.compared + pairs.without_bearing;
+        for (count, what) in [
+            (pairs.without_bearing, "stand on one another, and are not compared: they have no bearing"),
+            (pairs.without_bearing_on_map, "are in one place on the map: it suggests the azimuth 0 for them"),
+        ] {
+            if count > 0 {
+                writeln!(out, "{name}: {count} of {all} pairs of neighbours {what}")?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Nodes whose receptions no position explains.
+fn infeasible(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let Some(count) = map.infeasible.filter(|&count| count > 0) else { continue };
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        let (have, they) = if count == 1 { ("has", "it is") } else { ("have", "they are") };
+        writeln!(
+            out,
+            "{name}: {count} of {} {have} no position that agrees with all receptions; {they} placed where most agree",
+            counted(map.mapped, "mapped node")
+        )?;
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ mod belief;
 mod curve;
 mod dead_stops;
 mod expectation;
+mod movement;
 mod report;
 mod scene;
 mod wide;
@@ -24,6 +25,7 @@ use belief::Belief;
 use curve::{Counts, FittedCurve};
 pub(crate) use dead_stops::add_heard;
 use expectation::Round;
+use movement::Movement;
 pub(crate) use scene::{Sample, Scene, Settled};
 pub(crate) use wide::{GridSize, WideSearch};
 
@@ -49,6 +51,9 @@ pub struct Fit {
     pub rounds: u32,
     /// Whether the curve has converged.
     pub converged: bool,
+    /// How far ten rounds moved the nodes at the end, over how uncertain their places are (root mean squares); `None` if there
+    /// were fewer rounds.
+    pub moved: Option<f64>,
     /// Stops at which the receiver did not work: nothing was heard, although this is nearly impossible for a working
     /// receiver.
     pub dead_stops: Vec<u32>,
@@ -66,6 +71,9 @@ pub struct Fit {
 
 /// The curve has converged if it changes by less than this share of its statistical error.
 const NOISE: f64 = 0.2;
+/// Nodes have settled if ten rounds move them by less than this share of how uncertain they are. It adds an eighth to their
+/// errors at most.
+const SETTLED: f64 = 0.5;
 /// Number of nodes whose posteriors are held at a time.
 const BLOCK: usize = 128;
 /// Approximate number of grid vertices of a node in a round, in a plane and in space.
@@ -133,6 +141,7 @@ impl Fitted {
         let Some(mut curve) = FittedCurve::first(log, &nodes, &beliefs, directions) else { return Ok(None) };
         let mut is_dead = vec![false; log.stops().len()];
         let (mut rounds, mut converged) = (0, false);
+        let mut movement = Movement::from(&beliefs);
         watch.begin(self.work(log, sample.len(), heights));
         while rounds < self.max_rounds && !converged {
             let round = Round { log, heights, directions, curve: &curve, is_dead: &is_dead, watch };
@@ -155,6 +164,7 @@ impl Fitted {
             watch.advance(1);
             let next = curve.updated(&counts);
             rounds += 1;
+            movement.take(&beliefs);
             let (distance, error) = next.distance(&curve, &counts);
             let is_settled = distance < self.tolerance.max(NOISE * error);
             curve = next;
@@ -164,7 +174,8 @@ impl Fitted {
                 is_dead = found;
             }
         }
-        Ok(Some(Settled { curve, directions: found, is_dead, rounds, converged, nodes: sample.len() }))
+        let moved = movement.share();
+        Ok(Some(Settled { curve, directions: found, is_dead, rounds, converged, moved, nodes: sample.len() }))
     }
 
     /// The work of all rounds, if all stops are in reach of each of `nodes` nodes.
@@ -182,6 +193,12 @@ impl Fitted {
 }
 
 impl Fit {
+    /// Whether more rounds would leave the nodes where they are: the curve has converged, or its changes hardly move them.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.converged || self.moved.is_some_and(|moved| moved < SETTLED)
+    }
+
     /// The profile for the vertices of a grid of `grid_step_m`: the mean of the curve over the cell of each.
     ///
     /// # Panics

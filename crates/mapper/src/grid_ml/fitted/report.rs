@@ -16,6 +16,9 @@ struct FitKeys {
     rounds: u32,
     /// Whether it converged, and no node has a concern.
     converged: bool,
+    /// How far ten rounds moved the nodes at the end, over how uncertain they are. Absent if it converged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    moved: Option<f64>,
     /// Distance beyond which receptions are outliers (m).
     range_m: f64,
     /// Probability of a reception at 0, 1/8, 2/8, .. of the range.
@@ -48,6 +51,7 @@ impl Fit {
         FitKeys {
             rounds: self.rounds,
             converged,
+            moved: self.moved.filter(|_| !self.converged),
             range_m,
             probability: (0..8).map(|i| self.curve.probability(range_m * f64::from(i) / 8.0)).collect(),
             dead_stops: self.dead_stops.clone(),
@@ -57,9 +61,16 @@ impl Fit {
 
     fn line(&self, name: &str, converged: bool) -> Line {
         let rounds = counted(self.rounds as usize, "round");
-        let end = if converged { "converged" } else { "did not converge" };
+        let end = match self.moved {
+            _ if converged => format!("converged in {rounds}"),
+            Some(moved) if self.is_settled() && !self.converged => format!(
+                "still fluctuates after {rounds}, but places have settled: ten rounds move them by {moved:.2} of their \
+                 uncertainty"
+            ),
+            _ => format!("did not converge in {rounds}"),
+        };
         let range_m = self.curve.range_m();
-        let mut text = format!("{name}: fitted profile of range {range_m:.2} m {end} in {rounds}");
+        let mut text = format!("{name}: fitted profile of range {range_m:.2} m {end}");
         for (count, what, why) in [
             (self.dead_stops.len(), "stop", "receiver did not work"),
             (self.outliers.len(), "reception", "far beyond the range"),
@@ -98,7 +109,7 @@ impl Finding for Fit {
     }
 
     fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
-        let why = Unconverged::of(self.converged, map);
+        let why = Unconverged::of(self.is_settled(), map);
         std::iter::once(self.line(name, self.converged_in(map))).chain(self.warning(name, why)).collect()
     }
 
@@ -120,7 +131,7 @@ impl Finding for NetworkFits {
     fn lines(&self, name: &str, _: &TopologyMap) -> Vec<Line> {
         let lines = |(network, fit): &(String, Fit)| {
             let name = format!("{name}, {network}");
-            let why = (!fit.converged).then_some(Unconverged::Rounds);
+            let why = (!fit.is_settled()).then_some(Unconverged::Rounds);
             std::iter::once(fit.line(&name, fit.converged)).chain(fit.warning(&name, why)).collect::<Vec<_>>()
         };
         self.0.iter().flat_map(lines).collect()

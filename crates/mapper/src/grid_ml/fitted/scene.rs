@@ -69,6 +69,7 @@ pub(crate) struct Settled {
     pub(super) is_dead: Vec<bool>,
     pub(super) rounds: u32,
     pub(super) converged: bool,
+    pub(super) moved: Option<f64>,
     pub(super) nodes: usize,
 }
 
@@ -90,12 +91,13 @@ impl Settled {
 
     /// The fit, with the outliers of all nodes, in order.
     pub(crate) fn fit(&self, scene: &Scene, outliers: Vec<(NodeId, u32)>) -> Fit {
-        let Self { curve, is_dead, rounds, converged, nodes, .. } = self;
+        let Self { curve, is_dead, rounds, converged, moved, nodes, .. } = self;
         let dead_stops = (0..).zip(is_dead).filter(|(_, dead)| **dead).map(|(stop, _)| stop).collect();
         Fit {
             curve: curve.table(),
             rounds: *rounds,
             converged: *converged,
+            moved: *moved,
             dead_stops,
             outliers,
             nodes: *nodes,

@@ -1,7 +1,7 @@
 //! DR-MDS and NTLDV-HOP, as they are reconstructed.
 
-use sextant_channel::Position;
-use sextant_kernel::{Purpose, Seed, Unwatched};
+use sextant_channel::{Anchor, Position};
+use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{DrMds, DrMdsConfig, MapError, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, RangingConfig};
 
 use super::network::{Network, RANGING, lattice, mean_error_m};
@@ -98,6 +98,40 @@ fn anchors_that_are_nearly_flat_are_rejected() {
     assert_eq!(placed(NtldvHopConfig::default()), network.anchors.len(), "only the anchors");
     let kept = NtldvHopConfig { reject_flat_anchors: false, ..NtldvHopConfig::default() };
     assert_eq!(placed(kept), network.places.len());
+}
+
+/// Nodes on both faces of racks, half a metre apart, row by row.
+fn racks() -> Vec<Position> {
+    let faces = [0.0, 1.0, 3.0, 4.0, 6.0, 7.0];
+    let face = |y: f64| (0..24).flat_map(move |x| (0..5).map(move |z| (0.5 * f64::from(x), y, 0.5 * f64::from(z))));
+    faces.into_iter().flat_map(face).map(|(x, y, z)| Position::new(x, y, z)).collect()
+}
+
+#[test]
+fn more_anchors_never_leave_more_nodes_without_a_place() {
+    // On a face of a rack many anchors are one hop away. With more anchors, the first of a list all stand on this face.
+    let placed = |every| {
+        let network = Network::new(racks(), every, 2.3, 5.0, 0.0);
+        ntldv_hop(NtldvHopConfig::default()).map(&network.knowledge(), &Unwatched).unwrap().mapped()
+    };
+    let counts = [64, 32, 16, 8, 4, 2].map(placed);
+    assert!(counts.is_sorted(), "{counts:?}");
+    assert_eq!(counts, [racks().len(); 6], "all nodes reach anchors on several faces");
+}
+
+#[test]
+fn the_order_of_nodes_in_a_file_does_not_change_the_map() {
+    let listed = Network::new(racks(), 6, 2.3, 5.0, 0.0);
+    let last = listed.places.len() - 1;
+    let mut reversed = Network::new(racks().into_iter().rev().collect(), 6, 2.3, 5.0, 0.0);
+    let turned = |anchor: &Anchor| Anchor { node: NodeId::from_index(last - anchor.node.index()), ..*anchor };
+    reversed.anchors = listed.anchors.iter().rev().map(turned).collect();
+    let of = |network: &Network| ntldv_hop(NtldvHopConfig::default()).map(&network.knowledge(), &Unwatched).unwrap();
+    let (forwards, backwards) = (of(&listed).positions(), of(&reversed).positions());
+    for (node, place) in forwards.iter().enumerate() {
+        let apart_m = place.unwrap().distance_m(backwards[last - node].unwrap());
+        assert!(apart_m < 1e-6, "node {node}: {apart_m} m");
+    }
 }
 
 #[test]

@@ -9,6 +9,12 @@ use crate::summary::{
 /// Upper edges of the bins of the error of neighbour scattering that have columns.
 pub(super) const SCATTERING_EDGES: [f64; 10] = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5];
 
+/// Upper edges of the bins of the error of near neighbour scattering.
+pub(super) const NEAR_SCATTERING_EDGES: [f64; 5] = [0.05, 0.1, 0.2, 0.4, 1.0];
+
+/// The error of near neighbour scattering that parts good places from bad ones.
+pub(super) const NEAR_LIMIT: f64 = 0.2;
+
 /// Numbers by name.
 pub(super) type Derived = BTreeMap<String, f64>;
 
@@ -66,6 +72,25 @@ fn of_scattering(work: &DistributedSummary, derived: &mut Derived) {
         }
         if all > 0 {
             derived.insert(format!("distributed.scattering_up_to_{edge}.nodes"), nodes / count(all));
+        }
+    }
+    let all: usize = work.near_scattering.iter().map(|&(_, nodes, ..)| nodes).sum();
+    for edge in NEAR_SCATTERING_EDGES {
+        let bin = work.near_scattering.iter().find(|(other, ..)| (other - edge).abs() < 1e-6);
+        if let Some(&(_, nodes, mean_m, _)) = bin {
+            derived.insert(format!("distributed.near_scattering_{edge}.position_error_m.mean"), mean_m);
+            derived.insert(format!("distributed.near_scattering_{edge}.nodes"), count(nodes) / count(all));
+        }
+    }
+    let halves = [("up_to", true), ("above", false)];
+    for (name, is_within) in halves {
+        let bins = work.near_scattering.iter().filter(|(edge, ..)| (*edge < NEAR_LIMIT + 1e-6) == is_within);
+        let (nodes, sum_m) = bins.fold((0.0, 0.0), |(nodes, sum_m), &(_, in_bin, mean_m, _)| {
+            (nodes + count(in_bin), sum_m + count(in_bin) * mean_m)
+        });
+        if nodes > 0.0 {
+            let name = format!("distributed.near_scattering_{name}_{NEAR_LIMIT}.position_error_m.mean");
+            derived.insert(name, sum_m / nodes);
         }
     }
 }
@@ -151,6 +176,18 @@ mod tests {
                 |what: &str| derived.get(&format!("distributed.scattering_{edge}.position_error_m.{what}")).copied();
             assert_eq!((found("mean"), found("p90")), (Some(i as f64), Some(100.0 + i as f64)));
         }
+    }
+
+    #[test]
+    fn bins_of_near_neighbours_have_the_share_of_their_nodes() {
+        let near_scattering = vec![(0.05, 30, 0.4, 0.6), (0.4, 10, 0.8, 0.9)];
+        let distributed = Some(DistributedSummary { near_scattering, ..DistributedSummary::default() });
+        let derived = of_map(&MapSummary { distributed, ..MapSummary::default() });
+        let found = |name: &str| derived.get(&format!("distributed.near_scattering_{name}")).copied();
+        assert_eq!((found("0.05.nodes"), found("0.4.nodes")), (Some(0.75), Some(0.25)));
+        assert_eq!((found("0.4.position_error_m.mean"), found("1.nodes")), (Some(0.8), None));
+        let mean = |name: &str| found(&format!("{name}_0.2.position_error_m.mean"));
+        assert_eq!((mean("up_to"), mean("above")), (Some(0.4), Some(0.8)));
     }
 
     #[test]

@@ -217,7 +217,8 @@ mod tests {
     use super::super::numbers::Numbers;
     use super::*;
     use crate::summary::{
-        ApplicationSummary, DistributedSummary, EnergySummary, ErrorSummary, GatheringSummary, MapSummary, Summary,
+        ApplicationSummary, DistributedSummary, EnergySummary, ErrorSummary, GatheringSummary, MapSummary,
+        SectorsSummary, Summary,
     };
 
     #[test]
@@ -233,7 +234,7 @@ mod tests {
             algorithm: "ml-tm".into(),
             mapped: 7,
             position_error_m: Some(ErrorSummary { mean: 0.3, max: f64::NAN, ..ErrorSummary::default() }),
-            sector_displacement: vec![0.6, 0.4],
+            sectors: Some(SectorsSummary { sector_displacement: vec![0.6, 0.4], ..SectorsSummary::default() }),
             distributed: Some(work),
             ..MapSummary::default()
         };

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::super::derived::SCATTERING_EDGES;
+use super::super::derived::{NEAR_LIMIT, NEAR_SCATTERING_EDGES, SCATTERING_EDGES};
 use super::{Count, Joule, Known, Made, MeanCount, Metre, Share, known};
 use crate::summary::Unit::Degree;
 use crate::summary::{NODE_ERRORS, POSITION_ERRORS_M};
@@ -52,6 +52,7 @@ pub(super) const MAP: &[Known<'static>] = &[
     known("sector_displacement.3", Share, "share of nodes with sector displacement 3"),
     known("sector_displacement.4", Share, "share of nodes with sector displacement 4"),
     known("sector_displacement_of_pairs.0", Share, "share of pairs of neighbours with sector displacement 0"),
+    known("sector_pairs.without_bearing", Count, "pairs of neighbours without a bearing: one stands on the other"),
     known("nodes_within_0_2", Share, "share of nodes that lose at most a fifth of their neighbours"),
 ];
 
@@ -110,5 +111,18 @@ pub(super) static SCATTERING: LazyLock<Vec<Made>> = LazyLock::new(|| {
             meaning: format!("{words} position error, bin of neighbour scattering to {edge}"),
         })
     });
-    up_to.chain(bins).collect()
+    let near = [("nodes", Share, "share of nodes"), ("position_error_m.mean", Metre, "mean position error")];
+    let near = near.into_iter().flat_map(|(what, unit, words)| {
+        NEAR_SCATTERING_EDGES.map(|edge| Made {
+            path: format!("distributed.near_scattering_{edge}.{what}"),
+            unit,
+            meaning: format!("{words}, bin of near neighbour scattering to {edge}"),
+        })
+    });
+    let halves = [("up_to", "up to"), ("above", "above")].map(|(name, words)| Made {
+        path: format!("distributed.near_scattering_{name}_{NEAR_LIMIT}.position_error_m.mean"),
+        unit: Metre,
+        meaning: format!("mean position error of nodes with near neighbour scattering {words} {NEAR_LIMIT}"),
+    });
+    up_to.chain(bins).chain(near).chain(halves).collect()
 });
