@@ -28,15 +28,25 @@ pub(crate) struct Receiver {
     sent_until: SimTime,
     /// When the signals were last brought up to date.
     settled: SimTime,
-    signals: Vec<Incoming>,
+    /// All signals at the antenna.
+    present: Vec<Present>,
     /// The sum of their powers, in their order.
     total: Milliwatts,
+    /// Those of them that are above the sensitivity, or were missed: no others can be received.
+    signals: Vec<Incoming>,
     /// Number of signals that alone make the channel busy.
     strong: u32,
     /// Number of signals that are tracked; only the one that the radio is locked on to, if there is one.
     tracked: u32,
     /// The place of the signal that the radio is locked on to.
     locked: Option<usize>,
+}
+
+/// A signal at the antenna.
+#[derive(Clone, Copy, Debug)]
+struct Present {
+    packet: u64,
+    power: Milliwatts,
 }
 
 impl Default for Receiver {
@@ -48,8 +58,9 @@ impl Default for Receiver {
             is_busy: false,
             sent_until: SimTime::ZERO,
             settled: SimTime::ZERO,
-            signals: Vec::new(),
+            present: Vec::new(),
             total: Milliwatts::ZERO,
+            signals: Vec::new(),
             strong: 0,
             tracked: 0,
             locked: None,
@@ -85,6 +96,7 @@ impl Receiver {
         self.note_sent(now);
         self.deafness = deafness;
         self.listening = false;
+        self.present.clear();
         self.signals.clear();
         self.total = Milliwatts::ZERO;
         (self.strong, self.tracked, self.locked) = (0, 0, None);
@@ -124,17 +136,18 @@ impl Receiver {
                 disturbed
             }
             ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => {
-                // If there are several signals, each has disturbed the others already.
-                if let [only] = &mut self.signals[..] {
-                    only.disturbed = true;
-                }
-                !self.signals.is_empty()
+                self.signals.iter_mut().for_each(|other| other.disturbed = true);
+                !self.present.is_empty()
             }
         };
-        let tracked = missed.is_none() && audible && self.locked.is_none();
-        self.tracked += u32::from(tracked);
-        self.strong += u32::from(is_strong(power, rules));
+        self.present.push(Present { packet, power });
         self.total += power;
+        self.strong += u32::from(is_strong(power, rules));
+        if missed.is_none() && !audible {
+            return;
+        }
+        let tracked = missed.is_none() && self.locked.is_none();
+        self.tracked += u32::from(tracked);
         self.signals.push(Incoming {
             packet,
             power,
@@ -164,12 +177,16 @@ impl Receiver {
         rules: &ReceptionRules,
         luck: impl FnOnce() -> f64,
     ) -> Option<Heard> {
-        let place = self.signals.iter().position(|signal| signal.packet == packet)?;
+        let place = self.present.iter().position(|present| present.packet == packet)?;
         self.settle(now, rules);
-        let (signal, locked) = self.remove(place, rules);
-        let drowned = |least: f64| {
-            if signal.power.ratio(rules.noise) < least { FrameOutcome::Weak } else { FrameOutcome::Collided }
+        let Present { power, .. } = self.present.remove(place);
+        self.total = self.present.iter().map(|present| present.power).sum();
+        self.strong -= u32::from(is_strong(power, rules));
+        let alone = power.ratio(rules.noise);
+        let Some((signal, locked)) = self.take(packet) else {
+            return Some(Heard { power, sinr: alone, outcome: FrameOutcome::Weak });
         };
+        let drowned = |least: f64| if alone < least { FrameOutcome::Weak } else { FrameOutcome::Collided };
         let fate = if let Some(deafness) = signal.missed {
             FrameOutcome::NotListened(deafness)
         } else if signal.power < rules.sensitivity {
@@ -192,16 +209,15 @@ impl Receiver {
                 ReceptionModel::Ber => FrameOutcome::Weak,
             }
         };
-        let alone = signal.power.ratio(rules.noise);
-        Some(Heard { power: signal.power, sinr: signal.least_sinr.min(alone), outcome: fate })
+        Some(Heard { power, sinr: signal.least_sinr.min(alone), outcome: fate })
     }
 
-    /// Removes the signal in a place; also returns whether the radio was locked on to it.
+    /// Takes the signal of a packet out of those that can be received, if it is there; also returns whether the radio was
+    /// locked on to it.
     #[inline]
-    fn remove(&mut self, place: usize, rules: &ReceptionRules) -> (Incoming, bool) {
+    fn take(&mut self, packet: u64) -> Option<(Incoming, bool)> {
+        let place = self.signals.iter().position(|signal| signal.packet == packet)?;
         let signal = self.signals.remove(place);
-        self.total = self.signals.iter().map(|signal| signal.power).sum();
-        self.strong -= u32::from(is_strong(signal.power, rules));
         self.tracked -= u32::from(signal.tracked);
         let is_locked = self.locked == Some(place);
         self.locked = match self.locked {
@@ -209,7 +225,7 @@ impl Receiver {
             Some(locked) if locked < place => Some(locked),
             Some(_) | None => None,
         };
-        (signal, is_locked)
+        Some((signal, is_locked))
     }
 
     /// Updates all tracked signals until `now`, with the signals present until now.
