@@ -179,8 +179,7 @@ impl Receiver {
     ) -> Option<Heard> {
         let place = self.present.iter().position(|present| present.packet == packet)?;
         self.settle(now, rules);
-        let Present { power, .. } = self.present.remove(place);
-        self.total = self.present.iter().map(|present| present.power).sum();
+        let power = self.remove(place);
         self.strong -= u32::from(is_strong(power, rules));
         let alone = power.ratio(rules.noise);
         let Some((signal, locked)) = self.take(packet) else {
@@ -212,6 +211,20 @@ impl Receiver {
         Some(Heard { power, sinr: signal.least_sinr.min(alone), outcome: fate })
     }
 
+    /// Removes the signal in a place from the antenna; returns its power.
+    #[inline]
+    fn remove(&mut self, place: usize) -> Milliwatts {
+        let power = self.present[place].power;
+        let (before, after) = self.present.split_at_mut(place);
+        self.total = before.iter().map(|present| present.power).sum();
+        for i in 1..after.len() {
+            after[i - 1] = after[i];
+            self.total += after[i].power;
+        }
+        self.present.pop();
+        power
+    }
+
     /// Takes the signal of a packet out of those that can be received, if it is there; also returns whether the radio was
     /// locked on to it.
     #[inline]
@@ -229,16 +242,21 @@ impl Receiver {
     }
 
     /// Updates all tracked signals until `now`, with the signals present until now.
-    #[inline]
+    #[inline(always)]
     fn settle(&mut self, now: SimTime, rules: &ReceptionRules) {
         let since = std::mem::replace(&mut self.settled, now);
-        if now == since || self.tracked == 0 || matches!(rules.model, ReceptionModel::Overlap) {
+        if self.tracked == 0 || now == since || matches!(rules.model, ReceptionModel::Overlap) {
             return;
         }
-        let span = Span { since, now, total: self.total };
+        self.follow(&Span { since, now, total: self.total }, rules);
+    }
+
+    /// Updates all tracked signals after a time during which nothing has changed.
+    #[inline(never)]
+    fn follow(&mut self, span: &Span, rules: &ReceptionRules) {
         match self.locked {
-            Some(locked) => self.signals[locked].suffer(&span, rules),
-            None => self.settle_free(&span, rules),
+            Some(locked) => self.signals[locked].suffer(span, rules),
+            None => self.settle_free(span, rules),
         }
     }
 

@@ -156,6 +156,7 @@ impl Air {
         let &Transmission { signal, network, .. } = transmission;
         let reached = self.reached.end(signal.packet);
         arrivals.clear();
+        let tells_few = self.medium.has_footprints();
         for &(receiver, station) in &reached {
             let seed = self.seed;
             let luck = || seed.uniform(purpose::RECEPTION, signal.draw_at(receiver));
@@ -163,7 +164,11 @@ impl Air {
             let radio = &mut self.receivers[receiver.index()];
             if let Some(Heard { power, sinr, outcome }) = radio.end(now, signal.packet, rules, luck) {
                 note_carrier(radio, station, rules, &mut self.carrier_changes);
-                if self.network(receiver) == network {
+                // A signal that cannot be received is told only to the radio that it is for, and to collectors.
+                let is_told = outcome != FrameOutcome::Weak
+                    || transmission.to.is_none_or(|to| to == receiver)
+                    || !(tells_few && self.roll.is_node(station));
+                if is_told && self.network(receiver) == network {
                     let is_lost = outcome == FrameOutcome::Received && self.loses(&signal, receiver);
                     let outcome = if is_lost { FrameOutcome::Weak } else { outcome };
                     arrivals.push(Arrival { station, power, sinr, outcome });
