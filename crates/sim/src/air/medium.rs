@@ -93,6 +93,12 @@ impl Medium {
         self.footprints.is_some()
     }
 
+    /// Limits the number of links and powers that footprints remember.
+    #[cfg(test)]
+    pub(super) fn remember_at_most(&mut self, most: usize) {
+        self.footprints.as_mut().expect("there are footprints").remember_at_most(most);
+    }
+
     /// What a signal reaches among the receivers that stand: its links to all of them within the radius of communication,
     /// and those at which it is not negligible.
     ///
