@@ -172,6 +172,17 @@ impl Mesh {
         self.tree.nearest_m(p, |index| triangle::distance_m(self.surface.triangle(index), p))
     }
 
+    /// How far a line from a place on the surface runs inside, along a unit vector (m).
+    pub(crate) fn depth_m(&self, from: Position, inwards: Position) -> f64 {
+        let ends_m = self.tree.along(self.chord(from, inwards), GRAZE_M).filter_map(|index| {
+            match triangle::meet(self.surface.triangle(index), from, inwards) {
+                Meeting::Through { at_m, .. } | Meeting::Edge { at_m: Some(at_m) } => Some(at_m),
+                Meeting::Miss | Meeting::Edge { at_m: None } => None,
+            }
+        });
+        ends_m.filter(|&at_m| at_m > GRAZE_M).fold(f64::INFINITY, f64::min)
+    }
+
     pub(crate) fn contains(&self, p: Position) -> bool {
         self.bounds.contains(p) && self.depth(p) > 0.5
     }

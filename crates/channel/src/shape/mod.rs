@@ -3,6 +3,7 @@
 mod clip;
 mod cuboid;
 mod cylinder;
+mod facet;
 mod hull;
 mod mesh;
 mod obj;
@@ -28,6 +29,7 @@ use crate::span::Span;
 use crate::{Bounds, Position};
 use cuboid::Cuboid;
 use cylinder::Cylinder;
+pub(crate) use facet::{Edge, Face, Facet};
 use mesh::Mesh;
 pub(crate) use polytope::Plane;
 use polytope::Polytope;
@@ -160,12 +162,23 @@ impl Shape {
         (surface.vertices, surface.triangles)
     }
 
-    /// The planes of its flat faces, if it is convex and has no others.
-    pub(crate) fn planes(&self) -> Vec<Plane> {
+    /// Its flat faces; none of a cylinder.
+    pub(crate) fn facets(&self) -> Vec<Facet> {
         match &self.form {
-            Form::Box(cuboid) => cuboid.planes(),
-            Form::Polytope(polytope) => polytope.planes().to_vec(),
-            Form::Cylinder(_) | Form::Mesh(_) => Vec::new(),
+            Form::Box(cuboid) => facet::of_planes(&cuboid.planes(), &cuboid.surface()),
+            Form::Polytope(polytope) => facet::of_planes(polytope.planes(), polytope.surface()),
+            Form::Mesh(mesh) => facet::of_surface(mesh.surface(), |place, inwards| mesh.depth_m(place, inwards)),
+            Form::Cylinder(_) => Vec::new(),
+        }
+    }
+
+    /// Its vertical edges; none of a cylinder.
+    pub(crate) fn vertical_edges(&self) -> Vec<Edge> {
+        match &self.form {
+            Form::Box(cuboid) => facet::vertical_edges(&cuboid.surface()),
+            Form::Polytope(polytope) => facet::vertical_edges(polytope.surface()),
+            Form::Mesh(mesh) => facet::vertical_edges(mesh.surface()),
+            Form::Cylinder(_) => Vec::new(),
         }
     }
 

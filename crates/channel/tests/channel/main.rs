@@ -6,6 +6,7 @@ mod clearance;
 mod code_book;
 mod input;
 mod lengths;
+mod rays;
 mod reflections;
 mod shadow;
 mod solids;

@@ -295,7 +295,8 @@ mod tests {
 
     #[test]
     fn what_is_worked_out_once_is_what_each_frame_would_find() {
-        let ground = ReflectionsConfig { loss_db: 6.0, ground_z_m: Some(-2.0), most: 2 };
+        let ground =
+            ReflectionsConfig { loss_db: Some(6.0), ground_z_m: Some(-2.0), most: 2, ..ReflectionsConfig::default() };
         for (seed, reflections) in [(Seed(1), None), (Seed(2), None), (Seed(3), None), (Seed(4), Some(ground))] {
             let places = places(seed);
             let one_by_one = told(seed, &places, air(seed, &places, reflections, false));
