@@ -112,18 +112,18 @@ impl Channel {
             return None;
         }
         let obstacles = if self.law.obstacles_attenuate() { self.obstacles.losses(from, to) } else { Vec::new() };
-        let reflections = self.reflects().then(|| {
-            let mut rays = Vec::new();
-            self.rays(from, to, &mut rays);
-            // The first one is the straight line.
-            rays.into_iter().skip(1).collect()
-        });
+        let mut rays = Vec::new();
+        self.rays(from, to, &mut rays);
+        // The first one is the straight line.
+        let mut rays = rays.into_iter();
+        let direct = rays.next()?;
         Some(PathBudget {
             distance_m,
             distance: self.law.path_loss().items(distance_m),
             obstacles,
             obstacle_loss: self.obstacle_loss(from, to),
-            reflections,
+            direct,
+            reflections: self.reflects().then(|| rays.collect()),
         })
     }
 

@@ -80,6 +80,16 @@ impl Material {
         Self::all().iter().find(|material| material.name == name)
     }
 
+    /// The material that a file calls `name`, perhaps in another case, with underscores, the prefixes `mat-` and `itu-`, or a
+    /// number after a dot, as tools for modelling write them.
+    pub(crate) fn of_file(name: &str) -> Option<&'static Self> {
+        let name = name.to_lowercase().replace(['_', ' '], "-");
+        let name =
+            name.rsplit_once('.').filter(|(_, end)| end.parse::<u32>().is_ok()).map_or(&*name, |(name, _)| name);
+        let name = name.strip_prefix("mat-").unwrap_or(name);
+        Self::named(name).or_else(|| Self::named(name.strip_prefix("itu-")?))
+    }
+
     /// Loss of power per metre (dB).
     #[must_use]
     pub fn loss_db_per_m(&self) -> f64 {

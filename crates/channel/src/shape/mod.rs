@@ -13,6 +13,8 @@ mod surface;
 mod sweep;
 mod triangle;
 
+use std::path::Path;
+
 #[cfg(feature = "config")]
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
@@ -90,6 +92,16 @@ impl Shape {
                 Mesh::read(config, files).map(Form::Mesh).map_err(|error| error.within("mesh"))
             }
         }?;
+        Ok(Self::of(form))
+    }
+
+    /// The shapes in a mesh file, one for each material, with its name in the file; keys are below the shape.
+    pub(crate) fn read_parts(file: &Path, files: &Files) -> Result<Vec<(Option<String>, Self)>, SettingError> {
+        let parts = Mesh::read_parts(file, files).map_err(|error| error.within("mesh"))?;
+        Ok(parts.into_iter().map(|(material, mesh)| (material, Self::of(Form::Mesh(mesh)))).collect())
+    }
+
+    fn of(form: Form) -> Self {
         let bounds = match &form {
             Form::Cylinder(cylinder) => {
                 let side = Position::new(cylinder.radius_m, cylinder.radius_m, 0.0);
@@ -106,7 +118,7 @@ impl Shape {
             Form::Polytope(polytope) => ConvexSolid::convex(polytope.surface()),
             Form::Mesh(_) => None,
         };
-        Ok(Self { form, bounds: bounds.expect("a solid has corners"), body })
+        Self { form, bounds: bounds.expect("a solid has corners"), body }
     }
 
     /// The smallest box around it.
