@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::clip::GRAZE_M;
 use super::polytope::Plane;
 use super::surface::Surface;
 use super::triangle::{self, Triangle};
@@ -44,7 +45,11 @@ impl Face {
             Self::Whole => true,
             Self::Behind(sides) => sides.iter().all(|side| side.height_m(place) <= 0.0),
             Self::Triangles(triangles) => triangles.iter().any(|&[a, b, c]| {
-                let turns = |from: Position, to: Position| normal.dot((to - from).cross(place - from)) >= 0.0;
+                // A nanometre outside still counts, so that no place is lost between two triangles.
+                let turns = |from: Position, to: Position| {
+                    let side = to - from;
+                    normal.dot(side.cross(place - from)) >= -GRAZE_M * side.length_m()
+                };
                 turns(a, b) && turns(b, c) && turns(c, a)
             }),
         }

@@ -146,7 +146,9 @@ impl Mesh {
                 Meeting::Edge { .. } => return self.length_by_pieces_m(from, u, length_m),
             }
         }
-        if balance == 0 { inside_m.max(0.0) } else { self.length_by_pieces_m(from, u, length_m) }
+        // A line that ends on a face is not inside.
+        let whole_m = if inside_m > GRAZE_M { inside_m } else { 0.0 };
+        if balance == 0 { whole_m } else { self.length_by_pieces_m(from, u, length_m) }
     }
 
     /// The part of the infinite line that can be near the mesh.

@@ -8,6 +8,7 @@ mod input;
 mod lengths;
 mod rays;
 mod reflections;
+mod rooms;
 mod shadow;
 mod solids;
 mod volumes;
