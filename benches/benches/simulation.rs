@@ -41,6 +41,8 @@ fn simulation(criterion: &mut Criterion) {
         "mac/saturated-star",
         "mac/poisson-star",
         "mac/acknowledged-star",
+        // Sector sweeps among 591 nodes.
+        "mmtm/warehouse-vaa",
     ];
     let cases = names.map(|name| (name.to_owned(), scenario(name)));
     for (name, scenario) in cases.into_iter().chain([("16000 nodes".to_owned(), large(16_000))]) {

@@ -2,8 +2,8 @@
 
 use sextant_kernel::{Seed, StationId};
 
-use crate::mirror::{Mirror, direction};
-use crate::reflection::{Ray, ReflectionLaw};
+use crate::rays::{Scatterers, Surroundings, straight};
+use crate::reflection::Ray;
 use crate::{ChannelLaw, Db, Dbm, Milliwatts, ObstacleField, PathBudget, Position, Shadowing};
 
 /// A radio channel in a world of obstacles: `P_rx = P_tx - L(d) - L_obstacles + X` (thesis eq. 3.15).
@@ -13,7 +13,8 @@ pub struct Channel {
     law: ChannelLaw,
     shadowing: Shadowing,
     obstacles: ObstacleField,
-    mirrors: Vec<Mirror>,
+    /// What bends the ways of signals, if anything may.
+    scatterers: Option<Scatterers>,
 }
 
 impl Channel {
@@ -25,8 +26,9 @@ impl Channel {
             Some(carrier_ghz) => obstacles.at_carrier(Some(carrier_ghz)),
             None => obstacles,
         };
-        let mirrors = law.reflections().map(|reflections| reflections.mirrors(&obstacles)).unwrap_or_default();
-        Self { law, shadowing: Shadowing::new(*law.shadowing(), seed), obstacles, mirrors }
+        let scatterers = law.reflections().map(|law_of| Scatterers::new(law_of, &obstacles, law.carrier_ghz()));
+        let scatterers = scatterers.filter(|scatterers| !scatterers.is_empty());
+        Self { law, shadowing: Shadowing::new(*law.shadowing(), seed), obstacles, scatterers }
     }
 
     /// The law of the channel without obstacles.
@@ -50,16 +52,16 @@ impl Channel {
         if self.law.obstacles_attenuate() { self.obstacles.loss(from, to) } else { Db(0.0) }
     }
 
-    /// Whether signals are reflected, so that there may be several ways.
+    /// Whether signals are reflected or bend round edges, so that there may be several ways.
     #[must_use]
     #[inline]
     pub fn reflects(&self) -> bool {
-        !self.mirrors.is_empty()
+        self.scatterers.is_some()
     }
 
-    /// Replaces `rays` with the ways of a signal from `from` to `to`: the direct one, then reflections, the strongest
-    /// first. None beyond the hard radius. A reflection is left out if a solid obstacle is in its way. The time grows
-    /// with the number of all faces.
+    /// Replaces `rays` with the ways of a signal from `from` to `to`: the direct one, then reflections and ways round edges,
+    /// the strongest first. None beyond the hard radius. A reflection is left out if a solid obstacle is in its way. The time
+    /// grows with the number of all faces; with two reflections a ray, with its square.
     pub fn rays(&self, from: Position, to: Position, rays: &mut Vec<Ray>) {
         rays.clear();
         let distance_m = from.distance_m(to);
@@ -70,28 +72,19 @@ impl Channel {
         let key = |p: Position| [p.x_m, p.y_m, p.z_m];
         let is_forward = key(from) <= key(to);
         let (a, b) = if is_forward { (from, to) } else { (to, from) };
-        let loss = self.law.path_loss().loss(distance_m) + self.obstacle_loss(a, b);
-        rays.push(Ray { loss, departure: direction(a, b), arrival: direction(b, a) });
-        rays.extend(self.mirrors.iter().filter_map(|mirror| self.reflected(mirror, a, b)));
-        rays[1..].sort_by(|one, other| one.loss.0.total_cmp(&other.loss.0));
-        rays.truncate(1 + self.law.reflections().map_or(0, ReflectionLaw::most));
+        match &self.scatterers {
+            Some(scatterers) => {
+                scatterers.trace(a, b, Surroundings { law: &self.law, obstacles: &self.obstacles }, rays);
+            }
+            None => {
+                let loss = self.law.path_loss().loss(distance_m) + self.obstacle_loss(a, b);
+                let carrier_ghz = self.law.carrier_ghz();
+                rays.push(straight(loss, a, b, carrier_ghz));
+            }
+        }
         if !is_forward {
             rays.iter_mut().for_each(|ray| *ray = ray.reversed());
         }
-    }
-
-    /// The way from `a` to `b` by `mirror`, if there is one.
-    fn reflected(&self, mirror: &Mirror, a: Position, b: Position) -> Option<Ray> {
-        let place = mirror.bounce(a, b)?;
-        let length_m = a.distance_m(place) + place.distance_m(b);
-        if length_m > self.law.max_range_m()
-            || self.obstacles.blocking(a, place).or(self.obstacles.blocking(place, b)).is_some()
-        {
-            return None;
-        }
-        let obstacles = self.obstacle_loss(a, place) + self.obstacle_loss(place, b);
-        let loss = self.law.path_loss().loss(length_m) + mirror.loss + obstacles;
-        Some(Ray { loss, departure: direction(a, place), arrival: direction(b, place) })
     }
 
     /// Mean received power (mean of the decibels) at the transmit power `tx`; `None` beyond the hard radius. With
@@ -103,7 +96,7 @@ impl Channel {
         if distance_m > self.law.max_range_m() {
             return None;
         }
-        if !self.mirrors.is_empty() {
+        if self.reflects() {
             let mut rays = Vec::new();
             self.rays(from, to, &mut rays);
             return Some(rays.iter().map(|ray| (tx - ray.loss).to_milliwatts()).sum::<Milliwatts>().to_dbm());
@@ -119,18 +112,18 @@ impl Channel {
             return None;
         }
         let obstacles = if self.law.obstacles_attenuate() { self.obstacles.losses(from, to) } else { Vec::new() };
-        let reflections = self.reflects().then(|| {
-            let mut rays = Vec::new();
-            self.rays(from, to, &mut rays);
-            // The first one is the straight line.
-            rays.into_iter().skip(1).collect()
-        });
+        let mut rays = Vec::new();
+        self.rays(from, to, &mut rays);
+        // The first one is the straight line.
+        let mut rays = rays.into_iter();
+        let direct = rays.next()?;
         Some(PathBudget {
             distance_m,
             distance: self.law.path_loss().items(distance_m),
             obstacles,
             obstacle_loss: self.obstacle_loss(from, to),
-            reflections,
+            direct,
+            reflections: self.reflects().then(|| rays.collect()),
         })
     }
 

@@ -44,14 +44,20 @@ mod cell_grid;
 mod cell_index;
 #[cfg(feature = "obstacles")]
 mod channel;
+#[cfg_attr(not(feature = "obstacles"), expect(dead_code, reason = "fields are those of rays among obstacles"))]
+mod complex;
+#[cfg(feature = "obstacles")]
+mod edge;
 mod environment;
 #[cfg(feature = "obstacles")]
 mod field;
+#[cfg(feature = "obstacles")]
+mod fresnel;
 mod gas;
 #[cfg(feature = "obstacles")]
 mod glam;
 mod law;
-#[cfg(feature = "obstacles")]
+#[cfg_attr(not(feature = "obstacles"), expect(dead_code, reason = "materials are those of obstacles"))]
 mod material;
 #[cfg(feature = "obstacles")]
 mod mirror;
@@ -65,6 +71,8 @@ mod polygon;
 mod position;
 mod power;
 mod purpose;
+#[cfg(feature = "obstacles")]
+mod rays;
 mod reception;
 mod reflection;
 mod sector;
@@ -93,8 +101,7 @@ pub use environment::Environment;
 pub use field::{Crossing, ObstacleField};
 pub use gas::GasConfig;
 pub use law::{ChannelConfig, ChannelLaw};
-#[cfg(feature = "obstacles")]
-pub use material::Material;
+pub use material::{Material, MaterialName};
 pub use neighbour::{Anchor, Link, NeighbourError, NeighbourLog};
 #[cfg(feature = "obstacles")]
 pub use obstacle::{Obstacle, ObstacleConfig};
@@ -108,7 +115,7 @@ pub use reception::{
     Contact, Drive, HeardAtStop, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder,
     Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop,
 };
-pub use reflection::{Ray, ReflectionsConfig};
+pub use reflection::{Polarisation, Ray, ReflectionsConfig, angles_rad};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
 pub use sector_gains::{ListenerAntennaConfig, SectorGains};
 pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};

@@ -1,7 +1,14 @@
 //! Materials of obstacles.
 
+use std::sync::LazyLock;
+
+#[cfg(feature = "config")]
+use schemars::JsonSchema;
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
+use crate::complex::Complex;
 use crate::path_loss::LIGHT_M_PER_S;
 
 /// 10 log10(e): decibels of one neper of power.
@@ -34,107 +41,53 @@ enum Model {
     Foliage,
 }
 
-const CONCRETE: [f64; 4] = [5.24, 0.0, 0.0462, 0.7822];
+/// All known materials: one a line, after the names of the columns.
+const TABLE: &str = include_str!("materials.csv");
 
-const P2040: &str = "computed: α = 2 (2π f / c) |Im sqrt(η)| with η = a f^b - j 17.98 c f^d / f at f = 2.45 GHz; \
-                     a, b, c, d of Recommendation ITU-R P.2040-3 (2023), Table 3";
+static ALL: LazyLock<Vec<Material>> = LazyLock::new(|| TABLE.lines().skip(1).map(Material::parse).collect());
 
 impl Material {
     /// All known materials.
-    pub const ALL: &[Self] = &[
-        Self {
-            name: "concrete",
-            absorption_per_m: 4.6,
-            source: "chosen: 20 dB per metre (10 α log10(e) = 19.98 dB), because the thesis gives no coefficient for concrete; \
-                     light, dry concrete; see itu-concrete for dense concrete; at other carriers in proportion to it",
-            range_ghz: [1.0, 100.0],
-            model: Model::Permittivity(CONCRETE, 4.6 / 15.297),
-        },
-        Self {
-            name: "itu-concrete",
-            absorption_per_m: 15.297,
-            source: P2040,
-            range_ghz: [1.0, 100.0],
-            model: Model::Permittivity(CONCRETE, 1.0),
-        },
-        Self {
-            name: "brick",
-            absorption_per_m: 5.233,
-            source: P2040,
-            range_ghz: [1.0, 40.0],
-            model: Model::Permittivity([3.91, 0.0, 0.0238, 0.16], 1.0),
-        },
-        Self {
-            name: "plasterboard",
-            absorption_per_m: 4.497,
-            source: P2040,
-            range_ghz: [1.0, 100.0],
-            model: Model::Permittivity([2.73, 0.0, 0.0085, 0.9395], 1.0),
-        },
-        Self {
-            name: "wood",
-            absorption_per_m: 3.280,
-            source: P2040,
-            range_ghz: [0.001, 100.0],
-            model: Model::Permittivity([1.99, 0.0, 0.0047, 1.0718], 1.0),
-        },
-        Self {
-            name: "chipboard",
-            absorption_per_m: 10.222,
-            source: P2040,
-            range_ghz: [1.0, 100.0],
-            model: Model::Permittivity([2.58, 0.0, 0.0217, 0.78], 1.0),
-        },
-        Self {
-            name: "glass",
-            absorption_per_m: 1.793,
-            source: P2040,
-            range_ghz: [0.1, 100.0],
-            model: Model::Permittivity([6.31, 0.0, 0.0036, 1.3394], 1.0),
-        },
-        Self {
-            name: "marble",
-            absorption_per_m: 1.787,
-            source: P2040,
-            range_ghz: [1.0, 60.0],
-            model: Model::Permittivity([7.074, 0.0, 0.0055, 0.9262], 1.0),
-        },
-        Self {
-            name: "metal",
-            absorption_per_m: 622_090.0,
-            source: P2040,
-            range_ghz: [1.0, 100.0],
-            model: Model::Permittivity([1.0, 0.0, 1e7, 0.0], 1.0),
-        },
-        Self {
-            name: "wet-ground",
-            absorption_per_m: 39.437,
-            source: "computed as for building materials, from the row for wet ground of ITU-R P.2040-3 (2023), Table 3",
-            range_ghz: [1.0, 10.0],
-            model: Model::Permittivity([30.0, -0.4, 0.15, 1.3], 1.0),
-        },
-        Self {
-            name: "water",
-            absorption_per_m: 61.10,
-            source: "computed: α = 2 (2π f / c) |Im sqrt(ε)| of pure water at 20 °C and 2.45 GHz, ε by the single Debye \
-                     relaxation of Liebe, Hufford and Manabe (1991), Int. J. Infrared and Millimeter Waves 12, 659",
-            range_ghz: [0.1, 100.0],
-            model: Model::Water,
-        },
-        Self {
-            name: "foliage",
-            absorption_per_m: 0.1336,
-            source: "computed: 0.45 f^0.284 dB per metre at f = 2.45 (GHz) over 4.343; modified exponential decay of \
-                     Weissberger (1982), ESD-TR-81-101, dense dry trees in leaf, up to 14 m deep",
-            range_ghz: [0.23, 95.0],
-            model: Model::Foliage,
-        },
-    ];
+    #[must_use]
+    pub fn all() -> &'static [Self] {
+        &ALL
+    }
+
+    /// The material in a line of the table.
+    fn parse(line: &'static str) -> Self {
+        let fields: Vec<&str> = line.splitn(8, ';').collect();
+        let [name, absorption, low, high, model, parameters, factor, source] = fields[..] else {
+            panic!("a line of the table of materials has eight fields, not {}: {line}", fields.len())
+        };
+        let number = |text: &str| -> f64 { text.parse().expect("a number in the table of materials") };
+        let model = match model {
+            "water" => Model::Water,
+            "foliage" => Model::Foliage,
+            _ => {
+                let parameters: Vec<f64> = parameters.split(' ').map(number).collect();
+                let factor = factor.split('/').map(number).reduce(|over, under| over / under);
+                let parameters = parameters.try_into().expect("four parameters of a permittivity");
+                Model::Permittivity(parameters, factor.expect("at least one number"))
+            }
+        };
+        let range_ghz = [number(low), number(high)];
+        Self { name, absorption_per_m: number(absorption), source, range_ghz, model }
+    }
 
     /// The material called `name`.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
-        Self::ALL.iter().find(|material| material.name == name)
+        Self::all().iter().find(|material| material.name == name)
+    }
+
+    /// The material that a file calls `name`, perhaps in another case, with underscores, the prefixes `mat-` and `itu-`, or a
+    /// number after a dot, as tools for modelling write them.
+    pub(crate) fn of_file(name: &str) -> Option<&'static Self> {
+        let name = name.to_lowercase().replace(['_', ' '], "-");
+        let name =
+            name.rsplit_once('.').filter(|(_, end)| end.parse::<u32>().is_ok()).map_or(&*name, |(name, _)| name);
+        let name = name.strip_prefix("mat-").unwrap_or(name);
+        Self::named(name).or_else(|| Self::named(name.strip_prefix("itu-")?))
     }
 
     /// Loss of power per metre (dB).
@@ -150,6 +103,13 @@ impl Material {
         let Some(carrier_ghz) = carrier_ghz else { return self.absorption_per_m };
         let [low, high] = self.range_ghz;
         self.model.absorption_per_m(carrier_ghz.clamp(low, high))
+    }
+
+    /// Complex relative permittivity at the carrier, `a f^b - j 17.98 c f^d / f`, if it is known; beyond the carriers for
+    /// which the model holds, that of the nearest one for which it does.
+    pub(crate) fn permittivity(&self, carrier_ghz: f64) -> Option<Complex> {
+        let [low, high] = self.range_ghz;
+        self.model.permittivity(carrier_ghz.clamp(low, high))
     }
 
     /// Whether the model holds at the carrier.
@@ -168,16 +128,24 @@ impl Material {
 
     /// All names, for messages.
     pub(crate) fn names() -> String {
-        Self::ALL.iter().map(|material| format!("\"{}\"", material.name)).collect::<Vec<_>>().join(", ")
+        Self::all().iter().map(|material| format!("\"{}\"", material.name)).collect::<Vec<_>>().join(", ")
     }
 }
 
 impl Model {
     fn absorption_per_m(self, f_ghz: f64) -> f64 {
+        let factor = if let Self::Permittivity(_, factor) = self { factor } else { 1.0 };
+        match self.permittivity(f_ghz) {
+            Some(Complex { re, im }) => factor * of_permittivity_per_m(f_ghz, re, -im),
+            None => 0.45 * libm::pow(f_ghz, 0.284) / DB_PER_NEPER,
+        }
+    }
+
+    fn permittivity(self, f_ghz: f64) -> Option<Complex> {
         match self {
-            Self::Permittivity([a, b, c, d], factor) => {
-                let (re, im) = (a * libm::pow(f_ghz, b), 17.98 * c * libm::pow(f_ghz, d) / f_ghz);
-                factor * of_permittivity_per_m(f_ghz, re, im)
+            Self::Permittivity([a, b, c, d], _) => {
+                let im = 17.98 * c * libm::pow(f_ghz, d) / f_ghz;
+                Some(Complex { re: a * libm::pow(f_ghz, b), im: -im })
             }
             Self::Water => {
                 let theta = 1.0 - 300.0 / 293.15;
@@ -185,10 +153,32 @@ impl Model {
                 let high = 0.0671 * low;
                 let ratio = f_ghz / (20.2 + 146.4 * theta + 316.0 * theta * theta);
                 let strength = (low - high) / (1.0 + ratio * ratio);
-                of_permittivity_per_m(f_ghz, high + strength, strength * ratio)
+                Some(Complex { re: high + strength, im: -(strength * ratio) })
             }
-            Self::Foliage => 0.45 * libm::pow(f_ghz, 0.284) / DB_PER_NEPER,
+            Self::Foliage => None,
         }
+    }
+}
+
+/// A known material, by its name in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(try_from = "String", into = "String"))]
+#[cfg_attr(feature = "config", schemars(with = "String"))]
+pub struct MaterialName(pub &'static Material);
+
+impl TryFrom<String> for MaterialName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let known = Material::named(&name).map(Self);
+        known.ok_or_else(|| format!("unknown material {name:?}; allowed: {}", Material::names()))
+    }
+}
+
+impl From<MaterialName> for String {
+    fn from(MaterialName(material): MaterialName) -> Self {
+        material.name.to_owned()
     }
 }
 
@@ -246,8 +236,8 @@ mod tests {
 
     #[test]
     fn names_are_unique_and_a_metre_of_concrete_takes_twenty_decibels() {
-        for (i, material) in Material::ALL.iter().enumerate() {
-            assert_eq!(Material::ALL.iter().position(|other| other.name == material.name), Some(i));
+        for (i, material) in Material::all().iter().enumerate() {
+            assert_eq!(Material::all().iter().position(|other| other.name == material.name), Some(i));
             assert!(material.absorption_per_m > 0.0 && !material.source.is_empty());
         }
         let concrete = Material::named("concrete").unwrap();
@@ -257,7 +247,7 @@ mod tests {
 
     #[test]
     fn the_model_of_each_material_gives_its_listed_value_at_the_listed_carrier() {
-        for material in Material::ALL {
+        for material in Material::all() {
             let ratio = material.absorption_at_per_m(Some(F_GHZ)) / material.absorption_per_m;
             assert!((ratio - 1.0).abs() < 1e-3, "{}: {ratio}", material.name);
             assert_eq!(material.absorption_at_per_m(None).to_bits(), material.absorption_per_m.to_bits());

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
-use crate::{Db, Material, Position, Shape, ShapeConfig};
+use crate::{Db, Material, MeshConfig, Position, Shape, ShapeConfig};
 
 /// An obstacle as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of
 /// these and `loss_db`.
@@ -110,10 +110,7 @@ impl Obstacle {
         if loss_db.is_nan() || loss_db < 0.0 {
             return Err(SettingError::new("loss_db", loss_db, "0 or above; inf lets nothing through"));
         }
-        let reflection_loss = match config.reflection_loss_db {
-            Some(loss_db) => Some(Db(SettingError::not_negative("reflection_loss_db", loss_db)?)),
-            None => None,
-        };
+        let reflection_loss = reflection_loss(&config)?;
         let shape = Shape::read(config.shape, files).map_err(|error| error.within("shape"))?;
         Ok(Self {
             name: config.name,
@@ -124,6 +121,42 @@ impl Obstacle {
             is_solid: config.solid,
             reflection_loss,
         })
+    }
+
+    /// The obstacles that `config` describes: one, or one for each material of its mesh file if it has none of its own. Names
+    /// of materials in files may have another case, underscores, the prefixes `mat-` and `itu-`, and a number after a dot.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read), and if a material of the file is unknown.
+    pub fn read_all(config: ObstacleConfig, files: &Files) -> Result<Vec<Self>, SettingError> {
+        let is_bare = config.material.is_none() && config.absorption_per_m.is_none() && config.loss_db.is_none();
+        let file = match &config.shape {
+            ShapeConfig::Mesh(MeshConfig { file: Some(file), vertices_m: None, triangles: None }) if is_bare => file,
+            _ => return Ok(vec![Self::read(config, files)?]),
+        };
+        let parts = Shape::read_parts(file, files).map_err(|error| error.within("shape"))?;
+        if parts.iter().all(|(name, _)| name.is_none()) {
+            return Ok(vec![Self::read(config, files)?]);
+        }
+        let reflection_loss = reflection_loss(&config)?;
+        let obstacle = |(name, shape): (Option<String>, Shape)| {
+            let written = name.unwrap_or_default();
+            let material = Material::of_file(&written).ok_or_else(|| {
+                let found = format!("`{}` with the material `{written}`", file.display());
+                SettingError::new("shape.mesh.file", found, format!("materials {}", Material::names()))
+            })?;
+            let of = |name: &String| format!("{name}, {}", material.name);
+            Ok(Self {
+                name: config.name.as_ref().map(of),
+                shape,
+                material: Some(material),
+                absorption_per_m: material.absorption_per_m,
+                loss: Db(0.0),
+                is_solid: config.solid,
+                reflection_loss,
+            })
+        };
+        parts.into_iter().map(obstacle).collect()
     }
 
     /// The same obstacle for links at a carrier: a material absorbs there what its model says, an absorption coefficient
@@ -183,4 +216,10 @@ impl Obstacle {
     pub fn mesh(&self) -> (Vec<Position>, Vec<[u32; 3]>) {
         self.shape.mesh()
     }
+}
+
+/// The loss of a reflection off the faces, checked.
+fn reflection_loss(config: &ObstacleConfig) -> Result<Option<Db>, SettingError> {
+    let checked = |loss_db| SettingError::not_negative("reflection_loss_db", loss_db).map(Db);
+    config.reflection_loss_db.map(checked).transpose()
 }

@@ -13,7 +13,9 @@ pub struct PathBudget {
     pub obstacles: Vec<ObstacleLoss>,
     /// Loss by all these obstacles together.
     pub obstacle_loss: Db,
-    /// The reflections, the strongest first; `None` if the channel has none at all.
+    /// The straight line as a ray.
+    pub direct: Ray,
+    /// The reflections and ways round edges, the strongest first; `None` if the channel has none at all.
     pub reflections: Option<Vec<Ray>>,
 }
 
@@ -43,6 +45,12 @@ impl PathBudget {
     #[must_use]
     pub fn direct_power(&self, tx: Dbm) -> Dbm {
         tx - self.distance.total() - self.obstacle_loss
+    }
+
+    /// All rays: the straight line, then the others, the strongest first.
+    #[must_use]
+    pub fn rays(&self) -> Vec<Ray> {
+        std::iter::once(self.direct).chain(self.reflections.iter().flatten().copied()).collect()
     }
 
     /// Mean received power at the transmit power `tx`, without antennas and shadowing: the one of

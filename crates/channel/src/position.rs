@@ -59,6 +59,7 @@ impl Position {
 
     /// The place (x, y, z) (m).
     #[must_use]
+    #[inline]
     pub const fn new(x_m: f64, y_m: f64, z_m: f64) -> Self {
         Self { x_m, y_m, z_m }
     }

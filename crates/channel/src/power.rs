@@ -116,6 +116,7 @@ impl Sub for Db {
 
 impl Neg for Db {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Self(-self.0)
     }
@@ -130,6 +131,7 @@ impl Add for Milliwatts {
 }
 
 impl AddAssign for Milliwatts {
+    #[inline]
     fn add_assign(&mut self, other: Self) {
         self.0 += other.0;
     }
@@ -137,6 +139,7 @@ impl AddAssign for Milliwatts {
 
 impl SubAssign for Milliwatts {
     /// Subtracts a power that was added before; rounding never gives a negative power.
+    #[inline]
     fn sub_assign(&mut self, other: Self) {
         self.0 = (self.0 - other.0).max(0.0);
     }

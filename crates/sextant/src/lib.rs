@@ -50,7 +50,7 @@ pub mod template;
 pub use campaign::{Campaign, CampaignError};
 pub use export::{ExportError, export};
 pub use forecast::Forecast;
-pub use link::{LinkError, LinkReport, explain_link};
+pub use link::{LinkError, LinkReport, RayReport, explain_link, rays_csv};
 pub use mapping::{LogMap, MapLogError, map_log};
 pub use number_range::NumberRange;
 pub use run::{Run, RunCapture, RunError, RunObserver, RunRecorder, run, survey};

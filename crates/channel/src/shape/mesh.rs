@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[cfg(feature = "config")]
 use schemars::JsonSchema;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use super::clip::GRAZE_M;
-use super::obj;
+use super::obj::{self, Part};
 use super::surface::Surface;
 use super::triangle::{self, Meeting};
 use crate::span::Span;
@@ -25,7 +25,8 @@ use crate::{Bounds, Position};
 #[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct MeshConfig {
-    /// A Wavefront .obj file in metres, z up.
+    /// A Wavefront .obj file in metres, z up. If the obstacle has no material, its faces are those of one obstacle for each
+    /// material of the file (`usemtl`), each closed.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub file: Option<PathBuf>,
     /// Vertices (m).
@@ -49,14 +50,8 @@ impl Mesh {
     pub(crate) fn read(config: MeshConfig, files: &Files) -> Result<Self, SettingError> {
         match (config.file, config.vertices_m, config.triangles) {
             (Some(file), None, None) => {
-                let path = files.path(&file);
-                let error = |found: String, allowed: &str| SettingError::new("file", found, allowed);
-                let text = files.read_text(&file).map_err(|cause| {
-                    error(format!("`{}`, which cannot be read: {cause}", path.display()), "a readable .obj file")
-                })?;
-                obj::parse(&text)
-                    .map_err(|flaw| error(format!("`{}`, {flaw}", path.display()), "a Wavefront .obj file"))
-                    .and_then(|surface| Self::new(surface, "file"))
+                let surface = obj::parse(&read_file(&file, files)?).map_err(|flaw| flawed(&file, files, &flaw))?;
+                Self::new(surface, "file")
             }
             (None, Some(vertices), Some(triangles)) => Self::new(Surface { vertices, triangles }, "triangles"),
             (Some(_), _, _) => {
@@ -68,6 +63,22 @@ impl Mesh {
                 Err(SettingError::missing("triangles", "a list of triangles, three vertex indices each"))
             }
         }
+    }
+
+    /// The solids in the file of `config`, one for each material, with its name in the file.
+    pub(crate) fn read_parts(file: &Path, files: &Files) -> Result<Vec<(Option<String>, Self)>, SettingError> {
+        let parts = obj::parts(&read_file(file, files)?).map_err(|flaw| flawed(file, files, &flaw))?;
+        let solid = |Part { material, surface }: Part| {
+            let mesh = Self::new(surface, "file").map_err(|error| match &material {
+                Some(name) => {
+                    let found = format!("{} in the faces of material `{name}`", error.found());
+                    SettingError::new("file", found, error.allowed())
+                }
+                None => error,
+            })?;
+            Ok((material, mesh))
+        };
+        parts.into_iter().map(solid).collect()
     }
 
     /// The solid inside `surface`; errors name `key`.
@@ -135,7 +146,9 @@ impl Mesh {
                 Meeting::Edge { .. } => return self.length_by_pieces_m(from, u, length_m),
             }
         }
-        if balance == 0 { inside_m.max(0.0) } else { self.length_by_pieces_m(from, u, length_m) }
+        // A line that ends on a face is not inside.
+        let whole_m = if inside_m > GRAZE_M { inside_m } else { 0.0 };
+        if balance == 0 { whole_m } else { self.length_by_pieces_m(from, u, length_m) }
     }
 
     /// The part of the infinite line that can be near the mesh.
@@ -172,6 +185,17 @@ impl Mesh {
         self.tree.nearest_m(p, |index| triangle::distance_m(self.surface.triangle(index), p))
     }
 
+    /// How far a line from a place on the surface runs inside, along a unit vector (m).
+    pub(crate) fn depth_m(&self, from: Position, inwards: Position) -> f64 {
+        let ends_m = self.tree.along(self.chord(from, inwards), GRAZE_M).filter_map(|index| {
+            match triangle::meet(self.surface.triangle(index), from, inwards) {
+                Meeting::Through { at_m, .. } | Meeting::Edge { at_m: Some(at_m) } => Some(at_m),
+                Meeting::Miss | Meeting::Edge { at_m: None } => None,
+            }
+        });
+        ends_m.filter(|&at_m| at_m > GRAZE_M).fold(f64::INFINITY, f64::min)
+    }
+
     pub(crate) fn contains(&self, p: Position) -> bool {
         self.bounds.contains(p) && self.depth(p) > 0.5
     }
@@ -188,6 +212,19 @@ impl Mesh {
     pub(crate) fn surface(&self) -> &Surface {
         &self.surface
     }
+}
+
+/// The text of a mesh file.
+fn read_file(file: &Path, files: &Files) -> Result<String, SettingError> {
+    files.read_text(file).map_err(|cause| {
+        let found = format!("`{}`, which cannot be read: {cause}", files.path(file).display());
+        SettingError::new("file", found, "a readable .obj file")
+    })
+}
+
+/// A mesh file has a flaw.
+fn flawed(file: &Path, files: &Files, flaw: &str) -> SettingError {
+    SettingError::new("file", format!("`{}`, {flaw}", files.path(file).display()), "a Wavefront .obj file")
 }
 
 /// Merges vertices at the same place, because many programs write separate vertices for each triangle, and removes

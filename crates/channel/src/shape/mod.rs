@@ -3,6 +3,7 @@
 mod clip;
 mod cuboid;
 mod cylinder;
+mod facet;
 mod hull;
 mod mesh;
 mod obj;
@@ -11,6 +12,8 @@ mod prism;
 mod surface;
 mod sweep;
 mod triangle;
+
+use std::path::Path;
 
 #[cfg(feature = "config")]
 use schemars::JsonSchema;
@@ -28,6 +31,7 @@ use crate::span::Span;
 use crate::{Bounds, Position};
 use cuboid::Cuboid;
 use cylinder::Cylinder;
+pub(crate) use facet::{Edge, Face, Facet};
 use mesh::Mesh;
 pub(crate) use polytope::Plane;
 use polytope::Polytope;
@@ -88,6 +92,16 @@ impl Shape {
                 Mesh::read(config, files).map(Form::Mesh).map_err(|error| error.within("mesh"))
             }
         }?;
+        Ok(Self::of(form))
+    }
+
+    /// The shapes in a mesh file, one for each material, with its name in the file; keys are below the shape.
+    pub(crate) fn read_parts(file: &Path, files: &Files) -> Result<Vec<(Option<String>, Self)>, SettingError> {
+        let parts = Mesh::read_parts(file, files).map_err(|error| error.within("mesh"))?;
+        Ok(parts.into_iter().map(|(material, mesh)| (material, Self::of(Form::Mesh(mesh)))).collect())
+    }
+
+    fn of(form: Form) -> Self {
         let bounds = match &form {
             Form::Cylinder(cylinder) => {
                 let side = Position::new(cylinder.radius_m, cylinder.radius_m, 0.0);
@@ -104,7 +118,7 @@ impl Shape {
             Form::Polytope(polytope) => ConvexSolid::convex(polytope.surface()),
             Form::Mesh(_) => None,
         };
-        Ok(Self { form, bounds: bounds.expect("a solid has corners"), body })
+        Self { form, bounds: bounds.expect("a solid has corners"), body }
     }
 
     /// The smallest box around it.
@@ -160,12 +174,23 @@ impl Shape {
         (surface.vertices, surface.triangles)
     }
 
-    /// The planes of its flat faces, if it is convex and has no others.
-    pub(crate) fn planes(&self) -> Vec<Plane> {
+    /// Its flat faces; none of a cylinder.
+    pub(crate) fn facets(&self) -> Vec<Facet> {
         match &self.form {
-            Form::Box(cuboid) => cuboid.planes(),
-            Form::Polytope(polytope) => polytope.planes().to_vec(),
-            Form::Cylinder(_) | Form::Mesh(_) => Vec::new(),
+            Form::Box(cuboid) => facet::of_planes(&cuboid.planes(), &cuboid.surface()),
+            Form::Polytope(polytope) => facet::of_planes(polytope.planes(), polytope.surface()),
+            Form::Mesh(mesh) => facet::of_surface(mesh.surface(), |place, inwards| mesh.depth_m(place, inwards)),
+            Form::Cylinder(_) => Vec::new(),
+        }
+    }
+
+    /// Its vertical edges; none of a cylinder.
+    pub(crate) fn vertical_edges(&self) -> Vec<Edge> {
+        match &self.form {
+            Form::Box(cuboid) => facet::vertical_edges(&cuboid.surface()),
+            Form::Polytope(polytope) => facet::vertical_edges(polytope.surface()),
+            Form::Mesh(mesh) => facet::vertical_edges(mesh.surface()),
+            Form::Cylinder(_) => Vec::new(),
         }
     }
 

@@ -202,7 +202,7 @@ proptest! {
         reflects in any::<bool>(),
     ) {
         let law = LogDistanceConfig { gas_db_per_km, ..LogDistanceConfig::default() };
-        let reflections = ReflectionsConfig { loss_db: 7.0, ground_z_m: Some(-1.0), most: 3 };
+        let reflections = ReflectionsConfig { loss_db: Some(7.0), ground_z_m: Some(-1.0), most: 3, ..ReflectionsConfig::default() };
         let config = ChannelConfig {
             path_loss: Some(PathLossConfig::LogDistance(law)),
             reflections: reflects.then_some(reflections),

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use sextant_channel::{Channel, ChannelConfig, Dbm, Obstacle, ObstacleConfig, ObstacleField, Position, Ray};
 use sextant_kernel::Seed;
 
-fn channel(law: &str, obstacles: &[String]) -> Channel {
+pub(crate) fn channel(law: &str, obstacles: &[String]) -> Channel {
     let config: ChannelConfig = toml::from_str(law).unwrap_or_else(|error| panic!("{error}"));
     let read = |text: &String| {
         let config: ObstacleConfig = toml::from_str(text).unwrap_or_else(|error| panic!("{error}"));
@@ -14,7 +14,7 @@ fn channel(law: &str, obstacles: &[String]) -> Channel {
     Channel::new(config.try_into().expect("a good channel"), field, Seed(1))
 }
 
-fn rays(channel: &Channel, from: Position, to: Position) -> Vec<Ray> {
+pub(crate) fn rays(channel: &Channel, from: Position, to: Position) -> Vec<Ray> {
     let mut rays = Vec::new();
     channel.rays(from, to, &mut rays);
     rays

@@ -7,8 +7,8 @@ use clap::Args;
 
 use super::options::{Overrides, Printing};
 use crate::diagnostic::Failure;
-use sextant::explain_link;
 use sextant::scenario::Scenario;
+use sextant::{explain_link, rays_csv};
 
 /// Arguments of `sextant explain-link`.
 #[derive(Clone, Debug, Args)]
@@ -28,6 +28,9 @@ pub(crate) struct Arguments {
     /// Random seed, which shadowing is drawn from; overrides that of the scenario
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
+    /// Print the rays from A to B alone, as comma-separated values
+    #[arg(long, conflicts_with = "format")]
+    pub(crate) rays: bool,
     /// Settings that override those of the scenario.
     #[command(flatten)]
     pub(crate) overrides: Overrides,
@@ -37,8 +40,12 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { scenario, from, to, network, seed, overrides, printing } = arguments;
+    let Arguments { scenario, from, to, network, seed, rays, overrides, printing } = arguments;
     let scenario = Scenario::load_with(scenario, &overrides.set, *seed)?;
     let report = explain_link(&scenario, from, to, network.as_deref())?;
+    if *rays {
+        let rays = report.rays.unwrap_or_default();
+        return Ok(std::io::stdout().lock().write_all(rays_csv(&rays).as_bytes())?);
+    }
     Ok(printing.print(&report, |stdout| write!(stdout, "{report}"))?)
 }

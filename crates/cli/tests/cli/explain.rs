@@ -75,6 +75,29 @@ fn unknown_keys_name_similar_ones_and_no_text_is_a_panic() {
 }
 
 #[test]
+fn the_rays_of_a_link_are_told_as_a_table_as_json_and_as_csv() {
+    let file = scenario("smoke.toml").display().to_string();
+    let ground = "channel.reflections={ground_z_m=-1, ground_material=\"itu-concrete\"}";
+    let link = ["explain-link", &file, "0,-1", "3,-1", "--set", ground];
+    let text = told(&link).expect("a link");
+    for part in ["departs", "straight", "1 reflection", "The sum of their fields has a gain of"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let found = json(&link);
+    let rays = found["rays"].as_array().expect("a list of rays");
+    assert_eq!((rays.len(), rays[1]["bounces"].as_u64()), (2, Some(1)));
+    // Down to 1 m below, half way: the mirror image is 2 m lower.
+    let delay_s = rays[1]["delay_s"].as_f64().expect("a number");
+    assert!((delay_s * 299_792_458.0 - 13_f64.sqrt()).abs() < 1e-9, "{delay_s}");
+    let elevation = rays[1]["departure_rad"][1].as_f64().expect("an angle");
+    assert!((elevation + (2.0_f64 / 3.0).atan()).abs() < 1e-12, "{elevation}");
+    let csv = told(&[&link[..], &["--rays"]].concat()).expect("rays");
+    let lines: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!((lines.len(), lines[0].len(), lines[2].len()), (3, 10, 10), "{csv}");
+    assert_eq!(lines[2][1].parse::<f64>().ok(), rays[1]["gain_db"].as_f64());
+}
+
+#[test]
 fn a_link_is_explained_item_by_item() {
     let file = scenario("smoke.toml").display().to_string();
     let text = told(&["explain-link", &file, "n0", "3,1"]).expect("a link");

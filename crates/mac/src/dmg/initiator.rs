@@ -210,7 +210,7 @@ impl Initiator {
             return None;
         }
         if frame.to != self.address {
-            self.defer(now, now + frame.duration());
+            self.overhear(now, frame);
             return None;
         }
         match (self.state, frame.body) {
@@ -238,6 +238,13 @@ impl Initiator {
                 Some(self.end(sweep, InitiatorOutcome::Trained))
             }
             _ => None,
+        }
+    }
+
+    /// A frame for another station was decoded whose last bit arrives now.
+    pub fn overhear(&mut self, now: SimTime, frame: &SweepFrame) {
+        if !matches!(self.state, State::Sweeping(..) | State::Informing(..) | State::Choosing(_)) {
+            self.defer(now, now + frame.duration());
         }
     }
 

@@ -184,9 +184,16 @@ impl Responder {
             }
             SweepBody::Feedback { feedback, .. } if is_unicast => return self.take(now, frame.from, feedback, radio),
             _ if is_unicast => {}
-            _ => self.defer(now, now + frame.duration()),
+            _ => self.overhear(now, frame),
         }
         None
+    }
+
+    /// A frame for another station was decoded whose last bit arrives now.
+    pub fn overhear(&mut self, now: SimTime, frame: &SweepFrame) {
+        if !matches!(self.state, State::Sweeping(..) | State::Acknowledging(..)) {
+            self.defer(now, now + frame.duration());
+        }
     }
 
     /// Handles an event; returns a report if a sweep or an answer is over.

@@ -1,5 +1,6 @@
 //! Why a station hears another one, or not: the power between the two, item by item.
 
+mod rays;
 mod report;
 mod stations;
 mod table;
@@ -8,6 +9,7 @@ use sextant_channel::Position;
 use sextant_kernel::{SettingError, StationId};
 use sextant_sim::{LinkBudgets, NetworkId};
 
+pub use rays::{RayReport, rays_csv};
 pub use report::{Direction, LinkEnd, LinkReport, LossOfObstacle, PathReport, ReceptionReport, ShadowingReport};
 
 use crate::Scenario;
@@ -105,7 +107,11 @@ pub fn explain_link(scenario: &Scenario, a: &str, b: &str, network: Option<&str>
     let draw_db = budget.as_ref().and_then(|(forth, _)| forth.shadowing).map(|gain| gain.0);
     let shadowing = ShadowingReport { sigma_db: law.shadowing().sigma_db(), correlation, draw_db };
     let obstacles = budgets.obstacles();
+    let rays = budget.as_ref().map(|(forth, _)| rays::rays_of(&forth.path));
+    let (rays, field_gain_db) = rays.map_or((None, None), |(rays, field_gain_db)| (Some(rays), field_gain_db));
     Ok(LinkReport {
+        rays,
+        field_gain_db,
         scenario: scenario.name().to_owned(),
         seed: scenario.seed().0,
         network: scenario.networks()[network.index()].name.clone(),

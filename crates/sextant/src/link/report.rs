@@ -4,6 +4,8 @@ use serde::Serialize;
 use sextant_channel::{ChannelLaw, Db, Dbm, ObstacleField, PathBudget};
 use sextant_sim::{LinkBudget, LinkReception, ReceptionModel};
 
+use super::rays::RayReport;
+
 /// The link between two stations. It prints as a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LinkReport {
@@ -24,6 +26,13 @@ pub struct LinkReport {
     /// Loss on the way, the same in both directions; absent beyond the radius of communication.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathReport>,
+    /// The ways of a signal from the first end to the second one: the straight line, then the others, the strongest first;
+    /// absent beyond the radius of communication.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rays: Option<Vec<RayReport>>,
+    /// Gain of the sum of the fields of all rays (dB): that of a narrow band.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field_gain_db: Option<f64>,
     /// How shadowing changes the power.
     pub shadowing: ShadowingReport,
     /// From the first end to the second one, and back; absent beyond the radius of communication.

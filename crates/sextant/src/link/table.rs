@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use super::rays;
 use super::report::{Direction, LinkReport, PathReport, ReceptionReport};
 
 /// Width of the names of the items, and of a column of numbers.
@@ -70,6 +71,9 @@ impl Display for LinkReport {
         row(f, "channel is busy from", all(&|it| dbm(it.busy_from_dbm)))?;
         row(f, "receiver finds it busy", all(&|it| if it.is_busy { "yes" } else { "no" }.to_owned()))?;
         writeln!(f)?;
+        if let Some(rays) = self.rays.as_ref().filter(|rays| rays.len() > 1) {
+            rays::write_table(f, rays, self.field_gain_db)?;
+        }
         self.write_notes(f, path, &receptions)
     }
 }

@@ -100,8 +100,7 @@ impl Budget {
     #[inline]
     pub(super) fn power_at(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Milliwatts> {
         let &Listener { station, place, .. } = listener;
-        let is_remembered = signal.emission.power == self.emission.power && signal.source.index() < self.stations;
-        if !is_remembered {
+        if !self.remembers(signal) {
             let mean = self.mean(signal, place)?;
             return Some(self.milliwatts(self.with_shadowing(mean, signal, listener), signal, listener));
         }
@@ -132,6 +131,27 @@ impl Budget {
             return Some(self.milliwatts(Dbm(remembered.power), signal, listener));
         }
         Some(Milliwatts(remembered.power))
+    }
+
+    /// Whether the power between two places is the same for all packets.
+    pub(super) fn is_lasting(&self) -> bool {
+        !self.is_per_packet
+    }
+
+    /// Power of a signal at a listener without the gains of antennas, if powers last and there are antennas; `None`
+    /// beyond the radius of communication.
+    pub(super) fn level(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Dbm> {
+        let known = match self.mobile_of(signal.source, listener.station) {
+            Some(link) if self.remembers(signal) => self.mobile_power(link, signal, listener),
+            _ => self.lasting(signal, listener),
+        };
+        (!known.is_nan()).then_some(Dbm(known))
+    }
+
+    /// Whether the powers of such signals are remembered.
+    #[inline]
+    fn remembers(&self, signal: &Signal) -> bool {
+        signal.emission.power == self.emission.power && signal.source.index() < self.stations
     }
 
     /// The slot of a link: its own if there is one for each, or else one that other links may take.
@@ -201,7 +221,7 @@ impl Budget {
 
     /// The power at the listener, with the gains of both antennas if there are any; zero if it is negligible then.
     #[inline]
-    fn milliwatts(&mut self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Milliwatts {
+    pub(super) fn milliwatts(&mut self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Milliwatts {
         if !self.has_antennas() {
             return power.to_milliwatts();
         }

@@ -120,7 +120,8 @@ mod tests {
     fn the_items_of_a_link_sum_to_the_power_that_the_air_gives_to_a_frame() {
         let spatial = CorrelationConfig::Spatial(SpatialConfig { distance_m: 4.0 });
         let shadowings = [CorrelationConfig::PerLink, spatial];
-        let mirrors = ReflectionsConfig { loss_db: 6.0, ground_z_m: Some(-2.0), most: 2 };
+        let mirrors =
+            ReflectionsConfig { loss_db: Some(6.0), ground_z_m: Some(-2.0), most: 2, ..ReflectionsConfig::default() };
         for (shadowing, reflections) in shadowings.into_iter().flat_map(|s| [(s, None), (s, Some(mirrors))]) {
             let shadowing = Some(ShadowingConfig { sigma_db: Some(5.0), correlation: shadowing });
             for sectors in [0, 8] {

@@ -8,6 +8,7 @@ use sextant_kernel::{SimTime, StationId};
 
 use super::budget::Budget;
 use super::cells::Cells;
+use super::footprint::{Audible, Footprints, Link};
 use super::interface::Interface;
 use super::items::LinkItems;
 use super::listener::Listener;
@@ -38,6 +39,8 @@ pub(crate) struct Medium {
     standing_count: usize,
     /// The listeners that may drive: few.
     mobile: Vec<Listener<Motion>>,
+    /// What the sectors of senders reach, if antennas have sectors and all that stand is known.
+    footprints: Option<Footprints>,
     /// Signals from farther away are neglected (m).
     reach_m: f64,
     /// How long a signal is kept after its end: the window of carrier sense.
@@ -63,6 +66,7 @@ impl Medium {
             standing: Cells::covering(places, reach_m),
             standing_count: 0,
             mobile: Vec::new(),
+            footprints: None,
             reach_m,
             memory,
         }
@@ -71,6 +75,52 @@ impl Medium {
     /// The antennas, to mount more of them before the first signal.
     pub(crate) fn mounts_mut(&mut self) -> &mut Mounts {
         self.budget.mounts_mut()
+    }
+
+    /// Says which receivers stand for good, whether they listen or not: all but those that may drive. Called before the
+    /// first of them listens.
+    pub(crate) fn know_standing(&mut self, standing: impl Iterator<Item = Listener<Position>>) {
+        if self.budget.is_lasting() {
+            let mut cells = self.standing.clone();
+            standing.for_each(|listener| cells.at(listener.place).push(listener));
+            self.footprints = Some(Footprints::new(cells));
+        }
+    }
+
+    /// Whether it is known what signals reach among the receivers that stand.
+    #[inline]
+    pub(super) fn has_footprints(&self) -> bool {
+        self.footprints.is_some()
+    }
+
+    /// Limits the number of links and powers that footprints remember.
+    #[cfg(test)]
+    pub(super) fn remember_at_most(&mut self, most: usize) {
+        self.footprints.as_mut().expect("there are footprints").remember_at_most(most);
+    }
+
+    /// What a signal reaches among the receivers that stand: its links to all of them within the radius of communication,
+    /// and those at which it is not negligible.
+    ///
+    /// # Panics
+    /// Without footprints.
+    pub(super) fn footprint(&mut self, signal: &Signal) -> (&[Link], &[Audible]) {
+        let footprints = self.footprints.as_mut().expect("it was asked whether there are footprints");
+        footprints.of(signal, self.reach_m, &mut self.budget)
+    }
+
+    /// Replaces `found` with the power of a signal at each receiver that may drive, listens, and is within the radius of
+    /// communication; by receiver.
+    pub(super) fn mobile_audible(&mut self, signal: &Signal, found: &mut Vec<Audible>) {
+        found.clear();
+        for &Listener { receiver, station, place } in &self.mobile {
+            if receiver != signal.sender {
+                let listener = Listener { receiver, station, place: place.at(signal.start) };
+                let power = self.budget.power_at(signal, &listener);
+                found.extend(power.map(|power| Audible { receiver, station, power }));
+            }
+        }
+        found.sort_unstable_by_key(|audible| audible.receiver);
     }
 
     /// Starts a signal.

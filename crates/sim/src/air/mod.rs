@@ -2,7 +2,9 @@
 
 mod budget;
 mod cells;
+mod footprint;
 mod history;
+mod incoming;
 mod interface;
 mod items;
 mod listener;
@@ -13,59 +15,37 @@ mod reached;
 mod receiver;
 mod receiver_id;
 mod reception_model;
+mod reception_rules;
 mod sense;
 mod signal;
+mod transmission;
 mod ways;
 
 use std::time::Duration;
 
-use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
+use sextant_channel::{Channel, Db, Dbm, Position};
 use sextant_kernel::{Seed, SimTime, StationId};
 
-use crate::purpose;
-use crate::service::outcome::{Deafness, FrameOutcome};
+use crate::service::outcome::Deafness;
 use crate::station::{Motion, Roll};
 use budget::Budget;
+use footprint::Audible;
 use history::History;
 use listener::Listener;
 use medium::Medium;
 use reached::Reached;
-use receiver::{Heard, Receiver};
+use receiver::Receiver;
 
 pub(crate) use interface::Interface;
 pub(crate) use items::{LinkItems, PlacedRadio};
 pub(crate) use mounts::Mount;
 pub(crate) use noise::Burst;
-pub(crate) use receiver::{CarrierThresholds, ReceptionRules};
 pub(crate) use receiver_id::ReceiverId;
 pub use reception_model::{ReceptionConfig, ReceptionModel, ThresholdConfig};
+pub(crate) use reception_rules::{CarrierThresholds, ReceptionRules};
 pub(crate) use sense::Sense;
-use signal::Outline;
-pub(crate) use signal::{Aim, Emission, Signal};
-
-/// A transmission under way.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Transmission {
-    signal: Outline,
-    /// Number of its network among those of the band.
-    network: usize,
-    /// The receiver that it is for; `None` if it is for all.
-    to: Option<ReceiverId>,
-    /// Whether a station that it is for listened when it began, but beyond the radius of communication.
-    beyond: bool,
-    /// Whether a station that it is for listened when it began, but its power there was negligible.
-    faint: bool,
-}
-
-/// The outcome of a transmission at one receiver.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrival {
-    pub(crate) station: StationId,
-    pub(crate) power: Milliwatts,
-    /// Smallest ratio of signal to interference and noise while the frame was followed, as a factor.
-    pub(crate) sinr: f64,
-    pub(crate) outcome: FrameOutcome,
-}
+pub(crate) use signal::{Aim, Emission};
+pub(crate) use transmission::{Arrival, Transmission};
 
 /// The channel became busy or idle at a receiver.
 #[derive(Clone, Copy, Debug)]
@@ -100,6 +80,8 @@ pub(crate) struct Air {
     /// A robot that is farther from a sender does not count among those who could have heard it (m).
     hearing_m: f64,
     near: Vec<Listener<Position>>,
+    /// The receivers that may drive and hear a signal that begins.
+    mobile_audible: Vec<Audible>,
     reached: Reached,
     /// Changes of the carrier that have not been taken yet.
     carrier_changes: Vec<CarrierChange>,
@@ -150,6 +132,7 @@ impl Air {
             seed,
             hearing_m: f64::INFINITY,
             near: Vec::new(),
+            mobile_audible: Vec::new(),
             reached: Reached::default(),
             carrier_changes: Vec::new(),
             history: None,
@@ -232,6 +215,12 @@ impl Air {
         self.medium.mounts_mut().add(receiver, mount);
     }
 
+    /// Says which radios stand for good, and where: those of all stations that never drive. Called before the start.
+    pub(crate) fn know_standing(&mut self, standing: impl Iterator<Item = (Interface, Position)>) {
+        let listener = |(Interface { receiver, station }, place)| Listener { receiver, station, place };
+        self.medium.know_standing(standing.map(listener));
+    }
+
     /// The changes of the carrier since the last call, in their order; `changes` is emptied first.
     pub(crate) fn take_carrier_changes(&mut self, changes: &mut Vec<CarrierChange>) {
         changes.clear();
@@ -241,11 +230,7 @@ impl Air {
     /// Notes whether the channel became busy or idle at a receiver.
     #[inline]
     fn note_carrier(&mut self, receiver: ReceiverId, station: StationId, rules: &ReceptionRules) {
-        if rules.carrier.is_some()
-            && let Some(is_busy) = self.receivers[receiver.index()].carrier_change(rules)
-        {
-            self.carrier_changes.push(CarrierChange { station, is_busy });
-        }
+        note_carrier(&mut self.receivers[receiver.index()], station, rules, &mut self.carrier_changes);
     }
 
     /// A station that listens, or not, moves differently from now on.
@@ -288,136 +273,9 @@ impl Air {
         self.medium.will_be_busy(sense)
     }
 
-    /// The station of `sender` starts to send a frame, to the station of the receiver `to` or to all of its network.
-    pub(crate) fn begin(
-        &mut self,
-        now: SimTime,
-        Interface { receiver: sender, station: source }: Interface,
-        to: Option<ReceiverId>,
-        position: Position,
-        emission: Emission,
-        airtime: Duration,
-    ) -> Transmission {
-        let (packet, draw, end) = (self.packets, self.draw_at(now), now + airtime);
-        let signal = Signal { packet, draw, source, sender, position, emission, start: now, end };
-        self.packets += 1;
-        self.medium.begin(signal);
-        if let Some(history) = &mut self.history {
-            history.add(signal);
-        }
-        let network = self.network(sender);
-        let mut listening = match to {
-            Some(to) => usize::from(self.is_listening(to)),
-            // A radio that sends is deaf, so the sender is not among them.
-            None => self.audience_listening[network] - self.too_far(&signal, network),
-        };
-        let mut faint = false;
-        let mut near = std::mem::take(&mut self.near);
-        self.medium.listeners(&signal, &mut near);
-        let mut reached = self.reached.spare();
-        for listener in &near {
-            if let Some(power) = self.medium.power_at(&signal, listener) {
-                let &Listener { receiver, station, .. } = listener;
-                let is_for = match to {
-                    Some(to) => receiver == to,
-                    None => self.in_audience[receiver.index()] && self.network(receiver) == network,
-                };
-                listening -= usize::from(is_for);
-                faint |= is_for && power.0 <= 0.0;
-                // A negligible power is not even interference.
-                if power.0 > 0.0 {
-                    let rules = *self.rules(receiver);
-                    self.receivers[receiver.index()].begin(now, signal.packet, power, None, &rules);
-                    self.note_carrier(receiver, station, &rules);
-                    reached.push((receiver, station));
-                }
-            }
-        }
-        self.reached.begin(signal.packet, reached);
-        self.near = near;
-        Transmission { signal: signal.outline(), network, to, beyond: listening > 0, faint }
-    }
-
-    /// Number of robots that listen in the audience of a network, but are too far from the sender to count.
-    #[inline]
-    fn too_far(&self, signal: &Signal, network: usize) -> usize {
-        if self.hearing_m.is_infinite() {
-            return 0;
-        }
-        let is_in = |receiver: ReceiverId| self.in_audience[receiver.index()] && self.network(receiver) == network;
-        self.medium.mobile_beyond(signal, self.hearing_m).filter(|&receiver| is_in(receiver)).count()
-    }
-
     /// Robots farther than `hearing_m` from a sender do not count among those who could have heard it from now on.
     pub(crate) fn limit_hearing(&mut self, hearing_m: f64) {
         self.hearing_m = hearing_m;
-    }
-
-    /// A frame ends: fills `arrivals` with its outcome at each radio of its network that it reached, by receiver. For
-    /// the radios of other networks in the band it was only a disturbance.
-    pub(crate) fn end(&mut self, now: SimTime, transmission: &Transmission, arrivals: &mut Vec<Arrival>) {
-        let &Transmission { signal, network, .. } = transmission;
-        let reached = self.reached.end(signal.packet);
-        arrivals.clear();
-        for &(receiver, station) in &reached {
-            let seed = self.seed;
-            let luck = || seed.uniform(purpose::RECEPTION, signal.draw_at(receiver));
-            let rules = *self.rules(receiver);
-            if let Some(Heard { power, sinr, outcome }) =
-                self.receivers[receiver.index()].end(now, signal.packet, &rules, luck)
-            {
-                self.note_carrier(receiver, station, &rules);
-                if self.network(receiver) == network {
-                    let is_lost = outcome == FrameOutcome::Received && self.loses(&signal, receiver);
-                    let outcome = if is_lost { FrameOutcome::Weak } else { outcome };
-                    arrivals.push(Arrival { station, power, sinr, outcome });
-                }
-            }
-        }
-        self.reached.give_back(reached);
-    }
-}
-
-impl Air {
-    /// The outcome of a transmission that ends now at the receivers that it is for, if it reached none of them.
-    pub(crate) fn missed(&self, transmission: &Transmission) -> FrameOutcome {
-        if transmission.faint && self.is_listened_to(transmission) {
-            return FrameOutcome::Weak;
-        }
-        if transmission.beyond {
-            return FrameOutcome::OutOfRange;
-        }
-        match &transmission.to {
-            Some(to) => self.missed_by(transmission, std::iter::once(*to)),
-            None => self.missed_by(transmission, self.audiences[transmission.network].iter().copied()),
-        }
-    }
-
-    /// Whether a station that a transmission is for listens at its end.
-    fn is_listened_to(&self, transmission: &Transmission) -> bool {
-        match transmission.to {
-            Some(to) => self.is_listening(to),
-            None => self.audience_listening[transmission.network] > 0,
-        }
-    }
-
-    /// The same at these `receivers`, none of which listened.
-    pub(crate) fn missed_by(
-        &self,
-        transmission: &Transmission,
-        receivers: impl Iterator<Item = ReceiverId>,
-    ) -> FrameOutcome {
-        let Outline { sender, start, .. } = transmission.signal;
-        let others = receivers.filter(|&receiver| receiver != sender);
-        let deafness = others.map(|receiver| self.receivers[receiver.index()].deafness_since(start)).max();
-        FrameOutcome::NotListened(deafness.unwrap_or(Deafness::Off))
-    }
-
-    /// Whether a receiver loses a frame that it could receive.
-    #[inline]
-    fn loses(&self, signal: &Outline, receiver: ReceiverId) -> bool {
-        self.message_loss > 0.0
-            && self.seed.uniform(purpose::MESSAGE_LOSS, signal.draw_at(receiver)) < self.message_loss
     }
 
     /// The address of the draws of a signal that begins now.
@@ -426,14 +284,17 @@ impl Air {
     }
 }
 
-impl Transmission {
-    /// The station that sends it.
-    pub(crate) fn source(&self) -> StationId {
-        self.signal.source
-    }
-
-    /// Start of its first symbol on air.
-    pub(crate) fn start(&self) -> SimTime {
-        self.signal.start
+/// Notes whether the channel became busy or idle at a receiver.
+#[inline]
+fn note_carrier(
+    receiver: &mut Receiver,
+    station: StationId,
+    rules: &ReceptionRules,
+    changes: &mut Vec<CarrierChange>,
+) {
+    if rules.carrier.is_some()
+        && let Some(is_busy) = receiver.carrier_change(rules)
+    {
+        changes.push(CarrierChange { station, is_busy });
     }
 }

@@ -9,86 +9,12 @@
 //! weaker one is lost there and received here: 0.02 to 0.26 % more frames, by load and range (frames replayed in both at
 //! the same instants). Without such pairs both receive the same frames.
 
-use std::time::Duration;
-
 use sextant_channel::Milliwatts;
 use sextant_kernel::SimTime;
 
-use super::ReceptionModel;
+use super::incoming::{Incoming, Span, is_strong};
+use super::{ReceptionModel, ReceptionRules};
 use crate::service::outcome::{Deafness, FrameOutcome};
-
-/// Rules of all receivers of a simulation.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ReceptionRules {
-    pub(crate) model: ReceptionModel,
-    pub(crate) sensitivity: Milliwatts,
-    pub(crate) noise: Milliwatts,
-    pub(crate) preamble: Duration,
-    /// Minimum ratio of signal to interference and noise at the end of the preamble, as a factor.
-    pub(crate) lock: f64,
-    /// When the channel is busy, if the radios say when that changes.
-    pub(crate) carrier: Option<CarrierThresholds>,
-    /// Bits per second on air.
-    pub(crate) bit_rate_hz: f64,
-    /// Probability of a bit error by the ratio of signal to interference and noise, as a factor.
-    pub(crate) bit_error_rate: fn(f64) -> f64,
-}
-
-/// From which power on the channel is busy.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CarrierThresholds {
-    /// Power of one signal.
-    pub(crate) signal: Milliwatts,
-    /// Power of all signals together.
-    pub(crate) energy: Milliwatts,
-}
-
-impl ReceptionRules {
-    /// Least power at which a frame is received that no other signal disturbs; with bit errors, the least at which it may be.
-    pub(crate) fn least_power(&self) -> Milliwatts {
-        let over_noise = match self.model {
-            ReceptionModel::Overlap => return self.sensitivity,
-            ReceptionModel::SinrThreshold { least } => least.max(self.lock),
-            ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => self.lock,
-        };
-        Milliwatts((over_noise * self.noise.0).max(self.sensitivity.0))
-    }
-
-    /// Probability that a frame of `airtime` and `power` is received if no other signal disturbs it.
-    pub(crate) fn reception_alone(&self, power: Milliwatts, airtime: Duration) -> f64 {
-        if power < self.least_power() {
-            return 0.0;
-        }
-        match self.model {
-            ReceptionModel::Ber => {
-                let bits = airtime.saturating_sub(self.preamble).as_secs_f64() * self.bit_rate_hz;
-                libm::exp(bits * libm::log1p(-(self.bit_error_rate)(power.ratio(self.noise))))
-            }
-            ReceptionModel::Overlap | ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } => {
-                1.0
-            }
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Incoming {
-    packet: u64,
-    power: Milliwatts,
-    preamble_end: SimTime,
-    /// Whether it began while the receiver listened and was free, and is strong enough to be followed.
-    tracked: bool,
-    /// Why the receiver cannot follow it: it was deaf when it began, or as good as off for what is no frame.
-    missed: Option<Deafness>,
-    /// Whether it overlapped with another signal; with the model `overlap`, with another audible signal.
-    disturbed: bool,
-    /// Smallest ratio of signal to interference and noise so far, as a factor.
-    least_sinr: f64,
-    /// The same without noise.
-    least_sir: f64,
-    /// Natural logarithm of the probability that no bit is wrong so far.
-    log_intact: f64,
-}
 
 /// One radio that listens, or why it does not.
 #[derive(Clone, Debug)]
@@ -96,13 +22,31 @@ pub(crate) struct Receiver {
     listening: bool,
     /// Why it does not listen, or did not when it last was deaf.
     deafness: Deafness,
-    /// When it last ended to send.
-    sent_until: SimTime,
-    signals: Vec<Incoming>,
-    locked: Option<u64>,
-    settled: SimTime,
     /// Whether the channel was busy when the radio last said so.
     is_busy: bool,
+    /// When it last ended to send.
+    sent_until: SimTime,
+    /// When the signals were last brought up to date.
+    settled: SimTime,
+    /// All signals at the antenna.
+    present: Vec<Present>,
+    /// The sum of their powers, in their order.
+    total: Milliwatts,
+    /// Those of them that are above the sensitivity, or were missed: no others can be received.
+    signals: Vec<Incoming>,
+    /// Number of signals that alone make the channel busy.
+    strong: u32,
+    /// Number of signals that are tracked; only the one that the radio is locked on to, if there is one.
+    tracked: u32,
+    /// The place of the signal that the radio is locked on to.
+    locked: Option<usize>,
+}
+
+/// A signal at the antenna.
+#[derive(Clone, Copy, Debug)]
+struct Present {
+    packet: u64,
+    power: Milliwatts,
 }
 
 impl Default for Receiver {
@@ -111,11 +55,15 @@ impl Default for Receiver {
         Self {
             listening: false,
             deafness: Deafness::Off,
-            sent_until: SimTime::ZERO,
-            signals: Vec::new(),
-            locked: None,
-            settled: SimTime::ZERO,
             is_busy: false,
+            sent_until: SimTime::ZERO,
+            settled: SimTime::ZERO,
+            present: Vec::new(),
+            total: Milliwatts::ZERO,
+            signals: Vec::new(),
+            strong: 0,
+            tracked: 0,
+            locked: None,
         }
     }
 }
@@ -131,6 +79,7 @@ pub(crate) struct Heard {
 
 impl Receiver {
     /// Whether the radio listens.
+    #[inline]
     pub(crate) fn is_listening(&self) -> bool {
         self.listening
     }
@@ -147,8 +96,10 @@ impl Receiver {
         self.note_sent(now);
         self.deafness = deafness;
         self.listening = false;
+        self.present.clear();
         self.signals.clear();
-        self.locked = None;
+        self.total = Milliwatts::ZERO;
+        (self.strong, self.tracked, self.locked) = (0, 0, None);
     }
 
     /// The radio changes its state: if it was sending, it sent until now.
@@ -174,21 +125,34 @@ impl Receiver {
     ) {
         self.settle(now, rules);
         let audible = power >= rules.sensitivity;
-        let counts = |other: Milliwatts| match rules.model {
-            ReceptionModel::Overlap => audible && other >= rules.sensitivity,
-            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => true,
+        let disturbed = match rules.model {
+            ReceptionModel::Overlap => {
+                let mut disturbed = false;
+                for other in &mut self.signals {
+                    let mutual = audible && other.power >= rules.sensitivity;
+                    other.disturbed |= mutual;
+                    disturbed |= mutual;
+                }
+                disturbed
+            }
+            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => {
+                self.signals.iter_mut().for_each(|other| other.disturbed = true);
+                !self.present.is_empty()
+            }
         };
-        let mut disturbed = false;
-        for other in &mut self.signals {
-            let mutual = counts(other.power);
-            other.disturbed |= mutual;
-            disturbed |= mutual;
+        self.present.push(Present { packet, power });
+        self.total += power;
+        self.strong += u32::from(is_strong(power, rules));
+        if missed.is_none() && !audible {
+            return;
         }
+        let tracked = missed.is_none() && self.locked.is_none();
+        self.tracked += u32::from(tracked);
         self.signals.push(Incoming {
             packet,
             power,
             preamble_end: now + rules.preamble,
-            tracked: missed.is_none() && audible && self.locked.is_none(),
+            tracked,
             missed,
             disturbed,
             least_sinr: f64::INFINITY,
@@ -199,10 +163,8 @@ impl Receiver {
 
     /// Whether the channel became busy (`true`) or idle (`false`) since the radio last said so.
     pub(crate) fn carrier_change(&mut self, rules: &ReceptionRules) -> Option<bool> {
-        let CarrierThresholds { signal, energy } = rules.carrier?;
-        let is_busy = self.listening
-            && (self.signals.iter().any(|incoming| incoming.power >= signal)
-                || self.signals.iter().map(|incoming| incoming.power).sum::<Milliwatts>() >= energy);
+        let energy = rules.carrier?.energy;
+        let is_busy = self.listening && (self.strong > 0 || self.total >= energy);
         (std::mem::replace(&mut self.is_busy, is_busy) != is_busy).then_some(is_busy)
     }
 
@@ -215,16 +177,15 @@ impl Receiver {
         rules: &ReceptionRules,
         luck: impl FnOnce() -> f64,
     ) -> Option<Heard> {
-        let place = self.signals.iter().position(|signal| signal.packet == packet)?;
+        let place = self.present.iter().position(|present| present.packet == packet)?;
         self.settle(now, rules);
-        let signal = self.signals.remove(place);
-        let locked = self.locked == Some(packet);
-        if locked {
-            self.locked = None;
-        }
-        let drowned = |least: f64| {
-            if signal.power.ratio(rules.noise) < least { FrameOutcome::Weak } else { FrameOutcome::Collided }
+        let power = self.remove(place);
+        self.strong -= u32::from(is_strong(power, rules));
+        let alone = power.ratio(rules.noise);
+        let Some((signal, locked)) = self.take(packet) else {
+            return Some(Heard { power, sinr: alone, outcome: FrameOutcome::Weak });
         };
+        let drowned = |least: f64| if alone < least { FrameOutcome::Weak } else { FrameOutcome::Collided };
         let fate = if let Some(deafness) = signal.missed {
             FrameOutcome::NotListened(deafness)
         } else if signal.power < rules.sensitivity {
@@ -247,63 +208,83 @@ impl Receiver {
                 ReceptionModel::Ber => FrameOutcome::Weak,
             }
         };
-        let alone = signal.power.ratio(rules.noise);
-        Some(Heard { power: signal.power, sinr: signal.least_sinr.min(alone), outcome: fate })
+        Some(Heard { power, sinr: signal.least_sinr.min(alone), outcome: fate })
+    }
+
+    /// Removes the signal in a place from the antenna; returns its power.
+    #[inline]
+    fn remove(&mut self, place: usize) -> Milliwatts {
+        let power = self.present[place].power;
+        let (before, after) = self.present.split_at_mut(place);
+        self.total = before.iter().map(|present| present.power).sum();
+        for i in 1..after.len() {
+            after[i - 1] = after[i];
+            self.total += after[i].power;
+        }
+        self.present.pop();
+        power
+    }
+
+    /// Takes the signal of a packet out of those that can be received, if it is there; also returns whether the radio was
+    /// locked on to it.
+    #[inline]
+    fn take(&mut self, packet: u64) -> Option<(Incoming, bool)> {
+        let place = self.signals.iter().position(|signal| signal.packet == packet)?;
+        let signal = self.signals.remove(place);
+        self.tracked -= u32::from(signal.tracked);
+        let is_locked = self.locked == Some(place);
+        self.locked = match self.locked {
+            Some(locked) if locked > place => Some(locked - 1),
+            Some(locked) if locked < place => Some(locked),
+            Some(_) | None => None,
+        };
+        Some((signal, is_locked))
     }
 
     /// Updates all tracked signals until `now`, with the signals present until now.
+    #[inline(always)]
     fn settle(&mut self, now: SimTime, rules: &ReceptionRules) {
         let since = std::mem::replace(&mut self.settled, now);
-        if now == since || matches!(rules.model, ReceptionModel::Overlap) {
+        if self.tracked == 0 || now == since || matches!(rules.model, ReceptionModel::Overlap) {
             return;
         }
-        let total: Milliwatts = self.signals.iter().map(|signal| signal.power).sum();
-        let sinr = |power: Milliwatts| {
-            let mut rest = total + rules.noise;
-            rest -= power;
-            power.ratio(rest)
-        };
-        for i in 0..self.signals.len() {
-            let Incoming { packet, power, preamble_end, tracked, .. } = self.signals[i];
-            if tracked && self.locked.is_none() && preamble_end <= now {
-                if sinr(power) > rules.lock {
-                    self.locked = Some(packet);
-                } else {
-                    self.signals[i].tracked = false;
-                }
-            }
-        }
-        for signal in &mut self.signals {
-            if let Some(locked) = self.locked
-                && locked != signal.packet
-            {
-                signal.tracked = false;
-            }
-            if signal.tracked {
-                let ratio = sinr(signal.power);
-                signal.least_sinr = signal.least_sinr.min(ratio);
-                if matches!(rules.model, ReceptionModel::SirThreshold { .. }) {
-                    let mut interference = total;
-                    interference -= signal.power;
-                    signal.least_sir = signal.least_sir.min(sir(signal.power, interference));
-                }
-                if matches!(rules.model, ReceptionModel::Ber) {
-                    let span = now.saturating_since(since.max(signal.preamble_end));
-                    let bits = span.as_secs_f64() * rules.bit_rate_hz;
-                    signal.log_intact += bits * libm::log1p(-(rules.bit_error_rate)(ratio));
-                }
-            }
+        self.follow(&Span { since, now, total: self.total }, rules);
+    }
+
+    /// Updates all tracked signals after a time during which nothing has changed.
+    #[inline(never)]
+    fn follow(&mut self, span: &Span, rules: &ReceptionRules) {
+        match self.locked {
+            Some(locked) => self.signals[locked].suffer(span, rules),
+            None => self.settle_free(span, rules),
         }
     }
-}
 
-/// Ratio of signal to interference, as a factor; what is left of rounding counts as none.
-fn sir(power: Milliwatts, interference: Milliwatts) -> f64 {
-    if interference.0 > 1e-9 * power.0 { power.ratio(interference) } else { f64::INFINITY }
+    /// The same as long as the radio is free: it may lock on to a signal.
+    fn settle_free(&mut self, span: &Span, rules: &ReceptionRules) {
+        for (place, signal) in self.signals.iter_mut().enumerate() {
+            if signal.tracked && signal.preamble_end <= span.now {
+                if span.sinr(signal.power, rules) > rules.lock {
+                    self.locked = Some(place);
+                    break;
+                }
+                signal.tracked = false;
+                self.tracked -= 1;
+            }
+        }
+        if let Some(locked) = self.locked {
+            self.signals.iter_mut().for_each(|signal| signal.tracked = false);
+            self.signals[locked].tracked = true;
+            self.tracked = 1;
+        }
+        self.signals.iter_mut().filter(|signal| signal.tracked).for_each(|signal| signal.suffer(span, rules));
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
     use sextant_channel::{Db, Dbm};
 

@@ -88,15 +88,16 @@ impl WorldConfig {
         Ok(World { nodes, obstacles, targets, fields, sensors: Sensors::default(), interferers: Vec::new() })
     }
 
-    /// The obstacles alone. Paths are among `files`.
+    /// The obstacles alone, those of a mesh file with several materials in the place of its entry. Paths are among `files`.
     ///
     /// # Errors
     /// If an obstacle has no volume.
     pub fn set_up_obstacles(configs: &[ObstacleConfig], files: &Files) -> Result<ObstacleField, SettingError> {
         let obstacle = |(i, config): (usize, &ObstacleConfig)| {
-            Obstacle::read(config.clone(), files).map_err(|error| error.within(format!("obstacles[{i}]")))
+            Obstacle::read_all(config.clone(), files).map_err(|error| error.within(format!("obstacles[{i}]")))
         };
-        configs.iter().enumerate().map(obstacle).collect::<Result<Vec<_>, _>>().map(ObstacleField::new)
+        let obstacles = configs.iter().enumerate().map(obstacle).collect::<Result<Vec<_>, _>>()?;
+        Ok(ObstacleField::new(obstacles.into_iter().flatten().collect()))
     }
 }
 

@@ -17,7 +17,7 @@ use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, TxSector}
 use super::settings::Ieee80211ad;
 use super::stack::{RadioStack, Role, SectorNumbers, Stack};
 use super::transceiver::{Radios, Transceiver};
-use crate::air::{Arrival, CarrierChange};
+use crate::air::{Arrival, CarrierChange, Interface};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee80211ad::Event;
 use crate::event::link::LinkEvent;
@@ -34,7 +34,7 @@ use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 use crate::service::upcall::Upcall;
-use crate::station::Roll;
+use crate::station::{Kind, Roll};
 
 /// A network of IEEE 802.11ad: the links of all its stations.
 pub(crate) struct Links {
@@ -82,6 +82,10 @@ impl Links {
             let mount = antennas.mount(&roll, station, scene.seed);
             scene.airs[air].mount(radios.receiver(station), mount);
         }
+        let standing = roll.stations().filter(|&station| !matches!(roll.kind(station), Kind::Robot(_)));
+        let interface = |station| Interface { receiver: radios.receiver(station), station };
+        let standing: Vec<_> = standing.map(|station| (interface(station), scene.place(station))).collect();
+        scene.airs[air].know_standing(standing.into_iter());
         let stack = |station: StationId| {
             let address = MacAddress::of(station);
             let layout = if roll.is_node(station) { antennas.node_layout() } else { antennas.robot_layout() };

@@ -7,7 +7,7 @@ use sextant_mac::dmg::{ResponderOutcome, ResponderReport, SweepBody, SweepFrame}
 use super::Links;
 use crate::air::Transmission;
 use crate::link::collectors::tell_collectors;
-use crate::link::ieee80211ad::stack::{Role, Task};
+use crate::link::ieee80211ad::stack::{Role, Stack, Task};
 use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
@@ -47,6 +47,12 @@ impl Links {
     fn receive(&mut self, i: usize, sender: StationId, frame: &SweepFrame, scene: &mut Scene) {
         let arrival = self.arrivals[i];
         let (now, station) = (scene.now, arrival.station);
+        let is_for_another = frame.to.station().is_some_and(|to| to != station);
+        // Whoever gathers keeps the power of each frame of a station that may answer.
+        if is_for_another && !self.sweeps.contains_key(&station) {
+            self.overhear(station, frame, scene);
+            return;
+        }
         let sinr = Db(10.0 * libm::log10(arrival.sinr));
         match frame.body {
             SweepBody::Rss { .. } => {
@@ -78,6 +84,19 @@ impl Links {
             if let Some(report) = responder.receive(now, frame, sinr, &mut radio) {
                 self.note_answer(station, report, scene);
             }
+            self.give_way(station, scene);
+        }
+    }
+
+    /// A station has received a frame for another one: the medium is claimed.
+    fn overhear(&mut self, station: StationId, frame: &SweepFrame, scene: &mut Scene) {
+        let has_initiator = self.has_initiator(station);
+        let Stack { initiator, responder, .. } = &mut self.stacks[station.index()];
+        if has_initiator {
+            initiator.overhear(scene.now, frame);
+        }
+        if self.roll.is_node(station) {
+            responder.overhear(scene.now, frame);
             self.give_way(station, scene);
         }
     }
