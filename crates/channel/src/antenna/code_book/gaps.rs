@@ -167,10 +167,6 @@ struct Place<'a> {
 
 impl Place<'_> {
     fn text(&self, azimuths: &Steps, elevations: &Steps, of: usize) -> String {
-        let span = |axis: &Steps, [first, last]: [usize; 2]| match first == last {
-            true => format!("{}", axis.angle_deg(first)),
-            false => format!("{} to {}", axis.angle_deg(first), axis.angle_deg(last)),
-        };
         let numbers: Vec<u8> =
             self.sectors.iter().filter_map(|name| name.strip_prefix("sector ")?.parse().ok()).collect();
         let others = self.sectors.iter().filter(|name| !name.starts_with("sector ")).map(|name| (*name).to_owned());
@@ -183,6 +179,6 @@ impl Place<'_> {
             true => "all sectors".to_owned(),
             false => numbered.into_iter().chain(others).collect::<Vec<_>>().join(", "),
         };
-        format!("azimuth {}, elevation {}: {who}", span(azimuths, self.columns), span(elevations, self.rows))
+        format!("azimuth {}, elevation {}: {who}", azimuths.span_text(self.columns), elevations.span_text(self.rows))
     }
 }

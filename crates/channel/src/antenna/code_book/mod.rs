@@ -21,6 +21,7 @@ use crate::Position;
 pub use gaps::Gaps;
 use measured::Measured;
 use steps::{Steps, floor};
+pub use unit::look_like_factors;
 
 /// Measured sectors, as written in a scenario: either a file, or the grid and the gains.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -322,7 +323,7 @@ fn written(
     }
     let measured = Measured { azimuths, elevations, sectors: rows, quasi_omni: None };
     let flawed = |Flaw { found, allowed }: Flaw| SettingError::new("sectors", found, allowed);
-    unit::suspect_factors(measured.patterns().flat_map(|pattern| pattern.gains.iter().copied())).map_err(flawed)?;
+    unit::suspect_factors(measured.all_gains()).map_err(flawed)?;
     measured.checked().map_err(flawed)
 }
 
