@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use sextant_mac::dmg::{SweepBody, SweepFrame};
-use sextant_recording::capture::read_capture;
 use sextant_recording::read_log;
 use tempfile::TempDir;
 
@@ -63,6 +62,20 @@ fn the_gaps_of_a_measured_book_are_named_and_filled_and_its_sectors_shown() {
     assert!((greatest - 15.0).abs() < 0.1, "{greatest} dBi");
     let relative = show(&["--set", "gaps=hold", "--set", "outside_gain_dbi=-20"]);
     assert!(text(&relative.stderr).contains("`gain_db` has relative units"), "{}", text(&relative.stderr));
+}
+
+/// The frames of a capture of sweeps: records of classic pcap, each with a radiotap header.
+fn frames(path: &Path) -> Vec<SweepFrame> {
+    let octets = std::fs::read(path).unwrap();
+    let (mut rest, mut frames) = (&octets[24..], Vec::new());
+    while !rest.is_empty() {
+        let length = u32::from_le_bytes(rest[8..12].try_into().unwrap()) as usize;
+        let (record, after) = rest[16..].split_at(length);
+        let header = usize::from(u16::from_le_bytes(record[2..4].try_into().unwrap()));
+        frames.push(SweepFrame::parse(&record[header..]).unwrap());
+        rest = after;
+    }
+    frames
 }
 
 /// A robot with the router's antenna among nodes with the same.
@@ -121,9 +134,8 @@ fn identities_of_a_code_book_are_those_on_air_in_the_capture_in_the_log_and_in_i
 
     // All sectors are swept, by the robot and by the nodes, and what nodes answer is what the log has.
     let (mut swept, mut answered, mut chosen) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
-    let capture = read_capture(&folder.path().join("run.pcap")).unwrap();
-    for packet in &capture.packets {
-        match SweepFrame::parse(&packet.octets).unwrap().body {
+    for frame in frames(&folder.path().join("run.pcap")) {
+        match frame.body {
             SweepBody::Iss { sector, total_sectors, .. } => {
                 assert_eq!((sector.antenna, total_sectors), (0, 36));
                 swept.insert(sector.sector);
@@ -152,7 +164,11 @@ fn identities_of_a_code_book_are_those_on_air_in_the_capture_in_the_log_and_in_i
 
     if let Some(program) = tshark() {
         let ids = dissect(&program, &folder.path().join("run.pcap"), &["wlan.ssw.sector_id"]);
-        let found: BTreeSet<u8> = ids.iter().filter_map(|fields| fields.first()?.parse().ok()).collect();
+        let number = |text: &String| match text.strip_prefix("0x") {
+            Some(digits) => u8::from_str_radix(digits, 16).ok(),
+            None => text.parse().ok(),
+        };
+        let found: BTreeSet<u8> = ids.iter().filter_map(|fields| number(fields.first()?)).collect();
         assert_eq!(found, identities());
     }
 }

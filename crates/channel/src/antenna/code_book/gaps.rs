@@ -73,10 +73,7 @@ fn fill(gains: &mut [f64], is_circle: bool, gaps: Gaps) {
     let count = gains.len();
     let known: Vec<(usize, f64)> = gains.iter().copied().enumerate().filter(|(_, gain)| !gain.is_nan()).collect();
     let (Some(&first), Some(&last)) = (known.first(), known.last()) else { return };
-    for place in 0..count {
-        if !gains[place].is_nan() {
-            continue;
-        }
+    for (place, filled) in gains.iter_mut().enumerate().filter(|(_, gain)| gain.is_nan()) {
         let next = known.partition_point(|&(at, _)| at < place);
         // Steps to the nearest gains on both sides, and these gains.
         let before = match next.checked_sub(1) {
@@ -87,7 +84,7 @@ fn fill(gains: &mut [f64], is_circle: bool, gaps: Gaps) {
             Some(&(at, gain)) => Some((at - place, gain)),
             None => is_circle.then(|| (first.0 + count - place, first.1)),
         };
-        gains[place] = match (before, after) {
+        *filled = match (before, after) {
             (Some((back, left)), Some((ahead, right))) => match gaps {
                 Gaps::Interpolate => left + (right - left) * back as f64 / (back + ahead) as f64,
                 Gaps::Hold | Gaps::Refuse => {

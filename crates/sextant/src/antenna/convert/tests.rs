@@ -91,7 +91,11 @@ fn the_zenith_the_listening_pattern_and_factors_are_understood() {
 fn flaws_say_what_was_found_and_what_is_allowed() {
     let wide: String = (0..40).map(|i| format!("{},{}\n", 9 * i, if i == 0 { 30.0 } else { 0.1 })).collect();
     for (text, unit, words) in [
-        ("sector,elevation,gain\n1,2,3\n", None, "no column of azimuths: found the columns `sector`, `elevation`, `gain`"),
+        (
+            "sector,elevation,gain\n1,2,3\n",
+            None,
+            "no column of azimuths: found the columns `sector`, `elevation`, `gain`",
+        ),
         ("azimuth,count of\n1,2\n", None, "no column of sectors, and no column for each sector"),
         ("sector,azimuth,gain\n64,2,3\n", None, "line 2: sector 64; allowed: whole numbers from 0 to 63"),
         ("sector,azimuth,gain\n1,2,loud\n", None, "line 2, column `gain`: `loud`"),
