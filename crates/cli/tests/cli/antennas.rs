@@ -83,7 +83,7 @@ const SCENARIO: &str = r#"
 name = "router"
 seed = 5
 [world.nodes.lattice]
-spacing_m = 1.5
+spacing_m = 1.3
 jitter_m = 0.2
 count = 12
 [world.nodes.lattice.region.box]
