@@ -89,7 +89,7 @@ mod turned_sectors;
 pub use antenna::{
     Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig, Gaps,
     Ieee802153cConfig, LobeEdge, OmnidirectionalConfig, Orientation, OrientationConfig, PatternConfig, SectorAddress,
-    SectorEdge, SectorGainsConfig, Tr38901Config, Vertical,
+    SectorEdge, SectorGainsConfig, Tr38901Config, Vertical, look_like_factors,
 };
 pub use bounds::Bounds;
 pub use cell_grid::CellGrid;

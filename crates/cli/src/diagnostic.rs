@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Report, SourceCode};
 use sextant::LinkError;
+use sextant::antenna::{BookError, ConvertError};
 use sextant::campaign::CampaignError;
 use sextant::export::ExportError;
 use sextant::mapping::MapLogError;
@@ -115,6 +116,27 @@ pub(crate) fn report(error: &ScenarioError) -> Report {
         Excerpt { source: NamedSource::new(&excerpt.source, excerpt.text.to_string()), label }
     });
     Report::new(Message { text: error.to_string(), help: error.advice().map(str::to_owned), excerpt })
+}
+
+impl From<BookError> for Failure {
+    fn from(error: BookError) -> Self {
+        Self::of(&error, None, false)
+    }
+}
+
+impl From<ConvertError> for Failure {
+    fn from(error: ConvertError) -> Self {
+        let advice = match &error {
+            ConvertError::Missing { .. } => Some("name it: --sector, --azimuth, --elevation or --gain NAME"),
+            ConvertError::Shape { .. } => Some("the order of the axes in the file: --order sector,elevation,azimuth"),
+            ConvertError::UnknownUnit { .. } => Some("the unit: --unit linear, --unit db or --unit dbi"),
+            ConvertError::Invalid { .. } => {
+                Some("angles from the zenith: --zenith; a sector that is the listening pattern: --quasi-omni ID")
+            }
+            ConvertError::Unreadable { .. } | ConvertError::NotText(_) | ConvertError::Mat(_) => None,
+        };
+        Self::of(&error, advice, false)
+    }
 }
 
 impl From<LinkError> for Failure {

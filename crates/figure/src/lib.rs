@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod antenna;
 mod application;
 mod application_curves;
 mod axes;
@@ -66,6 +67,7 @@ mod targets;
 mod ticks;
 mod view;
 
+pub use antenna::of_antenna;
 pub use bars::Bars;
 pub use curves::{Curves, Series};
 pub use estimated::{EstimatedMap, Model, ReceptionCurve};

@@ -24,6 +24,7 @@
 //! - [`map_log`] maps a log that was made in code, or read by `sextant-logs` or `sextant-recording`; [`mapping`] has all
 //!   settings of `sextant map`.
 //! - [`explain_link`] says why a station hears another one, or not: the power between the two, item by item.
+//! - [`antenna`] says what the sectors of an antenna cover, and makes code books of measurements in other formats.
 //! - [`Sweep`] runs a scenario with many settings and seeds. [`Campaign`] is a sweep as a plan in a folder, which several
 //!   machines do part by part.
 //! - [`Template`](template::Template)s are scenarios to begin with; [`scenario::explain`] says what a key means.
@@ -32,6 +33,7 @@
 //! Long work asks a [`Watch`] whether to go on, and tells it how far it is; [`Unwatched`] goes on to the end. Each activity
 //! has one type of errors. The same scenario and seed give the same bytes at any number of threads.
 
+pub mod antenna;
 pub mod campaign;
 pub mod columns;
 pub mod export;

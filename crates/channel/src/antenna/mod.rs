@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, Seed, SettingError, StationId};
 
-pub use code_book::{CodeBookConfig, Gaps, SectorGainsConfig};
+pub use code_book::{CodeBookConfig, Gaps, SectorGainsConfig, look_like_factors};
 pub use orientation::{Orientation, OrientationConfig};
 pub use pattern::{
     EllipticalConfig, FlatBeam, FlatTopConfig, Ieee802153cConfig, LobeEdge, PatternConfig, SectorEdge, Tr38901Config,

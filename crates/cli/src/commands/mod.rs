@@ -1,5 +1,6 @@
 //! The command line: commands, flags and help texts, and the calls into the library.
 
+mod antenna;
 mod campaign;
 mod check;
 mod completions;
@@ -66,6 +67,8 @@ pub(crate) enum Command {
     Explain(explain::Arguments),
     /// Explain a link: the power between two stations, item by item
     ExplainLink(explain_link::Arguments),
+    /// Show what the sectors of an antenna cover, or make a code book of a measurement
+    Antenna(Box<antenna::Arguments>),
     /// Draw figures of the network, the maps and their errors
     Figure(figure::Arguments),
     /// Write a run, a log, a sweep or a reproduction as one HTML file for a browser
@@ -115,6 +118,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Check(arguments) => check::execute(arguments),
         Command::Explain(arguments) => explain::execute(arguments),
         Command::ExplainLink(arguments) => explain_link::execute(arguments),
+        Command::Antenna(arguments) => antenna::execute(arguments, &interrupt),
         Command::Figure(arguments) => figure::execute(arguments, &interrupt),
         Command::Report(arguments) => report::execute(arguments, &interrupt),
         Command::Export(arguments) => export::execute(arguments, &interrupt),

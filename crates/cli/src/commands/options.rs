@@ -32,6 +32,11 @@ pub(crate) struct Printing {
 }
 
 impl Printing {
+    /// Whether results are printed as text.
+    pub(super) fn is_text(self) -> bool {
+        matches!(self.format, Format::Text)
+    }
+
     /// Prints `answer` as JSON, or as the text that `text` writes.
     pub(super) fn print<T: Serialize>(
         self,

@@ -16,13 +16,14 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 14] = [
+const ROOMS: [&str; 15] = [
     "campaign",
     "sweep",
     "run",
     "export",
     "forecast",
     "link",
+    "antenna",
     "mapping",
     "measure",
     "summary",

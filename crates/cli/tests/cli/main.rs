@@ -3,6 +3,7 @@
 // The messages that Python must find in a recording are one large `json!`.
 #![recursion_limit = "256"]
 
+mod antennas;
 mod applications;
 mod architecture;
 mod bags;

@@ -19,61 +19,17 @@ use super::timing::{
 use crate::RadioState;
 
 mod answering;
+mod report;
 #[cfg(test)]
 mod tests;
 
 use answering::Answering;
+pub use report::{HeardSweep, ResponderOutcome, ResponderReport};
 
 /// Failed attempts in an A-BFT that a responder tolerates before it backs off (dot11RSSRetryLimit).
 const RSS_RETRY_LIMIT: u8 = 8;
 /// A responder that backs off lets fewer than this number of A-BFTs pass (dot11RSSBackoff).
 const RSS_BACKOFF: u32 = 8;
-
-/// A sweep that a responder heard.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeardSweep {
-    /// The station that swept.
-    pub initiator: MacAddress,
-    /// Its sector that was heard best; of equals, the first.
-    pub sector: TxSector,
-    /// SNR of that frame.
-    pub snr: Db,
-    /// Number of frames decoded.
-    pub frames: u16,
-    /// End of the sweep.
-    pub end: SimTime,
-    /// Whether it was for this station alone.
-    pub is_unicast: bool,
-}
-
-/// How an answer ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ResponderOutcome {
-    /// It was sent, and no feedback is expected.
-    Sent,
-    /// The initiator received it and chose this sector; in a sweep for one station, the choice was acknowledged.
-    Trained(SectorFeedback),
-    /// It was sent as often as allowed and never got feedback.
-    NoFeedback,
-    /// The window for answers ended before the channel was free for it.
-    WindowOver,
-}
-
-/// What a responder tells its station.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ResponderReport {
-    /// A sweep is over of which frames were decoded.
-    Heard(HeardSweep),
-    /// The answer to it has ended.
-    Answered {
-        /// The sweep.
-        heard: HeardSweep,
-        /// The end of the answer.
-        outcome: ResponderOutcome,
-        /// How often this station swept its sectors.
-        sweeps: u8,
-    },
-}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
@@ -451,11 +407,7 @@ impl Responder {
                 self.contend(Answering { cw, ..answering }, now, now, radio);
                 return self.pursue(now, radio);
             }
-            Contention::Abft(_) if !answering.heard.is_unicast => {
-                if answering.choice.is_none() {
-                    self.fail(radio);
-                }
-            }
+            Contention::Abft(_) if !answering.heard.is_unicast && answering.choice.is_none() => self.fail(radio),
             _ => {}
         }
         let outcome = answering.choice.map_or(ResponderOutcome::NoFeedback, ResponderOutcome::Trained);

@@ -50,6 +50,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     planned.iter().for_each(|way| warnings.way(way));
     warnings.out_of_reach(&planned);
     warnings.sinks(&reaches);
+    reaches.iter().for_each(|reach| warnings.endless_cuts(reach));
     warnings.obstacles(&reaches, &planned);
     warnings.found
 }
@@ -83,6 +84,23 @@ impl Warnings<'_> {
                      {at_antenna_dbm:.0} dBm at an antenna at 2.4 GHz; remove the key for the loss of free space"
                 ),
             );
+        }
+    }
+
+    /// Planar cuts whose gains are taken for all elevations.
+    fn endless_cuts(&mut self, reach: &Reach<'_>) {
+        let Some(antennas) = reach.network.technology.antennas() else { return };
+        let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+        for (who, antenna) in [("nodes", antennas.nodes()), ("robots", antennas.robots())] {
+            if let Some(elevation_deg) = antenna.endless_cut_deg() {
+                self.warn(
+                    format!("{table}antenna.{who}.code_book.vertical_width_deg"),
+                    format!(
+                        "absent, so the gains that were measured at elevation {elevation_deg} hold at all elevations; \
+                         give the half-power width of the beams in elevation, and `outside_gain_dbi` for what is beyond"
+                    ),
+                );
+            }
         }
     }
 

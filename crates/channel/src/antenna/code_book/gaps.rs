@@ -73,10 +73,7 @@ fn fill(gains: &mut [f64], is_circle: bool, gaps: Gaps) {
     let count = gains.len();
     let known: Vec<(usize, f64)> = gains.iter().copied().enumerate().filter(|(_, gain)| !gain.is_nan()).collect();
     let (Some(&first), Some(&last)) = (known.first(), known.last()) else { return };
-    for place in 0..count {
-        if !gains[place].is_nan() {
-            continue;
-        }
+    for (place, filled) in gains.iter_mut().enumerate().filter(|(_, gain)| gain.is_nan()) {
         let next = known.partition_point(|&(at, _)| at < place);
         // Steps to the nearest gains on both sides, and these gains.
         let before = match next.checked_sub(1) {
@@ -87,7 +84,7 @@ fn fill(gains: &mut [f64], is_circle: bool, gaps: Gaps) {
             Some(&(at, gain)) => Some((at - place, gain)),
             None => is_circle.then(|| (first.0 + count - place, first.1)),
         };
-        gains[place] = match (before, after) {
+        *filled = match (before, after) {
             (Some((back, left)), Some((ahead, right))) => match gaps {
                 Gaps::Interpolate => left + (right - left) * back as f64 / (back + ahead) as f64,
                 Gaps::Hold | Gaps::Refuse => {
@@ -167,10 +164,6 @@ struct Place<'a> {
 
 impl Place<'_> {
     fn text(&self, azimuths: &Steps, elevations: &Steps, of: usize) -> String {
-        let span = |axis: &Steps, [first, last]: [usize; 2]| match first == last {
-            true => format!("{}", axis.angle_deg(first)),
-            false => format!("{} to {}", axis.angle_deg(first), axis.angle_deg(last)),
-        };
         let numbers: Vec<u8> =
             self.sectors.iter().filter_map(|name| name.strip_prefix("sector ")?.parse().ok()).collect();
         let others = self.sectors.iter().filter(|name| !name.starts_with("sector ")).map(|name| (*name).to_owned());
@@ -183,6 +176,6 @@ impl Place<'_> {
             true => "all sectors".to_owned(),
             false => numbered.into_iter().chain(others).collect::<Vec<_>>().join(", "),
         };
-        format!("azimuth {}, elevation {}: {who}", span(azimuths, self.columns), span(elevations, self.rows))
+        format!("azimuth {}, elevation {}: {who}", azimuths.span_text(self.columns), elevations.span_text(self.rows))
     }
 }

@@ -49,8 +49,7 @@ pub(super) fn read(
     let flawed = |Flaw { found, allowed }: Flaw| SettingError::new("sectors", found, allowed);
     // With a greatest gain beside them, the gains are decibels in any units.
     if config.boresight_gain_dbi.is_none() {
-        unit::suspect_factors(measured.patterns().flat_map(|pattern| pattern.gains.iter().copied()))
-            .map_err(flawed)?;
+        unit::suspect_factors(measured.all_gains()).map_err(flawed)?;
     }
     measured.checked().map_err(flawed)
 }

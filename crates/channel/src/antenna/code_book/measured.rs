@@ -67,6 +67,12 @@ impl Measured {
         Ok(self)
     }
 
+    /// The gains of all patterns, one after the other.
+    pub(super) fn all_gains(&self) -> impl Iterator<Item = f64> + Clone {
+        let sectors = self.sectors.iter().flat_map(|(_, gains)| gains);
+        sectors.chain(self.quasi_omni.iter().flatten()).copied()
+    }
+
     /// The gains of all patterns.
     pub(super) fn gains_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
         self.sectors.iter_mut().map(|(_, gains)| gains).chain(&mut self.quasi_omni)

@@ -22,6 +22,7 @@ use crate::Position;
 pub use gaps::Gaps;
 use measured::Measured;
 use steps::{Steps, floor};
+pub use unit::look_like_factors;
 
 /// Measured sectors, as written in a scenario: either a file, or the grid and the gains.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -72,7 +72,7 @@ fn parse(text: &str, gaps: Gaps) -> Result<(Measured, bool), Flaw> {
     }
     let mut measured = grid(patterns)?.checked()?;
     if columns.unit == Unit::Dbi {
-        unit::suspect_factors(measured.patterns().flat_map(|pattern| pattern.gains.iter().copied()))?;
+        unit::suspect_factors(measured.all_gains())?;
     }
     gaps::settle(&mut measured, gaps)?;
     Ok((measured, columns.unit == Unit::Relative))

@@ -76,9 +76,23 @@ impl Steps {
     pub(super) fn text(&self) -> String {
         match self.count {
             1 => format!("{}", self.first_deg),
-            _ => format!("{} to {} in steps of {}", self.first_deg, self.last_deg(), self.step_deg),
+            _ => {
+                let angles = [self.first_deg, self.last_deg(), self.step_deg].map(rounded);
+                format!("{} to {} in steps of {}", angles[0], angles[1], angles[2])
+            }
         }
     }
+
+    /// Steps in words, from the first to the last: `-5`, or `-5 to 10`.
+    pub(super) fn span_text(&self, [first, last]: [usize; 2]) -> String {
+        let [from, to] = [first, last].map(|step| rounded(self.angle_deg(step)));
+        if first == last { format!("{from}") } else { format!("{from} to {to}") }
+    }
+}
+
+/// Without what is left of rounding.
+fn rounded(deg: f64) -> f64 {
+    (deg * 1e6).round() / 1e6 + 0.0
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "steps are small and not negative")]

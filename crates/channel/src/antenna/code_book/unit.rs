@@ -45,26 +45,35 @@ impl Unit {
 /// What a power of zero counts as (dB).
 const LOWEST_DB: f64 = -200.0;
 
-/// Refuses gains that are said to be in dBi and look like factors. A pattern in dBi has negative values: its mean power is
-/// at most that of an isotropic antenna. Factors have none, and most are far below the greatest.
-///
-/// # Errors
-/// If no gain is negative, and they are all at most 1, or most are below a tenth of the greatest, or one is greater than any
-/// antenna's.
-pub(super) fn suspect_factors(gains_dbi: impl Iterator<Item = f64>) -> Result<(), Flaw> {
-    let mut gains: Vec<f64> = gains_dbi.filter(|gain| !gain.is_nan()).collect();
+/// Whether gains look like factors and not like decibels. A pattern in dBi has negative values: its mean power is at most
+/// that of an isotropic antenna. Factors have none: they are all at most 1, or most are below a tenth of the greatest, or one
+/// is greater than any antenna's gain in dBi. Gaps (not a number) do not count; a few gains tell nothing.
+#[must_use]
+pub fn look_like_factors(gains: impl Iterator<Item = f64>) -> bool {
+    let mut gains: Vec<f64> = gains.filter(|gain| !gain.is_nan()).collect();
     if gains.len() < FEWEST {
-        return Ok(());
+        return false;
     }
     gains.sort_by(f64::total_cmp);
     let (least, median, greatest) = (gains[0], gains[gains.len() / 2], gains[gains.len() - 1]);
     let is_flat = greatest - least < 1e-9;
-    if least < 0.0 || is_flat || !(greatest <= 1.0 || median <= 0.1 * greatest || greatest > GREATEST_DBI) {
+    least >= 0.0 && !is_flat && (greatest <= 1.0 || median <= 0.1 * greatest || greatest > GREATEST_DBI)
+}
+
+/// Refuses gains that are said to be in dBi and look like factors.
+///
+/// # Errors
+/// If they do.
+pub(super) fn suspect_factors(gains_dbi: impl Iterator<Item = f64> + Clone) -> Result<(), Flaw> {
+    if !look_like_factors(gains_dbi.clone()) {
         return Ok(());
     }
+    let (least, greatest) = gains_dbi
+        .filter(|gain| !gain.is_nan())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), gain| (least.min(gain), greatest.max(gain)));
     Err(Flaw {
         found: format!(
-            "gains from {least} to {greatest}, half of them below {median}: these look like factors and not like dBi"
+            "gains from {least} to {greatest}, most of them small: these look like factors and not like dBi"
         ),
         allowed: "factors in a column `gain_linear`, gains in dBi in `gain_dbi`, or relative decibels in `gain_db` \
                   with the key `boresight_gain_dbi`"

@@ -1,0 +1,248 @@
+//! `sextant antenna`: what the sectors of an antenna cover, and measurements as code books.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand, ValueEnum};
+use sextant::antenna::{AntennaCoverage, ArrayOrder, GainUnit, SourceNames, convert, read_book};
+use sextant::scenario::Scenario;
+use sextant_channel::Antenna;
+use sextant_figure::of_antenna;
+use sextant_kernel::text::counted;
+use sextant_recording::output::write_file;
+
+use super::options::{Overrides, PictureFormat, Printing};
+use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
+use crate::terminal::warn;
+
+/// Arguments of `sextant antenna`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) task: Task,
+}
+
+/// What is done with an antenna.
+#[derive(Clone, Debug, Subcommand)]
+pub(crate) enum Task {
+    /// Print what each sector covers, and draw its pattern and where it is the best
+    Show(ShowArguments),
+    /// Make a code book of a measurement in another format
+    Convert(ConvertArguments),
+}
+
+/// Arguments of `sextant antenna show`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ShowArguments {
+    /// A code book, BOOK.csv, or a scenario with antennas
+    #[arg(value_name = "BOOK.csv|SCENARIO.toml")]
+    pub(crate) source: PathBuf,
+    /// Whose antenna of a scenario
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) of: Owner,
+    /// Name of the network of a scenario, if there are several [default: the first one with antennas]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) network: Option<String>,
+    /// The folder for the figures [default: NAME.antenna beside the file]. It is created if it does not exist
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// The format of the figures
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) pictures: PictureFormat,
+    /// Settings that override those of the scenario, or those of a code book: gaps=hold, outside_gain_dbi=-20.
+    #[command(flatten)]
+    pub(crate) overrides: Overrides,
+    /// How results are printed.
+    #[command(flatten)]
+    pub(crate) printing: Printing,
+}
+
+/// Whose antenna is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Owner {
+    /// That of robots and sinks
+    #[default]
+    Robots,
+    /// That of nodes
+    Nodes,
+}
+
+/// Arguments of `sextant antenna convert`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ConvertArguments {
+    /// A MATLAB file of version 5 to 7.2 (.mat), or a table with a row for each sector and direction or a column for each
+    /// sector (.csv, .tsv, .txt)
+    #[arg(value_name = "IN")]
+    pub(crate) source: PathBuf,
+    /// The code book
+    #[arg(value_name = "OUT.csv")]
+    pub(crate) out: PathBuf,
+    /// The column or variable with the identities of sectors
+    #[arg(long, value_name = "NAME")]
+    pub(crate) sector: Option<String>,
+    /// The column or variable with the azimuths in degrees
+    #[arg(long, value_name = "NAME")]
+    pub(crate) azimuth: Option<String>,
+    /// The column or variable with the elevations in degrees
+    #[arg(long, value_name = "NAME")]
+    pub(crate) elevation: Option<String>,
+    /// The column or variable with the gains
+    #[arg(long, value_name = "NAME")]
+    pub(crate) gain: Option<String>,
+    /// The unit of the gains [default: what the name of the column says, or relative decibels]
+    #[arg(long, value_enum)]
+    pub(crate) unit: Option<Unit>,
+    /// The sector whose gains are those of the pattern with which the antenna listens
+    #[arg(long, value_name = "ID")]
+    pub(crate) quasi_omni: Option<u8>,
+    /// Elevations are angles from the zenith
+    #[arg(long)]
+    pub(crate) zenith: bool,
+    /// The axes of an array of gains, in the order of the file: sector,elevation,azimuth for example [default: as their
+    /// lengths tell]
+    #[arg(long, value_name = "AXES")]
+    pub(crate) order: Option<ArrayOrder>,
+    /// Replace an existing file
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// The unit of measured gains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Unit {
+    /// Decibels over an isotropic antenna
+    Dbi,
+    /// Decibels in relative units, such as signal-to-noise ratios
+    Db,
+    /// Powers as factors
+    Linear,
+}
+
+impl From<Unit> for GainUnit {
+    fn from(unit: Unit) -> Self {
+        match unit {
+            Unit::Dbi => Self::Dbi,
+            Unit::Db => Self::Relative,
+            Unit::Linear => Self::Linear,
+        }
+    }
+}
+
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    match &arguments.task {
+        Task::Show(arguments) => show(arguments, interrupt),
+        Task::Convert(arguments) => convert_file(arguments),
+    }
+}
+
+fn show(arguments: &ShowArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let source = &arguments.source;
+    let is_book = source.extension().is_some_and(|extension| extension == "csv");
+    let antenna = if is_book {
+        read_book(source, &arguments.overrides.set)?
+    } else {
+        antenna_of(arguments, &Scenario::load_with(source, &arguments.overrides.set, None)?)?
+    };
+    if antenna.is_omnidirectional() {
+        return Err(Failure::bad_input_with_help(
+            format!(
+                "the antenna of `{}` has the same gain in all directions, so it has no sectors to show",
+                source.display()
+            ),
+            "the other antenna of a scenario: --of nodes or --of robots",
+        ));
+    }
+    let coverage = AntennaCoverage::of(&antenna);
+    arguments.printing.print(&coverage, |stdout| write!(stdout, "{coverage}"))?;
+    let stem = source.file_stem().unwrap_or_default().to_string_lossy();
+    draw(&stem, &antenna, arguments, interrupt)
+}
+
+/// The antenna of a scenario that the arguments name.
+fn antenna_of(arguments: &ShowArguments, scenario: &Scenario) -> Result<Antenna, Failure> {
+    let is_named = |name: Option<&str>| arguments.network.as_deref().is_none_or(|wanted| name == Some(wanted));
+    let mut networks = scenario.networks().iter().filter(|network| is_named(network.name.as_deref()));
+    let antennas = networks.find_map(|network| network.technology.antennas()).ok_or_else(|| {
+        let of = arguments.network.as_ref().map_or(String::new(), |name| format!(" in a network `{name}`"));
+        Failure::bad_input_with_help(
+            format!("`{}` has no antennas with sectors{of}", arguments.source.display()),
+            "antennas are the tables [antenna.nodes] and [antenna.robots] of a network with `mac.sector_sweep`",
+        )
+    })?;
+    Ok(match arguments.of {
+        Owner::Robots => antennas.robots().clone(),
+        Owner::Nodes => antennas.nodes().clone(),
+    })
+}
+
+/// Writes the figures, and prints their names where results are text.
+fn draw(title: &str, antenna: &Antenna, arguments: &ShowArguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let folder = arguments.out.clone().unwrap_or_else(|| arguments.source.with_extension("antenna"));
+    std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
+    let format = arguments.pictures.into();
+    for figure in of_antenna(title, antenna) {
+        let file = figure.path(&folder, format);
+        let bytes = figure.encode(format).map_err(|error| Failure::unwritable(&file, &error))?;
+        let _keeper = interrupt.keep();
+        if interrupt.is_requested() {
+            return Err(Failure::Interrupted);
+        }
+        write_file(&file, &bytes)?;
+        if arguments.printing.is_text() {
+            writeln!(io::stdout().lock(), "{}", file.display())?;
+        }
+    }
+    Ok(())
+}
+
+fn convert_file(arguments: &ConvertArguments) -> Result<(), Failure> {
+    let ConvertArguments { source, out, .. } = arguments;
+    if is_same_file(source, out) {
+        return Err(Failure::bad_input(format!("`{}` would replace its own input", out.display())));
+    }
+    if out.exists() && !arguments.force {
+        return Err(Failure::bad_input_with_help(
+            format!("`{}` exists", out.display()),
+            "choose another name, or replace it with --force",
+        ));
+    }
+    let names = SourceNames {
+        sector: arguments.sector.clone(),
+        azimuth: arguments.azimuth.clone(),
+        elevation: arguments.elevation.clone(),
+        gain: arguments.gain.clone(),
+        quasi_omni: arguments.quasi_omni,
+        from_zenith: arguments.zenith,
+        order: arguments.order,
+    };
+    let book = convert(source, &names, arguments.unit.map(GainUnit::from))?;
+    book.notes.iter().for_each(|note| warn(note));
+    write_file(out, book.text.as_bytes())?;
+    let mut stdout = io::stdout().lock();
+    writeln!(
+        stdout,
+        "{}: {}, {}, {} in `{}`",
+        out.display(),
+        counted(book.sectors, "sector"),
+        counted(book.directions, "direction"),
+        counted(book.gaps, "gap"),
+        book.unit.column()
+    )?;
+    let mut needed = Vec::new();
+    if book.unit == GainUnit::Relative {
+        needed.push("boresight_gain_dbi = GAIN");
+    }
+    if book.gaps > 0 {
+        needed.push("gaps = \"interpolate\"");
+    }
+    let needed = needed.iter().map(|key| format!(", {key}")).collect::<String>();
+    writeln!(stdout, "in a scenario: code_book = {{ file = \"{}\"{needed} }}", out.display())?;
+    Ok(())
+}
+
+/// Whether both are one file.
+fn is_same_file(source: &Path, out: &Path) -> bool {
+    source.canonicalize().is_ok_and(|source| out.canonicalize().is_ok_and(|out| source == out))
+}

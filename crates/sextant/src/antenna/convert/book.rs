@@ -1,0 +1,185 @@
+//! The rows of a measurement, and the code book that they make.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use sextant_channel::look_like_factors;
+
+use super::{ConvertError, SourceNames};
+
+/// The unit of measured gains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GainUnit {
+    /// Decibels over an isotropic antenna.
+    Dbi,
+    /// Decibels in relative units: signal-to-noise ratios, powers.
+    Relative,
+    /// Power as a factor.
+    Linear,
+}
+
+impl GainUnit {
+    /// The column of a code book with gains of this unit.
+    #[must_use]
+    pub fn column(self) -> &'static str {
+        match self {
+            Self::Dbi => "gain_dbi",
+            Self::Relative => "gain_db",
+            Self::Linear => "gain_linear",
+        }
+    }
+}
+
+/// Which pattern a gain belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Owner {
+    Sector(u8),
+    QuasiOmni,
+}
+
+/// Most sectors of a code book.
+const SECTORS: f64 = 64.0;
+
+impl Owner {
+    /// The sector with this number.
+    pub(super) fn of(number: f64, place: impl Fn() -> String) -> Result<Self, ConvertError> {
+        if number.fract().abs() > 0.0 || !(0.0..SECTORS).contains(&number) {
+            let (found, allowed) = (format!("sector {number}"), "whole numbers from 0 to 63".to_owned());
+            return Err(ConvertError::Invalid { place: place(), found, allowed });
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number below 64")]
+        let sector = number as u8;
+        Ok(Self::Sector(sector))
+    }
+}
+
+/// One gain of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Row {
+    pub(super) owner: Owner,
+    pub(super) azimuth_deg: f64,
+    /// As written: from the horizontal plane, or from the zenith.
+    pub(super) elevation_deg: f64,
+    /// Not a number for a gap.
+    pub(super) gain: f64,
+}
+
+/// The gains of a measurement.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Rows(pub(super) Vec<Row>);
+
+/// A measurement as a code book.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvertedBook {
+    /// The code book: the text of a CSV file.
+    pub text: String,
+    /// Number of sectors.
+    pub sectors: usize,
+    /// Number of directions with a gain of any sector.
+    pub directions: usize,
+    /// Directions without a gain, over all sectors and the quasi-omnidirectional pattern.
+    pub gaps: usize,
+    /// The unit of the gains.
+    pub unit: GainUnit,
+    /// What was changed or left out, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// An angle in thousandths of a degree.
+type Angle = i64;
+
+#[expect(clippy::cast_possible_truncation, reason = "angles are at most 360 degrees")]
+fn angle(deg: f64) -> Angle {
+    (deg * 1e3).round() as Angle
+}
+
+fn degrees(angle: Angle) -> f64 {
+    angle as f64 / 1e3
+}
+
+impl Rows {
+    /// The code book of these gains, in this unit or, if it is not known, in relative decibels.
+    pub(super) fn book(
+        self,
+        names: &SourceNames,
+        unit: Option<GainUnit>,
+        mut notes: Vec<String>,
+    ) -> Result<ConvertedBook, ConvertError> {
+        if unit.is_none() && look_like_factors(self.0.iter().map(|row| row.gain)) {
+            let greatest = self.0.iter().map(|row| row.gain).fold(f64::NEG_INFINITY, f64::max);
+            return Err(ConvertError::UnknownUnit { greatest: greatest.to_string() });
+        }
+        let unit = unit.unwrap_or_else(|| {
+            notes.push("the unit is taken as relative decibels, because nothing says another".into());
+            GainUnit::Relative
+        });
+        let mut cells: BTreeMap<(Owner, Angle, Angle), (f64, u32)> = BTreeMap::new();
+        let mut several = 0_u32;
+        for (i, row) in self.0.iter().enumerate() {
+            let place = || format!("value {}", i + 1);
+            let owner = match row.owner {
+                Owner::Sector(sector) if names.quasi_omni == Some(sector) => Owner::QuasiOmni,
+                owner => owner,
+            };
+            let (azimuth, elevation) = directed(row, names.from_zenith, place)?;
+            if row.gain.is_nan() {
+                continue;
+            }
+            if unit == GainUnit::Linear && row.gain < 0.0 {
+                let (found, allowed) = (format!("a factor of {}", row.gain), "factors of 0 or more".to_owned());
+                return Err(ConvertError::Invalid { place: place(), found, allowed });
+            }
+            let value = if unit == GainUnit::Linear { 10.0 * row.gain.max(1e-20).log10() } else { row.gain };
+            let (sum, count) = cells.entry((owner, azimuth, elevation)).or_default();
+            *sum += value;
+            *count += 1;
+            several += u32::from(*count == 2);
+        }
+        if several > 0 {
+            notes.push(format!("{several} directions had several gains: their means in decibels are used"));
+        }
+        let mut owners: Vec<Owner> = cells.keys().map(|&(owner, ..)| owner).collect();
+        owners.dedup();
+        let mut places: Vec<(Angle, Angle)> =
+            cells.keys().map(|&(_, azimuth, elevation)| (azimuth, elevation)).collect();
+        places.sort_unstable();
+        places.dedup();
+        let gaps = owners.len() * places.len() - cells.len();
+        let mut text = format!("sector,azimuth_deg,elevation_deg,{}\n", unit.column());
+        for ((owner, azimuth, elevation), (sum, count)) in cells {
+            let mean = sum / f64::from(count);
+            let mean = if unit == GainUnit::Linear { 10.0_f64.powf(mean / 10.0) } else { mean };
+            let name = match owner {
+                Owner::Sector(sector) => sector.to_string(),
+                Owner::QuasiOmni => "quasi_omni".to_owned(),
+            };
+            writeln!(text, "{name},{},{},{}", degrees(azimuth), degrees(elevation), rounded(mean))
+                .expect("a string grows");
+        }
+        let sectors = owners.iter().filter(|owner| matches!(owner, Owner::Sector(_))).count();
+        Ok(ConvertedBook { text, sectors, directions: places.len(), gaps, unit, notes })
+    }
+}
+
+/// Azimuth from −180 to below 180 degrees, and elevation from the horizontal plane.
+fn directed(row: &Row, from_zenith: bool, place: impl Fn() -> String) -> Result<(Angle, Angle), ConvertError> {
+    let elevation_deg = if from_zenith { 90.0 - row.elevation_deg } else { row.elevation_deg };
+    let invalid = |found: String, allowed: &str| {
+        Err(ConvertError::Invalid { place: place(), found, allowed: allowed.to_owned() })
+    };
+    if !(-90.0..=90.0).contains(&elevation_deg) {
+        let allowed =
+            if from_zenith { "0 to 180 from the zenith" } else { "-90 to 90; angles from the zenith need a word" };
+        return invalid(format!("elevation {}", row.elevation_deg), allowed);
+    }
+    if !(-720.0..=720.0).contains(&row.azimuth_deg) {
+        return invalid(format!("azimuth {}", row.azimuth_deg), "degrees, -720 to 720");
+    }
+    let turned = angle(row.azimuth_deg).rem_euclid(360_000);
+    Ok((if turned >= 180_000 { turned - 360_000 } else { turned }, angle(elevation_deg)))
+}
+
+/// Six significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}

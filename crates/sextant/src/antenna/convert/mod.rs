@@ -1,0 +1,53 @@
+//! Measurements of antennas in other formats, as code books.
+
+mod arrays;
+mod book;
+mod error;
+mod mat;
+mod names;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+pub use book::{ConvertedBook, GainUnit};
+pub use error::ConvertError;
+pub use names::{ArrayOrder, SourceNames};
+
+use book::Rows;
+
+/// Reads the measurement in the file `path` and makes a code book of it: a MATLAB file (`.mat`, version 5 to 7.2) with
+/// vectors and an array of gains, or a table (`.csv`, `.tsv`, `.txt`) with a row for each sector and direction, or with a
+/// column for each sector.
+///
+/// Azimuths are turned into −180 to 180 degrees. Several gains of one direction become their mean in decibels. Gaps stay
+/// gaps.
+///
+/// # Errors
+/// If the file cannot be read, or it does not say what is needed; the message names what it has.
+pub fn convert(path: &Path, names: &SourceNames, unit: Option<GainUnit>) -> Result<ConvertedBook, ConvertError> {
+    let octets = std::fs::read(path)
+        .map_err(|cause| ConvertError::Unreadable { path: path.to_owned(), cause: cause.to_string() })?;
+    let source = if octets.starts_with(b"MATLAB") {
+        arrays::rows(&mat::read(&octets)?, names)?
+    } else {
+        let text = String::from_utf8(octets).map_err(|_| ConvertError::NotText(path.to_owned()))?;
+        table::rows(&text, names)?
+    };
+    source.book(names, unit)
+}
+
+/// The rows of a measurement, and the unit that the name of its gains says.
+struct Source {
+    rows: Rows,
+    named_unit: Option<GainUnit>,
+    notes: Vec<String>,
+}
+
+impl Source {
+    fn book(self, names: &SourceNames, unit: Option<GainUnit>) -> Result<ConvertedBook, ConvertError> {
+        let Self { rows, named_unit, notes } = self;
+        rows.book(names, unit.or(named_unit), notes)
+    }
+}

@@ -1,0 +1,9 @@
+//! Antennas as files: what an antenna with sectors does in each direction, and measurements of others as code books.
+
+mod book_file;
+mod convert;
+mod coverage;
+
+pub use book_file::{BookError, read_book};
+pub use convert::{ArrayOrder, ConvertError, ConvertedBook, GainUnit, SourceNames, convert};
+pub use coverage::{AntennaCoverage, PatternSummary};
