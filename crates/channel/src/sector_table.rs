@@ -1,5 +1,7 @@
 //! The sectors of a listener: their directions, and their gains if they are known.
 
+use std::sync::Arc;
+
 use sextant_kernel::SettingError;
 
 use crate::sector::runs;
@@ -9,7 +11,7 @@ use crate::{EvenSectorsConfig, SectorConfig, SectorDirections, SectorGains};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SectorTable {
     directions: SectorDirections,
-    gains: Option<SectorGains>,
+    gains: Option<Arc<SectorGains>>,
 }
 
 impl SectorTable {
@@ -30,13 +32,13 @@ impl SectorTable {
             let of_antenna = runs(gains.identities().iter().copied());
             return Err(SettingError::new("antenna", format!("sectors {of_antenna}"), self.identities()));
         }
-        Ok(Self { gains: Some(gains), ..self })
+        Ok(Self { gains: Some(Arc::new(gains)), ..self })
     }
 
     /// The gains of the antenna, if they are known.
     #[must_use]
     pub fn gains(&self) -> Option<&SectorGains> {
-        self.gains.as_ref()
+        self.gains.as_deref()
     }
 
     /// Number of sectors.
@@ -79,7 +81,7 @@ impl From<SectorDirections> for SectorTable {
 impl From<SectorGains> for SectorTable {
     /// The directions of the sectors in the frame of the stops, where each is the best one, with these gains.
     fn from(gains: SectorGains) -> Self {
-        Self { directions: gains.directions(), gains: Some(gains) }
+        Self { directions: gains.directions(), gains: Some(Arc::new(gains)) }
     }
 }
 
