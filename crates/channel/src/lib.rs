@@ -77,6 +77,7 @@ mod reception;
 mod reflection;
 mod sector;
 mod sector_gains;
+mod sector_table;
 mod shadowing;
 #[cfg(feature = "obstacles")]
 mod shape;
@@ -116,8 +117,9 @@ pub use reception::{
     Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop,
 };
 pub use reflection::{Polarisation, Ray, ReflectionsConfig, angles_rad};
-pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
+pub use sector::{EvenSectorsConfig, SectorConfig, SectorDirections, Wedge};
 pub use sector_gains::{ListenerAntennaConfig, SectorGains};
+pub use sector_table::SectorTable;
 pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
 #[cfg(feature = "obstacles")]
 pub use shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

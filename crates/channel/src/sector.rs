@@ -9,8 +9,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::SectorGains;
-
 /// The directions of one sector, in the frame of the stops and not of the robot: azimuth counterclockwise from x,
 /// elevation up from the horizontal plane. A robot whose antenna turns with it logs the sector in the frame of the
 /// stops.
@@ -104,15 +102,12 @@ impl SectorConfig {
     }
 }
 
-/// The sectors of a listener, by their identities, with the gains of its antenna if they are known.
+/// The directions of the sectors of an antenna, by their identities.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SectorTable {
-    sectors: BTreeMap<u8, SectorConfig>,
-    gains: Option<SectorGains>,
-}
+pub struct SectorDirections(BTreeMap<u8, SectorConfig>);
 
-impl SectorTable {
-    /// A table of these sectors. They may overlap.
+impl SectorDirections {
+    /// These sectors. They may overlap.
     ///
     /// # Errors
     /// `[i].KEY` if a value of sector i of the list is invalid or its identity is already used.
@@ -126,54 +121,36 @@ impl SectorTable {
                 return Err(within(SettingError::new("sector", id, "an identity that no other sector has")));
             }
         }
-        Ok(Self { sectors: table, gains: None })
-    }
-
-    /// The same sectors with the gains of their antenna.
-    ///
-    /// # Errors
-    /// If the antenna has other sectors.
-    pub fn with_gains(self, gains: SectorGains) -> Result<Self, SettingError> {
-        if !gains.identities().iter().eq(self.sectors.keys()) {
-            let of_antenna = runs(gains.identities().iter().copied());
-            return Err(SettingError::new("antenna", format!("sectors {of_antenna}"), self.identities()));
-        }
-        Ok(Self { gains: Some(gains), ..self })
-    }
-
-    /// The gains of the antenna, if they are known.
-    #[must_use]
-    pub fn gains(&self) -> Option<&SectorGains> {
-        self.gains.as_ref()
+        Ok(Self(table))
     }
 
     /// Number of sectors.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.sectors.len()
+        self.0.len()
     }
 
     /// Whether there are no sectors.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.sectors.is_empty()
+        self.0.is_empty()
     }
 
     /// The sectors, by ascending identity.
     pub fn iter(&self) -> impl Iterator<Item = &SectorConfig> {
-        self.sectors.values()
+        self.0.values()
     }
 
-    /// Whether the table has the sector `id`.
+    /// Whether there is the sector `id`.
     #[must_use]
     pub fn contains(&self, id: u8) -> bool {
-        self.sectors.contains_key(&id)
+        self.0.contains_key(&id)
     }
 
     /// The identities, as a person would write them: `0 to 7, 9`.
     #[must_use]
     pub fn identities(&self) -> String {
-        if self.is_empty() { "none".into() } else { runs(self.sectors.keys().copied()) }
+        if self.is_empty() { "none".into() } else { runs(self.0.keys().copied()) }
     }
 }
 
@@ -190,7 +167,7 @@ pub(crate) fn runs(identities: impl Iterator<Item = u8>) -> String {
     runs.iter().map(run).collect::<Vec<_>>().join(", ")
 }
 
-impl TryFrom<EvenSectorsConfig> for SectorTable {
+impl TryFrom<EvenSectorsConfig> for SectorDirections {
     type Error = SettingError;
 
     fn try_from(config: EvenSectorsConfig) -> Result<Self, SettingError> {
@@ -262,7 +239,7 @@ mod tests {
         ] {
             assert_eq!(sector(azimuth, elevation).wedge().unwrap_err().key, key);
         }
-        let twice = SectorTable::new([sector([0.0, 5.0], [0.0, 1.0]), sector([5.0, 9.0], [0.0, 1.0])]);
+        let twice = SectorDirections::new([sector([0.0, 5.0], [0.0, 1.0]), sector([5.0, 9.0], [0.0, 1.0])]);
         assert_eq!(twice.unwrap_err().key, "[1].sector");
     }
 
@@ -273,13 +250,13 @@ mod tests {
             first_azimuth_deg: 0.0,
             elevations_deg: vec![[-90.0, 0.0], [0.0, 90.0]],
         };
-        let table = SectorTable::try_from(config.clone()).unwrap();
+        let table = SectorDirections::try_from(config.clone()).unwrap();
         assert_eq!((table.len(), table.identities().as_str()), (16, "0 to 15"));
         let tenth = table.iter().nth(10).unwrap();
         assert_eq!(tenth.sector, 10);
         assert!((tenth.azimuth_from_deg - 67.5).abs() < 1e-9);
         assert!(tenth.elevation_from_deg.abs() < 1e-12);
-        let key = |config: EvenSectorsConfig| SectorTable::try_from(config).unwrap_err().key;
+        let key = |config: EvenSectorsConfig| SectorDirections::try_from(config).unwrap_err().key;
         assert_eq!(key(EvenSectorsConfig { azimuth_sectors: 0, ..config.clone() }), "azimuth_sectors");
         assert_eq!(key(EvenSectorsConfig { azimuth_sectors: 200, ..config.clone() }), "elevations_deg");
         assert_eq!(key(EvenSectorsConfig { elevations_deg: vec![[9.0, 3.0]], ..config }), "elevations_deg");

@@ -11,7 +11,7 @@ use sextant_kernel::{Files, SettingError};
 use crate::turned_sectors::turned;
 use crate::{
     Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, Orientation, OrientationConfig, Position,
-    SectorTable,
+    SectorDirections,
 };
 
 /// The gains of the sectors of a listener in all directions, in the frame of the stops: its antenna and how it is turned
@@ -81,11 +81,10 @@ impl SectorGains {
         }
     }
 
-    /// The directions of the sectors in the frame of the stops, with these gains.
+    /// The directions of the sectors in the frame of the stops: those where each is the best one.
     #[must_use]
-    pub fn into_table(self) -> SectorTable {
-        let table = turned(&self.antenna, self.orientation);
-        table.with_gains(self).expect("the sectors are those of the antenna")
+    pub fn directions(&self) -> SectorDirections {
+        turned(&self.antenna, self.orientation)
     }
 
     /// The identities of the sectors in the log, ascending.

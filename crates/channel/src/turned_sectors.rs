@@ -1,6 +1,6 @@
 //! The directions of the sectors of an antenna that is turned.
 
-use crate::{Antenna, Orientation, Position, SectorConfig, SectorTable};
+use crate::{Antenna, Orientation, Position, SectorConfig, SectorDirections};
 
 /// Directions are sampled at so many degrees of azimuth and elevation.
 const STEP_DEG: f64 = 2.0;
@@ -10,7 +10,7 @@ const ROWS: usize = 91;
 /// The directions of the sectors of `antenna`, turned by `orientation`, in the frame outside. A turn about the vertical moves
 /// the azimuths. After any other turn, each wedge is the smallest interval of azimuth and of elevation that has all
 /// directions where the sector is the best, or that of its own greatest gain if there are none.
-pub(crate) fn turned(antenna: &Antenna, orientation: Orientation) -> SectorTable {
+pub(crate) fn turned(antenna: &Antenna, orientation: Orientation) -> SectorDirections {
     let [yaw_rad, pitch_rad, roll_rad] = orientation.angles_rad();
     let is_level = [pitch_rad, roll_rad].map(f64::to_bits) == [0; 2];
     if is_level && yaw_rad.to_bits() == 0 {
@@ -28,7 +28,7 @@ pub(crate) fn turned(antenna: &Antenna, orientation: Orientation) -> SectorTable
         let mut cells = best_cells(antenna, orientation);
         (antenna.sectors().iter().zip(&mut cells)).map(|(sector, cells)| wedge(sector.sector, cells)).collect()
     };
-    SectorTable::new(sectors).expect("a turned sector has an interval of azimuth and one of elevation")
+    SectorDirections::new(sectors).expect("a turned sector has an interval of azimuth and one of elevation")
 }
 
 /// The unit vector of a cell of the samples.

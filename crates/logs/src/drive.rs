@@ -82,7 +82,10 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
     roles.tell(&mut notes)?;
     let gathered = gatherer.finish()?;
     let log = match folder {
-        Some(folder) => folder::with_sectors(folder, gathered.log, &mut notes)?,
+        Some(folder) => {
+            folder::refuse_sector_snrs(folder)?;
+            folder::with_sectors(folder, gathered.log, &mut notes)?
+        }
         None => gathered.log,
     };
     notes.extend(gathered.notes);

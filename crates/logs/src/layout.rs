@@ -158,7 +158,7 @@ impl Holding {
                 (folder::RECEPTIONS, _) => holding.stops = holding.stops.or(Some(folder::RECEPTIONS)),
                 (folder::PACKETS, _) => holding.packets.push(PacketPart { kind: PacketKind::Csv, files: vec![file] }),
                 (folder::PATH, _) => holding.paths.push(PathPart { kind: PathKind::Csv, file }),
-                (folder::CONTACTS | folder::SECTORS | folder::NODES | folder::NAMES, _) => {}
+                (folder::CONTACTS | folder::SECTORS | folder::SECTOR_SNRS | folder::NODES | folder::NAMES, _) => {}
                 (_, Some("gpx")) => holding.paths.push(PathPart { kind: PathKind::Gpx, file }),
                 (_, Some("nmea")) => holding.paths.push(PathPart { kind: PathKind::Nmea, file }),
                 (_, Some("tum")) => holding.paths.push(PathPart { kind: PathKind::Tum, file }),

@@ -18,6 +18,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod antenna_file;
 mod area;
 mod bag;
 mod bag_error;
@@ -65,6 +66,7 @@ mod reciprocal;
 mod repair_options;
 mod row_log;
 mod rssi_check;
+mod sector_snrs;
 mod sectors;
 mod sending;
 mod signal;

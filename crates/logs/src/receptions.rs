@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use sextant_channel::ReceptionLogBuilder;
+use sextant_channel::{ReceptionLogBuilder, SectorReport};
+use sextant_kernel::NodeId;
 
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
@@ -12,6 +13,7 @@ use super::header::{Known, Others};
 use super::pair_notes::Listing;
 use super::pairs::{Collector, Count, Kept};
 use super::rssi_check::RssiCheck;
+use super::sector_snrs;
 use super::signal::{Signal, Strength};
 use super::stops::{MOST_SENT, Stops};
 use super::strengths::{Report, Strengths};
@@ -21,6 +23,16 @@ use super::table::{Column, Row, Table};
 pub(super) struct Receptions {
     pub(super) names: Vec<String>,
     pub(super) receptions: ReceptionLogBuilder,
+    /// Rows of stops that were left out.
+    pub(super) left_out: usize,
+    /// The signal-to-noise ratios of all sectors, if the file has a column for them.
+    pub(super) reports: Option<Vec<SectorReport>>,
+}
+
+/// What the rows of the file have besides what is passed on of each.
+pub(super) struct OfRows {
+    /// Names of the nodes.
+    pub(super) names: Vec<String>,
     /// Rows of stops that were left out.
     pub(super) left_out: usize,
 }
@@ -35,6 +47,7 @@ struct Columns {
     sector: Column,
     rssi: Column,
     snr: Column,
+    sector_snrs: Column,
 }
 
 /// What is kept of the signals of a file.
@@ -76,7 +89,7 @@ pub(super) fn open<'a>(
     notes: &mut Vec<String>,
 ) -> Result<(Rows<'a>, SignalKind), RobotLogError> {
     let names = FieldNames::of_packets(form.packet_fields.as_ref());
-    let measured = ["received", "sent", "sector", "rssi_dbm", "snr_db"];
+    let measured = ["received", "sent", "sector", "rssi_dbm", "snr_db", sector_snrs::COLUMN];
     let (required, optional) = if form.reciprocal {
         (&["stop"][..], [&["node", "receiver"], &measured[..]].concat())
     } else {
@@ -88,7 +101,8 @@ pub(super) fn open<'a>(
     let [received, sent] = ["received", "sent"].map(|name| table.column(name));
     let (node, stop) = ends(&table, form.reciprocal)?;
     let [sector, level, snr] = ["sector", "rssi_dbm", "snr_db"].map(|name| table.column(name));
-    let columns = Columns { node, stop, received, sent, sector, rssi: level, snr };
+    let sector_snrs = table.column(sector_snrs::COLUMN);
+    let columns = Columns { node, stop, received, sent, sector, rssi: level, snr, sector_snrs };
     if !received.exists() && (sent.exists() || !level.exists()) {
         return Err(table.wrong_header(
             "column `received` is missing; the first line must name the columns: node,stop,received \
@@ -157,23 +171,37 @@ impl ReadRow {
 }
 
 impl Rows<'_> {
+    /// Whether the rows have the signal-to-noise ratios of all sectors.
+    pub(super) fn have_sector_snrs(&self) -> bool {
+        self.columns.sector_snrs.exists()
+    }
+
     /// Reads the rows. What is not known of any reception takes no memory.
     fn read<S: Kept>(self, notes: &mut Vec<String>) -> Result<Receptions, RobotLogError> {
         let (listing, stops) = (self.listing, self.stops);
+        let has_reports = self.have_sector_snrs();
         let mut pairs = Collector::<S>::new(listing);
-        let (names, left_out) = self.each(|row| {
+        let mut reports = Vec::new();
+        let OfRows { names, left_out } = self.each(|row, of_sectors| {
             pairs.push(row.node, row.stop, row.count, row.signal());
+            let (node, stop) = (NodeId(row.node), row.stop);
+            reports.extend(of_sectors.into_iter().map(|(sector, snr_db)| SectorReport {
+                node,
+                stop,
+                sector,
+                snr_db,
+            }));
             Ok(())
         })?;
         let receptions = pairs.finish(names.len(), &stops.sent, notes);
-        Ok(Receptions { names, receptions, left_out })
+        Ok(Receptions { names, receptions, left_out, reports: has_reports.then_some(reports) })
     }
 
-    /// Calls `take` with each row. Returns the names of the nodes, and the number of rows of stops that were left out.
+    /// Calls `take` with each row, and with the signal-to-noise ratios of all sectors (dB) that it has.
     pub(super) fn each(
         self,
-        mut take: impl FnMut(&ReadRow) -> Result<(), RobotLogError>,
-    ) -> Result<(Vec<String>, usize), RobotLogError> {
+        mut take: impl FnMut(&ReadRow, Vec<(u8, f64)>) -> Result<(), RobotLogError>,
+    ) -> Result<OfRows, RobotLogError> {
         let Self { table, columns, listing: _, stops, rssi, strengths } = self;
         let mut names: Vec<String> = Vec::new();
         let mut nodes: BTreeMap<String, u32> = BTreeMap::new();
@@ -201,20 +229,25 @@ impl Rows<'_> {
             let count = count(row, columns, stops.sent[stop as usize])?;
             let snr_db = row.finite(columns.snr)?;
             let sector = row.sector(columns.sector)?;
+            let of_sectors = sector_snrs::of_cell(row, columns.sector_snrs)?;
+            if count.received == 0 && !of_sectors.is_empty() {
+                return Err(row.wrong(columns.sector_snrs, "an empty cell, because no packet was received"));
+            }
             let report = match rssi.take(row.finite(columns.rssi)?) {
                 // Nothing was received, whatever the level is.
                 rssi_dbm @ Some(_) if count.received == 0 => Report::Heard(rssi_dbm),
                 rssi_dbm => strengths.take(rssi_dbm, snr_db),
             };
-            take(&match report {
-                Report::Heard(rssi_dbm) => ReadRow { node, stop, count, sector, rssi_dbm, snr_db },
+            match report {
+                Report::Heard(rssi_dbm) => take(&ReadRow { node, stop, count, sector, rssi_dbm, snr_db }, of_sectors),
+                // Noise says nothing of any sector.
                 Report::Noise => {
                     let count = Count { received: 0, sent: count.sent.or(Some(count.received)) };
-                    ReadRow { node, stop, count, sector: None, rssi_dbm: None, snr_db: None }
+                    take(&ReadRow { node, stop, count, sector: None, rssi_dbm: None, snr_db: None }, Vec::new())
                 }
-            })
+            }
         })?;
-        Ok((names, left_out))
+        Ok(OfRows { names, left_out })
     }
 }
 

@@ -8,13 +8,13 @@ use sextant_recording::RobotNames;
 
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
-use super::folder::{CONTACTS, RECEPTIONS, STOPS, left_out_note, with_sectors};
+use super::folder::{CONTACTS, RECEPTIONS, STOPS, left_out_note, unused_sector_snrs, with_sectors};
 use super::form;
 use super::layout::Layout;
 use super::options::ReadOptions;
 use super::pair_notes::Listing;
 use super::pairs::{Collected, Collector, Count, Kept, Rule, Seen};
-use super::receptions::{self, ReadRow, SignalKind};
+use super::receptions::{self, OfRows, ReadRow, SignalKind};
 use super::rssi_check::RssiCheck;
 use super::signal::{Signal, Strength};
 use super::stops::{self, Stops};
@@ -74,7 +74,8 @@ impl RowLog {
         let mut strengths = Strengths::of(&options.form);
         let (rows, kind) = receptions::open(&file, (&stops, &options.form), (&mut rssi, &mut strengths), &mut notes)?;
         let listing = rows.listing;
-        let (names, left_out) = rows.each(|row| Ok(pass(row, &stops, &mut *take)?))?;
+        notes.extend(unused_sector_snrs(folder, rows.have_sector_snrs()));
+        let OfRows { names, left_out } = rows.each(|row, _| Ok(pass(row, &stops, &mut *take)?))?;
         strengths.finish(&mut notes)?;
         notes.extend(left_out_note(&stops, left_out));
         notes.extend(rssi.note());
@@ -97,7 +98,7 @@ impl RowLog {
         let mut strengths = Strengths::of(&self.options.form);
         let form = (&self.stops, &self.options.form);
         let (rows, _) = receptions::open(&self.file, form, (&mut rssi, &mut strengths), &mut Vec::new())?;
-        rows.each(|row| Ok(pass(row, &self.stops, &mut *take)?)).map(|_| ())
+        rows.each(|row, _| Ok(pass(row, &self.stops, &mut *take)?)).map(|_| ())
     }
 
     /// Takes note of all rows of some nodes for the rule of the whole log. Their numbers may be others than in the whole log.

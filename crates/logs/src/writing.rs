@@ -6,9 +6,9 @@ use sextant_channel::{Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use super::error::RobotLogError;
-use super::folder::{CONTACTS, RECEPTIONS, SECTORS, STOPS};
+use super::folder::{ANTENNA, CONTACTS, RECEPTIONS, SECTOR_SNRS, SECTORS, STOPS};
 use super::output::Output;
-use super::sectors;
+use super::{antenna_file, sector_snrs, sectors};
 
 /// Writes `log` to a folder, from which [`read`](super::read) reads the same log. The folder is created if it does not exist.
 /// Receptions of 0 of 1 packets are omitted, because an absent pair means the same; if other receptions have another number
@@ -81,6 +81,12 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
     receptions.save(&folder.join(RECEPTIONS))?;
     if let Some(table) = log.sectors() {
         sectors::write(&folder.join(SECTORS), table)?;
+        if let Some(gains) = table.gains() {
+            antenna_file::write(&folder.join(ANTENNA), gains)?;
+        }
+    }
+    if log.has_sector_snrs() {
+        sector_snrs::write(&folder.join(SECTOR_SNRS), log)?;
     }
 
     if log.contacts().is_empty() {

@@ -21,7 +21,7 @@ pub use pattern::{
 };
 pub use sectors::{AntennaSectorsConfig, Vertical};
 
-use crate::{Db, Position, SectorTable, purpose};
+use crate::{Db, Position, SectorDirections, purpose};
 use code_book::CodeBook;
 use sectors::Sectors;
 
@@ -95,7 +95,7 @@ pub struct Antenna {
     quasi_omni: Db,
     greatest: Db,
     ripple_db: f64,
-    table: SectorTable,
+    table: SectorDirections,
 }
 
 #[derive(Clone, Debug)]
@@ -154,7 +154,7 @@ impl Antenna {
     /// The same gain in all directions.
     fn omnidirectional(gain: Db) -> Self {
         let beams = Beams::Omnidirectional(gain);
-        Self { beams, quasi_omni: gain, greatest: gain, ripple_db: 0.0, table: SectorTable::default() }
+        Self { beams, quasi_omni: gain, greatest: gain, ripple_db: 0.0, table: SectorDirections::default() }
     }
 
     fn new(beams: Beams, greatest_dbi: f64, quasi_omni_dbi: f64, ripple_db: f64) -> Result<Self, SettingError> {
@@ -162,7 +162,7 @@ impl Antenna {
         let ripple_db = SettingError::in_range("gain_ripple_db", ripple_db, 0.0, 20.0)?;
         let greatest = Db((greatest_dbi + RIPPLE_LIMIT * ripple_db).max(quasi_omni.0));
         let table = match &beams {
-            Beams::Omnidirectional(_) => SectorTable::default(),
+            Beams::Omnidirectional(_) => SectorDirections::default(),
             Beams::Sectors(sectors) => sectors.table()?,
             Beams::CodeBook(book) => book.table(),
         };
@@ -360,7 +360,7 @@ impl Antenna {
     /// The directions of each sector in the frame of the antenna, by its [identity](Self::identity): those where it is the best. For a code
     /// book, each is the smallest interval of azimuth and elevation that has them all. None without sectors.
     #[must_use]
-    pub fn sectors(&self) -> &SectorTable {
+    pub fn sectors(&self) -> &SectorDirections {
         &self.table
     }
 }

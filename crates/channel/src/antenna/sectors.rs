@@ -8,7 +8,7 @@ use sextant_kernel::SettingError;
 
 use super::pattern::{Aim, Beam, Ieee802153cConfig, Pattern, SectorEdge};
 use super::{MOST_SECTORS, PatternConfig, SECTORS_OF_ANTENNA, SECTORS_OF_STATION};
-use crate::{EvenSectorsConfig, SectorTable};
+use crate::{EvenSectorsConfig, SectorDirections};
 
 /// An antenna with sectors of equal width in azimuth, in one or more rings, as written in a scenario. Sector `i` of
 /// ring `j` is number `j · azimuth_sectors + i`.
@@ -124,8 +124,8 @@ impl TryFrom<&AntennaSectorsConfig> for Sectors {
 
 impl Sectors {
     /// The directions of each sector.
-    pub(super) fn table(&self) -> Result<SectorTable, SettingError> {
-        SectorTable::try_from(self.directions.clone())
+    pub(super) fn table(&self) -> Result<SectorDirections, SettingError> {
+        SectorDirections::try_from(self.directions.clone())
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use sextant_channel::{
     Antenna, AntennaConfig, CodeBookConfig, ListenerAntennaConfig, Orientation, Position, SectorConfig, SectorGains,
+    SectorTable,
 };
 use sextant_kernel::Files;
 
@@ -87,7 +88,7 @@ fn gains_are_equal_if_their_antennas_have_the_same_settings_and_are_turned_alike
 fn a_file_has_one_antenna_with_sectors() {
     let read = |text: &str| {
         let config: ListenerAntennaConfig = toml::from_str(text).expect("settings");
-        SectorGains::read(&config, &Files::default()).map(|gains| gains.into_table().identities())
+        SectorGains::read(&config, &Files::default()).map(|gains| SectorTable::from(gains).identities())
     };
     assert_eq!(read("sectors.azimuth_sectors = 5"), Ok("0 to 4".to_owned()));
     assert_eq!(read("orientation.yaw_deg = 5").unwrap_err().key, "sectors");
@@ -104,7 +105,7 @@ fn a_turn_about_the_vertical_moves_the_azimuths_of_the_wedges() {
     for antenna in [rings, whole()].map(Arc::new) {
         for yaw_deg in [0.0, 77.0, -300.0] {
             let orientation = Orientation::heading(f64::to_radians(yaw_deg));
-            let table = SectorGains::new(Arc::clone(&antenna), orientation).into_table();
+            let table = SectorTable::from(SectorGains::new(Arc::clone(&antenna), orientation));
             assert_eq!(table.len(), antenna.sectors().len());
             for (turned, level) in table.iter().zip(antenna.sectors().iter()) {
                 let expected = [level.azimuth_from_deg + yaw_deg, level.azimuth_to_deg + yaw_deg];
@@ -124,7 +125,7 @@ fn the_wedges_of_a_tilted_antenna_have_the_directions_where_each_sector_is_the_b
         for angles_deg in [[-20.0, 15.0, 0.0], [10.0, -40.0, 130.0], [30.0, 0.0, 90.0]] {
             let [yaw, pitch, roll] = angles_deg.map(f64::to_radians);
             let orientation = Orientation::new(yaw, pitch, roll);
-            let table = SectorGains::new(Arc::clone(&antenna), orientation).into_table();
+            let table = SectorTable::from(SectorGains::new(Arc::clone(&antenna), orientation));
             let wedges: Vec<_> = table.iter().map(|sector| sector.wedge().expect("a wedge")).collect();
             for direction in directions() {
                 let best = usize::from(antenna.best_sector(orientation.to_antenna_frame(direction)));

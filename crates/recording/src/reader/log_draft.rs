@@ -150,7 +150,7 @@ mod tests {
         let names = ["a", "b", "c"].map(str::to_owned).to_vec();
         ReceptionLog::new(names, (0..40).map(stop).collect(), (0..120).map(heard).collect(), Vec::new())
             .and_then(|log| log.with_robots(vec!["surveyor".to_owned()]))
-            .and_then(|log| log.with_sectors(gains(BOOK).into_table()))
+            .and_then(|log| log.with_sectors(SectorTable::from(gains(BOOK))))
             .and_then(|log| log.with_sector_snrs(reports.collect()))
             .unwrap()
     }
@@ -231,9 +231,9 @@ mod tests {
         let message = |text| messages::SectorGainsMessage::new(&gains(text)).unwrap();
         let problem = draft.add_gains(&message("sectors.azimuth_sectors = 4")).unwrap_err();
         assert!(problem.contains("0 to 3") && problem.contains("none"), "{problem}");
-        draft.sectors = Some(SectorTable::new(gains(BOOK).into_table().iter().cloned()).unwrap());
+        draft.sectors = Some(SectorTable::new(SectorTable::from(gains(BOOK)).iter().cloned()).unwrap());
         draft.add_gains(&message(BOOK)).unwrap();
-        let more = gains("sectors.azimuth_sectors = 1").into_table();
+        let more = SectorTable::from(gains("sectors.azimuth_sectors = 1"));
         let sector = messages::SectorMessage::from(more.iter().next().unwrap());
         assert!(draft.add_sector(sector).unwrap_err().contains("after the gains"));
     }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use serde::Serialize;
+use sextant_channel::{ReceptionLog, SectorTable};
 use sextant_kernel::NodeId;
 
 use super::notes;
@@ -36,10 +37,52 @@ pub struct Contents {
     /// The weakest and the strongest of them (dBm). Absent without strengths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strengths_dbm: Option<[f64; 2]>,
+    /// The antenna sectors. Absent if the log has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sectors: Option<SectorContents>,
     /// How it was read.
     pub notes: Vec<String>,
     /// What is odd, what it costs, and what corrects it.
     pub findings: Vec<Finding>,
+}
+
+/// What a log has of the sectors of the robot's antenna.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SectorContents {
+    /// Their identities: `0 to 7, 9`. Absent if their directions are unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub identities: Option<String>,
+    /// Whether the gains of the antenna are known.
+    pub gains: bool,
+    /// Pairs of a node and a stop with the best sector.
+    pub best: usize,
+    /// Pairs of a node, a stop and a sector with a signal-to-noise ratio.
+    pub snrs: usize,
+}
+
+impl SectorContents {
+    fn of(log: &ReceptionLog) -> Option<Self> {
+        let table = log.sectors();
+        let best = log.receptions().iter().filter(|row| row.received > 0 && row.sector.is_some()).count();
+        let snrs = log.sector_reports().count();
+        (table.is_some() || best > 0 || snrs > 0).then(|| Self {
+            identities: table.map(SectorTable::identities),
+            gains: table.is_some_and(|table| table.gains().is_some()),
+            best,
+            snrs,
+        })
+    }
+}
+
+impl fmt::Display for SectorContents {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let gains = if self.gains { "with" } else { "without" };
+        match &self.identities {
+            Some(identities) => write!(f, "{identities}, {gains} the gains of the antenna")?,
+            None => write!(f, "of unknown directions")?,
+        }
+        write!(f, "; {} with the best one, {}", counted(self.best, "pair"), counted(self.snrs, "SNR"))
+    }
 }
 
 impl Contents {
@@ -69,6 +112,7 @@ impl Contents {
             packets_sent: receptions.iter().map(|row| u64::from(row.sent)).sum(),
             strengths: strengths.count(),
             strengths_dbm: range,
+            sectors: SectorContents::of(log),
             notes: read.notes.iter().cloned().chain(notes::of_log(log, &LogCounts::of(log))).collect(),
             findings: read.findings.clone(),
         }
@@ -95,6 +139,9 @@ impl fmt::Display for Contents {
                 writeln!(f, "strengths  {} from {low:.1} to {high:.1} dBm", counted(self.strengths, "pair"))?
             }
             None => writeln!(f, "strengths  none")?,
+        }
+        if let Some(sectors) = &self.sectors {
+            writeln!(f, "sectors    {sectors}")?;
         }
         for note in &self.notes {
             writeln!(f, "note: {note}")?;

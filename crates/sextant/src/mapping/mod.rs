@@ -12,7 +12,7 @@ mod prior;
 pub mod tiles;
 mod tiles_error;
 
-pub use contents::Contents;
+pub use contents::{Contents, SectorContents};
 pub use error::MapLogError;
 pub use figures::{drawn, figures};
 pub use input::Input;

@@ -112,7 +112,7 @@ impl Antennas {
         let robot_sectors = if robots.is_omnidirectional() {
             SectorTable::default()
         } else {
-            SectorGains::new(Arc::clone(&robots), ORIENTATION_OF_ROBOTS).into_table()
+            SectorTable::from(SectorGains::new(Arc::clone(&robots), ORIENTATION_OF_ROBOTS))
         };
         Ok(Self {
             nodes,

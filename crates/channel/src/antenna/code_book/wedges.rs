@@ -2,13 +2,13 @@
 
 use super::CodeBook;
 use super::steps::Steps;
-use crate::{SectorConfig, SectorTable};
+use crate::{SectorConfig, SectorDirections};
 
 impl CodeBook {
     /// The wedge of each sector: the smallest interval of azimuth and of elevation that has all directions of the grid
     /// where it is the best; if there are none, the direction of its own greatest gain. A step more on each side has
     /// the directions in between where it is still the best.
-    pub(in crate::antenna) fn table(&self) -> SectorTable {
+    pub(in crate::antenna) fn table(&self) -> SectorDirections {
         let (columns, count) = (self.azimuths.count, self.azimuths.count * self.elevations.count);
         let sectors = self.identities.len();
         let best_of_cell: Vec<usize> = (0..count)
@@ -38,7 +38,7 @@ impl CodeBook {
                 elevation_to_deg: elevation[1],
             }
         });
-        SectorTable::new(wedges).expect("intervals of a grid are ascending, and each sector has one")
+        SectorDirections::new(wedges).expect("intervals of a grid are ascending, and each sector has one")
     }
 
     /// The smallest arc of azimuth that has all marked columns (degrees).

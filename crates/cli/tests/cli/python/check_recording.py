@@ -72,6 +72,10 @@ def plain(schema, m):
         return list(m.names)
     if schema == "sextant.Sector":
         return [m.sector, m.azimuth_from_deg, m.azimuth_to_deg, m.elevation_from_deg, m.elevation_to_deg]
+    if schema == "sextant.SectorGains":
+        return [m.antenna, m.yaw_rad, m.pitch_rad, m.roll_rad]
+    if schema == "sextant.SectorSnrs":
+        return [m.stop, list(m.node), list(m.sector), list(m.snr_db)]
     if schema == "sextant.Sensors":
         names = ["target_radius_m", "field_interval_s", "field_offset_snr_db", "field_noise_snr_db"]
         return [getattr(m, name) if m.HasField(name) else None for name in names]
