@@ -15,11 +15,11 @@ fn solid(before: usize, center: [f64; 3], size: [f64; 3]) -> String {
         [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)]
     {
         let at = |axis: usize, sign: i32| center[axis] + 0.5 * f64::from(sign) * size[axis];
-        writeln!(text, "v {} {} {}", at(0, x), at(1, y), at(2, z)).unwrap();
+        writeln!(text, "v {} {} {}", at(0, x), at(1, y), at(2, z)).expect("a string takes all");
     }
     for corners in [[1, 4, 3, 2], [5, 6, 7, 8], [1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8]] {
         let [a, b, c, d] = corners.map(|corner| corner + before);
-        writeln!(text, "f {a} {b} {c} {d}").unwrap();
+        writeln!(text, "f {a} {b} {c} {d}").expect("a string takes all");
     }
     text
 }
@@ -36,14 +36,15 @@ fn room() -> String {
 }
 
 fn read(folder: &Path, name: &str, text: &str, more: &str) -> Result<Vec<Obstacle>, String> {
-    std::fs::write(folder.join(name), text).unwrap();
-    let config: ObstacleConfig = toml::from_str(&format!("{more}\nshape.mesh.file = \"{name}\"")).unwrap();
+    std::fs::write(folder.join(name), text).expect("a folder for tests");
+    let config: ObstacleConfig =
+        toml::from_str(&format!("{more}\nshape.mesh.file = \"{name}\"")).expect("an obstacle");
     Obstacle::read_all(config, &Files::of_folder(folder)).map_err(|error| error.to_string())
 }
 
 fn channel(obstacles: Vec<Obstacle>, law: &str) -> Channel {
     let config: ChannelConfig = toml::from_str(law).unwrap_or_else(|error| panic!("{error}"));
-    Channel::new(config.try_into().unwrap(), ObstacleField::new(obstacles), Seed(1))
+    Channel::new(config.try_into().expect("a good channel"), ObstacleField::new(obstacles), Seed(1))
 }
 
 #[test]
