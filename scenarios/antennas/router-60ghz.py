@@ -5,7 +5,7 @@ Public measurements of such routers have 36 sectors with the identities 0 to 30 
 grid of azimuths and elevations, directions that were never decoded, and a quasi-omnidirectional pattern with which the
 router listens. This file has the same layout. Its values are computed, not measured:
 
-- 32 elements on a grid of 8 by 4, 0.58 wavelengths apart, of which six are missing, as those of small arrays are.
+- 32 elements on a grid of 8 by 4, half a wavelength apart, of which six are missing, as those of small arrays are.
 - The sectors 0 to 30 point at azimuths from -75 to 75 degrees in three rows; 59 to 63 use few elements and are wide.
   Phases have two bits and a fault each, so that side lobes are as high as measured ones.
 - An element radiates as cos^1.4 of the angle from its normal, and 18 dB less behind it.
@@ -24,7 +24,7 @@ SEED = 60
 AZIMUTHS = [-180 + 9 * i for i in range(40)]
 ELEVATIONS = [round(-10.8 + 5.4 * i, 1) for i in range(9)]
 SECTORS = list(range(31)) + list(range(59, 64))
-SPACING = 0.58
+SPACING = 0.5
 FLOOR_DB = -38.0
 
 
