@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use sextant_channel::{
     Antenna, AntennaConfig, CodeBookConfig, Orientation, Position, Reception, ReceptionLog, SectorGains,
-    SectorGainsConfig, SectorReport, Stop,
+    SectorGainsConfig, SectorReport, SectorTable, Stop,
 };
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
@@ -114,7 +114,7 @@ fn survey(unknown: Unknown) -> Survey {
         }
     }
     let antenna = Arc::new(antenna(&gains));
-    let table = antenna.sectors().clone().with_gains(SectorGains::new(antenna, Orientation::LEVEL)).unwrap();
+    let table = SectorTable::from(SectorGains::new(antenna, Orientation::LEVEL));
     let names = (0..truth.len()).map(|node| format!("n{node}")).collect();
     let log =
         ReceptionLog::new(names, stops, receptions, Vec::new()).and_then(|log| log.with_sectors(table)).unwrap();
