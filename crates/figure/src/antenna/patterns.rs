@@ -13,7 +13,7 @@ use crate::sheet::{Entry, Sheet, Symbol};
 const COLUMNS: usize = 6;
 const PER_FIGURE: usize = 36;
 /// Side of the square of a sector, and radius of its circle (px).
-const CELL: f64 = 144.0;
+const CELL: f64 = 152.0;
 const RADIUS: f64 = 54.0;
 /// What the circle spans (dB), and the step of its rings.
 const SPAN_DB: f64 = 40.0;

@@ -216,17 +216,16 @@ mod tests {
             assert!((sector.share_won - 0.125).abs() < 0.03, "{sector:?}");
         }
         let won = found.sectors.iter().map(|sector| sector.share_won).sum::<f64>();
-        assert!((won + found.share_undecided - 1.0).abs() < 1e-9 && won > 0.9, "{won}");
+        assert!((won + found.share_undecided - 1.0).abs() < 1e-9 && won > 0.8, "{won}");
     }
 
     #[test]
     fn shares_are_shares_of_the_area_of_the_sphere() {
-        // The upper ring is the best above 45 degrees: the share of the sphere there is (1 - sin 45) / 2.
+        // Round beams along x and up: the plane between them halves the sphere.
         let text = "sectors = { azimuth_sectors = 1, elevations_deg = [0, 90], beam_width_deg = 180, \
                     pattern.ieee802153c = {} }";
         let found = coverage(text);
-        let above = (1.0 - 45.0_f64.to_radians().sin()) / 2.0;
-        assert!(found.sectors[1].share_won > 0.5 * above && found.sectors[1].share_won < 3.0 * above, "{found:?}");
+        assert!(found.sectors.iter().all(|sector| (sector.share_won - 0.5).abs() < 1e-3), "{found:?}");
         let planar = coverage(
             "code_book = { azimuths_deg = [0, 90, 180, 270], elevations_deg = [0], \
              sectors = [{ sector = 3, gain_dbi = [[9, 3, -3, 3]] }, { sector = 60, gain_dbi = [[-3, 3, 9, 3]] }] }",
