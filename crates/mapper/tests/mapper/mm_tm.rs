@@ -84,8 +84,8 @@ fn a_sector_narrower_than_a_grid_step_still_places_nodes() {
     let node = Position::new(4.0, 2.0, 0.0);
     let sector = |stop: &Position| {
         let apart = node - *stop;
-        let sectors = (apart.y_m.atan2(apart.x_m).to_degrees() / 5.625 + 0.5).rem_euclid(64.0);
-        sectors.floor() as u8
+        let along = (apart.y_m.atan2(apart.x_m).to_degrees() / 5.625 + 0.5).rem_euclid(64.0);
+        (0..64_u8).find(|&sector| along < f64::from(sector) + 1.0).unwrap()
     };
     let heard: Vec<(u32, u8)> = (0..).zip(stops.iter().map(sector)).collect();
     let log = log(&stops, &heard, Some(even(64, vec![WHOLE])));

@@ -92,11 +92,14 @@ fn survey(unknown: Unknown) -> Survey {
             let strength = |sector: usize| {
                 let steps = azimuth / 4.0;
                 let (first, share) = (steps.floor(), steps.fract());
-                let at = |step: f64| gains[sector][(step as usize) % 90];
+                let row = &gains[sector];
+                let at = |step: f64| (0..90_u32).zip(row).find(|&(i, _)| f64::from(i) >= step.rem_euclid(90.0));
+                let at = |step: f64| at(step).map_or(row[0], |(_, &gain)| gain);
                 let gain = at(first) + share * (at(first + 1.0) - at(first)) + ripple[sector];
                 gain + draw(23, [node.into(), stop.into(), sector as u64])
             };
-            let best = (0..usize::from(SECTORS)).max_by(|&a, &b| strength(a).total_cmp(&strength(b))).unwrap();
+            let best = (1..usize::from(SECTORS))
+                .fold(0, |best, next| if strength(next) > strength(best) { next } else { best });
             let power = 15.0 + strength(best) - 22.0 * apart.dot(apart).sqrt().max(0.1).log10();
             let lost = Seed(13).uniform(Purpose::new(24), [node.into(), stop.into(), 0]) > 0.9;
             if power + 3.0 * draw(25, [node.into(), stop.into(), 0]) > 12.0 && !lost {
@@ -116,8 +119,9 @@ fn survey(unknown: Unknown) -> Survey {
     let antenna = Arc::new(antenna(&gains));
     let table = SectorTable::from(SectorGains::new(antenna, Orientation::LEVEL));
     let names = (0..truth.len()).map(|node| format!("n{node}")).collect();
-    let log =
-        ReceptionLog::new(names, stops, receptions, Vec::new()).and_then(|log| log.with_sectors(table)).unwrap();
+    let log = ReceptionLog::new(names, stops, receptions, Vec::new())
+        .and_then(|log| log.with_sectors(table))
+        .expect("a sound log");
     Survey { log, reports, truth, ripple }
 }
 
@@ -127,7 +131,8 @@ fn map(log: &ReceptionLog, model: SectorModel) -> (TopologyMap, Option<PatternFi
         sectors: Some(SectorsConfig { model: Some(model), ..SectorsConfig::default() }),
         ..MlTmConfig::new(0.2, ProfileConfig::Fitted(FittedConfig::default()))
     };
-    let (map, learned) = MmTm::try_from(config).unwrap().estimate(&Knowledge::from(log), &Unwatched).unwrap();
+    let (map, learned) =
+        MmTm::try_from(config).expect("sound settings").estimate(&Knowledge::from(log), &Unwatched).expect("a map");
     (map, learned.and_then(|learned| learned.get::<PatternFit>().cloned()))
 }
 

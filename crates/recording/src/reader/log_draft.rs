@@ -137,7 +137,7 @@ mod tests {
             stop: i / 3,
             received: 1,
             sent: 1,
-            sector: Some(if i % 2 == 0 { 2 } else { 9 }),
+            sector: Some(if i.is_multiple_of(2) { 2 } else { 9 }),
             rssi_dbm: None,
             snr_db: Some(3.25),
         };
