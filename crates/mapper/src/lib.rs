@@ -31,6 +31,7 @@ mod algorithm;
 mod auto;
 mod comparable;
 mod comparators;
+mod count_rule;
 mod each_node;
 mod error;
 mod estimator;
@@ -67,6 +68,7 @@ pub use comparators::{
     TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
     lateration,
 };
+pub use count_rule::CountRule;
 pub use error::MapError;
 pub use estimator::{
     AnyLog, Estimator, EstimatorSettings, Landmarks, Mapper, Messages, NodeOfLog, ProfileSetting, ReceiverSetting,
@@ -74,8 +76,7 @@ pub use estimator::{
 #[cfg(feature = "obstacles")]
 pub use grid_ml::ObstacleMlTm;
 pub use grid_ml::{
-    CountRule, Fit, Fitted, FittedMlTm, JointConfig, JointMlTm, JointNetworkConfig, MlTm, MlTmConfig, MmTm,
-    NetworkFits,
+    Fit, Fitted, FittedMlTm, JointConfig, JointMlTm, JointNetworkConfig, MlTm, MlTmConfig, MmTm, NetworkFits,
 };
 pub use knowledge::{Knowledge, KnowledgeKind};
 pub use lattice::Lattice;

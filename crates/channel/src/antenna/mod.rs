@@ -203,6 +203,12 @@ impl Antenna {
         matches!(self.beams, Beams::Omnidirectional(_))
     }
 
+    /// Whether its gains were measured, each in its own way.
+    #[must_use]
+    pub fn is_measured(&self) -> bool {
+        matches!(self.beams, Beams::CodeBook(_))
+    }
+
     /// Number of rings of sectors; one for a code book.
     #[must_use]
     pub fn rings(&self) -> u8 {

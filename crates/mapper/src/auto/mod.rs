@@ -20,8 +20,8 @@ pub use self::score::{ChoiceReason, Score};
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::pattern::PatternMap;
 use crate::{
-    AnyLog, Calibration, CoordinateFrame, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
-    FittedConfig, FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper,
+    AnyLog, Calibration, CoordinateFrame, CountRule, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings,
+    Fit, FittedConfig, FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper,
     MlTmConfig, PacketCentroid, PacketCentroidConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated,
     SelfCalibratedConfig, SoughtHeights, TopologyMap,
 };
@@ -52,7 +52,7 @@ impl Default for AutoConfig {
 /// them maps the log if it predicts as well as the link model does, the first of them unless the second is better by two
 /// standard errors. Their regions are enlarged until they explain how far their maps from parts of the stops differ. A packet
 /// centroid, whose predictions are those of the link model at its places, must be clearly better than the link model. A log
-/// with too few stops or nodes for folds is mapped by the link model. Where the log knows the gains of the sectors in which
+/// with too few stops or nodes for folds is mapped by the link model. Where the log knows the measured gains of the sectors in which
 /// nodes were heard, a map by these is another estimator of independent packets, and the first one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Auto {
@@ -147,6 +147,7 @@ impl Auto {
                     grid_step_m: reach_m / STEPS_PER_REACH,
                     estimate: EstimateKind::PosteriorMean,
                     z_range_m: self.z_range_m,
+                    counts: CountRule::Packets,
                 }));
             }
             candidates.extend([Candidate::SelfCalibrated(&self.self_calibrated), Candidate::Fitted(&fitted)]);
@@ -232,9 +233,10 @@ impl Auto {
     }
 }
 
-/// The gains of the sectors in which nodes of a log were heard, if it knows both.
+/// The measured gains of the sectors in which nodes of a log were heard, if it knows both.
 fn gains_of(log: &ReceptionLog) -> Option<&SectorGains> {
-    log.sectors().and_then(SectorTable::gains).filter(|_| log.receptions().sectors().is_some())
+    let gains = log.sectors().and_then(SectorTable::gains)?;
+    (gains.antenna().is_measured() && log.receptions().sectors().is_some()).then_some(gains)
 }
 
 /// Enlarges the variances of a map by a factor.

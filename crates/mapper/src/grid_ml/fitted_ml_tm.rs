@@ -1,7 +1,5 @@
 //! ML-TM under a profile estimated from the log.
 
-use std::borrow::Cow;
-
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
@@ -99,11 +97,6 @@ impl FittedMlTm {
     /// How sectors are used.
     pub(super) fn sectors(&self) -> &SectorSettings {
         self.ml_tm.sectors()
-    }
-
-    /// The log with its receptions counted by the rule of the settings.
-    pub(super) fn counted<'a>(&self, log: &'a ReceptionLog) -> Cow<'a, ReceptionLog> {
-        self.ml_tm.counted(log)
     }
 
     /// The settings that say how a profile is fitted, and those of the map.

@@ -18,9 +18,9 @@ use crate::log_facts::heights::check_z_range;
 use crate::log_facts::search_box::SearchBox;
 use crate::log_facts::sectors::SectorSettings;
 use crate::{
-    Concern, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, Knowledge, KnowledgeKind,
-    Lattice, MapError, NodeOfLog, PartEstimator, ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights,
-    Surface, TieRule, TopologyMap,
+    Concern, CoordinateFrame, CountRule, Estimate, EstimateKind, Estimator, EstimatorFindings, Knowledge,
+    KnowledgeKind, Lattice, MapError, NodeOfLog, PartEstimator, ProfileConfig, ReceptionProfile, SectorsConfig,
+    SoughtHeights, Surface, TieRule, TopologyMap,
 };
 
 /// ML-TM as written in a scenario.
@@ -57,18 +57,6 @@ pub struct MlTmConfig {
 
 /// Memory allowed for the window of one node (MB).
 pub(crate) const DEFAULT_MEMORY_MB: u32 = 512;
-
-/// How a reception of several packets counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
-pub enum CountRule {
-    /// Each packet received or missed counts by itself.
-    Packets,
-    /// The listening slot counts as one packet. It is received if at least one packet was received (thesis, chapter
-    /// 3).
-    AtLeastOne,
-}
 
 impl MlTmConfig {
     /// The argmax on a grid of `grid_step_m`, with defaults for all other settings.
@@ -128,6 +116,11 @@ impl MlTm {
     /// The same algorithm, which searches for nodes at these heights.
     pub(crate) fn with_heights(&self, heights: SoughtHeights) -> Self {
         Self { z_range_m: Some([heights.low_m, heights.high_m]), ..self.clone() }
+    }
+
+    /// How receptions are counted.
+    pub(crate) fn count_rule(&self) -> CountRule {
+        self.counts
     }
 
     /// How the place is estimated.
@@ -245,10 +238,7 @@ impl MlTm {
 
     /// The log with its receptions counted by the rule of the settings.
     pub(crate) fn counted<'a>(&self, log: &'a ReceptionLog) -> Cow<'a, ReceptionLog> {
-        match self.counts {
-            CountRule::Packets => Cow::Borrowed(log),
-            CountRule::AtLeastOne => log.at_least_one(),
-        }
+        self.counts.counted(log)
     }
 
     /// Checks that sectors of `log` are evidence. `algorithm` is the one that needs them.

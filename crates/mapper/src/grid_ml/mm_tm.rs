@@ -73,8 +73,7 @@ impl MmTm {
             }
             Likelihood::Fitted(fitted) => match gains_of(fitted, log, log.receptions().sectors().is_some())? {
                 Some(gains) => {
-                    let (counted, pattern) = (fitted.counted(log), pattern(fitted));
-                    let (map, fit) = pattern.map(&counted, gains, Self::NAME, watch)?;
+                    let (map, fit) = pattern(fitted).map(log, gains, Self::NAME, watch)?;
                     (map, fit.map(EstimatorFindings::new))
                 }
                 None => {
@@ -103,14 +102,20 @@ fn gains_of<'a>(
             what: "the gains of the sectors",
             remedy: "a log has them in `antenna.toml`; `model = \"wedge\"` does without them",
         }),
-        gains => Ok(gains),
+        // Of an ideal pattern the edges of sectors tell as much.
+        gains => Ok(gains.filter(|gains| use_of_gains == GainUse::Needed || gains.antenna().is_measured())),
     }
 }
 
 /// The map by gains with the settings of a grid.
 fn pattern(fitted: &FittedMlTm) -> PatternMap {
     let (_, ml_tm, z_range_m) = fitted.stages();
-    PatternMap { grid_step_m: ml_tm.grid_step_m(), estimate: ml_tm.estimate_kind(), z_range_m }
+    PatternMap {
+        grid_step_m: ml_tm.grid_step_m(),
+        estimate: ml_tm.estimate_kind(),
+        z_range_m,
+        counts: ml_tm.count_rule(),
+    }
 }
 
 impl TryFrom<MlTmConfig> for MmTm {
@@ -211,7 +216,7 @@ impl PartEstimator for MmTm {
                     Ok(())
                 })?;
                 match gains_of(fitted, parts.whole(), has_sectors)? {
-                    Some(gains) => pattern(fitted).fix(parts, gains, fitted.stages().1, Self::NAME, watch),
+                    Some(gains) => pattern(fitted).fix(parts, gains, Self::NAME, watch),
                     None => fitted.fix_for(parts, knowledge, Some(Self::NAME), watch),
                 }
             }

@@ -20,7 +20,7 @@ pub(crate) mod solver;
 pub use fitted::{Fit, Fitted, NetworkFits};
 pub use fitted_ml_tm::FittedMlTm;
 pub use joint::{JointConfig, JointMlTm, JointNetworkConfig};
-pub use ml_tm::{CountRule, MlTm, MlTmConfig};
+pub use ml_tm::{MlTm, MlTmConfig};
 pub use mm_tm::MmTm;
 #[cfg(feature = "obstacles")]
 pub use obstacle_ml_tm::ObstacleMlTm;

@@ -21,8 +21,8 @@ pub struct SectorsConfig {
     /// What a stop that heard nothing says about places to which no sector points.
     #[cfg_attr(feature = "config", serde(default))]
     pub silence: SilenceRule,
-    /// How likely a node names a sector, given the direction to it. If absent: `gains` where the log knows the gains of the
-    /// antenna and the profile is fitted, otherwise `wedge`.
+    /// How likely a node names a sector, given the direction to it. If absent: `gains` where the log knows measured gains of
+    /// the antenna and the profile is fitted, otherwise `wedge`.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub model: Option<SectorModel>,
 }
@@ -45,7 +45,7 @@ pub enum SectorModel {
 /// Whether the gains of an antenna say how nodes are heard and which sectors they name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum GainUse {
-    /// If the log knows them.
+    /// If the log knows them, and they were measured.
     #[default]
     IfKnown,
     /// The log must know them.

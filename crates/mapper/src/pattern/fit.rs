@@ -8,7 +8,7 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
 use super::evidence::{Evidence, Heard, Likelihood, Tables};
-use super::gain_map::{GainMap, Names};
+use super::gain_map::{CELL_RAD, GainMap, Names};
 use super::hearing::{self, Trial};
 use super::law::PatternLaw;
 use super::naming::{self, Naming};
@@ -21,12 +21,8 @@ use crate::log_facts::search_box::SearchBox;
 const SLOPE_DB: f64 = 40.0;
 /// The distance over which cells are seen, as a share of the reach.
 const SEEN_FROM: f64 = 0.33;
-/// Blurred likelihoods. Each has half the blur of the one before.
-const BLURRED: usize = 6;
-/// The blur of the first one (dB).
-const FIRST_BLUR_DB: f64 = 8.0;
-/// A blur of less than this share of the noise is none.
-const SHARP: f64 = 0.5;
+/// Over how many cells of the map of directions likelihoods are averaged on each side, from the roughest to the finest.
+const RADII: [usize; 5] = [8, 4, 2, 1, 0];
 /// The law is estimated from at most so many nodes, and begun with so many.
 const NODES: usize = 48;
 const FIRST_NODES: usize = 12;
@@ -76,14 +72,9 @@ pub(super) struct Found {
 pub(super) struct Likelihoods {
     law: PatternLaw,
     /// Shared by laws that differ in what names do not depend on.
-    names: Arc<[OnceLock<Names>; BLURRED + 1]>,
+    names: Arc<[OnceLock<Names>; RADII.len()]>,
     tables: Arc<Tables>,
     reach_m: f64,
-}
-
-/// The blur of a likelihood (dB).
-fn blur_db(level: usize) -> f64 {
-    if level >= BLURRED { 0.0 } else { FIRST_BLUR_DB * libm::pow(0.5, level as f64) }
 }
 
 impl Likelihoods {
@@ -99,12 +90,13 @@ impl Likelihoods {
         Self { law, names: Arc::clone(&self.names), tables: Arc::clone(&self.tables), reach_m }
     }
 
-    /// The likelihood with the least blur that is no less than `least_db`.
-    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, least_db: f64) -> Likelihood<'a> {
-        let level = (0..BLURRED).rfind(|&level| blur_db(level) >= least_db.min(FIRST_BLUR_DB));
-        let level = level.filter(|_| least_db > SHARP * self.law.noise_db).unwrap_or(BLURRED);
-        let names = self.names[level].get_or_init(|| map.names(&self.law, blur_db(level)));
-        Likelihood::new(&self.law, map, (names, blur_db(level)), &self.tables)
+    /// The likelihood for cells that a stop sees under this angle on each side of their middle (rad).
+    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, angle: f64) -> Likelihood<'a> {
+        let cells = angle / CELL_RAD;
+        let level = RADII.iter().position(|&radius| radius as f64 <= cells + 0.5).unwrap_or(RADII.len() - 1);
+        let radius = RADII[level];
+        let names = self.names[level].get_or_init(|| map.names(&self.law, radius));
+        Likelihood::new(&self.law, map, (names, SLOPE_DB * CELL_RAD * radius as f64), &self.tables)
     }
 
     /// The posterior of a node in a box, with its evidence.
@@ -117,7 +109,7 @@ impl Likelihoods {
         let evidence = Evidence::of(survey.log, *node, within, self.reach_m, &survey.scene.columns);
         let of_step = |width_m: f64| {
             let angle = 0.5 * width_m / (SEEN_FROM * survey.scene.reach_m);
-            self.blurred(&survey.scene.map, SLOPE_DB * angle)
+            self.blurred(&survey.scene.map, angle)
         };
         let found = places::find(&of_step, &evidence, within, step_m)?;
         Some((evidence, found))

@@ -16,6 +16,8 @@ use crate::numerics::whole;
 
 /// Cells along an axis of the octahedral map: 1.4 degrees along the horizon.
 const CELLS: usize = 128;
+/// The angle of a cell along the horizon (rad).
+pub(super) const CELL_RAD: f64 = std::f64::consts::PI / CELLS as f64;
 /// Corners along an axis.
 const CORNERS: usize = CELLS + 1;
 /// How often a node names any sector.
@@ -102,10 +104,10 @@ impl GainMap {
         cell.value(&self.gains_dbi, self.sectors, sector)
     }
 
-    /// What nodes in each direction hear and name under `law`, with strengths that have an error of `blur_db` more.
-    pub(super) fn names(&self, law: &PatternLaw, blur_db: f64) -> Names {
-        let scale_db = law.noise_db.hypot(blur_db) * SQRT_2 / 1.702;
-        let any = ANY / self.sectors as f64;
+    /// What nodes in each direction hear and name under `law`: means over so many corners on each side of a direction.
+    pub(super) fn names(&self, law: &PatternLaw, radius: usize) -> Names {
+        let scale_db = law.noise_db * SQRT_2 / 1.702;
+        let any = single(ANY / self.sectors as f64);
         let mut ln = vec![0.0_f32; self.gains_dbi.len()];
         let mut tops_dbi = vec![0.0_f32; CORNERS * CORNERS];
         let rows = ln.par_chunks_mut(self.sectors).zip(&mut tops_dbi).zip(self.gains_dbi.par_chunks(self.sectors));
@@ -117,10 +119,15 @@ impl GainMap {
             let share = |gain: f32, ripple: f64| libm::exp(((f64::from(gain) + ripple - top) / scale_db).max(-40.0));
             let sum: f64 = gains.iter().zip(&law.ripple_db).map(|(&gain, &ripple)| share(gain, ripple)).sum();
             for ((name, &gain), &ripple) in names.iter_mut().zip(gains).zip(&law.ripple_db) {
-                *name = single(libm::log((1.0 - ANY) * share(gain, ripple) / sum + any));
+                *name = single((1.0 - ANY) * share(gain, ripple) / sum);
             }
             *of_corner = single(top);
         });
+        if radius > 0 {
+            ln = averaged(&ln, self.sectors, radius);
+            tops_dbi = averaged(&tops_dbi, 1, radius);
+        }
+        ln.par_iter_mut().for_each(|name| *name = libm::logf(*name + any));
         Names { sectors: self.sectors, ln, tops_dbi }
     }
 }
@@ -144,6 +151,31 @@ impl Names {
     #[inline]
     pub(super) fn top_dbi(&self, cell: Cell) -> f64 {
         cell.value(&self.tops_dbi, 1, 0)
+    }
+}
+
+/// The means of each column over the corners within `radius` of each corner along both axes of the map.
+fn averaged(values: &[f32], columns: usize, radius: usize) -> Vec<f32> {
+    let within = |at: usize| at.saturating_sub(radius)..(at + radius + 1).min(CORNERS);
+    let row = CORNERS * columns;
+    let mut along = vec![0.0_f32; values.len()];
+    along.par_chunks_mut(row).zip(values.par_chunks(row)).for_each(|(means, values)| {
+        for (i, mean) in means.chunks_mut(columns).enumerate() {
+            average(mean, within(i).map(|corner| &values[corner * columns..(corner + 1) * columns]));
+        }
+    });
+    let mut means = vec![0.0_f32; values.len()];
+    means.par_chunks_mut(row).enumerate().for_each(|(j, mean)| {
+        average(mean, within(j).map(|corner| &along[corner * row..(corner + 1) * row]));
+    });
+    means
+}
+
+/// Sets `mean` to that of some slices of its length.
+fn average<'a>(mean: &mut [f32], slices: impl ExactSizeIterator<Item = &'a [f32]>) {
+    let share = 1.0 / slices.len() as f32;
+    for slice in slices {
+        mean.iter_mut().zip(slice).for_each(|(mean, value)| *mean += share * value);
     }
 }
 

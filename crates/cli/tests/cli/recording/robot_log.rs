@@ -181,7 +181,7 @@ fn errors_in_rows_and_headers_name_the_line() {
     for (receptions, expected) in [
         (
             "node,stop,recieved\nlamp,A,1\n",
-            "receptions.csv, line 1: unknown column `recieved`; did you mean `received`? Otherwise rename or remove it, or give `packet_fields=received=recieved`; known columns: node, stop, received, sent, sector, rssi_dbm, snr_db",
+            "receptions.csv, line 1: unknown column `recieved`; did you mean `received`? Otherwise rename or remove it, or give `packet_fields=received=recieved`; known columns: node, stop, received, sent, sector, rssi_dbm, snr_db, sector_snr_db",
         ),
         (
             "node,stop\nlamp,A\n",

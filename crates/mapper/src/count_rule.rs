@@ -1,0 +1,31 @@
+//! How receptions of several packets count.
+
+use std::borrow::Cow;
+
+#[cfg(feature = "config")]
+use schemars::JsonSchema;
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
+use sextant_channel::ReceptionLog;
+
+/// How a reception of several packets counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
+pub enum CountRule {
+    /// Each packet received or missed counts by itself.
+    Packets,
+    /// The listening slot counts as one packet. It is received if at least one packet was received (thesis, chapter
+    /// 3).
+    AtLeastOne,
+}
+
+impl CountRule {
+    /// A log with its receptions counted by this rule.
+    pub(crate) fn counted(self, log: &ReceptionLog) -> Cow<'_, ReceptionLog> {
+        match self {
+            Self::Packets => Cow::Borrowed(log),
+            Self::AtLeastOne => log.at_least_one(),
+        }
+    }
+}
