@@ -41,6 +41,12 @@ pub(crate) fn below(x: f64) -> f64 {
     0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
+/// The scale β for which the logistic law is nearest to the normal law of the difference of two numbers with this
+/// standard deviation each: `σ √2/1.702` (Camilli 1994).
+pub(crate) fn logistic_scale(sigma: f64) -> f64 {
+    sigma * std::f64::consts::SQRT_2 / 1.702
+}
+
 /// The standard normal density.
 pub(crate) fn density(x: f64) -> f64 {
     libm::exp(-0.5 * x * x) * 0.398_942_280_401_432_7

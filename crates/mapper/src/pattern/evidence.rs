@@ -121,8 +121,21 @@ pub(super) struct Likelihood<'a> {
     /// How much rougher it is than the law says (dB).
     blur_db: f64,
     tables: &'a Tables,
-    /// Cosine and sine of the yaw.
-    turn: [f64; 2],
+    turn: Turn,
+}
+
+/// How far an antenna is turned.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    cos: f64,
+    sin: f64,
+}
+
+impl Turn {
+    /// Counterclockwise by an angle (rad).
+    pub(super) fn by(yaw_rad: f64) -> Self {
+        Self { cos: libm::cos(yaw_rad), sin: libm::sin(yaw_rad) }
+    }
 }
 
 /// How a place is seen from a stop.
@@ -134,9 +147,9 @@ pub(super) struct Sight {
 }
 
 impl Sight {
-    /// How `place` is seen from `stop` by an antenna that is turned by the angle with this cosine and sine.
+    /// How `place` is seen from `stop` by an antenna that is turned.
     #[inline]
-    pub(super) fn of(place: Position, stop: Position, [cos, sin]: [f64; 2]) -> Self {
+    pub(super) fn of(place: Position, stop: Position, Turn { cos, sin }: Turn) -> Self {
         let apart = place - stop;
         let square = apart.dot(apart);
         let direction = if square > 1e-18 {
@@ -156,7 +169,7 @@ impl<'a> Likelihood<'a> {
         (names, blur_db): (&'a Names, f64),
         tables: &'a Tables,
     ) -> Self {
-        let turn = [libm::cos(law.yaw_rad), libm::sin(law.yaw_rad)];
+        let turn = Turn::by(law.yaw_rad);
         Self { law, map, names, blur_db, tables, turn }
     }
 

@@ -5,12 +5,11 @@
 //! is `exp(G_s/β) / Σ exp(G_j/β)` (McFadden 1974), with `β = σ √2/1.702` nearest to the normal law (Camilli 1994). One time in
 //! fifty a sector is any: a reflection, or a report of an earlier sweep.
 
-use std::f64::consts::SQRT_2;
-
 use rayon::prelude::*;
 use sextant_channel::{Position, SectorGains};
 
 use super::law::PatternLaw;
+use crate::numerics::normal::logistic_scale;
 use crate::numerics::octahedron::{folded, unfolded};
 use crate::numerics::whole;
 
@@ -21,7 +20,7 @@ pub(super) const CELL_RAD: f64 = std::f64::consts::PI / CELLS as f64;
 /// Corners along an axis.
 const CORNERS: usize = CELLS + 1;
 /// How often a node names any sector.
-const ANY: f64 = 0.02;
+pub(super) const ANY: f64 = 0.02;
 /// Least gain in a table (dBi): none at all.
 const NONE_DBI: f64 = -120.0;
 
@@ -106,7 +105,7 @@ impl GainMap {
 
     /// What nodes in each direction hear and name under `law`: means over so many corners on each side of a direction.
     pub(super) fn names(&self, law: &PatternLaw, radius: usize) -> Names {
-        let scale_db = law.noise_db * SQRT_2 / 1.702;
+        let scale_db = logistic_scale(law.noise_db);
         let any = single(ANY / self.sectors as f64);
         let mut ln = vec![0.0_f32; self.gains_dbi.len()];
         let mut tops_dbi = vec![0.0_f32; CORNERS * CORNERS];

@@ -25,7 +25,7 @@ use sextant_kernel::Watch;
 
 use crate::log_facts::reach::heard_nodes;
 use crate::{CoordinateFrame, CountRule, EstimateKind, MapError, TopologyMap};
-use evidence::{Sight, Tables};
+use evidence::{Sight, Tables, Turn};
 use fit::thinned;
 use gain_map::GainMap;
 pub use law::PatternLaw;
@@ -73,8 +73,7 @@ impl PatternFit {
     /// The probability that a packet of a node at `place` is received at `stop`.
     #[must_use]
     pub fn probability(&self, place: Position, stop: Position) -> f64 {
-        let turn = [libm::cos(self.law.yaw_rad), libm::sin(self.law.yaw_rad)];
-        let Sight { cell, square } = Sight::of(place, stop, turn);
+        let Sight { cell, square } = Sight::of(place, stop, Turn::by(self.law.yaw_rad));
         let gain = |sector: usize| self.gains.gain_dbi(cell, sector) + self.law.ripple_db[sector];
         let top_dbi = (0..self.gains.sectors()).map(gain).fold(f64::NEG_INFINITY, f64::max);
         self.law.heard(&self.tables.normal, top_dbi, self.tables.decades.of_root(square))

@@ -3,9 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::Position;
 
-use super::evidence::{Heard, Sight, of_report};
-use super::gain_map::GainMap;
+use super::evidence::{Heard, Sight, Turn, of_report};
+use super::gain_map::{ANY, GainMap};
 use super::law::PatternLaw;
+use crate::numerics::normal::logistic_scale;
 
 /// Steps of Newton's method for the ripple, in a round.
 const STEPS: u32 = 3;
@@ -14,8 +15,6 @@ const MOST_DB: f64 = 1.5;
 /// Least and most noise (dB), and standard deviation of the ripple (dB).
 const NOISE_DB: [f64; 2] = [0.5, 8.0];
 const RIPPLE_DB: [f64; 2] = [0.1, 6.0];
-/// How often a name says nothing.
-const ANY: f64 = 0.02;
 /// Steps of a search along one value.
 const GOLDEN_STEPS: u32 = 14;
 /// In a round the antenna turns at most so far (rad).
@@ -39,7 +38,7 @@ struct Gains {
 
 impl Gains {
     fn of(map: &GainMap, namings: &[Naming<'_>], yaw_rad: f64) -> Self {
-        let turn = [libm::cos(yaw_rad), libm::sin(yaw_rad)];
+        let turn = Turn::by(yaw_rad);
         let sectors = map.sectors();
         let mut dbi = Vec::with_capacity(namings.len() * sectors);
         for naming in namings {
@@ -69,10 +68,6 @@ fn probabilities(gains: &[f64], ripple_db: &[f64], scale_db: f64, shares: &mut [
     shares.iter_mut().for_each(|share| *share /= sum);
 }
 
-fn scale_db(noise_db: f64) -> f64 {
-    noise_db * std::f64::consts::SQRT_2 / 1.702
-}
-
 fn log_likelihood(gains: &Gains, namings: &[Naming<'_>], ripple_db: &[f64], noise_db: f64) -> f64 {
     let mut shares = vec![0.0; gains.sectors];
     let mut sum = 0.0;
@@ -81,7 +76,7 @@ fn log_likelihood(gains: &Gains, namings: &[Naming<'_>], ripple_db: &[f64], nois
             * match naming.heard {
                 Heard::Nothing => 0.0,
                 Heard::Named(sector) => {
-                    probabilities(row, ripple_db, scale_db(noise_db), &mut shares);
+                    probabilities(row, ripple_db, logistic_scale(noise_db), &mut shares);
                     libm::log((1.0 - ANY) * shares[*sector] + ANY / gains.sectors as f64)
                 }
                 Heard::Reported(report) => of_report(report, |sector| row[sector] + ripple_db[sector], noise_db),
@@ -112,7 +107,7 @@ pub(super) fn improve(law: &mut PatternLaw, map: &GainMap, namings: &[Naming<'_>
 /// Newton's method for the ripple, which is normal before anything is heard. Gives the sum of its variances.
 fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming<'_>], sigma_db: f64) -> Option<f64> {
     let sectors = gains.sectors;
-    let scale = scale_db(law.noise_db);
+    let scale = logistic_scale(law.noise_db);
     let mut variances = None;
     let mut shares = vec![0.0; sectors];
     for _ in 0..STEPS {

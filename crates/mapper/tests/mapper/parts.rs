@@ -66,14 +66,14 @@ fn survey(antenna: Antenna, rise_m: f64) -> ReceptionLog {
 
 /// A log in parts of nodes that are spread over all of it.
 #[derive(Debug)]
-struct Parts {
+pub(crate) struct Parts {
     log: ReceptionLog,
     whole: ReceptionLog,
     nodes: Vec<Vec<NodeId>>,
 }
 
 impl Parts {
-    fn new(log: &ReceptionLog, count: usize) -> Self {
+    pub(crate) fn new(log: &ReceptionLog, count: usize) -> Self {
         let whole = log.part(log.names().to_vec(), ReceptionLogBuilder::default()).expect("no receptions are good");
         let of_part = |part: usize| {
             (0..log.node_count())

@@ -16,6 +16,7 @@ use sextant_channel::{SectorConfig, SectorTable, Wedge};
 
 use super::single::single;
 use crate::Lattice;
+use crate::numerics::normal::logistic_scale;
 use crate::numerics::octahedron::{folded, unfolded};
 use crate::numerics::whole;
 
@@ -52,7 +53,7 @@ impl Pattern {
             10.0 * libm::log10(41_253.0 / (azimuth * elevation))
         };
         let peaks_db = wedges.iter().map(peak_db).collect();
-        Self { wedges, peaks_db, side_lobe_db, scale_db: sigma_db * std::f64::consts::SQRT_2 / 1.702 }
+        Self { wedges, peaks_db, side_lobe_db, scale_db: logistic_scale(sigma_db) }
     }
 
     /// Adds the probabilities of all sectors in a direction to `sums`.
