@@ -182,6 +182,6 @@ impl Dial<'_> {
             Cut::Elevation => azimuth_deg,
         };
         let text = format!("{gain_dbi:.1} dBi, {fixed_deg:.0}\u{b0}");
-        picture.text(Point::new(title.x, self.center.y + CELL / 2.0 - 8.0), &text, Anchor::Start, TICK_TEXT);
+        picture.text(Point::new(title.x, self.center.y + CELL / 2.0 - 19.0), &text, Anchor::Start, TICK_TEXT);
     }
 }
