@@ -34,3 +34,43 @@ pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
             .to_owned(),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::{Position, Reception, SectorConfig, SectorTable, Stop};
+    use sextant_kernel::{NodeId, RobotId, SimTime};
+
+    use super::*;
+
+    /// A log whose four sectors are each so wide in azimuth (degrees).
+    fn log(width_deg: f64) -> ReceptionLog {
+        let sector = |sector: u8| SectorConfig {
+            sector,
+            azimuth_from_deg: 90.0 * f64::from(sector),
+            azimuth_to_deg: 90.0 * f64::from(sector) + width_deg,
+            elevation_from_deg: -90.0,
+            elevation_to_deg: 90.0,
+        };
+        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN };
+        let heard = Reception {
+            node: NodeId(0),
+            stop: 0,
+            received: 1,
+            sent: 1,
+            sector: Some(2),
+            rssi_dbm: None,
+            snr_db: None,
+        };
+        let log = ReceptionLog::new(vec!["a".into()], vec![stop], vec![heard], Vec::new()).unwrap();
+        log.with_sectors(SectorTable::new((0..4).map(sector)).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn sectors_that_overlap_twice_are_told_with_their_width() {
+        assert_eq!(finding(&log(90.0)), None);
+        assert_eq!(finding(&log(170.0)), None);
+        let found = finding(&log(190.0)).unwrap();
+        assert_eq!(found.odd, "the 4 sectors are 190 degrees wide on average, and a direction is in 2.1 of them");
+        assert!(found.remedy.contains("antenna.toml"));
+    }
+}

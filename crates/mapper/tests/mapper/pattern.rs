@@ -9,8 +9,8 @@ use sextant_channel::{
 };
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
-    EstimateKind, Estimator, FittedConfig, Knowledge, LogParts, Mapper, MlTmConfig, MmTm, PatternFit, ProfileConfig,
-    Region, SectorModel, SectorsConfig, TopologyMap,
+    EstimateKind, Estimator, Finding, FittedConfig, Knowledge, LogParts, Mapper, MlTmConfig, MmTm, PatternFit,
+    ProfileConfig, Region, SectorModel, SectorsConfig, TopologyMap,
 };
 
 use crate::parts::Parts;
@@ -226,4 +226,22 @@ fn ratios_of_all_sectors_place_nodes_better_than_the_name_of_the_best() {
     let (found, truly) = (level(&law.ripple_db), level(&ripple));
     let off = law.ripple_db.iter().zip(&ripple).map(|(a, b)| (a - found - b + truly).abs()).fold(0.0, f64::max);
     assert!(off < 1.0, "the ripple is off by {off} dB");
+}
+
+#[test]
+fn gains_of_other_identities_are_told_as_a_contradiction() {
+    let Survey { log, .. } = survey(Unknown::default());
+    let mixed = log.receptions().iter().map(|heard| {
+        let sector = heard.sector.map(|sector| sector * 7 % SECTORS);
+        Reception { sector, ..heard }
+    });
+    let table = log.sectors().expect("it has sectors").clone();
+    let mixed = ReceptionLog::new(log.names().to_vec(), log.stops().to_vec(), mixed.collect(), Vec::new())
+        .and_then(|log| log.with_sectors(table))
+        .unwrap();
+    let warned = |log: &ReceptionLog| {
+        let (map, fit) = map(log, SectorModel::Gains);
+        fit.expect("a law").lines("a", &map).iter().any(|line| line.text.contains("contradicts the pattern"))
+    };
+    assert!(warned(&mixed) && !warned(&log));
 }
