@@ -20,9 +20,9 @@ pub use self::score::{ChoiceReason, Score};
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::pattern::PatternMap;
 use crate::{
-    AnyLog, Calibration, CoordinateFrame, CountRule, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings,
-    Fit, FittedConfig, FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper,
-    MlTmConfig, PacketCentroid, PacketCentroidConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated,
+    AnyLog, Calibration, CountRule, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit, FittedConfig,
+    FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper, MlTmConfig,
+    PacketCentroid, PacketCentroidConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated,
     SelfCalibratedConfig, SoughtHeights, TopologyMap,
 };
 
@@ -109,7 +109,7 @@ enum Candidate<'a> {
     Fitted(&'a FittedMlTm),
     SelfCalibrated(&'a SelfCalibrated),
     Centroid(&'a PacketCentroid),
-    Pattern(PatternMap),
+    Pattern(PatternMap, &'a SectorGains),
 }
 
 impl Auto {
@@ -142,13 +142,14 @@ impl Auto {
         let fitted = self.fitted.with_grid_step_m(reach_m / STEPS_PER_REACH);
         let mut candidates = vec![Candidate::LinkModel(&self.link_model)];
         if prior.is_none() {
-            if gains_of(log).is_some() {
-                candidates.push(Candidate::Pattern(PatternMap {
+            if let Some(gains) = gains_of(log) {
+                let pattern = PatternMap {
                     grid_step_m: reach_m / STEPS_PER_REACH,
                     estimate: EstimateKind::PosteriorMean,
                     z_range_m: self.z_range_m,
                     counts: CountRule::Packets,
-                }));
+                };
+                candidates.push(Candidate::Pattern(pattern, gains));
             }
             candidates.extend([Candidate::SelfCalibrated(&self.self_calibrated), Candidate::Fitted(&fitted)]);
             candidates.extend(self.centroids.iter().map(Candidate::Centroid));
@@ -203,7 +204,7 @@ impl Auto {
                 Candidate::Centroid(centroid) => {
                     predict::by_links(fold, &fold.rest, law.as_ref(), &centroid.map(&fold.rest), predicted);
                 }
-                Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(_) => {
+                Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..) => {
                     let (map, fit) = candidate.map(&fold.rest, None, watch)?;
                     predict::independent(fold, &map, fit.as_ref(), predicted);
                     parts.push(map);
@@ -255,7 +256,7 @@ fn chosen(candidates: &[Candidate<'_>], predicted: &[Predicted]) -> (usize, Choi
         (0..candidates.len()).filter(|&number| is(&candidates[number])).collect()
     };
     let is_independent: fn(&Candidate<'_>) -> bool =
-        |one| matches!(one, Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(_));
+        |one| matches!(one, Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..));
     let independent = numbers(is_independent);
     let places = numbers(|one| matches!(one, Candidate::Centroid(_)));
     score::best(predicted, 0, &independent, &places)
@@ -270,7 +271,7 @@ impl Candidate<'_> {
             Self::Centroid(centroid) if centroid.power() < 2.0 => "packet-centroid-1",
             Self::Centroid(centroid) if centroid.power() < 4.0 => "packet-centroid-3",
             Self::Centroid(_) => "packet-centroid-6",
-            Self::Pattern(_) => PATTERN,
+            Self::Pattern(..) => PATTERN,
         }
     }
 
@@ -294,13 +295,10 @@ impl Candidate<'_> {
                 (map, calibration.map(EstimatorFit::Calibration))
             }
             Self::Centroid(centroid) => (centroid.map(log), None),
-            Self::Pattern(pattern) => match gains_of(log) {
-                Some(gains) => {
-                    let (map, fit) = pattern.map(log, gains, PATTERN, watch)?;
-                    (map, fit.map(EstimatorFit::Pattern))
-                }
-                None => (TopologyMap::of_places(PATTERN, vec![None; log.node_count()], CoordinateFrame::World), None),
-            },
+            Self::Pattern(pattern, gains) => {
+                let (map, fit) = pattern.map(log, gains, PATTERN, watch)?;
+                (map, fit.map(EstimatorFit::Pattern))
+            }
         })
     }
 }

@@ -29,6 +29,7 @@ const NONE_DBI: f64 = -120.0;
 pub(super) struct GainMap {
     sectors: usize,
     gains_dbi: Vec<f32>,
+    greatest_dbi: f64,
 }
 
 /// The cell of a direction, and where in it.
@@ -77,7 +78,9 @@ impl GainMap {
             all.iter().map(|gain| single(gain.max(NONE_DBI))).collect::<Vec<f32>>()
         };
         let gains_dbi: Vec<Vec<f32>> = corners().map_init(Vec::new, of_corner).collect();
-        Self { sectors, gains_dbi: gains_dbi.concat() }
+        let gains_dbi = gains_dbi.concat();
+        let greatest_dbi = f64::from(highest(&gains_dbi));
+        Self { sectors, gains_dbi, greatest_dbi }
     }
 
     /// Number of sectors.
@@ -87,7 +90,7 @@ impl GainMap {
 
     /// The greatest gain of any sector in any direction (dBi).
     pub(super) fn greatest_dbi(&self) -> f64 {
-        f64::from(self.gains_dbi.iter().copied().fold(f32::NEG_INFINITY, f32::max))
+        self.greatest_dbi
     }
 
     /// The median over all directions of the greatest gain of any sector (dBi).

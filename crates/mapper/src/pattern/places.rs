@@ -52,7 +52,6 @@ pub(super) fn find<'a>(
     let is_level = within.is_level();
     let longest = sides.iter().copied().fold(0.0, f64::max);
     let mut steps = (longest / FIRST[usize::from(!is_level)]).max(step_m);
-    let first_m = steps;
     let mut counts = [1_usize; 3];
     for axis in 0..if is_level { 2 } else { 3 } {
         counts[axis] = whole((sides[axis] / steps).ceil()).max(1);
@@ -116,7 +115,7 @@ pub(super) fn find<'a>(
         }
         cells = next;
     }
-    posterior(&cells, within, (all / shrinks, steps.min(first_m)), evaluated)
+    posterior(&cells, within, (all / shrinks, steps), evaluated)
 }
 
 /// The mean standard deviation along the axes (m).
