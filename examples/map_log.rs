@@ -12,7 +12,8 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let nodes = [("lamp", Position::new(2.0, 3.0, 0.0)), ("door", Position::new(8.0, 6.0, 0.0))];
     // A stop every two metres; each node sends ten packets at each, of which fewer arrive from farther away.
     let places = (0..30).map(|i| Position::new(f64::from(i % 6) * 2.0, f64::from(i / 6) * 2.0, 0.0));
-    let stops: Vec<Stop> = places.map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position }).collect();
+    let stops: Vec<Stop> =
+        places.map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None }).collect();
     let mut receptions = Vec::new();
     for (node, (_, place)) in (0..).zip(&nodes) {
         for (stop, at) in (0..).zip(&stops) {

@@ -40,7 +40,7 @@ fn log(is_spatial: bool) -> ReceptionLog {
             });
         }
     }
-    let stop = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };
+    let stop = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
     let names = (0..COUNT).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, stops.into_iter().map(stop).collect(), receptions, Vec::new()).expect("a valid log")
 }

@@ -175,7 +175,10 @@ fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> R
             }
         }
     }
-    let stops = stops.iter().map(|&position| Stop { robot: RobotId(0), time: SimTime::ZERO, position }).collect();
+    let stops = stops
+        .iter()
+        .map(|&position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
+        .collect();
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     receptions.build(names, stops, Vec::new()).expect("a log without contradictions")
 }

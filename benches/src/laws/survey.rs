@@ -72,6 +72,7 @@ pub(super) fn survey(
         robot: RobotId(0),
         time: SimTime::from_nanos(STOP_S * 1_000_000_000 * number),
         position,
+        heading_rad: None,
     });
     ReceptionLog::new(names, stops.collect(), receptions, Vec::new())
 }

@@ -34,6 +34,10 @@ pub struct Stop {
     pub time: SimTime,
     /// Where the robot stood, in its own odometry frame (m).
     pub position: Position,
+    /// How the antenna of the robot was turned about the vertical, counterclockwise from x (rad). The sectors of the log
+    /// are then those in the frame of the robot. `None` if they keep their directions in the frame of the stops: the robot
+    /// has a compass, or an antenna without sectors.
+    pub heading_rad: Option<f64>,
 }
 
 /// What was heard of one node at one stop. If a pair of node and stop has no reception, the robot listened and
@@ -112,7 +116,7 @@ impl ReceptionLog {
     ///
     /// # Errors
     /// If a reception names a node or stop that does not exist, appears twice, or has more packets than were sent;
-    /// if a stop is not finite.
+    /// if a stop or its heading is not finite.
     pub fn new(
         names: Vec<String>,
         stops: Vec<Stop>,
@@ -295,6 +299,12 @@ impl ReceptionLog {
         self.sectors.as_ref()
     }
 
+    /// Whether the antenna turns, so that a sector has another direction at each stop: some stop has a heading.
+    #[must_use]
+    pub fn has_headings(&self) -> bool {
+        self.stops.iter().any(|stop| stop.heading_rad.is_some())
+    }
+
     /// Number of nodes, heard or not.
     #[must_use]
     pub fn node_count(&self) -> usize {
@@ -355,7 +365,12 @@ mod tests {
 
     #[test]
     fn a_log_until_a_stop_has_what_was_heard_before_it() {
-        let stop = |nanos| Stop { robot: RobotId(0), time: SimTime::from_nanos(nanos), position: Position::ORIGIN };
+        let stop = |nanos| Stop {
+            robot: RobotId(0),
+            time: SimTime::from_nanos(nanos),
+            position: Position::ORIGIN,
+            heading_rad: None,
+        };
         let contact =
             |nanos| Contact { robot: RobotId(0), time: SimTime::from_nanos(nanos), position: Position::ORIGIN };
         let names = || vec!["a".to_owned(), "b".to_owned()];
@@ -371,7 +386,8 @@ mod tests {
     }
 
     fn log(receptions: Vec<Reception>) -> Result<ReceptionLog, LogError> {
-        let stops = vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN }; 3];
+        let stops =
+            vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None }; 3];
         ReceptionLog::new(vec!["a".into(), "b".into()], stops, receptions, Vec::new())
     }
 
@@ -386,8 +402,12 @@ mod tests {
 
     #[test]
     fn drives_join_the_stops_of_one_robot_only() {
-        let stop =
-            |robot, x_m| Stop { robot: RobotId(robot), time: SimTime::ZERO, position: Position::new(x_m, 0.0, 0.0) };
+        let stop = |robot, x_m| Stop {
+            robot: RobotId(robot),
+            time: SimTime::ZERO,
+            position: Position::new(x_m, 0.0, 0.0),
+            heading_rad: None,
+        };
         let stops = vec![stop(0, 0.0), stop(1, 100.0), stop(0, 1.0), stop(1, 98.0), stop(0, 4.0)];
         let log = ReceptionLog::new(Vec::new(), stops, Vec::new(), Vec::new()).unwrap();
         let lengths: Vec<(u32, f64)> = log.drives().map(|drive| (drive.robot.0, drive.length_m())).collect();

@@ -140,7 +140,7 @@ mod tests {
         let site = |i: u32| Position::new(f64::from(i % 20), f64::from(i / 20), 0.0);
         let nodes: Places = (0..400).map(|i| (NodeId(i), site(i))).collect();
         let mapped = nodes.iter().skip(3).map(|(&node, &place)| (node, place + Position::new(0.1, 0.0, 0.0)));
-        let stop = |i| Stop { robot: RobotId(0), time: SimTime::ZERO, position: site(i) };
+        let stop = |i| Stop { robot: RobotId(0), time: SimTime::ZERO, position: site(i), heading_rad: None };
         let heard = |i| Reception {
             node: NodeId(i),
             stop: i,

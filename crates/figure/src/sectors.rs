@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use plotters::style::RGBColor;
-use sextant_channel::{Bounds, Position, SectorConfig, Wedge};
+use sextant_channel::{Bounds, Position, SectorConfig, Stop, Wedge};
 
 use super::density::Crowding;
 use super::palette::{ACCENT, CURVES, GRID, INK, THREAD};
@@ -55,14 +55,17 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
     receptions.for_each(|reception| in_sectors[reception.stop as usize] += 1);
     let most = in_sectors.iter().copied().max().filter(|&most| most > 0)?;
     let index = in_sectors.iter().position(|&count| count == most)?;
-    let stop = log.stops()[index].position;
+    let Stop { position: stop, heading_rad, .. } = log.stops()[index];
+    // A wedge of an antenna that turns with the robot.
+    let turned =
+        |wedge: Wedge| Wedge { azimuth_from_rad: wedge.azimuth_from_rad + heading_rad.unwrap_or(0.0), ..wedge };
     let heard =
         log.receptions().iter().filter(|reception| reception.stop as usize == index && reception.received > 0);
     let heard: Vec<HeardNode<'_>> = heard
         .filter_map(|reception| {
             let place = *drawn.nodes.get(&reception.node)?;
             let sector = table.iter().find(|sector| Some(sector.sector) == reception.sector)?;
-            Some(HeardNode { place, sector, wedge: sector.wedge().ok()? })
+            Some(HeardNode { place, sector, wedge: turned(sector.wedge().ok()?) })
         })
         .collect();
     let reach_m = heard.iter().map(|node| (node.place - stop).x_m.hypot((node.place - stop).y_m)).fold(0.0, f64::max);

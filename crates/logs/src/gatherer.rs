@@ -162,7 +162,7 @@ impl Gatherer {
             let Slot { start, position, .. } = self.tracks[robot].slots[slot];
             let number = u32::try_from(self.stops.len()).expect("at most a million stops a robot");
             self.tracks[robot].stops.push(number);
-            self.stops.push(Stop { robot: RobotId::from_index(robot), time: start, position });
+            self.stops.push(Stop { robot: RobotId::from_index(robot), time: start, position, heading_rad: None });
         }
     }
 

@@ -39,6 +39,7 @@ mod gatherer;
 mod geojson;
 mod gpx;
 mod header;
+mod heading;
 mod heard;
 mod instant;
 mod interval;

@@ -10,6 +10,7 @@ use super::doctor::origin;
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
 use super::header::{Known, Others};
+use super::heading::{self, Headings};
 use super::instant;
 use super::local_plane::LocalPlane;
 use super::place::{COLUMNS, Frame, Places};
@@ -47,12 +48,13 @@ pub(super) fn read(
     robots: &mut RobotNames,
     notes: &mut Vec<String>,
 ) -> Result<Stops, RobotLogError> {
-    let optional = [&COLUMNS[..], &instant::COLUMNS, &["robot", "sent"]].concat();
+    let optional = [&COLUMNS[..], &instant::COLUMNS, &heading::COLUMNS, &["robot", "sent"]].concat();
     let known = Known { required: &["stop"], optional: &optional, names, others: Others::Ignored };
     let table = Table::open_known(path, known)?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::Any, notes)?;
     let time = Times::find(&table, notes);
+    let headings = Headings::find(&table, notes);
     let [id, robot, sent] = ["stop", "robot", "sent"].map(|name| table.column(name));
     if time.is_none() {
         notes.push("stops.csv has no times (t_s): the duration of the survey is unknown".to_owned());
@@ -75,6 +77,7 @@ pub(super) fn read(
             robot: row.robot(robot, robots)?,
             time: time.map_or(Ok(SimTime::ZERO), |time| row.instant(time))?,
             position: places.read(row, &mut read.plane)?,
+            heading_rad: headings.read(row)?,
         };
         listed.push(Listed { name: name.to_owned(), sent, stop });
         Ok(())

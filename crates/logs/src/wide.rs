@@ -120,7 +120,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) 
         let key = [position.x_m, position.y_m, position.z_m].map(|at| (at + 0.0).to_bits());
         let stop = *at_place.entry((robot, key)).or_insert(reading.stops.len());
         if stop == reading.stops.len() {
-            reading.stops.push(Stop { robot, time, position });
+            reading.stops.push(Stop { robot, time, position, heading_rad: None });
             reading.scans.push(vec![NO_SCANS; reading.nodes.len()]);
             reading.rows_at.push(0);
         }

@@ -26,6 +26,8 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
     let has_counts = log.receptions().iter().any(|reception| reception.sent != 1);
     let mut header = with_robot(&["stop", "t_s", "x_m", "y_m", "z_m"]);
     header.extend(has_counts.then_some("sent"));
+    let has_headings = log.has_headings();
+    header.extend(has_headings.then_some("heading_rad"));
     let mut stops = Output::new(&header);
     for (index, stop) in log.stops().iter().enumerate() {
         stops.text(&index.to_string()).instant(stop.time).position(stop.position);
@@ -34,6 +36,9 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
         }
         if has_counts {
             stops.text("1");
+        }
+        if has_headings {
+            stops.text(&stop.heading_rad.map_or_else(String::new, |heading_rad| heading_rad.to_string()));
         }
         stops.end();
     }

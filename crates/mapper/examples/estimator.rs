@@ -76,7 +76,12 @@ fn median(places: &[Position]) -> Option<Position> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let stop = |x_m| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, 0.0, 0.0) };
+    let stop = |x_m| Stop {
+        robot: RobotId(0),
+        time: SimTime::ZERO,
+        position: Position::new(x_m, 0.0, 0.0),
+        heading_rad: None,
+    };
     let stops = (0..9).map(|i| stop(f64::from(i))).collect();
     let heard =
         |stop| Reception { node: NodeId(0), stop, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };

@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let nodes = [("kitchen", 3.1, 2.4), ("hall", 7.7, 6.2), ("workshop", 10.3, 1.8)];
     let stops: Vec<Stop> = (0..49)
         .map(|i| Position::new(2.0 * f64::from(i % 7), 2.0 * f64::from(i / 7), 0.0))
-        .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position })
+        .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
         .collect();
     let mut receptions = Vec::new();
     for (node, (_, x_m, y_m)) in (0..).zip(nodes) {

@@ -235,7 +235,10 @@ mod tests {
     use sextant_kernel::{RobotId, SimTime};
 
     fn stops(places: &[[f64; 3]]) -> Vec<Stop> {
-        places.iter().map(|&place| Stop { robot: RobotId(0), time: SimTime::ZERO, position: place.into() }).collect()
+        places
+            .iter()
+            .map(|&place| Stop { robot: RobotId(0), time: SimTime::ZERO, position: place.into(), heading_rad: None })
+            .collect()
     }
 
     #[test]

@@ -12,7 +12,7 @@
 //! use sextant_mapper::{MlTm, MlTmConfig, ProfileConfig, TrapezoidConfig};
 //!
 //! // A robot drives 8 m east and hears a node from the third to the fifth of its nine stops.
-//! let stops = (0..9).map(|i| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(f64::from(i), 0.0, 0.0) });
+//! let stops = (0..9).map(|i| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(f64::from(i), 0.0, 0.0), heading_rad: None });
 //! let heard = |stop| Reception { node: NodeId(0), stop, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
 //! let log = ReceptionLog::new(vec!["n0".into()], stops.collect(), (3..6).map(heard).collect(), Vec::new())?;
 //!

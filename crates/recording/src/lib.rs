@@ -12,7 +12,7 @@
 //! let path = std::env::temp_dir().join(format!("sextant-doc-{}.mcap", std::process::id()));
 //! let mut recorder = FileRecorder::create(&path)?;
 //! recorder.nodes(&["a".to_owned(), "b".to_owned()])?;
-//! let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(1.0, 2.0, 0.0) };
+//! let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(1.0, 2.0, 0.0), heading_rad: None };
 //! let heard = Reception { node: NodeId(1), stop: 0, received: 3, sent: 5, sector: None, rssi_dbm: None, snr_db: None };
 //! recorder.stop(None, "surveyor", 0, &stop, &[heard])?;
 //! recorder.finish()?;

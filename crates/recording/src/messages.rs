@@ -97,6 +97,9 @@ pub struct StopMessage {
     /// it a reader detects an incomplete stop.
     #[prost(uint32, tag = "7")]
     pub receptions: u32,
+    /// How the robot's antenna was turned, counterclockwise from x (rad), if its sectors turn with it.
+    #[prost(double, optional, tag = "8")]
+    pub heading_rad: Option<f64>,
 }
 
 /// The packets received from one node at one stop.
@@ -247,7 +250,7 @@ recorded! {
     NodesMessage = "Nodes": ["first" = 1 Uint32, "names" = 2 Strings];
     StopMessage = "Stop": [
         "stop" = 1 Uint32, "time_ns" = 2 Uint64, "x_m" = 3 Double, "y_m" = 4 Double, "z_m" = 5 Double,
-        "robot" = 6 String, "receptions" = 7 Uint32,
+        "robot" = 6 String, "receptions" = 7 Uint32, "heading_rad" = 8 OptionalDouble,
     ];
     ReceptionMessage = "Reception": [
         "node" = 1 Uint32, "stop" = 2 Uint32, "received" = 3 Uint32, "sent" = 4 Uint32,

@@ -289,7 +289,8 @@ impl RunDraft<'_> {
                 let message: messages::StopMessage = decode(data)?;
                 let robot = self.robots.id(&message.robot);
                 let position = Position::new(message.x_m, message.y_m, message.z_m);
-                let stop = Stop { robot, time: SimTime::from_nanos(message.time_ns), position };
+                let time = SimTime::from_nanos(message.time_ns);
+                let stop = Stop { robot, time, position, heading_rad: message.heading_rad };
                 self.of(LogTopics::network(topic)).add_stop(&message, stop)
             }
             "sextant.StopReceptions" => {

@@ -249,6 +249,7 @@ impl<W: Write> Recorder<W> {
             z_m,
             robot: robot.to_owned(),
             receptions: u32::try_from(receptions.len()).expect("fewer than 2^32 receptions"),
+            heading_rad: stop.heading_rad,
         };
         self.append(stop.time, &topics.stops, &message)?;
         // Before the receptions, which complete the stop.

@@ -130,7 +130,7 @@ pub use engine::EndPose;
 pub use event::Timer;
 pub use faults::{Death, DeathsConfig, Faults, FaultsConfig, LyingAnchorsConfig};
 pub use halo::{AllSimulated, SimulatedPart};
-pub use link::antennas::{Antennas, AntennasConfig, HeadingsConfig};
+pub use link::antennas::{Antennas, AntennasConfig, HeadingsConfig, RobotHeadingsConfig};
 pub use link::ieee80211ad::DmgRadio;
 pub use link::ieee802154::{Mac, Radio};
 pub use link::{

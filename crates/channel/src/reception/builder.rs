@@ -20,7 +20,7 @@ use crate::Position;
 ///     let node = NodeId(node);
 ///     builder.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None });
 /// }
-/// let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN };
+/// let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
 /// let log = builder.build(vec!["a".into(), "b".into()], vec![stop; 2], Vec::new())?;
 /// assert_eq!(log.of(NodeId(1)).stops(), [0, 1]);
 /// # Ok::<(), sextant_channel::LogError>(())
@@ -144,7 +144,7 @@ impl ReceptionLogBuilder {
     ///
     /// # Errors
     /// If a reception names a node or stop that does not exist, appears twice, or has more packets than were sent;
-    /// if a stop is not finite or farther than 10⁹ m from zero along an axis; if a report of sectors is not of a reception,
+    /// if a stop or its heading is not finite, or a stop is farther than 10⁹ m from zero along an axis; if a report of sectors is not of a reception,
     /// appears twice or is not finite.
     pub fn build(
         self,
@@ -152,10 +152,13 @@ impl ReceptionLogBuilder {
         stops: Vec<Stop>,
         contacts: Vec<Contact>,
     ) -> Result<ReceptionLog, LogError> {
-        for (stop, &Stop { position, .. }) in stops.iter().enumerate() {
+        for (stop, &Stop { position, heading_rad, .. }) in stops.iter().enumerate() {
             if !position.is_within_reason() {
                 let Position { x_m, y_m, z_m } = position;
                 return Err(LogError::NotFinite { stop, x_m, y_m, z_m });
+            }
+            if let Some(heading_rad) = heading_rad.filter(|heading_rad| !heading_rad.is_finite()) {
+                return Err(LogError::HeadingNotFinite { stop, heading_rad });
             }
         }
         self.build_at(names, Arc::new(stops), contacts)
@@ -274,7 +277,8 @@ mod tests {
     fn build(receptions: impl IntoIterator<Item = Reception>) -> Result<ReceptionLog, LogError> {
         let mut builder = ReceptionLogBuilder::default();
         builder.extend(receptions);
-        let stops = vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN }; 40];
+        let stops =
+            vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None }; 40];
         builder.build((0..30).map(|node| format!("n{node}")).collect(), stops, Vec::new())
     }
 
@@ -325,7 +329,8 @@ mod tests {
         let mut builder = ReceptionLogBuilder::default();
         builder.extend(entries());
         builder.forget_from(13);
-        let stops = vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN }; 13];
+        let stops =
+            vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None }; 13];
         let log = builder.build((0..30).map(|node| format!("n{node}")).collect(), stops, Vec::new()).unwrap();
         let kept: Vec<Reception> = entries().into_iter().filter(|r| r.stop < 13).collect();
         assert_eq!(log.receptions(), kept);

@@ -73,6 +73,14 @@ pub enum LogError {
         /// Up (m).
         z_m: f64,
     },
+    /// A heading that is not a number.
+    #[error("the heading at stop {stop} is {heading_rad} rad; allowed: finite numbers")]
+    HeadingNotFinite {
+        /// Index of the stop.
+        stop: usize,
+        /// The value found (rad).
+        heading_rad: f64,
+    },
     /// Signal-to-noise ratios of a node that was not heard there.
     #[error(
         "node `{node}` at stop {stop} has SNRs of sectors, but no packet of it was received there; \

@@ -97,7 +97,7 @@ mod tests {
 
     /// A log of as many stops.
     fn log(network: Option<&str>, stops: usize) -> NetworkLog {
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN };
+        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
         let log = ReceptionLog::new(vec!["a".into()], vec![stop; stops], Vec::new(), Vec::new()).unwrap();
         NetworkLog { network: network.map(str::to_owned), log }
     }

@@ -140,7 +140,12 @@ mod tests {
     use crate::{EvenSectorsConfig, Position, Reception, ReceptionLogBuilder, Stop};
 
     fn stops(nanos: &[u64]) -> Vec<Stop> {
-        let stop = |&nanos| Stop { robot: RobotId(0), time: SimTime::from_nanos(nanos), position: Position::ORIGIN };
+        let stop = |&nanos| Stop {
+            robot: RobotId(0),
+            time: SimTime::from_nanos(nanos),
+            position: Position::ORIGIN,
+            heading_rad: None,
+        };
         nanos.iter().map(stop).collect()
     }
 

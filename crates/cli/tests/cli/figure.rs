@@ -42,6 +42,7 @@ fn log() -> ReceptionLog {
         robot: RobotId(0),
         time: SimTime::from_nanos(u64::from(i) * 1_000_000_000),
         position: Position::new(f64::from(i), -1.0, 0.0),
+        heading_rad: None,
     };
     let stops = (0..STOPS).map(stop).collect();
     let heard = |node: u32| {

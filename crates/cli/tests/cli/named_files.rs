@@ -139,7 +139,7 @@ fn a_recording_without_its_files_is_refused_by_the_map_that_needs_them() {
         .expect("a test with room on the disk");
     recorder.scenario(&text).expect("a test with room on the disk");
     recorder.nodes(&["a".to_owned()]).expect("a test with room on the disk");
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN };
+    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
     let (node, sector, rssi_dbm, snr_db) = (NodeId(0), None, None, None);
     let heard = Reception { node, stop: 0, received: 1, sent: 2, sector, rssi_dbm, snr_db };
     recorder.stop(None, "r", 0, &stop, &[heard]).expect("a test with room on the disk");

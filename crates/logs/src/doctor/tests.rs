@@ -41,6 +41,7 @@ fn log_of(places: &[Position], node_at: impl Fn(u32, u32) -> Position) -> Recept
         robot: RobotId(0),
         time: SimTime::from_nanos(number * 10_000_000_000),
         position,
+        heading_rad: None,
     };
     let stops: Vec<Stop> = (0..).zip(places).map(stop).collect();
     let mut receptions = Vec::new();

@@ -51,7 +51,7 @@ mod tests {
             elevation_from_deg: -90.0,
             elevation_to_deg: 90.0,
         };
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN };
+        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
         let heard = Reception {
             node: NodeId(0),
             stop: 0,

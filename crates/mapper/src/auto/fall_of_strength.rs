@@ -39,7 +39,7 @@ impl FallOfStrength {
             for (pair, rssi_dbm) in fold.others(node).filter_map(|pair| Some((pair, pair.rssi_dbm?))) {
                 strengths.push(rssi_dbm);
                 if let Some(place) = estimate.as_ref().map(|estimate| estimate.position) {
-                    let row = row(place.distance_m(pair.position), absorbed(place, pair.position));
+                    let row = row(place.distance_m(pair.stop.position), absorbed(place, pair.stop.position));
                     rows.push((node, row, rssi_dbm));
                 }
             }

@@ -1,6 +1,6 @@
 //! A log without some of its stops.
 
-use sextant_channel::{Position, Reception, ReceptionLog, SectorReport};
+use sextant_channel::{Position, Reception, ReceptionLog, SectorReport, Stop};
 use sextant_kernel::NodeId;
 
 /// At most so many nodes are mapped without a fold, in the plane and in space.
@@ -31,7 +31,7 @@ pub(super) struct Fold<'a> {
 /// A pair of node and stop.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
-    pub(super) position: Position,
+    pub(super) stop: Stop,
     pub(super) received: u32,
     pub(super) sent: u32,
     /// Mean strength of the packets received (dBm), if it was measured.
@@ -109,7 +109,7 @@ impl Fold<'_> {
                 let listed = heard.next_if(|reception| reception.stop as usize == number);
                 let (received, sent) = listed.map_or((0, 1), |reception| (reception.received, reception.sent));
                 let rssi_dbm = listed.and_then(|reception| reception.rssi_dbm).filter(|_| received > 0);
-                let pair = Pair { position: stop.position, received, sent, rssi_dbm };
+                let pair = Pair { stop: *stop, received, sent, rssi_dbm };
                 ((of == self.number) == is_left_out && sent > 0).then_some(pair)
             })
             .collect();

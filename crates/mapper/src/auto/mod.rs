@@ -234,10 +234,12 @@ impl Auto {
     }
 }
 
-/// The measured gains of the sectors in which nodes of a log were heard, if it knows both.
+/// The gains of the sectors in which nodes of a log were heard, if it knows both: those that were measured, or of an antenna
+/// that turns, for which there are no wedges.
 fn gains_of(log: &ReceptionLog) -> Option<&SectorGains> {
     let gains = log.sectors().and_then(SectorTable::gains)?;
-    (gains.antenna().is_measured() && log.receptions().sectors().is_some()).then_some(gains)
+    let is_used = gains.antenna().is_measured() || log.has_headings();
+    (is_used && log.receptions().sectors().is_some()).then_some(gains)
 }
 
 /// Enlarges the variances of a map by a factor.

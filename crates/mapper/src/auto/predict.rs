@@ -1,6 +1,6 @@
 //! What estimators predict of stops that they did not use.
 
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::{Position, ReceptionLog, Stop};
 
 use super::EstimatorFit;
 use super::fall_of_strength::FallOfStrength;
@@ -31,15 +31,15 @@ pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&Estim
             let share = match (&points, fit) {
                 (Some(points), Some(fit)) => points
                     .iter()
-                    .map(|&(place, weight)| weight * binomial(share(fit, place, pair.position, usual), &pair))
+                    .map(|&(place, weight)| weight * binomial(share(fit, place, &pair.stop, usual), &pair))
                     .sum(),
                 _ => binomial(usual, &pair),
             };
             let density = pair.rssi_dbm.zip(strengths.as_ref()).map(|(rssi_dbm, strengths)| {
                 let Some(points) = &points else { return strengths.density(None, rssi_dbm) };
                 let each = points.iter().map(|&(place, weight)| {
-                    let absorbed = absorbed(place, pair.position);
-                    weight * strengths.density(Some((node, place.distance_m(pair.position), absorbed)), rssi_dbm)
+                    let absorbed = absorbed(place, pair.stop.position);
+                    weight * strengths.density(Some((node, place.distance_m(pair.stop.position), absorbed)), rssi_dbm)
                 });
                 each.sum()
             });
@@ -56,15 +56,15 @@ fn binomial(share: f64, pair: &Pair) -> f64 {
 }
 
 /// Share of packets that arrive over a link.
-fn share(fit: &EstimatorFit, place: Position, stop: Position, usual: f64) -> f64 {
-    let distance_m = place.distance_m(stop);
+fn share(fit: &EstimatorFit, place: Position, stop: &Stop, usual: f64) -> f64 {
+    let distance_m = place.distance_m(stop.position);
     match fit {
         EstimatorFit::Profile(profile) => profile.curve.probability(distance_m),
         EstimatorFit::Calibration(calibration) => {
             let Some(curve) = &calibration.curve else { return usual };
             let clear = curve.probability(distance_m);
             match &calibration.obstacles {
-                Some(obstacles) => below(quantile(clear) - obstacles.absorbed(place, stop)),
+                Some(obstacles) => below(quantile(clear) - obstacles.absorbed(place, stop.position)),
                 None => clear,
             }
         }
@@ -103,7 +103,7 @@ pub(super) fn by_links(
     let usual = fold.usual_share();
     for (node, estimate) in map.estimates.iter().enumerate() {
         let pairs: Vec<Pair> = fold.pairs(node).collect();
-        let others: Vec<Position> = pairs.iter().map(|pair| pair.position).collect();
+        let others: Vec<Position> = pairs.iter().map(|pair| pair.stop.position).collect();
         let margins = estimate.as_ref().zip(predictor.as_ref()).and_then(|(estimate, predictor)| {
             let placed = Placed { place: estimate.position, covariance: estimate.covariance.unwrap_or_default() };
             predictor.margins(node, &placed, &others)

@@ -137,7 +137,12 @@ mod tests {
 
     #[test]
     fn weights_are_powers_of_the_shares_received() {
-        let stop = |x_m| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, 0.0, 0.0) };
+        let stop = |x_m| Stop {
+            robot: RobotId(0),
+            time: SimTime::ZERO,
+            position: Position::new(x_m, 0.0, 0.0),
+            heading_rad: None,
+        };
         let heard = |stop, received| Reception {
             node: NodeId(0),
             stop,

@@ -63,7 +63,7 @@ mod tests {
     use crate::grid_ml::solver::Peak;
 
     fn stop([x_m, y_m]: [f64; 2]) -> Stop {
-        Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0) }
+        Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0), heading_rad: None }
     }
 
     /// The concern about a posterior on a lattice of 21 by 21 vertices, in a box that holds `-reach_m` to `reach_m`.

@@ -256,6 +256,13 @@ impl MlTm {
                 remedy: "a log has it in the column `sector`; `ml_tm` maps without sectors",
             });
         }
+        if log.has_headings() {
+            return Err(MapError::Missing {
+                algorithm,
+                what: "the gains of the sectors of an antenna that turns with the robot",
+                remedy: "a log has them in `antenna.toml`, and the profile is fitted; `ml_tm` maps without sectors",
+            });
+        }
         self.sectors.table(log)?.ok_or(MapError::Missing {
             algorithm,
             what: "the directions of the antenna sectors",

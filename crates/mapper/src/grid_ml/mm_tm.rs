@@ -102,8 +102,9 @@ fn gains_of<'a>(
             what: "the gains of the sectors",
             remedy: "a log has them in `antenna.toml`; `model = \"wedge\"` does without them",
         }),
-        // Of an ideal pattern the edges of sectors tell as much.
-        gains => Ok(gains.filter(|gains| use_of_gains == GainUse::Needed || gains.antenna().is_measured())),
+        // Of an ideal pattern the edges of sectors tell as much, if they keep their directions.
+        gains => Ok(gains
+            .filter(|gains| use_of_gains == GainUse::Needed || gains.antenna().is_measured() || log.has_headings())),
     }
 }
 

@@ -238,7 +238,7 @@ mod tests {
         let stops: Vec<Stop> = (-10..=14)
             .flat_map(|i| (-8..=8).map(move |j| (i, j)))
             .filter(|&(i, _)| i != 3)
-            .map(|(i, j)| Stop { robot: RobotId(0), time: SimTime::ZERO, position: at(i, j) })
+            .map(|(i, j)| Stop { robot: RobotId(0), time: SimTime::ZERO, position: at(i, j), heading_rad: None })
             .collect();
         let link = channel().link().expect("a good channel");
         let hears = |stop: &Stop| {

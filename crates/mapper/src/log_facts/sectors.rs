@@ -128,12 +128,14 @@ pub(crate) struct SectorSettings {
 }
 
 impl SectorSettings {
-    /// The sectors that are evidence in `log`; `None` if sectors are not used.
+    /// The wedges that are evidence in `log`; `None` if sectors are not used, or the antenna turns: a wedge has one direction
+    /// at all stops. Gains serve then.
     ///
     /// # Errors
     /// If a reception names a sector that is not among those of the settings.
     pub(crate) fn table<'a>(&'a self, log: &'a ReceptionLog) -> Result<Option<&'a SectorTable>, LogError> {
-        if self.tolerance == SectorTolerance::Unlimited || log.receptions().sectors().is_none() {
+        let has_wedges = log.receptions().sectors().is_some() && !log.has_headings();
+        if self.tolerance == SectorTolerance::Unlimited || !has_wedges {
             return Ok(None);
         }
         if let Some(layout) = &self.layout {

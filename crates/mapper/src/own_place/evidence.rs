@@ -66,7 +66,7 @@ impl<'a> Evidence<'a> {
         heard.retain(|anchor| anchor.place.distance_m(middle) <= FAR * range_m);
         let stops: Vec<Stop> = heard
             .iter()
-            .map(|anchor| Stop { robot: RobotId(0), time: SimTime::ZERO, position: anchor.place })
+            .map(|anchor| Stop { robot: RobotId(0), time: SimTime::ZERO, position: anchor.place, heading_rad: None })
             .collect();
         let lattice = Lattice::covering(&stops, range_m, settings.grid_step_m, settings.z_range_m, u64::MAX).ok()?;
         // Beyond the range of every heard anchor no vertex is looked at.

@@ -1,6 +1,6 @@
 //! What the log says of one node, and how likely a place is under a law.
 
-use sextant_channel::{Position, Reception, ReceptionLog};
+use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::NodeId;
 
 use super::gain_map::{Cell, GainMap, Names};
@@ -44,7 +44,7 @@ pub(super) fn of_report(report: &[(usize, f64)], gain: impl Fn(usize) -> f64, no
 /// A stop that is evidence on a node.
 #[derive(Clone, Debug)]
 pub(super) struct Listener {
-    pub(super) place: Position,
+    pub(super) pose: Pose,
     pub(super) received: i32,
     pub(super) missed: i32,
     pub(super) heard: Heard,
@@ -76,7 +76,7 @@ impl Evidence {
             if sent > 0 && (received > 0 || near) {
                 let heard = if received > 0 { heard(log, node, entry.as_ref(), columns) } else { Heard::Nothing };
                 listeners.push(Listener {
-                    place: stop.position,
+                    pose: Pose::of(stop),
                     received: count(received),
                     missed: count(sent - received),
                     heard,
@@ -136,6 +136,25 @@ impl Turn {
     pub(super) fn by(yaw_rad: f64) -> Self {
         Self { cos: libm::cos(yaw_rad), sin: libm::sin(yaw_rad) }
     }
+
+    /// This turn after another one.
+    fn after(self, first: Self) -> Self {
+        Self { cos: self.cos * first.cos - self.sin * first.sin, sin: self.sin * first.cos + self.cos * first.sin }
+    }
+}
+
+/// Where a robot listened, and how it was turned there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pose {
+    pub(super) place: Position,
+    turn: Turn,
+}
+
+impl Pose {
+    /// That at a stop. Without a heading the robot is not turned.
+    pub(super) fn of(stop: &Stop) -> Self {
+        Self { place: stop.position, turn: stop.heading_rad.map_or(Turn { cos: 1.0, sin: 0.0 }, Turn::by) }
+    }
 }
 
 /// How a place is seen from a stop.
@@ -147,10 +166,11 @@ pub(super) struct Sight {
 }
 
 impl Sight {
-    /// How `place` is seen from `stop` by an antenna that is turned.
+    /// How `place` is seen by a robot whose antenna is turned on it by `mount`.
     #[inline]
-    pub(super) fn of(place: Position, stop: Position, Turn { cos, sin }: Turn) -> Self {
-        let apart = place - stop;
+    pub(super) fn of(place: Position, robot: &Pose, mount: Turn) -> Self {
+        let Turn { cos, sin } = mount.after(robot.turn);
+        let apart = place - robot.place;
         let square = apart.dot(apart);
         let direction = if square > 1e-18 {
             [cos * apart.x_m + sin * apart.y_m, cos * apart.y_m - sin * apart.x_m, apart.z_m]
@@ -186,17 +206,17 @@ impl<'a> Likelihood<'a> {
         if self.is_sharp() { told } else { told * (TOLD_BLURRED / report.len() as f64).min(1.0) }
     }
 
-    /// How a place is seen from a stop.
+    /// How a place is seen by a robot.
     #[inline]
-    pub(super) fn sight(&self, place: Position, stop: Position) -> Sight {
-        Sight::of(place, stop, self.turn)
+    pub(super) fn sight(&self, place: Position, robot: &Pose) -> Sight {
+        Sight::of(place, robot, self.turn)
     }
 
     /// The log-likelihood of a place.
     pub(super) fn at(&self, evidence: &Evidence, place: Position) -> f64 {
         let (mut sum, mut product) = (0.0, 1.0_f64);
         for listener in &evidence.listeners {
-            let sight = self.sight(place, listener.place);
+            let sight = self.sight(place, &listener.pose);
             let decades = self.tables.decades.of_root(sight.square);
             let s = self.law.heard(&self.tables.normal, self.names.top_dbi(sight.cell), decades);
             product *= match (listener.received, listener.missed) {

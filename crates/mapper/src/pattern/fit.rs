@@ -190,7 +190,7 @@ impl Survey<'_> {
                 let weight = 1.0 / sample.len().max(1) as f64;
                 for listener in &evidence.listeners {
                     for &place in &sample {
-                        let sight = finest.sight(place, listener.place);
+                        let sight = finest.sight(place, &listener.pose);
                         trials.push(Trial {
                             gain_db: finest.names.top_dbi(sight.cell),
                             decades: likelihoods.tables.decades.of_root(sight.square),
@@ -199,7 +199,7 @@ impl Survey<'_> {
                             weight,
                         });
                         if !matches!(listener.heard, Heard::Nothing) {
-                            namings.push(Naming { place, stop: listener.place, heard: &listener.heard, weight });
+                            namings.push(Naming { place, robot: listener.pose, heard: &listener.heard, weight });
                         }
                     }
                 }

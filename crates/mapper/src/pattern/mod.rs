@@ -20,12 +20,12 @@ mod scene;
 mod settled;
 mod tiles;
 
-use sextant_channel::{Position, ReceptionLog, SectorGains};
+use sextant_channel::{Position, ReceptionLog, SectorGains, Stop};
 use sextant_kernel::Watch;
 
 use crate::log_facts::reach::heard_nodes;
 use crate::{CoordinateFrame, CountRule, EstimateKind, MapError, TopologyMap};
-use evidence::{Sight, Tables, Turn};
+use evidence::{Pose, Sight, Tables, Turn};
 use fit::thinned;
 use gain_map::GainMap;
 pub use law::PatternLaw;
@@ -70,10 +70,10 @@ impl PartialEq for PatternFit {
 }
 
 impl PatternFit {
-    /// The probability that a packet of a node at `place` is received at `stop`.
+    /// The probability that a packet of a node at `place` is received at a stop.
     #[must_use]
-    pub fn probability(&self, place: Position, stop: Position) -> f64 {
-        let Sight { cell, square } = Sight::of(place, stop, Turn::by(self.law.yaw_rad));
+    pub fn probability(&self, place: Position, stop: &Stop) -> f64 {
+        let Sight { cell, square } = Sight::of(place, &Pose::of(stop), Turn::by(self.law.yaw_rad));
         let gain = |sector: usize| self.gains.gain_dbi(cell, sector) + self.law.ripple_db[sector];
         let top_dbi = (0..self.gains.sectors()).map(gain).fold(f64::NEG_INFINITY, f64::max);
         self.law.heard(&self.tables.normal, top_dbi, self.tables.decades.of_root(square))

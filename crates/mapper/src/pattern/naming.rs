@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::Position;
 
-use super::evidence::{Heard, Sight, Turn, of_report};
+use super::evidence::{Heard, Pose, Sight, Turn, of_report};
 use super::gain_map::{ANY, GainMap};
 use super::law::PatternLaw;
 use crate::numerics::normal::logistic_scale;
@@ -24,7 +24,7 @@ const TURN_RAD: f64 = 0.07;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Naming<'a> {
     pub(super) place: Position,
-    pub(super) stop: Position,
+    pub(super) robot: Pose,
     pub(super) heard: &'a Heard,
     /// Probability of the place.
     pub(super) weight: f64,
@@ -42,7 +42,7 @@ impl Gains {
         let sectors = map.sectors();
         let mut dbi = Vec::with_capacity(namings.len() * sectors);
         for naming in namings {
-            let cell = Sight::of(naming.place, naming.stop, turn).cell;
+            let cell = Sight::of(naming.place, &naming.robot, turn).cell;
             dbi.extend((0..sectors).map(|sector| map.gain_dbi(cell, sector)));
         }
         Self { sectors, dbi }

@@ -327,7 +327,7 @@ mod tests {
             let height_m = if is_spatial { 6.0 } else { 0.0 };
             let stops: Vec<Stop> = (0..count)
                 .map(|i| Position::new(20.0 * draw(i, 0), 14.0 * draw(i, 1), height_m * draw(i, 2)))
-                .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position })
+                .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
                 .collect();
             let config = RangingConfig {
                 exponent: Some(2.7),

@@ -166,7 +166,12 @@ mod tests {
             }
         }
         map.count();
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(-3.3, -1.2, 0.0) };
+        let stop = Stop {
+            robot: RobotId(0),
+            time: SimTime::ZERO,
+            position: Position::new(-3.3, -1.2, 0.0),
+            heading_rad: None,
+        };
         let mut shadows = Shadows::default();
         shadows.trace(&map, &[stop], 10.0, &Unwatched).unwrap();
         assert!(shadows.has(0));

@@ -62,7 +62,7 @@ fn log(stops: &[Position], nodes: &[Position], links: Links) -> ReceptionLog {
             });
         }
     }
-    let stop = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };
+    let stop = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, stops.iter().map(stop).collect(), receptions, Vec::new()).expect("a log")
 }

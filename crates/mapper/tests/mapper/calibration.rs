@@ -30,7 +30,7 @@ fn survey(seed: u64, tall_m: f64) -> (ReceptionLog, Vec<Position>) {
         for step in 0..15_u32 {
             let height_m = if lane % 2 == 0 { 0.0 } else { tall_m };
             let position = Position::new(f64::from(step) - 7.0, 2.5 * f64::from(lane) - 6.25, height_m);
-            stops.push(Stop { robot: RobotId(0), time: SimTime::ZERO, position });
+            stops.push(Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None });
         }
     }
     let truth: Vec<Position> = (0..u64::from(NODES))

@@ -37,7 +37,7 @@ fn with(stops: &[Position], nodes: usize, link: impl Fn(u32, u32) -> Reception) 
     let pairs = (0..nodes).flat_map(|node| (0..stops.len()).map(move |stop| (node, stop)));
     let number = |i: usize| u32::try_from(i).expect("a few");
     let receptions = pairs.map(|(node, stop)| link(number(node), number(stop))).collect();
-    let stop = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };
+    let stop = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
     let names = (0..nodes).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, stops.iter().map(stop).collect(), receptions, Vec::new()).expect("a log")
 }

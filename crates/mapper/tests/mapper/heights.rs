@@ -21,6 +21,7 @@ fn survey(nodes: u32, uneven_m: f64) -> (ReceptionLog, Vec<Position>) {
                 2.0 * f64::from(i / 20),
                 uneven_m * draw([u64::from(i), 0, 0]),
             ),
+            heading_rad: None,
         })
         .collect();
     let node = |i: u32| 38.0 * draw([u64::from(i), 1, 0]);

@@ -11,7 +11,7 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 use sextant_mapper::{MlTm, MlTmConfig};
 
 fn stop(place: Position) -> Stop {
-    Stop { robot: RobotId(0), time: SimTime::ZERO, position: place }
+    Stop { robot: RobotId(0), time: SimTime::ZERO, position: place, heading_rad: None }
 }
 
 fn entry(node: u32, stop: u32, received: u32, sent: u32) -> Reception {

@@ -9,7 +9,10 @@ use sextant_mapper::{
 
 /// A log of one node, heard at the stops with a sector.
 fn log(stops: &[Position], heard: &[(u32, u8)], table: Option<SectorTable>) -> ReceptionLog {
-    let stops = stops.iter().map(|&position| Stop { robot: RobotId(0), time: SimTime::ZERO, position }).collect();
+    let stops = stops
+        .iter()
+        .map(|&position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
+        .collect();
     let heard = heard.iter().map(|&(stop, sector)| Reception {
         node: NodeId(0),
         stop,
@@ -67,7 +70,7 @@ fn a_log_without_sectors_or_without_their_directions_is_an_error_that_says_so() 
     assert!(error.to_string().contains("directions") && error.to_string().contains("`sectors.csv`"), "{error}");
     let plain =
         Reception { node: NodeId(0), stop: 0, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
-    let at = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };
+    let at = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
     let plain = ReceptionLog::new(vec!["n".into()], stops.map(at).to_vec(), vec![plain], Vec::new()).unwrap();
     let plain = plain.with_sectors(even(8, vec![WHOLE])).unwrap();
     let error = map(config(0.25), &plain).unwrap_err();

@@ -50,7 +50,12 @@ fn wedge(middle: f64, width: f64) -> Wedge {
 
 /// The map of a robot that stopped at the anchors and heard one node at those with a sector or `true`.
 fn log(anchors: &[(Position, bool, Option<u8>)], table: Option<SectorTable>) -> ReceptionLog {
-    let stops = anchors.iter().map(|&(position, ..)| Stop { robot: RobotId(0), time: SimTime::ZERO, position });
+    let stops = anchors.iter().map(|&(position, ..)| Stop {
+        robot: RobotId(0),
+        time: SimTime::ZERO,
+        position,
+        heading_rad: None,
+    });
     let receptions = (0_u32..).zip(anchors).filter(|(_, anchor)| anchor.1).map(|(stop, &(_, _, sector))| Reception {
         node: NodeId(0),
         stop,

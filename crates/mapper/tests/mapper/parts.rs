@@ -28,8 +28,9 @@ fn survey(antenna: Antenna, rise_m: f64) -> ReceptionLog {
         let height_m = if i.is_multiple_of(2) { 0.0 } else { rise_m };
         Position::new((i % 17) as f64 * SIDE_M / 16.0, (i / 17) as f64 * SIDE_M / 16.0, height_m)
     };
-    let stops: Vec<Stop> =
-        (0..289).map(|i| Stop { robot: RobotId(0), time: SimTime::ZERO, position: place(i) }).collect();
+    let stops: Vec<Stop> = (0..289)
+        .map(|i| Stop { robot: RobotId(0), time: SimTime::ZERO, position: place(i), heading_rad: None })
+        .collect();
     let mut receptions = ReceptionLogBuilder::default();
     for node in 0..90 {
         let at = Position::new(SIDE_M * draw(node, 0, 0), SIDE_M * draw(node, 1, 0), 0.3 * rise_m);

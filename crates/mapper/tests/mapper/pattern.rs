@@ -61,6 +61,8 @@ fn antenna(gains: &[Vec<f64>]) -> Antenna {
 struct Unknown {
     ripple_db: f64,
     yaw_deg: f64,
+    /// Whether the antenna turns with the robot, which the log knows.
+    turns: bool,
 }
 
 struct Survey {
@@ -83,14 +85,20 @@ fn survey(unknown: Unknown) -> Survey {
         .map(|stop| {
             let at = |index: u32| 4.0 * f64::from(index) + 0.137;
             let position = Position::new(at(stop % 7), at(stop / 7), 0.0);
-            Stop { robot: RobotId(0), time: SimTime::from_nanos(u64::from(stop) * 1_000_000_000), position }
+            Stop {
+                robot: RobotId(0),
+                time: SimTime::from_nanos(u64::from(stop) * 1_000_000_000),
+                position,
+                heading_rad: unknown.turns.then(|| 1.7 * f64::from(stop)),
+            }
         })
         .collect();
     let (mut receptions, mut reports) = (Vec::new(), Vec::new());
     for (node, &place) in (0_u32..).zip(&truth) {
         for (stop, of_stop) in (0_u32..).zip(&stops) {
             let apart = place - of_stop.position;
-            let azimuth = (apart.y_m.atan2(apart.x_m).to_degrees() - unknown.yaw_deg + 180.0).rem_euclid(360.0);
+            let turned_deg = unknown.yaw_deg + of_stop.heading_rad.unwrap_or(0.0).to_degrees();
+            let azimuth = (apart.y_m.atan2(apart.x_m).to_degrees() - turned_deg + 180.0).rem_euclid(360.0);
             let strength = |sector: usize| {
                 let steps = azimuth / 4.0;
                 let (first, share) = (steps.floor(), steps.fract());
@@ -211,8 +219,29 @@ fn an_antenna_that_is_turned_from_what_the_log_says_is_found() {
 }
 
 #[test]
+fn an_antenna_that_turns_with_the_robot_is_mapped_by_its_headings() {
+    let Survey { log, truth, .. } = survey(Unknown { yaw_deg: 12.0, turns: true, ..Unknown::default() });
+    let (by_gains, fit) = map(&log, SectorModel::Gains);
+    let (error_m, held) = score(&by_gains, &truth);
+    let law = fit.expect("a law").law;
+    assert!(error_m < 0.7 && held >= 0.88, "{error_m} m, {held} in their regions");
+    assert!((law.yaw_rad.to_degrees() - 12.0).abs() < 1.5, "{law:?}");
+    // A wedge has one direction at all stops.
+    let of_wedges = estimator(SectorModel::Wedge).estimate(&Knowledge::from(&log), &Unwatched).unwrap_err();
+    assert!(of_wedges.to_string().contains("gains of the sectors of an antenna that turns"), "{of_wedges}");
+    // Without the headings the same log tells no directions.
+    let still = log.stops().iter().map(|stop| Stop { heading_rad: None, ..*stop }).collect();
+    let table = log.sectors().expect("it has sectors").clone();
+    let still = ReceptionLog::new(log.names().to_vec(), still, log.receptions().iter().collect(), Vec::new())
+        .and_then(|log| log.with_sectors(table))
+        .unwrap();
+    let (astray_m, _) = score(&map(&still, SectorModel::Gains).0, &truth);
+    assert!(astray_m > 3.0 * error_m, "{astray_m} m, with headings {error_m} m");
+}
+
+#[test]
 fn ratios_of_all_sectors_place_nodes_better_than_the_name_of_the_best() {
-    let Survey { log, reports, truth, ripple } = survey(Unknown { ripple_db: 2.0, yaw_deg: 5.0 });
+    let Survey { log, reports, truth, ripple } = survey(Unknown { ripple_db: 2.0, yaw_deg: 5.0, turns: false });
     let (by_names, _) = map(&log, SectorModel::Gains);
     let log = log.with_sector_snrs(reports).expect("sound reports");
     let (by_reports, fit) = map(&log, SectorModel::Gains);

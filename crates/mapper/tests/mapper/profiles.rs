@@ -150,7 +150,10 @@ fn survey(seed: u64, nodes: u32, sent: u32, heights_m: &[f64], tall_m: f64, s: i
             }
         }
     }
-    let stops = stops.into_iter().map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position }).collect();
+    let stops = stops
+        .into_iter()
+        .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
+        .collect();
     let names = (0..nodes).map(|node| format!("n{node}")).collect();
     Survey { log: ReceptionLog::new(names, stops, receptions, Vec::new()).expect("a log"), truth }
 }
@@ -279,7 +282,12 @@ fn the_number_of_threads_does_not_change_the_fit() {
 
 #[test]
 fn a_log_with_little_evidence_does_not_fail() {
-    let stop = |x_m: f64| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, 0.0, 0.0) };
+    let stop = |x_m: f64| Stop {
+        robot: RobotId(0),
+        time: SimTime::ZERO,
+        position: Position::new(x_m, 0.0, 0.0),
+        heading_rad: None,
+    };
     let heard = |node, stop| Reception {
         node: NodeId(node),
         stop,

@@ -74,7 +74,7 @@ impl World {
                 });
             }
         }
-        let stop = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };
+        let stop = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
         let names = (0..self.nodes).map(|node| format!("n{node}")).collect();
         ReceptionLog::new(names, stops.into_iter().map(stop).collect(), receptions, Vec::new()).expect("a valid log")
     }
@@ -195,6 +195,7 @@ fn no_place_is_beyond_reach_whatever_the_log_says() {
         robot: RobotId(0),
         time: SimTime::ZERO,
         position: Position::new(x_m, y_m, z_m),
+        heading_rad: None,
     };
     let reception = |node, stop, received, sent| Reception {
         node: NodeId(node),
@@ -244,6 +245,7 @@ fn a_log_in_which_all_is_heard_everywhere_says_so() {
         robot: RobotId(0),
         time: SimTime::ZERO,
         position: Position::new(f64::from(i % 4), f64::from(i / 4), 0.0),
+        heading_rad: None,
     });
     let heard = (0..3).flat_map(|node| {
         (0..16).map(move |stop| Reception {

@@ -109,7 +109,7 @@ impl Radio {
             }
         }
         let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
-        let at = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };
+        let at = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
         let log = ReceptionLog::new(names, stops.iter().map(at).collect(), receptions, Vec::new()).expect("a log");
         match self.table() {
             Some(table) => log.with_sectors(table).expect("sectors of the table"),

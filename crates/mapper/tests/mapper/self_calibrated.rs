@@ -77,8 +77,12 @@ impl World {
     /// Eight lanes over 20 m by 20 m; nodes within 16 m by 16 m.
     fn survey(&self) -> (ReceptionLog, Vec<Position>) {
         let draw = |address| Seed(self.seed).uniform(Purpose::new(8), address);
-        let stop =
-            |x_m, y_m, z_m| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, z_m) };
+        let stop = |x_m, y_m, z_m| Stop {
+            robot: RobotId(0),
+            time: SimTime::ZERO,
+            position: Position::new(x_m, y_m, z_m),
+            heading_rad: None,
+        };
         let mut stops = Vec::new();
         for lane in 0..8_u32 {
             for step in 0..20_u32 {
@@ -361,7 +365,12 @@ fn in_space_obstacles_are_searched_for_only_if_all_stops_have_one_height() {
 #[test]
 fn logs_with_little_evidence_are_mapped_as_well_as_possible() {
     let algorithm = SelfCalibrated::try_from(SelfCalibratedConfig::default()).expect("good settings");
-    let stop = |x_m, y_m| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0) };
+    let stop = |x_m, y_m| Stop {
+        robot: RobotId(0),
+        time: SimTime::ZERO,
+        position: Position::new(x_m, y_m, 0.0),
+        heading_rad: None,
+    };
     let heard = |node, stop| Reception {
         node: NodeId(node),
         stop,

@@ -181,7 +181,7 @@ fn log(places: &[Position], frames: &[FrameChange], overlap_m: f64) -> Reception
                     }
                 }
                 let position = frame.inverse().apply(place);
-                stops.push(Stop { robot: RobotId(robot), time: SimTime::ZERO, position });
+                stops.push(Stop { robot: RobotId(robot), time: SimTime::ZERO, position, heading_rad: None });
             }
             x_m += 1.5;
         }

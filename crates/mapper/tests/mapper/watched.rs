@@ -52,6 +52,7 @@ fn survey(network: &Network) -> ReceptionLog {
         robot: RobotId(0),
         time: SimTime::ZERO,
         position: Position::new(1.25 * f64::from(i % 8) + 0.1, 1.25 * f64::from(i / 8) + 0.2, 0.0),
+        heading_rad: None,
     };
     let stops: Vec<Stop> = (0..64).map(stop).collect();
     let mut receptions = Vec::new();
@@ -168,7 +169,7 @@ fn tables_that_need_too_much_memory_are_rejected_with_their_size() {
         .collect();
     let nobody = sextant_channel::NeighbourLog::new(places.len(), Vec::new()).expect("a log");
     let names = (0..places.len()).map(|i| format!("n{i}")).collect();
-    let stops = vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN }];
+    let stops = vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None }];
     let log = ReceptionLog::new(names, stops, Vec::new(), Vec::new()).expect("a log");
     let knowledge = Knowledge { neighbours: Some(&nobody), anchors: &anchors, ..Knowledge::from(&log) };
     let mapper = Mapper::try_from(AlgorithmConfig::DvHop(Default::default())).expect("good settings");

@@ -131,6 +131,7 @@ mod tests {
             robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i) * 1_000_000_000),
             position: Position::new(f64::from(i), 0.0, 0.0),
+            heading_rad: None,
         };
         let heard = |i: u32| Reception {
             node: NodeId(i % 3),

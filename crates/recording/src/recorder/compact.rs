@@ -41,6 +41,7 @@ mod tests {
             robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i) * 2_000_000_000),
             position: Position::new(f64::from(i), 0.0, 0.0),
+            heading_rad: None,
         };
         let draw = |stop: u32, node: u32, what| Seed(3).uniform(Purpose::new(8), [stop.into(), node.into(), what]);
         let heard = |stop: u32| {

@@ -42,6 +42,7 @@ fn recorded(folder: &TempDir) -> PathBuf {
         robot: RobotId(0),
         time: seconds(u64::from(i) * 5),
         position: Position::new(f64::from(i), 1.0, 0.0),
+        heading_rad: None,
     };
     let heard = |node: u32, stop: u32| Reception {
         node: NodeId(node),

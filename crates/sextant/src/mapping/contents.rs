@@ -54,6 +54,8 @@ pub struct SectorContents {
     pub identities: Option<String>,
     /// Whether the gains of the antenna are known.
     pub gains: bool,
+    /// Whether the antenna turns with the robot: stops have headings.
+    pub turning: bool,
     /// Pairs of a node and a stop with the best sector.
     pub best: usize,
     /// Pairs of a node, a stop and a sector with a signal-to-noise ratio.
@@ -68,6 +70,7 @@ impl SectorContents {
         (table.is_some() || best > 0 || snrs > 0).then(|| Self {
             identities: table.map(SectorTable::identities),
             gains: table.is_some_and(|table| table.gains().is_some()),
+            turning: log.has_headings(),
             best,
             snrs,
         })
@@ -77,8 +80,9 @@ impl SectorContents {
 impl fmt::Display for SectorContents {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let gains = if self.gains { "with" } else { "without" };
+        let turns = if self.turning { ", which turns with the robot" } else { "" };
         match &self.identities {
-            Some(identities) => write!(f, "{identities}, {gains} the gains of the antenna")?,
+            Some(identities) => write!(f, "{identities}, {gains} the gains of the antenna{turns}")?,
             None => write!(f, "of unknown directions")?,
         }
         write!(f, "; {} with the best one, {}", counted(self.best, "pair"), counted(self.snrs, "SNR"))

@@ -27,7 +27,7 @@ pub struct LogMap {
 /// use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 /// use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
 ///
-/// let stop = |x_m: f64, y_m: f64| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0) };
+/// let stop = |x_m: f64, y_m: f64| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0), heading_rad: None };
 /// let stops: Vec<Stop> = (0..16).map(|i| stop(f64::from(i % 4), f64::from(i / 4))).collect();
 /// // The lamp stands at the stop number 5, and the packets that get through fall with the distance from it.
 /// let heard = |i: usize| {

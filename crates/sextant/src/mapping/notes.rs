@@ -62,8 +62,12 @@ mod tests {
 
     /// The notes on a log of four stops with these packets (node, stop, received, sent).
     fn notes(names: usize, packets: &[(u32, u32, u32, u32)]) -> Vec<String> {
-        let stop =
-            |i: u8| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(f64::from(i), 0.0, 0.0) };
+        let stop = |i: u8| Stop {
+            robot: RobotId(0),
+            time: SimTime::ZERO,
+            position: Position::new(f64::from(i), 0.0, 0.0),
+            heading_rad: None,
+        };
         let entry = |&(node, stop, received, sent)| Reception {
             node: NodeId(node),
             stop,

@@ -177,6 +177,11 @@ fn antennas(
         errors.refuse(&SettingError::new("robots", found, rings).within(&tables.antenna.key));
         return None;
     }
+    if has_mobile && antennas.turn_with_robots() {
+        let allowed = "\"compass\": mobile anchors tell the directions of their sectors once";
+        errors.refuse(&SettingError::new("robot_headings", "\"body\"", allowed).within(&tables.antenna.key));
+        return None;
+    }
     let robots = antennas.robots();
     Some(Some((of_nodes, antennas.robot_sectors().clone(), robots.sector_count() / robots.rings())))
 }

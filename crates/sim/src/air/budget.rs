@@ -3,13 +3,15 @@
 use std::ops::Range;
 
 use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
-use sextant_kernel::StationId;
+use sextant_kernel::{SimTime, StationId};
 
 use super::items::LinkItems;
 use super::listener::Listener;
 use super::mounts::Mounts;
+use super::receiver_id::ReceiverId;
 use super::signal::{Aim, Emission, Signal};
 use super::ways::{End, Ways};
+use crate::station::{Motion, Pose};
 
 /// Number of links that are remembered: a power of two.
 const LINKS: usize = 1 << 20;
@@ -85,9 +87,22 @@ impl Budget {
         &self.channel
     }
 
-    /// The antennas, to mount more of them before the first signal.
+    /// The antennas, to mount more of them before the first signal, or to turn them.
     pub(super) fn mounts_mut(&mut self) -> &mut Mounts {
         &mut self.mounts
+    }
+
+    /// Where a listener that may drive is at `now`; its antenna is turned as it is then.
+    pub(super) fn turned(&mut self, listener: &Listener<Motion>, now: SimTime) -> Listener<Position> {
+        let &Listener { receiver, station, place } = listener;
+        let Pose { position, heading_rad } = place.pose_at(now);
+        self.mounts.turn(receiver, heading_rad);
+        Listener { receiver, station, place: position }
+    }
+
+    /// The heading of the station that holds the antenna of a radio (rad); 0 if none does.
+    pub(super) fn heading_rad(&self, receiver: ReceiverId) -> f64 {
+        self.mounts.heading_rad(receiver)
     }
 
     /// Whether radios have antennas with sectors.

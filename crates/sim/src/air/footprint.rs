@@ -29,8 +29,8 @@ pub(super) struct Footprints {
 /// What the sectors of one sender reach from its place.
 #[derive(Debug, Default)]
 struct Footprint {
-    /// From where, and with which power; `None` if nothing is known.
-    of: Option<(Position, Dbm)>,
+    /// From where, with which heading (rad), and with which power; `None` if nothing is known.
+    of: Option<(Position, f64, Dbm)>,
     /// The links to the receivers within the radius of communication, by receiver.
     links: Vec<Link>,
     /// By aim: all directions alike, then the sectors.
@@ -79,7 +79,7 @@ impl Footprints {
         if self.known.len() <= sender {
             self.known.resize_with(sender + 1, Footprint::default);
         }
-        let of = Some((signal.position, signal.emission.power));
+        let of = Some((signal.position, budget.heading_rad(signal.sender), signal.emission.power));
         let is_known = |footprint: &Footprint| footprint.of == of && footprint.knows(aim);
         if !is_known(&self.known[sender]) {
             if self.held > self.most {
@@ -175,10 +175,11 @@ mod tests {
 
     use super::*;
     use crate::air::{
-        Air, AirSettings, CarrierThresholds, Emission, Interface, Mount, ReceptionModel, ReceptionRules, Transmission,
+        Air, AirSettings, CarrierThresholds, Emission, Holder, Interface, Mount, ReceptionModel, ReceptionRules,
+        Transmission,
     };
     use crate::service::outcome::Deafness;
-    use crate::station::{Motion, Roll};
+    use crate::station::{Motion, Pose, Roll};
 
     const ROLL: Roll = Roll { nodes: 12, robots: 1, sinks: 2 };
 
@@ -227,7 +228,11 @@ mod tests {
         for station in ROLL.stations() {
             let orientation = Orientation::heading(f64::from(station.0));
             let ripple = antenna.ripple(seed, station);
-            air.mount(interface(station).receiver, Mount { antenna: Arc::clone(&antenna), orientation, ripple });
+            let holder = if ROLL.is_robot(station) { Holder::Station } else { Holder::World };
+            air.mount(
+                interface(station).receiver,
+                Mount { antenna: Arc::clone(&antenna), orientation, holder, ripple },
+            );
         }
         if knows {
             let standing = ROLL.stations().filter(|&station| !ROLL.is_robot(station));
@@ -270,7 +275,8 @@ mod tests {
             }
             if ROLL.is_robot(station) && draw(step, 1, 2) == 0 {
                 let place = Position::new(draw(step, 2, 12) as f64, draw(step, 3, 12) as f64, 0.0);
-                motions[station.index()] = Motion::standing(place);
+                let heading_rad = draw(step, 8, 6) as f64;
+                motions[station.index()] = Motion::Standing(Pose { position: place, heading_rad });
                 air.moves(receiver, station, &motions[station.index()]);
             }
             let motion = motions[station.index()];
@@ -285,6 +291,7 @@ mod tests {
             let to = to.filter(|&to| to != receiver);
             let airtime = Duration::from_micros(15);
             let emission = Emission { power: Dbm(0.0), aim };
+            air.turn(receiver, motion.pose_at(now).heading_rad);
             let transmission = air.begin(now, interface(station), to, motion.at(now), emission, airtime);
             on_air.push((now + airtime, station, transmission));
             air.take_carrier_changes(&mut changes);

@@ -69,7 +69,7 @@ mod tests {
     use sextant_kernel::{Seed, StationId};
 
     use super::*;
-    use crate::air::{Aim, AirSettings, Mount};
+    use crate::air::{Aim, AirSettings, Holder, Mount};
     use crate::station::Roll;
 
     const PLACES: [[f64; 3]; 4] = [[0.0; 3], [7.0, 2.0, 0.0], [-3.0, 8.0, 1.0], [4.0, -6.0, 0.5]];
@@ -132,8 +132,12 @@ mod tests {
                     let antenna = std::sync::Arc::new(antenna.try_into().expect("a good antenna"));
                     for station in 0..PLACES.len() {
                         let orientation = sextant_channel::Orientation::heading(0.3 * station as f64);
-                        let mount =
-                            Mount { antenna: std::sync::Arc::clone(&antenna), orientation, ripple: Vec::new() };
+                        let mount = Mount {
+                            antenna: std::sync::Arc::clone(&antenna),
+                            orientation,
+                            holder: Holder::World,
+                            ripple: Vec::new(),
+                        };
                         air.mount(placed(station).radio.receiver, mount);
                     }
                 }

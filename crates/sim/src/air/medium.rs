@@ -72,7 +72,7 @@ impl Medium {
         }
     }
 
-    /// The antennas, to mount more of them before the first signal.
+    /// The antennas, to mount more of them before the first signal, or to turn them.
     pub(crate) fn mounts_mut(&mut self) -> &mut Mounts {
         self.budget.mounts_mut()
     }
@@ -113,9 +113,10 @@ impl Medium {
     /// communication; by receiver.
     pub(super) fn mobile_audible(&mut self, signal: &Signal, found: &mut Vec<Audible>) {
         found.clear();
-        for &Listener { receiver, station, place } in &self.mobile {
-            if receiver != signal.sender {
-                let listener = Listener { receiver, station, place: place.at(signal.start) };
+        for listener in &self.mobile {
+            if listener.receiver != signal.sender {
+                let listener = self.budget.turned(listener, signal.start);
+                let Listener { receiver, station, .. } = listener;
                 let power = self.budget.power_at(signal, &listener);
                 found.extend(power.map(|power| Audible { receiver, station, power }));
             }
@@ -237,9 +238,9 @@ impl Medium {
     /// start.
     pub(crate) fn listeners(&mut self, signal: &Signal, found: &mut Vec<Listener<Position>>) {
         found.clear();
-        for &Listener { receiver, station, place } in &self.mobile {
-            if receiver != signal.sender {
-                found.push(Listener { receiver, station, place: place.at(signal.start) });
+        for listener in &self.mobile {
+            if listener.receiver != signal.sender {
+                found.push(self.budget.turned(listener, signal.start));
             }
         }
         let (has_antennas, reach_m) = (self.budget.has_antennas(), self.reach_m);

@@ -38,7 +38,7 @@ use receiver::Receiver;
 
 pub(crate) use interface::Interface;
 pub(crate) use items::{LinkItems, PlacedRadio};
-pub(crate) use mounts::Mount;
+pub(crate) use mounts::{Holder, Mount};
 pub(crate) use noise::Burst;
 pub(crate) use receiver_id::ReceiverId;
 pub use reception_model::{ReceptionConfig, ReceptionModel, ThresholdConfig};
@@ -195,6 +195,7 @@ impl Air {
         } else {
             self.medium.join(receiver, station, place);
         }
+        self.turn(receiver, motion.pose_at(now).heading_rad);
         let on_air = self.medium.on_air(now, place);
         self.receivers[receiver.index()].start(now);
         let rules = *self.rules(receiver);
@@ -213,6 +214,11 @@ impl Air {
     /// Mounts the antenna of a radio.
     pub(crate) fn mount(&mut self, receiver: ReceiverId, mount: Mount) {
         self.medium.mounts_mut().add(receiver, mount);
+    }
+
+    /// The station of a radio, which listens or not, has this heading now (rad).
+    pub(crate) fn turn(&mut self, receiver: ReceiverId, heading_rad: f64) {
+        self.medium.mounts_mut().turn(receiver, heading_rad);
     }
 
     /// Says which radios stand for good, and where: those of all stations that never drive. Called before the start.

@@ -297,10 +297,12 @@ impl Port<'_> {
     }
 
     /// Writes a stop of this robot into the log of a network: it has listened at `position` from `since` until now. The number of
-    /// the stop in the receptions is filled in.
+    /// the stop in the receptions is filled in, and the heading of the robot by its odometry if its antenna turns with it.
     pub fn log_stop(&mut self, network: NetworkId, since: SimTime, position: Position, receptions: Vec<Reception>) {
         let robot = self.model.robot(self.station);
-        self.model.notes.push(Note::Stopped(network, Stop { robot, time: since, position }, receptions));
+        let turns = self.model.networks[network.index()].turns_antennas();
+        let heading_rad = turns.then(|| self.pose_at(since).heading_rad);
+        self.model.notes.push(Note::Stopped(network, Stop { robot, time: since, position, heading_rad }, receptions));
     }
 
     /// Tells the observer what the application has worked out.

@@ -6,16 +6,16 @@ use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Antenna, AntennaConfig, Db, Orientation, SectorAddress, SectorGains, SectorTable};
+use sextant_channel::{
+    Antenna, AntennaConfig, Db, Orientation, OrientationConfig, SectorAddress, SectorGains, SectorTable,
+};
 use sextant_kernel::{Files, Seed, SettingError, StationId};
 use sextant_mac::dmg::{SectorLayout, TxSector};
 
-use crate::air::Mount;
+use crate::air::{Holder, Mount};
 use crate::purpose;
 use crate::station::{Kind, Roll};
 
-/// Robots have a compass: their antennas keep their directions in the world.
-const ORIENTATION_OF_ROBOTS: Orientation = Orientation::LEVEL;
 /// Most tilts of the antennas of nodes.
 const MOST_TILTS: usize = 256;
 
@@ -25,9 +25,15 @@ const MOST_TILTS: usize = 256;
 pub struct AntennasConfig {
     /// The antenna of each node; if they are raised by several angles, by the first one.
     pub nodes: AntennaConfig,
-    /// The antenna of each robot and each sink. Robots have a compass: their antennas keep their directions in the world
-    /// while they turn.
+    /// The antenna of each robot and each sink.
     pub robots: AntennaConfig,
+    /// What the antennas of robots keep their directions in while the robots turn.
+    #[serde(default)]
+    pub robot_headings: RobotHeadingsConfig,
+    /// How the antennas of robots are mounted: turned in the frame of the robot, whose x points ahead, or in the world if
+    /// the robots have a compass. The log knows it. Sinks have theirs level.
+    #[serde(default, skip_serializing_if = "is_level")]
+    pub robot_mount: OrientationConfig,
     /// How the antennas of nodes are turned.
     #[serde(default)]
     pub node_headings: HeadingsConfig,
@@ -40,6 +46,10 @@ pub struct AntennasConfig {
     /// the losses of the link (Gunathillake 2018, chapter 4: 0.6).
     #[serde(default)]
     pub misalignment_loss: f64,
+}
+
+fn is_level(mount: &OrientationConfig) -> bool {
+    *mount == OrientationConfig::default()
 }
 
 fn not_tilted() -> Vec<f64> {
@@ -61,6 +71,18 @@ pub enum HeadingsConfig {
     Aligned,
 }
 
+/// What the antennas of robots keep their directions in, as written in a scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RobotHeadingsConfig {
+    /// The world: robots have a compass by which they turn their antennas back, as in the thesis.
+    #[default]
+    Compass,
+    /// The robot: the antenna turns with it. The log has the robot's heading at each stop, by its odometry, and the map
+    /// uses the gains of the antenna.
+    Body,
+}
+
 impl AntennasConfig {
     /// The files that it names, with their keys.
     pub fn files_mut(&mut self) -> impl Iterator<Item = (String, &mut PathBuf)> {
@@ -79,13 +101,15 @@ pub struct Antennas {
     /// The tilts (rad).
     tilts_rad: Vec<f64>,
     robots: Arc<Antenna>,
-    /// The directions of the sectors of robots in the world, with their gains; none without sectors.
+    /// The directions of the sectors of robots in what holds them, with their gains; none without sectors.
     robot_sectors: SectorTable,
     /// The sectors of one sweep of a node.
     node_layout: SectorLayout,
     /// The sectors of one sweep of a robot.
     robot_layout: SectorLayout,
     headings: HeadingsConfig,
+    robot_holder: Holder,
+    robot_mount: Orientation,
     misalignment_loss: f64,
 }
 
@@ -109,10 +133,16 @@ impl Antennas {
         let tilts_rad = config.node_tilts_deg.iter().map(|deg| deg.to_radians()).collect();
         let (robots, robot_layout) = antenna("robots", &config.robots)?;
         let misalignment_loss = SettingError::in_range("misalignment_loss", config.misalignment_loss, 0.0, 1.0)?;
+        let mount = Orientation::try_from(config.robot_mount);
+        let robot_mount = mount.map_err(|error| error.within("robot_mount"))?;
         let robot_sectors = if robots.is_omnidirectional() {
             SectorTable::default()
         } else {
-            SectorTable::from(SectorGains::new(Arc::clone(&robots), ORIENTATION_OF_ROBOTS))
+            SectorTable::from(SectorGains::new(Arc::clone(&robots), robot_mount))
+        };
+        let robot_holder = match config.robot_headings {
+            RobotHeadingsConfig::Compass => Holder::World,
+            RobotHeadingsConfig::Body => Holder::Station,
         };
         Ok(Self {
             nodes,
@@ -122,8 +152,16 @@ impl Antennas {
             node_layout,
             robot_layout,
             headings: config.node_headings,
+            robot_holder,
+            robot_mount,
             misalignment_loss,
         })
+    }
+
+    /// Whether the antennas of robots turn with them.
+    #[must_use]
+    pub fn turn_with_robots(&self) -> bool {
+        self.robot_holder == Holder::Station
     }
 
     /// The sectors of one sweep of a node, by DMG antenna.
@@ -148,8 +186,9 @@ impl Antennas {
         &self.robots
     }
 
-    /// The directions of the sectors of a robot, in the world, with the gains of its antenna: those of the pattern, because
-    /// the ripple of single antennas is not known to anybody. All robots have the same antenna, turned alike.
+    /// The directions of the sectors of a robot, in the world or, if its antenna turns with it, in its own frame, with the
+    /// gains of its antenna: those of the pattern, because the ripple of single antennas is not known to anybody. All robots
+    /// have the same antenna, mounted alike.
     #[must_use]
     pub fn robot_sectors(&self) -> &SectorTable {
         &self.robot_sectors
@@ -224,14 +263,16 @@ impl Antennas {
     /// The antenna of a station as it is mounted.
     pub(crate) fn mount(&self, roll: &Roll, station: StationId, seed: Seed) -> Mount {
         let kind = roll.kind(station);
-        let (antenna, orientation) = match kind {
+        let (antenna, orientation, holder) = match kind {
             Kind::Node(_) => {
-                (&self.nodes[self.tilt(seed, station)], Orientation::heading(self.heading_rad(seed, station)))
+                let orientation = Orientation::heading(self.heading_rad(seed, station));
+                (&self.nodes[self.tilt(seed, station)], orientation, Holder::World)
             }
-            Kind::Robot(_) | Kind::Sink(_) => (&self.robots, ORIENTATION_OF_ROBOTS),
+            Kind::Robot(_) => (&self.robots, self.robot_mount, self.robot_holder),
+            Kind::Sink(_) => (&self.robots, Orientation::LEVEL, Holder::World),
         };
         let antenna = Arc::clone(antenna);
-        Mount { ripple: antenna.ripple(seed, station), antenna, orientation }
+        Mount { ripple: antenna.ripple(seed, station), antenna, orientation, holder }
     }
 }
 

@@ -84,6 +84,11 @@ pub(crate) trait NetworkLinks {
         false
     }
 
+    /// Whether antennas with sectors turn with the robots.
+    fn turns_antennas(&self) -> bool {
+        false
+    }
+
     /// Number of sectors of the antenna of a station; `None` if it has none.
     fn sectors(&self, _station: StationId) -> Option<u8> {
         None

@@ -239,6 +239,10 @@ impl Links {
         ask!(self, links => links.sweeps_sectors())
     }
 
+    pub(crate) fn turns_antennas(&self) -> bool {
+        ask!(self, links => links.turns_antennas())
+    }
+
     pub(crate) fn sectors(&self, station: StationId) -> Option<u8> {
         ask!(self, links => links.sectors(station))
     }

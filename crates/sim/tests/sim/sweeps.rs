@@ -3,16 +3,16 @@
 use std::time::Duration;
 
 use sextant_channel::{
-    AntennaConfig, ChannelConfig, LogDistanceConfig, Obstacle, ObstacleConfig, ObstacleField, PathLossConfig,
-    Position, Reception,
+    AntennaConfig, ChannelConfig, LogDistanceConfig, Obstacle, ObstacleConfig, ObstacleField, OrientationConfig,
+    PathLossConfig, Position, Reception,
 };
 use sextant_kernel::{Files, NodeId, Seed, StationId, Unwatched};
 use sextant_mac::RadioStates;
 use sextant_mac::dmg::{ContentionConfig, MacAddress, SweepBody, SweepConfig, SweepFrame};
 use sextant_sim::{
     Antennas, AntennasConfig, DeathsConfig, DiscoveryConfig, DmgRadio, Faults, FaultsConfig, FrameOnAir,
-    FrameOutcome, HeadingsConfig, Ieee80211ad, Network, Observer, ReceptionModel, Round, Setup, Simulation, Survey,
-    Technology, TrafficPlan, Unobserved, World, discover,
+    FrameOutcome, HeadingsConfig, Ieee80211ad, Network, Observer, ReceptionModel, RobotHeadingsConfig, Round, Setup,
+    Simulation, Survey, Technology, TrafficPlan, Unobserved, World, discover,
 };
 
 use crate::network;
@@ -52,6 +52,8 @@ impl Scene {
             nodes: sectors(self.node_sectors),
             robots: sectors(self.robot_sectors),
             node_headings: HeadingsConfig::Random,
+            robot_headings: RobotHeadingsConfig::Compass,
+            robot_mount: OrientationConfig::default(),
             node_tilts_deg: vec![0.0],
             misalignment_loss: 0.0,
         };

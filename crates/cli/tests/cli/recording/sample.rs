@@ -48,7 +48,7 @@ pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
         (0..nodes).map(|node| format!("node {node}, \"quoted\" and {}", if node % 2 == 0 { "é" } else { "x" }));
     let places = (0..stops).map(|stop| {
         let time = SimTime::from_nanos(u64::from(stop) * 1_200_000_001 + numbers.below(1_000_000));
-        Stop { robot: robot(stop), time, position: numbers.position() }
+        Stop { robot: robot(stop), time, position: numbers.position(), heading_rad: Some(0.25 * f64::from(stop)) }
     });
     let places: Vec<Stop> = places.collect();
     let mut receptions = Vec::new();
@@ -123,7 +123,7 @@ pub(crate) fn record_all<W: std::io::Write>(
     recorder.leg(at(5), None, "surveyor", (1, [corners[0], corners[1]]))?;
     recorder.way(at(6), None, "surveyor", &corners)?;
     recorder.way(at(6), Some("search"), "agent", &corners)?;
-    let stop = Stop { robot: RobotId(0), time: at(6), position: corners[0] };
+    let stop = Stop { robot: RobotId(0), time: at(6), position: corners[0], heading_rad: None };
     recorder.listening(None, "surveyor", (&stop, at(1_000_000_008)), &corners[1..])?;
     recorder.estimated_place(at(6), "search", ("agent", "own_place"), (corners[1], None))?;
     recorder.metric(at(7), "path_length_m", 12.5)?;

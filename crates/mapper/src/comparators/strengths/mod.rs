@@ -20,7 +20,12 @@ mod tests {
 
     /// The log of nodes that stops at `places` received with these strengths (dBm).
     pub(super) fn log_of(places: &[Position], nodes: &[&dyn Fn(Position) -> Option<f64>]) -> ReceptionLog {
-        let stop = |position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position: *position };
+        let stop = |position: &Position| Stop {
+            robot: RobotId(0),
+            time: SimTime::ZERO,
+            position: *position,
+            heading_rad: None,
+        };
         let receptions = nodes.iter().enumerate().flat_map(|(node, law)| {
             (0..).zip(places).filter_map(move |(stop, place)| {
                 let rssi_dbm = Some(law(*place)?);

@@ -26,8 +26,12 @@ impl Network {
             .map(|i| Anchor { node: NodeId::from_index(i), position: places[i] })
             .collect();
         let names = (0..places.len()).map(|i| format!("n{i}")).collect();
-        let stops =
-            vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(0.0, 0.0, places[0].z_m) }];
+        let stops = vec![Stop {
+            robot: RobotId(0),
+            time: SimTime::ZERO,
+            position: Position::new(0.0, 0.0, places[0].z_m),
+            heading_rad: None,
+        }];
         let log = ReceptionLog::new(names, stops, Vec::new(), Vec::new()).expect("a log");
         let neighbours = heard(&places, hop_m, sigma_db, 1, |_| true);
         let beacons = heard(&places, beacon_m, sigma_db, 2, |i| i % every == 0);

@@ -158,7 +158,7 @@ fn relative_maps_are_the_same_up_to_a_similarity() {
 fn survey(nodes: &[Position], range_m: f64, sigma_db: f64) -> ReceptionLog {
     let stops: Vec<Stop> = (0..100)
         .map(|i| Position::new(f64::from(i % 10) * 1.5 - 2.0, f64::from(i / 10) * 1.5 - 2.0, 0.0))
-        .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position })
+        .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
         .collect();
     let mut receptions = Vec::new();
     for (i, node) in nodes.iter().enumerate() {
@@ -258,7 +258,8 @@ fn the_grid_counts_the_vertices_that_are_equally_likely() {
     };
     let stops = [vertex(0.0, 0.0), vertex(8.0, 0.0)];
     let ties = |places: &[Position], estimate| {
-        let stop = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };
+        let stop =
+            |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
         let reception = |(stop, place): (u32, &Position)| Reception {
             node: NodeId(0),
             stop,

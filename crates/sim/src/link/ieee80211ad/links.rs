@@ -262,6 +262,10 @@ impl NetworkLinks for Links {
         gathered.map_or_else(Vec::new, |gathered| gathered.answers.into_values().collect())
     }
 
+    fn turns_antennas(&self) -> bool {
+        self.antennas.turn_with_robots()
+    }
+
     fn sectors(&self, station: StationId) -> Option<u8> {
         let antenna = self.antennas.of(self.roll.kind(station));
         (!antenna.is_omnidirectional()).then(|| antenna.sector_count())

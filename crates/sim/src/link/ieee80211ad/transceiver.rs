@@ -15,6 +15,7 @@ use crate::event::link::LinkEvent;
 use crate::scene::Scene;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::Deafness;
+use crate::station::Pose;
 
 /// What all radios of a network have in common.
 #[derive(Clone, Copy, Debug)]
@@ -104,12 +105,15 @@ impl dmg::Radio for Transceiver<'_> {
     }
 
     fn start_transmission(&mut self, frame: SweepFrame, airtime: Duration) {
-        let (now, place) = (self.scene.now, self.scene.place(self.station));
+        let now = self.scene.now;
+        let Pose { position: place, heading_rad } = self.scene.motions[self.station.index()].pose_at(now);
         let sender = Interface { receiver: self.radios.receiver(self.station), station: self.station };
         let to = (frame.to != MacAddress::BROADCAST).then(|| frame.to.station()).flatten();
         let to = to.map(|to| self.radios.receiver(to));
         let emission = Emission { power: self.radios.power, aim: self.stack.aim };
-        let transmission = self.scene.airs[self.radios.air].begin(now, sender, to, place, emission, airtime);
+        let air = &mut self.scene.airs[self.radios.air];
+        air.turn(sender.receiver, heading_rad);
+        let transmission = air.begin(now, sender, to, place, emission, airtime);
         self.stack.on_air = Some((transmission, frame));
         self.schedule(airtime, dmg::Event::TransmissionEnded);
     }
