@@ -17,8 +17,23 @@ const OF_PACKETS: [&str; 13] = [
 ];
 
 /// What a list of places can hold.
-const OF_PLACES: [&str; 13] =
-    ["stop", "t_s", "t_ms", "t_us", "t_ns", "x_m", "y_m", "z_m", "lat", "lon", "alt_m", "robot", "sent"];
+const OF_PLACES: [&str; 15] = [
+    "stop",
+    "t_s",
+    "t_ms",
+    "t_us",
+    "t_ns",
+    "x_m",
+    "y_m",
+    "z_m",
+    "lat",
+    "lon",
+    "alt_m",
+    "robot",
+    "sent",
+    "heading_rad",
+    "heading_deg",
+];
 
 impl FieldNames {
     /// The names of the user for what packets have, or none.

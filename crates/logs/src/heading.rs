@@ -48,3 +48,50 @@ impl Headings {
         Ok(Some(heading * unit))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::ReceptionLog;
+
+    use crate::{ReadOptions, RobotLog, write};
+
+    fn read(stops: &str) -> Result<RobotLog, String> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("stops.csv"), stops).unwrap();
+        std::fs::write(folder.path().join("receptions.csv"), "node,stop,received\nlamp,A,1\n").unwrap();
+        let read = crate::read(folder.path(), &ReadOptions::default());
+        read.map_err(|why| why.to_string().replace(&format!("{}/", folder.path().display()), ""))
+    }
+
+    fn headings(log: &ReceptionLog) -> Vec<Option<f64>> {
+        log.stops().iter().map(|stop| stop.heading_rad).collect()
+    }
+
+    #[test]
+    fn headings_are_radians_or_degrees_and_are_written_back_exactly() {
+        let radians = read("stop,x_m,y_m,heading_rad\nA,0,0,0.1\nB,1,0,-2.5\n").unwrap().log;
+        assert_eq!(headings(&radians), [Some(0.1), Some(-2.5)]);
+        let degrees = read("stop,x_m,y_m,heading_deg\nA,0,0,90\nB,1,0,-12.3\n").unwrap().log;
+        let right = std::f64::consts::FRAC_PI_2;
+        assert!((degrees.stops()[0].heading_rad.unwrap() - right).abs() < 1e-15);
+        for log in [radians, degrees] {
+            let folder = tempfile::tempdir().unwrap();
+            write(folder.path(), &log).unwrap();
+            let again = crate::read(folder.path(), &ReadOptions::default()).unwrap().log;
+            assert!(again.has_headings() && headings(&again) == headings(&log));
+        }
+        let none = read("stop,x_m,y_m\nA,0,0\nB,1,0\n").unwrap().log;
+        assert!(!none.has_headings() && headings(&none) == [None, None]);
+        let both = read("stop,x_m,y_m,heading_deg,heading_rad\nA,0,0,90,0.5\n").unwrap();
+        assert_eq!(headings(&both.log), [Some(0.5)]);
+        assert!(both.notes.iter().any(|note| note.contains("heading_deg") && note.contains("heading_rad")));
+    }
+
+    #[test]
+    fn a_stop_without_a_heading_among_others_is_refused() {
+        let refused = read("stop,x_m,y_m,heading_rad\nA,0,0,0.1\nB,1,0,\n").unwrap_err();
+        assert!(refused.contains("stops.csv") && refused.contains("a heading at each stop"), "{refused}");
+        let refused = read("stop,x_m,y_m,heading_rad\nA,0,0,inf\nB,1,0,1\n").unwrap_err();
+        assert!(refused.contains("heading_rad") && refused.contains("a finite number"), "{refused}");
+    }
+}

@@ -160,6 +160,37 @@ fn a_recording_of_sector_sweeps_is_mapped_as_in_the_run() {
 }
 
 #[test]
+fn an_antenna_that_turns_with_the_robot_is_mapped_alike_from_the_run_its_recording_and_its_tables() {
+    let held = "[antenna]\nrobot_headings = \"body\"\nrobot_mount.yaw_deg = 90\n[antenna.nodes.sectors]";
+    let maps = MMTM.replace("profile.channel", "profile.fitted");
+    let scenario = [WORLD, &sweeps("").replace("[antenna.nodes.sectors]", held), ROBOT, &maps].concat();
+    let (folder, found) = run(
+        &scenario,
+        &[
+            "--set",
+            "antenna.robots.sectors.elevations_deg=[40]",
+            "--set",
+            "antenna.robots.sectors.vertical_width_deg=90",
+        ],
+    );
+    let log = read_log(&folder.path().join("run.mcap")).unwrap().logs.first().clone();
+    let headings: Vec<f64> = log.stops().iter().map(|stop| stop.heading_rad.unwrap().to_degrees().round()).collect();
+    assert_eq!(headings[1..], [0.0, 0.0, 90.0, 180.0, 180.0, 90.0, 0.0, 0.0]);
+    robot_log::write(&folder.path().join("log"), &log).unwrap();
+    let places = |log: &str| {
+        let found = map(folder.path(), log, &["--out", "places.csv", "--algorithm", "auto"]).unwrap();
+        (std::fs::read_to_string(folder.path().join("places.csv")).unwrap(), found)
+    };
+    let [(recorded, of_recording), (written, of_tables)] = ["run.mcap", "log"].map(places);
+    assert!(recorded == written && recorded.lines().count() == 21, "{recorded}\n{written}");
+    assert_eq!(of_recording["maps"][0]["chosen"], of_tables["maps"][0]["chosen"]);
+    let again = map(folder.path(), "run.mcap", &[]).unwrap();
+    assert_eq!(again["maps"][0]["position_error_m"], found["maps"][0]["position_error_m"]);
+    let error_m = found["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();
+    assert!(error_m < 0.9, "{error_m} m");
+}
+
+#[test]
 fn figures_show_the_sectors_of_a_stop_and_the_displacement_of_each_map() {
     let (folder, _) = run(&two(), &[]);
     let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap"]).output().unwrap();

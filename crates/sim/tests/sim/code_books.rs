@@ -1,10 +1,13 @@
 //! Sweeps of antennas with measured sectors: their identities on air and in the log, their powers, and their answers.
 
+use std::time::Duration;
+
 use sextant_channel::Position;
 use sextant_kernel::StationId;
 use sextant_mac::dmg::{AbftConfig, ContentionConfig, SweepBody, SweepFrame, TxSector};
 use sextant_sim::{FrameOutcome, Simulation, Survey};
 
+use crate::network;
 use crate::sweeps::{OnAir, Scene, receptions};
 
 /// A code book with a sector of 9 dBi every 40 degrees, from azimuth 0 on, and -11 dBi at other places of the grid.
@@ -139,4 +142,40 @@ fn a_robot_listens_with_the_gain_that_was_measured_in_the_direction_of_the_node(
     let (north, south) = (rssi_dbm(Position::new(0.0, 2.0, 0.0)), rssi_dbm(Position::new(0.0, -2.0, 0.0)));
     assert!((north - south + 10.0).abs() < 1e-9, "{north} and {south} dBm");
     std::fs::remove_dir_all(&folder).expect("the folder goes");
+}
+
+#[test]
+fn an_antenna_that_its_robot_holds_turns_with_it() {
+    // East, north, back to the south-west.
+    let stops = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 0.0)].map(|(x_m, y_m)| Position::new(x_m, y_m, 0.0));
+    let places: Vec<Position> = (0..12)
+        .map(|node| 3.0 + 30.0 * f64::from(node))
+        .map(|deg| Position::new(3.0 * deg.to_radians().cos(), 3.0 * deg.to_radians().sin(), 0.0))
+        .collect();
+    let identities: Vec<u8> = (0..9).collect();
+    let antennas = format!(
+        "robots.code_book = {}\nrobot_headings = 'body'\nrobot_mount.yaw_deg = 25\nnodes.sectors.azimuth_sectors = 8",
+        book(&identities, "")
+    );
+    let scene = Scene { sweeps: 8, ..Scene::of(places.clone()) };
+    let mut setup = scene.setup();
+    setup.networks[0].technology = scene.technology(&toml::from_str(&antennas).expect("antennas"));
+    setup.robots[0] = network::tour(stops.to_vec(), 0.1, Duration::from_millis(100));
+    setup.robots[0].body.sweeps_per_stop = scene.sweeps;
+    let survey = Simulation::new(setup).expect("a good setup").run(&mut OnAir::default());
+    let log = survey.log();
+    let headings_deg: Vec<f64> =
+        log.stops().iter().map(|stop| stop.heading_rad.expect("it turns").to_degrees().round()).collect();
+    assert_eq!(headings_deg, [0.0, 0.0, 90.0, -135.0]);
+    let mut heard = 0;
+    for reception in log.receptions().iter() {
+        let stop = log.stops()[reception.stop as usize];
+        let apart = places[reception.node.index()] - stop.position;
+        let sector_deg = 40.0 * f64::from(reception.sector.expect("a sector")) + 25.0;
+        let points_deg = sector_deg + stop.heading_rad.expect("it turns").to_degrees();
+        let off_deg = (apart.y_m.atan2(apart.x_m).to_degrees() - points_deg + 540.0).rem_euclid(360.0) - 180.0;
+        assert!(off_deg.abs() <= 20.0 + 1e-6, "{reception:?}: {off_deg} degrees off");
+        heard += 1;
+    }
+    assert!(heard >= 36, "{heard} receptions of 48");
 }
