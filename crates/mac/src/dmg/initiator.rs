@@ -13,75 +13,22 @@ use super::backoff::{Backoff, Carrier};
 use super::frame::{BeamRefinement, MAX_BEACON_PAYLOAD_OCTETS, SectorFeedback, SweepBody, SweepFrame};
 use super::port::{Aim, Event, Radio};
 use super::sector::{SectorLayout, TxSector};
-use super::settings::{Contention, SweepSettings};
+use super::settings::SweepSettings;
 use super::timing::{
-    AIR_PROPAGATION, CCA_DETECTION, MAX_SLS_RETRIES, MBIFS, SLOT, SSW_ACK_TIMEOUT, SSW_FEEDBACK_AIRTIME,
-    duration_field, slot_sweep_duration, sweep_end,
+    AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SSW_ACK_TIMEOUT, SSW_FEEDBACK_AIRTIME, duration_field, sweep_end,
 };
 use crate::RadioState;
 use answers::Answers;
 
 mod answers;
+mod gathering;
+mod report;
 #[cfg(test)]
 mod tests;
 
 pub use answers::Answer;
-
-/// What a sweep is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SweepPurpose {
-    /// All stations that hear it answer.
-    Gather,
-    /// One station answers, which has these sectors: the full procedure with SSW-Feedback and SSW-ACK.
-    Train {
-        /// The station.
-        responder: MacAddress,
-        /// Its sectors.
-        layout: SectorLayout,
-    },
-    /// The station announces itself; there are no answers.
-    Announce,
-    /// All stations get a payload, in a DMG Beacon frame from each sector; no one answers.
-    Broadcast {
-        /// Number of the payload, modulo 256.
-        sequence: u8,
-        /// Size of the payload (octets), at most [`MAX_BEACON_PAYLOAD_OCTETS`].
-        payload_octets: u16,
-    },
-}
-
-/// When a sweep starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Access {
-    /// At once, whatever the channel.
-    AtOnce,
-    /// By carrier sense and backoff.
-    Contend,
-}
-
-/// How a sweep ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InitiatorOutcome {
-    /// The window for answers is over; of a sweep that no one answers, its last frame.
-    Over,
-    /// The named station answered, and acknowledged the feedback.
-    Trained,
-    /// The named station did not answer any of the sweeps.
-    NoAnswer,
-    /// The named station answered, but never acknowledged the feedback.
-    NoAck,
-}
-
-/// The end of a sweep. [`Initiator::answers`] has the answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct InitiatorReport {
-    /// What it was for.
-    pub purpose: SweepPurpose,
-    /// How it ended.
-    pub outcome: InitiatorOutcome,
-    /// Frames sent in the sweep, without feedback.
-    pub frames: u32,
-}
+use gathering::Window;
+pub use report::{Access, InitiatorOutcome, InitiatorReport, SweepPurpose};
 
 /// A sweep under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,13 +36,6 @@ struct Sweep {
     purpose: SweepPurpose,
     frames: u32,
     retries: u8,
-}
-
-/// The time for answers of many stations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Window {
-    opens: SimTime,
-    closes: SimTime,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -364,70 +304,6 @@ impl Initiator {
             }
             SweepPurpose::Announce | SweepPurpose::Broadcast { .. } => Some(self.end(sweep, InitiatorOutcome::Over)),
         }
-    }
-
-    /// When feedback to the sweep of a responder is due, of which a frame was decoded now; `None` without feedback.
-    fn feedback_due(&self, now: SimTime, window: Window, cdown: u16, duration_us: u16) -> Option<SimTime> {
-        match self.settings.contention() {
-            Contention::CsmaFeedback { .. } => {
-                Some(sweep_end(now, cdown, duration_us, self.settings.taken_after_answer()) + MBIFS)
-            }
-            Contention::Abft(abft) if abft.has_feedback() && now > window.opens => {
-                let slots = (now - window.opens).as_nanos() / abft.slot_duration().as_nanos();
-                let slots = u32::try_from(slots).expect("at most 8 slots");
-                let start = window.opens + abft.slot_duration() * slots;
-                Some(start + slot_sweep_duration(abft.frames_per_slot()) + MBIFS)
-            }
-            Contention::Csma | Contention::Abft(_) => None,
-        }
-    }
-
-    /// In the window for answers: sends the feedback that is due now, ends the window, or waits for what comes first.
-    fn watch(
-        &mut self,
-        sweep: Sweep,
-        window: Window,
-        now: SimTime,
-        radio: &mut impl Radio,
-    ) -> Option<InitiatorReport> {
-        self.state = State::Gathering(sweep, window);
-        self.answers.forget_before(now);
-        let check = self.check(window, now);
-        match self.answers.next_due() {
-            Some(due) if due == now => {
-                self.alarm.clear(radio);
-                let answer = self.answers.take_next();
-                self.inform(answer, 0, radio);
-                self.state = State::Informing(sweep, window);
-                None
-            }
-            Some(due) => {
-                self.alarm.set(now, due, Event::TransmitReady, radio);
-                None
-            }
-            None if check <= now => {
-                self.alarm.clear(radio);
-                Some(self.end(sweep, InitiatorOutcome::Over))
-            }
-            None => {
-                self.alarm.set(now, check, Event::WaitExpired, radio);
-                None
-            }
-        }
-    }
-
-    /// When to look whether the window is over. Without feedback it is over once no station can still be contending: the
-    /// channel was idle for AIFS and the largest backoff, the time to notice a signal, and a sweep whose frames point
-    /// elsewhere but for the last. A station that gets no
-    /// feedback contends again with a larger backoff, so then only the end of the window counts.
-    fn check(&self, window: Window, now: SimTime) -> SimTime {
-        if self.settings.contention() != Contention::Csma {
-            return window.closes;
-        }
-        let category = self.settings.access_category();
-        let idle = category.aifs() + SLOT * category.cw_min() + CCA_DETECTION + self.settings.longest_answer();
-        let since = if self.carrier.is_busy() { now } else { self.carrier.free_from().max(window.opens) };
-        window.closes.min(since + idle)
     }
 
     /// The named station has answered, or has not.
