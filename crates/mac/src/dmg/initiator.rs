@@ -36,6 +36,9 @@ struct Sweep {
     purpose: SweepPurpose,
     frames: u32,
     retries: u8,
+    /// Reports of all sectors that were asked for, and those that came.
+    asked: u32,
+    reported: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,8 +51,10 @@ enum State {
     Spacing(Sweep, u16),
     /// Listening for answers of all stations.
     Gathering(Sweep, Window),
-    /// Sending feedback to one of them.
-    Informing(Sweep, Window),
+    /// Sending feedback to this one of them.
+    Informing(Sweep, Window, MacAddress),
+    /// Listening for its report of all sectors.
+    AwaitingReport(Sweep, Window, MacAddress),
     /// Listening for the answer of one station until its sweep must have ended.
     AwaitingAnswer(Sweep, SimTime),
     /// Sending it feedback.
@@ -96,6 +101,12 @@ impl Initiator {
         self.answers.best()
     }
 
+    /// Whether the report of all sectors of this station is awaited: it has just got feedback that asks for it.
+    #[must_use]
+    pub fn awaits_report_of(&self, station: MacAddress) -> bool {
+        matches!(self.state, State::AwaitingReport(_, _, responder) if responder == station)
+    }
+
     /// Whether a sweep waits for the channel: it has not begun, and [`Initiator::withdraw`] can take it back.
     #[must_use]
     pub const fn is_contending(&self) -> bool {
@@ -112,7 +123,7 @@ impl Initiator {
             assert!(payload_octets <= MAX_BEACON_PAYLOAD_OCTETS, "a payload of {payload_octets} octets");
         }
         self.answers.clear();
-        let sweep = Sweep { purpose, frames: 0, retries: 0 };
+        let sweep = Sweep { purpose, frames: 0, retries: 0, asked: 0, reported: 0 };
         match access {
             Access::AtOnce => self.send(sweep, 0, now, radio),
             Access::Contend => {
@@ -146,7 +157,7 @@ impl Initiator {
         sinr: Db,
         radio: &mut impl Radio,
     ) -> Option<InitiatorReport> {
-        if matches!(self.state, State::Sweeping(..) | State::Informing(..) | State::Choosing(_)) {
+        if self.is_transmitting() {
             return None;
         }
         if frame.to != self.address {
@@ -154,15 +165,12 @@ impl Initiator {
             return None;
         }
         match (self.state, frame.body) {
-            (State::Gathering(sweep, window), SweepBody::Rss { cdown, sector, feedback }) => {
-                let answer = Answer::new(frame.from, sector, feedback, sinr);
-                self.answers.hear(answer);
-                if let Some(due) = self.feedback_due(now, window, cdown, frame.duration_us) {
-                    self.answers.promise(answer, due);
-                    self.watch(sweep, window, now, radio)
-                } else {
-                    None
-                }
+            (State::Gathering(_, window) | State::AwaitingReport(_, window, _), SweepBody::Rss { .. }) => {
+                self.hear(now, frame, sinr, window, radio)
+            }
+            (State::AwaitingReport(sweep, window, responder), SweepBody::Brp { .. }) if responder == frame.from => {
+                self.alarm.clear(radio);
+                self.watch(Sweep { reported: sweep.reported + 1, ..sweep }, window, now, radio)
             }
             (State::AwaitingAnswer(sweep, _), SweepBody::Rss { cdown, sector, feedback })
                 if names(sweep, frame.from) =>
@@ -183,7 +191,7 @@ impl Initiator {
 
     /// A frame for another station was decoded whose last bit arrives now.
     pub fn overhear(&mut self, now: SimTime, frame: &SweepFrame) {
-        if !matches!(self.state, State::Sweeping(..) | State::Informing(..) | State::Choosing(_)) {
+        if !self.is_transmitting() {
             self.defer(now, now + frame.duration());
         }
     }
@@ -228,11 +236,13 @@ impl Initiator {
             (State::Gathering(sweep, window), Event::TransmitReady | Event::WaitExpired) => {
                 self.watch(sweep, window, now, radio)
             }
-            (State::Informing(sweep, window), Event::TransmissionEnded) => {
+            (State::Informing(sweep, window, responder), Event::TransmissionEnded) => {
                 listen(radio);
                 self.carrier.is_taken_until(now);
-                self.watch(sweep, window, now, radio)
+                self.expect_report(sweep, window, responder, now, radio)
             }
+            // The report is lost.
+            (State::AwaitingReport(sweep, window, _), Event::WaitExpired) => self.watch(sweep, window, now, radio),
             (State::AwaitingAnswer(sweep, until), Event::WaitExpired) => self.choose(sweep, until, now, radio),
             (State::Choosing(sweep), Event::TransmissionEnded) => {
                 listen(radio);
@@ -247,6 +257,11 @@ impl Initiator {
             (State::AwaitingAck(sweep), Event::WaitExpired) => Some(self.end(sweep, InitiatorOutcome::NoAck)),
             (state, event) => panic!("{event:?} cannot happen in {state:?}"),
         }
+    }
+
+    /// Whether a frame of this machine is on the air, so that it hears none.
+    const fn is_transmitting(&self) -> bool {
+        matches!(self.state, State::Sweeping(..) | State::Informing(..) | State::Choosing(_))
     }
 
     /// Goes on with a backoff, if there is one.
@@ -329,25 +344,27 @@ impl Initiator {
     /// Sends feedback to the named station.
     fn train(&mut self, sweep: Sweep, radio: &mut impl Radio) {
         let [answer] = *self.answers() else { unreachable!("one station is named, and it answered") };
-        self.inform(answer, duration_field(MBIFS + SSW_FEEDBACK_AIRTIME), radio);
+        let taken = duration_field(MBIFS + SSW_FEEDBACK_AIRTIME);
+        self.inform(answer, taken, BeamRefinement::default(), radio);
         self.state = State::Choosing(sweep);
     }
 
     /// Starts the feedback to an answer, on the sector that it named.
-    fn inform(&self, answer: Answer, duration_us: u16, radio: &mut impl Radio) {
+    fn inform(&self, answer: Answer, duration_us: u16, refinement: BeamRefinement, radio: &mut impl Radio) {
         let feedback = SectorFeedback {
             select: answer.responder_sector,
             snr: super::snr_report::SnrReport::of(answer.snr),
             poll_required: false,
         };
-        let body = SweepBody::Feedback { feedback, refinement: BeamRefinement::default() };
+        let body = SweepBody::Feedback { feedback, refinement };
         let frame = SweepFrame { duration_us, to: answer.responder, from: self.address, body };
         transmit(frame, answer.select, radio);
     }
 
     fn end(&mut self, sweep: Sweep, outcome: InitiatorOutcome) -> InitiatorReport {
         self.state = State::Idle;
-        InitiatorReport { purpose: sweep.purpose, outcome, frames: sweep.frames }
+        let Sweep { purpose, frames, asked, reported, .. } = sweep;
+        InitiatorReport { purpose, outcome, frames, asked, reported }
     }
 }
 

@@ -57,4 +57,8 @@ pub struct InitiatorReport {
     pub outcome: InitiatorOutcome,
     /// Frames sent in the sweep, without feedback.
     pub frames: u32,
+    /// Reports of all sectors that stations were asked for.
+    pub asked: u32,
+    /// Those of them that were decoded.
+    pub reported: u32,
 }
