@@ -140,10 +140,10 @@ fn sweeps(scenario: &Scenario, survey: &Survey) -> Option<u64> {
 /// Reports of all sectors that the robots asked for; `None` if they asked for none.
 fn sector_reports(scenario: &Scenario, survey: &Survey) -> Option<SectorReportsSummary> {
     let nodes = scenario.world().nodes.len();
-    let of_robots = |record: &NetworkRecord| {
-        record.packets[nodes..nodes + survey.robots.len()].iter().copied().sum::<Packets>()
-    };
-    let Packets { reports_asked: asked, reports_received: received, .. } = survey.networks.iter().map(of_robots).sum();
+    let of_robots =
+        |record: &NetworkRecord| record.packets[nodes..nodes + survey.robots.len()].iter().copied().sum::<Packets>();
+    let Packets { reports_asked: asked, reports_received: received, .. } =
+        survey.networks.iter().map(of_robots).sum();
     (asked > 0).then_some(SectorReportsSummary { asked, received })
 }
 

@@ -298,13 +298,7 @@ impl Port<'_> {
 
     /// Writes a stop of this robot into the log of a network: it has listened at `position` from `since` until now. The number of
     /// the stop in what it heard is filled in.
-    pub fn log_stop(
-        &mut self,
-        network: NetworkId,
-        since: SimTime,
-        position: Position,
-        heard: impl Into<StopLog>,
-    ) {
+    pub fn log_stop(&mut self, network: NetworkId, since: SimTime, position: Position, heard: impl Into<StopLog>) {
         let robot = self.model.robot(self.station);
         self.model.notes.push(Note::Stopped(network, Stop { robot, time: since, position }, heard.into()));
     }

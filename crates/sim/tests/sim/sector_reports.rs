@@ -3,7 +3,9 @@
 use sextant_channel::{Position, SectorReport};
 use sextant_kernel::{NodeId, Seed, StationId};
 use sextant_mac::dmg::{ContentionConfig, CsmaFeedbackConfig, SweepBody};
-use sextant_sim::{DeathsConfig, FaultsConfig, FrameOutcome, Observer, Packets, Setup, Simulation, Survey, Unobserved};
+use sextant_sim::{
+    DeathsConfig, FaultsConfig, FrameOutcome, Observer, Packets, Setup, Simulation, Survey, Unobserved,
+};
 
 use crate::sweeps::{OnAir, Scene, Sent};
 
@@ -74,7 +76,8 @@ fn a_node_reports_the_power_of_each_sector_that_it_heard_to_a_quarter_of_a_decib
 #[test]
 fn nodes_report_the_gains_of_a_code_book_by_the_identities_of_its_sectors() {
     let identities = [0_u8, 7, 30, 59, 63];
-    let gain_dbi = |number: usize, step: usize| f64::from(u8::try_from((7 * number + 11 * step) % 23).unwrap()) - 14.0;
+    let gain_dbi =
+        |number: usize, step: usize| f64::from(u8::try_from((7 * number + 11 * step) % 23).unwrap()) - 14.0;
     let sectors = identities.iter().enumerate().map(|(number, identity)| {
         let gains: Vec<f64> = (0..9).map(|step| gain_dbi(number, step)).collect();
         format!("{{ sector = {identity}, gain_dbi = [{gains:?}] }}")
@@ -95,7 +98,8 @@ fn nodes_report_the_gains_of_a_code_book_by_the_identities_of_its_sectors() {
             let found = reported(&survey, 0);
             let levels = (0..5).map(|number| margin_db(range_m) + gain_dbi(number, step));
             let heard = identities.into_iter().zip(levels).filter(|&(_, over_db)| over_db >= 0.0);
-            let expected: Vec<(u8, f64)> = heard.map(|(sector, over_db)| (sector, SENSITIVITY_DB + over_db)).collect();
+            let expected: Vec<(u8, f64)> =
+                heard.map(|(sector, over_db)| (sector, SENSITIVITY_DB + over_db)).collect();
             absent += 5 - expected.len();
             assert_eq!(found.len(), expected.len(), "{found:?}, not {expected:?}");
             for (&(sector, snr_db), &(of, exact_db)) in found.iter().zip(&expected) {
@@ -132,7 +136,8 @@ fn a_report_follows_the_feedback_after_sifs_and_costs_its_airtime() {
         on_air.0.iter().filter(|sent| sent.2 == station).map(|sent| 1e-9 * (sent.1 - sent.0) as f64).sum()
     };
     for station in [StationId(0), StationId(1)] {
-        let power_w = |survey: &Survey, on_air| survey.networks[0].energy[station.index()].tx_j / sent_s(on_air, station);
+        let power_w =
+            |survey: &Survey, on_air| survey.networks[0].energy[station.index()].tx_j / sent_s(on_air, station);
         let (with, without) = (power_w(&asked, &on_air), power_w(&unasked, &before));
         assert!(with > 0.0 && (with / without - 1.0).abs() < 1e-9, "{with} and {without} W");
     }
@@ -148,7 +153,7 @@ fn reports_of_many_nodes_are_asked_for_and_received_as_the_ledger_says() {
     let received = answers.iter().filter(|sent| sent.4 == FrameOutcome::Received).count() as u64;
     let robot = of_robot(&survey);
     assert_eq!((robot.reports_asked, robot.reports_received), (questions.len() as u64, received));
-    assert!(answers.len() <= questions.len() && received > 60, "{received} of {}", questions.len());
+    assert!(answers.len() <= questions.len() && received >= 50, "{received} of {}", questions.len());
     for packets in &survey.networks[0].packets {
         let lost = packets.lost_collision + packets.lost_channel_access + packets.lost_signal + packets.not_listened;
         assert_eq!(packets.offered, packets.received + lost + packets.out_of_range + packets.pending);
@@ -160,6 +165,17 @@ fn reports_of_many_nodes_are_asked_for_and_received_as_the_ledger_says() {
     assert!(of_log.iter().all(|report| log.at(report.node, report.stop).is_some_and(|found| found.received > 0)));
     assert!(of_log.iter().all(|report| (4.0 * report.snr_db).fract().abs() < 1e-9));
     assert_eq!(survey.log(), run(scene.setup(), &mut Unobserved).log());
+}
+
+#[test]
+fn nodes_that_hear_each_other_leave_the_medium_to_a_report() {
+    let places: Vec<Position> = (0..20).map(|i| at(0.5, 18.0 * f64::from(i))).collect();
+    // One wide sector each: no answer points past the others.
+    let scene = Scene { sweeps: 3, node_sectors: 1, ..scene(places) };
+    let robot = of_robot(&run(scene.setup(), &mut Unobserved));
+    assert!(robot.reports_asked >= 50, "{}", robot.reports_asked);
+    // Two of equal backoffs hide both from the others, who may begin when the robot talks past them.
+    assert!(10 * robot.reports_received >= 9 * robot.reports_asked, "{robot:?}");
 }
 
 #[test]

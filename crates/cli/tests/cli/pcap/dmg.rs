@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
 use sextant_kernel::{SimTime, StationId};
-use sextant_mac::dmg::{BeamRefinement, Enclosed, MacAddress, SectorFeedback, SnrReport, SweepBody, SweepFrame, TxSector};
+use sextant_mac::dmg::{
+    BeamRefinement, Enclosed, MacAddress, SectorFeedback, SnrReport, SweepBody, SweepFrame, TxSector,
+};
 use sextant_recording::{Capture, CapturedDmgFrame, CapturedFrame, Technologies};
 
 use super::tshark::{dissect, tshark};

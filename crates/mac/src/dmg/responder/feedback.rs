@@ -24,7 +24,10 @@ impl Responder {
             _ if answering.heard.is_unicast => {
                 now + feedback + (SSW_ACK_TIMEOUT + SSW_FEEDBACK_AIRTIME) * u32::from(MAX_SLS_RETRIES)
             }
-            Contention::CsmaFeedback { .. } => now + feedback,
+            // It may go to another station whose sweep overlapped, and that one may report.
+            Contention::CsmaFeedback { .. } => {
+                now + feedback + self.settings.taken_after_feedback(answering.heard.total_sectors)
+            }
             Contention::Abft(abft) if abft.has_feedback() => answering.start + abft.slot_duration(),
             Contention::Abft(abft) if !is_last => return self.wait_for_slot(answering, abft, now, radio),
             Contention::Csma | Contention::Abft(_) => return Some(self.end(answering, ResponderOutcome::Sent)),

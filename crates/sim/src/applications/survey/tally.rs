@@ -31,7 +31,13 @@ struct Slot {
 
 impl Tally {
     pub(super) fn new(nodes: usize) -> Self {
-        Self { slot: vec![Slot::default(); nodes], heard: Vec::new(), sweeps: 0, reports: Vec::new(), total: vec![0; nodes] }
+        Self {
+            slot: vec![Slot::default(); nodes],
+            heard: Vec::new(),
+            sweeps: 0,
+            reports: Vec::new(),
+            total: vec![0; nodes],
+        }
     }
 
     /// The slot of a node that was heard.
