@@ -114,7 +114,7 @@ pub use position::Position;
 pub use power::{Db, Dbm, Milliwatts};
 pub use reception::{
     Contact, Drive, HeardAtStop, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder,
-    Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop,
+    Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop, StopLog,
 };
 pub use reflection::{Polarisation, Ray, ReflectionsConfig, angles_rad};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorDirections, Wedge};

@@ -18,7 +18,7 @@ use crate::{Position, SectorTable};
 pub use builder::ReceptionLogBuilder;
 use columns::Columns;
 pub use drive::Drive;
-pub use heard_at_stop::HeardAtStop;
+pub use heard_at_stop::{HeardAtStop, StopLog};
 pub use log_error::LogError;
 pub use network_logs::{NetworkLog, NetworkLogs};
 use sector_snrs::SectorSnrs;

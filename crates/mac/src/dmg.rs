@@ -4,14 +4,16 @@
 //! keeps the sector that it heard best, and sends it back in SSW frames from each of its own sectors. Many responders
 //! that heard one sweep share the channel by [`Contention`]: CSMA/CA without or with feedback, or slots (A-BFT). A sweep
 //! to one named responder is the full procedure of the standard, with SSW-Feedback and SSW-ACK. A sweep can also only
-//! announce a station, or carry a payload to all stations in DMG Beacon frames; no one answers it.
+//! announce a station, or carry a payload to all stations in DMG Beacon frames; no one answers it. With feedback, an
+//! initiator may ask for the SNRs of all its sectors, which a responder then reports in a BRP frame.
 //!
 //! Goes in: events with their instants, and the frames that were decoded, with their SINR. Comes out: commands to a
 //! [`Radio`], and reports. A machine owns no octets: the radio gets each frame as a [`SweepFrame`], which writes itself.
 //!
 //! Differences from the standard, which are those of Gunathillake (2018, chapter 4): an SSW frame of an initiator may
 //! go to all stations, where the standard has DMG beacons. A sweep that expects no answers says so by 0 receive
-//! antennas. A beacon is sent by contention at any time, and not at the start of a beacon interval.
+//! antennas. A beacon is sent by contention at any time, and not at the start of a beacon interval. The SNRs of all sectors
+//! are asked for in the SSW-Feedback (BC-REQ), where the standard has a BRP frame with TXSS-FBCK-REQ after it.
 
 mod address;
 mod alarm;
@@ -31,8 +33,9 @@ pub mod timing;
 pub use address::MacAddress;
 pub use edca::AccessCategory;
 pub use frame::{
-    BeamRefinement, MAX_BEACON_PAYLOAD_OCTETS, MAX_CONTROL_OCTETS, PAYLOAD_OUI, PAYLOAD_TYPE, SectorFeedback,
-    SweepBody, SweepFrame, SweepParseError, beacon_octets, beacon_payload, beacon_payload_octets,
+    BeamRefinement, Enclosed, MAX_BEACON_PAYLOAD_OCTETS, MAX_CONTROL_OCTETS, MAX_MEASUREMENTS, PAYLOAD_OUI,
+    PAYLOAD_TYPE, SectorFeedback, SectorMeasurement, SweepBody, SweepFrame, SweepParseError, beacon_octets,
+    beacon_payload, beacon_payload_octets, brp_measurements, brp_octets,
 };
 pub use initiator::{Access, Answer, Initiator, InitiatorOutcome, InitiatorReport, SweepPurpose};
 pub use port::{Aim, Event, Radio};
@@ -41,4 +44,4 @@ pub use sector::{MAX_ANTENNA_SECTORS, MAX_ANTENNAS, MAX_SECTORS, SectorLayout, T
 pub use settings::{
     Abft, AbftConfig, AnswerSettings, Contention, ContentionConfig, CsmaFeedbackConfig, SweepConfig, SweepSettings,
 };
-pub use snr_report::SnrReport;
+pub use snr_report::{MeasuredSnr, SnrReport};

@@ -4,7 +4,7 @@ mod several;
 
 use std::time::Duration;
 
-use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
+use sextant_channel::{Contact, Dbm, HeardAtStop, Position, Stop};
 use sextant_kernel::{NodeId, SimTime, StationId};
 
 use crate::service::estimate::Estimate;
@@ -65,9 +65,8 @@ pub trait Observer {
     /// A robot met an obstacle.
     fn met(&mut self, _contact: Contact) {}
 
-    /// A robot has listened at stop `index` of the log of `network`, from `stop.time` until `end`, and heard
-    /// `receptions`.
-    fn stopped(&mut self, _network: NetworkId, _index: u32, _stop: &Stop, _end: SimTime, _receptions: &[Reception]) {}
+    /// A robot has listened at stop `index` of the log of `network`, from `stop.time` until `end`, and heard this.
+    fn stopped(&mut self, _network: NetworkId, _index: u32, _stop: &Stop, _end: SimTime, _heard: HeardAtStop<'_>) {}
 
     /// A station has worked out something about the world.
     fn estimated(&mut self, _station: StationId, _time: SimTime, _estimate: &Estimate) {}
@@ -162,8 +161,8 @@ impl Observer for RememberingObserver<'_> {
         self.observer.met(contact);
     }
 
-    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]) {
-        self.observer.stopped(network, index, stop, end, receptions);
+    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, heard: HeardAtStop<'_>) {
+        self.observer.stopped(network, index, stop, end, heard);
     }
 
     fn estimated(&mut self, station: StationId, time: SimTime, estimate: &Estimate) {

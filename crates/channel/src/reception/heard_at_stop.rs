@@ -11,6 +11,44 @@ pub struct HeardAtStop<'a> {
     pub reports: &'a [SectorReport],
 }
 
+/// The same as a robot writes it into its log. The number of the stop is filled in by the log.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StopLog {
+    /// The receptions, one per node.
+    pub receptions: Vec<Reception>,
+    /// The signal-to-noise ratios of all sectors of these nodes, if they reported them.
+    pub reports: Vec<SectorReport>,
+}
+
+impl StopLog {
+    /// What was heard at the stop with this number.
+    #[must_use]
+    pub fn at(mut self, stop: u32) -> Self {
+        self.receptions.iter_mut().for_each(|reception| reception.stop = stop);
+        self.reports.iter_mut().for_each(|report| report.stop = stop);
+        self
+    }
+
+    /// What was heard.
+    #[must_use]
+    pub fn heard(&self) -> HeardAtStop<'_> {
+        HeardAtStop { receptions: &self.receptions, reports: &self.reports }
+    }
+}
+
+impl From<Vec<Reception>> for StopLog {
+    /// Receptions of nodes that reported no more than their best sector.
+    fn from(receptions: Vec<Reception>) -> Self {
+        Self { receptions, reports: Vec::new() }
+    }
+}
+
+impl From<HeardAtStop<'_>> for StopLog {
+    fn from(HeardAtStop { receptions, reports }: HeardAtStop<'_>) -> Self {
+        Self { receptions: receptions.to_vec(), reports: reports.to_vec() }
+    }
+}
+
 impl<'a, T: AsRef<[Reception]> + ?Sized> From<&'a T> for HeardAtStop<'a> {
     /// Receptions of nodes that reported no more than their best sector.
     fn from(receptions: &'a T) -> Self {

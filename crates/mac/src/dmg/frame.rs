@@ -2,13 +2,13 @@
 //!
 //! ```
 //! use sextant_kernel::StationId;
-//! use sextant_mac::dmg::{MacAddress, SweepBody, SweepFrame, TxSector};
+//! use sextant_mac::dmg::{Enclosed, MacAddress, SweepBody, SweepFrame, TxSector};
 //!
 //! let robot = MacAddress::of(StationId(1));
 //! let body = SweepBody::Iss { cdown: 0, sector: TxSector::first_antenna(5), total_sectors: 6, rx_antennas: 1 };
 //! let frame = SweepFrame { duration_us: 0, to: MacAddress::BROADCAST, from: robot, body };
 //! let mut octets = Vec::new();
-//! frame.write(&[], &mut octets);
+//! frame.write(Enclosed::Nothing, &mut octets);
 //! assert_eq!(octets.len(), 26);
 //! assert_eq!(SweepFrame::parse(&octets), Ok(frame));
 //! ```
@@ -21,6 +21,8 @@ use super::snr_report::SnrReport;
 use super::timing::{SSW_FEEDBACK_OCTETS, SSW_OCTETS, control_airtime};
 
 mod beacon;
+mod brp;
+mod elements;
 #[cfg(test)]
 mod tests;
 
@@ -28,6 +30,7 @@ pub use beacon::{
     MAX_BEACON_PAYLOAD_OCTETS, MAX_CONTROL_OCTETS, PAYLOAD_OUI, PAYLOAD_TYPE, beacon_octets, beacon_payload,
     beacon_payload_octets,
 };
+pub use brp::{MAX_MEASUREMENTS, SectorMeasurement, brp_measurements, brp_octets};
 
 /// Protocol version 0, type control, subtype control frame extension.
 const FRAME_CONTROL: u8 = 0x64;
@@ -57,6 +60,23 @@ pub struct BeamRefinement {
     pub request: u32,
     /// The beamformed link maintenance field.
     pub link_maintenance: u8,
+}
+
+impl BeamRefinement {
+    /// BC-REQ, a bit of the BRP request field.
+    const BEAM_COMBINING: u32 = 1 << 7;
+
+    /// The request for a BRP frame with the SNRs of all sectors: BC-REQ asks for beam combining, which begins with it.
+    #[must_use]
+    pub const fn of_all_sectors() -> Self {
+        Self { request: Self::BEAM_COMBINING, link_maintenance: 0 }
+    }
+
+    /// Whether the SNRs of all sectors are requested.
+    #[must_use]
+    pub const fn asks_for_all_sectors(self) -> bool {
+        self.request & Self::BEAM_COMBINING != 0
+    }
 }
 
 /// Content of a frame, by its type.
@@ -110,9 +130,25 @@ pub enum SweepBody {
         /// Size of the payload (octets), at most [`MAX_BEACON_PAYLOAD_OCTETS`].
         payload_octets: u16,
     },
+    /// BRP frame, an Action No Ack frame: the SNRs at which its sender heard sectors of its receiver.
+    Brp {
+        /// Number of sectors, at most [`MAX_MEASUREMENTS`].
+        measurements: u8,
+    },
 }
 
-/// A frame of the sector level sweep. The octets of the payload of a beacon stand beside it, so that a frame is small. The length of a receive sector sweep (RXSS) is always 0, because receivers are
+/// What stands beside a frame, so that a frame is small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Enclosed<'a> {
+    /// Most frames enclose nothing.
+    Nothing,
+    /// The payload of a beacon.
+    Payload(&'a [u8]),
+    /// The measurements of a BRP frame.
+    Measurements(&'a [SectorMeasurement]),
+}
+
+/// A frame of the sector level sweep. The length of a receive sector sweep (RXSS) is always 0, because receivers are
 /// quasi-omnidirectional; flags of the frame control field are 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SweepFrame {
@@ -140,7 +176,9 @@ pub enum SweepParseError {
         allowed: u16,
     },
     /// The frame ends within its header.
-    #[error("the frame has {0} octets; allowed: 26 (SSW), 28 (SSW-Feedback, SSW-ACK), 41 to 1023 (DMG Beacon)")]
+    #[error(
+        "the frame has {0} octets; allowed: 26 (SSW), 28 (SSW-Feedback, SSW-ACK), 41 to 1023 (DMG Beacon), 44 and more (BRP)"
+    )]
     Truncated(usize),
     /// The frame check sequence is wrong.
     #[error("the FCS is {found:#010x}; the octets before it give {computed:#010x}")]
@@ -150,9 +188,10 @@ pub enum SweepParseError {
         /// The correct value.
         computed: u32,
     },
-    /// The frame is no control frame of the extension, and no beacon.
+    /// The frame is no control frame of the extension, no beacon and no action.
     #[error(
-        "the frame control field starts with {0:#04x}; allowed: 0x64 (control frame extension), 0x0c (DMG Beacon)"
+        "the frame control field starts with {0:#04x}; allowed: 0x64 (control frame extension), 0x0c (DMG Beacon), 0xe0 \
+         (Action No Ack)"
     )]
     Type(u8),
     /// The extension is another one.
@@ -170,9 +209,11 @@ pub enum SweepParseError {
     /// A beacon has a field between its fixed fields and its elements.
     #[error("the DMG Beacon frame has a Clustering Control field; allowed: none")]
     Clustering,
-    /// An element of a beacon is longer than the rest of the frame.
-    #[error("the element at octet {at} of the DMG Beacon frame is cut: {left} octets are left of it")]
+    /// An element is longer than the rest of its frame.
+    #[error("the element at octet {at} of the {kind} frame is cut: {left} octets are left of it")]
     CutElement {
+        /// Type of the frame.
+        kind: &'static str,
         /// Where it begins.
         at: usize,
         /// Octets from there to the FCS.
@@ -181,6 +222,25 @@ pub enum SweepParseError {
     /// A beacon has no element with a payload.
     #[error("the DMG Beacon frame has no element with a payload")]
     NoPayload,
+    /// The action is another one.
+    #[error("the Action No Ack frame has category {category} and action {action}; allowed: 20 and 1 (BRP)")]
+    Action {
+        /// Its category.
+        category: u8,
+        /// The action of that category.
+        action: u8,
+    },
+    /// A BRP frame has not the two elements of a report.
+    #[error("the BRP frame has no SNRs of sectors; allowed: elements 153 with SNRs and sector IDs present, and 154")]
+    NoMeasurements,
+    /// The two elements of a BRP frame do not fit together.
+    #[error("the BRP frame has {found} octets of measurements; allowed: {allowed}, 2 for each that it announces")]
+    Measurements {
+        /// Octets of measurements.
+        found: usize,
+        /// Octets of those announced.
+        allowed: usize,
+    },
 }
 
 impl SweepFrame {
@@ -191,6 +251,7 @@ impl SweepFrame {
             SweepBody::Iss { .. } | SweepBody::Rss { .. } => SSW_OCTETS,
             SweepBody::Feedback { .. } | SweepBody::Ack { .. } => SSW_FEEDBACK_OCTETS,
             SweepBody::Beacon { payload_octets, .. } => beacon_octets(payload_octets),
+            SweepBody::Brp { measurements } => brp_octets(measurements),
         }
     }
 
@@ -206,15 +267,17 @@ impl SweepFrame {
         Duration::from_micros(u64::from(self.duration_us))
     }
 
-    /// Replaces the content of `octets` with the frame, FCS included; `payload` is that of a beacon, and empty for other
-    /// frames. A buffer that has held a frame before is not reallocated. Values beyond their fields are cut to them.
+    /// Replaces the content of `octets` with the frame, FCS included. A buffer that has held a frame before is not
+    /// reallocated. Values beyond their fields are cut to them.
     ///
     /// # Panics
-    /// If the payload has not the size that the frame says, or more than [`MAX_BEACON_PAYLOAD_OCTETS`].
-    pub fn write(&self, payload: &[u8], octets: &mut Vec<u8>) {
+    /// If what is enclosed has not the kind and size that the frame says, or more octets or measurements than a frame
+    /// carries.
+    pub fn write(&self, enclosed: Enclosed<'_>, octets: &mut Vec<u8>) {
         octets.clear();
         match self.body {
             SweepBody::Beacon { timestamp_us, cdown, sector, sequence, payload_octets } => {
+                let Enclosed::Payload(payload) = enclosed else { panic!("{enclosed:?} is no payload") };
                 assert_eq!(payload.len(), usize::from(payload_octets), "the frame says how large its payload is");
                 assert!(payload_octets <= MAX_BEACON_PAYLOAD_OCTETS, "a payload of {payload_octets} octets");
                 let fixed = beacon::Fixed { timestamp_us, cdown, sector };
@@ -231,6 +294,11 @@ impl SweepFrame {
                 self.write_choice(SSW_FEEDBACK, feedback, refinement, octets);
             }
             SweepBody::Ack { feedback, refinement } => self.write_choice(SSW_ACK, feedback, refinement, octets),
+            SweepBody::Brp { measurements } => {
+                let Enclosed::Measurements(heard) = enclosed else { panic!("{enclosed:?} are no measurements") };
+                assert_eq!(heard.len(), usize::from(measurements), "the frame says how many sectors it reports");
+                brp::write(self, heard, octets);
+            }
         }
         octets.extend(crc32fast::hash(octets).to_le_bytes());
     }
@@ -256,8 +324,8 @@ impl SweepFrame {
         octets.push(refinement.link_maintenance);
     }
 
-    /// Reads a frame, FCS included. Reserved bits are ignored, as the standard says, and so are the elements of a beacon
-    /// that carry no payload. [`beacon_payload`] reads the payload.
+    /// Reads a frame, FCS included. Reserved bits are ignored, as the standard says, and so are elements of a beacon or
+    /// a BRP frame that are of other kinds. [`beacon_payload`] and [`brp_measurements`] read what is enclosed.
     ///
     /// # Errors
     /// If the octets are not a valid frame of the sector level sweep.
@@ -274,6 +342,9 @@ impl SweepFrame {
         }
         if covered[0] == beacon::FRAME_CONTROL {
             return beacon::parse(covered);
+        }
+        if covered[0] == brp::FRAME_CONTROL {
+            return brp::parse(covered);
         }
         let [control, extension, d0, d1, r0, r1, r2, r3, r4, r5, t0, t1, t2, t3, t4, t5] = header;
         if control != FRAME_CONTROL {

@@ -13,75 +13,22 @@ use super::backoff::{Backoff, Carrier};
 use super::frame::{BeamRefinement, MAX_BEACON_PAYLOAD_OCTETS, SectorFeedback, SweepBody, SweepFrame};
 use super::port::{Aim, Event, Radio};
 use super::sector::{SectorLayout, TxSector};
-use super::settings::{Contention, SweepSettings};
+use super::settings::SweepSettings;
 use super::timing::{
-    AIR_PROPAGATION, CCA_DETECTION, MAX_SLS_RETRIES, MBIFS, SLOT, SSW_ACK_TIMEOUT, SSW_FEEDBACK_AIRTIME,
-    duration_field, slot_sweep_duration, sweep_end,
+    AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SSW_ACK_TIMEOUT, SSW_FEEDBACK_AIRTIME, duration_field, sweep_end,
 };
 use crate::RadioState;
 use answers::Answers;
 
 mod answers;
+mod gathering;
+mod report;
 #[cfg(test)]
 mod tests;
 
 pub use answers::Answer;
-
-/// What a sweep is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SweepPurpose {
-    /// All stations that hear it answer.
-    Gather,
-    /// One station answers, which has these sectors: the full procedure with SSW-Feedback and SSW-ACK.
-    Train {
-        /// The station.
-        responder: MacAddress,
-        /// Its sectors.
-        layout: SectorLayout,
-    },
-    /// The station announces itself; there are no answers.
-    Announce,
-    /// All stations get a payload, in a DMG Beacon frame from each sector; no one answers.
-    Broadcast {
-        /// Number of the payload, modulo 256.
-        sequence: u8,
-        /// Size of the payload (octets), at most [`MAX_BEACON_PAYLOAD_OCTETS`].
-        payload_octets: u16,
-    },
-}
-
-/// When a sweep starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Access {
-    /// At once, whatever the channel.
-    AtOnce,
-    /// By carrier sense and backoff.
-    Contend,
-}
-
-/// How a sweep ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InitiatorOutcome {
-    /// The window for answers is over; of a sweep that no one answers, its last frame.
-    Over,
-    /// The named station answered, and acknowledged the feedback.
-    Trained,
-    /// The named station did not answer any of the sweeps.
-    NoAnswer,
-    /// The named station answered, but never acknowledged the feedback.
-    NoAck,
-}
-
-/// The end of a sweep. [`Initiator::answers`] has the answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct InitiatorReport {
-    /// What it was for.
-    pub purpose: SweepPurpose,
-    /// How it ended.
-    pub outcome: InitiatorOutcome,
-    /// Frames sent in the sweep, without feedback.
-    pub frames: u32,
-}
+use gathering::Window;
+pub use report::{Access, InitiatorOutcome, InitiatorReport, SweepPurpose};
 
 /// A sweep under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,13 +36,9 @@ struct Sweep {
     purpose: SweepPurpose,
     frames: u32,
     retries: u8,
-}
-
-/// The time for answers of many stations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Window {
-    opens: SimTime,
-    closes: SimTime,
+    /// Reports of all sectors that were asked for, and those that came.
+    asked: u32,
+    reported: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,8 +51,10 @@ enum State {
     Spacing(Sweep, u16),
     /// Listening for answers of all stations.
     Gathering(Sweep, Window),
-    /// Sending feedback to one of them.
-    Informing(Sweep, Window),
+    /// Sending feedback to this one of them.
+    Informing(Sweep, Window, MacAddress),
+    /// Listening for its report of all sectors.
+    AwaitingReport(Sweep, Window, MacAddress),
     /// Listening for the answer of one station until its sweep must have ended.
     AwaitingAnswer(Sweep, SimTime),
     /// Sending it feedback.
@@ -156,6 +101,12 @@ impl Initiator {
         self.answers.best()
     }
 
+    /// Whether the report of all sectors of this station is awaited: it has just got feedback that asks for it.
+    #[must_use]
+    pub fn awaits_report_of(&self, station: MacAddress) -> bool {
+        matches!(self.state, State::AwaitingReport(_, _, responder) if responder == station)
+    }
+
     /// Whether a sweep waits for the channel: it has not begun, and [`Initiator::withdraw`] can take it back.
     #[must_use]
     pub const fn is_contending(&self) -> bool {
@@ -172,7 +123,7 @@ impl Initiator {
             assert!(payload_octets <= MAX_BEACON_PAYLOAD_OCTETS, "a payload of {payload_octets} octets");
         }
         self.answers.clear();
-        let sweep = Sweep { purpose, frames: 0, retries: 0 };
+        let sweep = Sweep { purpose, frames: 0, retries: 0, asked: 0, reported: 0 };
         match access {
             Access::AtOnce => self.send(sweep, 0, now, radio),
             Access::Contend => {
@@ -206,7 +157,7 @@ impl Initiator {
         sinr: Db,
         radio: &mut impl Radio,
     ) -> Option<InitiatorReport> {
-        if matches!(self.state, State::Sweeping(..) | State::Informing(..) | State::Choosing(_)) {
+        if self.is_transmitting() {
             return None;
         }
         if frame.to != self.address {
@@ -214,15 +165,12 @@ impl Initiator {
             return None;
         }
         match (self.state, frame.body) {
-            (State::Gathering(sweep, window), SweepBody::Rss { cdown, sector, feedback }) => {
-                let answer = Answer::new(frame.from, sector, feedback, sinr);
-                self.answers.hear(answer);
-                if let Some(due) = self.feedback_due(now, window, cdown, frame.duration_us) {
-                    self.answers.promise(answer, due);
-                    self.watch(sweep, window, now, radio)
-                } else {
-                    None
-                }
+            (State::Gathering(_, window) | State::AwaitingReport(_, window, _), SweepBody::Rss { .. }) => {
+                self.hear(now, frame, sinr, window, radio)
+            }
+            (State::AwaitingReport(sweep, window, responder), SweepBody::Brp { .. }) if responder == frame.from => {
+                self.alarm.clear(radio);
+                self.watch(Sweep { reported: sweep.reported + 1, ..sweep }, window, now, radio)
             }
             (State::AwaitingAnswer(sweep, _), SweepBody::Rss { cdown, sector, feedback })
                 if names(sweep, frame.from) =>
@@ -243,7 +191,7 @@ impl Initiator {
 
     /// A frame for another station was decoded whose last bit arrives now.
     pub fn overhear(&mut self, now: SimTime, frame: &SweepFrame) {
-        if !matches!(self.state, State::Sweeping(..) | State::Informing(..) | State::Choosing(_)) {
+        if !self.is_transmitting() {
             self.defer(now, now + frame.duration());
         }
     }
@@ -288,11 +236,13 @@ impl Initiator {
             (State::Gathering(sweep, window), Event::TransmitReady | Event::WaitExpired) => {
                 self.watch(sweep, window, now, radio)
             }
-            (State::Informing(sweep, window), Event::TransmissionEnded) => {
+            (State::Informing(sweep, window, responder), Event::TransmissionEnded) => {
                 listen(radio);
                 self.carrier.is_taken_until(now);
-                self.watch(sweep, window, now, radio)
+                self.expect_report(sweep, window, responder, now, radio)
             }
+            // The report is lost.
+            (State::AwaitingReport(sweep, window, _), Event::WaitExpired) => self.watch(sweep, window, now, radio),
             (State::AwaitingAnswer(sweep, until), Event::WaitExpired) => self.choose(sweep, until, now, radio),
             (State::Choosing(sweep), Event::TransmissionEnded) => {
                 listen(radio);
@@ -307,6 +257,11 @@ impl Initiator {
             (State::AwaitingAck(sweep), Event::WaitExpired) => Some(self.end(sweep, InitiatorOutcome::NoAck)),
             (state, event) => panic!("{event:?} cannot happen in {state:?}"),
         }
+    }
+
+    /// Whether a frame of this machine is on the air, so that it hears none.
+    const fn is_transmitting(&self) -> bool {
+        matches!(self.state, State::Sweeping(..) | State::Informing(..) | State::Choosing(_))
     }
 
     /// Goes on with a backoff, if there is one.
@@ -366,70 +321,6 @@ impl Initiator {
         }
     }
 
-    /// When feedback to the sweep of a responder is due, of which a frame was decoded now; `None` without feedback.
-    fn feedback_due(&self, now: SimTime, window: Window, cdown: u16, duration_us: u16) -> Option<SimTime> {
-        match self.settings.contention() {
-            Contention::CsmaFeedback { .. } => {
-                Some(sweep_end(now, cdown, duration_us, self.settings.taken_after_answer()) + MBIFS)
-            }
-            Contention::Abft(abft) if abft.has_feedback() && now > window.opens => {
-                let slots = (now - window.opens).as_nanos() / abft.slot_duration().as_nanos();
-                let slots = u32::try_from(slots).expect("at most 8 slots");
-                let start = window.opens + abft.slot_duration() * slots;
-                Some(start + slot_sweep_duration(abft.frames_per_slot()) + MBIFS)
-            }
-            Contention::Csma | Contention::Abft(_) => None,
-        }
-    }
-
-    /// In the window for answers: sends the feedback that is due now, ends the window, or waits for what comes first.
-    fn watch(
-        &mut self,
-        sweep: Sweep,
-        window: Window,
-        now: SimTime,
-        radio: &mut impl Radio,
-    ) -> Option<InitiatorReport> {
-        self.state = State::Gathering(sweep, window);
-        self.answers.forget_before(now);
-        let check = self.check(window, now);
-        match self.answers.next_due() {
-            Some(due) if due == now => {
-                self.alarm.clear(radio);
-                let answer = self.answers.take_next();
-                self.inform(answer, 0, radio);
-                self.state = State::Informing(sweep, window);
-                None
-            }
-            Some(due) => {
-                self.alarm.set(now, due, Event::TransmitReady, radio);
-                None
-            }
-            None if check <= now => {
-                self.alarm.clear(radio);
-                Some(self.end(sweep, InitiatorOutcome::Over))
-            }
-            None => {
-                self.alarm.set(now, check, Event::WaitExpired, radio);
-                None
-            }
-        }
-    }
-
-    /// When to look whether the window is over. Without feedback it is over once no station can still be contending: the
-    /// channel was idle for AIFS and the largest backoff, the time to notice a signal, and a sweep whose frames point
-    /// elsewhere but for the last. A station that gets no
-    /// feedback contends again with a larger backoff, so then only the end of the window counts.
-    fn check(&self, window: Window, now: SimTime) -> SimTime {
-        if self.settings.contention() != Contention::Csma {
-            return window.closes;
-        }
-        let category = self.settings.access_category();
-        let idle = category.aifs() + SLOT * category.cw_min() + CCA_DETECTION + self.settings.longest_answer();
-        let since = if self.carrier.is_busy() { now } else { self.carrier.free_from().max(window.opens) };
-        window.closes.min(since + idle)
-    }
-
     /// The named station has answered, or has not.
     fn choose(
         &mut self,
@@ -453,25 +344,27 @@ impl Initiator {
     /// Sends feedback to the named station.
     fn train(&mut self, sweep: Sweep, radio: &mut impl Radio) {
         let [answer] = *self.answers() else { unreachable!("one station is named, and it answered") };
-        self.inform(answer, duration_field(MBIFS + SSW_FEEDBACK_AIRTIME), radio);
+        let taken = duration_field(MBIFS + SSW_FEEDBACK_AIRTIME);
+        self.inform(answer, taken, BeamRefinement::default(), radio);
         self.state = State::Choosing(sweep);
     }
 
     /// Starts the feedback to an answer, on the sector that it named.
-    fn inform(&self, answer: Answer, duration_us: u16, radio: &mut impl Radio) {
+    fn inform(&self, answer: Answer, duration_us: u16, refinement: BeamRefinement, radio: &mut impl Radio) {
         let feedback = SectorFeedback {
             select: answer.responder_sector,
             snr: super::snr_report::SnrReport::of(answer.snr),
             poll_required: false,
         };
-        let body = SweepBody::Feedback { feedback, refinement: BeamRefinement::default() };
+        let body = SweepBody::Feedback { feedback, refinement };
         let frame = SweepFrame { duration_us, to: answer.responder, from: self.address, body };
         transmit(frame, answer.select, radio);
     }
 
     fn end(&mut self, sweep: Sweep, outcome: InitiatorOutcome) -> InitiatorReport {
         self.state = State::Idle;
-        InitiatorReport { purpose: sweep.purpose, outcome, frames: sweep.frames }
+        let Sweep { purpose, frames, asked, reported, .. } = sweep;
+        InitiatorReport { purpose, outcome, frames, asked, reported }
     }
 }
 

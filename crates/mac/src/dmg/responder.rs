@@ -7,18 +7,17 @@ use sextant_kernel::SimTime;
 use super::address::MacAddress;
 use super::alarm::Alarm;
 use super::backoff::{Backoff, Carrier};
-use super::frame::{BeamRefinement, SectorFeedback, SweepBody, SweepFrame};
+use super::frame::{SectorFeedback, SectorMeasurement, SweepBody, SweepFrame};
 use super::port::{Aim, Event, Radio};
 use super::sector::{SectorLayout, TxSector};
 use super::settings::{AnswerSettings, Contention, SweepSettings};
 use super::snr_report::SnrReport;
-use super::timing::{
-    AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SBIFS, SSW_ACK_TIMEOUT, SSW_AIRTIME, SSW_FEEDBACK_AIRTIME,
-    duration_field, sweep_end,
-};
+use super::timing::{MBIFS, SBIFS, SSW_AIRTIME, duration_field, sweep_end};
 use crate::RadioState;
 
 mod answering;
+mod feedback;
+mod measuring;
 mod report;
 #[cfg(test)]
 mod tests;
@@ -50,6 +49,9 @@ enum State {
     /// Silent before the acknowledgement of a choice.
     TurningToAck(Answering, SectorFeedback),
     Acknowledging(Answering, SectorFeedback),
+    /// Silent before the report of all sectors.
+    TurningToReport(Answering, SectorFeedback),
+    Reporting(Answering, SectorFeedback),
 }
 
 /// The state machine. While it answers a sweep, it ignores sweeps of other initiators; a new sweep of the same
@@ -70,6 +72,8 @@ pub struct Responder {
     skip: u32,
     /// The initiator whose last A-BFT ended before this station had swept all its sectors, and the frame to go on with.
     unfinished: Option<(MacAddress, u16)>,
+    /// The sectors of the last sweep that were heard, if they may be asked for.
+    measurements: Vec<SectorMeasurement>,
 }
 
 impl Responder {
@@ -87,6 +91,7 @@ impl Responder {
             failed: 0,
             skip: 0,
             unfinished: None,
+            measurements: Vec::new(),
         }
     }
 
@@ -107,12 +112,10 @@ impl Responder {
     /// # Panics
     /// If a frame of this station is on the air.
     pub fn stop(&mut self, radio: &mut impl Radio) {
-        let is_transmitting = matches!(self.state, State::Sweeping(..) | State::Acknowledging(..));
-        assert!(!is_transmitting, "a frame is on the air");
+        assert!(!self.is_transmitting(), "a frame is on the air");
         self.alarm.clear(radio);
         if matches!(self.state, State::Spacing(..)) {
-            radio.aim(Aim::QuasiOmni);
-            radio.enter(RadioState::Receive);
+            listen(radio);
         }
         self.state = State::Listening;
     }
@@ -126,19 +129,22 @@ impl Responder {
         sinr: Db,
         radio: &mut impl Radio,
     ) -> Option<ResponderReport> {
-        if matches!(self.state, State::Sweeping(..) | State::Acknowledging(..)) {
+        if self.is_transmitting() {
             return None;
         }
         let is_unicast = frame.to == self.address;
         match frame.body {
-            SweepBody::Iss { cdown, sector, rx_antennas: 1.., .. }
+            SweepBody::Iss { cdown, sector, total_sectors, rx_antennas: 1.. }
                 if (is_unicast || frame.to == MacAddress::BROADCAST) && self.takes(frame.from) =>
             {
                 let end = sweep_end(now, cdown, frame.duration_us, std::time::Duration::ZERO);
-                let heard = HeardSweep { initiator: frame.from, sector, snr: sinr, frames: 1, end, is_unicast };
+                let initiator = frame.from;
+                let heard = HeardSweep { initiator, sector, snr: sinr, frames: 1, total_sectors, end, is_unicast };
                 self.hear(now, heard, radio);
             }
-            SweepBody::Feedback { feedback, .. } if is_unicast => return self.take(now, frame.from, feedback, radio),
+            SweepBody::Feedback { feedback, refinement } if is_unicast => {
+                return self.take(now, frame.from, feedback, refinement, radio);
+            }
             _ if is_unicast => {}
             _ => self.overhear(now, frame),
         }
@@ -147,7 +153,7 @@ impl Responder {
 
     /// A frame for another station was decoded whose last bit arrives now.
     pub fn overhear(&mut self, now: SimTime, frame: &SweepFrame) {
-        if !matches!(self.state, State::Sweeping(..) | State::Acknowledging(..)) {
+        if !self.is_transmitting() {
             self.defer(now, now + frame.duration());
         }
     }
@@ -190,8 +196,7 @@ impl Responder {
                 None
             }
             (State::Sweeping(answering, _), Event::TransmissionEnded) => {
-                radio.aim(Aim::QuasiOmni);
-                radio.enter(RadioState::Receive);
+                listen(radio);
                 self.await_feedback(answering, now, radio)
             }
             (State::AwaitingFeedback(answering), Event::WaitExpired) => self.miss(answering, now, radio),
@@ -203,14 +208,26 @@ impl Responder {
                 None
             }
             (State::Acknowledging(answering, feedback), Event::TransmissionEnded) => {
-                radio.aim(Aim::QuasiOmni);
-                radio.enter(RadioState::Receive);
+                listen(radio);
                 let is_new = self.acknowledged.replace(answering.heard) != Some(answering.heard);
                 let report = self.end(answering, ResponderOutcome::Trained(feedback));
                 is_new.then_some(report)
             }
+            (State::TurningToReport(answering, feedback), Event::TransmitReady) => {
+                self.report(answering, feedback, radio);
+                None
+            }
+            (State::Reporting(answering, feedback), Event::TransmissionEnded) => {
+                listen(radio);
+                Some(self.end(answering, ResponderOutcome::Trained(feedback)))
+            }
             (state, event) => panic!("{event:?} cannot happen in {state:?}"),
         }
+    }
+
+    /// Whether a frame of this machine is on the air, so that it hears none.
+    const fn is_transmitting(&self) -> bool {
+        matches!(self.state, State::Sweeping(..) | State::Acknowledging(..) | State::Reporting(..))
     }
 
     /// Whether a sweep of this initiator is heard now: nothing is under way, or its own last sweep.
@@ -222,7 +239,12 @@ impl Responder {
             | State::Waiting(answering)
             | State::AwaitingFeedback(answering)
             | State::BetweenSlots(answering) => answering.heard.initiator == initiator,
-            State::Sweeping(..) | State::Spacing(..) | State::TurningToAck(..) | State::Acknowledging(..) => false,
+            State::Sweeping(..)
+            | State::Spacing(..)
+            | State::TurningToAck(..)
+            | State::Acknowledging(..)
+            | State::TurningToReport(..)
+            | State::Reporting(..) => false,
         }
     }
 
@@ -230,12 +252,15 @@ impl Responder {
     fn hear(&mut self, now: SimTime, frame: HeardSweep, radio: &mut impl Radio) {
         let heard = match self.state {
             State::Hearing(heard) if heard.end == frame.end && heard.is_unicast == frame.is_unicast => {
+                self.measure(frame);
                 let best = if frame.snr > heard.snr { frame } else { heard };
                 HeardSweep { frames: heard.frames + 1, ..best }
             }
             _ => {
                 self.alarm.clear(radio);
                 self.alarm.set(now, frame.end, Event::WaitExpired, radio);
+                self.measurements.clear();
+                self.measure(frame);
                 frame
             }
         };
@@ -310,13 +335,13 @@ impl Responder {
 
     /// Starts the frame `index` of the sweep.
     fn send(&mut self, answering: Answering, index: u16, radio: &mut impl Radio) {
-        let HeardSweep { initiator, is_unicast, .. } = answering.heard;
+        let HeardSweep { initiator, is_unicast, total_sectors, .. } = answering.heard;
         let sector = self.layout.sector(index);
         let later_turns = self.layout.total() - self.end_of_turn(answering);
         let mut taken =
             self.layout.remaining_after(index, SSW_AIRTIME) - (SSW_AIRTIME + SBIFS) * u32::from(later_turns);
         if !is_unicast {
-            taken += self.settings.taken_after_answer();
+            taken += self.settings.taken_after_answer(total_sectors);
         }
         let cdown = self.layout.total() - 1 - index;
         let body = SweepBody::Rss { cdown, sector, feedback: choice(answering.heard) };
@@ -334,90 +359,15 @@ impl Responder {
         radio.start_transmission(frame, frame.airtime());
     }
 
-    /// The sweep was sent.
-    fn await_feedback(
-        &mut self,
-        answering: Answering,
-        now: SimTime,
-        radio: &mut impl Radio,
-    ) -> Option<ResponderReport> {
-        let feedback = MBIFS + SSW_FEEDBACK_AIRTIME + AIR_PROPAGATION * 2;
-        let is_last = self.end_of_turn(answering) == self.layout.total();
-        let until = match self.settings.contention() {
-            // The initiator repeats its feedback until it is acknowledged.
-            _ if answering.heard.is_unicast => {
-                now + feedback + (SSW_ACK_TIMEOUT + SSW_FEEDBACK_AIRTIME) * u32::from(MAX_SLS_RETRIES)
-            }
-            Contention::CsmaFeedback { .. } => now + feedback,
-            Contention::Abft(abft) if abft.has_feedback() => answering.start + abft.slot_duration(),
-            Contention::Abft(abft) if !is_last => return self.wait_for_slot(answering, abft, now, radio),
-            Contention::Csma | Contention::Abft(_) => return Some(self.end(answering, ResponderOutcome::Sent)),
-        };
-        let event = if is_last { Event::WaitExpired } else { Event::TransmitReady };
-        self.alarm.set(now, until, event, radio);
-        self.state = State::AwaitingFeedback(answering);
-        None
-    }
-
-    /// A choice of a sector of this station.
-    fn take(
-        &mut self,
-        now: SimTime,
-        initiator: MacAddress,
-        feedback: SectorFeedback,
-        radio: &mut impl Radio,
-    ) -> Option<ResponderReport> {
-        let answering = match (self.state, self.acknowledged) {
-            (State::AwaitingFeedback(answering), _) if answering.heard.initiator == initiator => answering,
-            (State::Listening, Some(heard)) if heard.initiator == initiator => {
-                Answering { heard, cw: 0, sweeps: 1, start: now, first: 0, choice: None }
-            }
-            _ => return None,
-        };
-        self.alarm.clear(radio);
-        if answering.heard.is_unicast {
-            self.alarm.set(now, now + MBIFS, Event::TransmitReady, radio);
-            self.state = State::TurningToAck(answering, feedback);
-            return None;
-        }
-        self.failed = 0;
-        let answering = answering.with_choice(feedback);
-        match self.settings.contention() {
-            Contention::Abft(abft) if self.end_of_turn(answering) < self.layout.total() => {
-                self.wait_for_slot(answering, abft, now, radio)
-            }
-            _ => Some(self.end(answering, ResponderOutcome::Trained(answering.choice.unwrap_or(feedback)))),
-        }
-    }
-
-    fn acknowledge(&mut self, answering: Answering, feedback: SectorFeedback, radio: &mut impl Radio) {
-        let body = SweepBody::Ack { feedback: choice(answering.heard), refinement: BeamRefinement::default() };
-        let frame = SweepFrame { duration_us: 0, to: answering.heard.initiator, from: self.address, body };
-        self.transmit(frame, feedback.select, radio);
-        self.state = State::Acknowledging(answering, feedback);
-    }
-
-    /// No feedback came in time: contends again, or gives up.
-    fn miss(&mut self, answering: Answering, now: SimTime, radio: &mut impl Radio) -> Option<ResponderReport> {
-        match self.settings.contention() {
-            Contention::CsmaFeedback { max_retries }
-                if !answering.heard.is_unicast && answering.sweeps <= max_retries =>
-            {
-                let cw = self.settings.access_category().widened(answering.cw);
-                self.contend(Answering { cw, ..answering }, now, now, radio);
-                return self.pursue(now, radio);
-            }
-            Contention::Abft(_) if !answering.heard.is_unicast && answering.choice.is_none() => self.fail(radio),
-            _ => {}
-        }
-        let outcome = answering.choice.map_or(ResponderOutcome::NoFeedback, ResponderOutcome::Trained);
-        Some(self.end(answering, outcome))
-    }
-
     fn end(&mut self, answering: Answering, outcome: ResponderOutcome) -> ResponderReport {
         self.state = State::Listening;
         ResponderReport::Answered { heard: answering.heard, outcome, sweeps: answering.sweeps }
     }
+}
+
+fn listen(radio: &mut impl Radio) {
+    radio.aim(Aim::QuasiOmni);
+    radio.enter(RadioState::Receive);
 }
 
 /// The choice of a sector of the initiator.

@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::edca::AccessCategory;
+use super::frame::{MAX_MEASUREMENTS, brp_octets};
 use super::sector::SectorLayout;
-use super::timing::{MBIFS, SSW_FEEDBACK_AIRTIME, slot_duration};
+use super::timing::{MBIFS, SIFS, SSW_FEEDBACK_AIRTIME, control_airtime, slot_duration};
 
 /// Longest window for answers (ms).
 const MAX_WINDOW_MS: f64 = 1000.0;
@@ -56,11 +57,14 @@ pub enum ContentionConfig {
 pub struct CsmaFeedbackConfig {
     /// Further sweeps of a node that gets no feedback, within the window: 0 to 7.
     pub max_retries: u8,
+    /// Whether the robot asks, with its feedback, for the signal-to-noise ratios of all its sectors that the node heard. The
+    /// node reports them in one further frame: at most 127, the strongest.
+    pub report_all_sectors: bool,
 }
 
 impl Default for CsmaFeedbackConfig {
     fn default() -> Self {
-        Self { max_retries: MAX_RETRIES }
+        Self { max_retries: MAX_RETRIES, report_all_sectors: false }
     }
 }
 
@@ -93,6 +97,8 @@ pub enum Contention {
     CsmaFeedback {
         /// Further sweeps without feedback.
         max_retries: u8,
+        /// Whether initiators ask for the SNRs of all their sectors.
+        report_all_sectors: bool,
     },
     /// Slots of an A-BFT.
     Abft(Abft),
@@ -212,12 +218,25 @@ impl SweepSettings {
         self.access_category
     }
 
-    /// For how long the medium stays taken after a responder sweep that answers a sweep to all.
-    pub(super) fn taken_after_answer(&self) -> Duration {
+    /// Whether initiators ask for the SNRs of all their sectors.
+    #[must_use]
+    pub const fn reports_all_sectors(&self) -> bool {
+        matches!(self.contention, Contention::CsmaFeedback { report_all_sectors: true, .. })
+    }
+
+    /// For how long the medium stays taken after a responder sweep that answers a sweep to all with so many `sectors`.
+    pub(super) fn taken_after_answer(&self, sectors: u16) -> Duration {
         match self.contention {
-            Contention::CsmaFeedback { .. } => MBIFS + SSW_FEEDBACK_AIRTIME,
+            Contention::CsmaFeedback { .. } => MBIFS + SSW_FEEDBACK_AIRTIME + self.taken_after_feedback(sectors),
             Contention::Csma | Contention::Abft(_) => Duration::ZERO,
         }
+    }
+
+    /// For how long the medium stays taken after the feedback: until the end of a report of so many `sectors`, if the
+    /// initiator asks for one.
+    pub(super) fn taken_after_feedback(&self, sectors: u16) -> Duration {
+        let measurements = u8::try_from(sectors).unwrap_or(u8::MAX).min(MAX_MEASUREMENTS);
+        if self.reports_all_sectors() { SIFS + control_airtime(brp_octets(measurements)) } else { Duration::ZERO }
     }
 
     /// Whether a responder with these sectors can answer.
@@ -272,9 +291,9 @@ impl TryFrom<ContentionConfig> for Contention {
         };
         match config {
             ContentionConfig::Csma => Ok(Self::Csma),
-            ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries }) => {
+            ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries, report_all_sectors }) => {
                 let max_retries = within("csma_feedback.max_retries", max_retries, 0, MAX_RETRIES)?;
-                Ok(Self::CsmaFeedback { max_retries })
+                Ok(Self::CsmaFeedback { max_retries, report_all_sectors })
             }
             ContentionConfig::Abft(AbftConfig { slots, frames_per_slot, feedback }) => Ok(Self::Abft(Abft {
                 slots: within("abft.slots", slots, 1, MAX_SLOTS)?,
@@ -311,7 +330,9 @@ mod tests {
 
     #[test]
     fn settings_beyond_their_fields_are_rejected() {
-        let retries = |max_retries| ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries });
+        let retries = |max_retries| {
+            ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries, ..CsmaFeedbackConfig::default() })
+        };
         let csma = ContentionConfig::Csma;
         assert_eq!(refused(retries(8), 5.0), message("contention.csma_feedback.max_retries", "8", "0 to 7"));
         assert_eq!(refused(abft(9, 8), 5.0), message("contention.abft.slots", "9", "1 to 8"));

@@ -1,4 +1,4 @@
-//! The SNR that a station reports of the best frame it heard.
+//! The SNRs that stations report: of the best frame heard, and of each sector.
 
 use sextant_channel::Db;
 
@@ -32,6 +32,28 @@ impl SnrReport {
     }
 }
 
+/// The SNR of a sector in a Channel Measurement Feedback element: 8 bits, steps of 0.25 dB from −8 dB (IEEE 802.11ad-2012,
+/// 8.4.2.138). It is another code than that of [`SnrReport`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MeasuredSnr(pub u8);
+
+impl MeasuredSnr {
+    /// The nearest report of `snr`: lower values than −8 dB are reported as −8 dB, higher ones than 55.75 dB as 55.75 dB.
+    #[must_use]
+    pub fn of(snr: Db) -> Self {
+        let quarters = (4.0 * (snr.0 + 8.0)).round().clamp(0.0, 255.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 255")]
+        let report = quarters as u8;
+        Self(report)
+    }
+
+    /// The SNR reported.
+    #[must_use]
+    pub fn snr(self) -> Db {
+        Db(f64::from(self.0) / 4.0 - 8.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -46,6 +68,16 @@ mod tests {
         for report in i8::MIN..=i8::MAX {
             assert_eq!(SnrReport::of(SnrReport(report).snr()), SnrReport(report));
             assert_eq!(SnrReport::from_octet(SnrReport(report).to_octet()), SnrReport(report));
+        }
+    }
+
+    #[test]
+    fn measurements_are_quarters_of_a_decibel_from_minus_8_and_clamped() {
+        let of = |snr| MeasuredSnr::of(Db(snr)).0;
+        assert_eq!([of(-8.0), of(-7.8), of(0.0), of(19.2), of(55.75)], [0, 1, 32, 109, 255]);
+        assert_eq!([of(-9.0), of(-80.0), of(56.0), of(90.0)], [0, 0, 255, 255]);
+        for report in 0..=255 {
+            assert_eq!(MeasuredSnr::of(MeasuredSnr(report).snr()), MeasuredSnr(report));
         }
     }
 }

@@ -18,7 +18,8 @@ fn settings(contention: ContentionConfig) -> SweepSettings {
         .expect("good settings")
 }
 
-const WITH_FEEDBACK: ContentionConfig = ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries: 7 });
+const WITH_FEEDBACK: ContentionConfig =
+    ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries: 7, report_all_sectors: false });
 const ABFT: ContentionConfig = ContentionConfig::Abft(AbftConfig { slots: 8, frames_per_slot: 8, feedback: true });
 
 /// A mean over rounds, and its standard error.

@@ -2,7 +2,7 @@
 
 use sextant_channel::NetworkLog;
 use sextant_kernel::NodeId;
-use sextant_sim::{Network, NetworkRecord, RoleConfig, SimulatedPart, Survey};
+use sextant_sim::{Network, NetworkRecord, Packets, RoleConfig, SimulatedPart, Survey};
 use sha2::{Digest, Sha256};
 
 use super::discovery::Discoveries;
@@ -12,7 +12,7 @@ use crate::hexadecimal::hexadecimal;
 use crate::scenario::Scenario;
 use crate::summary::{
     ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary,
-    RegionSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary,
+    RegionSummary, ScenarioSummary, SectorReportsSummary, SensingSummary, SimulationSummary, Summary,
 };
 
 /// The summary of a run without timing: of its survey, if it has one, of the discovery before it, of its maps and of its
@@ -103,6 +103,7 @@ fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
         interrupted: survey.interrupted,
         stops: stops(scenario, survey),
         sweeps: sweeps(scenario, survey),
+        sector_reports: sector_reports(scenario, survey),
         receptions: heard(survey),
     }
 }
@@ -134,6 +135,16 @@ fn sweeps(scenario: &Scenario, survey: &Survey) -> Option<u64> {
     let has_sweeps = |network: &Network| network.technology.antennas().is_some();
     let networks = scenario.networks().iter().zip(&survey.networks).filter(|(network, _)| has_sweeps(network));
     networks.map(|(_, record)| of_robots(record)).reduce(|sum, sweeps| sum + sweeps)
+}
+
+/// Reports of all sectors that the robots asked for; `None` if they asked for none.
+fn sector_reports(scenario: &Scenario, survey: &Survey) -> Option<SectorReportsSummary> {
+    let nodes = scenario.world().nodes.len();
+    let of_robots =
+        |record: &NetworkRecord| record.packets[nodes..nodes + survey.robots.len()].iter().copied().sum::<Packets>();
+    let Packets { reports_asked: asked, reports_received: received, .. } =
+        survey.networks.iter().map(of_robots).sum();
+    (asked > 0).then_some(SectorReportsSummary { asked, received })
 }
 
 /// Pairs of a stop and a node heard there, in each network.

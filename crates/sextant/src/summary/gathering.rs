@@ -16,6 +16,9 @@ pub struct GatheringSummary {
     /// Sector sweeps of the robots. Absent without them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sweeps: Option<u64>,
+    /// What became of the reports of all sectors that robots asked for. Absent if they asked for none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sector_reports: Option<SectorReportsSummary>,
     /// Pairs of a stop and a node from which at least one packet was received there, in each network.
     pub receptions: usize,
     /// Length of the robots' paths through all their known positions (m). A run and its recording know each turn; a log
@@ -104,6 +107,15 @@ impl GatheringSummary {
             ..Self::default()
         }
     }
+}
+
+/// Reports of all sectors in sector sweeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SectorReportsSummary {
+    /// Reports that robots asked for.
+    pub asked: u64,
+    /// Those that robots received; the others were lost.
+    pub received: u64,
 }
 
 /// Packets to which no receiver listened, by the reason. Of several receivers, the one that was nearest to listening counts:

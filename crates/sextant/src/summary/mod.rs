@@ -25,7 +25,9 @@ pub use applications::{
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
 };
-pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RoundSummary};
+pub use gathering::{
+    DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RoundSummary, SectorReportsSummary,
+};
 pub(crate) use log_counts::LogCounts;
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{

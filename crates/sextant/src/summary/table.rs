@@ -96,6 +96,9 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("path length", gathering.path_length_m.map(|length_m| format!("{length_m:.1}")), "m");
     row("duration", gathering.duration_s.map(|duration_s| format!("{duration_s:.1}")), "s");
     row("sector sweeps of robots", count(gathering.sweeps), "");
+    let reports = gathering.sector_reports.map(|reports| (reports.received.to_string(), reports.asked));
+    let asked = reports.as_ref().map(|(_, asked)| format!("of {asked} that were asked for")).unwrap_or_default();
+    row("reports of all sectors", reports.map(|(received, _)| received), &asked);
     row("packets not simulated", count(gathering.packets_not_simulated), "nobody who listens was near");
     row("packets offered", count(gathering.packets_offered), "");
     row("packets sent", count(gathering.packets_sent), "");

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Contact, Position, Reception, Stop};
+use sextant_channel::{Contact, Position, Stop, StopLog};
 use sextant_kernel::{EventKey, NodeId, Seed, SimTime, StationId};
 
 use crate::event::{Event, Timer};
@@ -297,12 +297,12 @@ impl Port<'_> {
     }
 
     /// Writes a stop of this robot into the log of a network: it has listened at `position` from `since` until now. The number of
-    /// the stop in the receptions is filled in, and the heading of the robot by its odometry if its antenna turns with it.
-    pub fn log_stop(&mut self, network: NetworkId, since: SimTime, position: Position, receptions: Vec<Reception>) {
+    /// the stop in what it heard is filled in, and the heading of the robot by its odometry if its antenna turns with it.
+    pub fn log_stop(&mut self, network: NetworkId, since: SimTime, position: Position, heard: impl Into<StopLog>) {
         let robot = self.model.robot(self.station);
         let turns = self.model.networks[network.index()].turns_antennas();
         let heading_rad = turns.then(|| self.pose_at(since).heading_rad);
-        self.model.notes.push(Note::Stopped(network, Stop { robot, time: since, position, heading_rad }, receptions));
+        self.model.notes.push(Note::Stopped(network, Stop { robot, time: since, position, heading_rad }, heard.into()));
     }
 
     /// Tells the observer what the application has worked out.

@@ -91,7 +91,7 @@ impl Survey {
     pub(super) fn swept(&mut self, network: NetworkId, answers: &[SweepAnswer], slot: &Slot, port: &mut Port<'_>) {
         let Some(number) = self.number(network) else { return };
         let surveyed = &mut self.networks[number];
-        let of_nodes = answers.iter().filter_map(|&answer| Some((port.node(answer.from)?, answer)));
+        let of_nodes = answers.iter().filter_map(|answer| Some((port.node(answer.from)?, answer)));
         surveyed.tally.note_sweep(of_nodes);
         surveyed.sweeps_left = surveyed.sweeps_left.saturating_sub(1);
         if surveyed.sweeps_left > 0 {
@@ -110,9 +110,9 @@ impl Survey {
     pub(super) fn end(&mut self, slot: &Slot, port: &mut Port<'_>) -> Vec<Heard> {
         let mut heard: Vec<Heard> = Vec::new();
         for surveyed in &mut self.networks {
-            let receptions = surveyed.tally.take();
-            heard.extend(receptions.iter().map(heard_of));
-            port.log_stop(surveyed.network, slot.since, self.frame.of_world(slot.place), receptions);
+            let log = surveyed.tally.take();
+            heard.extend(log.receptions.iter().map(heard_of));
+            port.log_stop(surveyed.network, slot.since, self.frame.of_world(slot.place), log);
         }
         if self.networks.len() > 1 {
             heard.sort_by_key(|heard| heard.node);

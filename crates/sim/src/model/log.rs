@@ -1,6 +1,6 @@
 //! What robots heard and met, as it grows.
 
-use sextant_channel::{Contact, Reception, ReceptionLog, ReceptionLogBuilder, SectorTable, Stop};
+use sextant_channel::{Contact, HeardAtStop, ReceptionLog, ReceptionLogBuilder, SectorTable, Stop, StopLog};
 
 use crate::service::network_id::NetworkId;
 
@@ -40,30 +40,31 @@ impl Logs {
         &mut self,
         network: NetworkId,
         stop: Stop,
-        mut receptions: Vec<Reception>,
-        tell: impl FnOnce(u32, &Stop, &[Reception]),
+        heard: StopLog,
+        tell: impl FnOnce(u32, &Stop, HeardAtStop<'_>),
     ) {
         let log = &mut self.networks[network.index()];
         let index = u32::try_from(log.stops.len()).expect("less than 2^32 stops");
-        for reception in &mut receptions {
-            reception.stop = index;
+        let heard = heard.at(index);
+        for reception in &heard.receptions {
             let known = &mut self.heard[reception.node.index()];
             self.nodes_heard += usize::from(!std::mem::replace(known, true));
         }
-        tell(index, &stop, &receptions);
+        tell(index, &stop, heard.heard());
         log.stops.push(stop);
-        log.receptions.extend(receptions);
+        log.receptions.extend(heard.receptions);
+        heard.reports.into_iter().for_each(|report| log.receptions.report(report));
     }
 
     /// The whole log of each network, of nodes and robots with these names.
     ///
     /// # Panics
-    /// If a robot logged a node twice at a stop, or a sector that its antenna does not have.
+    /// If a robot logged a node twice at a stop, a sector twice, or one that its antenna does not have.
     pub(crate) fn build(self, nodes: &[String], robots: &[String]) -> Vec<ReceptionLog> {
         let contacts = self.contacts;
         let build = |Log { stops, receptions, sectors }: Log| {
             let log = receptions.build(nodes.to_vec(), stops, contacts.clone());
-            let log = log.expect("a robot logs each node at most once a stop");
+            let log = log.expect("a robot logs each node and each of its sectors at most once a stop");
             let log = log.with_robots(robots.to_vec()).expect("each stop and contact is of a robot");
             match sectors {
                 None => log,

@@ -5,7 +5,7 @@ mod following;
 pub(crate) mod log;
 mod vehicle;
 
-use sextant_channel::{Contact, Position, Reception, Stop};
+use sextant_channel::{Contact, Position, Stop, StopLog};
 use sextant_kernel::{RobotId, StationId};
 
 use crate::halo::Halo;
@@ -51,7 +51,7 @@ pub(crate) enum Note {
     /// A robot meets an obstacle.
     Met(Contact),
     /// A robot has listened.
-    Stopped(NetworkId, Stop, Vec<Reception>),
+    Stopped(NetworkId, Stop, StopLog),
     /// A source of a field was removed.
     SourceRemoved(FieldId, usize),
     /// A robot captured a target.
@@ -100,10 +100,10 @@ impl Model {
                     observer.target_gone(target, now);
                 }
                 Note::Estimated(station, estimate) => observer.estimated(station, now, &estimate),
-                Note::Stopped(network, stop, receptions) => {
+                Note::Stopped(network, stop, heard) => {
                     stopped = true;
-                    logs.stop(network, stop, receptions, |index, stop, receptions| {
-                        observer.stopped(network, index, stop, now, receptions);
+                    logs.stop(network, stop, heard, |index, stop, heard| {
+                        observer.stopped(network, index, stop, now, heard);
                     });
                 }
             }

@@ -1,6 +1,6 @@
 //! Several observers as one: each event goes to all of them.
 
-use sextant_channel::{Contact, Position, Reception, Stop};
+use sextant_channel::{Contact, HeardAtStop, Position, Stop};
 use sextant_kernel::{NodeId, SimTime, StationId};
 
 use super::{FrameOnAir, Observer, Progress};
@@ -84,7 +84,7 @@ each_event! {
     curved(robot: usize, time: SimTime, pose: Pose);
     believed(robot: usize, time: SimTime, pose: Pose);
     met(contact: Contact);
-    stopped(network: NetworkId, index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]);
+    stopped(network: NetworkId, index: u32, stop: &Stop, end: SimTime, heard: HeardAtStop<'_>);
     estimated(station: StationId, time: SimTime, estimate: &Estimate);
     target_moved(target: TargetId, time: SimTime, position: Position);
     captured(robot: usize, target: TargetId, time: SimTime);

@@ -49,6 +49,10 @@ pub struct Packets {
     pub unacknowledged: u64,
     /// Octets of payload that were received. Not part of the sum.
     pub octets_received: u64,
+    /// Reports of all sectors that this station asked for in sector sweeps. Not part of the sum, and no packets.
+    pub reports_asked: u64,
+    /// Those of them that this station received; the others were lost. Not part of the sum, and no packets.
+    pub reports_received: u64,
     /// Due while nobody who listens was near, and therefore not simulated. Not part of `offered`.
     pub not_simulated: u64,
 }
@@ -96,6 +100,8 @@ impl std::ops::AddAssign for Packets {
             assessments,
             unacknowledged,
             octets_received,
+            reports_asked,
+            reports_received,
             not_simulated,
         } = other;
         self.offered += offered;
@@ -116,6 +122,8 @@ impl std::ops::AddAssign for Packets {
         self.assessments += assessments;
         self.unacknowledged += unacknowledged;
         self.octets_received += octets_received;
+        self.reports_asked += reports_asked;
+        self.reports_received += reports_received;
         self.not_simulated += not_simulated;
     }
 }

@@ -1,6 +1,6 @@
 //! Sector sweeps: why a station sweeps, and what it learns.
 
-use sextant_channel::{Db, Dbm};
+use sextant_channel::{Db, Dbm, SectorSnr};
 use sextant_kernel::StationId;
 
 use super::network_id::NetworkId;
@@ -15,7 +15,7 @@ pub enum SweepKind {
 }
 
 /// What one node answered to a sector sweep of this station.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SweepAnswer {
     /// The node.
     pub from: StationId,
@@ -28,6 +28,9 @@ pub struct SweepAnswer {
     pub rssi: Dbm,
     /// The sector of the node from which it sent that frame, as the frame calls it.
     pub node_sector: u8,
+    /// All sectors of this station that the node heard, by their identities in logs, ascending: in steps of 0.25 dB, -8 to
+    /// 55.75 dB. Empty if the node was not asked, its report was lost, or the antenna has no sectors.
+    pub sectors: Vec<SectorSnr>,
 }
 
 /// A frame of a sweep with which another station announces itself.

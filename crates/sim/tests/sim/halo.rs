@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, Environment, Position, Reception, Stop};
+use sextant_channel::{ChannelConfig, Environment, HeardAtStop, Position, Stop};
 use sextant_kernel::SimTime;
 use sextant_sim::{
     AllSimulated, DeathsConfig, FaultsConfig, NetworkId, Observer, OnceConfig, PeriodicConfig, PoissonConfig,
@@ -214,8 +214,8 @@ impl Observer for Told {
         self.0.push(format!("moved {robot} {time:?} {position:?}"));
     }
 
-    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]) {
-        self.0.push(format!("stopped {network:?} {index} {stop:?} {end:?} {receptions:?}"));
+    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, heard: HeardAtStop<'_>) {
+        self.0.push(format!("stopped {network:?} {index} {stop:?} {end:?} {heard:?}"));
     }
 }
 

@@ -26,6 +26,7 @@ mod queue;
 mod quiet;
 mod saturated;
 mod scripted;
+mod sector_reports;
 mod seeker;
 mod sensing;
 mod superframe;

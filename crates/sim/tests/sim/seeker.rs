@@ -103,7 +103,7 @@ impl Seeker {
             rssi_dbm: Some(sum_dbm / f64::from(frames)),
             snr_db: None,
         });
-        port.log_stop(NetworkId(0), self.listening_since, port.pose().position, receptions.collect());
+        port.log_stop(NetworkId(0), self.listening_since, port.pose().position, receptions.collect::<Vec<_>>());
         let strongest = heard.iter().map(mean).max_by(|a, b| a.1.0.total_cmp(&b.1.0));
         // Means of equal powers differ by rounding.
         let is_better = match (strongest, self.best) {

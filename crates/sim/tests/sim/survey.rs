@@ -163,9 +163,9 @@ impl Observer for Impatient {
         index: u32,
         _stop: &Stop,
         end: SimTime,
-        receptions: &[sextant_channel::Reception],
+        heard: sextant_channel::HeardAtStop<'_>,
     ) {
-        assert!(receptions.iter().all(|reception| reception.stop == index));
+        assert!(heard.receptions.iter().all(|reception| reception.stop == index));
         self.0.push(end);
     }
 

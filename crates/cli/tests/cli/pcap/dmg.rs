@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
 use sextant_kernel::{SimTime, StationId};
-use sextant_mac::dmg::{BeamRefinement, MacAddress, SectorFeedback, SnrReport, SweepBody, SweepFrame, TxSector};
+use sextant_mac::dmg::{
+    BeamRefinement, Enclosed, MacAddress, SectorFeedback, SnrReport, SweepBody, SweepFrame, TxSector,
+};
 use sextant_recording::{Capture, CapturedDmgFrame, CapturedFrame, Technologies};
 
 use super::tshark::{dissect, tshark};
@@ -43,7 +45,7 @@ fn frames() -> [SweepFrame; 4] {
 }
 
 fn captured<'a>(frame: &SweepFrame, octets: &'a mut Vec<u8>, power: Option<Dbm>) -> CapturedDmgFrame<'a> {
-    frame.write(&[], octets);
+    frame.write(Enclosed::Nothing, octets);
     let start = SimTime::from_nanos(2_123_456_789);
     CapturedDmgFrame { start, airtime: frame.airtime(), octets, carrier_hz: 60.48e9, power }
 }
@@ -178,7 +180,7 @@ fn tshark_decodes_the_fields_and_the_payload_of_broadcasts() {
         };
         let frame = SweepFrame { duration_us: 414, to: MacAddress::BROADCAST, from: SENSOR, body };
         let mut octets = Vec::new();
-        frame.write(payload, &mut octets);
+        frame.write(Enclosed::Payload(payload), &mut octets);
         let start = SimTime::from_nanos(2_123_456_789);
         let captured =
             CapturedDmgFrame { start, airtime: frame.airtime(), octets: &octets, carrier_hz: 60.48e9, power: None };

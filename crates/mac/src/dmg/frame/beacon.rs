@@ -6,6 +6,7 @@
 
 use super::super::address::MacAddress;
 use super::super::sector::TxSector;
+use super::elements::{Element, Elements};
 use super::{SweepBody, SweepFrame, SweepParseError, bits, nine_bits, ssw_field, tx_sector};
 
 /// Frame control of a beacon: protocol version 0, type extension, subtype DMG Beacon; no flags.
@@ -74,7 +75,7 @@ pub fn beacon_payload(octets: &[u8]) -> Result<Vec<u8>, SweepParseError> {
     let SweepBody::Beacon { .. } = SweepFrame::parse(octets)?.body else { return Ok(Vec::new()) };
     let end = octets.len() - super::FCS_OCTETS;
     let mut content = Vec::new();
-    for element in Elements::of(&octets[..end]) {
+    for element in elements(&octets[..end]) {
         content.extend_from_slice(payload_part(element?).unwrap_or(&[]));
     }
     // Behind the sequence number.
@@ -133,7 +134,7 @@ pub(super) fn parse(covered: &[u8]) -> Result<SweepFrame, SweepParseError> {
         return Err(SweepParseError::Clustering);
     }
     let (mut sequence, mut content) = (None, 0);
-    for element in Elements::of(covered) {
+    for element in elements(covered) {
         if let Some(part) = payload_part(element?) {
             sequence = sequence.or(part.first().copied());
             content += part.len();
@@ -157,44 +158,15 @@ pub(super) fn parse(covered: &[u8]) -> Result<SweepFrame, SweepParseError> {
     })
 }
 
-/// An element: its ID, and its content.
-type Element<'a> = (u8, &'a [u8]);
+/// The elements of a beacon without its FCS.
+fn elements(beacon: &[u8]) -> Elements<'_> {
+    Elements::new("DMG Beacon", beacon, HEADER_OCTETS + FIXED_OCTETS)
+}
 
 /// The part of the payload that an element carries, if it is of this kind.
 fn payload_part((id, content): Element<'_>) -> Option<&[u8]> {
     match content.split_first_chunk::<4>() {
         Some((&[a, b, c, PAYLOAD_TYPE], part)) if id == VENDOR_SPECIFIC && [a, b, c] == PAYLOAD_OUI => Some(part),
         _ => None,
-    }
-}
-
-/// The elements of a beacon, in their order.
-struct Elements<'a> {
-    beacon: &'a [u8],
-    next: usize,
-}
-
-impl<'a> Elements<'a> {
-    /// Those of a beacon without its FCS.
-    fn of(beacon: &'a [u8]) -> Self {
-        Self { beacon, next: HEADER_OCTETS + FIXED_OCTETS }
-    }
-}
-
-impl<'a> Iterator for Elements<'a> {
-    type Item = Result<Element<'a>, SweepParseError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let at = self.next;
-        let rest = self.beacon.get(at..).filter(|rest| !rest.is_empty())?;
-        // Whatever comes after an element that is cut is lost.
-        self.next = self.beacon.len();
-        Some(match rest {
-            &[id, length, ref content @ ..] if content.len() >= usize::from(length) => {
-                self.next = at + 2 + usize::from(length);
-                Ok((id, &content[..usize::from(length)]))
-            }
-            _ => Err(SweepParseError::CutElement { at, left: rest.len() }),
-        })
     }
 }

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use sextant_channel::Db;
 use sextant_kernel::StationId;
 
+use super::super::snr_report::MeasuredSnr;
 use super::*;
 
 const ROBOT: MacAddress = MacAddress::of(StationId(1));
@@ -20,8 +21,21 @@ fn written(frame: &SweepFrame) -> Vec<u8> {
 
 fn written_with(payload: &[u8], frame: &SweepFrame) -> Vec<u8> {
     let mut octets = vec![0xEE; 3];
-    frame.write(payload, &mut octets);
+    frame.write(Enclosed::Payload(payload), &mut octets);
     octets
+}
+
+/// The report of these sectors by the sensor.
+fn report(measurements: &[SectorMeasurement]) -> (SweepFrame, Vec<u8>) {
+    let body = SweepBody::Brp { measurements: measurements.len().try_into().expect("few") };
+    let frame = SweepFrame { duration_us: 0, to: ROBOT, from: SENSOR, body };
+    let mut octets = vec![0xEE; 3];
+    frame.write(Enclosed::Measurements(measurements), &mut octets);
+    (frame, octets)
+}
+
+fn measurement(antenna: u8, sector: u8, snr: u8) -> SectorMeasurement {
+    SectorMeasurement { sector: TxSector { antenna, sector }, snr: MeasuredSnr(snr) }
 }
 
 /// A beacon from sector 5 of the third antenna, 258 frames before the end of its sweep.
@@ -151,6 +165,76 @@ fn octets_that_are_no_beacon_are_rejected_with_what_is_wrong() {
     }
 }
 
+/// The report of sector 37 at 12 dB and of sector 5 of the second antenna at 0.25 dB, without FCS. Header: Action No Ack,
+/// Duration, receiver, transmitter, BSSID, number. Unprotected DMG, BRP, token, request. In the DMG Beam Refinement
+/// element: SNRs (bit 18), 2 measurements (bits 23 to 29), sector IDs (bit 30).
+const REPORT: &str = "e0000000 020000000001 020000000007 020000000001 0000 14 01 00 00000000
+    99 05 0000044100 9a 04 50 21 25 45";
+
+#[test]
+fn a_report_of_sectors_has_the_octets_of_the_standard() {
+    let heard = [measurement(0, 37, 80), measurement(1, 5, 33)];
+    assert!((heard[0].snr.snr().0 - 12.0).abs() < 1e-12 && (heard[1].snr.snr().0 - 0.25).abs() < 1e-12);
+    let covered = octets(REPORT);
+    let (frame, written) = report(&heard);
+    assert_eq!(written, with_fcs(covered.clone()));
+    assert_eq!(written.len(), usize::from(brp_octets(2)));
+    assert_eq!(SweepFrame::parse(&written), Ok(frame));
+    assert_eq!(brp_measurements(&written).as_deref(), Ok(&heard[..]));
+    // Elements of others are skipped, before, between and after; other frames have no measurements.
+    let ssid = [0, 2, b'x', b'y'];
+    let others = with_fcs([&covered[..31], &ssid, &covered[31..38], &ssid, &covered[38..], &ssid].concat());
+    assert_eq!(SweepFrame::parse(&others), Ok(frame));
+    assert_eq!(brp_measurements(&others).as_deref(), Ok(&heard[..]));
+    assert_eq!(brp_measurements(&written_with(b"abcdef", &beacon(6))), Ok(Vec::new()));
+}
+
+#[test]
+fn reports_have_two_octets_for_each_sector_and_at_most_127_sectors() {
+    for (count, octets, ns) in [(0, 44, 20_582), (36, 116, 43_273), (127, 298, 94_182)] {
+        let (frame, written) = report(&vec![measurement(0, 1, 2); count]);
+        assert_eq!((written.len(), frame.airtime().as_nanos()), (octets, ns), "{count} sectors");
+    }
+}
+
+#[test]
+#[should_panic(expected = "128 measurements")]
+fn a_report_of_128_sectors_is_refused() {
+    report(&[measurement(0, 1, 2); 128]);
+}
+
+#[test]
+fn octets_that_are_no_report_are_rejected_with_what_is_wrong() {
+    let (_, good) = report(&[measurement(0, 37, 80), measurement(1, 5, 33)]);
+    let covered = &good[..good.len() - 4];
+    let changed = |index: usize, value: u8| {
+        let mut covered = covered.to_vec();
+        covered[index] = value;
+        SweepFrame::parse(&with_fcs(covered)).expect_err("it is broken").to_string()
+    };
+    let none =
+        "the BRP frame has no SNRs of sectors; allowed: elements 153 with SNRs and sector IDs present, and 154";
+    let messages = [
+        (1, 0x40, "the flags of the frame control field are 0x40; allowed: 0"),
+        (24, 21, "the Action No Ack frame has category 21 and action 1; allowed: 20 and 1 (BRP)"),
+        (25, 0, "the Action No Ack frame has category 20 and action 0; allowed: 20 and 1 (BRP)"),
+        (31, 152, none),
+        (35, 0, none),
+        (35, 0x0C, none),
+        (36, 0x01, none),
+        (38, 155, none),
+        (35, 0x84, "the BRP frame has 4 octets of measurements; allowed: 6, 2 for each that it announces"),
+        (39, 3, "the element at octet 43 of the BRP frame is cut: 1 octets are left of it"),
+    ];
+    for (index, value, expected) in messages {
+        assert_eq!(changed(index, value), expected, "octet {index} is {value}");
+    }
+    for size in 0..good.len() {
+        assert!(SweepFrame::parse(&good[..size]).is_err(), "{size} octets");
+        assert!(SweepFrame::parse(&with_fcs(good[..size.min(covered.len() - 1)].to_vec())).is_err(), "{size} octets");
+    }
+}
+
 #[test]
 fn octets_that_are_no_frame_of_a_sweep_are_rejected_with_what_is_wrong() {
     let good = octets("6408eb03ffffffffffff0200000000017e0000400200ef7530e5");
@@ -167,7 +251,8 @@ fn octets_that_are_no_frame_of_a_sweep_are_rejected_with_what_is_wrong() {
         (
             0,
             0xD4,
-            "the frame control field starts with 0xd4; allowed: 0x64 (control frame extension), 0x0c (DMG Beacon)",
+            "the frame control field starts with 0xd4; allowed: 0x64 (control frame extension), 0x0c (DMG Beacon), \
+             0xe0 (Action No Ack)",
         ),
         (1, 0x05, "control frame extension 5 is not of the sector level sweep; allowed: 8, 9, 10"),
         (1, 0x18, "the flags of the frame control field are 0x1; allowed: 0"),
@@ -244,6 +329,23 @@ proptest! {
     }
 
     #[test]
+    fn every_written_report_is_parsed_to_the_same_report(
+        heard in proptest::collection::vec((any_sector(), any::<u8>()), 0..=127),
+        duration_us in any::<u16>(),
+        (to, from) in any::<([u8; 6], [u8; 6])>(),
+    ) {
+        let of = |(sector, snr)| SectorMeasurement { sector, snr: MeasuredSnr(snr) };
+        let heard: Vec<SectorMeasurement> = heard.into_iter().map(of).collect();
+        let body = SweepBody::Brp { measurements: heard.len().try_into().expect("at most 127") };
+        let frame = SweepFrame { duration_us, to: MacAddress(to), from: MacAddress(from), body };
+        let mut octets = Vec::new();
+        frame.write(Enclosed::Measurements(&heard), &mut octets);
+        prop_assert_eq!(octets.len(), usize::from(frame.octets()));
+        prop_assert_eq!(SweepFrame::parse(&octets), Ok(frame));
+        prop_assert_eq!(brp_measurements(&octets), Ok(heard));
+    }
+
+    #[test]
     fn no_octets_make_the_parser_panic(covered in proptest::collection::vec(any::<u8>(), 0..60), extension in 7..12_u8) {
         let _ = SweepFrame::parse(&covered);
         // With a good header and FCS, the parser gets further.
@@ -255,6 +357,13 @@ proptest! {
         if let [control, flags, ..] = &mut covered[..] {
             (*control, *flags) = (beacon::FRAME_CONTROL, 0);
         }
-        let _ = beacon_payload(&with_fcs(covered));
+        let _ = beacon_payload(&with_fcs(covered.clone()));
+        if let [control, _, ..] = &mut covered[..] {
+            *control = brp::FRAME_CONTROL;
+        }
+        if let Some(action) = covered.get_mut(24..26) {
+            action.copy_from_slice(&[20, 1]);
+        }
+        let _ = brp_measurements(&with_fcs(covered));
     }
 }

@@ -14,6 +14,8 @@ const SWEEP: u64 = 126_272;
 /// End of a sweep of 64 sectors.
 const T0: u64 = 1_017_176;
 
+mod reports;
+
 struct Bench {
     machine: Initiator,
     radio: Script,
@@ -74,7 +76,8 @@ impl Bench {
     }
 }
 
-const WITH_FEEDBACK: ContentionConfig = ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries: 7 });
+const WITH_FEEDBACK: ContentionConfig =
+    ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries: 7, report_all_sectors: false });
 
 #[test]
 fn a_sweep_sends_one_frame_per_sector_sbifs_apart_and_lbifs_where_the_antenna_changes() {

@@ -18,6 +18,8 @@ pub struct HeardSweep {
     pub snr: Db,
     /// Number of frames decoded.
     pub frames: u16,
+    /// Number of frames of the whole sweep.
+    pub total_sectors: u16,
     /// End of the sweep.
     pub end: SimTime,
     /// Whether it was for this station alone.

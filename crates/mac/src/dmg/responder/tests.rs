@@ -2,11 +2,13 @@
 
 use std::time::Duration;
 
+use super::super::frame::BeamRefinement;
 use super::super::script::{OTHER, ROBOT, SENSOR, Script, at, iss, layout, rss, us};
 use super::super::{AbftConfig, ContentionConfig, CsmaFeedbackConfig, SweepConfig};
 use super::*;
 use crate::Class;
 
+mod reports;
 mod slots;
 
 /// End of the sweeps of the tests.
@@ -92,7 +94,7 @@ impl Bench {
 }
 
 fn feedback(max_retries: u8) -> ContentionConfig {
-    ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries })
+    ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries, report_all_sectors: false })
 }
 
 fn feedback_frame(to: MacAddress, sector: u8) -> SweepFrame {
@@ -141,6 +143,7 @@ fn the_best_frame_counts_and_of_equals_the_first() {
     }
     sensor.finish();
     let expected = HeardSweep {
+        total_sectors: 64,
         initiator: ROBOT,
         sector: TxSector::first_antenna(9),
         snr: Db(11.0),

@@ -1,6 +1,6 @@
 //! The events of a simulation in a recording.
 
-use sextant_channel::{Contact, Position, Reception, Stop};
+use sextant_channel::{Contact, HeardAtStop, Position, Stop};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{Level, Sensation, messages};
 use sextant_sim::{FieldId, FrameOnAir, NetworkId, Observer, PacketTrace, Pose, Progress, Sensed, TargetId};
@@ -50,7 +50,7 @@ impl Observer for RunRecorder {
         }
     }
 
-    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]) {
+    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, heard: HeardAtStop<'_>) {
         // Nor are its stops.
         if self.simulation.application.is_some() {
             return;
@@ -58,10 +58,10 @@ impl Observer for RunRecorder {
         self.record(stop.time, |recorder, simulation, _| {
             let other = simulation.others.iter().find(|(other, _)| *other == network);
             let robot = &simulation.robots[stop.robot.index()].name;
-            let heard = receptions.iter().filter(|reception| reception.received > 0);
-            let heard: Vec<Position> = heard.map(|reception| simulation.nodes[reception.node.index()]).collect();
-            recorder.listening(other.map(|(_, name)| name.as_str()), robot, (stop, end), &heard)?;
-            recorder.stop(other.map(|(_, name)| name.as_str()), robot, index, stop, receptions)
+            let nodes = heard.receptions.iter().filter(|reception| reception.received > 0);
+            let nodes: Vec<Position> = nodes.map(|reception| simulation.nodes[reception.node.index()]).collect();
+            recorder.listening(other.map(|(_, name)| name.as_str()), robot, (stop, end), &nodes)?;
+            recorder.stop(other.map(|(_, name)| name.as_str()), robot, index, stop, heard)
         });
     }
 

@@ -1,6 +1,6 @@
 //! What a robot heard in a slot in one network, by node.
 
-use sextant_channel::{Dbm, Reception};
+use sextant_channel::{Dbm, Reception, SectorReport, SectorSnr, StopLog};
 use sextant_kernel::NodeId;
 
 use crate::service::sweep::SweepAnswer;
@@ -11,6 +11,8 @@ pub(super) struct Tally {
     heard: Vec<NodeId>,
     /// Number of sector sweeps in the slot.
     sweeps: u32,
+    /// What nodes reported of all sectors in these.
+    reports: Vec<SectorReport>,
     /// Number of packets of all earlier slots.
     pub(super) total: Vec<u32>,
 }
@@ -29,7 +31,13 @@ struct Slot {
 
 impl Tally {
     pub(super) fn new(nodes: usize) -> Self {
-        Self { slot: vec![Slot::default(); nodes], heard: Vec::new(), sweeps: 0, total: vec![0; nodes] }
+        Self {
+            slot: vec![Slot::default(); nodes],
+            heard: Vec::new(),
+            sweeps: 0,
+            reports: Vec::new(),
+            total: vec![0; nodes],
+        }
     }
 
     /// The slot of a node that was heard.
@@ -56,19 +64,27 @@ impl Tally {
     }
 
     /// Counts one more sector sweep, with the answers of these nodes.
-    pub(super) fn note_sweep(&mut self, answers: impl Iterator<Item = (NodeId, SweepAnswer)>) {
+    pub(super) fn note_sweep<'a>(&mut self, answers: impl Iterator<Item = (NodeId, &'a SweepAnswer)>) {
         self.sweeps += 1;
-        for (node, SweepAnswer { sector, snr, rssi, .. }) in answers {
+        for (node, SweepAnswer { sector, snr, rssi, sectors, .. }) in answers {
             let slot = self.of(node);
             slot.rssi_sum_dbm += rssi.0;
             if slot.best.is_none_or(|(_, best_db)| snr.0 > best_db) {
-                slot.best = Some((sector, snr.0));
+                slot.best = Some((*sector, snr.0));
             }
+            let report = |&SectorSnr { sector, snr_db }: &SectorSnr| SectorReport {
+                node,
+                stop: 0,
+                sector,
+                snr_db: snr_db.into(),
+            };
+            self.reports.extend(sectors.iter().map(report));
         }
     }
 
-    /// Returns what was heard, by node, and empties the tally. The stops of the receptions are filled in by the log.
-    pub(super) fn take(&mut self) -> Vec<Reception> {
+    /// Returns what was heard, by node, and empties the tally. Of sectors that a node reported in several sweeps, the mean
+    /// counts.
+    pub(super) fn take(&mut self) -> StopLog {
         self.heard.sort_unstable();
         let sweeps = std::mem::take(&mut self.sweeps);
         let heard = self.heard.drain(..).map(|node| {
@@ -84,6 +100,7 @@ impl Tally {
                 snr_db: best.map(|(_, snr_db)| snr_db),
             }
         });
-        heard.collect()
+        let receptions = heard.collect();
+        StopLog { receptions, reports: SectorReport::averaged(std::mem::take(&mut self.reports)) }
     }
 }

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use sextant_channel::Milliwatts;
 use sextant_kernel::{SimTime, StationId};
-use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, TxSector};
+use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, SectorMeasurement, TxSector};
 
 use super::settings::Ieee80211ad;
 use super::stack::{RadioStack, Role, SectorNumbers, Stack};
@@ -68,6 +68,8 @@ struct Gathered {
     answers: BTreeMap<StationId, SweepAnswer>,
     /// The greatest power of a frame of each station in the sweep of this tilt.
     powers: BTreeMap<StationId, Milliwatts>,
+    /// The sectors that each station reported in the sweep of this tilt.
+    reports: BTreeMap<StationId, Vec<SectorMeasurement>>,
 }
 
 impl Links {
@@ -346,5 +348,6 @@ fn read(answer: &Answer, sector: Option<u8>, rssi: Milliwatts, from: StationId) 
         snr: answer.select_snr.snr(),
         rssi: rssi.to_dbm(),
         node_sector: answer.responder_sector.sector,
+        sectors: Vec::new(),
     }
 }

@@ -1,6 +1,6 @@
 //! What an observer would have been told, kept until all parts of a simulation are over.
 
-use sextant_channel::{Contact, Position, Reception, Stop};
+use sextant_channel::{Contact, HeardAtStop, Position, Stop, StopLog};
 use sextant_kernel::SimTime;
 
 use super::course::Course;
@@ -29,7 +29,7 @@ enum Call {
     Curved(Pose),
     Believed(Pose),
     Met(Contact),
-    Stopped(NetworkId, Stop, Vec<Reception>),
+    Stopped(NetworkId, Stop, StopLog),
 }
 
 impl Calls {
@@ -69,8 +69,8 @@ impl Observer for Calls {
         self.add(self.now, contact.robot.index(), Call::Met(contact));
     }
 
-    fn stopped(&mut self, network: NetworkId, _index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]) {
-        self.add(end, stop.robot.index(), Call::Stopped(network, *stop, receptions.to_vec()));
+    fn stopped(&mut self, network: NetworkId, _index: u32, stop: &Stop, end: SimTime, heard: HeardAtStop<'_>) {
+        self.add(end, stop.robot.index(), Call::Stopped(network, *stop, heard.into()));
     }
 }
 
@@ -91,9 +91,9 @@ pub(super) fn replay(groups: Vec<Calls>, logs: &mut Logs, observer: &mut dyn Obs
                 observer.met(contact);
                 logs.contacts.push(contact);
             }
-            Call::Stopped(network, stop, receptions) => {
-                logs.stop(network, stop, receptions, |index, stop, receptions| {
-                    observer.stopped(network, index, stop, time, receptions);
+            Call::Stopped(network, stop, heard) => {
+                logs.stop(network, stop, heard, |index, stop, heard| {
+                    observer.stopped(network, index, stop, time, heard);
                 });
             }
         }

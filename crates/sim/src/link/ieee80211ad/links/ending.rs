@@ -2,7 +2,7 @@
 
 use sextant_channel::Db;
 use sextant_kernel::StationId;
-use sextant_mac::dmg::{ResponderOutcome, ResponderReport, SweepBody, SweepFrame};
+use sextant_mac::dmg::{Enclosed, ResponderOutcome, ResponderReport, SweepBody, SweepFrame};
 
 use super::Links;
 use crate::air::Transmission;
@@ -30,7 +30,7 @@ impl Links {
             SweepBody::Beacon { .. } => {
                 self.note_beacon(station, self.outcome(&transmission, &frame, scene), scene.now);
             }
-            SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } => {}
+            SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } | SweepBody::Brp { .. } => {}
         }
         self.trace_frame(station, &transmission, &frame, scene);
         if observer.wants_frames() {
@@ -70,6 +70,7 @@ impl Links {
             SweepBody::Beacon { sector, sequence, .. } if self.hears[station.index()] => {
                 self.deliver(i, sender, sector, sequence, sinr, scene);
             }
+            SweepBody::Brp { .. } => self.keep_report(station, sender, frame),
             SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } | SweepBody::Beacon { .. } => {
             }
         }
@@ -85,6 +86,16 @@ impl Links {
                 self.note_answer(station, report, scene);
             }
             self.give_way(station, scene);
+        }
+    }
+
+    /// A station that sweeps has received a report of its sectors: keeps it if the station has asked for it.
+    fn keep_report(&mut self, station: StationId, sender: StationId, frame: &SweepFrame) {
+        if let Some(gathered) = self.sweeps.get_mut(&station)
+            && self.stacks[station.index()].initiator.awaits_report_of(frame.from)
+        {
+            let measurements = self.stacks[sender.index()].responder.measurements();
+            gathered.reports.insert(sender, measurements.to_vec());
         }
     }
 
@@ -148,11 +159,15 @@ impl Links {
         scene: &Scene,
         observer: &mut impl Observer,
     ) {
-        let payload = match (frame.body, &self.stacks[transmission.source().index()].task) {
-            (SweepBody::Beacon { .. }, Some(Task::Broadcast(broadcast))) => broadcast.payload(&self.payloads),
-            _ => &[],
+        let source = &self.stacks[transmission.source().index()];
+        let enclosed = match (frame.body, &source.task) {
+            (SweepBody::Beacon { .. }, Some(Task::Broadcast(broadcast))) => {
+                Enclosed::Payload(broadcast.payload(&self.payloads))
+            }
+            (SweepBody::Brp { .. }, _) => Enclosed::Measurements(source.responder.measurements()),
+            _ => Enclosed::Nothing,
         };
-        frame.write(payload, &mut self.octets);
+        frame.write(enclosed, &mut self.octets);
         let outcome = self.outcome(transmission, frame, scene);
         let is_best = |station, found| found == outcome && self.is_for(frame, station);
         let best = self.arrivals.iter().find(|arrival| is_best(arrival.station, arrival.outcome));

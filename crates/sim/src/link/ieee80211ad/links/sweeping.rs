@@ -1,8 +1,8 @@
 //! Sweeping: a station sweeps its sectors, at each of its tilts, and gathers the answers, or broadcasts a payload.
 
-use sextant_channel::Milliwatts;
+use sextant_channel::{Milliwatts, SectorSnr};
 use sextant_kernel::StationId;
-use sextant_mac::dmg::{Access, InitiatorReport, SweepPurpose};
+use sextant_mac::dmg::{Access, InitiatorReport, SectorMeasurement, SweepPurpose};
 
 use super::{Gathered, Links, read};
 use crate::link::ieee80211ad::stack::{Role, Task};
@@ -81,7 +81,10 @@ impl Links {
         if let Task::Sweep(_) = task {
             self.gather(station, scene);
         }
-        self.ledger.packets[station.index()].transmissions += u64::from(report.frames);
+        let packets = &mut self.ledger.packets[station.index()];
+        packets.transmissions += u64::from(report.frames);
+        packets.reports_asked += u64::from(report.asked);
+        packets.reports_received += u64::from(report.reported);
         let tilt = self.stacks[station.index()].tilt + 1;
         if tilt < self.antennas.of(self.roll.kind(station)).sweeps() {
             self.set_tilt(station, tilt);
@@ -108,7 +111,7 @@ impl Links {
     fn gather(&mut self, station: StationId, scene: &Scene) {
         let loss = self.antennas.misalignment_loss();
         let antenna = self.antennas.of(self.roll.kind(station));
-        let Some(Gathered { answers, powers }) = self.sweeps.get_mut(&station) else { return };
+        let Some(Gathered { answers, powers, reports }) = self.sweeps.get_mut(&station) else { return };
         let stack = &self.stacks[station.index()];
         for answer in stack.initiator.answers() {
             let Some(from) = answer.responder.station() else { continue };
@@ -121,11 +124,23 @@ impl Links {
             let rssi = powers.get(&from).copied().unwrap_or(Milliwatts(0.0));
             let sector = (!antenna.is_omnidirectional()).then(|| antenna.identity(number));
             let found = read(answer, sector, rssi, from);
-            let best = answers.entry(from).or_insert(found);
+            let best = answers.entry(from).or_insert_with(|| found.clone());
+            let mut sectors = std::mem::take(&mut best.sectors);
             if found.snr > best.snr {
                 *best = found;
             }
+            // Each tilt has sectors of its own.
+            let reported = reports.get(&from).map_or(&[][..], Vec::as_slice);
+            sectors.extend(reported.iter().filter_map(|&SectorMeasurement { sector, snr }| {
+                let number = stack.numbers.of(sector).filter(|_| !antenna.is_omnidirectional())?;
+                #[expect(clippy::cast_possible_truncation, reason = "steps of 0.25 dB are exact in single precision")]
+                let snr_db = snr.snr().0 as f32;
+                Some(SectorSnr { sector: antenna.identity(number), snr_db })
+            }));
+            sectors.sort_by_key(|reported| reported.sector);
+            best.sectors = sectors;
         }
         powers.clear();
+        reports.clear();
     }
 }

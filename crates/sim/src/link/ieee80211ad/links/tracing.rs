@@ -28,7 +28,7 @@ impl Links {
         let track = match frame.body {
             SweepBody::Rss { .. } => Some(&mut tracks.answer),
             SweepBody::Iss { .. } | SweepBody::Beacon { .. } => Some(&mut tracks.task),
-            SweepBody::Feedback { .. } | SweepBody::Ack { .. } => None,
+            SweepBody::Feedback { .. } | SweepBody::Ack { .. } | SweepBody::Brp { .. } => None,
         };
         if let Some(track) = track {
             let outcome = self.outcome(transmission, frame, scene);
