@@ -93,8 +93,8 @@ pub use metrics::{
 };
 pub use numerics::never_rising;
 pub use own_place::{
-    AnchorSilence, Bearing, DirectionRule, HeardAnchor, HeardSector, OrientationMethod, OwnEstimate, OwnPlace,
-    OwnPlaceConfig, PlaceModel, RingOrientation, UnorientedRing,
+    AnchorSilence, Bearing, BearingTable, DirectionRule, HeardAnchor, HeardSector, OrientationMethod, OwnEstimate,
+    OwnPlace, OwnPlaceConfig, PlaceModel, RingOrientation, SectorBearing, UnorientedRing,
 };
 pub use parts::{FixedLaw, LogParts, PartEstimator, PartsError};
 pub use pattern::{PatternFit, PatternLaw};

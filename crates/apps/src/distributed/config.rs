@@ -5,7 +5,7 @@ use std::time::Duration;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, SimTime};
-use sextant_mapper::{AnchorSilence, DirectionRule, EstimateKind, OwnPlace, OwnPlaceConfig};
+use sextant_mapper::{AnchorSilence, DirectionRule, EstimateKind, OwnPlace, OwnPlaceConfig, PlaceModel};
 
 use super::schedule::{Schedule, Window};
 
@@ -55,6 +55,9 @@ pub struct DistributedMappingConfig {
     /// How an anchor works out the directions of its sectors.
     #[serde(default)]
     pub directions: DirectionRule,
+    /// What the strengths of the sectors in which a message was heard tell of the direction.
+    #[serde(default)]
+    pub bearings: BearingSource,
     /// What messages say about a place.
     #[serde(default)]
     pub exchange: Exchange,
@@ -63,6 +66,32 @@ pub struct DistributedMappingConfig {
     pub recompute: Recompute,
     /// How a node computes its place.
     pub place: OwnPlaceConfig,
+}
+
+/// What the strengths of the sectors in which a message was heard tell of the direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BearingSource {
+    /// The best sector (thesis, chapter 5).
+    #[default]
+    BestSector,
+    /// The direction that fits the strengths of all sectors by the pattern of the antenna, and how sure it is. Needs sectors
+    /// and `place.model = "soft"`.
+    Pattern(PatternBearings),
+}
+
+/// Directions by the pattern of an antenna.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PatternBearings {
+    /// Standard deviation of the strength of a sector (dB): noise, and what an antenna differs by from the pattern.
+    pub error_db: f64,
+}
+
+impl Default for PatternBearings {
+    fn default() -> Self {
+        Self { error_db: 1.0 }
+    }
 }
 
 /// What messages say about a place.
@@ -125,6 +154,7 @@ pub struct DistributedMapping {
     pub(super) doubt_below: Option<f64>,
     pub(super) max_iterations: u32,
     pub(super) directions: DirectionRule,
+    bearings: BearingSource,
     pub(super) exchange: Exchange,
     pub(super) recompute: Recompute,
     /// Whether anchors pass on the places of others, so that nodes know whom they have not heard.
@@ -133,6 +163,12 @@ pub struct DistributedMapping {
 }
 
 impl DistributedMapping {
+    /// What strengths tell of directions.
+    #[must_use]
+    pub fn bearings(&self) -> BearingSource {
+        self.bearings
+    }
+
     /// How long the mobile anchors drive.
     #[must_use]
     pub fn mobile_phase(&self) -> Duration {
@@ -193,6 +229,13 @@ impl TryFrom<&DistributedMappingConfig> for DistributedMapping {
                 return Err(SettingError::conflict("doubt_below", with, "set `directions = \"intervals\"`"));
             }
         }
+        if let BearingSource::Pattern(PatternBearings { error_db }) = config.bearings {
+            SettingError::positive("bearings.pattern.error_db", error_db)?;
+            if config.place.model != PlaceModel::Soft {
+                let with = "`place.model = \"wedge\"`, in which all directions of a sector are alike";
+                return Err(SettingError::conflict("bearings.pattern", with, "set `place.model = \"soft\"`"));
+            }
+        }
         let place = OwnPlace::try_from(config.place.clone()).map_err(|error| error.within("place"))?;
         let needs_posterior = config.exchange == Exchange::Posterior || config.new_anchor_sigma_m.is_some();
         if needs_posterior && config.place.estimate != EstimateKind::PosteriorMean {
@@ -211,6 +254,7 @@ impl TryFrom<&DistributedMappingConfig> for DistributedMapping {
             doubt_below: config.doubt_below,
             max_iterations: whole("max_iterations", config.max_iterations, MOST_ITERATIONS)?,
             directions: config.directions,
+            bearings: config.bearings,
             exchange: config.exchange,
             recompute: config.recompute,
             passes_on: config.place.silence == AnchorSilence::Missed,

@@ -1,9 +1,10 @@
 //! The messages of maps that are computed in the nodes, as octets.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use sextant_channel::{Position, Wedge};
 use sextant_kernel::StationId;
+use sextant_mapper::SectorBearing;
 
 use super::belief::Belief;
 use crate::octets::{MessageError, Reader, put, put_place};
@@ -20,11 +21,14 @@ const HAS_DIRECTIONS: u8 = 2;
 const HAS_OTHERS: u8 = 4;
 const IS_BAD: u8 = 8;
 const HAS_EARLIER: u8 = 16;
+const HAS_BEARINGS: u8 = 32;
 
 /// Octets before the place.
 const HEADER_OCTETS: usize = 2;
-/// Octets of an entry of a REPORT.
-const HEARD_OCTETS: usize = 5;
+/// Octets of an entry of a REPORT, without and with bearings.
+const HEARD_OCTETS: [usize; 2] = [5, 8];
+/// Steps of the standard deviation of a bearing (rad): a quarter of a degree.
+const SIGMA_STEP_RAD: f64 = PI / 720.0;
 /// Octets of an anchor that a BEACON passes on.
 const OTHER_OCTETS: usize = 16;
 
@@ -36,7 +40,7 @@ const OTHER_OCTETS: usize = 16;
 /// | octets | field |
 /// | --- | --- |
 /// | 1 | version (1) in the high four bits, kind in the low four: 1 PLACE, 2 REPORT, 3 BEACON, 4 COORDINATES |
-/// | 1 | flags: bit 0 covariance, bit 1 directions, bit 2 other anchors, bit 3 the coordinates are bad, bit 4 earlier places |
+/// | 1 | flags: bit 0 covariance, bit 1 directions, bit 2 other anchors, bit 3 the coordinates are bad, bit 4 earlier places, bit 5 bearings |
 /// | 12 | place of the sender: x, y, z as `f32` |
 /// | 24 | with bit 0: covariance of the place as six `f32`: xx, xy, xz, yy, yz, zz (m²) |
 ///
@@ -46,6 +50,8 @@ const OTHER_OCTETS: usize = 16;
 /// | --- | --- |
 /// | 4 | station |
 /// | 1 | its sector that was heard best |
+/// | 2 | with bit 5: azimuth of the sender from the middle of its sector 0, in steps of 2π/65536 |
+/// | 1 | with bit 5: standard deviation of that azimuth in steps of a quarter of a degree, rounded up; 0: only the sector is known |
 ///
 /// In a BEACON with bit 1:
 ///
@@ -88,12 +94,14 @@ pub enum Message {
 }
 
 /// A station, and its sector that was heard best.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeardSector {
     /// The station that was heard.
     pub station: StationId,
     /// Its sector.
     pub sector: u8,
+    /// The direction of the listener in the frame of the station's antenna, if the strengths of several sectors tell it.
+    pub bearing: Option<SectorBearing>,
 }
 
 /// What an anchor tells.
@@ -137,7 +145,7 @@ impl Message {
     pub fn write(&self, octets: &mut Vec<u8>) {
         let (kind, flags) = match self {
             Self::Place(_) => (PLACE, 0),
-            Self::Report(..) => (REPORT, 0),
+            Self::Report(_, heard) => (REPORT, if has_bearings(heard) { HAS_BEARINGS } else { 0 }),
             Self::Beacon(beacon) => {
                 let flag = |flag, is_set| if is_set { flag } else { 0 };
                 let directions = flag(HAS_DIRECTIONS, beacon.directions.is_some());
@@ -157,9 +165,13 @@ impl Message {
         match self {
             Self::Place(_) | Self::Coordinates { .. } => {}
             Self::Report(_, heard) => {
-                for HeardSector { station, sector } in heard {
+                let has_bearings = has_bearings(heard);
+                for HeardSector { station, sector, bearing } in heard {
                     octets.extend(station.0.to_le_bytes());
                     octets.push(*sector);
+                    if has_bearings {
+                        octets.extend(bearing_octets(*bearing));
+                    }
                 }
             }
             Self::Beacon(Beacon { directions, earlier, others, .. }) => {
@@ -207,11 +219,13 @@ impl Message {
         let message = match kind {
             PLACE => Self::Place(belief),
             REPORT => {
-                let mut heard = Vec::with_capacity(reader.left() / HEARD_OCTETS);
+                let has_bearings = flags & HAS_BEARINGS != 0;
+                let mut heard = Vec::with_capacity(reader.left() / HEARD_OCTETS[usize::from(has_bearings)]);
                 while reader.left() > 0 {
                     let station = reader.station("a report")?;
                     let [sector] = reader.take("a report")?;
-                    heard.push(HeardSector { station, sector });
+                    let bearing = if has_bearings { bearing_of(reader.take("a bearing")?) } else { None };
+                    heard.push(HeardSector { station, sector, bearing });
                 }
                 Self::Report(belief, heard)
             }
@@ -241,7 +255,8 @@ impl Message {
 
     /// The reports about `heard`, in as many messages of at most `octets` as they need. Without any, none.
     pub fn reports(belief: Belief, heard: &[HeardSector], octets: usize) -> impl Iterator<Item = Self> {
-        let per_message = (octets.saturating_sub(HEADER_OCTETS + belief.octets()) / HEARD_OCTETS).max(1);
+        let entry = HEARD_OCTETS[usize::from(has_bearings(heard))];
+        let per_message = (octets.saturating_sub(HEADER_OCTETS + belief.octets()) / entry).max(1);
         heard.chunks(per_message).map(move |part| Self::Report(belief, part.to_vec()))
     }
 }
@@ -277,6 +292,26 @@ impl Directions {
             elevation_rad: [low_rad, high_rad],
         })
     }
+}
+
+/// Whether a report tells bearings.
+fn has_bearings(heard: &[HeardSector]) -> bool {
+    heard.iter().any(|heard| heard.bearing.is_some())
+}
+
+/// A bearing as octets.
+fn bearing_octets(bearing: Option<SectorBearing>) -> [u8; 3] {
+    let Some(SectorBearing { azimuth_rad, sigma_rad }) = bearing else { return [0; 3] };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 65536")]
+    let [low, high, ..] = ((azimuth_rad.rem_euclid(TAU) / TAU * 65536.0).round() as u32).to_le_bytes();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 255")]
+    let sigma = (sigma_rad / SIGMA_STEP_RAD).ceil().clamp(1.0, 255.0) as u8;
+    [low, high, sigma]
+}
+
+fn bearing_of([low, high, sigma]: [u8; 3]) -> Option<SectorBearing> {
+    let azimuth_rad = f64::from(i16::from_le_bytes([low, high])) / 65536.0 * TAU;
+    (sigma > 0).then(|| SectorBearing { azimuth_rad, sigma_rad: f64::from(sigma) * SIGMA_STEP_RAD })
 }
 
 /// The directions that come next.

@@ -30,13 +30,15 @@ mod message;
 mod mobile_anchor;
 mod neighbours;
 mod node;
+mod patterns;
 mod record;
 mod schedule;
 
 pub use belief::Belief;
-pub use config::{DistributedMapping, DistributedMappingConfig, Exchange, Recompute};
+pub use config::{BearingSource, DistributedMapping, DistributedMappingConfig, Exchange, PatternBearings, Recompute};
 pub use filtration::{Category, Scattering};
 pub use message::{Beacon, Directions, HeardSector, Message};
 pub use mobile_anchor::MobileAnchor;
 pub use node::{MappingNode, NodeAntenna};
+pub use patterns::Patterns;
 pub use record::{MappingRecord, MappingRole, MessageCounts};

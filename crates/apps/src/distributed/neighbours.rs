@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use sextant_channel::Position;
 use sextant_kernel::StationId;
-use sextant_mapper::{HeardAnchor, HeardSector as SectorEvidence};
+use sextant_mapper::{HeardAnchor, SectorBearing};
 use sextant_sim::Delivery;
 
 use super::belief::Belief;
 use super::message::{Beacon, Directions, HeardSector, Message};
+use super::patterns::{Patterns, heard_sector};
 
 /// What a station has heard of the others, by station.
 #[derive(Debug, Default)]
@@ -18,8 +19,20 @@ pub(super) struct Neighbours {
     hearsay: BTreeMap<StationId, Position>,
     /// Where mobile anchors sent beacons before those that were heard: by station, each place once.
     passed: BTreeMap<StationId, Vec<Position>>,
-    /// Who has heard this station, where that is, and in which sector of this station.
-    reports: BTreeMap<StationId, (Belief, u8)>,
+    /// Who has heard this station, where that is, and from which direction.
+    reports: BTreeMap<StationId, HeardBy>,
+    /// By which strengths tell directions.
+    patterns: Patterns,
+}
+
+/// A station that has heard this one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HeardBy {
+    pub(super) belief: Belief,
+    /// The sector of this station that it heard best.
+    pub(super) sector: u8,
+    /// Its direction in the frame of this station's antenna, if it can tell.
+    pub(super) bearing: Option<SectorBearing>,
 }
 
 /// What a station has heard of another one.
@@ -40,6 +53,8 @@ struct Sighting {
     belief: Belief,
     /// The best signal-to-noise ratio (dB), and the sector from which it came.
     best: Option<(f64, u8)>,
+    /// The best ratio of each sector (dB).
+    strengths: Vec<(u8, f64)>,
     /// What its beacon said of the directions of its sectors; `None` if it has sent no beacon, so that it is no anchor yet.
     beacon: Option<Option<Directions>>,
 }
@@ -51,14 +66,17 @@ impl Sighting {
         if self.best.is_none_or(|(best_db, _)| snr_db > best_db) {
             self.best = Some((snr_db, sector));
         }
+        match self.strengths.iter_mut().find(|(known, _)| *known == sector) {
+            Some((_, best_db)) => *best_db = best_db.max(snr_db),
+            None => self.strengths.push((sector, snr_db)),
+        }
     }
 
     /// As evidence on the place of the listener; `None` if the sender is no anchor.
-    fn evidence(&self) -> Option<HeardAnchor> {
+    fn evidence(&self, patterns: &Patterns, is_mobile: bool) -> Option<HeardAnchor> {
         let directions = self.beacon.as_ref()?;
         let sector = directions.as_ref().zip(self.best).and_then(|(directions, (_, sector))| {
-            let wedge = directions.wedge(sector)?;
-            Some(SectorEvidence { wedge, azimuth_sigma_rad: directions.azimuth_sigma_rad })
+            heard_sector(directions, sector, patterns.bearing(is_mobile, &self.strengths))
         });
         let Belief { place, covariance } = self.belief;
         Some(HeardAnchor { place, sector, covariance, packets: 1 })
@@ -66,6 +84,11 @@ impl Sighting {
 }
 
 impl Neighbours {
+    /// Nobody was heard yet.
+    pub(super) fn new(patterns: Patterns) -> Self {
+        Self { patterns, ..Self::default() }
+    }
+
     /// Takes in a message to the station `own` in iteration `iteration`.
     pub(super) fn hear(
         &mut self,
@@ -88,7 +111,7 @@ impl Neighbours {
             Message::Place(_) | Message::Report(..) | Message::Beacon(_) => {
                 let known = neighbour.sightings.iter().position(|sighting| sighting.belief == belief);
                 let index = known.unwrap_or_else(|| {
-                    neighbour.sightings.push(Sighting { belief, best: None, beacon: None });
+                    neighbour.sightings.push(Sighting { belief, best: None, strengths: Vec::new(), beacon: None });
                     neighbour.sightings.len() - 1
                 });
                 &mut neighbour.sightings[index]
@@ -98,8 +121,8 @@ impl Neighbours {
         match message {
             Message::Place(_) => neighbour.asked = Some(iteration),
             Message::Report(_, heard) => {
-                if let Some(&HeardSector { sector, .. }) = heard.iter().find(|heard| heard.station == own) {
-                    self.reports.insert(delivery.from, (belief, sector));
+                if let Some(&HeardSector { sector, bearing, .. }) = heard.iter().find(|heard| heard.station == own) {
+                    self.reports.insert(delivery.from, HeardBy { belief, sector, bearing });
                 }
             }
             Message::Beacon(Beacon { directions, earlier, others, .. }) => {
@@ -123,8 +146,10 @@ impl Neighbours {
     /// The stations that asked for reports in `iteration`, with their best sectors.
     pub(super) fn asking(&self, iteration: u32) -> Vec<HeardSector> {
         let best = |(&station, neighbour): (&StationId, &Neighbour)| {
-            let (_, sector) = neighbour.sightings.last()?.best?;
-            (neighbour.asked == Some(iteration)).then_some(HeardSector { station, sector })
+            let sighting = neighbour.sightings.last().filter(|_| neighbour.asked == Some(iteration))?;
+            let (_, sector) = sighting.best?;
+            let bearing = self.patterns.bearing(neighbour.is_mobile, &sighting.strengths);
+            Some(HeardSector { station, sector, bearing })
         };
         self.by_station.iter().filter_map(best).collect()
     }
@@ -138,14 +163,18 @@ impl Neighbours {
             .map(|(&station, neighbour)| (station, neighbour.belief.place))
     }
 
-    /// Who has heard this station: the place, and the sector of this station.
-    pub(super) fn reports(&self) -> impl Iterator<Item = &(Belief, u8)> {
+    /// Who has heard this station.
+    pub(super) fn reports(&self) -> impl Iterator<Item = &HeardBy> {
         self.reports.values()
     }
 
     /// The anchors heard, as evidence on the place of this station.
     pub(super) fn evidence(&self) -> Vec<HeardAnchor> {
-        self.by_station.values().flat_map(|neighbour| &neighbour.sightings).filter_map(Sighting::evidence).collect()
+        let of_neighbour = |neighbour: &Neighbour| {
+            let evidence = |sighting: &Sighting| sighting.evidence(&self.patterns, neighbour.is_mobile);
+            neighbour.sightings.iter().filter_map(evidence).collect::<Vec<_>>()
+        };
+        self.by_station.values().flat_map(of_neighbour).collect()
     }
 
     /// The anchors of which others have told, and the earlier places of mobile anchors, that this station has not heard.
@@ -180,15 +209,18 @@ impl Neighbours {
 
     /// Memory of the tables (octets), each entry packed as in the messages.
     pub(super) fn octets(&self) -> usize {
+        let keeps_all = self.patterns.nodes.is_some() || self.patterns.robots.is_some();
         let sighting = |sighting: &Sighting| {
             let directions = sighting.beacon.as_ref().and_then(Option::as_ref);
-            // Best sector with its ratio, and the directions.
-            sighting.belief.octets() + 2 + directions.map_or(0, Directions::octets)
+            // Best sector with its ratio, or all of them, and the directions.
+            let ratios = if keeps_all { sighting.strengths.len() } else { 1 };
+            sighting.belief.octets() + 2 * ratios + directions.map_or(0, Directions::octets)
         };
         let neighbour = |neighbour: &Neighbour| {
             4 + neighbour.belief.octets() + neighbour.sightings.iter().map(sighting).sum::<usize>()
         };
-        let reports = self.reports.values().map(|(belief, _)| 5 + belief.octets()).sum::<usize>();
+        let reports =
+            self.reports.values().map(|by| 5 + 3 * usize::from(keeps_all) + by.belief.octets()).sum::<usize>();
         let passed = self.passed.values().map(|places| 4 + 12 * places.len()).sum::<usize>();
         self.by_station.values().map(neighbour).sum::<usize>() + 16 * self.hearsay.len() + passed + reports
     }

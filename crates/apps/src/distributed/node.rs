@@ -11,7 +11,8 @@ use super::belief::Belief;
 use super::config::{DistributedMapping, Exchange, Recompute};
 use super::filtration::{Category, Scattering};
 use super::message::{Beacon, Directions, Message};
-use super::neighbours::Neighbours;
+use super::neighbours::{HeardBy, Neighbours};
+use super::patterns::Patterns;
 use super::record::{MappingRecord, MappingRole};
 use super::schedule::{Schedule, Window};
 
@@ -62,12 +63,14 @@ pub struct MappingNode {
 }
 
 impl MappingNode {
-    /// A node; an anchor if it knows its place. `antenna` is absent without sectors.
+    /// A node; an anchor if it knows its place. `antenna` is absent without sectors. `patterns` are those of the antennas, if
+    /// strengths tell directions.
     #[must_use]
     pub fn new(
         settings: Arc<DistributedMapping>,
         network: NetworkId,
         antenna: Option<NodeAntenna>,
+        patterns: Patterns,
         anchor: Option<Position>,
     ) -> Self {
         let schedule = settings.schedule(antenna.is_some());
@@ -83,7 +86,7 @@ impl MappingNode {
             directions: None,
             scattering: Scattering::default(),
             category: Category::Bad,
-            neighbours: Neighbours::default(),
+            neighbours: Neighbours::new(patterns),
             evidence: 0,
             window: 0,
             outbox: Vec::new(),
@@ -263,7 +266,12 @@ impl MappingNode {
 
     /// How the antenna of this anchor is turned, by the reports of others.
     fn orientation(&self, belief: Belief, antenna: NodeAntenna) -> Option<RingOrientation> {
-        let bearing = |&(Belief { place, covariance }, sector): &(Belief, u8)| Bearing { place, covariance, sector };
+        let bearing = |&HeardBy { belief: Belief { place, covariance }, sector, bearing }: &HeardBy| Bearing {
+            place,
+            covariance,
+            sector,
+            of_strengths: bearing,
+        };
         let bearings: Vec<Bearing> = self.neighbours.reports().map(bearing).collect();
         let Belief { place, covariance } = belief;
         let NodeAntenna { sectors, vertical_width_rad } = antenna;

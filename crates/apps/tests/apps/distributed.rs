@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use sextant_apps::distributed::{
-    Category, DistributedMapping, DistributedMappingConfig, MappingNode, MappingRecord, MappingRole, MobileAnchor,
-    NodeAntenna,
+    BearingSource, Category, DistributedMapping, DistributedMappingConfig, MappingNode, MappingRecord, MappingRole,
+    MobileAnchor, NodeAntenna, PatternBearings, Patterns,
 };
 use sextant_apps::{Surroundings, WaypointsConfig};
 use sextant_channel::{AntennaConfig, ChannelConfig, ObstacleField, Position};
@@ -12,6 +12,7 @@ use sextant_kernel::{Files, Seed};
 use sextant_mac::RadioStates;
 use sextant_mac::csma::CsmaSettings;
 use sextant_mac::dmg::SweepConfig;
+use sextant_mapper::BearingTable;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
     Antennas, AntennasConfig, Applications, DmgRadio, Faults, Ieee80211ad, Ieee802154, Mac, Network, NetworkId,
@@ -35,6 +36,8 @@ struct Scene {
     liar_every: usize,
     /// Stops of a mobile anchor.
     mobile: Vec<Position>,
+    /// Pattern of the sectors.
+    pattern: &'static str,
     settings: String,
     seed: u64,
 }
@@ -52,6 +55,7 @@ impl Scene {
             island: 0,
             liar_every: 0,
             mobile: Vec::new(),
+            pattern: "flat_top",
             settings,
             seed: 1,
         }
@@ -70,9 +74,11 @@ impl Scene {
     }
 
     fn antennas(&self) -> Antennas {
-        let antenna: AntennaConfig =
-            toml::from_str("sectors = { azimuth_sectors = 8, boresight_gain_dbi = 0.0, pattern.flat_top = {} }")
-                .expect("an antenna");
+        let antenna: AntennaConfig = toml::from_str(&format!(
+            "sectors = {{ azimuth_sectors = 8, boresight_gain_dbi = 0.0, pattern.{} = {{}} }}",
+            self.pattern
+        ))
+        .expect("an antenna");
         let text = "nodes.omnidirectional = {}\nrobots.omnidirectional = {}";
         let config =
             AntennasConfig { nodes: antenna.clone(), robots: antenna, ..toml::from_str(text).expect("antennas") };
@@ -125,10 +131,17 @@ impl Scene {
         };
         let antenna =
             self.has_sectors.then_some(NodeAntenna { sectors: 8, vertical_width_rad: std::f64::consts::PI });
+        let patterns = match settings.bearings() {
+            BearingSource::BestSector => Patterns::default(),
+            BearingSource::Pattern(PatternBearings { error_db }) => {
+                let table = BearingTable::new(self.antennas().nodes(), 8, error_db);
+                Patterns { nodes: Some(Arc::new(table)), robots: None }
+            }
+        };
         let node = |(i, &place): (usize, &Position)| {
             let believed = if self.lies(i) { place + Position::new(0.0, 5.0, 0.0) } else { place };
             let anchor = (i % self.anchor_every == 0 && i < self.side * self.side).then_some(believed);
-            MappingNode::new(Arc::clone(&settings), NetworkId(0), antenna, anchor)
+            MappingNode::new(Arc::clone(&settings), NetworkId(0), antenna, patterns.clone(), anchor)
         };
         let nodes = Applications::of_nodes(places.iter().enumerate().map(node).collect());
         let (_, own) = Simulation::with(setup, nodes).expect("a good setup").run_own(observer);
@@ -290,6 +303,32 @@ fn posterior_means_with_weights_are_better_than_the_literal_estimates() {
     };
     let (literal_m, improved_m) = (mean("directions = \"circular_mean\""), mean(improved));
     assert!(improved_m < 0.9 * literal_m, "{literal_m} m, improved {improved_m} m");
+}
+
+#[test]
+fn strengths_of_all_sectors_tell_directions_and_places_better_than_the_best_sector() {
+    let improved = "directions = \"intervals\"\nexchange = \"posterior\"\nrecompute = \"all\"\n\
+                    place.estimate = \"posterior_mean\"\nplace.model = \"soft\"";
+    let mean = |settings: &str| {
+        let of_seed = |seed| {
+            let scene = Scene {
+                seed,
+                anchor_every: 9,
+                pattern: "ieee802153c",
+                ..Scene::new(&format!("{improved}\n{settings}"))
+            };
+            let records = scene.run(&mut Unobserved);
+            let found = records.iter().filter_map(|record| record.directions);
+            let sigma_deg: Vec<f64> = found.map(|found| found.azimuth_sigma_rad().to_degrees()).collect();
+            (scene.mean_error_m(&records), sigma_deg.iter().sum::<f64>() / sigma_deg.len() as f64)
+        };
+        let all: Vec<(f64, f64)> = (1..=4).map(of_seed).collect();
+        (all.iter().map(|of| of.0).sum::<f64>() / 4.0, all.iter().map(|of| of.1).sum::<f64>() / 4.0)
+    };
+    let ((by_sector_m, by_sector_deg), (by_strengths_m, by_strengths_deg)) =
+        (mean("bearings = \"best_sector\""), mean("bearings.pattern.error_db = 1"));
+    assert!(by_strengths_m < 0.8 * by_sector_m, "{by_sector_m} m, by strengths {by_strengths_m} m");
+    assert!(by_strengths_deg < 0.5 * by_sector_deg, "{by_sector_deg} degrees, by strengths {by_strengths_deg}");
 }
 
 #[test]

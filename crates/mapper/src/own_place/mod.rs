@@ -3,10 +3,12 @@
 //! The likelihood is that of [`MlTm`](crate::MlTm) and [`MmTm`](crate::MmTm), with the parts exchanged: the node listens,
 //! and anchors at known places send from sectors that point in known directions (Gunathillake 2018, chapter 5, step 3).
 
+mod arcs;
 mod evidence;
 mod octets;
 mod orientation;
 mod search_set;
+mod sector_bearing;
 mod soft;
 mod wedged;
 
@@ -23,6 +25,7 @@ use crate::numerics::normal::Normal;
 use crate::{Estimate, EstimateKind, ProfileConfig, ReceptionProfile, SectorTolerance};
 use evidence::Evidence;
 pub use orientation::{Bearing, DirectionRule, OrientationMethod, RingOrientation, UnorientedRing};
+pub use sector_bearing::{BearingTable, SectorBearing};
 
 /// Largest number of vertices of a cube as wide as the range of the profile on both sides of an anchor.
 const MOST_VERTICES: f64 = 1e9;

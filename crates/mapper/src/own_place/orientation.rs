@@ -11,6 +11,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Wedge};
 
+use super::arcs::{Agreed, Arc, most_agreed};
+use super::sector_bearing::SectorBearing;
 use crate::grid_ml::directions::wrapped;
 
 /// Two places nearer than this have no direction (m).
@@ -21,6 +23,8 @@ const ROUNDING_RAD: f64 = 1e-9;
 /// in its sector, with an error of a quarter of the sector, is then outside in 0.4 % of the cases; with one standard
 /// deviation in 4 %, with none in 20 % (twice `σ/HBW · E[(Z − k)⁺]` for a standard normal Z).
 const DEVIATIONS: f64 = 2.0;
+/// Directions that strengths tell agree within so many of their standard deviations.
+const SURE: f64 = 3.0;
 
 /// How the bearings of an anchor are combined, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,6 +50,9 @@ pub struct Bearing {
     pub sector: u8,
     /// Covariance of the neighbour's place (m²), if it is an estimate.
     pub covariance: Option<[[f64; 3]; 3]>,
+    /// The direction of the neighbour in the frame of the anchor's antenna, if the strengths of several sectors tell it:
+    /// surer than the sector alone.
+    pub of_strengths: Option<SectorBearing>,
 }
 
 /// An anchor whose sectors are turned in an unknown way: rings of equal sectors round the vertical.
@@ -68,8 +75,8 @@ pub struct UnorientedRing<'a> {
 pub struct RingOrientation {
     /// Azimuth of the middle of sector 0 (rad), counterclockwise from x, in (−π, π]. Sector i is `i · 2π/N_S` further.
     pub azimuth_rad: f64,
-    /// How far the azimuth may be off (rad), at most π: half the width of the interval, or the standard deviation of the
-    /// circular mean.
+    /// How far the azimuth may be off (rad), at most π: half the width of the interval, or the standard deviation of a
+    /// mean.
     pub half_width_rad: f64,
     /// Elevation of the middle of all sectors (rad), in [−π/2, π/2].
     pub elevation_rad: f64,
@@ -92,6 +99,11 @@ pub enum OrientationMethod {
         /// Number of bearings that agree.
         agreeing: usize,
     },
+    /// As the mean of the directions that strengths tell, each weighed by its variance, of the neighbours that agree with most.
+    Weighed {
+        /// Number of bearings that agree.
+        agreeing: usize,
+    },
     /// As the circular mean.
     CircularMean,
 }
@@ -101,17 +113,19 @@ impl RingOrientation {
     #[must_use]
     pub fn agreement(&self) -> f64 {
         match self.method {
-            OrientationMethod::Intersected { agreeing } => agreeing as f64 / self.bearings as f64,
+            OrientationMethod::Intersected { agreeing } | OrientationMethod::Weighed { agreeing } => {
+                agreeing as f64 / self.bearings as f64
+            }
             OrientationMethod::CircularMean => 0.0,
         }
     }
 
-    /// Standard deviation of the azimuth (rad): that of a uniform law over the interval, or that of the circular mean.
+    /// Standard deviation of the azimuth (rad): that of a uniform law over the interval, or that of the mean.
     #[must_use]
     pub fn azimuth_sigma_rad(&self) -> f64 {
         match self.method {
             OrientationMethod::Intersected { .. } => self.half_width_rad / 3.0_f64.sqrt(),
-            OrientationMethod::CircularMean => self.half_width_rad,
+            OrientationMethod::Weighed { .. } | OrientationMethod::CircularMean => self.half_width_rad,
         }
     }
 
@@ -155,10 +169,14 @@ impl UnorientedRing<'_> {
             let arcs: Vec<Arc> = lines.iter().map(arc).collect();
             if rule == DirectionRule::Intervals { most_agreed(&arcs) } else { None }
         };
-        let (azimuth_rad, half_width_rad, method) =
-            agreed(|line| line.azimuth).unwrap_or_else(|| self.circular_mean(&lines));
+        let (azimuth_rad, half_width_rad, method) = match agreed(|line| line.azimuth) {
+            Some(agreed) => weighed_mean(&lines, agreed).unwrap_or_else(|| {
+                (agreed.middle, agreed.half, OrientationMethod::Intersected { agreeing: agreed.agreeing })
+            }),
+            None => self.circular_mean(&lines),
+        };
         let (elevation_rad, elevation_half_width_rad) =
-            agreed(|line| line.raised).map_or((mean_rad, 0.0), |(middle, half, _)| (middle, half));
+            agreed(|line| line.raised).map_or((mean_rad, 0.0), |agreed| (agreed.middle, agreed.half));
         Some(RingOrientation {
             azimuth_rad,
             half_width_rad,
@@ -194,11 +212,17 @@ impl UnorientedRing<'_> {
         // An error along the line of sight changes the elevation less than one straight up does.
         let up_sigma = up_variance.max(0.0).sqrt() * libm::cos(elevation) / libm::hypot(across_m, apart.z_m);
         let half = |width: f64, sigma: f64| (0.5 * width + DEVIATIONS * sigma + ROUNDING_RAD).min(PI);
+        let azimuth = libm::atan2(apart.y_m, apart.x_m);
+        let told = bearing.of_strengths.map(|told| (told.azimuth_rad, libm::hypot(told.sigma_rad, sigma)));
+        let azimuth = match told {
+            Some((of_sector_0, sigma)) => {
+                Arc { middle: wrapped(azimuth - of_sector_0), half: half(0.0, SURE / DEVIATIONS * sigma) }
+            }
+            None => Arc { middle: wrapped(azimuth - sector * self.width()), half: half(self.width(), sigma) },
+        };
         Some(Line {
-            azimuth: Arc {
-                middle: wrapped(libm::atan2(apart.y_m, apart.x_m) - sector * self.width()),
-                half: half(self.width(), sigma),
-            },
+            azimuth,
+            azimuth_sigma_rad: told.map(|(_, sigma)| sigma),
             elevation,
             raised: Arc { middle: elevation, half: half(self.vertical_width_rad, up_sigma) },
         })
@@ -220,82 +244,39 @@ impl UnorientedRing<'_> {
     }
 }
 
+/// The mean of the azimuths that strengths tell, of those bearings that agree with most: weighed by their variances. If they are
+/// farther apart than these say, its standard deviation is larger in the same proportion. `None` if strengths tell less than half of the
+/// bearings that agree.
+fn weighed_mean(lines: &[Line], agreed: Agreed) -> Option<(f64, f64, OrientationMethod)> {
+    let told = || {
+        lines.iter().filter_map(|line| {
+            let off = wrapped(line.azimuth.middle - agreed.middle);
+            let sigma = line.azimuth_sigma_rad.filter(|_| off.abs() <= line.azimuth.half + agreed.half)?;
+            Some((off, 1.0 / (sigma * sigma)))
+        })
+    };
+    let count = told().count();
+    if 2 * count < agreed.agreeing || count == 0 {
+        return None;
+    }
+    let weight: f64 = told().map(|(_, weight)| weight).sum();
+    let mean = told().map(|(off, weight)| weight * off).sum::<f64>() / weight;
+    let square: f64 = told().map(|(off, weight)| weight * (off - mean) * (off - mean)).sum();
+    let spread = if count > 1 { (square / (count as f64 - 1.0)).max(1.0) } else { 1.0 };
+    let method = OrientationMethod::Weighed { agreeing: agreed.agreeing };
+    Some((wrapped(agreed.middle + mean), (spread / weight).sqrt(), method))
+}
+
 /// What one bearing says.
 struct Line {
     /// Azimuths of the middle of sector 0.
     azimuth: Arc,
+    /// Standard deviation of its middle (rad), if strengths tell it.
+    azimuth_sigma_rad: Option<f64>,
     /// Elevation of the neighbour (rad).
     elevation: f64,
     /// Elevations of the middle of the sectors: the neighbour is within half their width.
     raised: Arc,
-}
-
-/// An arc of a circle.
-#[derive(Clone, Copy)]
-struct Arc {
-    middle: f64,
-    /// Half its width (rad), at most π.
-    half: f64,
-}
-
-/// The middle and half the width of the directions that the most bearings allow, if these are more than half of all.
-fn most_agreed(lines: &[Arc]) -> Option<(f64, f64, OrientationMethod)> {
-    // Ends are turned by their angle from the first arc, so that they are sorted round the circle.
-    let origin = lines.first()?.middle;
-    let turn = |angle: f64| (angle - origin).rem_euclid(TAU);
-    let everywhere = lines.iter().filter(|line| line.half >= PI).count();
-    let narrow = lines.iter().filter(|line| line.half < PI);
-    // At an equal angle an interval begins before another ends: closed intervals that touch agree.
-    let mut ends: Vec<(f64, Edge)> = narrow
-        .flat_map(|line| [(turn(line.middle - line.half), Edge::Begins), (turn(line.middle + line.half), Edge::Ends)])
-        .collect();
-    if ends.is_empty() {
-        return Some((0.0, PI, OrientationMethod::Intersected { agreeing: everywhere }));
-    }
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    // Before the first end, those intervals hold that end before they begin.
-    let mut agreeing = everywhere
-        + lines
-            .iter()
-            .filter(|line| line.half < PI && turn(line.middle + line.half) < turn(line.middle - line.half))
-            .count();
-    let mut most = 0;
-    let mut arcs: Vec<[f64; 2]> = Vec::new();
-    for (i, &(angle, edge)) in ends.iter().enumerate() {
-        match edge {
-            Edge::Begins => {
-                agreeing += 1;
-                let next = ends.get(i + 1).map_or(ends[0].0 + TAU, |end| end.0);
-                if agreeing > most {
-                    most = agreeing;
-                    arcs.clear();
-                }
-                if agreeing == most {
-                    arcs.push([angle, next]);
-                }
-            }
-            Edge::Ends => agreeing -= 1,
-        }
-    }
-    if 2 * most <= lines.len() {
-        return None;
-    }
-    // The hull of the arcs is all but the widest gap between two of them.
-    let gap_before = |i: usize| {
-        let before = if i == 0 { arcs[arcs.len() - 1][1] - TAU } else { arcs[i - 1][1] };
-        arcs[i][0] - before
-    };
-    let first = (0..arcs.len()).max_by(|&a, &b| gap_before(a).total_cmp(&gap_before(b)).then(b.cmp(&a)))?;
-    let width = TAU - gap_before(first);
-    let middle = wrapped(origin + arcs[first][0] + 0.5 * width);
-    Some((middle, 0.5 * width, OrientationMethod::Intersected { agreeing: most }))
-}
-
-/// An end of an interval, in the order in which they count at one angle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Edge {
-    Begins,
-    Ends,
 }
 
 #[cfg(test)]
@@ -315,7 +296,7 @@ mod tests {
         let width = TAU / f64::from(sectors);
         let sector = ((azimuth - truth + 0.5 * width).rem_euclid(TAU) / width).floor();
         let sector = (0..sectors).find(|&i| (f64::from(i) - sector).abs() < 0.5).unwrap_or(0);
-        Bearing { place: at(azimuth, 4.0, 0.0), sector, covariance: None }
+        Bearing { place: at(azimuth, 4.0, 0.0), sector, covariance: None, of_strengths: None }
     }
 
     fn ring(sectors: u8, bearings: &[Bearing]) -> UnorientedRing<'_> {
@@ -349,7 +330,7 @@ mod tests {
             // Each neighbour is somewhere within the width of the beams.
             let place = |&(azimuth, off): &(f64, f64)| at(azimuth, 4.0, 4.0 * libm::tan(raised + width * off));
             let bearings: Vec<Bearing> =
-                lines.iter().map(|line| Bearing { place: place(line), sector: 0, covariance: None }).collect();
+                lines.iter().map(|line| Bearing { place: place(line), sector: 0, covariance: None, of_strengths: None }).collect();
             let ring = UnorientedRing { vertical_width_rad: width, ..ring(1, &bearings) };
             let found = ring.orientation(DirectionRule::Intervals).unwrap();
             prop_assert!((found.elevation_rad - raised).abs() <= found.elevation_half_width_rad + 1e-9, "{:?}", found);
@@ -377,7 +358,7 @@ mod tests {
             let most = circle.iter().map(|&angle| agree(angle)).max().unwrap();
             let found = ring(sectors, &bearings).orientation(DirectionRule::Intervals).unwrap();
             match found.method {
-                OrientationMethod::Intersected { agreeing } => {
+                OrientationMethod::Intersected { agreeing } | OrientationMethod::Weighed { agreeing } => {
                     // An arc narrower than the circle's step can escape brute force.
                     prop_assert!(agreeing == most || found.half_width_rad < TAU / 20_000.0 || agreeing > most);
                     if agreeing == most {
@@ -459,7 +440,7 @@ mod tests {
 
     #[test]
     fn elevations_are_averaged_and_neighbours_at_the_same_place_say_nothing() {
-        let up = Bearing { place: at(0.0, 4.0, 4.0), sector: 0, covariance: None };
+        let up = Bearing { place: at(0.0, 4.0, 4.0), sector: 0, covariance: None, of_strengths: None };
         let level = Bearing { place: at(0.1, 4.0, 0.0), ..up };
         let here = Bearing { place: HERE, ..up };
         let found = ring(8, &[up, level, here]).orientation(DirectionRule::Intervals).unwrap();
@@ -481,5 +462,26 @@ mod tests {
         let wedge = of(heard(0.0, 0.0, 8)).wedge(4, 8, [-1.0, 1.0]);
         assert!(off(wedge.azimuth_from_rad, PI - PI / 8.0) < 1e-9);
         assert!((wedge.azimuth_width_rad - PI / 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn directions_of_strengths_are_weighed_and_one_that_is_far_off_does_not_count() {
+        let told = |azimuth: f64, error: f64, sigma_rad: f64| Bearing {
+            of_strengths: Some(SectorBearing { azimuth_rad: wrapped(azimuth - 0.3 + error), sigma_rad }),
+            ..heard(0.3, azimuth, 8)
+        };
+        let mut bearings = vec![told(0.1, 0.02, 0.02), told(2.0, -0.04, 0.04), told(-2.5, 0.01, 0.02)];
+        let found = ring(8, &bearings).orientation(DirectionRule::Intervals).unwrap();
+        // Errors of bearings turn the antenna the other way: (-0.02 w + 0.04 w / 4 - 0.01 w) / (2.25 w).
+        assert!(off(found.azimuth_rad, 0.3 - 0.02 / 2.25) < 1e-9, "{found:?}");
+        assert!((found.azimuth_sigma_rad() - 0.02 / 1.5).abs() < 1e-9, "{found:?}");
+        assert_eq!(found.method, OrientationMethod::Weighed { agreeing: 3 });
+        bearings.push(told(1.0, 1.0, 0.02));
+        let robust = ring(8, &bearings).orientation(DirectionRule::Intervals).unwrap();
+        assert!(off(robust.azimuth_rad, found.azimuth_rad) < 1e-9 && (robust.agreement() - 0.75).abs() < 1e-12);
+        // Without strengths the interval is as wide as the sectors leave it.
+        let of_sectors: Vec<Bearing> = bearings.iter().map(|b| Bearing { of_strengths: None, ..*b }).collect();
+        let wide = ring(8, &of_sectors).orientation(DirectionRule::Intervals).unwrap();
+        assert!(wide.azimuth_sigma_rad() > 3.0 * found.azimuth_sigma_rad(), "{wide:?}");
     }
 }

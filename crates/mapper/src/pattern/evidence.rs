@@ -31,7 +31,7 @@ const OUTLIER: f64 = 4.0;
 
 /// The log-likelihood of a report where the sectors have these `gains` with their ripple, but for a constant. The level of
 /// all SNRs is not known: residuals are from their mean. Strengths have the standard deviation `noise_db`.
-pub(super) fn of_report(report: &[(usize, f64)], gain: impl Fn(usize) -> f64, noise_db: f64) -> f64 {
+pub(crate) fn of_report(report: &[(usize, f64)], gain: impl Fn(usize) -> f64, noise_db: f64) -> f64 {
     let count = report.len() as f64;
     let mean = report.iter().map(|&(sector, snr_db)| snr_db - gain(sector)).sum::<f64>() / count;
     let square = |&(sector, snr_db): &(usize, f64)| {

@@ -25,6 +25,7 @@ use sextant_kernel::Watch;
 
 use crate::log_facts::reach::heard_nodes;
 use crate::{CoordinateFrame, CountRule, EstimateKind, MapError, TopologyMap};
+pub(crate) use evidence::of_report;
 use evidence::{Pose, Sight, Tables, Turn};
 use fit::thinned;
 use gain_map::GainMap;

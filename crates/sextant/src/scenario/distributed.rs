@@ -4,10 +4,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_apps::distributed::{
-    DistributedMapping, DistributedMappingConfig, MappingNode, MobileAnchor, NodeAntenna,
+    BearingSource, DistributedMapping, DistributedMappingConfig, MappingNode, MobileAnchor, NodeAntenna,
+    PatternBearings, Patterns,
 };
 use sextant_channel::{Anchor, Antenna, AntennaConfig, SectorTable};
 use sextant_kernel::{NodeId, SettingError};
+use sextant_mapper::BearingTable;
 use sextant_sim::{Broadcast, MacConfig, Network, NetworkId, Robot, RoleConfig, Setup};
 
 use super::config::ScenarioConfig;
@@ -33,6 +35,7 @@ pub struct NodeMapJob {
     pub max_iterations: u32,
     settings: Arc<DistributedMapping>,
     antenna: Option<NodeAntenna>,
+    patterns: Patterns,
 }
 
 impl NodeMapJob {
@@ -40,7 +43,10 @@ impl NodeMapJob {
     #[must_use]
     pub fn nodes(&self, nodes: usize, anchors: &[Anchor]) -> Vec<MappingNode> {
         let place = |node| anchors.iter().find(|anchor| anchor.node == node).map(|anchor| anchor.position);
-        let node = |node| MappingNode::new(Arc::clone(&self.settings), self.network, self.antenna, place(node));
+        let node = |node| {
+            let patterns = self.patterns.clone();
+            MappingNode::new(Arc::clone(&self.settings), self.network, self.antenna, patterns, place(node))
+        };
         (0..nodes).map(|index| node(NodeId::from_index(index))).collect()
     }
 
@@ -93,6 +99,7 @@ pub(super) fn check_distributed(
     check_receivers(&tables[at], errors);
     let antennas = antennas(busy, &tables[at], has_mobile, errors)?;
     let settings = Arc::new(errors.take(TABLE, DistributedMapping::try_from(written))?);
+    let patterns = patterns(&settings, busy, has_mobile, errors);
     let sectors = antennas.as_ref().map(|(_, of_robots, per_ring)| (of_robots, *per_ring));
     let broadcast: Box<dyn Broadcast> = Box::new(MobileAnchor::new(Arc::clone(&settings), sectors));
     for (i, robot) in config.robots.iter().enumerate().filter(|(_, robot)| robot.role == RoleConfig::Anchor) {
@@ -108,6 +115,7 @@ pub(super) fn check_distributed(
         max_iterations: written.max_iterations,
         settings,
         antenna: antennas.map(|(of_nodes, ..)| of_nodes),
+        patterns,
     })
 }
 
@@ -184,6 +192,23 @@ fn antennas(
     }
     let robots = antennas.robots();
     Some(Some((of_nodes, antennas.robot_sectors().clone(), robots.sector_count() / robots.rings())))
+}
+
+/// By which strengths tell directions, if they do.
+fn patterns(settings: &DistributedMapping, network: &Network, has_mobile: bool, errors: &mut Errors) -> Patterns {
+    let BearingSource::Pattern(PatternBearings { error_db }) = settings.bearings() else {
+        return Patterns::default();
+    };
+    let Some(antennas) = network.technology.antennas() else {
+        let with = "a network without sectors";
+        let error = SettingError::conflict("bearings.pattern", with, "remove it, or add `mac.sector_sweep`");
+        errors.refuse(&error.within(TABLE));
+        return Patterns::default();
+    };
+    let table = |antenna: &Antenna| {
+        Arc::new(BearingTable::new(antenna, antenna.sector_count() / antenna.rings().max(1), error_db))
+    };
+    Patterns { nodes: Some(table(antennas.nodes())), robots: has_mobile.then(|| table(antennas.robots())) }
 }
 
 /// The antenna of nodes, which must be one ring of equal sectors.

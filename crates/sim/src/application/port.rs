@@ -302,7 +302,11 @@ impl Port<'_> {
         let robot = self.model.robot(self.station);
         let turns = self.model.networks[network.index()].turns_antennas();
         let heading_rad = turns.then(|| self.pose_at(since).heading_rad);
-        self.model.notes.push(Note::Stopped(network, Stop { robot, time: since, position, heading_rad }, heard.into()));
+        self.model.notes.push(Note::Stopped(
+            network,
+            Stop { robot, time: since, position, heading_rad },
+            heard.into(),
+        ));
     }
 
     /// Tells the observer what the application has worked out.

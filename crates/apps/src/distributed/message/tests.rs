@@ -29,9 +29,18 @@ fn directions() -> impl Strategy<Value = Directions> {
     })
 }
 
+/// A bearing that the octets hold exactly.
+fn bearing() -> impl Strategy<Value = Option<SectorBearing>> {
+    let bearing = (any::<[u8; 2]>(), 1_u8..).prop_map(|([low, high], sigma)| bearing_of([low, high, sigma]));
+    prop_oneof![Just(None), bearing]
+}
+
 fn message() -> impl Strategy<Value = Message> {
-    let heard =
-        (any::<u32>(), any::<u8>()).prop_map(|(station, sector)| HeardSector { station: StationId(station), sector });
+    let heard = (any::<u32>(), any::<u8>(), bearing()).prop_map(|(station, sector, bearing)| HeardSector {
+        station: StationId(station),
+        sector,
+        bearing,
+    });
     let others = prop::collection::vec((any::<u32>().prop_map(StationId), place()), 0..5);
     let earlier = prop::collection::vec(place(), 0..4);
     let beacon = (belief(), prop::option::of(directions()), earlier, others)
@@ -112,7 +121,7 @@ fn what_is_no_message_says_why() {
 
 #[test]
 fn many_reports_are_split_into_messages_that_fit() {
-    let heard: Vec<_> = (0..41).map(|i| HeardSector { station: StationId(i), sector: 3 }).collect();
+    let heard: Vec<_> = (0..41).map(|i| HeardSector { station: StationId(i), sector: 3, bearing: None }).collect();
     let belief = Belief::exact(Position::ORIGIN);
     let messages: Vec<_> = Message::reports(belief, &heard, 114).collect();
     // 14 octets and 20 entries of 5.
