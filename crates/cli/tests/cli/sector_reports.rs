@@ -53,19 +53,38 @@ lane_spacing_m = 2.0
 until = "swept"
 coverage_check = false
 area.box = { min_m = [0.0, 0.0, -0.1], max_m = [12.0, 8.0, 0.1] }
+"#;
+
+/// A map by the gains of the antenna.
+const MAP: &str = r#"
 [[maps]]
-algorithm.auto = {}
+name = "gains"
+[maps.algorithm.mmtm]
+grid_step_m = 0.5
+counts = "at_least_one"
+estimate = "posterior_mean"
+profile.fitted = {}
 "#;
 
 /// A folder with a run of the scenario: `run.mcap`, `run.pcap`, `run.json`, and the tables of the recording in `tables`.
 struct Ran(TempDir);
 
 impl Ran {
+    /// The scenario with these changes, and a map.
+    fn mapped(changes: &[&str]) -> Self {
+        Self::of(&format!("{SCENARIO}{MAP}"), changes)
+    }
+
+    /// The scenario with these changes.
     fn new(changes: &[&str]) -> Self {
+        Self::of(SCENARIO, changes)
+    }
+
+    fn of(scenario: &str, changes: &[&str]) -> Self {
         let folder = TempDir::new().unwrap();
         let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/antennas/router-60ghz.csv");
         fs::copy(book, folder.path().join("router.csv")).unwrap();
-        fs::write(folder.path().join("a.toml"), SCENARIO).unwrap();
+        fs::write(folder.path().join("a.toml"), scenario).unwrap();
         let ran = Self(folder);
         let out = ["--out", "run.mcap", "--pcap", "run.pcap", "--summary", "run.json", "--quiet"];
         let sets: Vec<&str> = changes.iter().flat_map(|change| ["--set", change]).collect();
@@ -197,20 +216,23 @@ fn what_is_on_air_is_in_the_log_and_in_the_summary() {
 
 #[test]
 fn run_recording_and_tables_give_one_map_that_uses_the_reports() {
-    let ran = Ran::new(&[]);
-    let map = |log: &str, out: &str| {
+    let ran = Ran::mapped(&["world.nodes.random.count=24"]);
+    let map = |log: &str, out: &str, more: &[&str]| {
         let json = format!("{out}.json");
-        ran.succeeds(&["map", log, "--quiet", "--algorithm", "auto", "--out", out, "--summary", &json]);
+        ran.succeeds(&[&["map", log, "--quiet", "--out", out, "--summary", &json], more].concat());
         fs::read_to_string(ran.path(out)).unwrap()
     };
-    let (of_recording, of_tables) = (map("run.mcap", "a.csv"), map("tables", "b.csv"));
+    // The recording has the map of the run, and is mapped again by the settings of its scenario.
+    map("run.mcap", "again.csv", &[]);
+    let errors = |name: &str| ran.json(name)["maps"][0]["position_error_m"].clone();
+    assert!(errors("run.json")["mean"].as_f64().is_some_and(|mean_m| mean_m < 1.0), "{}", errors("run.json"));
+    assert_eq!(errors("run.json"), errors("again.csv.json"));
+    // Tables have no settings.
+    let known = ["--algorithm", "auto"];
+    let (of_recording, of_tables) = (map("run.mcap", "a.csv", &known), map("tables", "b.csv", &known));
     assert_eq!(of_recording, of_tables);
-    assert_eq!(
-        ran.json("run.json")["maps"][0]["position_error_m"],
-        ran.json("a.csv.json")["maps"][0]["position_error_m"]
-    );
     fs::remove_file(ran.path("tables/sector_snrs.csv")).unwrap();
-    assert_ne!(map("tables", "c.csv"), of_tables);
+    assert_ne!(map("tables", "c.csv", &known), of_tables);
 }
 
 /// The squared error of `levels` (dB), by place in `gains_dbi`, but for a common one.
@@ -231,46 +253,75 @@ fn horizon(gains: &SectorGains) -> Vec<(f64, Vec<f64>)> {
     (0..720).map(of_step).collect()
 }
 
-/// Mean errors of the azimuth of a node (degrees), and their number: by one report of at least six sectors, by the direction
-/// in which they fit best; and by the name of the best sector, by the middle of the directions in which it is the best. The
-/// antenna is an array in a plane, whose sectors look the same behind it but for a common loss: directions in which the
-/// node would be heard better than at 1 m are left out of both.
-fn azimuth_errors_deg(ran: &Ran) -> (f64, f64, u32) {
+/// Mean errors of the azimuth of a node (degrees).
+#[derive(Clone, Copy, Debug, Default)]
+struct AzimuthErrors {
+    /// By one report of at least six sectors: the direction in which they fit best.
+    by_report: f64,
+    /// By the name of the best sector: the middle of the directions in which it is the best.
+    by_name: f64,
+    /// The same of nodes in front of the antenna, if it is known that they are.
+    by_report_in_front: f64,
+    by_name_in_front: f64,
+    count: u32,
+    in_front: u32,
+}
+
+/// The antenna is an array in a plane, whose sectors look the same behind it but for a common loss.
+fn azimuth_errors(ran: &Ran) -> AzimuthErrors {
     let (log, places) = (ran.log(), ran.places());
     let gains = log.sectors().unwrap().gains().unwrap();
-    let horizon = horizon(gains);
+    let all = horizon(gains);
+    let front: Vec<_> = all.iter().filter(|(azimuth_rad, _)| azimuth_rad.cos() > 0.0).cloned().collect();
     let column = |sector: u8| gains.identities().iter().position(|&of| of == sector).unwrap();
-    let error_deg = |found: f64, exact: f64| ((found - exact + PI).rem_euclid(TAU) - PI).abs().to_degrees();
-    let (mut by_all, mut by_best, mut count) = (0.0, 0.0, 0);
+    let mut sum = AzimuthErrors::default();
     for reception in log.receptions().iter() {
         let levels = log.sector_snrs(reception.node, reception.stop).iter();
         let levels: Vec<(usize, f64)> = levels.map(|of| (column(of.sector), f64::from(of.snr_db))).collect();
         let (Some(best), true) = (reception.sector.map(column), levels.len() >= 6) else { continue };
-        let best_db = levels.iter().map(|of| of.1).fold(f64::NEG_INFINITY, f64::max);
-        // With 2 dB for the ripple.
-        let is_near_enough = |gains_dbi: &[f64]| best_db - gains_dbi[best] <= snr_db(1.0) + 2.0;
-        let directions: Vec<_> = horizon.iter().filter(|(_, gains_dbi)| is_near_enough(gains_dbi)).collect();
         let stop = log.stops()[reception.stop as usize].position;
         let way = direction(stop, places[&log.names()[reception.node.index()]]);
-        let exact = way.y_m.atan2(way.x_m);
-        let fit = directions.iter().min_by(|a, b| misfit(&levels, &a.1).total_cmp(&misfit(&levels, &b.1))).unwrap();
-        by_all += error_deg(fit.0, exact);
-        let is_best = |gains_dbi: &[f64]| gains_dbi.iter().all(|&gain| gain <= gains_dbi[best]);
-        let wins = directions.iter().filter(|(_, gains_dbi)| is_best(gains_dbi));
-        let (x, y) = wins.fold((0.0, 0.0), |(x, y), (azimuth_rad, _)| (x + azimuth_rad.cos(), y + azimuth_rad.sin()));
-        by_best += error_deg(y.atan2(x), exact);
-        count += 1;
+        let errors_deg = |among: &[(f64, Vec<f64>)]| {
+            let fit = among.iter().min_by(|a, b| misfit(&levels, &a.1).total_cmp(&misfit(&levels, &b.1))).unwrap();
+            let is_best = |gains_dbi: &[f64]| gains_dbi.iter().all(|&gain| gain <= gains_dbi[best]);
+            let middle_rad = middle_rad(among.iter().filter(|(_, gains_dbi)| is_best(gains_dbi)));
+            let exact_rad = way.y_m.atan2(way.x_m);
+            [fit.0, middle_rad].map(|found| ((found - exact_rad + PI).rem_euclid(TAU) - PI).abs().to_degrees())
+        };
+        let [by_report, by_name] = errors_deg(&all);
+        (sum.by_report, sum.by_name, sum.count) = (sum.by_report + by_report, sum.by_name + by_name, sum.count + 1);
+        if way.x_m > 0.0 {
+            let [by_report, by_name] = errors_deg(&front);
+            sum.by_report_in_front += by_report;
+            sum.by_name_in_front += by_name;
+            sum.in_front += 1;
+        }
     }
-    (by_all / f64::from(count), by_best / f64::from(count), count)
+    let (count, in_front) = (f64::from(sum.count), f64::from(sum.in_front));
+    AzimuthErrors {
+        by_report: sum.by_report / count,
+        by_name: sum.by_name / count,
+        by_report_in_front: sum.by_report_in_front / in_front,
+        by_name_in_front: sum.by_name_in_front / in_front,
+        ..sum
+    }
+}
+
+/// The middle of some azimuths (rad).
+fn middle_rad<'a>(directions: impl Iterator<Item = &'a (f64, Vec<f64>)>) -> f64 {
+    let (x, y) =
+        directions.fold((0.0, 0.0), |(x, y), (azimuth_rad, _)| (x + azimuth_rad.cos(), y + azimuth_rad.sin()));
+    y.atan2(x)
 }
 
 #[test]
 fn one_report_of_all_sectors_tells_the_direction_that_the_best_sector_alone_does_not() {
-    for (ripple, most_deg) in [("0.0", 1.0), ("2.0", 6.0)] {
-        let change = format!("antenna.robots.code_book.gain_ripple_db={ripple}");
-        let ran = Ran::new(&[&change]);
-        let (by_all, by_best, count) = azimuth_errors_deg(&ran);
-        println!("ripple {ripple} dB: {by_all:.2} degrees by all sectors, {by_best:.1} by the best, {count} reports");
-        assert!(count > 100 && by_all < 999.0, "{by_all}, {by_best}, {count}");
+    for (ripple_db, most_deg) in [("0.0", 0.5), ("2.0", 10.0)] {
+        let change = format!("antenna.robots.code_book.gain_ripple_db={ripple_db}");
+        let found = azimuth_errors(&Ran::new(&[&change]));
+        println!("ripple {ripple_db} dB: {found:?}");
+        assert!(found.in_front > 100 && found.by_report_in_front < most_deg, "{found:?}");
+        assert!(found.by_name_in_front > 2.0 * found.by_report_in_front.max(4.0), "{found:?}");
+        assert!(found.by_name > 40.0 && found.by_report < found.by_name, "{found:?}");
     }
 }
