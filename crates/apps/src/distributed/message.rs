@@ -305,7 +305,7 @@ fn bearing_octets(bearing: Option<SectorBearing>) -> [u8; 3] {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 65536")]
     let [low, high, ..] = ((azimuth_rad.rem_euclid(TAU) / TAU * 65536.0).round() as u32).to_le_bytes();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 255")]
-    let sigma = (sigma_rad / SIGMA_STEP_RAD).ceil().clamp(1.0, 255.0) as u8;
+    let sigma = (sigma_rad / SIGMA_STEP_RAD - 1e-9).ceil().clamp(1.0, 255.0) as u8;
     [low, high, sigma]
 }
 

@@ -47,6 +47,7 @@ mod reproduce;
 mod run;
 mod scenario_errors;
 mod schema;
+mod sector_reports;
 mod sector_sweeps;
 mod sensing;
 mod sweep;

@@ -6,7 +6,8 @@ use std::time::Duration;
 use sextant_channel::{Db, Dbm};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::dmg::{
-    BeamRefinement, Enclosed, MacAddress, SectorFeedback, SnrReport, SweepBody, SweepFrame, TxSector,
+    BeamRefinement, Enclosed, MacAddress, MeasuredSnr, SectorFeedback, SectorMeasurement, SnrReport, SweepBody,
+    SweepFrame, TxSector,
 };
 use sextant_recording::{Capture, CapturedDmgFrame, CapturedFrame, Technologies};
 
@@ -163,6 +164,50 @@ fn tshark_decodes_the_fields_of_all_frames_of_a_sweep() {
         row(&[Some(0), None, None, None, None, None, None, Some(37), Some(1), Some(112)]),
     ];
     assert_eq!(found, expected);
+}
+
+#[test]
+fn tshark_decodes_the_question_for_all_sectors_and_the_announcement_of_their_report() {
+    let measurement =
+        |sector, snr| SectorMeasurement { sector: TxSector { antenna: 1, sector }, snr: MeasuredSnr::of(Db(snr)) };
+    let heard = [measurement(5, 12.0), measurement(63, 0.25), measurement(0, -8.0)];
+    let feedback = SectorFeedback::default();
+    let question = SweepBody::Feedback { feedback, refinement: BeamRefinement::of_all_sectors() };
+    let question = SweepFrame { duration_us: 61, to: SENSOR, from: ROBOT, body: question };
+    let report = SweepFrame { duration_us: 0, to: ROBOT, from: SENSOR, body: SweepBody::Brp { measurements: 3 } };
+    let mut file = capture(Technologies::Ieee80211ad);
+    file.dmg_frame(&captured(&question, &mut Vec::new(), None)).unwrap();
+    let mut octets = Vec::new();
+    report.write(Enclosed::Measurements(&heard), &mut octets);
+    let start = SimTime::from_nanos(2_123_556_789);
+    let airtime = report.airtime();
+    file.dmg_frame(&CapturedDmgFrame { start, airtime, octets: &octets, carrier_hz: 60.48e9, power: None }).unwrap();
+    let fields = [
+        "wlan.fcs.status",
+        "wlan.fc.type_subtype",
+        "wlan.ra",
+        "wlan.ta",
+        "wlan.brp.bc_req",
+        "wlan.fixed.category_code",
+        "wlan.fixed.unprotected_dmg_act",
+        "wlan.beam_refine.snr_present",
+        "wlan.beam_refine.sector_id_present",
+        "wlan.beam_refine.num_measurement",
+        "wlan.beam_refine.ch_measure_present",
+        "wlan.beam_refine.reserved",
+        "wlan.tag.number",
+        "wlan.tag.length",
+    ];
+    let Some(rows) = decoded(&file.into_output().unwrap(), &fields) else { return };
+    let rows: Vec<String> = rows.iter().map(|row| row.join(" ").replace("True", "1").replace("False", "0")).collect();
+    let (robot, sensor) = ("02:00:00:00:00:01", "02:00:00:00:00:07");
+    assert!(rows[0].starts_with("1 ") && rows[0].contains(&format!("{sensor} {robot} 1")), "{rows:?}");
+    // Good FCS; Unprotected DMG, BRP; three SNRs and sector IDs, nothing else; both elements. This program reads the second
+    // one as if each measurement had a tap, whatever the first one says, so its content is compared elsewhere.
+    let [_, report] = &rows[..] else { panic!("{rows:?}") };
+    assert!(report.starts_with("1 ") && report.contains(&format!("{robot} {sensor} 0 20 ")), "{report}");
+    let end: Vec<&str> = report.split(' ').rev().take(7).collect();
+    assert_eq!(end, ["5,6", "153,154", "0", "0", "3", "1", "1"]);
 }
 
 #[test]
