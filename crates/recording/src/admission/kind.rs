@@ -30,6 +30,8 @@ pub enum OutputKind<'a> {
     Picture,
     /// A table of measures: it may be the work of days, and is never replaced without being asked for.
     Table,
+    /// The differences between runs, as a table with the header of this text.
+    Differences(&'a [u8]),
     /// A text that people change: only the same text is replaced.
     Text(&'a [u8]),
 }
@@ -61,6 +63,7 @@ impl OutputKind<'_> {
             Self::Report => "an earlier report",
             Self::Picture => "an earlier picture",
             Self::Table => "a table that may be replaced",
+            Self::Differences(_) => "an earlier table of differences",
             Self::Text(_) => "the same text",
         }
     }
@@ -70,7 +73,13 @@ impl OutputKind<'_> {
         match self {
             Self::Recording | Self::Capture => Some(PART),
             Self::RecoveredRecording => Some(RECOVERING),
-            Self::Summary | Self::Map | Self::Report | Self::Picture | Self::Table | Self::Text(_) => None,
+            Self::Summary
+            | Self::Map
+            | Self::Report
+            | Self::Picture
+            | Self::Table
+            | Self::Differences(_)
+            | Self::Text(_) => None,
         }
     }
 
@@ -96,6 +105,9 @@ impl OutputKind<'_> {
             Self::Report => text.contains(REPORT_TITLE),
             Self::Picture => is_own_svg(&text) || is_own_png(&head),
             Self::Table => false,
+            Self::Differences(own) => {
+                own.split_inclusive(|octet| *octet == b'\n').next().is_some_and(|header| head.starts_with(header))
+            }
             Self::Text(own) => std::fs::read(path)? == own,
         })
     }

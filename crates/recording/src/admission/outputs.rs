@@ -31,6 +31,8 @@ pub struct Outputs<'a> {
     inputs: Vec<(PathBuf, FileIdentity)>,
     folders: Vec<PathBuf>,
     outputs: Vec<Output<'a>>,
+    /// Folders whose contents go, by the names that the user gave them.
+    cleared: Vec<(String, PathBuf)>,
 }
 
 #[derive(Clone, Debug)]
@@ -159,12 +161,17 @@ impl<'a> Outputs<'a> {
         self
     }
 
-    /// Decides whether all outputs may be written, and returns what the user should know.
+    /// The command writes a folder anew: what is in it goes.
+    pub fn clears(&mut self, name: &str, folder: &Path) -> &mut Self {
+        self.cleared.push((name.to_owned(), folder.to_owned()));
+        self
+    }
+
+    /// Decides whether each output is a file of its own: neither an input nor another output, and written by nobody else.
     ///
     /// # Errors
-    /// The first reason why one may not.
-    pub fn admit(&self) -> Result<Vec<OutputNote>, OutputRefusal> {
-        let mut notes = Vec::new();
+    /// The first reason why one is not.
+    pub fn keep_inputs(&self) -> Result<(), OutputRefusal> {
         for (i, output) in self.outputs.iter().enumerate() {
             let shown = || output.to_string();
             if let Some((input, _)) = self.inputs.iter().find(|(_, identity)| output.is_or_passes(identity)) {
@@ -173,14 +180,32 @@ impl<'a> Outputs<'a> {
             if let Some(other) = self.outputs[..i].iter().find(|other| other.identity == output.identity) {
                 return Err(OutputRefusal::Shared { output: shown(), other: other.to_string() });
             }
-            if let Some(part) = &output.part {
-                match Leftover::at(part) {
-                    Leftover::Busy => return Err(OutputRefusal::Busy { output: shown() }),
-                    Leftover::Kept => {
-                        notes.push(OutputNote::LeftOver { part: part.clone(), kept: kept_name(part) });
-                    }
-                    Leftover::Nothing => {}
-                }
+            if output.part.as_ref().is_some_and(|part| Leftover::at(part) == Leftover::Busy) {
+                return Err(OutputRefusal::Busy { output: shown() });
+            }
+        }
+        for (name, folder) in &self.cleared {
+            let Ok(folder) = folder.canonicalize() else { continue };
+            let is_within = |path: &PathBuf| path.canonicalize().is_ok_and(|path| path.starts_with(&folder));
+            if let Some((input, _)) = self.inputs.iter().find(|(path, _)| is_within(path)) {
+                let output = format!("what is in `{name} {}`", folder.display());
+                return Err(OutputRefusal::Input { output, input: input.clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Decides whether all outputs may be written, and returns what the user should know.
+    ///
+    /// # Errors
+    /// The first reason why one may not.
+    pub fn admit(&self) -> Result<Vec<OutputNote>, OutputRefusal> {
+        self.keep_inputs()?;
+        let mut notes = Vec::new();
+        for output in &self.outputs {
+            let shown = || output.to_string();
+            if let Some(part) = output.part.as_ref().filter(|part| Leftover::at(part) == Leftover::Kept) {
+                notes.push(OutputNote::LeftOver { part: part.clone(), kept: kept_name(part) });
             }
             if !output.path.is_file() {
                 continue;
@@ -330,6 +355,16 @@ mod tests {
         assert_eq!(admit(OutputKind::RecoveredRecording), Ok(Vec::new()));
         let notes = Outputs::new(Replace::Ours).writes("", &path("a.mcap"), OutputKind::Recording).admit().unwrap();
         assert!(notes[0].to_string().ends_with("a.mcap.part.1`"), "{}", notes[0]);
+    }
+
+    #[test]
+    fn a_folder_with_an_input_is_not_cleared() {
+        let folder = folder();
+        let clear = |cleared: &Path| {
+            Outputs::new(Replace::Any).reads(&folder.path().join("a.toml")).clears("--plan", cleared).keep_inputs()
+        };
+        assert!(matches!(clear(&folder.path().join(".")), Err(OutputRefusal::Input { .. })));
+        assert_eq!(clear(&folder.path().join("below")), Ok(()));
     }
 
     #[test]
