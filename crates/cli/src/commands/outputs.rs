@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 use sextant::scenario::Scenario;
 use sextant::sweep::Sweep;
-use sextant_recording::admission::{Outputs, Replace};
+use sextant_recording::admission::{OutputNote, Outputs, Replace};
 
 use super::options::Work;
 use crate::diagnostic::Failure;
@@ -57,11 +57,47 @@ pub(super) fn reads_given<'p>(outputs: &mut Outputs<'_>, paths: impl IntoIterato
 /// # Errors
 /// If it may not.
 pub(super) fn admit(outputs: &Outputs<'_>, work: Option<Work>) -> Result<(), Failure> {
-    for note in outputs.admit()? {
+    for note in told(&outputs.admit()?) {
         match work {
-            Some(work) => work.note(&note.to_string()),
+            Some(work) => work.note(&note),
             None => say(&format!("note: {note}")),
         }
     }
     Ok(())
+}
+
+/// The notes in words. Of many files of one kind, the first is named.
+fn told(notes: &[OutputNote]) -> Vec<String> {
+    let is_alike = |a: &OutputNote, b: &OutputNote| match (a, b) {
+        (OutputNote::Replaced { what: a, .. }, OutputNote::Replaced { what: b, .. }) => a == b,
+        _ => false,
+    };
+    let groups = notes.chunk_by(is_alike).flat_map(|group| match group {
+        [OutputNote::Replaced { path, what }, others @ ..] if others.len() > 1 => {
+            let what = what.map_or(String::new(), |what| format!(": each is {what}"));
+            vec![format!("`{}` and {} more files are replaced{what}", path.display(), others.len())]
+        }
+        few => few.iter().map(ToString::to_string).collect(),
+    });
+    groups.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_files_the_first_is_named() {
+        let note = |name: &str, what| OutputNote::Replaced { path: name.into(), what };
+        let picture = |name| note(name, Some("an earlier picture"));
+        let words = told(&[picture("a"), picture("b"), picture("c"), note("d", None), picture("e")]);
+        assert_eq!(
+            words,
+            [
+                "`a` and 2 more files are replaced: each is an earlier picture",
+                "`d` is replaced",
+                "`e` is replaced: it is an earlier picture"
+            ]
+        );
+    }
 }

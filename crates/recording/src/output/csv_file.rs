@@ -96,6 +96,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn formulas_are_marked() {
+        let mut file = CsvFile::headless(EmptyCell::Bare);
+        file.row(["=cmd|' /C calc'!A0", "-3.5", "-x", "@a,b"]);
+        assert_eq!(String::from_utf8(file.take()).unwrap(), "'=cmd|' /C calc'!A0,-3.5,'-x,\"'@a,b\"\n");
+    }
+
+    #[test]
     fn cells_are_quoted_where_needed() {
         let text = |empty| {
             let mut file = CsvFile::new(["cell", "error"], empty);

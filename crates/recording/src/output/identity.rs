@@ -58,14 +58,20 @@ impl FileIdentity {
     }
 
     /// Whether the open `file` is still the one at `path`, and not one that was renamed or removed.
+    ///
+    /// # Errors
+    /// If one of them cannot be looked at.
     #[cfg(unix)]
-    pub(super) fn is_at(file: &File, path: &Path) -> io::Result<bool> {
+    pub fn is_at(file: &File, path: &Path) -> io::Result<bool> {
         Ok(number_of(&file.metadata()?) == number(path)?)
     }
 
     /// An open file cannot be renamed or removed by others.
+    ///
+    /// # Errors
+    /// Never.
     #[cfg(not(unix))]
-    pub(super) fn is_at(_file: &File, path: &Path) -> io::Result<bool> {
+    pub fn is_at(_file: &File, path: &Path) -> io::Result<bool> {
         Ok(path.exists())
     }
 }
