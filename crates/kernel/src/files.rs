@@ -98,7 +98,8 @@ impl Files {
     #[must_use]
     pub fn has_within(&self, file: &Path) -> bool {
         match self {
-            Self::Folder(folder) => is_within(&folder.join(file), folder),
+            // There is nothing to show of a file that is not there.
+            Self::Folder(folder) => !folder.join(file).exists() || is_within(&folder.join(file), folder),
             Self::Attached(_) => true,
         }
     }

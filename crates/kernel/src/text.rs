@@ -23,7 +23,12 @@ const MOST_SHOWN: usize = 200;
 /// A text that others wrote, for a message: of a long one, its start and its length.
 #[must_use]
 pub fn shortened(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(MOST_SHOWN) {
+    shortened_to(MOST_SHOWN, text)
+}
+
+/// The same with at most so many characters.
+pub(crate) fn shortened_to(most: usize, text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
         None => Cow::Borrowed(text),
         Some((end, _)) => Cow::Owned(format!("{}.. ({} octets)", &text[..end], text.len())),
     }

@@ -168,10 +168,11 @@ fn mutant(scenario: &Value, luck: &mut Luck) -> Value {
 
 /// What is wrong with what the program does with the scenario `text`, if anything.
 fn fault(text: &str) -> Option<String> {
-    let scenario = match Scenario::parse(text) {
+    let checked = Scenario::parse(text).and_then(|scenario| scenario.check_grids().map(|()| scenario));
+    let scenario = match checked {
         Ok(scenario) => scenario,
         Err(errors) => {
-            let is_vague = |message: &String| !message.contains('`') || message.len() > 2000;
+            let is_vague = |message: &String| !message.contains('`') || message.len() > 5000;
             let mut messages = errors.errors().iter().map(ToString::to_string);
             return messages.find(is_vague).map(|message| format!("a vague error: {message}"));
         }

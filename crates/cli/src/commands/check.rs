@@ -85,6 +85,7 @@ fn check(path: &Path, arguments: &Arguments) -> Result<Valid, Vec<Report>> {
         }
         found
     })?;
+    scenario.check_grids().map_err(|errors| reports(&errors))?;
     let cells = match scenario.config().sweep {
         None => None,
         Some(_) => Some(Sweep::read(path, set, None, None).map_err(|errors| reports(&errors))?.cells().len()),

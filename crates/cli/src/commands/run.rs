@@ -58,6 +58,7 @@ impl Arguments {
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     arguments.work.start_threads()?;
     let scenario = arguments.source.load()?;
+    scenario.check_grids()?;
     let recording = arguments.recording();
     let mut outputs = arguments.replacing.outputs();
     reads_scenario(&mut outputs, &scenario);

@@ -13,7 +13,7 @@ use super::config::ScenarioConfig;
 use super::distributed::{NodeMapJob, check_distributed};
 use super::errors::Errors;
 use super::known_networks::{KnownNetworks, PacketsPerStop};
-use super::maps::{MapJob, check_grids, check_log_of_maps, check_maps};
+use super::maps::{MapJob, check_log_of_maps, check_maps};
 use super::networks::NetworkTables;
 use super::robots::{Robots, check_robots, check_target_names};
 use super::sinks::check_sinks;
@@ -81,9 +81,6 @@ pub(super) fn check(config: &mut ScenarioConfig, files: &Files, errors: &mut Err
     let region = errors.take("simulation", config.simulation.region());
     let maps = check_maps(&config.maps, &known, errors);
     check_log_of_maps(config, &maps, errors);
-    if maps.len() == config.maps.len() {
-        check_grids(&maps, &robots.of_survey, errors);
-    }
     check_target_names(&config.robots, world.as_ref(), errors);
     errors.take("metrics", config.metrics.check());
     if let Some(snapshots) = &config.recording.fields {

@@ -20,7 +20,7 @@ use super::error::ScenarioErrors;
 use super::errors::Errors;
 use super::file::ScenarioFile;
 use super::known_networks::PacketsPerStop;
-use super::maps::MapJob;
+use super::maps::{MapJob, check_grids};
 use super::plausible::check_numbers;
 use super::survey_identity::SurveyIdentity;
 use sextant_kernel::text::counted;
@@ -165,6 +165,17 @@ impl Scenario {
     #[must_use]
     pub fn named_files(&self) -> &[NamedFile] {
         &self.named_files
+    }
+
+    /// Checks whether the grids of its maps fit the memory that they are allowed, wherever robots stop. A sweep does not ask
+    /// this, because its other cells are run in any case.
+    ///
+    /// # Errors
+    /// If a grid does not fit.
+    pub fn check_grids(&self) -> Result<(), ScenarioErrors> {
+        let mut errors = Errors::default();
+        check_grids(&self.maps, &self.parts.setup.robots, &mut errors);
+        if errors.found.is_empty() { Ok(()) } else { errors.placed(&self.file.overridden(&self.set, self.seed)?) }
     }
 
     /// All files that it is read from: those that it extends, its own, and those that it names.

@@ -29,16 +29,14 @@ pub(super) fn check_numbers(document: &Document, errors: &mut Errors) {
 
 /// Checks what is in `entry`, which is at `path`; `key` is the last key above it.
 fn check(entry: &Entry, path: &mut KeyPath, key: &str, errors: &mut Errors) {
+    let Plausible { least, most, unit } =
+        BY_UNIT.iter().find(|(end, _)| key.ends_with(end)).map_or(&OTHER, |(_, plausible)| plausible);
+    if let Some(number) = first(entry, &|size| !(*least..=*most).contains(&size)) {
+        let allowed = format!("0, or a size of {least:e} to {most:e}{unit}");
+        errors.refuse(&SettingError::new(path.to_string(), format!("{number:e}"), allowed));
+        return;
+    }
     match &entry.value {
-        Value::Float(number) => {
-            let by_unit = BY_UNIT.iter().find(|(end, _)| key.ends_with(end));
-            let Plausible { least, most, unit } = by_unit.map_or(&OTHER, |(_, plausible)| plausible);
-            let size = number.abs();
-            if size.is_finite() && size > 0.0 && !(*least..=*most).contains(&size) {
-                let allowed = format!("0, or a size of {least:e} to {most:e}{unit}");
-                errors.refuse(&SettingError::new(path.to_string(), format!("{number:e}"), allowed));
-            }
-        }
         Value::Table(table) => {
             for (key, entry) in table {
                 path.0.push(Step::Key(key.clone()));
@@ -47,12 +45,23 @@ fn check(entry: &Entry, path: &mut KeyPath, key: &str, errors: &mut Errors) {
             }
         }
         Value::Array(items) => {
-            for (i, item) in items.iter().enumerate() {
+            for (i, item) in items.iter().enumerate().filter(|(_, item)| matches!(item.value, Value::Table(_))) {
                 path.0.push(Step::Index(i));
                 check(item, path, key, errors);
                 path.0.pop();
             }
         }
-        Value::Boolean(_) | Value::Integer(_) | Value::String(_) | Value::Datetime(_) | Value::Placeholder(_) => {}
+        _ => {}
+    }
+}
+
+/// The number, or the first one of an array of numbers or places, whose size is `odd`.
+fn first(entry: &Entry, odd: &dyn Fn(f64) -> bool) -> Option<f64> {
+    let is_odd = |number: &f64| number.abs() > 0.0 && number.is_finite() && odd(number.abs());
+    match &entry.value {
+        Value::Float(number) => Some(*number).filter(is_odd),
+        Value::Integer(number) => Some(*number as f64).filter(is_odd),
+        Value::Array(items) => items.iter().find_map(|item| first(item, odd)),
+        _ => None,
     }
 }

@@ -5,7 +5,7 @@ use super::Bench;
 /// A log with two nodes of these names.
 fn log_of(bench: &Bench, names: [&str; 2]) {
     bench.done("init log");
-    let receptions = String::from_utf8(bench.read("log/receptions.csv")).unwrap();
+    let receptions = String::from_utf8(bench.read("log/receptions.csv")).expect("UTF-8");
     let mut known: Vec<&str> = receptions.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
     known.dedup();
     let quoted = |name: &str| format!("\"{}\",", name.replace('"', "\"\""));
@@ -17,7 +17,7 @@ fn log_of(bench: &Bench, names: [&str; 2]) {
         known.iter().zip(names).fold(line.to_owned(), rename) + "\n"
     };
     bench.write("log/receptions.csv", &receptions.lines().map(renamed).collect::<String>());
-    std::fs::remove_file(bench.path("log/nodes.csv")).unwrap();
+    std::fs::remove_file(bench.path("log/nodes.csv")).expect("a file");
 }
 
 #[test]
