@@ -13,13 +13,9 @@ pub struct CellGrid {
 
 impl CellGrid {
     /// Cells over the bounds of `places`. They are `cell_m` wide, or wider if this would give many more cells than
-    /// places. One cell if there are no places, or if `cell_m` is infinite.
-    ///
-    /// # Panics
-    /// If `cell_m` is not positive.
+    /// places, also if `cell_m` is zero. One cell if there are no places, or if `cell_m` is infinite.
     #[must_use]
     pub fn covering(places: impl IntoIterator<Item = Position>, cell_m: f64) -> Self {
-        assert!(cell_m > 0.0, "the width of a cell must be positive");
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         let mut number = 0_usize;
@@ -34,7 +30,7 @@ impl CellGrid {
             return Self { low: [0.0; 3], per_m: 0.0, counts: [1; 3] };
         }
         let most = number.saturating_mul(4).saturating_add(64);
-        let mut per_m = 1.0 / cell_m;
+        let mut per_m = 1.0 / cell_m.max(f64::MIN_POSITIVE);
         let counts = loop {
             let counts = [0, 1, 2].map(|axis| whole((high[axis] - low[axis]) * per_m).saturating_add(1));
             if counts.iter().fold(1_usize, |product, &count| product.saturating_mul(count)) <= most {

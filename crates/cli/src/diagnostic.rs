@@ -15,8 +15,10 @@ use sextant::run::RunError;
 use sextant::scenario::{ScenarioError, ScenarioErrors};
 use sextant::sweep::{SweepError, TableError};
 use sextant_kernel::Interrupted;
+use sextant_kernel::text::printable;
 use sextant_logs::RobotLogError;
 use sextant_recording::RecordingError;
+use sextant_recording::admission::OutputRefusal;
 use sextant_recording::output::OutputError;
 use sextant_report::ReportError;
 use sextant_thesis::ReproductionError;
@@ -80,7 +82,9 @@ impl Failure {
     /// Prints the message on standard error, in the words that `speak` makes of those of the library.
     pub(crate) fn print(&self, speak: impl Fn(&str) -> String) {
         let spoken = |report: &Report| match report.downcast_ref::<Message>() {
-            Some(message) => render(&Report::new(Message { text: speak(&message.text), ..message.clone() })),
+            Some(message) => {
+                render(&Report::new(Message { text: speak(&message.text), ..message.clone() }.printable()))
+            }
             None => render(report),
         };
         let text = match self {
@@ -244,6 +248,12 @@ impl From<RobotLogError> for Failure {
     }
 }
 
+impl From<OutputRefusal> for Failure {
+    fn from(refusal: OutputRefusal) -> Self {
+        Self::of(&refusal, refusal.advice(), false)
+    }
+}
+
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         Self::of(&error, None, true)
@@ -282,6 +292,40 @@ struct Message {
     text: String,
     help: Option<String>,
     excerpt: Option<Excerpt>,
+}
+
+impl Message {
+    /// The same without control characters of files of others, and without lines that fill a screen.
+    fn printable(self) -> Self {
+        let excerpt = self.excerpt.and_then(Excerpt::printable);
+        Self {
+            text: printable(&self.text).into_owned(),
+            help: self.help.map(|help| printable(&help).into_owned()),
+            excerpt,
+        }
+    }
+}
+
+/// The longest line of a file that is shown (octets).
+const LONGEST_LINE: usize = 1000;
+
+impl Excerpt {
+    /// The same with each control character replaced by as many question marks as it has octets, so that places stay.
+    /// Nothing if the line is too long to be shown.
+    fn printable(self) -> Option<Self> {
+        let Self { source, label } = self;
+        let (name, text) = (source.name(), source.inner());
+        let (start, end) = (label.offset().min(text.len()), (label.offset() + label.len()).min(text.len()));
+        let from = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let to = text[end..].find('\n').map_or(text.len(), |at| end + at);
+        if text[from..to].lines().any(|line| line.len() > LONGEST_LINE) {
+            return None;
+        }
+        let is_harmful = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t');
+        let plain = |c: char| if is_harmful(c) { "?".repeat(c.len_utf8()) } else { c.to_string() };
+        let text: String = if text.contains(is_harmful) { text.chars().map(plain).collect() } else { text.clone() };
+        Some(Self { source: NamedSource::new(printable(name), text), label })
+    }
 }
 
 /// The part of a file that a message is about.

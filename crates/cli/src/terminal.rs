@@ -5,14 +5,48 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use indicatif::{ProgressDrawTarget, ProgressStyle};
+use sextant_kernel::text::printable;
 use sextant_kernel::{Watch, Work};
 
 use crate::interrupt::Interrupt;
 
 /// Prints a warning on standard error.
 pub(crate) fn warn(warning: &str) {
+    say(&format!("warning: {warning}"));
+}
+
+/// Prints a line on standard error, without control characters: it may hold names from files of others.
+pub(crate) fn say(line: &str) {
     // If standard error is closed, nobody can be told.
-    let _ = writeln!(io::stderr(), "warning: {warning}");
+    let _ = writeln!(io::stderr(), "{}", printable(line));
+}
+
+/// Standard output of results.
+pub(crate) fn stdout() -> Stdout {
+    Stdout(io::stdout().lock())
+}
+
+/// Standard output, on which control characters are written as `\\u{1b}`: results may hold names from files of others.
+#[derive(Debug)]
+pub(crate) struct Stdout(io::StdoutLock<'static>);
+
+impl Write for Stdout {
+    fn write(&mut self, octets: &[u8]) -> io::Result<usize> {
+        // A character may be cut in two; its first part waits for the second one.
+        let whole = match str::from_utf8(octets) {
+            Ok(text) => text,
+            Err(error) if error.error_len().is_none() && error.valid_up_to() > 0 => {
+                str::from_utf8(&octets[..error.valid_up_to()]).unwrap_or_default()
+            }
+            Err(_) => return self.0.write(octets),
+        };
+        self.0.write_all(printable(whole).as_bytes())?;
+        Ok(whole.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// A progress bar on standard error. Nothing is drawn if standard error is not a terminal, or with `--quiet`.

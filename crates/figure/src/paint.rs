@@ -6,6 +6,8 @@ use std::io;
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontTransform, ShapeStyle, TextStyle as PlottersText};
+use sextant_kernel::text::printable;
+use sextant_recording::admission::PICTURE_SOFTWARE;
 
 use super::palette::PAPER;
 use super::picture::{Anchor, Mark, Picture, Point, Run, Stroke, font};
@@ -64,6 +66,7 @@ pub(super) fn png(picture: &Picture) -> io::Result<Vec<u8>> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Rgb);
+    encoder.add_text_chunk("Software".to_owned(), PICTURE_SOFTWARE.to_owned())?;
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&averaged(&samples, width, height))?;
     writer.finish()?;
@@ -129,7 +132,7 @@ fn paint<B: DrawingBackend>(picture: &Picture, backend: &mut B, manner: Manner) 
                 let text_style = PlottersText::from(font(*style, manner.units).transform(turn))
                     .color(&style.color)
                     .pos(Pos::new(side, VPos::Center));
-                backend.draw_text(text, &text_style, at(place))
+                backend.draw_text(&printable(text), &text_style, at(place))
             }
         };
         drawn.map_err(refused)?;

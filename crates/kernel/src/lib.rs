@@ -25,7 +25,7 @@ pub mod text;
 mod time;
 mod watch;
 
-pub use files::Files;
+pub use files::{Files, LARGEST_FILE, is_within, read_at_most, read_text_at_most};
 pub use node::NodeId;
 pub use queue::{EventKey, EventQueue, Rank};
 pub use random::{Purpose, Seed, Stream};

@@ -2,6 +2,11 @@
 
 use std::fmt;
 
+use crate::text::shortened_to;
+
+/// The longest description of what was found (characters): that of the gaps of a code book, for example.
+const MOST_FOUND: usize = 4000;
+
 /// A setting that is missing, conflicts with another one, or is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct SettingError {
@@ -53,7 +58,8 @@ impl fmt::Display for SettingError {
 impl SettingError {
     /// The value `found` under `key` is not one of those `allowed`.
     pub fn new(key: impl Into<String>, found: impl fmt::Display, allowed: impl Into<String>) -> Self {
-        let problem = SettingProblem::Invalid { found: found.to_string(), allowed: allowed.into() };
+        let found = shortened_to(MOST_FOUND, &found.to_string()).into_owned();
+        let problem = SettingProblem::Invalid { found, allowed: allowed.into() };
         Self { key: key.into(), problem }
     }
 

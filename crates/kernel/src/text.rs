@@ -1,4 +1,6 @@
-//! Words of messages: counts with nouns, and lists of names.
+//! Words of messages: counts with nouns, lists of names, and texts of others: short, printable, harmless in spreadsheets.
+
+use std::borrow::Cow;
 
 /// `1 node`, `2 nodes`.
 pub fn counted(count: usize, what: &str) -> String {
@@ -15,9 +17,96 @@ pub fn listed<T: AsRef<str>>(names: &[T]) -> String {
     shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
 
+/// Of a text that others wrote, a message shows at most so many characters.
+const MOST_SHOWN: usize = 200;
+
+/// A text that others wrote, for a message: of a long one, its start and its length.
+#[must_use]
+pub fn shortened(text: &str) -> Cow<'_, str> {
+    shortened_to(MOST_SHOWN, text)
+}
+
+/// The same with at most so many characters.
+pub(crate) fn shortened_to(most: usize, text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        None => Cow::Borrowed(text),
+        Some((end, _)) => Cow::Owned(format!("{}.. ({} octets)", &text[..end], text.len())),
+    }
+}
+
+/// A text for a terminal: control characters except line feeds and tabs, which could move the cursor or change colours,
+/// are written as `\u{1b}`.
+#[must_use]
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_harmful = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    if !text.contains(is_harmful) {
+        return Cow::Borrowed(text);
+    }
+    let mut plain = String::with_capacity(text.len() + 8);
+    for c in text.chars() {
+        if is_harmful(c) { plain.extend(c.escape_unicode()) } else { plain.push(c) }
+    }
+    Cow::Owned(plain)
+}
+
+/// What marks a text in a table that a spreadsheet would take for a formula.
+const MARK: char = '\'';
+
+/// Whether a spreadsheet would compute the text, or a text after marks, instead of showing it. Numbers are numbers.
+fn is_formula(text: &str) -> bool {
+    let text = text.trim_start_matches(MARK);
+    text.len() > 1 && text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err()
+}
+
+/// A text as a cell of a CSV file: one that a spreadsheet would take for a formula gets an apostrophe in front, also if it
+/// has apostrophes already. [`of_cell`] takes it off.
+#[must_use]
+pub fn cell(text: &str) -> Cow<'_, str> {
+    if is_formula(text) { Cow::Owned(format!("{MARK}{text}")) } else { Cow::Borrowed(text) }
+}
+
+/// The text of a [`cell`].
+#[must_use]
+pub fn of_cell(cell: &str) -> &str {
+    cell.strip_prefix(MARK).filter(|text| is_formula(text)).unwrap_or(cell)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_texts_of_others_are_shortened() {
+        assert_eq!(shortened("short"), "short");
+        let long = "ä".repeat(500_000);
+        assert_eq!(shortened(&long), format!("{}.. (1000000 octets)", "ä".repeat(200)));
+    }
+
+    #[test]
+    fn control_characters_do_not_reach_a_terminal() {
+        assert_eq!(printable("a\tb\n"), "a\tb\n");
+        assert_eq!(printable("\u{1b}[2Jname\r\u{7f}\u{9b}"), r"\u{1b}[2Jname\u{d}\u{7f}\u{9b}");
+    }
+
+    #[test]
+    fn formulas_are_marked_and_read_back_equal() {
+        for (text, written) in [
+            ("=1+1", "'=1+1"),
+            ("+door", "'+door"),
+            ("-x", "'-x"),
+            ("@a", "'@a"),
+            ("'=1+1", "''=1+1"),
+            ("-60", "-60"),
+            ("+1e3", "+1e3"),
+            ("-inf", "-inf"),
+            ("-", "-"),
+            ("'quoted'", "'quoted'"),
+            ("'-60", "'-60"),
+            ("", ""),
+        ] {
+            assert_eq!((&*cell(text), of_cell(written)), (written, text));
+        }
+    }
 
     #[test]
     fn of_many_names_the_first_are_listed() {

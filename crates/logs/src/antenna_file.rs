@@ -11,7 +11,8 @@ use super::error::RobotLogError;
 
 /// Reads the antenna in the file `path`; files that it names are in the same folder.
 pub(super) fn read(path: &Path, notes: &mut Vec<String>) -> Result<SectorGains, RobotLogError> {
-    let text = std::fs::read_to_string(path).map_err(|why| RobotLogError::read(path, why))?;
+    let text = sextant_kernel::read_text_at_most(path, sextant_kernel::LARGEST_FILE)
+        .map_err(|why| RobotLogError::read(path, why))?;
     let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
     let config: ListenerAntennaConfig = toml::from_str(&text).map_err(|why| {
         let before = text.get(..why.span().map_or(0, |span| span.start)).unwrap_or_default();

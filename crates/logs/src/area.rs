@@ -21,7 +21,8 @@ const POLYGON: &str = "one Polygon without holes, alone, in a Feature or in a Fe
 /// If the file cannot be read, has an invalid row or no polygon, or the corners form no area.
 pub fn read_area(path: &Path, plane: Option<&LocalPlane>) -> Result<Area, RobotLogError> {
     let refused = |why: String| RobotLogError::Area { path: path.to_owned(), why };
-    let content = std::fs::read(path).map_err(|why| RobotLogError::read(path, why))?;
+    let content = sextant_kernel::read_at_most(path, sextant_kernel::LARGEST_FILE)
+        .map_err(|why| RobotLogError::read(path, why))?;
     let text = content.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&content);
     let corners = if text.trim_ascii_start().starts_with(b"{") {
         let value: Value = serde_json::from_slice(text).map_err(|why| refused(format!("not JSON: {why}")))?;

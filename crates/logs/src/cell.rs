@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use sextant_kernel::text::shortened;
 use sextant_kernel::{RobotId, SimTime};
 
 use super::error::RobotLogError;
@@ -98,7 +99,7 @@ impl Row<'_> {
             path: self.head.path.clone(),
             line: self.head.line(self.offset),
             column: column.to_owned(),
-            found: found.to_owned(),
+            found: shortened(found).into_owned(),
             allowed: allowed.into(),
         }
     }

@@ -12,7 +12,8 @@ use super::paths::Paths;
 /// Reads the path in the file `path`: the track points in their order. Points without a time are skipped, and
 /// those without a fix if `skips_no_fix`.
 pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
-    let text = std::fs::read_to_string(path).map_err(|why| RobotLogError::read(path, why))?;
+    let text = sextant_kernel::read_text_at_most(path, sextant_kernel::LARGEST_FILE)
+        .map_err(|why| RobotLogError::read(path, why))?;
     let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
     let text = text.trim_start_matches('\u{feff}');
     let document = Document::parse(text).map_err(|why| wrong(why.pos().row as usize, why.to_string()))?;

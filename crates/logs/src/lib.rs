@@ -44,6 +44,7 @@ mod heard;
 mod instant;
 mod interval;
 mod layout;
+mod lines;
 mod local_plane;
 mod log;
 mod map;

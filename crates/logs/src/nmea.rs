@@ -46,7 +46,8 @@ enum Kind {
 /// Reads the path in the file `path`. Sentences with a wrong checksum, and those without a fix, are skipped; those at
 /// 0, 0 only if `skips_no_fix`, because their receiver says that it has one.
 pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
-    let octets = std::fs::read(path).map_err(|why| RobotLogError::read(path, why))?;
+    let octets = sextant_kernel::read_at_most(path, sextant_kernel::LARGEST_FILE)
+        .map_err(|why| RobotLogError::read(path, why))?;
     let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
     let mut sentences = Vec::new();
     let mut damaged = 0_u64;

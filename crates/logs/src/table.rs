@@ -4,14 +4,17 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use sextant_kernel::text::of_cell;
+
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
 use super::header::{Header, Known, Others};
+use super::lines::LinesOf;
 
 /// A CSV file whose header was read.
 pub(super) struct Table {
     head: Head,
-    reader: csv::Reader<BufReader<File>>,
+    reader: csv::Reader<BufReader<LinesOf<File>>>,
 }
 
 /// What is known of a table besides its rows.
@@ -63,7 +66,7 @@ impl Table {
     /// The same with names of the user for columns.
     pub(super) fn open_known(path: &Path, known: Known<'_>) -> Result<Self, RobotLogError> {
         let file = File::open(path).map_err(|why| RobotLogError::read(path, why))?;
-        let mut input = BufReader::with_capacity(1 << 16, file);
+        let mut input = BufReader::with_capacity(1 << 16, LinesOf::new(file));
         let start = input.fill_buf().map_err(|why| RobotLogError::read(path, why))?;
         let wrong = |problem: String| RobotLogError::Row { path: path.to_owned(), line: 1, problem };
         if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
@@ -211,7 +214,7 @@ impl Row<'_> {
 
     /// The text of the cell in the column with this index, with the spaces around it.
     pub(super) fn text_at(&self, at: usize) -> &str {
-        self.record.get(at).unwrap_or("")
+        of_cell(self.record.get(at).unwrap_or(""))
     }
 }
 

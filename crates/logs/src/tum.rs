@@ -9,6 +9,7 @@ use sextant_channel::Position;
 use super::doctor::origin;
 use super::error::RobotLogError;
 use super::instant;
+use super::lines::LinesOf;
 use super::path::{Path, Pose};
 use super::paths::Paths;
 
@@ -17,7 +18,7 @@ use super::paths::Paths;
 pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
     let unreadable = |why: std::io::Error| RobotLogError::read(path, why);
     let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
-    let input = BufReader::new(File::open(path).map_err(unreadable)?);
+    let input = BufReader::new(LinesOf::new(File::open(path).map_err(unreadable)?));
     let mut poses = Vec::new();
     let mut left_out = 0;
     for (line, text) in (1..).zip(input.lines()) {

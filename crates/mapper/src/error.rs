@@ -2,14 +2,19 @@
 
 use sextant_kernel::Interrupted;
 
+/// A length as people write it: a very long or short one with an exponent.
+fn plain(length_m: f64) -> String {
+    if (1e-6..1e9).contains(&length_m) { length_m.to_string() } else { format!("{length_m:e}") }
+}
+
 /// Reasons why a map or a likelihood surface cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MapError {
     /// The part of the lattice that one node may need does not fit into the memory allowed.
     #[error(
-        "a grid of {vertices:.3e} vertices {step_m} m apart needs {} MB for one node; allowed: {} MB; \
-         a grid_step_m of {suggested_step_m} fits, or allow more with max_memory_mb",
-        .bytes.div_ceil(1_000_000), .allowed_bytes / 1_000_000
+        "a grid of {vertices:.3e} vertices {} m apart needs {} MB for one node; allowed: {} MB; \
+         a grid_step_m of {} fits, or allow more with max_memory_mb",
+        plain(*step_m), .bytes.div_ceil(1_000_000), .allowed_bytes / 1_000_000, plain(*suggested_step_m)
     )]
     GridTooLarge {
         /// Vertices of the whole lattice (beyond 2⁵³ rounded).

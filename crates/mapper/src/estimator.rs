@@ -4,7 +4,7 @@ use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
-use sextant_channel::ReceptionLog;
+use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Unwatched, Watch};
 
 use crate::parts::map_parts;
@@ -51,6 +51,15 @@ pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
     fn least_anchors(&self, dimensions: usize) -> usize {
         let _ = dimensions;
         0
+    }
+
+    /// Whether the grid of a log with at least these stops fits the memory that is allowed.
+    ///
+    /// # Errors
+    /// [`MapError::GridTooLarge`].
+    fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
+        let _ = stops;
+        Ok(())
     }
 
     /// The networks whose logs it maps together, by name; none if it maps the log of one network.

@@ -10,7 +10,7 @@ use sextant_channel::Dbm;
 use sextant_kernel::SimTime;
 
 use super::error::RecordingError;
-use crate::output::{Draft, DraftError};
+use crate::output::{Draft, DraftError, PART};
 
 mod container;
 mod radiotap;
@@ -18,6 +18,7 @@ mod radiotap;
 use super::link_quality::link_quality;
 use container::LinkType;
 pub use container::Technologies;
+pub(crate) use container::is_of_simulation;
 pub use radiotap::CapturedDmgFrame;
 
 /// Types of the fields of a TAP header (IEEE 802.15.4 TAP, section 4).
@@ -190,7 +191,7 @@ impl FileCapture {
     /// # Errors
     /// If the file `PATH.part` cannot be created, or `path` is a folder.
     pub fn create(path: &Path, technologies: Technologies) -> Result<Self, RecordingError> {
-        let draft = Draft::new(path, ".part");
+        let draft = Draft::new(path, PART);
         let capture = Capture::new(draft.open()?, &draft.part, technologies)?;
         Ok(Self { capture, draft })
     }

@@ -21,6 +21,12 @@ pub enum RecordingError {
         /// The system's answer.
         why: String,
     },
+    /// Another process writes the file.
+    #[error("`{}` is being written by another process: wait for its end, or name another file", .path.display())]
+    Busy {
+        /// The file.
+        path: PathBuf,
+    },
     /// A write failed; the data written before is in `PATH.part`.
     #[error("cannot write `{}`: {why}; the data written before is kept, and `sextant recover` can read it", .path.display())]
     Write {
@@ -158,6 +164,7 @@ impl From<DraftError> for RecordingError {
     fn from(error: DraftError) -> Self {
         match error {
             DraftError::Create { path, why } => Self::Create { path, why },
+            DraftError::Busy { path } => Self::Busy { path },
             DraftError::Write { path, why } => Self::Write { path, why: why.to_string() },
             DraftError::Rename { part, path, why } => Self::Rename { part, path, why: why.to_string() },
         }

@@ -22,6 +22,7 @@
 //! # Ok::<(), sextant_recording::RecordingError>(())
 //! ```
 
+pub mod admission;
 pub mod antenna_text;
 mod capture;
 mod course;

@@ -11,7 +11,7 @@ use super::error::RecordingError;
 use super::names::RECOVERED_METADATA;
 use super::sink::Sink;
 use crate::mcap_file::{Damage, Piece, scan};
-use crate::output::Draft;
+use crate::output::{Draft, FileIdentity, RECOVERING};
 
 /// The result of a recovery.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -25,9 +25,6 @@ pub struct Recovery {
     pub damage: Option<Damage>,
 }
 
-/// What is added to the name of a copy until it is complete.
-const SUFFIX: &str = ".recovering";
-
 /// Copies the recording `broken`, up to the first damaged or incomplete chunk, into a sound recording `out`. The copy
 /// is written to `OUT.recovering`, which is renamed to `out` when it is complete; only then is an existing file replaced.
 ///
@@ -35,14 +32,17 @@ const SUFFIX: &str = ".recovering";
 /// If `broken` cannot be read or is not an MCAP file, if `out` is the same file, if `out` cannot be written, or if the
 /// user interrupts. `OUT.recovering` is removed in each case.
 pub fn recover(broken: &Path, out: &Path, watch: &dyn Watch) -> Result<Recovery, RecordingError> {
-    let draft = Draft::new(out, SUFFIX);
-    let input = broken.canonicalize().map_err(|why| RecordingError::read(broken, why))?;
-    if [&draft.path, &draft.part].iter().any(|path| path.canonicalize().is_ok_and(|path| path == input)) {
+    let draft = Draft::new(out, RECOVERING);
+    std::fs::metadata(broken).map_err(|why| RecordingError::read(broken, why))?;
+    let input = FileIdentity::of(broken);
+    if [&draft.path, &draft.part].iter().any(|path| FileIdentity::of(path) == input) {
         return Err(RecordingError::SameFile { path: broken.to_owned() });
     }
     let recovered = copy(broken, &draft, watch);
-    // After a success it has got its final name.
-    let _ = std::fs::remove_file(&draft.part);
+    if !matches!(recovered, Err(RecordingError::Busy { .. })) {
+        // After a success it has got its final name.
+        let _ = std::fs::remove_file(&draft.part);
+    }
     recovered.map_err(|error| match error {
         RecordingError::Write { why, .. } => RecordingError::WriteCopy { path: out.to_owned(), why },
         error => error,
@@ -52,7 +52,7 @@ pub fn recover(broken: &Path, out: &Path, watch: &dyn Watch) -> Result<Recovery,
 /// The temporary name of the copy `out` while it is written.
 #[must_use]
 pub fn unfinished_copy(out: &Path) -> PathBuf {
-    Draft::new(out, SUFFIX).part
+    Draft::new(out, RECOVERING).part
 }
 
 fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, RecordingError> {

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use mcap::records::{MessageHeader, Metadata};
+use mcap::records::{MessageHeader, Metadata, op};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 
@@ -14,6 +14,19 @@ use crate::output::Draft;
 
 /// Name of the writer in the header of a recording; fixed, so that equal runs give equal bytes.
 const LIBRARY: &str = concat!("sextant ", env!("CARGO_PKG_VERSION"));
+
+/// Whether a file that begins with the octets `head` was written by this program, of any version: its header says so.
+pub(super) fn has_own_library(head: &[u8]) -> bool {
+    /// Length of the profile, and the profile; the same of the library.
+    fn text(octets: &[u8]) -> Option<(&[u8], &[u8])> {
+        let (length, rest) = octets.split_first_chunk()?;
+        rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)
+    }
+    // The number of the record is before its length, in eight octets.
+    let header = head.strip_prefix(mcap::MAGIC).and_then(|rest| rest.strip_prefix(&[op::HEADER])?.get(8..));
+    let library = header.and_then(text).and_then(|(_, rest)| text(rest));
+    library.is_some_and(|(library, _)| library.starts_with(b"sextant "))
+}
 
 /// A chunk is closed after this many messages, which a killed process may lose. Time does not close a chunk.
 const MESSAGES_PER_CHUNK: u32 = 4096;

@@ -8,6 +8,8 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::write::GzEncoder;
 use flate2::{Compression, GzBuilder};
 
+use sextant_recording::admission::REPORT_TITLE;
+
 use super::document::{Kind, Report};
 
 /// What `web/build.sh` makes.
@@ -42,7 +44,7 @@ impl Report {
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n\
-             <title>{title} · Sextant report</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+             <title>{title} · {REPORT_TITLE}\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
              <header class=\"top\">\n<div class=\"titles\">\n<p class=\"kind\">{}</p>\n<h1>{title}</h1>\n{}</div>\n</header>\n\
              <main id=\"main\">\n<p class=\"wait\" role=\"status\">Reading the data ..</p>\n\
              <noscript><p>This report draws with JavaScript, which is off in this browser.</p></noscript>\n</main>\n\

@@ -57,7 +57,8 @@ impl Claims {
     /// Reads the table of an experiment.
     fn read(path: &Path) -> Result<Self, ReportError> {
         let unreadable = |why: String| ReportError::Read { path: path.to_owned(), why };
-        let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
+        let text = sextant_kernel::read_text_at_most(path, sextant_kernel::LARGEST_FILE)
+            .map_err(|error| unreadable(error.to_string()))?;
         let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_bytes());
         let header = reader.headers().map_err(|error| unreadable(error.to_string()))?;
         let columns: Vec<String> = header.iter().map(str::to_owned).collect();

@@ -1,5 +1,7 @@
 //! Rows of CSV files, for errors: their lines, and what is wrong with them.
 
+use sextant_kernel::text::shortened;
+
 /// The line of a row, from 1. The reader's own count stops at the blank lines and comments before the row.
 pub(crate) fn line_of(text: &str, position: Option<&csv::Position>) -> u64 {
     let byte = position.and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
@@ -23,7 +25,7 @@ pub(crate) fn cell_fault(error: &csv::Error, header: &csv::StringRecord, record:
     let csv::ErrorKind::Deserialize { err, .. } = error.kind() else { return error.to_string() };
     let Some(field) = err.field().and_then(|field| usize::try_from(field).ok()) else { return err.to_string() };
     match (header.get(field), record.get(field)) {
-        (Some(column), Some(cell)) => format!("`{cell}` in the column `{column}`"),
+        (Some(column), Some(cell)) => format!("`{}` in the column `{}`", shortened(cell), shortened(column)),
         _ => err.to_string(),
     }
 }

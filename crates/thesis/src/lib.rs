@@ -69,7 +69,7 @@ pub use line::{Line, write_csv};
 pub use ours::Ours;
 pub use pages::write_pages;
 pub use published::Published;
-pub use reproduction::{json, write_json};
+pub use reproduction::{is_reproduction, json, write_json};
 pub use results::Results;
 pub use runs::{RunCounts, Runs, Term};
 pub use shipped::{SHIPPED, write_scenarios};

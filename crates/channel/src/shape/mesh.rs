@@ -224,7 +224,8 @@ fn read_file(file: &Path, files: &Files) -> Result<String, SettingError> {
 
 /// A mesh file has a flaw.
 fn flawed(file: &Path, files: &Files, flaw: &str) -> SettingError {
-    SettingError::new("file", format!("`{}`, {flaw}", files.path(file).display()), "a Wavefront .obj file")
+    let found = format!("`{}`, {flaw}", files.path(file).display());
+    files.discreet(file, SettingError::new("file", found, "a Wavefront .obj file"))
 }
 
 /// Merges vertices at the same place, because many programs write separate vertices for each triangle, and removes

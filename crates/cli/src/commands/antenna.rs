@@ -1,7 +1,7 @@
 //! `sextant antenna`: what the sectors of an antenna cover, and measurements as code books.
 
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use sextant::antenna::{AntennaCoverage, ArrayOrder, GainUnit, SourceNames, convert, read_book};
@@ -9,12 +9,14 @@ use sextant::scenario::Scenario;
 use sextant_channel::Antenna;
 use sextant_figure::of_antenna;
 use sextant_kernel::text::counted;
+use sextant_recording::admission::OutputKind;
 use sextant_recording::output::write_file;
 
 use super::options::{Overrides, PictureFormat, Printing};
+use super::outputs::{Replacing, admit};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::warn;
+use crate::terminal::{stdout, warn};
 
 /// Arguments of `sextant antenna`.
 #[derive(Clone, Debug, Args)]
@@ -51,6 +53,9 @@ pub(crate) struct ShowArguments {
     /// The format of the figures
     #[arg(long, value_enum, default_value_t)]
     pub(crate) pictures: PictureFormat,
+    /// What may be replaced.
+    #[command(flatten)]
+    pub(crate) replacing: Replacing,
     /// Settings that override those of the scenario, or those of a code book: gaps=hold, outside_gain_dbi=-20.
     #[command(flatten)]
     pub(crate) overrides: Overrides,
@@ -104,9 +109,9 @@ pub(crate) struct ConvertArguments {
     /// lengths tell]
     #[arg(long, value_name = "AXES")]
     pub(crate) order: Option<ArrayOrder>,
-    /// Replace an existing file
-    #[arg(long)]
-    pub(crate) force: bool,
+    /// What may be replaced.
+    #[command(flatten)]
+    pub(crate) replacing: Replacing,
 }
 
 /// The unit of measured gains.
@@ -182,7 +187,14 @@ fn draw(title: &str, antenna: &Antenna, arguments: &ShowArguments, interrupt: &I
     let folder = arguments.out.clone().unwrap_or_else(|| arguments.source.with_extension("antenna"));
     std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let format = arguments.pictures.into();
-    for figure in of_antenna(title, antenna) {
+    let figures = of_antenna(title, antenna);
+    let mut outputs = arguments.replacing.outputs();
+    outputs.reads(&arguments.source);
+    figures.iter().for_each(|figure| {
+        outputs.writes("", &figure.path(&folder, format), OutputKind::Picture);
+    });
+    admit(&outputs, None)?;
+    for figure in figures {
         let file = figure.path(&folder, format);
         let bytes = figure.encode(format).map_err(|error| Failure::unwritable(&file, &error))?;
         let _keeper = interrupt.keep();
@@ -191,7 +203,7 @@ fn draw(title: &str, antenna: &Antenna, arguments: &ShowArguments, interrupt: &I
         }
         write_file(&file, &bytes)?;
         if arguments.printing.is_text() {
-            writeln!(io::stdout().lock(), "{}", file.display())?;
+            writeln!(stdout(), "{}", file.display())?;
         }
     }
     Ok(())
@@ -199,15 +211,9 @@ fn draw(title: &str, antenna: &Antenna, arguments: &ShowArguments, interrupt: &I
 
 fn convert_file(arguments: &ConvertArguments) -> Result<(), Failure> {
     let ConvertArguments { source, out, .. } = arguments;
-    if is_same_file(source, out) {
-        return Err(Failure::bad_input(format!("`{}` would replace its own input", out.display())));
-    }
-    if out.exists() && !arguments.force {
-        return Err(Failure::bad_input_with_help(
-            format!("`{}` exists", out.display()),
-            "choose another name, or replace it with --force",
-        ));
-    }
+    let mut outputs = arguments.replacing.outputs();
+    outputs.reads(source).writes("", out, OutputKind::Table);
+    admit(&outputs, None)?;
     let names = SourceNames {
         sector: arguments.sector.clone(),
         azimuth: arguments.azimuth.clone(),
@@ -220,7 +226,7 @@ fn convert_file(arguments: &ConvertArguments) -> Result<(), Failure> {
     let book = convert(source, &names, arguments.unit.map(GainUnit::from))?;
     book.notes.iter().for_each(|note| warn(note));
     write_file(out, book.text.as_bytes())?;
-    let mut stdout = io::stdout().lock();
+    let mut stdout = stdout();
     writeln!(
         stdout,
         "{}: {}, {}, {} in `{}`",
@@ -240,9 +246,4 @@ fn convert_file(arguments: &ConvertArguments) -> Result<(), Failure> {
     let needed = needed.iter().map(|key| format!(", {key}")).collect::<String>();
     writeln!(stdout, "in a scenario: code_book = {{ file = \"{}\"{needed} }}", out.display())?;
     Ok(())
-}
-
-/// Whether both are one file.
-fn is_same_file(source: &Path, out: &Path) -> bool {
-    source.canonicalize().is_ok_and(|source| out.canonicalize().is_ok_and(|out| source == out))
 }

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::options::{Format, Overrides, Printing};
 use crate::diagnostic::{Failure, report};
-use crate::terminal::warn;
+use crate::terminal::{stdout, warn};
 use sextant::Forecast;
 use sextant::forecast::warnings;
 use sextant::scenario::{Scenario, ScenarioErrors, ScenarioFile};
@@ -57,7 +57,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
             Ok(scenario) => {
                 scenario.warnings.iter().for_each(|warning| warn(&format!("{}: {warning}", path.display())));
                 if matches!(arguments.printing.format, Format::Text) {
-                    scenario.write(&mut io::stdout().lock())?;
+                    scenario.write(&mut stdout())?;
                 }
                 valid.push(scenario);
             }
@@ -85,6 +85,7 @@ fn check(path: &Path, arguments: &Arguments) -> Result<Valid, Vec<Report>> {
         }
         found
     })?;
+    scenario.check_grids().map_err(|errors| reports(&errors))?;
     let cells = match scenario.config().sweep {
         None => None,
         Some(_) => Some(Sweep::read(path, set, None, None).map_err(|errors| reports(&errors))?.cells().len()),

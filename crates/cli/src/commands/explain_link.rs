@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::options::{Overrides, Printing};
 use crate::diagnostic::Failure;
+use crate::terminal::stdout;
 use sextant::scenario::Scenario;
 use sextant::{explain_link, rays_csv};
 
@@ -45,7 +46,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let report = explain_link(&scenario, from, to, network.as_deref())?;
     if *rays {
         let rays = report.rays.unwrap_or_default();
-        return Ok(std::io::stdout().lock().write_all(rays_csv(&rays).as_bytes())?);
+        return Ok(stdout().write_all(rays_csv(&rays).as_bytes())?);
     }
     Ok(printing.print(&report, |stdout| write!(stdout, "{report}"))?)
 }

@@ -1,15 +1,17 @@
 //! `sextant export`: the tables of a recording as files.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use sextant::columns::{Align, columns};
 use sextant::export::{ExportFormat, ExportedTable, export};
 use sextant_kernel::text::counted;
+use sextant_recording::admission::{Replace, admit_folder};
 
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use crate::terminal::stdout;
 
 /// Arguments of `sextant export`.
 #[derive(Clone, Debug, Args)]
@@ -50,13 +52,7 @@ impl From<TablesFormat> for ExportFormat {
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let path = &arguments.recording;
     let folder = arguments.out.clone().unwrap_or_else(|| path.with_extension("tables"));
-    let has_files = std::fs::read_dir(&folder).is_ok_and(|mut files| files.next().is_some());
-    if has_files && !arguments.force {
-        return Err(Failure::bad_input_with_help(
-            format!("the folder `{}` has files", folder.display()),
-            "choose another folder with `--out DIR`, or write into this one with `--force`",
-        ));
-    }
+    admit_folder(&folder, if arguments.force { Replace::Any } else { Replace::Ours }, || false)?;
     // What is not complete is removed when the work ends by itself.
     let _keeper = interrupt.keep();
     let exported = export(path, &folder, arguments.format.into(), interrupt)?;
@@ -64,7 +60,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         vec![table.clone(), counted(usize::try_from(*rows).unwrap_or(usize::MAX), "row"), file.display().to_string()]
     };
     let rows: Vec<_> = exported.tables.iter().map(row).collect();
-    let mut stdout = io::stdout().lock();
+    let mut stdout = stdout();
     columns(&rows, &[Align::Left, Align::Right, Align::Left], &mut stdout)?;
     for file in &exported.files {
         writeln!(stdout, "{}", file.display())?;

@@ -1,16 +1,19 @@
 //! `sextant figure`: pictures of a run or of a sweep for papers and pages.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::options::PictureFormat;
+use super::outputs::{Replacing, admit, reads_given};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use crate::terminal::stdout;
 use sextant::Scenario;
 use sextant::sweep::{StudyDrawing, StudyFigures};
 use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, Window};
+use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::output::write_file;
 use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket, Recording};
 
@@ -49,6 +52,9 @@ pub(crate) struct Arguments {
     /// RUN.rerun.py, a script that shows it in Rerun
     #[arg(long, conflicts_with_all = ["format", "column"])]
     pub(crate) layout: bool,
+    /// What may be replaced.
+    #[command(flatten)]
+    pub(crate) replacing: Replacing,
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -135,13 +141,22 @@ fn draw_table(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failur
     if let Some(differences) = differences {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let file = arguments.folder().join(format!("{stem}-differences.csv"));
+        let mut outputs = arguments.inputs();
+        admit(outputs.writes("", &file, OutputKind::Differences(differences.bytes())), None)?;
         differences.save(&file)?;
-        writeln!(io::stdout().lock(), "{}", file.display())?;
+        writeln!(stdout(), "{}", file.display())?;
     }
     Ok(())
 }
 
 impl Arguments {
+    /// The files that are read.
+    fn inputs<'a>(&self) -> Outputs<'a> {
+        let mut outputs = self.replacing.outputs();
+        reads_given(&mut outputs, [Some(self.recording.as_path()), self.scenario.as_deref()]);
+        outputs
+    }
+
     /// The folder for the figures.
     fn folder(&self) -> PathBuf {
         self.out.clone().unwrap_or_else(|| self.recording.with_extension("figures"))
@@ -179,9 +194,15 @@ fn write_layouts(arguments: &Arguments) -> Result<(), Failure> {
         std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mut stdout = io::stdout().lock();
-    for (ending, text) in [("foxglove.json", layout.foxglove()), ("rerun.py", layout.rerun())] {
-        let file = folder.join(format!("{stem}.{ending}"));
+    let mut stdout = stdout();
+    let texts = [("foxglove.json", layout.foxglove()), ("rerun.py", layout.rerun())];
+    let texts = texts.map(|(ending, text)| (folder.join(format!("{stem}.{ending}")), text));
+    let mut outputs = arguments.inputs();
+    texts.iter().for_each(|(file, text)| {
+        outputs.writes("", file, OutputKind::Text(text.as_bytes()));
+    });
+    admit(&outputs, None)?;
+    for (file, text) in texts {
         write_file(&file, text.as_bytes())?;
         writeln!(stdout, "{}", file.display())?;
     }
@@ -192,7 +213,12 @@ fn write(figures: &[Figure], arguments: &Arguments, interrupt: &Interrupt) -> Re
     let folder = arguments.folder();
     std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let format = arguments.format.into();
-    let mut stdout = io::stdout().lock();
+    let mut outputs = arguments.inputs();
+    figures.iter().for_each(|figure| {
+        outputs.writes("", &figure.path(&folder, format), OutputKind::Picture);
+    });
+    admit(&outputs, None)?;
+    let mut stdout = stdout();
     for figure in figures {
         let file = figure.path(&folder, format);
         let bytes = figure.encode(format).map_err(|error| Failure::unwritable(&file, &error))?;

@@ -1,12 +1,13 @@
 //! `sextant init`: a scenario to begin with.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 
 use crate::diagnostic::Failure;
+use crate::terminal::stdout;
 use sextant::template::{Template, TemplateFile};
 use sextant_recording::output::{open_folder, write_file};
 
@@ -27,7 +28,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.list {
-        let mut stdout = io::stdout().lock();
+        let mut stdout = stdout();
         for template in Template::all() {
             writeln!(stdout, "{:<12} {}", template.name, template.summary)?;
         }
@@ -36,7 +37,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let template = Template::named(&arguments.template)
         .ok_or_else(|| Failure::bad_input(format!("there is no template `{}`", arguments.template)))?;
     match (template.scenario(), &arguments.out) {
-        (Some(scenario), Some(path)) if path == Path::new("-") => Ok(write!(io::stdout(), "{}", scenario.text)?),
+        (Some(scenario), Some(path)) if path == Path::new("-") => Ok(write!(stdout(), "{}", scenario.text)?),
         (Some(scenario), path) => write_scenario(scenario, path.as_deref().unwrap_or(Path::new(scenario.name))),
         (None, Some(path)) if path == Path::new("-") => {
             Err(Failure::bad_input(format!("the template `{}` is a folder, so it cannot be printed", template.name)))
@@ -58,7 +59,7 @@ fn write_scenario(scenario: TemplateFile, path: &Path) -> Result<(), Failure> {
     let stem = path.with_extension("");
     let stem = stem.display();
     writeln!(
-        io::stdout(),
+        stdout(),
         "wrote {file}\n\nGo on with:\n  sextant check {file}\n  sextant run {file} --out {stem}.mcap\n  sextant figure {stem}.mcap \
          --out pictures\n\nThe file explains each of its tables, and `sextant explain KEY` any key."
     )?;
@@ -77,7 +78,7 @@ fn write_folder(template: &Template, path: &Path) -> Result<(), Failure> {
     let (folder, truth) = (path.display(), path.join("nodes.csv"));
     let names: Vec<&str> = template.files.iter().map(|file| file.name).collect();
     writeln!(
-        io::stdout(),
+        stdout(),
         "wrote {folder}: {}\n\nGo on with:\n  sextant map {folder}\n  sextant map {folder} --truth {}\n  sextant inspect {folder}",
         names.join(", "),
         truth.display()

@@ -1,18 +1,19 @@
 //! `sextant map`: computes maps from a reception log.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::options::{Format, Overrides, PictureFormat, Results, Work};
+use super::outputs::{Replacing, admit, reads_given};
 use super::reading::Reading;
 use super::slurm_flags::{Scheduler, SlurmFlags, own_program};
 use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::Watcher;
+use crate::terminal::{Watcher, stdout};
 use sextant::NumberRange;
 use sextant::campaign::slurm::submit_map;
 use sextant::mapping::tiles::{self, KeptTiles, TileCount, Tiling};
@@ -23,6 +24,7 @@ use sextant_figure::Figure;
 use sextant_kernel::text::counted;
 use sextant_logs::{self as robot_log, Names};
 use sextant_recording::SCENARIO_ATTACHMENT;
+use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::output::{open_folder, write_file};
 
 /// Arguments of `sextant map`.
@@ -107,6 +109,9 @@ pub(crate) struct Arguments {
     /// Where the results go.
     #[command(flatten)]
     pub(crate) results: Results,
+    /// What may be replaced.
+    #[command(flatten)]
+    pub(crate) replacing: Replacing,
     /// How the work is done.
     #[command(flatten)]
     pub(crate) work: Work,
@@ -128,6 +133,12 @@ pub(super) fn algorithms() -> impl TypedValueParser<Value = AlgorithmName> {
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
+    let mut outputs = arguments.inputs();
+    if let Some(out) = &arguments.out {
+        outputs.writes("--out", out, OutputKind::Map);
+    }
+    arguments.results.among(&mut outputs);
+    outputs.keep_inputs()?;
     let network = arguments.network.as_deref();
     let options = arguments.reading.options();
     // Reading a large log takes so long that it has to end in order.
@@ -158,6 +169,13 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         settings_of_maps = settings(&set)?;
     }
     let settings = settings_of_maps;
+    let mut outputs = arguments.inputs();
+    let maps = arguments.out.iter().flat_map(|out| mapping::map_files(out, &settings));
+    maps.for_each(|map| {
+        outputs.writes("--out", &map, OutputKind::Map);
+    });
+    arguments.results.among(&mut outputs);
+    admit(&outputs, Some(arguments.work))?;
     if let Some(name) = network
         && input.logs.names().next().is_none()
         && settings.maps.iter().all(|map| map.network.is_none())
@@ -203,7 +221,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
             if let (Some(only), Some(kept)) = (only, &kept) {
                 let made = tiles::make_tiles(&mut input, (survey, tiling), &settings, kept, &watcher);
                 watcher.clear();
-                return Ok(writeln!(io::stdout(), "{only} of {} are kept", counted(made?, "tile"))?);
+                return Ok(writeln!(stdout(), "{only} of {} are kept", counted(made?, "tile"))?);
             }
             tiles::map_tiles(&mut input, (survey, tiling), &settings, (out, kept.as_ref()), start, &watcher)?
         }
@@ -225,13 +243,25 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     Ok(())
 }
 
+impl Arguments {
+    /// The files that are read.
+    fn inputs<'a>(&self) -> Outputs<'a> {
+        let mut outputs = self.replacing.outputs();
+        // An area is the name of a file, or numbers.
+        let area = self.area.as_deref().map(Path::new);
+        let given = [Some(self.log.as_path()), self.truth.as_deref(), self.names.as_deref(), area];
+        reads_given(&mut outputs, given.into_iter().chain(self.reading.files()));
+        outputs
+    }
+}
+
 /// Submits this very map in so many tiles.
 fn submit(folder: &Path, tiles: usize, slurm: &SlurmFlags) -> Result<(), Failure> {
     let words = words_of_tasks(std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()), tiles);
     let jobs = submit_map(&own_program()?, &words, folder, tiles, &slurm.settings())?;
     let (tasks, of_tiles) = (counted(jobs.tasks, "task"), jobs.tiles.join(", "));
-    writeln!(io::stdout(), "submitted {} in {tasks}: job {of_tiles}", counted(tiles, "tile"))?;
-    Ok(writeln!(io::stdout(), "job {} joins them when they have ended", jobs.join)?)
+    writeln!(stdout(), "submitted {} in {tasks}: job {of_tiles}", counted(tiles, "tile"))?;
+    Ok(writeln!(stdout(), "job {} joins them when they have ended", jobs.join)?)
 }
 
 /// The command line of the tasks: this one without what is for the submission, and with the number of `tiles`, which must not
@@ -269,6 +299,11 @@ fn write_figures(
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
     let format = arguments.figure_format.into();
+    let mut outputs = arguments.inputs();
+    figures.iter().for_each(|figure| {
+        outputs.writes("", &figure.path(folder, format), OutputKind::Picture);
+    });
+    admit(&outputs, Some(arguments.work))?;
     for figure in figures {
         if interrupt.is_requested() {
             return Err(Failure::Interrupted);
@@ -277,7 +312,7 @@ fn write_figures(
         let bytes = figure.encode(format).map_err(|error| Failure::unwritable(&file, &error))?;
         write_file(&file, &bytes)?;
         match arguments.results.printing.format {
-            Format::Text => writeln!(io::stdout(), "{}", file.display())?,
+            Format::Text => writeln!(stdout(), "{}", file.display())?,
             Format::Json => arguments.work.note(&format!("wrote {}", file.display())),
         }
     }

@@ -1,7 +1,6 @@
 //! Flags that several commands share.
 
 use std::io::{self, Write};
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -9,9 +8,11 @@ use serde::Serialize;
 
 use super::with_flags;
 use crate::diagnostic::Failure;
+use crate::terminal::{Stdout, say, stdout};
 use sextant::scenario::{Scenario, ScenarioErrors};
 use sextant::summary::{self, Summary};
 use sextant_figure::FileFormat;
+use sextant_recording::admission::{OutputKind, Outputs};
 
 /// How results are printed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -41,9 +42,9 @@ impl Printing {
     pub(super) fn print<T: Serialize>(
         self,
         answer: &T,
-        text: impl FnOnce(&mut io::StdoutLock<'static>) -> io::Result<()>,
+        text: impl FnOnce(&mut Stdout) -> io::Result<()>,
     ) -> io::Result<()> {
-        let mut stdout = io::stdout().lock();
+        let mut stdout = stdout();
         match self.format {
             Format::Text => text(&mut stdout),
             Format::Json => {
@@ -85,6 +86,13 @@ pub(crate) struct Results {
 }
 
 impl Results {
+    /// Adds the file of the results to the outputs.
+    pub(super) fn among(&self, outputs: &mut Outputs<'_>) {
+        if let Some(path) = &self.summary {
+            outputs.writes("--summary", path, OutputKind::Summary);
+        }
+    }
+
     /// Writes and prints `summary`.
     pub(super) fn tell(&self, summary: &Summary) -> Result<(), Failure> {
         if let Some(path) = &self.summary {
@@ -94,12 +102,20 @@ impl Results {
     }
 }
 
+/// More threads are surely a mistake.
+const MOST_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|number| (1..=MOST_THREADS).contains(number));
+    number.ok_or_else(|| format!("expected 1 to {MOST_THREADS}"))
+}
+
 /// Options of long work.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct Work {
     /// Number of threads [default: one per core]. The results do not depend on it
-    #[arg(long, value_name = "N")]
-    pub(crate) threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
     /// Print no progress bar and no notes
     #[arg(long)]
     pub(crate) quiet: bool,
@@ -112,7 +128,7 @@ impl Work {
             return Ok(());
         };
         rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.get())
+            .num_threads(threads)
             .build_global()
             .map_err(|error| Failure::failed(format!("{threads} threads cannot be started: {error}")))
     }
@@ -120,8 +136,7 @@ impl Work {
     /// Prints a note on standard error, unless `--quiet` is given.
     pub(super) fn note(self, note: &str) {
         if !self.quiet {
-            // If standard error is closed, nobody can be told.
-            let _ = writeln!(io::stderr(), "note: {}", with_flags(note));
+            say(&format!("note: {}", with_flags(note)));
         }
     }
 }

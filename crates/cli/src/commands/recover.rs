@@ -6,8 +6,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::options::Printing;
+use super::outputs::{Replacing, admit};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use sextant_recording::admission::OutputKind;
 use sextant_recording::{recover, unfinished_copy};
 
 /// Arguments of `sextant recover`.
@@ -19,12 +21,18 @@ pub(crate) struct Arguments {
     /// The recording to write
     #[arg(long, value_name = "GOOD.mcap")]
     pub(crate) out: PathBuf,
+    /// What may be replaced.
+    #[command(flatten)]
+    pub(crate) replacing: Replacing,
     /// How results are printed.
     #[command(flatten)]
     pub(crate) printing: Printing,
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let mut outputs = arguments.replacing.outputs();
+    outputs.reads(&arguments.broken).writes("--out", &arguments.out, OutputKind::RecoveredRecording);
+    admit(&outputs, None)?;
     let _temporary = interrupt.temporary(&unfinished_copy(&arguments.out));
     let recovery = recover(&arguments.broken, &arguments.out, interrupt)?;
     let (messages, out) = (recovery.messages, arguments.out.display());

@@ -1,23 +1,25 @@
 //! `sextant report`: a run, a log, a sweep or a reproduction as one HTML file.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::map::algorithms;
 use super::options::Work;
+use super::outputs::{Replacing, admit, reads_given};
 use super::reading::Reading;
 use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::Watcher;
+use crate::terminal::{Watcher, stdout};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
 use sextant_logs::{self as robot_log, Source};
 use sextant_recording::SCENARIO_ATTACHMENT;
+use sextant_recording::admission::OutputKind;
 use sextant_recording::output::write_file;
 use sextant_report::{Report, ReportError};
 use sextant_thesis::experiments;
@@ -40,6 +42,9 @@ pub(crate) struct Arguments {
     /// the log has lat,lon
     #[arg(long, value_name = "nodes.csv")]
     pub(crate) truth: Option<PathBuf>,
+    /// What may be replaced.
+    #[command(flatten)]
+    pub(crate) replacing: Replacing,
     /// How the work is done.
     #[command(flatten)]
     pub(crate) work: Work,
@@ -50,7 +55,11 @@ pub(crate) struct Arguments {
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let out = arguments.out.clone().unwrap_or_else(|| file_name(&arguments.input));
-    refuse_replacing(&arguments.input, &out)?;
+    let mut outputs = arguments.replacing.outputs();
+    let given = [Some(arguments.input.as_path()), arguments.truth.as_deref()];
+    reads_given(&mut outputs, given.into_iter().chain(arguments.reading.files()));
+    outputs.writes("--out", &out, OutputKind::Report);
+    admit(&outputs, Some(arguments.work))?;
     arguments.work.start_threads()?;
     let report = report(arguments, interrupt)?;
     let html = report.to_html();
@@ -60,7 +69,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         return Err(Failure::Interrupted);
     }
     write_file(&out, html.as_bytes())?;
-    writeln!(io::stdout(), "{} ({})", out.display(), size(html.len()))?;
+    writeln!(stdout(), "{} ({})", out.display(), size(html.len()))?;
     Ok(())
 }
 
@@ -140,21 +149,6 @@ fn file_name(input: &Path) -> PathBuf {
     let mut file = stem.to_owned();
     file.push(".html");
     PathBuf::from(file)
-}
-
-/// Refuses an output that is the input, or that is within it.
-fn refuse_replacing(input: &Path, out: &Path) -> Result<(), Failure> {
-    let same = match (input.canonicalize(), out.canonicalize()) {
-        (Ok(input), Ok(out)) => input == out,
-        _ => false,
-    };
-    if same {
-        return Err(Failure::bad_input_with_help(
-            format!("the report would replace its input `{}`", input.display()),
-            "`--out REPORT.html` names another file",
-        ));
-    }
-    Ok(())
 }
 
 /// A number of octets for people.

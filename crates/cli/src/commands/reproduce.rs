@@ -8,14 +8,16 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::options::{Format, Printing, Work};
+use super::outputs::{Replacing, admit};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::Watcher;
+use crate::terminal::{Watcher, stdout};
 use sextant::columns::{Align, columns};
 use sextant_kernel::text::counted;
+use sextant_recording::admission::{OutputKind, admit_folder};
 use sextant_thesis::{
-    Costs, Experiment, Line, ReproductionError, Results, RunCounts, Runs, Tally, by_chapter, experiments, json,
-    usual_runs, write_figures, write_json, write_pages, write_pictures, write_scenarios,
+    Costs, Experiment, Line, ReproductionError, Results, RunCounts, Runs, SHIPPED, Tally, by_chapter, experiments,
+    is_reproduction, json, usual_runs, write_figures, write_json, write_pages, write_pictures, write_scenarios,
 };
 
 /// Arguments of `sextant reproduce`.
@@ -39,6 +41,9 @@ pub(crate) struct Arguments {
     /// The folder for pages, tables, figures and the scenarios that were run. It is created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "reproduction")]
     pub(crate) out: PathBuf,
+    /// What may be replaced.
+    #[command(flatten)]
+    pub(crate) replacing: Replacing,
     /// How results are printed.
     #[command(flatten)]
     pub(crate) printing: Printing,
@@ -48,12 +53,13 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    let mut stdout = io::stdout().lock();
+    let mut stdout = stdout();
     if arguments.list {
         return Ok(list(&mut stdout)?);
     }
     let experiments = chosen(arguments)?;
     arguments.work.start_threads()?;
+    arguments.check_room()?;
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let scenarios = arguments.from.as_ref().unwrap_or(&arguments.out).join("scenarios");
@@ -106,6 +112,22 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     match failures.first() {
         None => Ok(()),
         Some(first) => Err(Failure::failed(format!("{} failed; the first: {first}", counted(failures.len(), "run")))),
+    }
+}
+
+impl Arguments {
+    /// Rejects a folder with files that are not those of a reproduction, or with scenarios that were changed.
+    fn check_room(&self) -> Result<(), Failure> {
+        admit_folder(&self.out, self.replacing.replace(), || is_reproduction(&self.out))?;
+        let mut outputs = self.replacing.outputs();
+        if self.from.is_none() {
+            let scenarios = self.out.join("scenarios");
+            let each = SHIPPED.iter().map(|(name, text)| (scenarios.join(name), OutputKind::Text(text.as_bytes())));
+            each.for_each(|(path, kind)| {
+                outputs.writes("", &path, kind);
+            });
+        }
+        admit(&outputs, Some(self.work))
     }
 }
 

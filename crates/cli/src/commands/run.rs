@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::live::LiveOptions;
 use super::options::{Results, ScenarioSource, Work};
+use super::outputs::{Replacing, admit, reads_scenario};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 #[cfg(feature = "live")]
@@ -13,8 +14,8 @@ use crate::live::{LiveView, Settings};
 use sextant::forecast::warnings;
 use sextant::run::{RunCapture, RunRecorder, run};
 use sextant::scenario::DetailConfig;
+use sextant_recording::admission::OutputKind;
 
-use super::shared_outputs::reject_shared;
 use crate::progress::RunProgress;
 use crate::terminal::{Watcher, warn};
 
@@ -37,6 +38,9 @@ pub(crate) struct Arguments {
     /// Where the results go.
     #[command(flatten)]
     pub(crate) results: Results,
+    /// What may be replaced.
+    #[command(flatten)]
+    pub(crate) replacing: Replacing,
     /// How the work is done.
     #[command(flatten)]
     pub(crate) work: Work,
@@ -54,12 +58,16 @@ impl Arguments {
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     arguments.work.start_threads()?;
     let scenario = arguments.source.load()?;
+    scenario.check_grids()?;
     let recording = arguments.recording();
-    reject_shared(&[
-        ("--out", Some(&recording)),
-        ("--summary", arguments.results.summary.as_ref()),
-        ("--pcap", arguments.pcap.as_ref()),
-    ])?;
+    let mut outputs = arguments.replacing.outputs();
+    reads_scenario(&mut outputs, &scenario);
+    outputs.writes("--out", &recording, OutputKind::Recording);
+    if let Some(pcap) = &arguments.pcap {
+        outputs.writes("--pcap", pcap, OutputKind::Capture);
+    }
+    arguments.results.among(&mut outputs);
+    admit(&outputs, Some(arguments.work))?;
     if !arguments.work.quiet {
         warnings(&scenario).iter().for_each(|warning| warn(&warning.to_string()));
     }

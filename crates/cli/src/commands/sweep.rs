@@ -12,10 +12,11 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 
 use super::options::{Format, Overrides, Printing, Work};
+use super::outputs::reads_sweep;
 use super::plan_flags::PlanFlags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::Watcher;
+use crate::terminal::{Watcher, stdout};
 use existing::Start;
 use sextant::columns::{Align, columns};
 use sextant::summary::Measure;
@@ -23,6 +24,7 @@ use sextant::sweep::{
     Column, Mean, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, extend, rows_of, write_table,
 };
 use sextant_kernel::text::counted;
+use sextant_recording::admission::{OutputKind, Outputs, Replace};
 
 /// Arguments of `sextant sweep`.
 #[derive(Clone, Debug, Args)]
@@ -95,10 +97,13 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     if arguments.columns {
         return Ok(column_list::print(Some(&plan), arguments.printing)?);
     }
-    let mut stdout = io::stdout().lock();
+    let mut stdout = stdout();
     if arguments.dry_run {
         return Ok(print_plan(&plan, &out, &mut stdout)?);
     }
+    let mut outputs = Outputs::new(Replace::Any);
+    reads_sweep(&mut outputs, &plan);
+    outputs.writes("--out", &out, OutputKind::Table).keep_inputs()?;
     let rows = match existing::start(arguments, &plan, &out)? {
         Start::Finished(rows) => rows,
         Start::Run(known) => swept(arguments, &plan, known, &out, interrupt)?,

@@ -45,6 +45,7 @@ mod repairs;
 mod report;
 mod reproduce;
 mod run;
+mod safety;
 mod scenario_errors;
 mod schema;
 mod sector_reports;

@@ -31,7 +31,7 @@ fn a_report_of_a_run_is_written_in_the_working_folder() {
 
     let refused = run(folder.path(), &["report", "a.mcap", "--out", "a.mcap"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(text(&refused.stderr).contains("would replace its input"), "{}", text(&refused.stderr));
+    assert!(text(&refused.stderr).contains("an output never replaces an input"), "{}", text(&refused.stderr));
     assert_eq!(fs::read(folder.path().join("a.mcap")).expect("a recording"), before);
 
     let mapped = run(folder.path(), &["report", "a.mcap", "--algorithm", "auto", "--out", "b.html", "--quiet"]);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_channel::ReceptionLog;
+use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
 use crate::grid_ml::bounded_search::BoundedSink;
@@ -155,7 +155,11 @@ impl MlTm {
     /// # Errors
     /// [`MapError::GridTooLarge`], [`MapError::NoStops`].
     pub fn lattice(&self, log: &ReceptionLog) -> Result<Lattice, MapError> {
-        Lattice::covering(log.stops(), self.profile.range_m(), self.grid_step_m, self.z_range_m, self.allowed_bytes)
+        self.lattice_of(log.stops())
+    }
+
+    fn lattice_of(&self, stops: &[Stop]) -> Result<Lattice, MapError> {
+        Lattice::covering(stops, self.profile.range_m(), self.grid_step_m, self.z_range_m, self.allowed_bytes)
     }
 
     /// The map of the nodes in `log`, computed on the current rayon pool. The result is bit-identical for any number
@@ -404,6 +408,10 @@ impl Estimator for MlTm {
 
     fn counts_packets(&self) -> bool {
         self.counts == CountRule::Packets
+    }
+
+    fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
+        self.lattice_of(stops).map(drop)
     }
 
     fn profile(&self) -> Option<&ReceptionProfile> {

@@ -1,6 +1,6 @@
 //! MmTM: topology maps from an antenna array that knows the sector of each reception (Gunathillake 2018, chapter 4).
 
-use sextant_channel::{ReceptionLog, SectorGains, SectorTable};
+use sextant_channel::{ReceptionLog, SectorGains, SectorTable, Stop};
 use sextant_kernel::{SettingError, Watch};
 
 use super::ml_tm::uses_under;
@@ -158,6 +158,13 @@ impl Estimator for MmTm {
 
     fn profile(&self) -> Option<&ReceptionProfile> {
         self.profile()
+    }
+
+    fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
+        match &self.0 {
+            Likelihood::Given(ml_tm) => ml_tm.check_grid(stops),
+            Likelihood::Fitted(_) => Ok(()),
+        }
     }
 
     fn surface(

@@ -1,7 +1,7 @@
 //! ML-TM under a known channel among known obstacles.
 
 use rayon::prelude::*;
-use sextant_channel::{Db, ObstacleField, Position, ReceptionLog};
+use sextant_channel::{Db, ObstacleField, Position, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
 use crate::each_node::EachNode;
@@ -166,6 +166,10 @@ impl Estimator for ObstacleMlTm {
 
     fn by_parts(&self) -> Option<&dyn PartEstimator> {
         Some(self)
+    }
+
+    fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
+        self.start.check_grid(stops)
     }
 
     fn estimate(

@@ -1,6 +1,6 @@
 //! An estimator whose log is that of robots with frames of their own.
 
-use sextant_channel::ReceptionLog;
+use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{RobotId, Seed, SettingError, Watch};
 
 use super::frame_change::FrameChange;
@@ -78,6 +78,10 @@ impl Estimator for Stitched {
 
     fn uses(&self) -> &'static [KnowledgeKind] {
         self.inner.uses()
+    }
+
+    fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
+        self.inner.check_grid(stops)
     }
 
     fn estimate(

@@ -117,6 +117,29 @@ impl Technologies {
     }
 }
 
+/// A simulation is shorter than this (s), and begins at time 0. The times of other captures count from 1970.
+const LONGEST_SIMULATION_S: u64 = 100_000_000;
+
+/// Whether a file that begins with the octets `head` is a capture of a simulation: it has a header of this program, and its
+/// first frame is at a time of simulations.
+pub(crate) fn is_of_simulation(head: &[u8]) -> bool {
+    [Technologies::Ieee802154, Technologies::Ieee80211ad, Technologies::Both].into_iter().any(|technologies| {
+        let mut header = Vec::new();
+        technologies.header(&mut header);
+        let number = |octets: &[u8]| octets.first_chunk().map(|octets| u64::from(u32::from_le_bytes(*octets)));
+        match head.strip_prefix(header.as_slice()) {
+            None => false,
+            Some([]) => true,
+            // Type, length and interface of the block come first, then the two halves of the time in nanoseconds.
+            Some(record) if technologies == Technologies::Both => {
+                let high = record.get(12..).and_then(number);
+                high.is_some_and(|high| (high << 32) / 1_000_000_000 < LONGEST_SIMULATION_S)
+            }
+            Some(record) => number(record).is_some_and(|seconds| seconds < LONGEST_SIMULATION_S),
+        }
+    })
+}
+
 fn classic_header(link: LinkType, file: &mut Vec<u8>) {
     let [major, minor] = VERSION;
     file.extend(NANOSECOND_MAGIC.to_le_bytes());

@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use sextant_kernel::text;
+
 use super::error::OutputError;
 use super::whole::write_file;
 
-/// A CSV file in memory (RFC 4180, but lines end with a line feed). Cells are quoted where needed.
+/// A CSV file in memory (RFC 4180, but lines end with a line feed). Cells are quoted where needed, and what a spreadsheet would
+/// take for a formula is marked ([`sextant_kernel::text::cell`]).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CsvFile {
     content: Vec<u8>,
@@ -41,6 +44,7 @@ impl CsvFile {
         if std::mem::replace(&mut self.has_begun, true) {
             self.content.push(b',');
         }
+        let text = &*text::cell(text);
         let is_quoted = text.contains(['"', ',', '\n', '\r']) || text.is_empty() && self.empty == EmptyCell::Quoted;
         if is_quoted {
             self.content.push(b'"');
@@ -92,11 +96,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn formulas_are_marked() {
+        let mut file = CsvFile::headless(EmptyCell::Bare);
+        file.row(["=cmd|' /C calc'!A0", "-3.5", "-x", "@a,b"]);
+        assert_eq!(String::from_utf8(file.take()).unwrap(), "'=cmd|' /C calc'!A0,-3.5,'-x,\"'@a,b\"\n");
+    }
+
+    #[test]
     fn cells_are_quoted_where_needed() {
         let text = |empty| {
             let mut file = CsvFile::new(["cell", "error"], empty);
             file.row(["1", "no, \"never\""]);
             file.cell("a\nb").cell("").end_row();
+            file.cell("=cmd|' /C calc'!A0").cell("-3.5").end_row();
             String::from_utf8(file.bytes().to_vec()).unwrap()
         };
         assert_eq!(text(EmptyCell::Bare), "cell,error\n1,\"no, \"\"never\"\"\"\n\"a\nb\",\n");

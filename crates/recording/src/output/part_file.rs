@@ -4,8 +4,11 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use super::draft::{Draft, DraftError};
+use super::draft::{Draft, DraftError, PART};
 use super::error::OutputError;
+
+/// Why a file cannot be written that another process writes.
+const BUSY: &str = "it is being written by another process";
 
 /// A file that is called `PATH.part` until [`PartFile::finish`]. Without that it is removed when it is dropped.
 #[derive(Debug)]
@@ -21,7 +24,7 @@ impl PartFile {
     /// # Errors
     /// If it cannot be created, or `path` is a folder or a device.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
-        let draft = Draft::new(path, ".part");
+        let draft = Draft::new(path, PART);
         let output = draft.open().map_err(error)?;
         Ok(Self { draft, output: Some(output) })
     }
@@ -63,9 +66,10 @@ impl Drop for PartFile {
     }
 }
 
-fn error(error: DraftError) -> OutputError {
+pub(super) fn error(error: DraftError) -> OutputError {
     let (path, why): (PathBuf, String) = match error {
         DraftError::Create { path, why } => (path, why),
+        DraftError::Busy { path } => (path, BUSY.to_owned()),
         DraftError::Write { path, why } => (path, why.to_string()),
         DraftError::Rename { path, why, .. } => (path, why.to_string()),
     };

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::super::error::RecordingError;
 use super::super::sink::Sink;
 use super::Recorder;
-use crate::output::Draft;
+use crate::output::{Draft, PART};
 
 /// A recorder that writes to `PATH.part` and renames it to `PATH` at the end.
 pub struct FileRecorder {
@@ -21,7 +21,7 @@ impl FileRecorder {
     /// # Errors
     /// If the file `PATH.part` cannot be created, or `path` is a folder.
     pub fn create(path: &Path) -> Result<Self, RecordingError> {
-        let draft = Draft::new(path, ".part");
+        let draft = Draft::new(path, PART);
         let sink = Sink::create(&draft)?;
         Ok(Self { recorder: Recorder::from_sink(sink), draft })
     }

@@ -1,5 +1,7 @@
 //! Errors of exports.
 
+use std::path::PathBuf;
+
 use sextant_kernel::Interrupted;
 use sextant_recording::RecordingError;
 use sextant_recording::output::OutputError;
@@ -10,6 +12,12 @@ pub enum ExportError {
     /// The recording cannot be read.
     #[error(transparent)]
     Recording(RecordingError),
+    /// A table or file would replace the recording.
+    #[error("`{}` is the recording itself: an output never replaces an input", .path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -37,7 +45,7 @@ impl ExportError {
         match self {
             Self::Recording(error) => error.is_system_error(),
             Self::Output(_) => true,
-            Self::NoParquet | Self::Interrupted(_) => false,
+            Self::Input { .. } | Self::NoParquet | Self::Interrupted(_) => false,
         }
     }
 
@@ -46,6 +54,7 @@ impl ExportError {
     pub fn advice(&self) -> Option<&'static str> {
         match self {
             Self::NoParquet => Some("build the program with `--features parquet`, or write CSV"),
+            Self::Input { .. } => Some("choose another folder"),
             Self::Recording(_) | Self::Output(_) | Self::Interrupted(_) => None,
         }
     }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sextant_kernel::Watch;
-use sextant_recording::output::{open_folder, write_file};
+use sextant_recording::output::{FileIdentity, open_folder, write_file};
 use sextant_recording::{RecordingError, SCENARIO_ATTACHMENT, TablePiece, TableRow, read_tables, station};
 
 pub use error::ExportError;
@@ -70,7 +70,9 @@ trait TableFile {
 pub fn export(path: &Path, folder: &Path, format: ExportFormat, watch: &dyn Watch) -> Result<Exported, ExportError> {
     format.check()?;
     open_folder(folder)?;
-    let mut writing = Writing { folder, format, tables: BTreeMap::new(), files: Vec::new(), collectors: Vec::new() };
+    let recording = FileIdentity::of(path);
+    let mut writing =
+        Writing { recording, folder, format, tables: BTreeMap::new(), files: Vec::new(), collectors: Vec::new() };
     let mut failure = None;
     let mut rows: u64 = 0;
     let read = read_tables(path, &mut |piece| {
@@ -120,6 +122,8 @@ impl ExportFormat {
 
 /// The files that are being written.
 struct Writing<'a> {
+    /// The recording that is read.
+    recording: FileIdentity,
     folder: &'a Path,
     format: ExportFormat,
     tables: BTreeMap<String, OpenTable>,
@@ -175,6 +179,9 @@ impl Writing<'_> {
         if let Some(folder) = path.parent() {
             open_folder(folder)?;
         }
+        if FileIdentity::of(&path) == self.recording {
+            return Err(ExportError::Input { path });
+        }
         Ok(path)
     }
 
@@ -202,6 +209,7 @@ mod tests {
     fn names_of_tables_stay_in_the_folder() {
         let folder = tempfile::tempdir().unwrap();
         let writing = Writing {
+            recording: FileIdentity::of(&folder.path().join("run.csv")),
             folder: folder.path(),
             format: ExportFormat::Csv,
             tables: BTreeMap::new(),
@@ -209,6 +217,7 @@ mod tests {
             collectors: Vec::new(),
         };
         assert_eq!(writing.place("map-a:b.csv").unwrap(), folder.path().join("map-a_b.csv"));
+        assert!(matches!(writing.place("run.csv"), Err(ExportError::Input { .. })));
         assert_eq!(writing.place("files/../../x.csv").unwrap(), folder.path().join("files/x.csv"));
     }
 

@@ -18,6 +18,6 @@ pub use figures::{drawn, figures};
 pub use input::Input;
 pub use logs::MapLogs;
 pub use map_log::{LogMap, map_log};
-pub use pipeline::{ComputedMap, map};
+pub use pipeline::{ComputedMap, map, map_files};
 pub use prior::place_prior;
 pub use tiles_error::TilesError;

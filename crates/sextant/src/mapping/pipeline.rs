@@ -106,7 +106,7 @@ impl<'a> Stages<'a, '_> {
             };
             summaries.push(MapSummary { alignment: Some(alignment), ..summary });
             if let Some(out) = out {
-                let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
+                let path = file_of(out, summaries.len() - 1, &named.name);
                 sextant_logs::write_map(&path, input.log().names(), &computed.map, input.plane.as_ref())?;
             }
             if input.recording.is_none() {
@@ -136,6 +136,17 @@ impl<'a> Stages<'a, '_> {
         };
         Ok((summary, maps))
     }
+}
+
+/// The files that the maps of `settings` are written to: the file `out`, and files beside it.
+#[must_use]
+pub fn map_files(out: &Path, settings: &MapSettings) -> Vec<PathBuf> {
+    settings.maps.iter().enumerate().map(|(i, map)| file_of(out, i, &map.name)).collect()
+}
+
+/// The file of the map of this number and name.
+fn file_of(out: &Path, number: usize, name: &str) -> PathBuf {
+    if number == 0 { out.to_owned() } else { beside(out, name) }
 }
 
 /// `DIR/MAP.NAME.csv` for `DIR/MAP.csv`.

@@ -79,7 +79,9 @@ pub(super) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors)
         let name = written.name.clone().unwrap_or_else(|| written.algorithm.name().to_owned());
         check_own_name(&name, &table, &applications, around, errors);
         let map = errors.take(&table, around.map(written));
-        let robots = errors.take(&table, around.robots(written));
+        // The numbers of robots are not known if one of them was refused.
+        let are_known = around.bodies.len() == around.config.robots.len();
+        let robots = if are_known { errors.take(&table, around.robots(written)) } else { None };
         let network =
             errors.take(&table, networks::number("network", written.network.as_deref(), &around.config.networks));
         let network = network.filter(|&network| around.check_network(network, &table, errors));
@@ -138,12 +140,16 @@ impl Surroundings<'_> {
                 let refuse = |found: String, allowed: &str| Err(SettingError::new("map.file", found, allowed));
                 let read = match sextant_logs::read_map(&path) {
                     Ok(read) => read,
-                    Err(error) => return refuse(error.to_string(), "a CSV file with columns node,x_m,y_m[,z_m]"),
+                    Err(error) => {
+                        let refused = refuse(error.to_string(), "a CSV file with columns node,x_m,y_m[,z_m]");
+                        return refused.map_err(|error| self.files.discreet(file, error));
+                    }
                 };
                 let nodes = self.nodes();
                 if let Some(unknown) = read.keys().find(|name| !nodes.iter().any(|node| node.name == **name)) {
                     let found = format!("`{}`, in which the node `{unknown}` has a place", file.display());
-                    return refuse(found, "places of nodes of the world");
+                    let refused = refuse(found, "places of nodes of the world");
+                    return refused.map_err(|error| self.files.discreet(file, error));
                 }
                 if read.len() < 3 {
                     let found = format!("`{}`, with {}", file.display(), counted(read.len(), "node"));

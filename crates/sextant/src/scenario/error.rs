@@ -121,6 +121,13 @@ impl ScenarioError {
         self.help.as_deref()
     }
 
+    /// The same error with its place, but without any text of the file.
+    pub(crate) fn discreet(self) -> Self {
+        let place = self.place().unwrap_or_default();
+        let advice = "its content is not shown, because it is in another folder; is it a scenario?";
+        Self::new(format!("{place}: this is not valid TOML")).help(advice)
+    }
+
     pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
@@ -138,6 +145,7 @@ impl ScenarioError {
             std::io::ErrorKind::InvalidData => {
                 Self::new(format!("`{name}` is not UTF-8 text")).help("a scenario is a text file in the TOML format")
             }
+            std::io::ErrorKind::FileTooLarge => Self::new(format!("`{name}` is no scenario: {error}")),
             _ => Self::new(format!("`{name}` cannot be read: {error}")),
         }
     }

@@ -7,6 +7,10 @@ use super::document::{self, Document, Entry, Value};
 use super::effective;
 use super::error::ScenarioError;
 use super::source::{SETTING, Source};
+use sextant_kernel::{is_within, read_at_most};
+
+/// The most that is read of a scenario (octets).
+const LARGEST_SCENARIO: u64 = 1 << 26;
 
 /// Reads `path` and the files that it extends. Tables are merged key by key. A later layer replaces all other values, also
 /// arrays.
@@ -86,14 +90,17 @@ fn read_file(
         ring.push(&name);
         return Err(placed(ScenarioError::new(format!("`extends` forms a circle: {}", ring.join(" -> ")))));
     }
-    let bytes = std::fs::read(path).map_err(|error| unreadable(&error))?;
+    let bytes = read_at_most(path, LARGEST_SCENARIO).map_err(|error| unreadable(&error))?;
     let text = String::from_utf8(bytes)
         .map_err(|error| unreadable(&std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())))?;
     chain.push((identity, name.clone()));
     let source = Source { name, text: Arc::from(text), folder: folder_of(path) };
     let index = sources.len();
     sources.push(source.clone());
-    let mut own = document::parse(sources, index)?;
+    // What is in a file that is no scenario is not shown, if a scenario of another folder names it.
+    let is_foreign = mention.is_some() && !is_within(path, &folder_of(&chain[0].0));
+    let mut own =
+        document::parse(sources, index).map_err(|error| if is_foreign { error.discreet() } else { error })?;
     let base = match &mut own.value {
         Value::Table(table) => table.remove("extends"),
         _ => None,

@@ -20,7 +20,8 @@ use super::error::ScenarioErrors;
 use super::errors::Errors;
 use super::file::ScenarioFile;
 use super::known_networks::PacketsPerStop;
-use super::maps::MapJob;
+use super::maps::{MapJob, check_grids};
+use super::plausible::check_numbers;
 use super::survey_identity::SurveyIdentity;
 use sextant_kernel::text::counted;
 
@@ -107,6 +108,8 @@ impl Scenario {
         let whole = deserialize(&document).map_err(ScenarioErrors::from).and_then(|mut config: ScenarioConfig| {
             let named_files = named_files(&mut config, &document, file.folder());
             let mut errors = Errors::default();
+            check_numbers(&document, &mut errors);
+            errors.placed(&document)?;
             let (parts, maps) = check(&mut config, &files, &mut errors);
             errors.placed(&document)?;
             Ok((config, named_files, parts.expect("what has no errors has all its parts"), maps))
@@ -115,7 +118,10 @@ impl Scenario {
             let check = |document: &Document, mut config: ScenarioConfig| {
                 named_files(&mut config, document, file.folder());
                 let mut errors = Errors::default();
-                check(&mut config, &files, &mut errors);
+                check_numbers(document, &mut errors);
+                if errors.found.is_empty() {
+                    check(&mut config, &files, &mut errors);
+                }
                 errors.found
             };
             diagnosis::errors_of(document, &check).unwrap_or(first)
@@ -159,6 +165,22 @@ impl Scenario {
     #[must_use]
     pub fn named_files(&self) -> &[NamedFile] {
         &self.named_files
+    }
+
+    /// Checks whether the grids of its maps fit the memory that they are allowed, wherever robots stop. A sweep does not ask
+    /// this, because its other cells are run in any case.
+    ///
+    /// # Errors
+    /// If a grid does not fit.
+    pub fn check_grids(&self) -> Result<(), ScenarioErrors> {
+        let mut errors = Errors::default();
+        check_grids(&self.maps, &self.parts.setup.robots, &mut errors);
+        if errors.found.is_empty() { Ok(()) } else { errors.placed(&self.file.overridden(&self.set, self.seed)?) }
+    }
+
+    /// All files that it is read from: those that it extends, its own, and those that it names.
+    pub fn sources(&self) -> impl Iterator<Item = &Path> {
+        self.file.layers().chain(self.named_files.iter().map(|file| file.path.as_path()))
     }
 
     /// The world.

@@ -22,6 +22,7 @@ mod map_settings;
 mod maps;
 mod network_config;
 mod networks;
+mod plausible;
 mod reference;
 mod refusal;
 mod robots;

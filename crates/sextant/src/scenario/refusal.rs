@@ -3,6 +3,7 @@
 use std::fmt;
 
 use sextant_kernel::SettingError;
+use sextant_kernel::text::shortened;
 
 use super::document::{Document, Entry, Value};
 use super::error::ScenarioError;
@@ -61,14 +62,14 @@ impl Document {
         let place = if table.0.is_empty() { "the scenario".to_owned() } else { format!("`{table}`") };
         match refusal {
             Refusal::UnknownField { field, expected } => {
-                let this = ScenarioError::new(format!("unknown key `{field}` in {place}"));
+                let this = ScenarioError::new(format!("unknown key `{}` in {place}", shortened(field)));
                 let label = suggestion(field, expected, "no such key");
                 self.pointing_at_key(this, &entry_of.origin, label).help(allowed("keys allowed here", expected))
             }
             Refusal::UnknownVariant { variant, expected } => {
                 let is_key = matches!(entry.value, Value::Table(_)) || !exact;
                 let label = suggestion(variant, expected, "no such choice");
-                let this = ScenarioError::new(format!("unknown choice `{variant}` for {place}"));
+                let this = ScenarioError::new(format!("unknown choice `{}` for {place}", shortened(variant)));
                 let this = if is_key {
                     self.pointing_at_key(this, &entry_of.origin, label)
                 } else {
@@ -82,7 +83,7 @@ impl Document {
                 self.pointing_at_key(this, &entry.origin, "this table needs it").help(help)
             }
             Refusal::Unfit { found, expected } => {
-                let this = ScenarioError::new(format!("`{path}` is {found}; allowed: {expected}"));
+                let this = ScenarioError::new(format!("`{path}` is {}; allowed: {expected}", shortened(found)));
                 self.pointing(this, entry, exact, value_label(expected))
             }
             Refusal::SeveralChoices(choices) => {

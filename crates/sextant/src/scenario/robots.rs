@@ -15,6 +15,9 @@ use super::networks::{self, NetworkTables};
 /// Maximum distance from the start of a robot to the nearest node (m).
 const FARTHEST_START_M: f64 = 1e5;
 
+/// The longest time of a planned path (s): 31 years.
+const LONGEST_SURVEY_S: f64 = 1e9;
+
 /// The robots of a scenario.
 #[derive(Clone, Default)]
 pub(super) struct Robots {
@@ -145,5 +148,14 @@ fn controller(
     };
     let surroundings =
         Surroundings { obstacles, start: body.start, radius_m: body.radius_m, seed, robot: number as u64 };
-    config.build(&surroundings).map(Some).map_err(|error| error.within("controller"))
+    let within = |error: SettingError| error.within("controller");
+    let controller = config.build(&surroundings).map_err(within)?;
+    let way = config.expected_way(&surroundings).map_err(within)?;
+    let time_s = way.length_m / body.speed_m_per_s + way.stops as f64 * body.listen.as_secs_f64();
+    if time_s > LONGEST_SURVEY_S {
+        let found = format!("a path of {:e} m, which takes {time_s:.0e} s", way.length_m);
+        let allowed = format!("a path of at most {LONGEST_SURVEY_S:e} s; it takes `speed_m_per_s` and `listen_s`");
+        return Err(SettingError::new("controller", found, allowed));
+    }
+    Ok(Some(controller))
 }

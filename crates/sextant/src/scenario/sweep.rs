@@ -72,7 +72,11 @@ impl SweepAxes {
                 let path = path.child(Step::Key(key.clone()));
                 match key.as_str() {
                     "runs" => runs = reader.runs(entry, &path)?,
-                    "product" => groups.push(product(reader.axes(entry, &path)?)),
+                    "product" => {
+                        let axes = reader.axes(entry, &path)?;
+                        check_count(document, &path, axes.iter().map(|(_, values)| values.len()))?;
+                        groups.push(product(axes));
+                    }
                     "zip" => groups.push(reader.zipped(entry, &path)?),
                     "list" => groups.push(reader.list(entry, &path)?),
                     _ => {
@@ -83,14 +87,7 @@ impl SweepAxes {
                 }
             }
         }
-        let count = groups.iter().try_fold(1_usize, |count, group| count.checked_mul(group.len()));
-        if count.is_none_or(|count| count > MOST_CELLS) {
-            let refusal = Refusal::Unfit {
-                found: "a sweep of too many cells".to_owned(),
-                expected: format!("at most {MOST_CELLS} cells"),
-            };
-            return Err(document.refused(&path, &refusal));
-        }
+        check_count(document, &path, groups.iter().map(Vec::len))?;
         let cells = groups.into_iter().fold(vec![Vec::new()], |cells, group| combined(&cells, &group));
         let this = Self { runs, cells };
         this.check_keys(document, &path)?;
@@ -121,6 +118,21 @@ impl SweepAxes {
         }
         Ok(())
     }
+}
+
+/// Refuses more combinations of values than a sweep can have, before there are any.
+fn check_count(
+    document: &Document,
+    path: &KeyPath,
+    counts: impl IntoIterator<Item = usize>,
+) -> Result<(), ScenarioError> {
+    let count = counts.into_iter().try_fold(1_usize, |product, count| product.checked_mul(count));
+    if count.is_some_and(|count| count <= MOST_CELLS) {
+        return Ok(());
+    }
+    let cells = count.map_or_else(|| "too many".to_owned(), |count| count.to_string());
+    let found = format!("a sweep of {cells} cells");
+    Err(document.refused(path, &Refusal::Unfit { found, expected: format!("at most {MOST_CELLS} cells") }))
 }
 
 /// All combinations of the values of `axes`; the last axis varies fastest.

@@ -29,6 +29,12 @@ pub enum SweepError {
         /// The folder.
         folder: PathBuf,
     },
+    /// Another process does the same sweep.
+    #[error("`{}` is in use: another process does this sweep", .folder.display())]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// A file in the folder of finished units is not one of them.
     #[error("`{}` is not a part of a sweep", .path.display())]
     Part {
@@ -64,6 +70,7 @@ impl SweepError {
         match self {
             Self::OtherParts { .. } => Some("remove the folder to start again, or choose another table"),
             Self::Unfinished { .. } => Some("resume the sweep, or remove the folder to start again"),
+            Self::Busy { .. } => Some("wait for its end, or name another table"),
             Self::Part { .. } => Some("remove the file; its runs will be repeated"),
             Self::Scenario(_) | Self::Read { .. } | Self::Output(_) | Self::Interrupted(_) => None,
         }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
+use sextant_kernel::{LARGEST_FILE, read_at_most};
 use sha2::{Digest, Sha256};
 
 use crate::hexadecimal::hexadecimal;
@@ -83,7 +84,7 @@ impl Contents {
         if let Some(&hash) = self.0.get(file) {
             return Ok(hash);
         }
-        let bytes = std::fs::read(file).map_err(|error| ScenarioError::unreadable(file, &error))?;
+        let bytes = read_at_most(file, LARGEST_FILE).map_err(|error| ScenarioError::unreadable(file, &error))?;
         let hash = Sha256::digest(bytes).into();
         self.0.insert(file.to_owned(), hash);
         Ok(hash)

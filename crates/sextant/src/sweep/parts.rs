@@ -1,17 +1,19 @@
 //! Finished units of a sweep on disk, so that an interrupted sweep can be resumed.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::error::SweepError;
 use super::row::Row;
-use sextant_recording::output::{CsvFile, EmptyCell, OutputError, write_file};
+use sextant_recording::output::{CsvFile, EmptyCell, FileIdentity, OutputError, write_file};
 
 /// The folder of the finished units, with one CSV file per unit.
 #[derive(Debug)]
 pub(super) struct Parts {
     folder: PathBuf,
+    /// Locked as long as this process does the sweep.
+    _mark: File,
 }
 
 /// The file in the folder that identifies the sweep.
@@ -20,25 +22,39 @@ const FINGERPRINT: &str = "fingerprint";
 impl Parts {
     /// Opens the folder beside `out` for the sweep with this `fingerprint`.
     pub(super) fn open(out: &Path, fingerprint: &str, resume: bool) -> Result<Self, SweepError> {
-        let this = Self { folder: folder(out) };
-        let mark = this.folder.join(FINGERPRINT);
+        let folder = folder(out);
+        let mark = folder.join(FINGERPRINT);
         match fs::read_to_string(&mark) {
-            Ok(found) if found != fingerprint => Err(SweepError::OtherParts { folder: this.folder }),
-            Ok(_) if !resume => Err(SweepError::Unfinished { folder: this.folder }),
-            Ok(_) => Ok(this),
+            Ok(found) if found != fingerprint => Err(SweepError::OtherParts { folder }),
+            Ok(_) => {
+                let locked = Self::lock(&mark, folder)?;
+                if resume { Ok(locked) } else { Err(SweepError::Unfinished { folder: locked.folder }) }
+            }
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                fs::create_dir(&this.folder)
+                fs::create_dir(&folder)
                     .or_else(|error| match error.kind() {
                         // A sweep that was killed just after it created the folder left no fingerprint.
                         io::ErrorKind::AlreadyExists => Ok(()),
                         _ => Err(error),
                     })
-                    .map_err(|error| OutputError::new(&this.folder, &error))?;
+                    .map_err(|error| OutputError::new(&folder, &error))?;
                 write_file(&mark, fingerprint.as_bytes())?;
-                Ok(this)
+                Self::lock(&mark, folder)
             }
             Err(error) => Err(SweepError::Read { path: mark, why: error.to_string() }),
         }
+    }
+
+    /// The folder with this `mark`, which no other process has.
+    fn lock(mark: &Path, folder: PathBuf) -> Result<Self, SweepError> {
+        let file =
+            File::open(mark).map_err(|error| SweepError::Read { path: mark.to_owned(), why: error.to_string() })?;
+        // Some file systems have no locks.
+        let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+        if is_taken || !FileIdentity::is_at(&file, mark).unwrap_or(false) {
+            return Err(SweepError::Busy { folder });
+        }
+        Ok(Self { folder, _mark: file })
     }
 
     fn path(&self, unit: usize) -> PathBuf {
@@ -93,10 +109,12 @@ mod tests {
         let parts = Parts::open(&out, "this", false).unwrap();
         assert_eq!(parts.read(7, 3).unwrap(), None);
         parts.write(7, &rows).unwrap();
-        assert!(matches!(Parts::open(&out, "this", false), Err(SweepError::Unfinished { .. })));
+        assert!(matches!(Parts::open(&out, "this", true), Err(SweepError::Busy { .. })), "another process has it");
         assert!(matches!(Parts::open(&out, "other", true), Err(SweepError::OtherParts { .. })));
-        assert_eq!(Parts::open(&out, "this", true).unwrap().read(7, 3).unwrap(), Some(rows));
         assert!(matches!(parts.read(7, 4), Err(SweepError::Part { .. })), "a row of another length is invalid");
+        drop(parts);
+        assert!(matches!(Parts::open(&out, "this", false), Err(SweepError::Unfinished { .. })));
+        assert_eq!(Parts::open(&out, "this", true).unwrap().read(7, 3).unwrap(), Some(rows));
         remove(&out).unwrap();
         assert!(!super::folder(&out).exists());
     }

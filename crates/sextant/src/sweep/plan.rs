@@ -12,7 +12,9 @@ use super::row::Row;
 use super::statistics::Mean;
 use super::work_list::WorkList;
 use crate::hexadecimal::hexadecimal;
-use crate::scenario::{NamedFile, Scenario, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity, SweepAxes};
+use crate::scenario::{
+    NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity, SweepAxes,
+};
 use crate::summary::Measure;
 use crate::summary::measures::{self, Subjects};
 
@@ -59,6 +61,20 @@ pub(crate) struct Checked {
     pub(crate) identity: String,
 }
 
+/// Maximum number of runs of a sweep; more are surely a mistake.
+const MOST_RUNS: u64 = 10_000_000;
+
+/// Refuses more runs of all `cells` together than a sweep can have.
+fn check_runs(cells: usize, runs: u32) -> Result<(), ScenarioError> {
+    let all = (cells as u64).saturating_mul(runs.into());
+    if all <= MOST_RUNS {
+        return Ok(());
+    }
+    Err(ScenarioError::new(format!(
+        "{cells} cells with `runs` = {runs} each are {all} runs; allowed: at most {MOST_RUNS}"
+    )))
+}
+
 impl Sweep {
     /// Reads the scenario at `path` with its `[sweep]` and the flags `set`; `seed` and `runs` override those of the
     /// file. Every cell is checked.
@@ -85,6 +101,7 @@ impl Sweep {
         runs: Option<NonZeroU32>,
     ) -> Result<Self, ScenarioErrors> {
         let axes = file.axes(set)?;
+        check_runs(axes.cells.len(), runs.unwrap_or(axes.runs).get())?;
         let facts = facts::of_cells(&file, set, seed, &axes.cells)?;
         let mut surveys: BTreeMap<SurveyIdentity, usize> = BTreeMap::new();
         let mut subjects = Subjects::default();

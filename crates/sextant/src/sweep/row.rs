@@ -1,6 +1,7 @@
 //! The result of one run of one cell.
 
 use serde_json::Number;
+use sextant_kernel::text::of_cell;
 
 use super::column::Kind;
 
@@ -33,7 +34,7 @@ impl Row {
         let outcome = match record.get(2)? {
             "" if values.len() == measures => Ok(values),
             "" => return None,
-            error => Err(error.to_owned()),
+            error => Err(of_cell(error).to_owned()),
         };
         Some(Self { cell: record.get(0)?.parse().ok()?, replicate: record.get(1)?.parse().ok()?, outcome })
     }

@@ -8,6 +8,8 @@ use std::path::Path;
 
 use super::column::Column;
 use super::error::TableError;
+use sextant_kernel::read_text_at_most;
+use sextant_kernel::text::of_cell;
 use sextant_recording::output::{CsvFile, EmptyCell};
 #[cfg(feature = "parquet")]
 use sextant_recording::output::{OutputError, write_file};
@@ -55,6 +57,9 @@ pub(crate) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>])
     }
 }
 
+/// The most that is read of a table (octets).
+const LARGEST_TABLE: u64 = 1 << 32;
+
 /// The texts of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Texts {
@@ -77,13 +82,13 @@ pub(super) fn read_texts(path: &Path) -> Result<Texts, TableError> {
         #[cfg(not(feature = "parquet"))]
         return Err(TableError::NoParquet { path: path.to_owned() });
     }
-    parsed(&std::fs::read_to_string(path).map_err(unreadable)?).map_err(other)
+    parsed(&read_text_at_most(path, LARGEST_TABLE).map_err(unreadable)?).map_err(other)
 }
 
 /// The texts of a CSV table.
 pub(super) fn parsed(text: &str) -> Result<Texts, String> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let texts = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+    let texts = |record: &csv::StringRecord| record.iter().map(|cell| of_cell(cell).to_owned()).collect();
     let columns = texts(reader.headers().map_err(|error| error.to_string())?);
     let rows = reader.records().map(|record| Ok(texts(&record?))).collect::<Result<_, csv::Error>>();
     Ok(Texts { columns, rows: rows.map_err(|error| error.to_string())? })

@@ -41,6 +41,9 @@ use interference::Noise;
 pub use ended::EndPose;
 pub(crate) use ended::Ended;
 
+/// No simulation goes on after this: 158 years, half of what time can be. What robots do may never end.
+const LATEST: SimTime = SimTime::from_nanos(5_000_000_000_000_000_000);
+
 /// The engine: it runs once, to its end. `A` is the application of each station.
 pub(crate) struct Engine<A> {
     model: Model,
@@ -177,7 +180,7 @@ impl<A: Application> Engine<A> {
             },
             applications,
             logs,
-            end: setup.duration.map(|duration| SimTime::ZERO + duration),
+            end: setup.duration.map(|duration| SimTime::ZERO + duration).or(Some(LATEST)),
             noises,
             warm_up: Duration::ZERO,
             ends_with_tasks: unfinished > 0,

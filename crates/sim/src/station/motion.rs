@@ -89,11 +89,17 @@ pub(crate) fn turned(step: Position, turn_rad: f64) -> Position {
     Position::new(cos * step.x_m - sin * step.y_m, sin * step.x_m + cos * step.y_m, step.z_m)
 }
 
+/// How long a body takes for a way: at most 31 years, which no simulation lasts.
+pub(crate) fn time_of(length_m: f64, speed_m_per_s: f64) -> Duration {
+    const LONGEST_S: f64 = 1e9;
+    Duration::from_secs_f64((length_m / speed_m_per_s).min(LONGEST_S))
+}
+
 impl Trip {
     /// The straight line from `from` to `to` at `speed_m_per_s`.
     pub(crate) fn straight(from: Pose, to: Position, start: SimTime, speed_m_per_s: f64) -> Self {
         let length_m = from.position.distance_m(to);
-        let end = start + Duration::from_secs_f64(length_m / speed_m_per_s);
+        let end = start + time_of(length_m, speed_m_per_s);
         let step = to - from.position;
         let is_vertical = step.x_m.hypot(step.y_m) <= 0.0;
         let heading_rad = if is_vertical { from.heading_rad } else { libm::atan2(step.y_m, step.x_m) };
@@ -104,7 +110,7 @@ impl Trip {
     /// The way along `curve` at `speed_m_per_s`.
     pub(crate) fn along(curve: Curve, from: Pose, start: SimTime, speed_m_per_s: f64) -> Self {
         let Curve { length_m, turn_rad, .. } = curve;
-        let end = start + Duration::from_secs_f64(length_m / speed_m_per_s);
+        let end = start + time_of(length_m, speed_m_per_s);
         Self { from, to: curve.end(from), start, end, turn_rad, length_m, speed_m_per_s }
     }
 

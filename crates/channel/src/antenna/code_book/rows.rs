@@ -36,7 +36,8 @@ pub(super) fn read(file: &Path, gaps: Gaps, files: &Files) -> Result<(Measured, 
     let text = files.read_text(file).map_err(|cause| {
         error(format!("`{}`, which cannot be read: {cause}", path.display()), "a readable CSV file".into())
     })?;
-    parse(&text, gaps).map_err(|flaw| error(format!("`{}`, {}", path.display(), flaw.found), flaw.allowed))
+    let flawed = |flaw: Flaw| error(format!("`{}`, {}", path.display(), flaw.found), flaw.allowed);
+    parse(&text, gaps).map_err(|flaw| files.discreet(file, flawed(flaw)))
 }
 
 /// The measurement in `text`, and whether its gains are in relative units. Empty lines, and lines that begin with `#`, are

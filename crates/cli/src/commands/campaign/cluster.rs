@@ -5,6 +5,7 @@ use std::num::NonZeroU32;
 
 use super::super::slurm_flags::own_program;
 use crate::diagnostic::Failure;
+use crate::terminal::stdout;
 use sextant::campaign::Campaign;
 use sextant::campaign::slurm::{Attempts, SlurmSettings, Submitted};
 use sextant_kernel::text::counted;
@@ -19,11 +20,11 @@ pub(super) fn resume(campaign: &Campaign, settings: &SlurmSettings, attempts: No
 
 pub(super) fn cancel(campaign: &Campaign) -> Result<(), Failure> {
     let jobs = campaign.cancel()?;
-    Ok(writeln!(io::stdout(), "cancelled: {}", jobs.join(", "))?)
+    Ok(writeln!(stdout(), "cancelled: {}", jobs.join(", "))?)
 }
 
 fn tell(campaign: &Campaign, submitted: &Submitted) -> io::Result<()> {
-    let mut stdout = io::stdout().lock();
+    let mut stdout = stdout();
     let Submitted { name, jobs, tasks, runs, left_to_queue, given_up, refused } = submitted;
     writeln!(stdout, "submitted {} in {}: job {}", counted(*runs, "run"), counted(*tasks, "task"), jobs.join(", "))?;
     if *left_to_queue > 0 {

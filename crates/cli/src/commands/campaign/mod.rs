@@ -7,11 +7,14 @@ mod status;
 
 use std::path::{Path, PathBuf};
 
+use super::outputs::admit;
 use super::sweep::{self, Results};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use crate::terminal::stdout;
 use sextant::campaign::Campaign;
 use sextant::sweep::{TableFormat, write_table};
+use sextant_recording::admission::{OutputKind, Outputs, Replace};
 
 /// Whether a sweep is planned, or a plan is named instead of a scenario.
 pub(super) fn is_asked_for(arguments: &sweep::Arguments) -> bool {
@@ -75,16 +78,13 @@ fn refuse_flags_of_scenarios(arguments: &sweep::Arguments) -> Result<(), Failure
 fn collect(campaign: &Campaign, arguments: &sweep::Arguments) -> Result<(), Failure> {
     let out = arguments.out.clone().unwrap_or_else(|| default_table(campaign));
     TableFormat::of(&out)?;
-    if out.exists() && !arguments.force {
-        return Err(Failure::bad_input_with_help(
-            format!("`{}` exists", out.display()),
-            "`--force` replaces it, `--out TABLE` names another table",
-        ));
-    }
+    let mut outputs = Outputs::new(if arguments.force { Replace::Any } else { Replace::Ours });
+    outputs.reads(campaign.folder()).writes("--out", &out, OutputKind::Table);
+    admit(&outputs, Some(arguments.work))?;
     let rows = campaign.collect()?;
     write_table(&out, campaign.sweep(), &rows)?;
     let results = Results { plan: campaign.sweep(), rows: &rows };
-    Ok(results.tell(&out, arguments.printing.format, &mut std::io::stdout().lock())?)
+    Ok(results.tell(&out, arguments.printing.format, &mut stdout())?)
 }
 
 /// SCENARIO.csv in the working folder.

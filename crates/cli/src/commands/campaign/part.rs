@@ -1,11 +1,11 @@
 //! `sextant sweep DIR --cells A..B`.
 
-use std::io::{self, Write};
+use std::io::Write;
 
 use super::super::sweep;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::Watcher;
+use crate::terminal::{Watcher, stdout};
 use sextant::NumberRange;
 use sextant::campaign::{Campaign, CampaignError};
 use sextant_kernel::text::counted;
@@ -25,5 +25,5 @@ pub(super) fn execute(
         other => other?,
     };
     let before = range.len() - done;
-    Ok(writeln!(io::stdout(), "{range}: {} done now, {before} before", counted(done, "run"))?)
+    Ok(writeln!(stdout(), "{range}: {} done now, {before} before", counted(done, "run"))?)
 }

@@ -3,13 +3,15 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::super::outputs::reads_sweep;
 use super::super::sweep;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{Watcher, warn};
+use crate::terminal::{Watcher, stdout, warn};
 use sextant::campaign::{Campaign, Replace};
 use sextant::sweep::{Sweep, Trial, TrialError, trial};
 use sextant_kernel::text::counted;
+use sextant_recording::admission::{self, Outputs};
 
 pub(super) fn execute(
     arguments: &sweep::Arguments,
@@ -19,12 +21,15 @@ pub(super) fn execute(
 ) -> Result<(), Failure> {
     let sweep = Sweep::read(scenario, &arguments.overrides.set, arguments.seed, arguments.runs)?;
     let replace = if arguments.force { Replace::Plan } else { Replace::Nothing };
+    let mut outputs = Outputs::new(admission::Replace::Any);
+    reads_sweep(&mut outputs, &sweep);
+    outputs.clears("--plan", folder).keep_inputs()?;
     Campaign::check_room(folder, replace)?;
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let trial = if arguments.campaign.no_trial { None } else { tried(trial(&sweep, &watcher))? };
     watcher.clear();
     let campaign = Campaign::create(sweep, folder, trial, replace)?;
-    Ok(print(&campaign, &mut io::stdout().lock())?)
+    Ok(print(&campaign, &mut stdout())?)
 }
 
 /// A run that fails does not make the plan a bad one: others may succeed.

@@ -5,6 +5,8 @@ mod form;
 mod repair;
 mod sniffer;
 
+use std::path::Path;
+
 use clap::Args;
 
 use sextant_logs::{ReadOptions, StopRule};
@@ -39,6 +41,11 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
+    /// The files that these flags name, where they are given.
+    pub(super) fn files(&self) -> [Option<&Path>; 2] {
+        [self.form.path.as_deref(), self.form.packets.as_deref()]
+    }
+
     /// The options of these flags.
     #[must_use]
     pub(crate) fn options(&self) -> ReadOptions {

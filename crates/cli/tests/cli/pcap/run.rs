@@ -149,8 +149,8 @@ fn a_full_disk_is_an_error_and_the_frames_written_before_are_kept() {
 #[test]
 fn a_shared_output_an_invalid_channel_and_an_unknown_robot_are_rejected() {
     for (words, expected) in [
-        (&["--out", "./a.pcap"][..], "`--pcap` and `--out` are both"),
-        (&["--summary", "a.pcap"], "`--pcap` and `--summary` are both"),
+        (&["--out", "./a.pcap"][..], "are the same file"),
+        (&["--summary", "a.pcap"], "are the same file"),
         (&["--set", "recording.pcap.channel=10"], "11 to 26"),
         (&["--set", "recording.pcap.robot=nobody"], "the name of a robot"),
     ] {

@@ -11,6 +11,8 @@ mod tests;
 
 use std::path::Path;
 
+use sextant_kernel::{LARGEST_FILE, read_at_most};
+
 pub use book::{ConvertedBook, GainUnit};
 pub use error::ConvertError;
 pub use names::{ArrayOrder, SourceNames};
@@ -27,7 +29,7 @@ use book::Rows;
 /// # Errors
 /// If the file cannot be read, or it does not say what is needed; the message names what it has.
 pub fn convert(path: &Path, names: &SourceNames, unit: Option<GainUnit>) -> Result<ConvertedBook, ConvertError> {
-    let octets = std::fs::read(path)
+    let octets = read_at_most(path, LARGEST_FILE)
         .map_err(|cause| ConvertError::Unreadable { path: path.to_owned(), cause: cause.to_string() })?;
     let source = if octets.starts_with(b"MATLAB") {
         arrays::rows(&mat::read(&octets)?, names)?

@@ -1,10 +1,11 @@
 //! The temporary file with the receptions of all tiles.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use sextant_channel::Reception;
+use sextant_recording::output::open_scratch;
 use sha2::{Digest, Sha256};
 
 use super::row;
@@ -39,8 +40,8 @@ struct SpilledTile {
 impl Spill {
     /// Creates the file at `path` for so many tiles. It will have about so many octets.
     pub(super) fn create(path: &Path, tiles: usize, bytes: u64) -> Result<Self, TilesError> {
-        let created = OpenOptions::new().read(true).write(true).create(true).truncate(true).open(path);
-        let file = created.map_err(|why| unwritten(path, bytes, &why))?;
+        let file =
+            open_scratch(path).map_err(|error| TilesError::Write { path: path.to_owned(), bytes, why: error.why })?;
         // An open file may lose its name on some systems only; there it goes when it is dropped.
         let has_name = cfg!(not(unix)) || std::fs::remove_file(path).is_err();
         Ok(Self {

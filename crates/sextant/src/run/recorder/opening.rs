@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{LARGEST_FILE, NodeId, SimTime, read_at_most};
 use sextant_recording::messages::SensorsMessage;
 use sextant_recording::{FileRecorder, Origin, PlacedNode, RecordingError, Solid};
 use sextant_sim::{FieldSensorConfig, SensorsConfig};
@@ -59,8 +59,8 @@ pub(super) fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(
 fn named_files(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), RunError> {
     let mut attached: BTreeMap<&Path, Vec<u8>> = BTreeMap::new();
     for NamedFile { written, path } in scenario.named_files() {
-        let content =
-            std::fs::read(path).map_err(|why| RunError::NamedFile { path: path.clone(), why: why.to_string() })?;
+        let content = read_at_most(path, LARGEST_FILE)
+            .map_err(|why| RunError::NamedFile { path: path.clone(), why: why.to_string() })?;
         match attached.get(written.as_path()) {
             Some(same) if *same == content => {}
             Some(_) => return Err(RunError::TwoFiles { written: written.clone() }),

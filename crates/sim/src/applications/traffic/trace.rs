@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use serde::Deserialize;
+use sextant_kernel::text::of_cell;
 use sextant_kernel::{Files, NodeId, SettingError, SimTime};
 
 use crate::csv_rows::{cell_fault, line_of, row_fault};
@@ -47,7 +48,7 @@ pub(super) fn read(file: &Path, nodes: &[PlacedNode], files: &Files) -> Result<T
     let text = files.read_text(file).map_err(|error| {
         SettingError::new("file", format!("`{}`: {error}", path.display()), "a CSV file that can be read")
     })?;
-    parse(&text, &file.display().to_string(), nodes)
+    parse(&text, &file.display().to_string(), nodes).map_err(|error| files.discreet(file, error))
 }
 
 fn parse(text: &str, file: &str, nodes: &[PlacedNode]) -> Result<Trace, SettingError> {
@@ -77,7 +78,7 @@ fn parse(text: &str, file: &str, nodes: &[PlacedNode]) -> Result<Trace, SettingE
             let what = format!("t_s {}, after {last_s} in a line before", row.t_s);
             return Err(refuse(line, what, "times in rising order"));
         }
-        let Some(&node) = by_name.get(&*row.node) else {
+        let Some(&node) = by_name.get(of_cell(&row.node)) else {
             return Err(refuse(line, format!("node `{}`", row.node), "the name of a node"));
         };
         if !(11..=127).contains(&row.mpdu_octets) {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
+use sextant_kernel::text::of_cell;
 use sextant_kernel::{Files, SettingError};
 
 use super::placed::{PlacedNode, twin};
@@ -38,7 +39,7 @@ impl CsvConfig {
         let text = files.read_text(&self.file).map_err(|error| {
             SettingError::new("file", format!("`{}`: {error}", path.display()), "a CSV file that can be read")
         })?;
-        self.parse(&text, obstacles)
+        self.parse(&text, obstacles).map_err(|error| files.discreet(&self.file, error))
     }
 
     fn parse(&self, text: &str, obstacles: &ObstacleField) -> Result<Vec<PlacedNode>, SettingError> {
@@ -76,7 +77,7 @@ impl CsvConfig {
             if let Some((found, allowed)) = obstacles.fault(position) {
                 return Err(refuse(line, format!("node `{}` at {found}", row.node), allowed));
             }
-            nodes.push(PlacedNode { name: row.node, position });
+            nodes.push(PlacedNode { name: of_cell(&row.node).to_owned(), position });
             lines.push(line);
         }
         if let Some((before, i)) = twin(nodes.iter().map(|node| node.name.as_str())) {

@@ -1,9 +1,9 @@
 //! A straight piece of the way of a target.
 
-use std::time::Duration;
-
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
+
+use crate::station::time_of;
 
 /// A straight piece of the way of a target, at constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Leg {
 
 impl Leg {
     pub(super) fn new(from: Position, to: Position, start: SimTime, speed_m_per_s: f64) -> Self {
-        let end = start + Duration::from_secs_f64(from.distance_m(to) / speed_m_per_s);
+        let end = start + time_of(from.distance_m(to), speed_m_per_s);
         Self { from, to, start, end }
     }
 

@@ -1,0 +1,85 @@
+//! Two processes and one output, and processes that are killed.
+
+use std::process::Child;
+use std::thread;
+use std::time::Duration;
+
+use super::Bench;
+use crate::program::sextant;
+
+/// Starts a run that takes a while.
+fn start(bench: &Bench, seed: u32) -> Child {
+    let seed = seed.to_string();
+    let slow = ["--set", "traffic.beacon.interval_s=0.005", "--set", "recording.frames=true"];
+    let words = ["run", "a.toml", "--out", "a.mcap", "--summary", "a.json", "--quiet", "--seed", &seed];
+    sextant().args(words).args(slow).current_dir(bench.folder()).spawn().expect("the program starts")
+}
+
+#[test]
+fn of_two_runs_with_one_output_each_is_whole_or_is_told() {
+    let bench = Bench::new();
+    let (mut told, mut wrote) = (0, 0);
+    for pair in 0..6 {
+        let children = [start(&bench, 2 * pair), start(&bench, 2 * pair + 1)];
+        for child in children {
+            let output = child.wait_with_output().unwrap();
+            let said = String::from_utf8(output.stderr).unwrap();
+            match output.status.code() {
+                Some(0) => wrote += 1,
+                Some(1 | 2) => {
+                    assert!(said.contains("is being written by another process"), "{said}");
+                    told += 1;
+                }
+                code => panic!("{code:?}: {said}"),
+            }
+        }
+        let inspected = bench.run("inspect a.mcap");
+        let text = String::from_utf8(inspected.stdout).unwrap();
+        assert!(inspected.status.success() && !text.contains("broken"), "{text}");
+        assert!(serde_json::from_slice::<serde_json::Value>(&bench.read("a.json")).is_ok());
+    }
+    assert_eq!(told + wrote, 12);
+    assert!(wrote >= 6, "one of each pair at least");
+    let left = std::fs::read_dir(bench.folder()).unwrap().map(|file| file.unwrap().file_name());
+    let left: Vec<_> = left.filter(|name| name.to_string_lossy().contains(".part")).collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_a_killed_run_left_is_kept_and_can_be_recovered() {
+    let bench = Bench::new();
+    for number in 1..=2 {
+        let mut child = start(&bench, number);
+        while std::fs::metadata(bench.path("a.mcap.part")).map_or(0, |part| part.len()) < 10_000 {
+            assert!(child.try_wait().unwrap().is_none(), "the run is too short to be killed");
+            thread::sleep(Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let left = bench.read("a.mcap.part");
+        let kept = format!("a.mcap.part.{number}");
+        let said = bench.done("run a.toml --out a.mcap");
+        assert!(said.contains(&format!("it is kept as `{kept}`")), "{said}");
+        assert_eq!(bench.read(&kept), left);
+        bench.done(&format!("recover {kept} --out recovered-{number}.mcap"));
+        assert!(!bench.path("a.mcap.part").exists());
+    }
+}
+
+#[test]
+fn of_two_sweeps_with_one_table_one_is_told() {
+    let bench = Bench::new();
+    let sweep = || {
+        let words = ["sweep", "a.toml", "--runs", "40", "--out", "t.csv", "--resume", "--quiet", "--threads", "1"];
+        sextant().args(words).current_dir(bench.folder()).spawn().expect("the program starts")
+    };
+    let first = sweep();
+    while !bench.path("t.csv.parts/0000000.csv").exists() {
+        thread::sleep(Duration::from_millis(1));
+    }
+    let said = bench.refused("sweep a.toml --runs 40 --out t.csv --resume");
+    assert!(said.contains("another process does this sweep"), "{said}");
+    assert!(first.wait_with_output().unwrap().status.success());
+    assert_eq!(String::from_utf8(bench.read("t.csv")).unwrap().lines().count(), 41);
+}
