@@ -170,9 +170,10 @@ impl UnorientedRing<'_> {
             if rule == DirectionRule::Intervals { most_agreed(&arcs) } else { None }
         };
         let (azimuth_rad, half_width_rad, method) = match agreed(|line| line.azimuth) {
-            Some(agreed) => weighed_mean(&lines, agreed).unwrap_or_else(|| {
-                (agreed.middle, agreed.half, OrientationMethod::Intersected { agreeing: agreed.agreeing })
-            }),
+            Some(agreed) => {
+                let method = OrientationMethod::Intersected { agreeing: agreed.agreeing };
+                weighed_mean(&lines, agreed).unwrap_or((agreed.middle, agreed.half, method))
+            }
             None => self.circular_mean(&lines),
         };
         let (elevation_rad, elevation_half_width_rad) =

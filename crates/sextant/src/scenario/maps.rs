@@ -69,7 +69,7 @@ pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[MapJob], errors
 /// Refuses maps whose grid does not fit the memory, wherever the robots stop: already around where one starts.
 pub(super) fn check_grids(maps: &[MapJob], robots: &[Robot], errors: &mut Errors) {
     let Some(first) = robots.first() else { return };
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: first.body.start };
+    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: first.body.start, heading_rad: None };
     for (i, map) in maps.iter().enumerate() {
         if let Err(error @ MapError::GridTooLarge { .. }) = map.mapper.check_grid(&[stop]) {
             let allowed = "settings whose grid fits around one stop";
