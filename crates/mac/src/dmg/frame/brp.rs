@@ -132,5 +132,5 @@ fn report(covered: &[u8]) -> Result<(&[u8], &[u8]), SweepParseError> {
 fn announced([a, b, c, d, e]: [u8; 5]) -> Option<usize> {
     let field = u64::from_le_bytes([a, b, c, d, e, 0, 0, 0]);
     let has_report = field & (HAS_SNRS | HAS_SECTORS | HAS_TAPS) == HAS_SNRS | HAS_SECTORS;
-    has_report.then(|| (field >> COUNT & 0x7F) as usize)
+    has_report.then_some((field >> COUNT & 0x7F) as usize)
 }
