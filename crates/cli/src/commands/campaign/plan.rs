@@ -21,10 +21,10 @@ pub(super) fn execute(
 ) -> Result<(), Failure> {
     let sweep = Sweep::read(scenario, &arguments.overrides.set, arguments.seed, arguments.runs)?;
     let replace = if arguments.force { Replace::Plan } else { Replace::Nothing };
+    Campaign::check_room(folder, replace)?;
     let mut outputs = Outputs::new(admission::Replace::Any);
     reads_sweep(&mut outputs, &sweep);
     outputs.clears("--plan", folder).keep_inputs()?;
-    Campaign::check_room(folder, replace)?;
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let trial = if arguments.campaign.no_trial { None } else { tried(trial(&sweep, &watcher))? };
     watcher.clear();
