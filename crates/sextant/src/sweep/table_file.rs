@@ -58,7 +58,7 @@ pub(crate) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>])
 }
 
 /// The most that is read of a table (octets).
-const LARGEST_TABLE: u64 = 1 << 32;
+const LARGEST_TABLE: u64 = 1 << 30;
 
 /// The texts of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
