@@ -24,7 +24,9 @@ pub(super) enum Heard {
 
 /// A report of fewer sectors tells no more than the best one does.
 const LEAST_REPORTED: usize = 3;
-/// A report in a blurred direction counts as so many sectors at most.
+/// A report counts as so many sectors at most: what the pattern has wrong in a direction is wrong in several sectors at
+/// once. In a blurred direction all are.
+const TOLD: f64 = 6.0;
 const TOLD_BLURRED: f64 = 4.0;
 /// A residual of a report counts as one of so many standard deviations at most.
 const OUTLIER: f64 = 4.0;
@@ -198,12 +200,12 @@ impl<'a> Likelihood<'a> {
         self.blur_db <= 0.0
     }
 
-    /// The log-likelihood of a report. Where a direction is blurred, all sectors are wrong together: then a report tells no
-    /// more than a few of them.
+    /// The log-likelihood of a report, which tells no more than some of its sectors.
     fn of_report(&self, report: &[(usize, f64)], cell: Cell) -> f64 {
         let gain = |sector| self.map.gain_dbi(cell, sector) + self.law.ripple_db[sector];
         let told = of_report(report, gain, self.law.noise_db.hypot(self.blur_db));
-        if self.is_sharp() { told } else { told * (TOLD_BLURRED / report.len() as f64).min(1.0) }
+        let most = if self.is_sharp() { TOLD } else { TOLD_BLURRED };
+        told * (most / report.len() as f64).min(1.0)
     }
 
     /// How a place is seen by a robot.

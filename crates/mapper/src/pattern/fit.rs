@@ -11,7 +11,7 @@ use super::evidence::{Evidence, Heard, Likelihood, Tables};
 use super::gain_map::{CELL_RAD, GainMap, Names};
 use super::hearing::{self, Trial};
 use super::law::PatternLaw;
-use super::naming::{self, Naming};
+use super::naming::{self, Naming, TURN_RAD};
 use super::places::{self, Places};
 use super::scene::Scene;
 use crate::MapError;
@@ -32,6 +32,8 @@ const SAMPLE: usize = 12;
 const ROUNDS: u32 = 30;
 /// The law has settled if nothing changes by more than this in a round (dB, degrees).
 const SETTLED_DB: f64 = 0.2;
+/// The same where nodes report all sectors, which tell far more.
+const SETTLED_OF_REPORTS_DB: f64 = 0.05;
 /// Margins that are tried at first, from the usual one (dB), and so many yaws.
 const MARGINS_DB: [f64; 7] = [0.0, -4.0, 4.0, -8.0, 8.0, -12.0, 12.0];
 const YAWS: u32 = 24;
@@ -162,6 +164,16 @@ impl Survey<'_> {
         Ok(if turned.1 > best.1 + TURNED { turned.0 } else { best.0 })
     }
 
+    /// The yaw of a law under which some nodes are the likeliest, over all their places. Reports of all sectors hold places so
+    /// fast at the yaw of the round before that the antenna would not turn without them.
+    fn likeliest_yaw(&self, law: &PatternLaw, nodes: &[(NodeId, SearchBox)]) -> f64 {
+        let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
+        let turned = |yaw_rad: f64| {
+            self.ln_evidence(&likelihoods.of_other(PatternLaw { yaw_rad, ..law.clone() }, &self.scene.map), nodes)
+        };
+        naming::highest(&turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD])
+    }
+
     /// The law of the log, estimated from these of its nodes: expectation maximisation over their places.
     pub(super) fn fit(
         &self,
@@ -179,6 +191,7 @@ impl Survey<'_> {
             nodes: nodes.len(),
             namings: 0,
         };
+        let settled_db = if self.log.has_sector_snrs() { SETTLED_OF_REPORTS_DB } else { SETTLED_DB };
         while found.rounds < ROUNDS && !found.is_settled {
             let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
             let each: Vec<_> = nodes.par_iter().map(|node| likelihoods.places(self, node, self.step_m())).collect();
@@ -207,9 +220,12 @@ impl Survey<'_> {
             let before = law.clone();
             hearing::improve(&mut law, &trials, &likelihoods.tables.normal);
             naming::improve(&mut law, &self.scene.map, &namings, &mut found.ripple_sigma_db);
+            if self.log.has_sector_snrs() {
+                law.yaw_rad = self.likeliest_yaw(&law, &few(nodes, FIRST_NODES));
+            }
             found.rounds += 1;
             found.namings = namings.len() / SAMPLE;
-            found.is_settled = law.change_db(&before) < SETTLED_DB;
+            found.is_settled = law.change_db(&before) < settled_db;
             watch.advance(1);
         }
         found.law = law;

@@ -18,7 +18,7 @@ const RIPPLE_DB: [f64; 2] = [0.1, 6.0];
 /// Steps of a search along one value.
 const GOLDEN_STEPS: u32 = 14;
 /// In a round the antenna turns at most so far (rad).
-const TURN_RAD: f64 = 0.07;
+pub(super) const TURN_RAD: f64 = 0.07;
 
 /// What a node said of sectors, seen from one of the places that stand for its posterior.
 #[derive(Clone, Copy, Debug)]
