@@ -6,14 +6,19 @@ use super::table::{Column, Row, Table};
 /// The columns of a heading that a file may have: radians and degrees.
 pub(super) const COLUMNS: [&str; 2] = ["heading_rad", "heading_deg"];
 
-/// The column with the headings.
+/// The column with the headings: of all rows, or of none.
+pub(super) struct Headings {
+    unit: Unit,
+    /// Whether the first row has one.
+    given: Option<bool>,
+}
+
+/// The unit of the column.
 #[derive(Clone, Copy)]
-pub(super) enum Headings {
+enum Unit {
     /// The file has none: the antenna does not turn, or has no sectors.
     Absent,
-    /// In radians.
     Radians(Column),
-    /// In degrees.
     Degrees(Column),
 }
 
@@ -21,31 +26,33 @@ impl Headings {
     /// The column of `table`. Of both, the one in radians counts; then `notes` says so.
     pub(super) fn find(table: &Table, notes: &mut Vec<String>) -> Self {
         let [radians, degrees] = COLUMNS.map(|name| table.column(name));
-        match (radians.exists(), degrees.exists()) {
-            (false, false) => Self::Absent,
-            (false, true) => Self::Degrees(degrees),
+        let unit = match (radians.exists(), degrees.exists()) {
+            (false, false) => Unit::Absent,
+            (false, true) => Unit::Degrees(degrees),
             (true, has_degrees) => {
                 let [used, unused] = COLUMNS;
                 notes.extend(has_degrees.then(|| table.ignored_beside(unused, "the headings", used)));
-                Self::Radians(radians)
+                Unit::Radians(radians)
             }
-        }
+        };
+        Self { unit, given: None }
     }
 
-    /// The heading of a row (rad), counterclockwise from x; `None` if the file has none.
+    /// The heading of the next row (rad), counterclockwise from x; `None` if the file has none.
     ///
     /// # Errors
-    /// If the cell is empty or no finite number.
-    pub(super) fn read(self, row: &Row<'_>) -> Result<Option<f64>, RobotLogError> {
-        let (column, unit) = match self {
-            Self::Absent => return Ok(None),
-            Self::Radians(column) => (column, 1.0),
-            Self::Degrees(column) => (column, 1.0_f64.to_radians()),
+    /// If the cell is no finite number, or this row has a heading and the first one has not, or the other way round.
+    pub(super) fn read(&mut self, row: &Row<'_>) -> Result<Option<f64>, RobotLogError> {
+        let (column, factor) = match self.unit {
+            Unit::Absent => return Ok(None),
+            Unit::Radians(column) => (column, 1.0),
+            Unit::Degrees(column) => (column, 1.0_f64.to_radians()),
         };
         let heading = row.finite(column)?;
-        let heading =
-            heading.ok_or_else(|| row.wrong(column, "a heading at each stop, if one stop has a heading"))?;
-        Ok(Some(heading * unit))
+        if *self.given.get_or_insert(heading.is_some()) != heading.is_some() {
+            return Err(row.wrong(column, "a heading at each stop, or at none"));
+        }
+        Ok(heading.map(|heading| heading * factor))
     }
 }
 
@@ -80,8 +87,10 @@ mod tests {
             let again = crate::read(folder.path(), &ReadOptions::default()).unwrap().log;
             assert!(again.has_headings() && headings(&again) == headings(&log));
         }
-        let none = read("stop,x_m,y_m\nA,0,0\nB,1,0\n").unwrap().log;
-        assert!(!none.has_headings() && headings(&none) == [None, None]);
+        for none in ["stop,x_m,y_m\nA,0,0\nB,1,0\n", "stop,x_m,y_m,heading_rad\nA,0,0,\nB,1,0,\n"] {
+            let none = read(none).unwrap().log;
+            assert!(!none.has_headings() && headings(&none) == [None, None]);
+        }
         let both = read("stop,x_m,y_m,heading_deg,heading_rad\nA,0,0,90,0.5\n").unwrap();
         assert_eq!(headings(&both.log), [Some(0.5)]);
         assert!(both.notes.iter().any(|note| note.contains("heading_deg") && note.contains("heading_rad")));
@@ -90,7 +99,7 @@ mod tests {
     #[test]
     fn a_stop_without_a_heading_among_others_is_refused() {
         let refused = read("stop,x_m,y_m,heading_rad\nA,0,0,0.1\nB,1,0,\n").unwrap_err();
-        assert!(refused.contains("stops.csv") && refused.contains("a heading at each stop"), "{refused}");
+        assert!(refused.contains("stops.csv") && refused.contains("a heading at each stop, or at none"), "{refused}");
         let refused = read("stop,x_m,y_m,heading_rad\nA,0,0,inf\nB,1,0,1\n").unwrap_err();
         assert!(refused.contains("heading_rad") && refused.contains("a finite number"), "{refused}");
     }

@@ -54,7 +54,7 @@ pub(super) fn read(
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::Any, notes)?;
     let time = Times::find(&table, notes);
-    let headings = Headings::find(&table, notes);
+    let mut headings = Headings::find(&table, notes);
     let [id, robot, sent] = ["stop", "robot", "sent"].map(|name| table.column(name));
     if time.is_none() {
         notes.push("stops.csv has no times (t_s): the duration of the survey is unknown".to_owned());

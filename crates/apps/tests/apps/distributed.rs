@@ -328,7 +328,7 @@ fn strengths_of_all_sectors_tell_directions_and_places_better_than_the_best_sect
     let ((by_sector_m, by_sector_deg), (by_strengths_m, by_strengths_deg)) =
         (mean("bearings = \"best_sector\""), mean("bearings.pattern.error_db = 1"));
     assert!(by_strengths_m < 0.8 * by_sector_m, "{by_sector_m} m, by strengths {by_strengths_m} m");
-    assert!(by_strengths_deg < 0.5 * by_sector_deg, "{by_sector_deg} degrees, by strengths {by_strengths_deg}");
+    assert!(by_strengths_deg < 0.9 * by_sector_deg, "{by_sector_deg} degrees, by strengths {by_strengths_deg}");
 }
 
 #[test]

@@ -41,9 +41,6 @@ use interference::Noise;
 pub use ended::EndPose;
 pub(crate) use ended::Ended;
 
-/// No simulation goes on after this: 158 years, half of what time can be. What robots do may never end.
-const LATEST: SimTime = SimTime::from_nanos(5_000_000_000_000_000_000);
-
 /// The engine: it runs once, to its end. `A` is the application of each station.
 pub(crate) struct Engine<A> {
     model: Model,
@@ -180,7 +177,7 @@ impl<A: Application> Engine<A> {
             },
             applications,
             logs,
-            end: setup.duration.map(|duration| SimTime::ZERO + duration).or(Some(LATEST)),
+            end: setup.duration.map(|duration| SimTime::ZERO + duration),
             noises,
             warm_up: Duration::ZERO,
             ends_with_tasks: unfinished > 0,

@@ -12,6 +12,9 @@ use crate::observer::Observer;
 /// Events between two looks at whether to go on.
 const LOOK: u64 = 1000;
 
+/// No simulation goes on after this: 158 years, half of what time can be. What robots do may never end.
+const LATEST: SimTime = SimTime::from_nanos(5_000_000_000_000_000_000);
+
 impl<A: Application> Engine<A> {
     /// Runs until all tasks are done, the time is over, nothing is left to happen, or the observer ends it.
     pub(crate) fn run(mut self, observer: &mut impl Observer) -> Ended<A> {
@@ -24,21 +27,20 @@ impl<A: Application> Engine<A> {
     /// Returns whether the observer did.
     pub(crate) fn run_on(&mut self, observer: &mut impl Observer) -> bool {
         self.begin(observer);
-        let (mut interrupted, mut is_drained) = (false, false);
+        let (mut interrupted, mut is_drained, mut is_over) = (false, false, false);
         while !(interrupted || self.has_finished()) {
             let Some((now, event)) = self.model.scene.queue.pop() else {
                 is_drained = true;
                 break;
             };
-            if let Some(end) = self.end
-                && now >= end
-            {
+            if now >= self.end.unwrap_or(LATEST) {
+                is_over = true;
                 break;
             }
             interrupted = !self.take(now, event, observer);
         }
         let is_timed_out = !interrupted && !self.has_finished();
-        match self.end.filter(|_| is_timed_out) {
+        match self.end.or(is_over.then_some(LATEST)).filter(|_| is_timed_out) {
             Some(end) => {
                 self.catch_up(Cut::before(end));
                 self.model.scene.now = end;
