@@ -21,7 +21,7 @@ pub enum SweepPurpose {
     Broadcast {
         /// Number of the payload, modulo 256.
         sequence: u8,
-        /// Size of the payload (octets), at most [`MAX_BEACON_PAYLOAD_OCTETS`].
+        /// Size of the payload (octets), at most [`MAX_BEACON_PAYLOAD_OCTETS`](crate::dmg::MAX_BEACON_PAYLOAD_OCTETS).
         payload_octets: u16,
     },
 }
@@ -48,7 +48,7 @@ pub enum InitiatorOutcome {
     NoAck,
 }
 
-/// The end of a sweep. [`Initiator::answers`] has the answers.
+/// The end of a sweep. [`Initiator::answers`](crate::dmg::Initiator::answers) has the answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InitiatorReport {
     /// What it was for.
