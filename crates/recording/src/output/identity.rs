@@ -76,8 +76,9 @@ impl FileIdentity {
     }
 }
 
-/// A path below a folder without `.` and `..`.
-fn plain(path: &Path) -> PathBuf {
+/// The path without `.` and `..`. Links are kept.
+#[must_use]
+pub fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for component in path.components() {
         match component {

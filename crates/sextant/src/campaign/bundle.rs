@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sextant_recording::output::{OutputError, write_file};
+use sextant_recording::output::{self, OutputError, write_file};
 use sha2::{Digest, Sha256};
 
 use super::error::CampaignError;
@@ -81,17 +81,7 @@ impl Bundle {
 /// The absolute path of `file` without `.` and `..`. Links are kept: paths in a file are relative to where it is named.
 fn plain(file: &Path) -> Result<PathBuf, CampaignError> {
     let absolute = std::path::absolute(file).map_err(|error| CampaignError::unreadable(file, &error))?;
-    let mut plain = PathBuf::new();
-    for component in absolute.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir => {
-                plain.pop();
-            }
-            other => plain.push(other),
-        }
-    }
-    Ok(plain)
+    Ok(output::plain(&absolute))
 }
 
 /// The deepest folder that has all files.
