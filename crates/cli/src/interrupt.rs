@@ -1,7 +1,6 @@
 //! Ctrl-C and other signals that end the program.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -10,6 +9,7 @@ use std::thread;
 use std::time::Duration;
 
 use sextant_kernel::{Watch, Work};
+use sextant_recording::disk;
 
 use crate::diagnostic::Failure;
 
@@ -57,7 +57,7 @@ impl Temporaries {
         self.change(|paths| {
             for path in paths.iter() {
                 // A file that has got its final name is no longer there.
-                let _ = fs::remove_file(path);
+                let _ = disk::remove_file(path);
             }
         });
     }
@@ -143,7 +143,7 @@ impl Drop for Temporary {
     fn drop(&mut self) {
         self.temporaries.change(|paths| {
             // A file that has got its final name is no longer there.
-            let _ = fs::remove_file(&self.path);
+            let _ = disk::remove_file(&self.path);
             paths.remove(&self.path);
         });
     }

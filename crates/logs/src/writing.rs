@@ -4,6 +4,7 @@ use std::path::Path;
 
 use sextant_channel::{Reception, ReceptionLog};
 use sextant_kernel::NodeId;
+use sextant_recording::disk;
 
 use super::error::RobotLogError;
 use super::folder::{ANTENNA, CONTACTS, RECEPTIONS, SECTOR_SNRS, SECTORS, STOPS};
@@ -20,7 +21,7 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
     if log.stops().is_empty() {
         return Err(RobotLogError::NoStops { path: folder.to_owned() });
     }
-    std::fs::create_dir_all(folder).map_err(|why| RobotLogError::write(folder, why))?;
+    disk::create_folders(folder).map_err(|why| RobotLogError::write(folder, why))?;
     let is_named = !log.robots().is_empty();
     let with_robot = |columns: &[&'static str]| [columns, if is_named { &["robot"] } else { &[] }].concat();
     let has_counts = log.receptions().iter().any(|reception| reception.sent != 1);

@@ -1,7 +1,6 @@
 //! Captures of frames for protocol analysers, with timestamps in nanoseconds: IEEE 802.15.4 with TAP headers, IEEE
 //! 802.11ad with radiotap headers.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -10,6 +9,7 @@ use sextant_channel::Dbm;
 use sextant_kernel::SimTime;
 
 use super::error::RecordingError;
+use crate::disk::DiskFile;
 use crate::output::{Draft, DraftError, PART};
 
 mod container;
@@ -180,7 +180,7 @@ fn unwritten(path: &Path, why: io::Error) -> RecordingError {
 
 /// A capture in the file `PATH.part`, which is renamed when it is complete.
 pub struct FileCapture {
-    capture: Capture<BufWriter<File>>,
+    capture: Capture<BufWriter<DiskFile>>,
     draft: Draft,
 }
 

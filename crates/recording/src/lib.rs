@@ -28,6 +28,7 @@ mod capture;
 mod course;
 mod descriptor;
 mod detail;
+pub mod disk;
 mod drawing;
 mod error;
 mod inspect;

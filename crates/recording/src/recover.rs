@@ -10,6 +10,7 @@ use sextant_kernel::Watch;
 use super::error::RecordingError;
 use super::names::RECOVERED_METADATA;
 use super::sink::Sink;
+use crate::disk;
 use crate::mcap_file::{Damage, Piece, scan};
 use crate::output::{Draft, FileIdentity, RECOVERING};
 
@@ -41,7 +42,7 @@ pub fn recover(broken: &Path, out: &Path, watch: &dyn Watch) -> Result<Recovery,
     let recovered = copy(broken, &draft, watch);
     if !matches!(recovered, Err(RecordingError::Busy { .. })) {
         // After a success it has got its final name.
-        let _ = std::fs::remove_file(&draft.part);
+        let _ = disk::remove_file(&draft.part);
     }
     recovered.map_err(|error| match error {
         RecordingError::Write { why, .. } => RecordingError::WriteCopy { path: out.to_owned(), why },

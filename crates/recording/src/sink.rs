@@ -1,7 +1,6 @@
 //! The MCAP container of a recording. Chunks are closed by count, and the first error is kept.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -10,6 +9,7 @@ use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 
 use super::error::RecordingError;
+use crate::disk::DiskFile;
 use crate::output::Draft;
 
 /// Name of the writer in the header of a recording; fixed, so that equal runs give equal bytes.
@@ -137,7 +137,7 @@ impl<W: Write> Sink<W> {
     }
 }
 
-impl Sink<BufWriter<File>> {
+impl Sink<BufWriter<DiskFile>> {
     /// A container in a new file, which has the temporary name of `draft`.
     pub(super) fn create(draft: &Draft) -> Result<Self, RecordingError> {
         Self::new(draft.open()?, &draft.part)

@@ -11,6 +11,7 @@ use sextant::run::{RunRecorder, run};
 use sextant::scenario::Scenario;
 use sextant_figure::{self as figure, FileFormat, Source};
 use sextant_kernel::{Unreported, Watch};
+use sextant_recording::disk;
 use sextant_recording::output::OutputError;
 use sextant_recording::{read_run, read_world};
 
@@ -28,7 +29,7 @@ pub fn write_pictures(
     names.par_iter().try_for_each(|name| {
         let scenario = Scenario::load(scenarios.join(name))?;
         let folder = out.join(scenario.name());
-        std::fs::create_dir_all(&folder).map_err(|error| OutputError::new(&folder, &error))?;
+        disk::create_folders(&folder).map_err(|error| OutputError::new(&folder, &error))?;
         let recording = folder.join("run.mcap");
         run(&scenario, &mut RunRecorder::new(&recording), &Unreported(watch))?;
         watch.check()?;

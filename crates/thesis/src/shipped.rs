@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use sextant_recording::disk;
 use sextant_recording::output::{OutputError, write_file};
 
 macro_rules! shipped {
@@ -110,7 +111,7 @@ pub fn write_scenarios(folder: &Path) -> Result<(), OutputError> {
     for (name, text) in SHIPPED {
         let path = folder.join(name);
         if let Some(above) = path.parent() {
-            std::fs::create_dir_all(above).map_err(|error| OutputError::new(above, &error))?;
+            disk::create_folders(above).map_err(|error| OutputError::new(above, &error))?;
         }
         write_file(&path, text.as_bytes())?;
     }

@@ -10,6 +10,7 @@ use sextant_channel::Antenna;
 use sextant_figure::of_antenna;
 use sextant_kernel::text::counted;
 use sextant_recording::admission::OutputKind;
+use sextant_recording::disk;
 use sextant_recording::output::write_file;
 
 use super::options::{Overrides, PictureFormat, Printing};
@@ -185,7 +186,7 @@ fn antenna_of(arguments: &ShowArguments, scenario: &Scenario) -> Result<Antenna,
 /// Writes the figures, and prints their names where results are text.
 fn draw(title: &str, antenna: &Antenna, arguments: &ShowArguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let folder = arguments.out.clone().unwrap_or_else(|| arguments.source.with_extension("antenna"));
-    std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
+    disk::create_folders(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let format = arguments.pictures.into();
     let figures = of_antenna(title, antenna);
     let mut outputs = arguments.replacing.outputs();

@@ -14,6 +14,7 @@ use sextant::Scenario;
 use sextant::sweep::{StudyDrawing, StudyFigures};
 use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, Window};
 use sextant_recording::admission::{OutputKind, Outputs};
+use sextant_recording::disk;
 use sextant_recording::output::write_file;
 use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket, Recording};
 
@@ -191,7 +192,7 @@ fn write_layouts(arguments: &Arguments) -> Result<(), Failure> {
     let beside = path.parent().map(Path::to_owned).unwrap_or_default();
     let folder = arguments.out.clone().unwrap_or(beside);
     if !folder.as_os_str().is_empty() {
-        std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
+        disk::create_folders(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut stdout = stdout();
@@ -211,7 +212,7 @@ fn write_layouts(arguments: &Arguments) -> Result<(), Failure> {
 
 fn write(figures: &[Figure], arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let folder = arguments.folder();
-    std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
+    disk::create_folders(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let format = arguments.format.into();
     let mut outputs = arguments.inputs();
     figures.iter().for_each(|figure| {

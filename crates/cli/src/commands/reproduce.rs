@@ -15,6 +15,7 @@ use crate::terminal::{Watcher, stdout};
 use sextant::columns::{Align, columns};
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{OutputKind, admit_folder};
+use sextant_recording::disk;
 use sextant_thesis::{
     Costs, Experiment, Line, ReproductionError, Results, RunCounts, Runs, SHIPPED, Tally, by_chapter, experiments,
     is_reproduction, json, usual_runs, write_figures, write_json, write_pages, write_pictures, write_scenarios,
@@ -66,7 +67,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     match arguments.from {
         None => write_scenarios(&scenarios)?,
         Some(_) => {
-            std::fs::create_dir_all(&arguments.out).map_err(|error| Failure::unwritable(&arguments.out, &error))?
+            disk::create_folders(&arguments.out).map_err(|error| Failure::unwritable(&arguments.out, &error))?
         }
     }
     let mut runs = Runs::new(scenarios.clone(), arguments.runs.map_or_else(usual_runs, RunCounts::Each));

@@ -75,6 +75,26 @@ fn modules_use_only_those_below_them() {
     }
 }
 
+/// The one module that changes files, in the crate `recording`: tests put disks that fail under it.
+const DISK: &str = "disk";
+
+#[test]
+fn files_are_changed_in_one_place() {
+    for folder in FOLDERS {
+        let modules = modules_of(folder);
+        let changes = modules.paths_ending(&source::CHANGES_OF_FILES);
+        let elsewhere: Vec<_> =
+            changes.iter().filter(|(module, _)| !(folder == "recording" && module.contains(DISK))).collect();
+        assert!(elsewhere.is_empty(), "{folder}: `sextant_recording::disk` does this: {elsewhere:#?}");
+    }
+    let files = [
+        ("lib.rs", "mod a; fn f() { std::fs::remove_file(\"a\"); }"),
+        ("a.rs", "use std::fs; fn g() { fs::read(\"a\"); }"),
+    ];
+    let found = Modules::of(files).paths_ending(&source::CHANGES_OF_FILES);
+    assert_eq!(found, [("crate".to_owned(), "std::fs::remove_file".to_owned())]);
+}
+
 #[test]
 fn a_circle_is_found_however_it_is_written() {
     let circles = |files: &[(&str, &str)]| Modules::of(files.iter().copied()).circles();

@@ -1,9 +1,13 @@
 //! Nothing that exists is lost, and files of others cannot hurt: outputs, two processes, limits, names.
 
+#[cfg(unix)]
+mod kills;
 mod limits;
 mod names;
 mod outputs;
 mod processes;
+#[cfg(unix)]
+mod signals;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -14,8 +18,12 @@ use crate::program::{scenario, sextant};
 pub(super) struct Bench(tempfile::TempDir);
 
 impl Bench {
+    pub(super) fn empty() -> Self {
+        Self(tempfile::tempdir().expect("a folder"))
+    }
+
     pub(super) fn new() -> Self {
-        let bench = Self(tempfile::tempdir().expect("a folder"));
+        let bench = Self::empty();
         std::fs::copy(scenario("smoke.toml"), bench.path("a.toml")).expect("there is room");
         bench
     }

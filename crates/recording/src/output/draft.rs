@@ -1,10 +1,11 @@
 //! A file that has a temporary name until it is complete.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{OpenOptions, TryLockError};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use super::identity::FileIdentity;
+use crate::disk::{self, DiskFile};
 
 /// A file that has a temporary name until it is complete. While it is written it is locked: another process that wants to
 /// write it gets an error. What a process that was killed left under the temporary name gets another name, and stays.
@@ -104,7 +105,7 @@ impl Draft {
     }
 
     /// Creates the empty file. Folders, devices and pipes are rejected, because a file cannot replace them.
-    pub(crate) fn open(&self) -> Result<BufWriter<File>, DraftError> {
+    pub(crate) fn open(&self) -> Result<BufWriter<DiskFile>, DraftError> {
         let refused = |path: &Path, why: String| DraftError::Create { path: path.to_owned(), why };
         if self.path.is_dir() {
             return Err(refused(&self.path, "it is a folder".to_owned()));
@@ -116,7 +117,7 @@ impl Draft {
     }
 
     /// Creates the empty file, whatever stands under the final name.
-    pub(super) fn open_part(&self) -> Result<BufWriter<File>, DraftError> {
+    pub(super) fn open_part(&self) -> Result<BufWriter<DiskFile>, DraftError> {
         let refused = |path: &Path, why: String| DraftError::Create { path: path.to_owned(), why };
         for _ in 0..ATTEMPTS {
             let file = self.claim().map_err(|why| match why.kind() {
@@ -131,15 +132,15 @@ impl Draft {
     }
 
     /// The temporary file, empty and locked; `None` if it changed meanwhile.
-    fn claim(&self) -> io::Result<Option<File>> {
-        let created = OpenOptions::new().read(true).write(true).create_new(true).open(&self.part);
+    fn claim(&self) -> io::Result<Option<DiskFile>> {
+        let created = DiskFile::create_new(&self.part);
         let file = match created {
             Err(why) if why.kind() == io::ErrorKind::AlreadyExists => match self.part.symlink_metadata() {
                 // A file that a link names belongs to somebody else.
                 Ok(found) if found.is_symlink() && !self.is_device() => {
-                    return std::fs::rename(&self.part, kept_name(&self.part)).map(|()| None);
+                    return disk::rename(&self.part, &kept_name(&self.part)).map(|()| None);
                 }
-                Ok(_) => match OpenOptions::new().read(true).write(true).open(&self.part) {
+                Ok(_) => match DiskFile::open(&self.part) {
                     Err(why) if why.kind() == io::ErrorKind::NotFound => return Ok(None),
                     opened => opened?,
                 },
@@ -147,16 +148,16 @@ impl Draft {
             },
             created => created?,
         };
-        match file.try_lock() {
+        match file.system().try_lock() {
             Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
             // Some file systems have no locks.
             Err(TryLockError::Error(_)) | Ok(()) => {}
         }
-        if !FileIdentity::is_at(&file, &self.part).unwrap_or(false) {
+        if !FileIdentity::is_at(file.system(), &self.part).unwrap_or(false) {
             return Ok(None);
         }
-        if file.metadata()?.len() > 0 {
-            return std::fs::rename(&self.part, kept_name(&self.part)).map(|()| None);
+        if file.system().metadata()?.len() > 0 {
+            return disk::rename(&self.part, &kept_name(&self.part)).map(|()| None);
         }
         Ok(Some(file))
     }
@@ -167,31 +168,19 @@ impl Draft {
 
     /// Syncs the file, renames it, and syncs the folder, in this order. So a file with the final name is complete, even
     /// after a power failure.
-    pub(crate) fn name(&self, output: BufWriter<File>) -> Result<(), DraftError> {
+    pub(crate) fn name(&self, output: BufWriter<DiskFile>) -> Result<(), DraftError> {
         let unwritten = |path: &Path, why: io::Error| DraftError::Write { path: path.to_owned(), why };
         let file = output.into_inner().map_err(|why| unwritten(&self.part, why.into_error()))?;
-        file.sync_all().map_err(|why| unwritten(&self.part, why))?;
-        std::fs::rename(&self.part, &self.path).map_err(|why| DraftError::Rename {
+        file.sync().map_err(|why| unwritten(&self.part, why))?;
+        disk::rename(&self.part, &self.path).map_err(|why| DraftError::Rename {
             part: self.part.clone(),
             path: self.path.clone(),
             why,
         })?;
         // Closed, and so unlocked, only when it has its final name: nobody takes it for a left-over.
         drop(file);
-        sync_folder_of(&self.path).map_err(|why| unwritten(&self.path, why))
+        disk::sync_folder_of(&self.path).map_err(|why| unwritten(&self.path, why))
     }
-}
-
-#[cfg(unix)]
-fn sync_folder_of(path: &Path) -> io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()
-}
-
-/// Other systems cannot open a folder as a file; they keep the order of renames without help.
-#[cfg(not(unix))]
-fn sync_folder_of(_path: &Path) -> io::Result<()> {
-    Ok(())
 }
 
 #[cfg(test)]

@@ -16,4 +16,4 @@ pub use folder::open_folder;
 pub use identity::{FileIdentity, plain};
 pub use part_file::PartFile;
 pub use scratch::open_scratch;
-pub use whole::{write_file, write_whole};
+pub use whole::{write_file, write_unsynced, write_whole};

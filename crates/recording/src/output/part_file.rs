@@ -1,11 +1,11 @@
 //! A long file, written bit by bit.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use super::draft::{Draft, DraftError, PART};
 use super::error::OutputError;
+use crate::disk::{self, DiskFile};
 
 /// Why a file cannot be written that another process writes.
 const BUSY: &str = "it is being written by another process";
@@ -15,7 +15,7 @@ const BUSY: &str = "it is being written by another process";
 pub struct PartFile {
     draft: Draft,
     /// `None` once it is finished.
-    output: Option<BufWriter<File>>,
+    output: Option<BufWriter<DiskFile>>,
 }
 
 impl PartFile {
@@ -35,13 +35,17 @@ impl PartFile {
         &self.draft.path
     }
 
-    /// Syncs the file and gives it its final name.
+    /// Syncs the file and gives it its final name. If that fails, it is removed.
     ///
     /// # Errors
     /// If it cannot be written or renamed.
     pub fn finish(mut self) -> Result<(), OutputError> {
         match self.output.take() {
-            Some(output) => self.draft.name(output).map_err(error),
+            Some(output) => self.draft.name(output).map_err(|why| {
+                // Only the first error is reported.
+                let _ = disk::remove_file(&self.draft.part);
+                error(why)
+            }),
             None => Ok(()),
         }
     }
@@ -61,7 +65,7 @@ impl Drop for PartFile {
     fn drop(&mut self) {
         if self.output.take().is_some() {
             // Nobody can be told.
-            let _ = std::fs::remove_file(&self.draft.part);
+            let _ = disk::remove_file(&self.draft.part);
         }
     }
 }

@@ -1,18 +1,18 @@
 //! A file for what does not fit into memory.
 
-use std::fs::File;
 use std::path::Path;
 
 use super::draft::Draft;
 use super::error::OutputError;
 use super::part_file::error;
+use crate::disk::DiskFile;
 
 /// Creates the empty file `path`, to write and to read. No other process gets it while it is open; what another one left
 /// there gets another name.
 ///
 /// # Errors
 /// If it cannot be created, or another process has it.
-pub fn open_scratch(path: &Path) -> Result<File, OutputError> {
+pub fn open_scratch(path: &Path) -> Result<DiskFile, OutputError> {
     let output = Draft { part: path.to_owned(), path: path.to_owned() }.open_part().map_err(error)?;
     output.into_inner().map_err(|why| OutputError::new(path, why.error()))
 }

@@ -1,30 +1,49 @@
 //! A small file, written at once.
 
-use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::draft::part_of;
 use super::error::OutputError;
+use crate::disk::{self, DiskFile};
 
-/// Writes `bytes` to the file at `path`, completely or not at all: to a file with a temporary name of its own, which is then
-/// renamed. Devices and pipes are written directly.
+/// Writes `bytes` to the file at `path`, completely or not at all, also if the power fails: to a file with a temporary name of
+/// its own, which is renamed when it is on the disk. Devices and pipes are written directly.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if path.exists() && !path.is_file() && !path.is_dir() {
-        return std::fs::write(path, bytes);
+        return disk::write_device(path, bytes);
     }
     let (part, mut file) = private(path)?;
-    file.write_all(bytes).and_then(|()| std::fs::rename(&part, path)).inspect_err(|_| {
+    renamed(&part, path, file.write_all(bytes).and_then(|()| file.sync()))?;
+    disk::sync_folder_of(path)
+}
+
+/// Renames the file `part`, which was `written`; it is removed if that failed.
+fn renamed(part: &Path, path: &Path, written: io::Result<()>) -> io::Result<()> {
+    written.and_then(|()| disk::rename(part, path)).inspect_err(|_| {
         // Only the first error is reported.
-        let _ = std::fs::remove_file(&part);
+        let _ = disk::remove_file(part);
     })
 }
 
-/// The same with an [`OutputError`], which names the file.
+/// The same without waiting for the disk. If the power fails, the file may have lost a part of its octets: what they are must
+/// show whether all are there.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_unsynced(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let write = || {
+        let (part, mut file) = private(path)?;
+        renamed(&part, path, file.write_all(bytes))
+    };
+    write().map_err(|error: io::Error| OutputError::new(path, &error))
+}
+
+/// Does [`write_whole`] with an [`OutputError`], which names the file.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -33,12 +52,12 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
 }
 
 /// A new file beside `path` that no other writer has: its name holds the number of this process and a count.
-fn private(path: &Path) -> io::Result<(PathBuf, File)> {
+fn private(path: &Path) -> io::Result<(PathBuf, DiskFile)> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     loop {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let part = part_of(path, &format!(".{}-{count}.part", std::process::id()));
-        match OpenOptions::new().write(true).create_new(true).open(&part) {
+        match DiskFile::create_new(&part) {
             // A process with the same number was killed here.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             created => return created.map(|file| (part, file)),

@@ -1,17 +1,17 @@
 //! Recordings in files.
 
-use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
 use super::super::error::RecordingError;
 use super::super::sink::Sink;
 use super::Recorder;
+use crate::disk::DiskFile;
 use crate::output::{Draft, PART};
 
 /// A recorder that writes to `PATH.part` and renames it to `PATH` at the end.
 pub struct FileRecorder {
-    recorder: Recorder<BufWriter<File>>,
+    recorder: Recorder<BufWriter<DiskFile>>,
     draft: Draft,
 }
 
@@ -36,7 +36,7 @@ impl FileRecorder {
 }
 
 impl std::ops::Deref for FileRecorder {
-    type Target = Recorder<BufWriter<File>>;
+    type Target = Recorder<BufWriter<DiskFile>>;
 
     fn deref(&self) -> &Self::Target {
         &self.recorder

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sextant_recording::disk;
 use sextant_recording::output::{self, OutputError, write_file};
 use sha2::{Digest, Sha256};
 
@@ -46,7 +47,7 @@ pub(super) fn write(sweep: &Sweep, folder: &Path) -> Result<Bundle, CampaignErro
         let bytes = fs::read(&file).map_err(|error| CampaignError::unreadable(&file, &error))?;
         let copy = folder.join(&name);
         if let Some(parent) = copy.parent() {
-            fs::create_dir_all(parent).map_err(|error| OutputError::new(parent, &error))?;
+            disk::create_folders(parent).map_err(|error| OutputError::new(parent, &error))?;
         }
         write_file(&copy, &bytes)?;
         bundle.sha256.insert(name, hexadecimal(&Sha256::digest(&bytes)));

@@ -10,6 +10,7 @@
 //! | `files/` | the scenario, what it extends and what it names |
 //! | `work.jsonl`, `work.parquet` | the work list: one line a run of a cell, numbered from 0 |
 //! | `parts/` | what is done: `A-B.csv` has the runs A to B - 1 |
+//! | `unfinished` | an empty file, only as long as the plan is being written |
 //! | `slurm/` | one folder a submission: the job script, its chunks, the identities of the jobs, what the tasks printed |
 
 mod bundle;
@@ -17,6 +18,7 @@ mod error;
 mod part;
 mod plan_file;
 mod progress;
+mod room;
 pub mod slurm;
 mod work_file;
 
@@ -24,13 +26,12 @@ pub use error::CampaignError;
 pub use plan_file::Estimate;
 pub use progress::{FailedRun, Pace, Progress};
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use sextant_kernel::{Interrupted, Watch, Work};
+use sextant_recording::disk;
 use sextant_recording::output::OutputError;
 
 use crate::number_range::NumberRange;
@@ -62,14 +63,15 @@ impl Campaign {
         trial: Option<Trial>,
         replace: Replace,
     ) -> Result<Self, CampaignError> {
-        make_room(folder, replace)?;
+        let room = room::make(folder, replace)?;
         let estimate = trial.map(|trial| Estimate::of(&sweep, trial));
         let files = bundle::write(&sweep, &folder.join(FILES))?;
         work_file::write(&sweep, folder)?;
         let parts = folder.join(PARTS);
-        fs::create_dir_all(&parts).map_err(|error| OutputError::new(&parts, &error))?;
+        disk::create_folders(&parts).map_err(|error| OutputError::new(&parts, &error))?;
         // Without this file the folder is no plan, so it comes last.
         PlanFile::of(&sweep, files, estimate).write(folder)?;
+        room.complete()?;
         Self::open(folder)
     }
 
@@ -78,25 +80,7 @@ impl Campaign {
     /// # Errors
     /// If there is something else in the folder.
     pub fn check_room(folder: &Path, replace: Replace) -> Result<(), CampaignError> {
-        let is_plan = Self::is_in(folder);
-        if is_plan && replace == Replace::Nothing {
-            return Err(CampaignError::Exists { folder: folder.to_owned() });
-        }
-        let found = match fs::read_dir(folder) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-            other => {
-                other.and_then(|entries| entries.map(|entry| Ok(entry?.file_name())).collect::<Result<Vec<_>, _>>())
-            }
-        };
-        let found = found.map_err(|error| OutputError::new(folder, &error))?;
-        let is_own = |name: &std::ffi::OsString| is_plan && CONTENTS.iter().any(|own| name == own);
-        match found.into_iter().find(|name| !is_own(name)) {
-            None => Ok(()),
-            Some(other) => {
-                let found = other.to_string_lossy().into_owned();
-                Err(CampaignError::NotEmpty { folder: folder.to_owned(), found })
-            }
-        }
+        room::check(folder, replace)
     }
 
     /// Opens the plan in `folder`.
@@ -230,22 +214,3 @@ const FILES: &str = "files";
 
 /// The folder of what is done.
 const PARTS: &str = "parts";
-
-/// All that a plan has in its folder.
-const CONTENTS: [&str; 6] = [PlanFile::NAME, FILES, work_file::LINES, work_file::TABLE, PARTS, slurm::FOLDER];
-
-/// Makes `folder` an empty one.
-fn make_room(folder: &Path, replace: Replace) -> Result<(), CampaignError> {
-    Campaign::check_room(folder, replace)?;
-    for name in CONTENTS {
-        let path = folder.join(name);
-        let removed = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
-        match removed {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                return Err(OutputError::new(&path, &error).into());
-            }
-            _ => {}
-        }
-    }
-    Ok(fs::create_dir_all(folder).map_err(|error| OutputError::new(folder, &error))?)
-}

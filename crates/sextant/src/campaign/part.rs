@@ -4,11 +4,12 @@
 //! `A-B.unfinished-N.csv`; N is another one for each process that does the part, so that no file has two writers.
 
 use std::collections::BTreeMap;
-use std::fs::{self, OpenOptions};
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use sextant_recording::disk::{self, DiskFile};
 use sextant_recording::output::{CsvFile, EmptyCell, OutputError, PartFile};
 
 use super::error::CampaignError;
@@ -168,7 +169,7 @@ impl<'a> Parts<'a> {
         let mut number = 1;
         let own = loop {
             let path = self.folder.join(Name { range, unfinished: Some(number) }.text());
-            match OpenOptions::new().write(true).create_new(true).open(&path) {
+            match DiskFile::create_new(&path) {
                 Ok(_) => break path,
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
                 Err(error) => return Err(OutputError::new(&path, &error).into()),
@@ -219,7 +220,7 @@ impl Done {
     pub(super) fn remove_unfinished(&self) {
         for path in &self.unfinished {
             // One that stays does no harm: its rows are those of the finished part.
-            let _ = fs::remove_file(path);
+            let _ = disk::remove_file(path);
         }
     }
 }
@@ -250,10 +251,12 @@ impl Part<'_> {
     pub(super) fn finish(self, wall_s: f64) -> Result<(), CampaignError> {
         debug_assert_eq!(self.rows.len(), self.range.len(), "all runs of the part have a row");
         self.save(wall_s)?;
-        match fs::rename(&self.own, &self.whole) {
+        match disk::rename(&self.own, &self.whole) {
             // Another process did the same part, gave it its final name, and removed what was not finished.
             Err(error) if error.kind() == io::ErrorKind::NotFound && self.whole.is_file() => Ok(()),
-            other => Ok(other.map_err(|error| OutputError::new(&self.whole, &error))?),
+            other => Ok(other
+                .and_then(|()| disk::sync_folder_of(&self.whole))
+                .map_err(|error| OutputError::new(&self.whole, &error))?),
         }
     }
 }

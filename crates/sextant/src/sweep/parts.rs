@@ -4,9 +4,13 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use super::error::SweepError;
 use super::row::Row;
-use sextant_recording::output::{CsvFile, EmptyCell, FileIdentity, OutputError, write_file};
+use crate::hexadecimal::hexadecimal;
+use sextant_recording::disk;
+use sextant_recording::output::{CsvFile, EmptyCell, FileIdentity, OutputError, write_file, write_unsynced};
 
 /// The folder of the finished units, with one CSV file per unit.
 #[derive(Debug)]
@@ -31,7 +35,7 @@ impl Parts {
                 if resume { Ok(locked) } else { Err(SweepError::Unfinished { folder: locked.folder }) }
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                fs::create_dir(&folder)
+                disk::create_folder(&folder)
                     .or_else(|error| match error.kind() {
                         // A sweep that was killed just after it created the folder left no fingerprint.
                         io::ErrorKind::AlreadyExists => Ok(()),
@@ -61,7 +65,8 @@ impl Parts {
         self.folder.join(format!("{unit:07}.csv"))
     }
 
-    /// The rows of a unit, each with this many `measures`; `None` if the unit is not finished.
+    /// The rows of a unit, each with this many `measures`; `None` if the unit is not finished, or the power failed before all of
+    /// it was on the disk.
     pub(super) fn read(&self, unit: usize, measures: usize) -> Result<Option<Vec<Row>>, SweepError> {
         let path = self.path(unit);
         let text = match fs::read_to_string(&path) {
@@ -69,23 +74,37 @@ impl Parts {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(SweepError::Read { path, why: error.to_string() }),
         };
+        let Some(text) = checked(&text) else { return Ok(None) };
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
         let rows: Option<Vec<Row>> = reader.records().map(|record| Row::parse(&record.ok()?, measures)).collect();
         rows.map(Some).ok_or(SweepError::Part { path })
     }
 
-    /// Writes the rows of a finished unit.
+    /// Writes the rows of a finished unit. It does not wait for the disk, which would take longer than many units.
     pub(super) fn write(&self, unit: usize, rows: &[Row]) -> Result<(), SweepError> {
         let mut file = CsvFile::headless(EmptyCell::Bare);
         rows.iter().for_each(|row| file.row(row.record()));
-        Ok(file.save(&self.path(unit))?)
+        let rows = file.take();
+        let text = [checksum(&rows).as_bytes(), b"\n", &rows].concat();
+        Ok(write_unsynced(&self.path(unit), &text)?)
     }
+}
+
+/// What the first line of a unit says of the `rows` below it.
+fn checksum(rows: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(rows))
+}
+
+/// The rows of the unit `text`, if all are there.
+fn checked(text: &str) -> Option<&str> {
+    let (first, rows) = text.split_once('\n')?;
+    (first == checksum(rows.as_bytes())).then_some(rows)
 }
 
 /// Removes the folder beside `out`.
 pub(super) fn remove(out: &Path) -> Result<(), SweepError> {
     let folder = folder(out);
-    Ok(fs::remove_dir_all(&folder).map_err(|error| OutputError::new(&folder, &error))?)
+    Ok(disk::remove_folder(&folder).map_err(|error| OutputError::new(&folder, &error))?)
 }
 
 fn folder(out: &Path) -> PathBuf {

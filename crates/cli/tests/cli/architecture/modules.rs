@@ -75,6 +75,18 @@ impl Modules {
         beside.values().flat_map(circles).map(|circle| circle.iter().map(name).collect()).collect()
     }
 
+    /// The modules that have a path with one of these ends, outside of tests, and that path.
+    pub(super) fn paths_ending(&self, ends: &[&str]) -> Vec<(String, String)> {
+        let has_end = |path: &str| {
+            ends.iter().any(|end| path.strip_suffix(end).is_some_and(|rest| rest.is_empty() || rest.ends_with("::")))
+        };
+        let of_module = |(module, source): (&Module, &Source)| {
+            let paths = source.paths.iter().map(|(_, path)| path.join("::"));
+            paths.filter(|path| has_end(path)).map(|path| (name(module), path)).collect::<Vec<_>>()
+        };
+        self.sources.iter().flat_map(of_module).collect()
+    }
+
     /// The dependencies between the modules of a circle and their children.
     pub(super) fn ties(&self, circle: &[String]) -> Vec<String> {
         let member = |module: &Module| {

@@ -4,6 +4,23 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 use syn::{Attribute, Block, ImplItemFn, Item, ItemMod, ItemUse, Macro, Meta, Path, UseTree};
 
+/// What changes files and folders, by the last two steps of its path.
+pub(super) const CHANGES_OF_FILES: [&str; 13] = [
+    "fs::write",
+    "fs::rename",
+    "fs::copy",
+    "fs::hard_link",
+    "fs::remove_file",
+    "fs::remove_dir",
+    "fs::remove_dir_all",
+    "fs::create_dir",
+    "fs::create_dir_all",
+    "fs::set_permissions",
+    "File::create",
+    "File::create_new",
+    "File::options",
+];
+
 /// A name that a `use` line imports.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Import {

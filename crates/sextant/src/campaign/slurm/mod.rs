@@ -15,10 +15,10 @@ pub use settings::{Chunk, SlurmSettings};
 pub use submission::{Attempts, Submitted};
 pub use tiles::{SubmittedMap, submit_map};
 
-use std::fs;
 use std::path::Path;
 
 use sextant_kernel::text::counted;
+use sextant_recording::disk;
 
 use super::error::CampaignError;
 use super::{Campaign, Progress};
@@ -127,7 +127,7 @@ impl Campaign {
         let folder = submission::claim(&self.folder.join(FOLDER), before.len() + 1)?;
         let refused = self.send(program, settings, &folder, &chunks, greatest_array).inspect_err(|_| {
             // A submission without a job would stand in the way of the next one.
-            let _ = fs::remove_dir_all(&folder);
+            let _ = disk::remove_folder(&folder);
         })?;
         let submission = Submission::read(&folder)?.ok_or(CampaignError::Submitting { folder })?;
         let refused = refused.map(|error| error.to_string());

@@ -6,6 +6,7 @@ use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sextant_recording::disk;
 use sextant_recording::output::{OutputError, write_file};
 
 use super::super::error::CampaignError;
@@ -98,9 +99,9 @@ pub(super) struct Submission {
 
 /// Makes the folder of submission `number`. If two processes ask for the same number, one gets it.
 pub(super) fn claim(folder: &Path, number: usize) -> Result<PathBuf, CampaignError> {
-    fs::create_dir_all(folder).map_err(|error| OutputError::new(folder, &error))?;
+    disk::create_folders(folder).map_err(|error| OutputError::new(folder, &error))?;
     let own = folder.join(format!("{number:06}"));
-    match fs::create_dir(&own) {
+    match disk::create_folder(&own) {
         Ok(()) => Ok(own),
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(CampaignError::Submitting { folder: own }),
         Err(error) => Err(OutputError::new(&own, &error).into()),

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use sextant_recording::disk;
 use sextant_recording::output::OutputError;
 
 use super::super::error::CampaignError;
@@ -65,7 +66,7 @@ pub fn submit_map(
     submission::write_script(&join, &of_join.text(&work))?;
     let (arrays, refused) = submit_chunks(&path, chunks.len(), settings, scheduler::greatest_array());
     if let (true, Some(error)) = (arrays.is_empty(), refused) {
-        fs::remove_dir_all(&own).map_err(|error| OutputError::new(&own, &error))?;
+        disk::remove_folder(&own).map_err(|error| OutputError::new(&own, &error))?;
         return Err(error);
     }
     let jobs: Vec<String> = arrays.iter().map(|array| array.job.clone()).collect();

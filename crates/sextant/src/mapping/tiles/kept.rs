@@ -9,6 +9,7 @@ use sextant_kernel::NodeId;
 use sextant_mapper::{
     Concern, CoordinateFrame, Estimate, HeightReason, LogParts, PartsError, SoughtHeights, TopologyMap,
 };
+use sextant_recording::disk;
 use sextant_recording::output::{CsvFile, EmptyCell, write_file};
 use sha2::{Digest, Sha256};
 
@@ -52,7 +53,7 @@ impl KeptTiles {
 
     /// Creates the folder if it does not exist.
     pub(super) fn open(&self) -> Result<(), TilesError> {
-        fs::create_dir_all(&self.folder).map_err(|why| unwritten(&self.folder, &why))
+        disk::create_folders(&self.folder).map_err(|why| unwritten(&self.folder, &why))
     }
 
     /// The tiles of the map `job` of `input`, which are in the subfolder with its name.
@@ -63,7 +64,7 @@ impl KeptTiles {
         (settings, job): (&MapSettings, &MapJob),
     ) -> Result<KeptLog<'a>, TilesError> {
         let folder = self.folder.join(&job.name);
-        fs::create_dir_all(&folder).map_err(|why| unwritten(&folder, &why))?;
+        disk::create_folders(&folder).map_err(|why| unwritten(&folder, &why))?;
         let mut digest = Sha256::new();
         let version = env!("CARGO_PKG_VERSION");
         let known = (&settings.obstacles, &input.prior, &input.known.anchors, input.seed);
@@ -187,12 +188,9 @@ impl LogParts for KeptLog<'_> {
 
     fn keep(&self, part: usize, map: &TopologyMap) -> Result<(), PartsError> {
         let path = self.path(part);
-        // Two processes may make the same tile; each writes its own file, and both files have the same octets.
-        let own = self.folder.join(format!("{part:06}.{}.unfinished", std::process::id()));
-        write_file(&own, self.written(map).bytes())
-            .map_err(|error| TilesError::Kept { path: error.path, why: error.why })
-            .and_then(|()| fs::rename(&own, &path).map_err(|why| unwritten(&path, &why)))
-            .map_err(|error| PartsError::Read(error.into()))
+        // Two processes may make the same tile; both files have the same octets.
+        write_file(&path, self.written(map).bytes())
+            .map_err(|error| PartsError::Read(TilesError::Kept { path: error.path, why: error.why }.into()))
     }
 }
 

@@ -1,10 +1,10 @@
 //! The temporary file with the receptions of all tiles.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use sextant_channel::Reception;
+use sextant_recording::disk::{self, DiskFile};
 use sextant_recording::output::open_scratch;
 use sha2::{Digest, Sha256};
 
@@ -19,7 +19,7 @@ const BLOCK: usize = 1 << 16;
 #[derive(Debug)]
 pub(super) struct Spill {
     path: PathBuf,
-    file: File,
+    file: DiskFile,
     /// Octets that the complete file needs, about.
     bytes: u64,
     end: u64,
@@ -43,7 +43,7 @@ impl Spill {
         let file =
             open_scratch(path).map_err(|error| TilesError::Write { path: path.to_owned(), bytes, why: error.why })?;
         // An open file may lose its name on some systems only; there it goes when it is dropped.
-        let has_name = cfg!(not(unix)) || std::fs::remove_file(path).is_err();
+        let has_name = cfg!(not(unix)) || disk::remove_file(path).is_err();
         Ok(Self {
             path: path.to_owned(),
             file,
@@ -116,7 +116,7 @@ impl Drop for Spill {
     fn drop(&mut self) {
         if self.has_name {
             // Nobody can be told.
-            let _ = std::fs::remove_file(&self.path);
+            let _ = disk::remove_file(&self.path);
         }
     }
 }

@@ -1,0 +1,65 @@
+//! Folders that have a disk of their own.
+
+use std::fmt::Debug;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
+
+use super::{Change, FileNumber};
+
+/// Decides about the changes below a folder.
+pub trait Disk: Debug + Send + Sync {
+    /// A number for a file that is opened.
+    fn number(&self) -> FileNumber;
+
+    /// Called before each change. The answer is how many octets of a [`Change::Write`] are taken; for other changes it does not
+    /// matter.
+    ///
+    /// # Errors
+    /// If the change fails; then it is not made.
+    fn permit(&self, change: &Change<'_>) -> io::Result<usize>;
+}
+
+static DISKS: RwLock<Vec<(PathBuf, Arc<dyn Disk>)>> = RwLock::new(Vec::new());
+
+/// The number of disks, to be read without a lock.
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+/// A folder that has a disk of its own as long as this exists.
+#[derive(Debug)]
+#[must_use]
+pub struct Replaced {
+    folder: PathBuf,
+}
+
+/// Puts `disk` under all files below `folder`, an absolute path without links.
+pub fn replace(folder: &Path, disk: Arc<dyn Disk>) -> Replaced {
+    DISKS.write().unwrap_or_else(PoisonError::into_inner).push((folder.to_owned(), disk));
+    COUNT.fetch_add(1, Ordering::SeqCst);
+    Replaced { folder: folder.to_owned() }
+}
+
+impl Drop for Replaced {
+    fn drop(&mut self) {
+        DISKS.write().unwrap_or_else(PoisonError::into_inner).retain(|(folder, _)| *folder != self.folder);
+        COUNT.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// The disk under `path`, unless it is that of the system.
+pub(super) fn disk_under(path: &Path) -> Option<Arc<dyn Disk>> {
+    if COUNT.load(Ordering::SeqCst) == 0 {
+        return None;
+    }
+    let disks = DISKS.read().unwrap_or_else(PoisonError::into_inner);
+    disks.iter().find(|(folder, _)| path.starts_with(folder)).map(|(_, disk)| Arc::clone(disk))
+}
+
+/// Asks the disk under `path`, if there is one, about a change.
+pub(super) fn permit(path: &Path, change: &Change<'_>) -> io::Result<()> {
+    match disk_under(path) {
+        Some(disk) => disk.permit(change).map(|_| ()),
+        None => Ok(()),
+    }
+}
