@@ -31,9 +31,10 @@ mod tests {
         let mut file = open_scratch(&path).unwrap();
         assert!(open_scratch(&path).unwrap_err().to_string().contains("another process"));
         file.write_all(b"mine").unwrap();
-        file.rewind().unwrap();
+        let mut reader = &file;
+        reader.rewind().unwrap();
         let mut text = String::new();
-        file.read_to_string(&mut text).unwrap();
+        reader.read_to_string(&mut text).unwrap();
         assert_eq!(text, "mine");
         assert_eq!(std::fs::read(folder.path().join("a.tiles.part.1")).unwrap(), b"left");
     }
