@@ -1,0 +1,108 @@
+//! Mixed work in one process for hours, with its memory and its open files: both must stay as they are.
+//!
+//! `cargo run --release -p sextant-benches --bin soak -- HOURS > soak.csv` prints a row each minute (time, rounds, resident memory,
+//! open files, files left over) and ends with an error if the memory of the last quarter is a tenth above that of the second one.
+//! Each round simulates and records a scenario with another seed, exports its tables, reads the recording back, maps it, sweeps a
+//! scenario, and does a part of a plan. Linux only: the figures are those of `/proc`.
+
+use std::error::Error;
+use std::fs;
+use std::io::Write;
+use std::num::NonZeroU32;
+use std::path::Path;
+use std::time::Duration;
+
+use sextant::campaign::Replace;
+use sextant::export::ExportFormat;
+use sextant::summary::Stopwatch;
+use sextant::sweep::{self, Shard};
+use sextant::{AlgorithmName, Campaign, NumberRange, RunRecorder, Scenario, Sweep, Unwatched, export, map_log};
+use sextant_recording::read_log;
+
+/// A row is printed this often (s).
+const EVERY: Duration = Duration::from_secs(60);
+
+/// What the memory of the last quarter may be, in shares of that of the second one.
+const ALLOWED: f64 = 1.1;
+
+/// The process at one time.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    resident_mb: f64,
+    open_files: usize,
+}
+
+impl Reading {
+    fn now() -> Result<Self, Box<dyn Error>> {
+        let status = fs::read_to_string("/proc/self/status")?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).ok_or("no resident memory is told")?;
+        let kilobytes: f64 = line.trim().trim_end_matches(" kB").parse()?;
+        Ok(Self { resident_mb: kilobytes / 1000.0, open_files: fs::read_dir("/proc/self/fd")?.count() })
+    }
+}
+
+/// One round of mixed work in `folder`.
+fn round(number: u64, scenarios: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let names = ["smoke.toml", "mmtm/two-bands.toml", "sensing/targets-and-fields.toml", "mac/poisson-star.toml"];
+    let name = names[usize::try_from(number % names.len() as u64)?];
+    let scenario = Scenario::load(scenarios.join(name))?.with("seed", number)?;
+    let recording = folder.join("run.mcap");
+    sextant::run(&scenario, &mut RunRecorder::new(&recording), &Unwatched)?;
+    export(&recording, &folder.join("tables"), ExportFormat::Csv, &Unwatched)?;
+    let run = read_log(&recording)?;
+    let smoke = scenarios.join("smoke.toml");
+    if !run.log().stops().is_empty() {
+        let algorithms: [AlgorithmName; 3] = ["auto".parse()?, "ml-tm".parse()?, "packet-centroid".parse()?];
+        map_log(run.log(), algorithms[usize::try_from(number % 3)?], &Unwatched)?;
+    }
+    let sweep = Sweep::read(&smoke, &[], Some(number), NonZeroU32::new(3))?;
+    let table = folder.join("t.csv");
+    let rows = sweep::run(&sweep, Shard::default(), &table, false, &Unwatched)?;
+    sweep::write_table(&table, &sweep, &rows)?;
+    sweep::clear_parts(&table)?;
+    let plan = Campaign::create(sweep, &folder.join("plan"), None, Replace::Plan)?;
+    plan.run(NumberRange { start: 0, end: 2 }, &Unwatched)?;
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let hours: f64 = std::env::args().nth(1).ok_or("give the number of hours")?.parse()?;
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let folder = std::env::temp_dir().join(format!("sextant-soak-{}", std::process::id()));
+    fs::create_dir_all(&folder)?;
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "t_s,rounds,resident_mb,open_files,files_left")?;
+    let (clock, mut readings, mut rounds, mut next_s) = (Stopwatch::start(), Vec::new(), 0, 0.0);
+    while clock.elapsed_s() < hours * 3600.0 {
+        round(rounds, &scenarios, &folder)?;
+        rounds += 1;
+        if clock.elapsed_s() >= next_s {
+            next_s += EVERY.as_secs_f64();
+            let reading = Reading::now()?;
+            let left = fs::read_dir(&folder)?.count();
+            let Reading { resident_mb, open_files } = reading;
+            writeln!(out, "{:.0},{rounds},{resident_mb:.1},{open_files},{left}", clock.elapsed_s())?;
+            out.flush()?;
+            readings.push(reading);
+        }
+    }
+    fs::remove_dir_all(&folder)?;
+    judge(&readings)
+}
+
+/// An error if the process has grown.
+fn judge(readings: &[Reading]) -> Result<(), Box<dyn Error>> {
+    let quarter = |number: usize| &readings[number * readings.len() / 4..(number + 1) * readings.len() / 4];
+    let mean_mb = |readings: &[Reading]| {
+        readings.iter().map(|reading| reading.resident_mb).sum::<f64>() / readings.len().max(1) as f64
+    };
+    let most_files = |readings: &[Reading]| readings.iter().map(|reading| reading.open_files).max().unwrap_or(0);
+    let (before, after) = (quarter(1), quarter(3));
+    if mean_mb(after) > ALLOWED * mean_mb(before) {
+        return Err(format!("memory grew from {:.1} to {:.1} MB", mean_mb(before), mean_mb(after)).into());
+    }
+    if most_files(after) > most_files(before) {
+        return Err(format!("open files grew from {} to {}", most_files(before), most_files(after)).into());
+    }
+    Ok(())
+}
