@@ -27,7 +27,9 @@ impl Controller for Spiral {
         }
         self.corner += 1;
         let (angle, radius_m) = (0.9 * f64::from(self.corner), 0.15 * f64::from(self.corner));
-        RobotCommand::Drive(self.middle + Position::new(radius_m * angle.cos(), radius_m * angle.sin(), 0.0))
+        RobotCommand::Drive(
+            self.middle + Position::new(radius_m * libm::cos(angle), radius_m * libm::sin(angle), 0.0),
+        )
     }
 }
 

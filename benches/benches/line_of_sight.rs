@@ -68,7 +68,7 @@ fn lines(count: u32) -> Vec<(Position, Position)> {
         .map(|i| {
             let middle = Position::new(uniform(i, 10, 0.0, side_m), uniform(i, 11, 0.0, side_m), 1.0);
             let azimuth_rad = uniform(i, 12, 0.0, std::f64::consts::TAU);
-            let half = Position::new(azimuth_rad.cos(), azimuth_rad.sin(), 0.0) * (0.5 * LENGTH_M);
+            let half = Position::new(libm::cos(azimuth_rad), libm::sin(azimuth_rad), 0.0) * (0.5 * LENGTH_M);
             (middle - half, middle + half)
         })
         .collect()

@@ -35,7 +35,7 @@ fn evidence(azimuth_sigma_rad: f64) -> Vec<Vec<HeardAnchor>> {
             let width = TAU / 8.0;
             let off = (draw(k, 7) - 0.5) * width + azimuth_sigma_rad * seed.normal(Purpose::new(2), [node, k, 0]);
             let apart = truth - place;
-            let middle = apart.y_m.atan2(apart.x_m) + off;
+            let middle = libm::atan2(apart.y_m, apart.x_m) + off;
             let wedge = Wedge {
                 azimuth_from_rad: middle - 0.5 * width,
                 azimuth_width_rad: width,

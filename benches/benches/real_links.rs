@@ -27,7 +27,7 @@ fn log(is_spatial: bool) -> ReceptionLog {
         let normal = |kind: u64, stop: u32| SEED.normal(WORLD, [kind, u64::from(node), stop.into()]);
         let offset = 0.4 * normal(2, 0);
         for (stop, other) in (0..).zip(&stops) {
-            let margin = 3.2 - 2.0 * (place.distance_m(*other).max(0.3) / 10.0).ln() + offset + normal(3, stop);
+            let margin = 3.2 - 2.0 * libm::log(place.distance_m(*other).max(0.3) / 10.0) + offset + normal(3, stop);
             let received = (0..PACKETS).filter(|packet| margin + normal(4 + u64::from(*packet), stop) > 0.0).count();
             receptions.push(Reception {
                 node: NodeId(node),

@@ -77,6 +77,6 @@ pub fn measure(mapper: &Mapper, known: &KnownLog) -> Result<Option<Measured>, Ma
 #[must_use]
 pub fn geometric_mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let (sum, count) =
-        values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value.max(1e-3).ln(), count + 1.0));
-    (count > 0.0).then(|| f64::exp(sum / count))
+        values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + libm::log(value.max(1e-3)), count + 1.0));
+    (count > 0.0).then(|| libm::exp(sum / count))
 }

@@ -68,7 +68,7 @@ pub fn plane() -> Workload {
 #[must_use]
 pub fn ball() -> Workload {
     let seed = Seed(2);
-    let radius_m = (3.0 * 1400.0 / (4.0 * std::f64::consts::PI)).cbrt();
+    let radius_m = libm::cbrt(3.0 * 1400.0 / (4.0 * std::f64::consts::PI));
     let inside = |place: &Position| place.length_m() <= radius_m;
     let anywhere = (0..).map(|node| {
         let draw = |axis| radius_m * (2.0 * seed.uniform(Purpose::new(1), [node, axis, 0]) - 1.0);
@@ -131,7 +131,7 @@ pub fn room() -> Workload {
     let omni = survey(seed, &nodes, &stops, 7.0);
     let sectored = omni.receptions().iter().map(|reception| {
         let apart = nodes[reception.node.index()] - stops[reception.stop as usize];
-        let turn = apart.y_m.atan2(apart.x_m).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
+        let turn = libm::atan2(apart.y_m, apart.x_m).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
         let azimuth = (0..8).rfind(|&i| turn >= (f64::from(i) - 0.5) / 8.0).filter(|_| turn < 7.5 / 8.0).unwrap_or(0);
         Reception { sector: Some(azimuth + if apart.z_m > 0.0 { 8 } else { 0 }), ..reception }
     });
@@ -161,7 +161,7 @@ fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> R
                 continue;
             }
             let shadowing_db = sigma_db * seed.normal(Purpose::new(4), [node, u64::from(stop), 0]);
-            if margin_db + shadowing_db >= 10.0 * exponent * distance_m.max(0.1).log10() {
+            if margin_db + shadowing_db >= 10.0 * exponent * libm::log10(distance_m.max(0.1)) {
                 let node = NodeId(u32::try_from(node).expect("a node"));
                 receptions.push(Reception {
                     node,

@@ -20,8 +20,8 @@ pub(super) fn log(seed: Seed) -> Result<ReceptionLogAt, LawError> {
     let strength = |node: usize, stop: usize| {
         let apart = site.stops[stop] - site.nodes[node];
         let heading = TAU * seed.uniform(SURROUNDINGS, [node as u64, 0, 0]);
-        let amplitude = (1.0 + DEPTH * (apart.y_m.atan2(apart.x_m) - heading).cos()) / (1.0 + DEPTH);
-        usual_dbm(&site, node, stop) + 20.0 * amplitude.log10()
+        let amplitude = (1.0 + DEPTH * libm::cos(libm::atan2(apart.y_m, apart.x_m) - heading)) / (1.0 + DEPTH);
+        usual_dbm(&site, node, stop) + 20.0 * libm::log10(amplitude)
     };
     Ok((survey(&site, Listening::default(), &strength, &none_lost)?, site.nodes))
 }

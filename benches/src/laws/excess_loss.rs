@@ -17,9 +17,9 @@ pub(super) fn log(seed: Seed) -> Result<ReceptionLogAt, LawError> {
     let site = Site::hall(seed, 16);
     let strength = |node: usize, stop: usize| {
         let distance_m = site.nodes[node].distance_m(site.stops[stop]);
-        let mean_db = MEAN_DB * (1.0 - (-distance_m / LENGTH_M).exp());
+        let mean_db = MEAN_DB * (1.0 - libm::exp(-distance_m / LENGTH_M));
         let share = seed.uniform(SHADOWING, [node as u64, stop as u64, 0]);
-        site.mean_dbm(node, stop) + mean_db * share.ln()
+        site.mean_dbm(node, stop) + mean_db * libm::log(share)
     };
     Ok((survey(&site, Listening::default(), &strength, &none_lost)?, site.nodes))
 }

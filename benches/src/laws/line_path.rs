@@ -17,7 +17,7 @@ const BESIDE_M: f64 = 5.0;
 
 /// Stops a metre apart along a slight bend, nodes on both sides. The bend tells the sides apart only just.
 pub(super) fn log(seed: Seed) -> Result<ReceptionLogAt, LawError> {
-    let bend = |x_m: f64| 3.0 * (x_m / LENGTH_M * std::f64::consts::PI).sin();
+    let bend = |x_m: f64| 3.0 * libm::sin(x_m / LENGTH_M * std::f64::consts::PI);
     let stops = (0..STOPS).map(|stop| {
         let x_m = (f64::from(stop) + 0.5) / f64::from(STOPS) * LENGTH_M;
         Position::new(x_m, bend(x_m), 0.0)

@@ -31,7 +31,7 @@ pub(super) fn log(seed: Seed) -> Result<ReceptionLogAt, LawError> {
     let strength = |node: usize, stop: usize| {
         let (a, b) = (site.nodes[node], site.stops[stop]);
         let wave =
-            |[ax, ay, bx, by, phase]: &[f64; 5]| (ax * a.x_m + ay * a.y_m + bx * b.x_m + by * b.y_m + phase).cos();
+            |[ax, ay, bx, by, phase]: &[f64; 5]| libm::cos(ax * a.x_m + ay * a.y_m + bx * b.x_m + by * b.y_m + phase);
         let sum: f64 = waves.iter().map(wave).sum();
         site.mean_dbm(node, stop) + SIGMA_DB * (2.0 / waves.len() as f64).sqrt() * sum
     };

@@ -53,7 +53,7 @@ impl Site {
     /// Mean strength by the law of the distance alone (dBm).
     pub(super) fn mean_dbm(&self, node: usize, stop: usize) -> f64 {
         let distance_m = self.nodes[node].distance_m(self.stops[stop]).max(0.3);
-        super::survey::SENSITIVITY_DBM - 10.0 * self.exponent * (distance_m / self.reach_m).log10()
+        super::survey::SENSITIVITY_DBM - 10.0 * self.exponent * libm::log10(distance_m / self.reach_m)
     }
 
     /// A standard normal number of a link.

@@ -25,6 +25,8 @@
 //! # Ok::<(), sextant_kernel::SettingError>(())
 //! ```
 
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
+
 mod a_star;
 mod application;
 mod area;

@@ -106,7 +106,7 @@ impl Arm {
     /// Length from the middle to the angle θ (m): b/2 (θ √(1 + θ²) + arsinh θ).
     fn length_m(self, angle_rad: f64) -> f64 {
         let b = self.spacing_m / TAU;
-        0.5 * b * (angle_rad * angle_rad.hypot(1.0) + libm::asinh(angle_rad))
+        0.5 * b * (angle_rad * libm::hypot(angle_rad, 1.0) + libm::asinh(angle_rad))
     }
 
     /// The angle at which the length from the middle is `length_m` (Newton's method; the slope is b √(1 + θ²)).
@@ -116,7 +116,7 @@ impl Arm {
         // θ²b/2 is below the length, so this start is above the root, and all steps go down.
         let mut angle_rad = (2.0 * length_m / b).sqrt();
         for _ in 0..ROUNDS {
-            let step_rad = (self.length_m(angle_rad) - length_m) / (b * angle_rad.hypot(1.0));
+            let step_rad = (self.length_m(angle_rad) - length_m) / (b * libm::hypot(angle_rad, 1.0));
             angle_rad -= step_rad;
             if step_rad.abs() <= 1e-14 * angle_rad {
                 break;

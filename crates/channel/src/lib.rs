@@ -38,6 +38,8 @@
 //! # Ok::<(), sextant_kernel::SettingError>(())
 //! ```
 
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
+
 mod antenna;
 mod bounds;
 mod cell_grid;

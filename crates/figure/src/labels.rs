@@ -86,7 +86,7 @@ impl Labels {
         for ring in 0..RINGS {
             for direction in 0..DIRECTIONS {
                 let angle = f64::from(direction) * std::f64::consts::TAU / f64::from(DIRECTIONS);
-                let (up, across) = angle.sin_cos();
+                let (up, across) = libm::sincos(angle);
                 let away = radius + GAP + RING * f64::from(ring);
                 // The box touches the ring with the side that faces the dot.
                 let x = at.x + across * away + (across.clamp(-0.5, 0.5) - 0.5) * width;

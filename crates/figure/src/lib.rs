@@ -28,6 +28,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
+
 mod antenna;
 mod application;
 mod application_curves;

@@ -21,7 +21,7 @@ impl Point {
     }
 
     pub(super) fn distance(self, other: Self) -> f64 {
-        (other.x - self.x).hypot(other.y - self.y)
+        libm::hypot(other.x - self.x, other.y - self.y)
     }
 }
 
@@ -177,7 +177,7 @@ impl Picture {
     pub(super) fn ring(&mut self, center: Point, radius: f64, stroke: Stroke) {
         const PIECES: u8 = 48;
         let at = |i: u8| {
-            let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(PIECES)).sin_cos();
+            let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::TAU / f64::from(PIECES));
             Point::new(center.x + radius * cos, center.y + radius * sin)
         };
         // The last side covers the first one, so that no gap is visible.

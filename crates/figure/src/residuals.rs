@@ -93,7 +93,7 @@ fn legend(largest: f64, radius: &dyn Fn(f64) -> f64, has_solids: bool, source: &
 
 /// The largest of 1, 2 and 5 times a power of ten that does not exceed `value`, which is at least 1.
 fn round(value: f64) -> f64 {
-    let power = 10_f64.powf((value * (1.0 + 1e-9)).log10().floor());
+    let power = libm::pow(10.0, libm::log10(value * (1.0 + 1e-9)).floor());
     [5.0, 2.0].into_iter().map(|factor| factor * power).find(|round| *round <= value).unwrap_or(power)
 }
 

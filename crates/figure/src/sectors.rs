@@ -39,8 +39,8 @@ impl HeardNode<'_> {
     fn is_right(&self, stop: Position) -> bool {
         let apart = self.place - stop;
         let Wedge { azimuth_from_rad, azimuth_width_rad, elevation_rad: [low, high] } = self.wedge;
-        let azimuth_rad = (apart.y_m.atan2(apart.x_m) - azimuth_from_rad).rem_euclid(TAU);
-        let elevation_rad = apart.z_m.atan2(apart.x_m.hypot(apart.y_m));
+        let azimuth_rad = (libm::atan2(apart.y_m, apart.x_m) - azimuth_from_rad).rem_euclid(TAU);
+        let elevation_rad = libm::atan2(apart.z_m, libm::hypot(apart.x_m, apart.y_m));
         azimuth_rad <= azimuth_width_rad && (low..=high).contains(&elevation_rad)
     }
 }
@@ -68,7 +68,8 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
             Some(HeardNode { place, sector, wedge: turned(sector.wedge().ok()?) })
         })
         .collect();
-    let reach_m = heard.iter().map(|node| (node.place - stop).x_m.hypot((node.place - stop).y_m)).fold(0.0, f64::max);
+    let reach_m =
+        heard.iter().map(|node| libm::hypot((node.place - stop).x_m, (node.place - stop).y_m)).fold(0.0, f64::max);
     if reach_m <= 0.0 {
         return None;
     }
@@ -135,7 +136,7 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
 fn outline(stop: Position, wedge: Wedge, reach_m: f64) -> Vec<Position> {
     let pieces = (wedge.azimuth_width_rad / ARC_STEP_RAD).ceil().max(1.0);
     let at = |share: f64| {
-        let (sin, cos) = (wedge.azimuth_from_rad + share * wedge.azimuth_width_rad).sin_cos();
+        let (sin, cos) = libm::sincos(wedge.azimuth_from_rad + share * wedge.azimuth_width_rad);
         Position::new(stop.x_m + reach_m * cos, stop.y_m + reach_m * sin, stop.z_m)
     };
     let steps = std::iter::successors(Some(0.0), |&i| (i < pieces).then_some(i + 1.0));

@@ -14,10 +14,11 @@ impl Ticks {
             return Self { values: Vec::new(), decimals: 0 };
         }
         let coarse = ((high - low) / most.max(1.0)).max(finest).max(f64::MIN_POSITIVE);
-        let power = coarse.log10().floor();
-        let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * 10_f64.powf(power) >= coarse * (1.0 - 1e-9));
+        let power = libm::log10(coarse).floor();
+        let factor =
+            [1.0, 2.0, 5.0].into_iter().find(|factor| factor * libm::pow(10.0, power) >= coarse * (1.0 - 1e-9));
         let (factor, power) = factor.map_or((1.0, power + 1.0), |factor| (factor, power));
-        let step = factor * 10_f64.powf(power);
+        let step = factor * libm::pow(10.0, power);
         let first = (low / step - 1e-9).ceil();
         let values = (0..1000_u16).map(|i| (first + f64::from(i)) * step);
         let values = values.take_while(|value| *value <= high + 1e-9 * step).collect();

@@ -58,7 +58,7 @@ fn rows(path: &Path, plane: Option<&LocalPlane>) -> Result<Vec<[f64; 2]>, RobotL
 fn on_plane(plane: &LocalPlane, lat_deg: f64, lon_deg: f64) -> Result<[f64; 2], String> {
     let is_place = lat_deg.abs() <= LocalPlane::LARGEST_LAT_DEG && lon_deg.abs() <= 180.0;
     let place = is_place.then(|| plane.to_local(lat_deg, lon_deg, plane.origin().height_m));
-    match place.filter(|place| place.x_m.hypot(place.y_m) <= LocalPlane::RADIUS_M) {
+    match place.filter(|place| libm::hypot(place.x_m, place.y_m) <= LocalPlane::RADIUS_M) {
         Some(place) => Ok([place.x_m, place.y_m]),
         None => Err(format!(
             "latitude {lat_deg} and longitude {lon_deg}; allowed: degrees within {} km of the log",

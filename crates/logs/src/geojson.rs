@@ -81,10 +81,10 @@ impl Ellipse {
         let cell = grid_step_m * grid_step_m / 12.0;
         let (xx, yy, xy) = (covariance[0][0] + cell, covariance[1][1] + cell, covariance[0][1]);
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let spread = half.hypot(xy);
+        let spread = libm::hypot(half, xy);
         let axis = |variance: f64| (CHI_SQUARED_95 * variance.max(0.0)).sqrt();
         // Half the angle of the vector (xx − yy, 2 xy) is that of the major axis from east.
-        let from_east = 0.5 * xy.atan2(half).to_degrees();
+        let from_east = 0.5 * libm::atan2(xy, half).to_degrees();
         Some(Self {
             major_m: axis(mean + spread),
             minor_m: axis(mean - spread),

@@ -59,8 +59,8 @@ impl LocalPlane {
     /// [`LARGEST_LAT_DEG`](Self::LARGEST_LAT_DEG) from the equator.
     #[must_use]
     pub fn new(lat_deg: f64, lon_deg: f64, height_m: f64) -> Self {
-        let (sin_lat, cos_lat) = lat_deg.to_radians().sin_cos();
-        let (sin_lon, cos_lon) = lon_deg.to_radians().sin_cos();
+        let (sin_lat, cos_lat) = libm::sincos(lat_deg.to_radians());
+        let (sin_lon, cos_lon) = libm::sincos(lon_deg.to_radians());
         let origin = Geodetic { lat_deg, lon_deg, height_m };
         Self { origin, center: to_earth(origin), sin_lat, cos_lat, sin_lon, cos_lon }
     }
@@ -119,8 +119,8 @@ impl LocalPlane {
 
 /// From latitude, longitude and height to the frame of the earth (m): NIMA TR8350.2 (2000), equation 4-14.
 fn to_earth(Geodetic { lat_deg, lon_deg, height_m: h }: Geodetic) -> [f64; 3] {
-    let (sin_lat, cos_lat) = lat_deg.to_radians().sin_cos();
-    let (sin_lon, cos_lon) = lon_deg.to_radians().sin_cos();
+    let (sin_lat, cos_lat) = libm::sincos(lat_deg.to_radians());
+    let (sin_lon, cos_lon) = libm::sincos(lon_deg.to_radians());
     let n = A_M / (1.0 - E2 * sin_lat * sin_lat).sqrt();
     [(n + h) * cos_lat * cos_lon, (n + h) * cos_lat * sin_lon, (n * (1.0 - E2) + h) * sin_lat]
 }
@@ -128,14 +128,14 @@ fn to_earth(Geodetic { lat_deg, lon_deg, height_m: h }: Geodetic) -> [f64; 3] {
 /// The inverse of [`to_earth`]: B. R. Bowring, "The accuracy of geodetic latitude and height equations", Survey Review
 /// 28 (1985), with a second round from the latitude of the first, which leaves rounding alone.
 fn to_geodetic([x, y, z]: [f64; 3]) -> Geodetic {
-    let p = x.hypot(y);
+    let p = libm::hypot(x, y);
     let latitude = |beta: f64| {
-        let (sin_beta, cos_beta) = beta.sin_cos();
-        (z + EP2 * B_M * sin_beta.powi(3)).atan2(p - E2 * A_M * cos_beta.powi(3))
+        let (sin_beta, cos_beta) = libm::sincos(beta);
+        libm::atan2(z + EP2 * B_M * sin_beta.powi(3), p - E2 * A_M * cos_beta.powi(3))
     };
-    let first = latitude((B_M * z * (1.0 + EP2 * B_M / p.hypot(z))).atan2(A_M * p));
-    let lat = latitude(((1.0 - F) * first.sin()).atan2(first.cos()));
-    let (sin_lat, cos_lat) = lat.sin_cos();
+    let first = latitude(libm::atan2(B_M * z * (1.0 + EP2 * B_M / libm::hypot(p, z)), A_M * p));
+    let lat = latitude(libm::atan2((1.0 - F) * libm::sin(first), libm::cos(first)));
+    let (sin_lat, cos_lat) = libm::sincos(lat);
     let height_m = p * cos_lat + z * sin_lat - A_M * (1.0 - E2 * sin_lat * sin_lat).sqrt();
-    Geodetic { lat_deg: lat.to_degrees(), lon_deg: y.atan2(x).to_degrees(), height_m }
+    Geodetic { lat_deg: lat.to_degrees(), lon_deg: libm::atan2(y, x).to_degrees(), height_m }
 }

@@ -94,7 +94,7 @@ impl Strengths {
 /// as receivers of LoRa do. From P = S + N and r = S / N follows S = P r / (1 + r), in decibels the sum below. Far above the
 /// noise it is the RSSI, far below it the RSSI plus the ratio.
 fn without_noise(rssi_dbm: f64, snr_db: f64) -> f64 {
-    rssi_dbm + snr_db - 10.0 * (10_f64.powf(snr_db / 10.0)).ln_1p() / std::f64::consts::LN_10
+    rssi_dbm + snr_db - 10.0 * libm::log1p(libm::pow(10.0, snr_db / 10.0)) / std::f64::consts::LN_10
 }
 
 #[cfg(test)]

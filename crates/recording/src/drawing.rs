@@ -79,7 +79,7 @@ fn vector(p: Position) -> Vector3 {
 
 /// A rotation about the vertical axis, counterclockwise when seen from above.
 fn yaw(heading_rad: f64) -> Quaternion {
-    Quaternion { x: 0.0, y: 0.0, z: (heading_rad / 2.0).sin(), w: (heading_rad / 2.0).cos() }
+    Quaternion { x: 0.0, y: 0.0, z: libm::sin(heading_rad / 2.0), w: libm::cos(heading_rad / 2.0) }
 }
 
 fn pose(position: Position) -> Pose {

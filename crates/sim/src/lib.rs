@@ -90,6 +90,8 @@
 //! # Ok::<(), SettingError>(())
 //! ```
 
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
+
 mod air;
 mod application;
 mod applications;

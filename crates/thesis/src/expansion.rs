@@ -238,7 +238,7 @@ fn across(x: &HorizontalEntry, own: &Entry, scope: &Scope<'_>) -> Result<Across,
     };
     Ok(match x {
         HorizontalEntry::Number(text) => Across::Setting(number(text)?),
-        HorizontalEntry::Log10(text) => Across::Setting(number(text)?.log10()),
+        HorizontalEntry::Log10(text) => Across::Setting(libm::log10(number(text)?)),
         HorizontalEntry::Measured(path) => {
             let measured = Entry { measure: Some(path.clone()), ..own.clone() };
             Across::Measured(term(&measured, scope)?)

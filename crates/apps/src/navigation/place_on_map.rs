@@ -129,7 +129,7 @@ impl PlaceOnMap {
     /// Length on the map of one metre that the robot drives; `None` if the frame of the map is not known yet.
     #[must_use]
     pub fn scale(&self) -> Option<f64> {
-        self.similarity.map(|Similarity { turn: [a, b], .. }| a.hypot(b))
+        self.similarity.map(|Similarity { turn: [a, b], .. }| libm::hypot(a, b))
     }
 
     /// The weights of the fixes.
@@ -154,7 +154,7 @@ impl PlaceOnMap {
         };
         let (xx, xy, yy) = (moment(|x, _| x * x), moment(|x, y| x * y), moment(|_, y| y * y));
         // The smaller eigenvalue of the covariance.
-        let smaller = 0.5 * (xx + yy - (xx - yy).hypot(2.0 * xy));
+        let smaller = 0.5 * (xx + yy - libm::hypot(xx - yy, 2.0 * xy));
         smaller.max(0.0).sqrt()
     }
 

@@ -29,7 +29,7 @@ pub(super) fn gradient(samples: &[Sample]) -> Option<Position> {
         xy += x * y;
         yy += y * y;
     }
-    let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy).hypot(2.0 * xy));
+    let (middle, half) = (0.5 * (xx + yy), 0.5 * libm::hypot(xx - yy, 2.0 * xy));
     if middle <= 0.0 || middle - half < LEAST_SPREAD * LEAST_SPREAD * (middle + half) {
         return None;
     }

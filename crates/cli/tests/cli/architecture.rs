@@ -3,6 +3,8 @@
 mod crates;
 mod guides;
 mod modules;
+mod profiles;
+mod reasons;
 mod source;
 
 use std::path::{Path, PathBuf};

@@ -72,6 +72,37 @@ fn the_manual_page_has_every_command_and_flag() {
 }
 
 #[test]
+fn each_command_has_a_manual_page_of_its_own() {
+    for (words, title, flags) in [
+        (&["man", "run"][..], ".TH sextant-run 1", &["summary", "pcap"][..]),
+        (&["man", "antenna"], ".TH sextant-antenna 1", &[]),
+        (&["man", "antenna", "show"], ".TH sextant-antenna-show 1", &["force"]),
+    ] {
+        let page = stdout(words);
+        assert!(page.contains(title) && page.contains("sextant(1)"), "{words:?}: {page}");
+        for flag in flags {
+            assert!(page.contains(&format!("\\-\\-{flag}")), "{words:?}: {flag}");
+        }
+        assert!(!page.contains("SEXTANT MAP"), "{words:?}: only one command");
+    }
+    assert!(stdout(&["man", "antenna"]).contains("sextant\\-antenna\\-show(1)"), "the parts of a command are named");
+}
+
+#[test]
+fn a_manual_page_of_an_unknown_command_is_refused_with_those_that_there_are() {
+    for (words, expected) in [
+        (&["man", "rum"][..], "`sextant` has no command `rum`; it has `init`, `run`,"),
+        (&["man", "run", "fast"], "`run` has no commands of its own, but `fast` was found after it"),
+    ] {
+        let output = cargo_bin_cmd!("sextant").args(words).output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(message.contains(expected), "{words:?}: {message}");
+    }
+}
+
+#[test]
 fn the_schema_documents_every_key() {
     let schema: serde_json::Value = serde_json::from_str(&stdout(&["schema"])).unwrap();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");

@@ -1,5 +1,6 @@
 //! Tests of the program from outside: arguments, outputs and errors; and of the dependencies between crates.
 
+#![allow(clippy::disallowed_methods, reason = "oracles may be those of the C library")]
 // The messages that Python must find in a recording are one large `json!`.
 #![recursion_limit = "256"]
 

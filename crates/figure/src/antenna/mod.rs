@@ -22,8 +22,8 @@ pub fn of_antenna(title: &str, antenna: &Antenna) -> Vec<Figure> {
 
 /// The unit vector of a direction (degrees); an elevation beyond the vertical comes down on the other side.
 fn towards(azimuth_deg: f64, elevation_deg: f64) -> Position {
-    let (sa, ca) = azimuth_deg.to_radians().sin_cos();
-    let (se, ce) = elevation_deg.to_radians().sin_cos();
+    let (sa, ca) = libm::sincos(azimuth_deg.to_radians());
+    let (se, ce) = libm::sincos(elevation_deg.to_radians());
     Position::new(ca * ce, sa * ce, se)
 }
 

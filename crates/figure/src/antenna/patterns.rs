@@ -122,7 +122,7 @@ struct Dial<'a> {
 impl Dial<'_> {
     /// The point at an angle of the cut (degrees), at a share of the radius.
     fn at(&self, angle_deg: f64, share: f64) -> Point {
-        let (sin, cos) = angle_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(angle_deg.to_radians());
         let radius = RADIUS * share.clamp(0.0, 1.0);
         match self.cut {
             Cut::Azimuth => Point::new(self.center.x - radius * sin, self.center.y - radius * cos),

@@ -92,7 +92,7 @@ fn inside(members: &[usize]) -> Option<usize> {
     let row = |place: usize| (place / COLUMNS) as f64;
     let middle = |of: &dyn Fn(usize) -> f64| members.iter().map(|&place| of(place)).sum::<f64>() / count;
     let (x, y) = (middle(&column), middle(&row));
-    let away = |place: usize| (column(place) - x).hypot(row(place) - y);
+    let away = |place: usize| libm::hypot(column(place) - x, row(place) - y);
     members.iter().copied().min_by(|&a, &b| away(a).total_cmp(&away(b)))
 }
 

@@ -52,7 +52,7 @@ pub(super) fn read(bag: &Bag, topic: &Topic, skips_no_fix: bool) -> Result<Fixes
         let height_m = if alt_m.is_finite() { alt_m } else { 0.0 };
         let plane = fixes.plane.get_or_insert_with(|| LocalPlane::new(lat_deg, lon_deg, height_m));
         let position = plane.to_local(lat_deg, lon_deg, height_m);
-        if f64::hypot(position.x_m, position.y_m) > LocalPlane::RADIUS_M {
+        if libm::hypot(position.x_m, position.y_m) > LocalPlane::RADIUS_M {
             return Err(format!(
                 "a fix at latitude {lat_deg} and longitude {lon_deg} is more than {} km from the first one; a receiver \
                  without a fix often writes 0, 0: option `skip_no_fix` leaves such messages out",

@@ -145,7 +145,7 @@ pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> 
     if !(curvature > 0.0 && curvature.is_finite()) {
         return None;
     }
-    let error_s = (spread.sqrt() / curvature).hypot(0.1 * fine_s);
+    let error_s = libm::hypot(spread.sqrt() / curvature, 0.1 * fine_s);
     let none = profile(&tracks, &[0.0]);
     let gains: Vec<f64> = none[0].iter().zip(&second[at]).map(|(none, best)| none - best).collect();
     let gain: f64 = gains.iter().sum();
@@ -339,5 +339,5 @@ fn extent_m(paths: &[&Path]) -> f64 {
     let [low, high] = places.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], at| {
         [[low[0].min(at.x_m), low[1].min(at.y_m)], [high[0].max(at.x_m), high[1].max(at.y_m)]]
     });
-    f64::hypot(high[0] - low[0], high[1] - low[1])
+    libm::hypot(high[0] - low[0], high[1] - low[1])
 }

@@ -37,7 +37,7 @@ fn too_small(log: &ReceptionLog) -> Option<Finding> {
     if places.len() < LEAST_PLACES {
         return None;
     }
-    let extent_m = f64::hypot(along(0), along(1));
+    let extent_m = libm::hypot(along(0), along(1));
     (extent_m < LEAST_M).then(|| Finding {
         check: "extent",
         odd: format!("all {} places of the survey are within {extent_m:.3} m", places.len()),

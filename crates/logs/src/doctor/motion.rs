@@ -79,7 +79,7 @@ fn jumps(legs: &[Leg], usual: f64, what: &str) -> Option<Finding> {
             values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
         high - low
     };
-    let extent_m = f64::hypot(along(|at| at.x_m), along(|at| at.y_m));
+    let extent_m = libm::hypot(along(|at| at.x_m), along(|at| at.y_m));
     let is_jump = |leg: &&Leg| {
         leg.length_m / leg.span_s > JUMP.max(JUMP_TIMES * usual) && leg.length_m > JUMP_M.max(JUMP_SHARE * extent_m)
     };

@@ -144,7 +144,7 @@ impl NodeFit {
 
 /// Distance in the plane (m).
 pub(super) fn plane_m(a: Position, b: Position) -> f64 {
-    f64::hypot(a.x_m - b.x_m, a.y_m - b.y_m)
+    libm::hypot(a.x_m - b.x_m, a.y_m - b.y_m)
 }
 
 /// η at a place, and its derivatives by x, y and b (by a it is 1).

@@ -17,7 +17,7 @@ pub(crate) fn far_m(places: impl Iterator<Item = Position> + Clone) -> Option<f6
     let [low, high] = others.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], at| {
         [[low[0].min(at.x_m), low[1].min(at.y_m)], [high[0].max(at.x_m), high[1].max(at.y_m)]]
     });
-    let extent_m = f64::hypot(high[0] - low[0], high[1] - low[1]);
+    let extent_m = libm::hypot(high[0] - low[0], high[1] - low[1]);
     (nearest_m.is_finite() && nearest_m > extent_m.max(1.0)).then_some(nearest_m)
 }
 

@@ -14,7 +14,7 @@ pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
     let table = log.sectors().filter(|table| table.gains().is_none() && log.receptions().sectors().is_some())?;
     let wedges: Vec<Wedge> = table.iter().filter_map(|sector| sector.wedge().ok()).collect();
     let share = |wedge: &Wedge| {
-        let [low, high] = wedge.elevation_rad.map(f64::sin);
+        let [low, high] = wedge.elevation_rad.map(libm::sin);
         0.5 * (high - low) * wedge.azimuth_width_rad / TAU
     };
     let overlap: f64 = wedges.iter().map(share).sum();

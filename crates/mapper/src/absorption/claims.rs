@@ -45,7 +45,7 @@ impl CellEvidence {
 
     /// Whether the lines cross.
     fn crosses(&self) -> bool {
-        self.information > 0.0 && self.directions[0].hypot(self.directions[1]) <= PARALLEL * self.information
+        self.information > 0.0 && libm::hypot(self.directions[0], self.directions[1]) <= PARALLEL * self.information
     }
 }
 

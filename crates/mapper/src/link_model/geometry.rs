@@ -109,10 +109,10 @@ impl Columns {
                 let mut columns = [[0.0; BLOCK]; COLUMNS];
                 for (lane, &vertex) in block.iter().enumerate() {
                     let way = place - vertex;
-                    let flat_m = way.x_m.hypot(way.y_m);
+                    let flat_m = (way.x_m * way.x_m + way.y_m * way.y_m).sqrt();
                     let (cosine, sine) =
                         if flat_m > 1e-9 { (way.x_m / flat_m, way.y_m / flat_m) } else { (0.0, 0.0) };
-                    let distance_m = flat_m.hypot(way.z_m).max(least_m(number * BLOCK + lane));
+                    let distance_m = (flat_m * flat_m + way.z_m * way.z_m).sqrt().max(least_m(number * BLOCK + lane));
                     let twice = (cosine * cosine - sine * sine, 2.0 * cosine * sine);
                     let values = [libm::log(distance_m), cosine, sine, twice.0, twice.1];
                     for (column, value) in columns.iter_mut().zip(values) {

@@ -53,7 +53,7 @@ impl<'a> Window<'a> {
             [along(0), along(1), along(2)]
         };
         let (low, high) = (corner(f64::INFINITY, f64::min), corner(f64::NEG_INFINITY, f64::max));
-        let diagonal_m = (high[0] - low[0]).hypot(high[1] - low[1]);
+        let diagonal_m = libm::hypot(high[0] - low[0], high[1] - low[1]);
         let reach_m = links.reach_m;
         let length_m = [0, 1, 2].map(|axis| {
             let width_m = high[axis] - low[axis];

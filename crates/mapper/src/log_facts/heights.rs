@@ -129,7 +129,7 @@ pub(crate) fn are_level(stops: &[Stop], reach_m: f64, step_m: f64) -> bool {
 /// Differences of height up to this do not determine the heights of nodes (m).
 fn unevenness_m(stops: &[Stop], reach_m: f64, step_m: f64) -> f64 {
     let extent_m = |axis| extremes(stops, axis).map_or(0.0, |[low, high]| high - low);
-    let spread_m = extent_m(0).hypot(extent_m(1)).min(2.0 * reach_m);
+    let spread_m = libm::hypot(extent_m(0), extent_m(1)).min(2.0 * reach_m);
     step_m.max(UNEVEN * reach_m).max(NEARLY_LEVEL * spread_m)
 }
 

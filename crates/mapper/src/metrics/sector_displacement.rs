@@ -172,7 +172,7 @@ pub fn sector_displacement(
 
 /// Whether there is a direction on the ground along `apart`.
 fn has_bearing(apart: Position) -> bool {
-    apart.x_m.hypot(apart.y_m) > ONE_PLACE_M
+    libm::hypot(apart.x_m, apart.y_m) > ONE_PLACE_M
 }
 
 /// The sector, of `sectors` of equal width, that points along `apart`, if the middle of sector 0 points to the azimuth

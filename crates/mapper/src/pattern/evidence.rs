@@ -203,7 +203,7 @@ impl<'a> Likelihood<'a> {
     /// The log-likelihood of a report, which tells no more than some of its sectors.
     fn of_report(&self, report: &[(usize, f64)], cell: Cell) -> f64 {
         let gain = |sector| self.map.gain_dbi(cell, sector) + self.law.ripple_db[sector];
-        let told = of_report(report, gain, self.law.noise_db.hypot(self.blur_db));
+        let told = of_report(report, gain, libm::hypot(self.law.noise_db, self.blur_db));
         let most = if self.is_sharp() { TOLD } else { TOLD_BLURRED };
         told * (most / report.len() as f64).min(1.0)
     }

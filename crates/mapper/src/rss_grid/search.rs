@@ -76,7 +76,7 @@ impl Search<'_> {
     /// Adds the log-likelihood of the silence of a stop to the vertices `columns` of a row.
     fn add_silence(&self, stop: Position, [j, k]: [usize; 2], columns: &Range<usize>, values: &mut [f64]) {
         let first = self.lattice.position([0, j, k]);
-        let across_m = (first.y_m - stop.y_m).hypot(first.z_m - stop.z_m);
+        let across_m = libm::hypot(first.y_m - stop.y_m, first.z_m - stop.z_m);
         if across_m > self.range_m {
             return;
         }
@@ -84,7 +84,7 @@ impl Search<'_> {
         let (span, _) = self.lattice.span(0, stop.x_m - half_m, stop.x_m + half_m);
         for i in span.start.max(columns.start)..span.end.min(columns.end) {
             let along_m = self.lattice.coordinate(0, i) - stop.x_m;
-            values[i - columns.start] += self.curves.log_silence(along_m.hypot(across_m));
+            values[i - columns.start] += self.curves.log_silence((along_m * along_m + across_m * across_m).sqrt());
         }
     }
 

@@ -96,7 +96,7 @@ pub(super) fn residual(node: &SharedNode, change: &FrameChange) -> f64 {
 
 /// The length of a step seen from above (m).
 pub(super) fn level_m(step: Position) -> f64 {
-    step.x_m.hypot(step.y_m)
+    libm::hypot(step.x_m, step.y_m)
 }
 
 /// The diagonal of the box of the nodes on the first map (m).

@@ -105,7 +105,7 @@ impl FrameChange {
             across += pair.weight * (a.x_m * b.y_m - a.y_m * b.x_m);
             spread += pair.weight * (a.x_m * a.x_m + a.y_m * a.y_m);
         }
-        let strength = along.hypot(across);
+        let strength = libm::hypot(along, across);
         let scale = match lengths {
             Lengths::Kept => 1.0,
             Lengths::Scaled => strength / spread,

@@ -106,7 +106,7 @@ impl PoseGraph {
         let total: f64 = others().map(|seen| 1.0 / seen.variance).sum();
         let middle = others().fold(Vector3::zeros(), |sum, seen| sum + self.seen_at(seen) / (seen.variance * total));
         let apart = self.seen_at(&node[of]) - middle;
-        apart.x.hypot(apart.y) / (node[of].variance + 1.0 / total).sqrt()
+        libm::hypot(apart.x, apart.y) / (node[of].variance + 1.0 / total).sqrt()
     }
 
     fn deviation(&self) -> f64 {

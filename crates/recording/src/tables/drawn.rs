@@ -125,7 +125,7 @@ fn table(name: &str, columns: &[TableColumn], rows: impl IntoIterator<Item = Vec
 /// The row of a pose with its heading, counterclockwise from x.
 fn poses(name: &str, first: Vec<Cell>, place: Position, rotation: Option<Quaternion>) -> Rows {
     let columns = columns(&[("t_s", Real), ("robot", Text)], &PLACE, &[("heading_rad", Real)]);
-    let heading = rotation.map_or(Cell::Missing, |turn| Cell::Real(2.0 * turn.z.atan2(turn.w)));
+    let heading = rotation.map_or(Cell::Missing, |turn| Cell::Real(2.0 * libm::atan2(turn.z, turn.w)));
     table(name, &columns, [[first, cells(place), vec![heading]].concat()])
 }
 

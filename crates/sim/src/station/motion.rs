@@ -101,7 +101,7 @@ impl Trip {
         let length_m = from.position.distance_m(to);
         let end = start + time_of(length_m, speed_m_per_s);
         let step = to - from.position;
-        let is_vertical = step.x_m.hypot(step.y_m) <= 0.0;
+        let is_vertical = libm::hypot(step.x_m, step.y_m) <= 0.0;
         let heading_rad = if is_vertical { from.heading_rad } else { libm::atan2(step.y_m, step.x_m) };
         let to = Pose { position: to, heading_rad };
         Self { from: Pose { heading_rad, ..from }, to, start, end, turn_rad: 0.0, length_m, speed_m_per_s }

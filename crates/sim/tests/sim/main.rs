@@ -1,5 +1,7 @@
 //! Complete networks, against closed forms and reference values of other simulators.
 
+#![allow(clippy::disallowed_methods, reason = "oracles may be those of the C library")]
+
 mod acknowledgement;
 mod broadcasts;
 mod code_books;

@@ -29,7 +29,7 @@ impl Unit {
         match self {
             Self::Dbi | Self::Relative => (-200.0..=200.0).contains(&value).then_some(value),
             // A power of zero is as low as a measurement can be.
-            Self::Linear => (0.0..=1e10).contains(&value).then(|| (10.0 * value.log10()).max(LOWEST_DB)),
+            Self::Linear => (0.0..=1e10).contains(&value).then(|| (10.0 * libm::log10(value)).max(LOWEST_DB)),
         }
     }
 

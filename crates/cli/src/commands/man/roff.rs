@@ -1,9 +1,11 @@
-//! The manual page.
+//! The manual pages.
 
 use std::io::{self, Write};
 
 use clap::Command;
 use clap_mangen::Man;
+
+const EXIT_STATUS: &str = ".SH \"EXIT STATUS\"\n0 done, 1 failed, 2 usage or bad input, 130 interrupted.";
 
 /// One page for the program and all of its commands.
 pub(super) fn page(command: Command) -> io::Result<Vec<u8>> {
@@ -17,8 +19,24 @@ pub(super) fn page(command: Command) -> io::Result<Vec<u8>> {
     for subcommand in command.get_subcommands() {
         section(subcommand, &mut page)?;
     }
-    writeln!(page, ".SH \"EXIT STATUS\"\n0 done, 1 failed, 2 usage or bad input, 130 interrupted.")?;
+    writeln!(page, "{EXIT_STATUS}")?;
     main.render_version_section(&mut page)?;
+    Ok(page)
+}
+
+/// The page of one command. Its commands, if it has some, have pages of their own.
+pub(super) fn page_of(command: &Command) -> io::Result<Vec<u8>> {
+    let mut page = Vec::new();
+    let man = Man::new(command.clone().version(env!("CARGO_PKG_VERSION")));
+    man.render_title(&mut page)?;
+    man.render_name_section(&mut page)?;
+    man.render_synopsis_section(&mut page)?;
+    man.render_description_section(&mut page)?;
+    man.render_options_section(&mut page)?;
+    if command.has_subcommands() {
+        man.render_subcommands_section(&mut page)?;
+    }
+    writeln!(page, "{EXIT_STATUS}\n.SH \"SEE ALSO\"\nsextant(1)")?;
     Ok(page)
 }
 

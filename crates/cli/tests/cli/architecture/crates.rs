@@ -6,14 +6,14 @@ use std::process::Command;
 use serde_json::Value;
 
 /// A crate that one of ours depends on.
-struct Dependency {
-    name: String,
+pub(super) struct Dependency {
+    pub(super) name: String,
     /// Whether users of the crate need it; otherwise its tests or its build script.
-    is_normal: bool,
+    pub(super) is_normal: bool,
 }
 
 /// The crates of the workspace, and what each depends on.
-fn workspace() -> BTreeMap<String, Vec<Dependency>> {
+pub(super) fn workspace() -> BTreeMap<String, Vec<Dependency>> {
     let output = Command::new(env!("CARGO"))
         .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
         .current_dir(env!("CARGO_MANIFEST_DIR"))

@@ -22,7 +22,7 @@ pub fn triangulate(anchors: [Position; 3], bearings_rad: [f64; 3]) -> Result<Pos
     if !(anchors.iter().all(|anchor| anchor.is_finite()) && bearings_rad.iter().all(|bearing| bearing.is_finite())) {
         return Err(LaterationError::NotFinite);
     }
-    let sine = |pair: usize| (bearings_rad[(pair + 1) % 3] - bearings_rad[pair]).sin().abs();
+    let sine = |pair: usize| libm::sin(bearings_rad[(pair + 1) % 3] - bearings_rad[pair]).abs();
     // The pair under the angle nearest to 0° or 180° has the farthest centre: the other two are used.
     let worst = (0..3).min_by(|&a, &b| sine(a).total_cmp(&sine(b))).unwrap_or(0);
     let (before, after) = ((worst + 1) % 3, (worst + 2) % 3);
@@ -32,7 +32,7 @@ pub fn triangulate(anchors: [Position; 3], bearings_rad: [f64; 3]) -> Result<Pos
     let centre = |pair: usize| {
         let (p, q) = (anchors[pair], anchors[(pair + 1) % 3]);
         let angle = bearings_rad[(pair + 1) % 3] - bearings_rad[pair];
-        let half_cotangent = 0.5 * angle.cos() / angle.sin();
+        let half_cotangent = 0.5 * libm::cos(angle) / libm::sin(angle);
         let chord = q - p;
         (p + q) * 0.5 + Position::new(-chord.y_m, chord.x_m, 0.0) * half_cotangent
     };

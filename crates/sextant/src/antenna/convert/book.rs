@@ -129,7 +129,7 @@ impl Rows {
                 let (found, allowed) = (format!("a factor of {}", row.gain), "factors of 0 or more".to_owned());
                 return Err(ConvertError::Invalid { place: place(), found, allowed });
             }
-            let value = if unit == GainUnit::Linear { 10.0 * row.gain.max(1e-20).log10() } else { row.gain };
+            let value = if unit == GainUnit::Linear { 10.0 * libm::log10(row.gain.max(1e-20)) } else { row.gain };
             let (sum, count) = cells.entry((owner, azimuth, elevation)).or_default();
             *sum += value;
             *count += 1;
@@ -148,7 +148,7 @@ impl Rows {
         let mut text = format!("sector,azimuth_deg,elevation_deg,{}\n", unit.column());
         for ((owner, azimuth, elevation), (sum, count)) in cells {
             let mean = sum / f64::from(count);
-            let mean = if unit == GainUnit::Linear { 10.0_f64.powf(mean / 10.0) } else { mean };
+            let mean = if unit == GainUnit::Linear { libm::pow(10.0, mean / 10.0) } else { mean };
             let name = match owner {
                 Owner::Sector(sector) => sector.to_string(),
                 Owner::QuasiOmni => "quasi_omni".to_owned(),

@@ -25,7 +25,7 @@ impl Observer for RunRecorder {
         if let Some(&last) = track.places.last()
             && last != position
         {
-            track.heading_rad = (position.y_m - last.y_m).atan2(position.x_m - last.x_m);
+            track.heading_rad = libm::atan2(position.y_m - last.y_m, position.x_m - last.x_m);
         }
         self.record_place(robot, time, position);
     }

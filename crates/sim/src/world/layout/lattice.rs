@@ -137,9 +137,9 @@ impl LatticeConfig {
         let per_side = if region.is_planar() { 1.0 / 2.0 } else { 1.0 / 3.0 };
         let mut allowed = format!("at most {fit} with spacing_m = {}", self.spacing_m);
         // Three digits are enough for a suggestion; the share of sites that fit hardly depends on the spacing.
-        let mut spacing_m = self.spacing_m * (as_f64(fit.max(1)) / as_f64(count)).powf(per_side);
+        let mut spacing_m = self.spacing_m * libm::pow(as_f64(fit.max(1)) / as_f64(count), per_side);
         for _ in 0..50 {
-            let digits = 10_f64.powf(2.0 - spacing_m.log10().floor());
+            let digits = libm::pow(10.0, 2.0 - libm::log10(spacing_m).floor());
             spacing_m = (spacing_m * digits).floor() / digits;
             if site_count(region, spacing_m) > MAX_SITES || self.jitter_m > spacing_m {
                 break;

@@ -113,7 +113,7 @@ impl Region {
         self.bounds.contains(p)
             && match &self.shape {
                 Shape::Bounds => true,
-                Shape::Round { center, radius_m } => (p.x_m - center.x_m).hypot(p.y_m - center.y_m) <= *radius_m,
+                Shape::Round { center, radius_m } => libm::hypot(p.x_m - center.x_m, p.y_m - center.y_m) <= *radius_m,
                 Shape::Ball { center, radius_m } => p.distance_m(*center) <= *radius_m,
                 Shape::Polygon(polygon) => polygon.contains([p.x_m, p.y_m]),
             }

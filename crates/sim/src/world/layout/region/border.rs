@@ -128,7 +128,7 @@ fn way_through_side(
     let (ox, oy) = (ax - from.x_m, ay - from.y_m);
     let distance_m = (ox * sy - oy * sx) / across;
     let t = (ox * direction.y_m - oy * direction.x_m) / across;
-    let length_m = sx.hypot(sy);
+    let length_m = libm::hypot(sx, sy);
     let normal = Position::new(sy / length_m, -sx / length_m, 0.0);
     (distance_m >= 0.0 && (0.0..=1.0).contains(&t)).then_some(Border { distance_m, normal })
 }
