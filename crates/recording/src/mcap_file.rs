@@ -14,6 +14,9 @@ use serde::Serialize;
 /// Maximum length of a record or chunk (octets). A damaged length is detected before memory is allocated.
 const LONGEST_RECORD: usize = 1 << 29;
 
+/// Most octets that are asked for at once. A file that claims a longer record than it has takes no more memory than this.
+const LONGEST_READ: usize = 1 << 16;
+
 /// Why a file cannot be read as an MCAP file at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum McapFileError {
@@ -116,7 +119,7 @@ pub fn scan<E: From<McapFileError>>(
         let step = match event {
             Ok(LinearReadEvent::ReadRequest(need)) => {
                 let read = loop {
-                    match source.read(reader.insert(need)) {
+                    match source.read(reader.insert(need.min(LONGEST_READ))) {
                         Err(why) if why.kind() == std::io::ErrorKind::Interrupted => {}
                         answer => break answer.map_err(failed)?,
                     }

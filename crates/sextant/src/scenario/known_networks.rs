@@ -20,6 +20,8 @@ struct KnownNetwork {
     /// Its channel and its links; `None` if they are not known.
     links: Option<CheckedLinks>,
     packets_per_stop: PacketsPerStop,
+    /// Whether its links sweep sectors, so that a log of it has sectors.
+    sweeps_sectors: bool,
 }
 
 /// How many packets a node sends while a robot listens at a stop.
@@ -85,6 +87,7 @@ impl KnownNetworks {
             name: table.name.map(str::to_owned),
             links: links.clone(),
             packets_per_stop: PacketsPerStop::new(table.traffic_of_nodes(), robots),
+            sweeps_sectors: table.sweeps_sectors(),
         };
         Self(surveyed.into_iter().map(known).collect())
     }
@@ -92,6 +95,11 @@ impl KnownNetworks {
     /// What nodes send in the first network.
     pub(super) fn packets_per_stop(&self) -> Option<PacketsPerStop> {
         self.0.first().map(|network| network.packets_per_stop)
+    }
+
+    /// Whether a log of the network called `name`, or of the first one, has sectors; true if there is no such network.
+    pub(super) fn sweep_sectors(&self, name: Option<&str>) -> bool {
+        self.find("network", name).ok().flatten().is_none_or(|network| network.sweeps_sectors)
     }
 
     /// Whether the channel and the links of all networks are known.

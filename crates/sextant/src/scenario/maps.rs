@@ -2,7 +2,7 @@
 
 use sextant_channel::Stop;
 use sextant_kernel::{RobotId, SettingError, SettingProblem, SimTime};
-use sextant_mapper::{KnowledgeKind, MapConfig, MapError, Mapper, Stitched};
+use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig, MapError, Mapper, Stitched};
 use sextant_sim::{Robot, RoleConfig};
 
 use super::config::ScenarioConfig;
@@ -49,8 +49,21 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
     maps
 }
 
-/// Refuses maps of what robots heard, if no robot surveys, and those that join the logs of robots, if there are not two.
-pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[MapJob], errors: &mut Errors) {
+/// Refuses maps of what robots heard, if no robot surveys, those that join the logs of robots, if there are not two, and those
+/// by the sectors of a network without any.
+pub(super) fn check_log_of_maps(
+    config: &ScenarioConfig,
+    maps: &[MapJob],
+    networks: &KnownNetworks,
+    errors: &mut Errors,
+) {
+    for (i, map) in config.maps.iter().enumerate() {
+        if matches!(map.algorithm, AlgorithmConfig::Mmtm(_)) && !networks.sweep_sectors(map.network.as_deref()) {
+            let key = format!("maps[{i}].algorithm.mmtm");
+            let with = "a network without `mac.sector_sweep`, because its receptions have no sectors";
+            errors.refuse(&SettingError::conflict(key, with, "use `ml_tm`, which maps without sectors"));
+        }
+    }
     let surveying = config.robots.iter().filter(|robot| robot.role == RoleConfig::Survey).count();
     for i in (0..config.maps.len()).filter(|&i| surveying == 1 && config.maps[i].stitch.is_some()) {
         let remedy = "leave out `stitch`, which joins the logs of two or more robots";

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 const WORDS: usize = 30;
 
 /// Folders at the top of the tree: a text in code marks that begins with one is a path.
-const FOLDERS: [&str; 8] = [".ci/", "benches/", "crates/", "docs/", "examples/", "release/", "scenarios/", "tests/"];
+const FOLDERS: [&str; 9] =
+    [".ci/", "benches/", "crates/", "docs/", "examples/", "fuzz/", "release/", "scenarios/", "tests/"];
 
 /// The guides: `*.md` at the top of the tree, of each crate, and in `docs/` and its folders.
 pub(in super::super) fn guides() -> Vec<PathBuf> {
