@@ -38,7 +38,7 @@ mkdir -p "$out"
 
 if [ -z "$rehearsed" ]; then
     step "packages"
-    cargo package --workspace --exclude sextant-benches --locked
+    cargo package --workspace --exclude sextant-benches --exclude sextant-fuzz --locked
     mkdir "$out/crates"
     cp target/package/*-"$version".crate "$out/crates"
 
