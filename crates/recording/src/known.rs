@@ -8,16 +8,16 @@ use sextant_kernel::NodeId;
 
 use super::error::RecordingError;
 use super::messages;
-use super::names::{ANCHORS_TOPIC, BEACONS_TOPIC, NEIGHBOURS_TOPIC};
+use super::names::{ANCHORS_TOPIC, BEACONS_TOPIC, LINKS_KEY, NEIGHBOURS_TOPIC};
 use super::reader::sound;
 use crate::mcap_file::Piece;
 
 /// What the nodes know of each other.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
-    /// Receptions of hello packets between nodes, if there are any.
+    /// Receptions of hello packets between nodes, if they listened to each other.
     pub neighbours: Option<NeighbourLog>,
-    /// Receptions of the anchors' packets, if there are any.
+    /// Receptions of the anchors' packets, if they listened to them.
     pub beacons: Option<NeighbourLog>,
     /// The nodes that know their position, by node.
     pub anchors: Vec<Anchor>,
@@ -28,14 +28,25 @@ pub struct Known {
 /// # Errors
 /// If the file cannot be read, is damaged, or refers to nodes that do not exist.
 pub fn read_known(path: &Path, nodes: usize) -> Result<Known, RecordingError> {
-    let (mut neighbours, mut beacons) = (Vec::new(), Vec::new());
+    let (mut neighbours, mut beacons) = (None, None);
     let mut known = Known::default();
     sound(path, &mut |piece| {
-        let Piece::Message { channel, data, .. } = piece else { return Ok(()) };
+        let (channel, data) = match piece {
+            Piece::Message { channel, data, .. } => (channel, data),
+            Piece::Metadata(record) if record.metadata.contains_key(LINKS_KEY) => {
+                match record.name.as_str() {
+                    NEIGHBOURS_TOPIC => neighbours = Some(Vec::new()),
+                    BEACONS_TOPIC => beacons = Some(Vec::new()),
+                    _ => {}
+                }
+                return Ok(());
+            }
+            _ => return Ok(()),
+        };
         let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
         match channel.topic.as_str() {
-            NEIGHBOURS_TOPIC => neighbours.push(link(data).map_err(wrong)?),
-            BEACONS_TOPIC => beacons.push(link(data).map_err(wrong)?),
+            NEIGHBOURS_TOPIC => neighbours.get_or_insert_default().push(link(data).map_err(wrong)?),
+            BEACONS_TOPIC => beacons.get_or_insert_default().push(link(data).map_err(wrong)?),
             ANCHORS_TOPIC => known.anchors.push(anchor(data, nodes).map_err(wrong)?),
             _ => {}
         }
@@ -51,12 +62,14 @@ pub fn read_known(path: &Path, nodes: usize) -> Result<Known, RecordingError> {
     Ok(known)
 }
 
-fn log(path: &Path, topic: &str, nodes: usize, links: Vec<Link>) -> Result<Option<NeighbourLog>, RecordingError> {
-    if links.is_empty() {
-        return Ok(None);
-    }
-    let log = NeighbourLog::new(nodes, links);
-    log.map(Some).map_err(|error| RecordingError::message(path, topic, error.to_string()))
+fn log(
+    path: &Path,
+    topic: &str,
+    nodes: usize,
+    links: Option<Vec<Link>>,
+) -> Result<Option<NeighbourLog>, RecordingError> {
+    let log = links.map(|links| NeighbourLog::new(nodes, links)).transpose();
+    log.map_err(|error| RecordingError::message(path, topic, error.to_string()))
 }
 
 fn link(data: &[u8]) -> Result<Link, String> {

@@ -14,6 +14,8 @@ pub const ORIGIN_METADATA: &str = "sextant";
 pub(super) const DETAIL_METADATA: &str = "detail";
 /// Name of the metadata record with the phases of a run that has applications.
 pub(super) const PHASES_METADATA: &str = "phases";
+/// Key of the metadata record with the name of a topic of links that has none: their number, 0.
+pub(super) const LINKS_KEY: &str = "links";
 /// Topic of receptions between nodes.
 pub(super) const NEIGHBOURS_TOPIC: &str = "/neighbours";
 /// Topic of receptions of the anchors' packets by nodes.

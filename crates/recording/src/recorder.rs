@@ -32,8 +32,8 @@ use super::error::RecordingError;
 use super::link_quality::link_quality;
 use super::messages;
 use super::names::{
-    ANCHORS_TOPIC, BEACONS_TOPIC, FILES_ATTACHMENTS, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC, NETWORKS_TOPIC,
-    ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
+    ANCHORS_TOPIC, BEACONS_TOPIC, FILES_ATTACHMENTS, LINKS_KEY, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC,
+    NETWORKS_TOPIC, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
 };
 use super::sink::Sink;
 
@@ -173,6 +173,11 @@ impl<W: Write> Recorder<W> {
     }
 
     fn links(&mut self, topic: &str, log: &NeighbourLog) -> Result<(), RecordingError> {
+        if log.links().is_empty() {
+            // Without a message there is no topic: that nobody was heard is another thing than that nobody listened.
+            let values = BTreeMap::from([(LINKS_KEY.to_owned(), "0".to_owned())]);
+            self.sink.metadata(&Metadata { name: topic.to_owned(), metadata: values })?;
+        }
         log.links().iter().try_for_each(|&Link { listener, sender, received, sent, rssi_dbm }| {
             let message = messages::LinkMessage { listener: listener.0, sender: sender.0, received, sent, rssi_dbm };
             self.write(SimTime::ZERO, topic, &message)

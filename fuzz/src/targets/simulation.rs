@@ -226,7 +226,7 @@ impl Text<'_, '_> {
                 "auto = {}",
                 "mmtm = { grid_step_m = 1.0, profile.fitted = {} }",
                 "strongest_stop = {}",
-                "rssi_centroid = {}",
+                "tpm = {}",
             ])?;
             let number = self.text.len();
             self.line(&format!("[[maps]]\nname = \"m{number}\"\nalgorithm.{algorithm}"));
