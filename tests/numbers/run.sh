@@ -3,7 +3,8 @@
 #
 #   tests/numbers/run.sh [calls] [avx2] [old-processor] [c-library] [aarch64]     all that can run here, if none is named
 #
-#   calls           the functions of the C library's mathematics that the program calls, and who calls them, are those of calls.txt
+#   calls           the functions of the C library's mathematics that the program calls, and who calls them, are those of calls.txt;
+#                   they are those of a release build with default features
 #   avx2            the program built for AVX2 and FMA
 #   old-processor   the same program on a processor without AVX and FMA (needs qemu-x86_64)
 #   c-library       the same program with another C library: SEXTANT_C_LIBRARY names a folder with its ld-linux-x86-64.so.2 and libm.so.6
