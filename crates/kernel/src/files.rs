@@ -134,6 +134,25 @@ pub fn is_within(path: &Path, folder: &Path) -> bool {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_file_may_be_as_long_as_the_limit_and_no_longer() {
+        assert_eq!(LARGEST_FILE, 256 * 1024 * 1024);
+        let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+        let octets = std::fs::read(&own).unwrap();
+        let length = octets.len() as u64;
+        assert_eq!(read_at_most(&own, length).unwrap(), octets);
+        assert_eq!(read_text_at_most(&own, length).unwrap().into_bytes(), octets);
+        assert_eq!(read_at_most(&own, length - 1).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
+        let error = text(vec![b'a', 0xFF]).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::InvalidData);
+        let files = Files::of_folder(Path::new(env!("CARGO_MANIFEST_DIR")));
+        assert_eq!(
+            (files.path(Path::new("Cargo.toml")), files.read(Path::new("Cargo.toml")).unwrap()),
+            (own, octets)
+        );
+        assert_eq!(Files::Attached(Arc::default()).path(Path::new("a/b.csv")), Path::new("a/b.csv"));
+    }
+
     #[cfg(unix)]
     #[test]
     fn a_file_without_end_is_rejected() {

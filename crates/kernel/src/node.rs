@@ -28,3 +28,15 @@ impl fmt::Display for NodeId {
         write!(f, "n{}", self.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_identity_is_an_index() {
+        assert_eq!(NodeId::from_index(7), NodeId(7));
+        assert_eq!(NodeId(7).index(), 7);
+        assert_eq!(NodeId(5).to_string(), "n5");
+    }
+}

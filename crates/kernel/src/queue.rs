@@ -186,6 +186,36 @@ mod tests {
     }
 
     #[test]
+    fn cancelled_entries_are_counted_until_they_leave() {
+        let mut queue = EventQueue::new();
+        let at = |i: u64| SimTime::from_nanos(i * 1_000);
+        let keys: Vec<EventKey> = (0..10).map(|i| queue.push(at(i), RANK, i)).collect();
+        for key in &keys[..6] {
+            queue.cancel(*key);
+        }
+        assert_eq!((queue.cancelled, queue.len(), queue.pending.len()), (6, 4, 10));
+        assert_eq!((queue.peek_time(), queue.cancelled), (Some(at(6)), 0));
+        queue.cancel(keys[7]);
+        queue.cancel(keys[8]);
+        assert_eq!((queue.pop(), queue.cancelled), (Some((at(6), 6)), 2));
+        assert_eq!((queue.pop(), queue.cancelled), (Some((at(9), 9)), 0));
+        assert_eq!((queue.now(), queue.is_empty()), (at(9), true));
+    }
+
+    #[test]
+    fn cancelled_entries_are_swept_when_they_are_the_majority() {
+        let mut queue = EventQueue::new();
+        let keys: Vec<EventKey> = (0..200).map(|i| queue.push(SimTime::from_nanos(i), RANK, i)).collect();
+        // Of 200 events, 132 cancelled ones are no more than the 68 that are left and the 64 that are tolerated.
+        for key in &keys[..132] {
+            queue.cancel(*key);
+        }
+        assert_eq!((queue.cancelled, queue.len(), queue.pending.len()), (132, 68, 200));
+        queue.cancel(keys[132]);
+        assert_eq!((queue.cancelled, queue.len(), queue.pending.len()), (0, 67, 67));
+    }
+
+    #[test]
     fn freed_slots_are_reused() {
         let mut queue = EventQueue::new();
         for i in 0..100 {

@@ -98,6 +98,24 @@ mod tests {
         assert_ne!(draw(1, Purpose::new(3), 3), draw(2, Purpose::new(3), 3));
     }
 
+    /// By a program in Python of the same definition; the first value is the published one of SplitMix64 with seed 0.
+    #[test]
+    fn draws_are_those_of_splitmix64() {
+        assert_eq!([mix(0), mix(0x9E37_79B9_7F4A_7C15)], [0xE220_A839_7B1D_CDAF, 0x6E78_9E6A_A1B9_65F4]);
+        let (seed, purpose, place) = (Seed(7), Purpose::new(4), [1, 2, 3]);
+        assert_eq!(seed.bits(purpose, place), 0x7823_D3FA_AA63_78C0);
+        let is_near = |found: f64, expected: f64| (found - expected).abs() < 1e-15;
+        assert!(is_near(seed.uniform(purpose, place), 0.469_296_692_559_863_5));
+        assert!(is_near(seed.normal(purpose, place), -0.711_628_056_659_570_2));
+    }
+
+    #[test]
+    fn a_uniform_number_is_never_an_end_point() {
+        let half_step = 0.5 / (1_u64 << 52) as f64;
+        let ends = [open_unit(0), open_unit(1 << 63), open_unit(u64::MAX)];
+        assert_eq!(ends.map(f64::to_bits), [half_step, 0.5 + half_step, 1.0 - half_step].map(f64::to_bits));
+    }
+
     #[test]
     fn neighbouring_addresses_give_standard_normal_numbers_without_correlation() {
         const COUNT: u64 = 200_000;

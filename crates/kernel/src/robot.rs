@@ -20,3 +20,14 @@ impl RobotId {
         Self(u32::try_from(index).expect("at most 2^32 robots"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_identity_is_an_index() {
+        assert_eq!(RobotId::from_index(7), RobotId(7));
+        assert_eq!(RobotId(7).index(), 7);
+    }
+}

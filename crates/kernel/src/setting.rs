@@ -162,7 +162,20 @@ mod tests {
         let conflict = SettingError::conflict("order", "`spacing_m`", "set one of them").within("hilbert");
         assert_eq!(conflict.to_string(), "`hilbert.order` conflicts with `spacing_m`; set one of them");
         assert_eq!((conflict.found(), conflict.allowed()), ("`spacing_m`", "set one of them"));
-        assert!(SettingError::not_negative("x", f64::NAN).is_err());
-        assert!(SettingError::in_range("x", f64::NAN, 0.0, 1.0).is_err());
+    }
+
+    #[test]
+    fn numbers_are_checked_at_their_bounds() {
+        let tiny = f64::MIN_POSITIVE;
+        let accepted = |check: &dyn Fn(f64) -> Result<f64, SettingError>| {
+            [f64::NAN, f64::NEG_INFINITY, -1.0, -tiny, 0.0, tiny, 1.0, 2.0, f64::INFINITY]
+                .into_iter()
+                .filter(|&value| check(value).inspect(|found| assert_eq!(found.to_bits(), value.to_bits())).is_ok())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(accepted(&|value| SettingError::positive("x", value)), [tiny, 1.0, 2.0]);
+        assert_eq!(accepted(&|value| SettingError::not_negative("x", value)), [0.0, tiny, 1.0, 2.0]);
+        assert_eq!(accepted(&|value| SettingError::finite("x", value)), [-1.0, -tiny, 0.0, tiny, 1.0, 2.0]);
+        assert_eq!(accepted(&|value| SettingError::in_range("x", value, 0.0, 1.0)), [0.0, tiny, 1.0]);
     }
 }

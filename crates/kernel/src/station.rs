@@ -40,3 +40,16 @@ impl fmt::Display for StationId {
         write!(f, "station {}", self.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_identity_is_an_index() {
+        assert_eq!(StationId::from_index(7), StationId(7));
+        assert_eq!(StationId(7).index(), 7);
+        assert_eq!(StationId::from(NodeId(5)), StationId(5));
+        assert_eq!(StationId(5).to_string(), "station 5");
+    }
+}

@@ -108,5 +108,12 @@ mod tests {
         assert_eq!(later - late, Duration::from_nanos(1));
         assert_eq!(later.to_string(), "1152921504.606846978 s");
         assert_eq!(SimTime::ZERO.saturating_sub(Duration::from_secs(1)), SimTime::ZERO);
+        assert_eq!(later.saturating_sub(Duration::new(1, 2)), SimTime::from_nanos((1 << 60) - 1_000_000_000));
+        assert_eq!(later.saturating_since(late), Duration::from_nanos(1));
+        assert_eq!(late.saturating_since(later), Duration::ZERO);
+        assert_eq!(SimTime::from_nanos(2_500_000_000).as_secs_f64().to_bits(), 2.5_f64.to_bits());
+        let mut now = late;
+        now += Duration::from_nanos(1);
+        assert_eq!(now, later);
     }
 }
