@@ -29,17 +29,22 @@ fn reasoned(heading: &str) -> BTreeSet<String> {
     table.into_keys().collect()
 }
 
+/// Crates that are not published: benchmarks and fuzz targets.
+const OF_DEVELOPERS: [&str; 2] = ["sextant-benches", "sextant-fuzz"];
+
 /// The dependencies of our crates that are not ours: those that a program needs, and those that only tests need.
 fn dependencies() -> [BTreeSet<String>; 2] {
     let workspace = super::crates::workspace();
     let named = |is_normal| -> BTreeSet<String> {
-        let all = workspace.iter().filter(|(name, _)| *name != "sextant-benches").flat_map(|(_, uses)| uses);
+        let all =
+            workspace.iter().filter(|(name, _)| !OF_DEVELOPERS.contains(&name.as_str())).flat_map(|(_, uses)| uses);
         let chosen = all.filter(|dependency| dependency.is_normal == is_normal);
         let others = chosen.filter(|dependency| !dependency.name.starts_with("sextant"));
         others.map(|dependency| dependency.name.clone()).collect()
     };
-    let benches = workspace["sextant-benches"].iter().map(|dependency| dependency.name.clone());
-    let tests: BTreeSet<_> = benches.filter(|name| !name.starts_with("sextant")).chain(named(false)).collect();
+    let of_developers = OF_DEVELOPERS.iter().flat_map(|name| &workspace[*name]);
+    let names = of_developers.map(|dependency| dependency.name.clone());
+    let tests: BTreeSet<_> = names.filter(|name| !name.starts_with("sextant")).chain(named(false)).collect();
     let program = named(true);
     let tests = tests.difference(&program).cloned().collect();
     [program, tests]
@@ -49,7 +54,11 @@ fn dependencies() -> [BTreeSet<String>; 2] {
 fn each_direct_dependency_has_its_reason_and_each_reason_its_dependency() {
     let [program, tests] = dependencies();
     assert_eq!(reasoned("In the program"), program, "docs/dependencies.md and the manifests, of the program");
-    assert_eq!(reasoned("In tests and benchmarks only"), tests, "docs/dependencies.md and the manifests, of tests");
+    assert_eq!(
+        reasoned("In tests, benchmarks and fuzz targets only"),
+        tests,
+        "docs/dependencies.md and the manifests, of tests"
+    );
 }
 
 #[test]
