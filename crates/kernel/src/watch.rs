@@ -69,3 +69,29 @@ impl Watch for Unreported<'_> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("interrupted")]
 pub struct Interrupted;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stops work at once.
+    #[derive(Debug)]
+    struct Stopped;
+
+    impl Watch for Stopped {
+        fn begin(&self, _: Work) {}
+
+        fn advance(&self, _: u64) {}
+
+        fn is_stopped(&self) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn work_inside_work_is_stopped_with_it() {
+        let check = |watch: &dyn Watch| watch.check();
+        assert_eq!([check(&Unwatched), check(&Stopped)], [Ok(()), Err(Interrupted)]);
+        assert_eq!([check(&Unreported(&Unwatched)), check(&Unreported(&Stopped))], [Ok(()), Err(Interrupted)]);
+    }
+}
