@@ -101,6 +101,7 @@ impl Trial<'_> {
                 disasters += 1;
             }
         }
+        eprintln!("{disasters} disasters");
         disasters
     }
 
