@@ -47,15 +47,13 @@ fn round(number: u64, scenarios: &Path, folder: &Path) -> Result<(), Box<dyn Err
     let name = names[usize::try_from(number % names.len() as u64)?];
     let scenario = Scenario::load(scenarios.join(name))?.with("seed", number)?;
     let recording = folder.join("run.mcap");
-    sextant::run(&scenario, &mut RunRecorder::new(&recording), &Unwatched)?;
+    let run = sextant::run(&scenario, &mut RunRecorder::new(&recording), &Unwatched)?;
     export(&recording, &folder.join("tables"), ExportFormat::Csv, &Unwatched)?;
-    let run = read_log(&recording)?;
-    let smoke = scenarios.join("smoke.toml");
-    if !run.log().stops().is_empty() {
+    if run.survey().is_some_and(|survey| !survey.logs.first().stops().is_empty()) {
         let algorithms: [AlgorithmName; 3] = ["auto".parse()?, "ml-tm".parse()?, "packet-centroid".parse()?];
-        map_log(run.log(), algorithms[usize::try_from(number % 3)?], &Unwatched)?;
+        map_log(read_log(&recording)?.log(), algorithms[usize::try_from(number % 3)?], &Unwatched)?;
     }
-    let sweep = Sweep::read(&smoke, &[], Some(number), NonZeroU32::new(3))?;
+    let sweep = Sweep::read(&scenarios.join("smoke.toml"), &[], Some(number), NonZeroU32::new(3))?;
     let table = folder.join("t.csv");
     let rows = sweep::run(&sweep, Shard::default(), &table, false, &Unwatched)?;
     sweep::write_table(&table, &sweep, &rows)?;
