@@ -123,7 +123,7 @@ impl Mesh {
     /// Length of the line inside (m): the sum over all crossings of the infinite line and the mesh, exits minus
     /// entries, each clipped to the line. If the line passes within a nanometre of an edge, or along a face,
     /// crossings might count twice or not at all. Then, for each piece between two crossings, its middle is tested
-    /// instead.
+    /// instead. Where parts of the mesh overlap, they count once.
     pub(crate) fn length_inside_m(&self, from: Position, to: Position) -> f64 {
         let length_m = from.distance_m(to);
         if length_m <= 0.0 {
@@ -131,24 +131,21 @@ impl Mesh {
         }
         let u = (to - from) * (1.0 / length_m);
         let mut inside_m = 0.0;
-        let mut balance = 0;
+        let mut crossings = Vec::new();
         for index in self.tree.along(self.chord(from, u), GRAZE_M) {
             match triangle::meet(self.surface.triangle(index), from, u) {
                 Meeting::Miss => {}
-                Meeting::Through { at_m, leaves: true } => {
-                    balance += 1;
-                    inside_m += at_m.clamp(0.0, length_m);
-                }
-                Meeting::Through { at_m, leaves: false } => {
-                    balance -= 1;
-                    inside_m -= at_m.clamp(0.0, length_m);
+                Meeting::Through { at_m, leaves } => {
+                    crossings.push((at_m, leaves));
+                    let at_m = at_m.clamp(0.0, length_m);
+                    inside_m += if leaves { at_m } else { -at_m };
                 }
                 Meeting::Edge { .. } => return self.length_by_pieces_m(from, u, length_m),
             }
         }
         // A line that ends on a face is not inside.
         let whole_m = if inside_m > GRAZE_M { inside_m } else { 0.0 };
-        if balance == 0 { whole_m } else { self.length_by_pieces_m(from, u, length_m) }
+        if are_pairs(&mut crossings) { whole_m } else { self.length_by_pieces_m(from, u, length_m) }
     }
 
     /// The part of the infinite line that can be near the mesh.
@@ -171,14 +168,15 @@ impl Mesh {
         let pieces = cuts.windows(2).map(|pair| (pair[0], pair[1]));
         pieces
             .filter(|(enter_m, leave_m)| leave_m - enter_m > GRAZE_M)
-            .map(|(enter_m, leave_m)| self.depth(from + u * (0.5 * (enter_m + leave_m))) * (leave_m - enter_m))
+            .filter(|(enter_m, leave_m)| self.is_around(from + u * (0.5 * (enter_m + leave_m))))
+            .map(|(enter_m, leave_m)| leave_m - enter_m)
             .sum()
     }
 
-    /// Winding number of the mesh around `p`: 1 inside, 0 outside and within a nanometre of the mesh.
-    fn depth(&self, p: Position) -> f64 {
+    /// Whether the mesh winds around `p`, more than a nanometre from it.
+    fn is_around(&self, p: Position) -> bool {
         let turns = self.surface.corners().map(|corners| triangle::solid_angle(corners, p)).sum::<f64>() / (4.0 * PI);
-        if turns < 0.5 || self.distance_to_surface_m(p) <= GRAZE_M { 0.0 } else { turns.round() }
+        turns >= 0.5 && self.distance_to_surface_m(p) > GRAZE_M
     }
 
     fn distance_to_surface_m(&self, p: Position) -> f64 {
@@ -197,7 +195,7 @@ impl Mesh {
     }
 
     pub(crate) fn contains(&self, p: Position) -> bool {
-        self.bounds.contains(p) && self.depth(p) > 0.5
+        self.bounds.contains(p) && self.is_around(p)
     }
 
     pub(crate) fn distance_m(&self, p: Position) -> f64 {
@@ -226,6 +224,13 @@ fn read_file(file: &Path, files: &Files) -> Result<String, SettingError> {
 fn flawed(file: &Path, files: &Files, flaw: &str) -> SettingError {
     let found = format!("`{}`, {flaw}", files.path(file).display());
     files.discreet(file, SettingError::new("file", found, "a Wavefront .obj file"))
+}
+
+/// Whether the crossings, each with whether it leaves, are an entry and an exit in turn, so that no two parts overlap.
+fn are_pairs(crossings: &mut [(f64, bool)]) -> bool {
+    crossings.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+    crossings.len().is_multiple_of(2)
+        && crossings.iter().zip([false, true].into_iter().cycle()).all(|(a, b)| a.1 == b)
 }
 
 /// Merges vertices at the same place, because many programs write separate vertices for each triangle, and removes

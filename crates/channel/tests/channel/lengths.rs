@@ -6,7 +6,7 @@ use parry3d_f64::shape::{ConvexPolyhedron, Cuboid, Cylinder, TriMesh};
 use proptest::prelude::*;
 use sextant_channel::{Bounds, Crossing, Db, ObstacleField, Position, Shape};
 
-use crate::solids::{at, cubes, cylinder, obstacle, random_place, shape, solids, upright_box};
+use crate::solids::{at, cubes, cylinder, mesh, obstacle, random_place, shape, solids, upright_box};
 
 fn assert_length(shape: &Shape, name: &str, from: Position, to: Position, expected_m: f64) {
     for (a, b) in [(from, to), (to, from)] {
@@ -328,5 +328,28 @@ proptest! {
         let here = shape(upright_box(at(0.0, 0.0, 0.0), [2.0, 1.0, 3.0], yaw));
         let there = shape(upright_box(shift, [2.0, 1.0, 3.0], yaw));
         prop_assert!((here.length_inside_m(from, to) - there.length_inside_m(from + shift, to + shift)).abs() < 1e-9);
+    }
+}
+
+/// Two boxes in one mesh, the second of which begins inside the first; and one that lies in the other.
+#[test]
+fn parts_of_a_mesh_that_overlap_count_once() {
+    let boxes = [(at(0.0, 0.0, 0.0), 2.0), (at(1.5, 0.1, 0.1), 2.0), (at(0.05, 0.0, 0.0), 0.5)];
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for (center, size_m) in boxes {
+        let (corners, faces) = shape(upright_box(center, [size_m; 3], 0.0)).mesh();
+        let first = u32::try_from(vertices.len()).unwrap();
+        vertices.extend(corners.iter().map(|p| [p.x_m, p.y_m, p.z_m]));
+        triangles.extend(faces.iter().map(|face| face.map(|corner| first + corner)));
+    }
+    let joined = shape(mesh(&vertices, &triangles));
+    for (from, to, expected_m) in [
+        (at(-5.0, 0.21, 0.12), at(5.0, 0.21, 0.12), 3.5),
+        (at(-5.0, 0.0, 0.0), at(5.0, 0.0, 0.0), 3.5),
+        (at(0.75, 0.21, 0.12), at(0.25, 0.21, 0.12), 0.5),
+        (at(0.3, -5.0, 0.12), at(0.3, 5.0, 0.12), 2.0),
+        (at(-5.0, 1.05, 0.12), at(5.0, 1.05, 0.12), 2.0),
+    ] {
+        assert_length(&joined, "boxes that overlap", from, to, expected_m);
     }
 }
