@@ -4,6 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::replaced::disk_under;
 use super::{Change, Disk, FileNumber};
@@ -41,10 +42,8 @@ impl DiskFile {
     }
 
     fn open_with(path: &Path, options: &OpenOptions) -> io::Result<Self> {
-        let disk = disk_under(path).map(|disk| {
-            let number = disk.number();
-            (disk, number)
-        });
+        static OPENED: AtomicU64 = AtomicU64::new(0);
+        let disk = disk_under(path).map(|disk| (disk, OPENED.fetch_add(1, Ordering::Relaxed)));
         Ok(Self { file: options.open(path)?, disk })
     }
 

@@ -3,16 +3,12 @@
 use std::fmt::Debug;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
-use super::{Change, FileNumber};
+use super::Change;
 
 /// Decides about the changes below a folder.
 pub trait Disk: Debug + Send + Sync {
-    /// A number for a file that is opened.
-    fn number(&self) -> FileNumber;
-
     /// Called before each change. The answer is how many octets of a [`Change::Write`] are taken; for other changes it does not
     /// matter.
     ///
@@ -22,9 +18,6 @@ pub trait Disk: Debug + Send + Sync {
 }
 
 static DISKS: RwLock<Vec<(PathBuf, Arc<dyn Disk>)>> = RwLock::new(Vec::new());
-
-/// The number of disks, to be read without a lock.
-static COUNT: AtomicUsize = AtomicUsize::new(0);
 
 /// A folder that has a disk of its own as long as this exists.
 #[derive(Debug)]
@@ -36,22 +29,17 @@ pub struct Replaced {
 /// Puts `disk` under all files below `folder`, an absolute path without links.
 pub fn replace(folder: &Path, disk: Arc<dyn Disk>) -> Replaced {
     DISKS.write().unwrap_or_else(PoisonError::into_inner).push((folder.to_owned(), disk));
-    COUNT.fetch_add(1, Ordering::SeqCst);
     Replaced { folder: folder.to_owned() }
 }
 
 impl Drop for Replaced {
     fn drop(&mut self) {
         DISKS.write().unwrap_or_else(PoisonError::into_inner).retain(|(folder, _)| *folder != self.folder);
-        COUNT.fetch_sub(1, Ordering::SeqCst);
     }
 }
 
 /// The disk under `path`, unless it is that of the system.
 pub(super) fn disk_under(path: &Path) -> Option<Arc<dyn Disk>> {
-    if COUNT.load(Ordering::SeqCst) == 0 {
-        return None;
-    }
     let disks = DISKS.read().unwrap_or_else(PoisonError::into_inner);
     disks.iter().find(|(folder, _)| path.starts_with(folder)).map(|(_, disk)| Arc::clone(disk))
 }

@@ -48,7 +48,6 @@ pub struct SimulatedDisk {
 
 #[derive(Debug, Default)]
 struct State {
-    next_file: FileNumber,
     /// The number of changes that were asked for.
     asked: usize,
     is_full: bool,
@@ -135,12 +134,6 @@ impl SimulatedDisk {
 }
 
 impl Disk for SimulatedDisk {
-    fn number(&self) -> FileNumber {
-        let mut state = self.state();
-        state.next_file += 1;
-        state.next_file
-    }
-
     fn permit(&self, change: &Change<'_>) -> io::Result<usize> {
         let mut state = self.state();
         let now = state.asked;
