@@ -25,7 +25,7 @@ const SLOW: &str = "extends = \"SMOKE\"\n\
     profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 } }\n";
 
 /// The output of `child`, which must end in time.
-fn ended(mut child: Child) -> Output {
+pub(crate) fn ended(mut child: Child) -> Output {
     #[expect(clippy::disallowed_methods, reason = "a program that hangs must fail the test")]
     let start = Instant::now();
     while child.try_wait().expect("a child").is_none() {

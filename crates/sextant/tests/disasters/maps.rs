@@ -1,6 +1,5 @@
 //! Maps of logs, at once and tile by tile.
 
-use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -13,7 +12,7 @@ use sextant_logs::ReadOptions;
 use tempfile::TempDir;
 
 use crate::SHORT;
-use crate::trial::Trial;
+use crate::trial::{Trial, goes_on, undisturbed};
 
 /// A recording in a folder that no disaster reaches.
 struct Recorded(TempDir);
@@ -60,9 +59,7 @@ impl Recorded {
 #[test]
 fn a_map_is_whole_or_not_there() {
     let recorded = Recorded::new();
-    let folder = tempfile::tempdir().expect("it works without a disaster");
-    recorded.map(folder.path()).expect("it works without a disaster");
-    let map = fs::read(folder.path().join("map.csv")).expect("it works without a disaster");
+    let map = undisturbed(&|folder| recorded.map(folder), "map.csv");
     Trial { prepare: &|_| {}, work: &|folder| recorded.map(folder) }.each(|left| {
         left.check_whole("map.csv", None, &map);
         left.check_tidy();
@@ -72,13 +69,6 @@ fn a_map_is_whole_or_not_there() {
 #[test]
 fn a_map_in_tiles_goes_on_to_the_same_map_after_any_disaster() {
     let recorded = Recorded::new();
-    let folder = tempfile::tempdir().expect("it works without a disaster");
-    recorded.map_in_tiles(folder.path()).expect("it works without a disaster");
-    let map = fs::read(folder.path().join("map.csv")).expect("it works without a disaster");
-    let disasters = Trial { prepare: &|_| {}, work: &|folder| recorded.map_in_tiles(folder) }.each(|left| {
-        left.check_whole("map.csv", None, &map);
-        recorded.map_in_tiles(left.folder).unwrap_or_else(|error| panic!("{left}: {error}"));
-        assert!(left.read("map.csv").as_ref() == Some(&map), "{left}: the map is another one");
-    });
+    let (_, disasters) = goes_on(&|folder| recorded.map_in_tiles(folder), "map.csv", |_| {});
     assert!(disasters > 100, "{disasters}");
 }

@@ -7,7 +7,7 @@ use sextant::{RunCapture, RunRecorder, Scenario, Unwatched};
 use sextant_recording::{read_log, recover};
 
 use crate::SHORT;
-use crate::trial::{Left, Trial};
+use crate::trial::{Left, Trial, undisturbed};
 
 /// A small survey, read once.
 fn survey() -> Scenario {
@@ -21,10 +21,7 @@ fn record(scenario: &Scenario, path: &Path) -> Result<(), String> {
 
 /// The recording of `scenario`, in memory.
 fn recorded(scenario: &Scenario) -> Vec<u8> {
-    let folder = tempfile::tempdir().expect("it works without a disaster");
-    let path = folder.path().join("a.mcap");
-    record(scenario, &path).expect("it works without a disaster");
-    fs::read(path).expect("it works without a disaster")
+    undisturbed(&|folder| record(scenario, &folder.join("a.mcap")), "a.mcap")
 }
 
 /// Recovers what was left under the temporary name, and returns the number of its messages; nothing if not even a copy of it
@@ -95,9 +92,7 @@ fn a_capture_is_whole_or_not_there() {
         let run = sextant::run(&scenario, &mut RunCapture::new(&folder.join("a.pcap")), &Unwatched);
         run.map(|_| ()).map_err(|error| error.to_string())
     };
-    let folder = tempfile::tempdir().expect("it works without a disaster");
-    work(folder.path()).expect("it works without a disaster");
-    let new = fs::read(folder.path().join("a.pcap")).expect("it works without a disaster");
+    let new = undisturbed(&work, "a.pcap");
     let disasters = Trial { prepare: &|_| {}, work: &work }.each(|left| left.check_whole("a.pcap", None, &new));
     assert!(disasters > 40, "{disasters}");
 }

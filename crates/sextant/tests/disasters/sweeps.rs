@@ -8,7 +8,7 @@ use sextant::{Sweep, Unwatched};
 use tempfile::TempDir;
 
 use crate::SHORT;
-use crate::trial::Trial;
+use crate::trial::goes_on;
 
 /// A sweep of two cells with two runs each. Its scenario is in a folder that no disaster reaches.
 pub(crate) struct Study {
@@ -48,15 +48,9 @@ fn run(study: &Study, folder: &Path) -> Result<(), String> {
 #[test]
 fn a_sweep_goes_on_to_the_same_table_after_any_disaster() {
     let study = Study::new();
-    let folder = tempfile::tempdir().expect("it works without a disaster");
-    run(&study, folder.path()).expect("it works without a disaster");
-    let table = fs::read(folder.path().join("t.csv")).expect("it works without a disaster");
-    assert_eq!(String::from_utf8_lossy(&table).lines().count(), 5);
-    let disasters = Trial { prepare: &|_| {}, work: &|folder| run(&study, folder) }.each(|left| {
-        left.check_whole("t.csv", None, &table);
-        run(&study, left.folder).unwrap_or_else(|error| panic!("{left}: {error}"));
-        assert!(left.read("t.csv").as_ref() == Some(&table), "{left}: the table is another one");
+    let (table, disasters) = goes_on(&|folder| run(&study, folder), "t.csv", |left| {
         assert!(!left.folder.join("t.csv.parts").exists(), "{left}");
     });
+    assert_eq!(String::from_utf8_lossy(&table).lines().count(), 5);
     assert!(disasters > 100, "{disasters}");
 }

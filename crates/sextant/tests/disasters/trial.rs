@@ -125,6 +125,30 @@ impl Trial<'_> {
     }
 }
 
+/// The file `name` that `work` writes without a disaster.
+pub(crate) fn undisturbed(work: &dyn Fn(&Path) -> Result<(), String>, name: &str) -> Vec<u8> {
+    let folder = tempfile::tempdir().expect("it works without a disaster");
+    work(folder.path()).expect("it works without a disaster");
+    fs::read(folder.path().join(name)).expect("it works without a disaster")
+}
+
+/// Checks that the file `name` is whole or not there after each disaster, that the same `work` then goes on to the same file,
+/// and `also` what is left then. Returns the file and the number of disasters.
+pub(crate) fn goes_on(
+    work: &(dyn Fn(&Path) -> Result<(), String> + Sync),
+    name: &str,
+    also: impl Fn(&Left<'_>),
+) -> (Vec<u8>, usize) {
+    let whole = undisturbed(work, name);
+    let disasters = Trial { prepare: &|_| {}, work }.each(|left| {
+        left.check_whole(name, None, &whole);
+        work(left.folder).unwrap_or_else(|error| panic!("{left}: {error}"));
+        assert!(left.read(name).as_ref() == Some(&whole), "{left}: `{name}` is another one");
+        also(left);
+    });
+    (whole, disasters)
+}
+
 /// What all of a folder has, by name.
 pub(crate) fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files = Vec::new();

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use sextant_kernel::{Purpose, Seed};
 
 use super::Bench;
+use crate::interrupt::ended;
 use crate::program::{sextant, signal};
 
 /// Signals to each command, unless more are asked for.
@@ -118,15 +119,9 @@ fn ended_by(bench: &Bench, line: &str, name: &str, delay: Duration) -> Option<Du
     #[expect(clippy::disallowed_methods, reason = "the time until a program ends is what is tested")]
     let sent = Instant::now();
     signal(&child, name);
-    while child.try_wait().expect("a child").is_none() {
-        if sent.elapsed() > PATIENCE {
-            child.kill().expect("a child");
-            panic!("`{line}` did not end within {PATIENCE:?} after {name} at {delay:?}");
-        }
-        thread::sleep(Duration::from_millis(5));
-    }
+    let output = ended(child);
     let time = sent.elapsed();
-    let output = child.wait_with_output().expect("a child");
+    assert!(time <= PATIENCE, "`{line}` ended {time:?} after {name} at {delay:?}");
     let said = String::from_utf8_lossy(&output.stderr);
     let code = output.status.code();
     assert!(matches!(code, Some(0 | 75 | 130)), "`{line}` after {name} at {delay:?}: {code:?} {said}");
