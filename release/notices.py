@@ -8,11 +8,10 @@ is then that of another library or of Sextant. Python 3.11, no packages.
 """
 
 import collections
-import pathlib
 import re
 import sys
 
-from packages import ROOT, Package, linked
+from packages import ROOT, Package, linked, write_document
 
 NAMES = re.compile(r"(un)?licen[cs]e|copying|copyright|notice", re.IGNORECASE)
 # Folders of an archive that have no part in the program.
@@ -53,17 +52,5 @@ def notices(target: str) -> str:
     return f"\n{'-' * 80}\n\n".join(parts)
 
 
-def main() -> int:
-    match sys.argv[1:]:
-        case [target]:
-            print(notices(target), end="")
-        case [target, path]:
-            pathlib.Path(path).write_text(notices(target))
-        case _:
-            print(__doc__, file=sys.stderr)
-            return 2
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(write_document(notices, __doc__))

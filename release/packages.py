@@ -4,7 +4,9 @@ import dataclasses
 import json
 import pathlib
 import subprocess
+import sys
 import tomllib
+from collections.abc import Callable
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAM = "sextant-cli"
@@ -73,3 +75,16 @@ def linked(target: str) -> dict[tuple[str, str], Package]:
             above[-1].uses.add(key)
         above.append(found[key])
     return dict(sorted(found.items()))
+
+
+def write_document(make: Callable[[str], str], usage: str | None) -> int:
+    """Does what `TARGET [FILE]` on the command line asks for: writes the document that `make` makes of a target."""
+    match sys.argv[1:]:
+        case [target]:
+            print(make(target), end="")
+        case [target, path]:
+            pathlib.Path(path).write_text(make(target))
+        case _:
+            print(usage, file=sys.stderr)
+            return 2
+    return 0

@@ -15,7 +15,7 @@ import pathlib
 import sys
 import uuid
 
-from packages import PROGRAM, ROOT, Package, linked
+from packages import PROGRAM, ROOT, Package, linked, write_document
 
 WEB = ROOT / "crates/report/web"
 REPORT = "sextant-report"
@@ -131,14 +131,7 @@ def main() -> int:
     match sys.argv[1:]:
         case ["--check", path]:
             return check(pathlib.Path(path))
-        case [target]:
-            print(json.dumps(document(target), indent=2))
-        case [target, path]:
-            pathlib.Path(path).write_text(json.dumps(document(target), indent=2) + "\n")
-        case _:
-            print(__doc__, file=sys.stderr)
-            return 2
-    return 0
+    return write_document(lambda target: json.dumps(document(target), indent=2) + "\n", __doc__)
 
 
 if __name__ == "__main__":
