@@ -1,16 +1,7 @@
-//! The program `sextant`: commands, flags, tables on a terminal, signals. The work is done by the library.
-
-mod commands;
-mod diagnostic;
-mod interrupt;
-#[cfg(feature = "live")]
-mod live;
-mod paragraph;
-mod progress;
-mod terminal;
+//! The program `sextant`.
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    commands::main(std::env::args_os())
+    sextant_cli::main(&sextant_cli::Invocation::of_process())
 }

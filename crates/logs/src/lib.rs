@@ -97,7 +97,7 @@ pub use form_options::FormOptions;
 pub use gatherer::Gatherer;
 pub use local_plane::{Geodetic, LocalPlane};
 pub use log::RobotLog;
-pub use map::{read_map, write_map};
+pub use map::{COVARIANCE, read_map, write_map};
 pub use missing::{ColumnPattern, Missing};
 pub use names::Names;
 pub use noise_floor::NoiseFloor;

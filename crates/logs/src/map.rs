@@ -12,8 +12,8 @@ use super::local_plane::LocalPlane;
 use super::output::Output;
 use super::truth::read_places;
 
-/// The entries of the symmetric covariance that are written: row, column, and name.
-const COVARIANCE: [(usize, usize, &str); 6] = [
+/// The entries of the symmetric covariance of a place that are written: row, column, and name of the column of a map.
+pub const COVARIANCE: [(usize, usize, &str); 6] = [
     (0, 0, "cov_xx_m2"),
     (0, 1, "cov_xy_m2"),
     (0, 2, "cov_xz_m2"),

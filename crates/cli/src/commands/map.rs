@@ -13,6 +13,7 @@ use super::slurm_flags::{Scheduler, SlurmFlags, own_program};
 use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use crate::invocation::Invocation;
 use crate::terminal::{Watcher, stdout};
 use sextant::NumberRange;
 use sextant::campaign::slurm::submit_map;
@@ -130,7 +131,11 @@ pub(super) fn algorithms() -> impl TypedValueParser<Value = AlgorithmName> {
         .try_map(|name| name.parse::<AlgorithmName>())
 }
 
-pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
+pub(crate) fn execute(
+    arguments: &Arguments,
+    invocation: &Invocation,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
     let mut outputs = arguments.inputs();
@@ -215,7 +220,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
             arguments.work.note(&tiling.to_string());
             let (only, folder) = (arguments.only_tiles, arguments.keep_tiles.clone());
             if let (Some(_), Some(folder)) = (arguments.submit, &folder) {
-                return submit(folder, tiling.tiles(), &arguments.slurm);
+                return submit(invocation, folder, tiling.tiles(), &arguments.slurm);
             }
             let kept = folder.map(|folder| KeptTiles { folder, only });
             if let (Some(only), Some(kept)) = (only, &kept) {
@@ -256,9 +261,10 @@ impl Arguments {
 }
 
 /// Submits this very map in so many tiles.
-fn submit(folder: &Path, tiles: usize, slurm: &SlurmFlags) -> Result<(), Failure> {
-    let words = words_of_tasks(std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()), tiles);
-    let jobs = submit_map(&own_program()?, &words, folder, tiles, &slurm.settings())?;
+fn submit(invocation: &Invocation, folder: &Path, tiles: usize, slurm: &SlurmFlags) -> Result<(), Failure> {
+    let words = invocation.words().iter().map(|word| word.to_string_lossy().into_owned());
+    let words = words_of_tasks(words, tiles);
+    let jobs = submit_map(&own_program(invocation)?, &words, folder, tiles, &slurm.settings())?;
     let (tasks, of_tiles) = (counted(jobs.tasks, "task"), jobs.tiles.join(", "));
     writeln!(stdout(), "submitted {} in {tasks}: job {of_tiles}", counted(tiles, "tile"))?;
     Ok(writeln!(stdout(), "job {} joins them when they have ended", jobs.join)?)

@@ -35,6 +35,7 @@ pub(crate) use spoken::with_flags;
 
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use crate::invocation::Invocation;
 
 /// Simulates wireless sensor networks and robots that listen to them, and computes maps of the nodes from the receptions.
 #[derive(Debug, Parser)]
@@ -87,8 +88,11 @@ pub(crate) enum Command {
     Man(man::Arguments),
 }
 
-/// Runs the command line `words`, of which the first is the name of the program.
-pub(crate) fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+/// Runs the command line, prints what it prints, and returns its exit code. It takes over SIGINT, SIGTERM and SIGHUP, and the
+/// global pool of threads; so call it once per process.
+#[must_use]
+pub fn main(invocation: &Invocation) -> ExitCode {
+    let words = [OsString::from("sextant")].into_iter().chain(invocation.words().iter().cloned());
     let cli = match Cli::try_parse_from(words) {
         Ok(cli) => cli,
         Err(error) => {
@@ -97,7 +101,7 @@ pub(crate) fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
-    match execute(&cli.command) {
+    match execute(&cli.command, invocation) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             failure.print(with_flags);
@@ -106,13 +110,15 @@ pub(crate) fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-fn execute(command: &Command) -> Result<(), Failure> {
+fn execute(command: &Command, invocation: &Invocation) -> Result<(), Failure> {
     let interrupt = Interrupt::install()?;
     match command {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments, &interrupt),
-        Command::Map(arguments) => map::execute(arguments, &interrupt),
-        Command::Sweep(arguments) if campaign::is_asked_for(arguments) => campaign::execute(arguments, &interrupt),
+        Command::Map(arguments) => map::execute(arguments, invocation, &interrupt),
+        Command::Sweep(arguments) if campaign::is_asked_for(arguments) => {
+            campaign::execute(arguments, invocation, &interrupt)
+        }
         Command::Sweep(arguments) => sweep::execute(arguments, &interrupt),
         Command::Reproduce(arguments) => reproduce::execute(arguments, &interrupt),
         Command::Check(arguments) => check::execute(arguments),

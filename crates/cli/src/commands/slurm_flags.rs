@@ -1,12 +1,12 @@
 //! The flags of submissions to a cluster.
 
-use std::env;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
 use crate::diagnostic::Failure;
+use crate::invocation::Invocation;
 use sextant::campaign::slurm::{Chunk, SlurmSettings};
 
 /// A scheduler of a cluster.
@@ -59,6 +59,7 @@ impl SlurmFlags {
 }
 
 /// This program, as the tasks of a submission call it.
-pub(super) fn own_program() -> Result<PathBuf, Failure> {
-    env::current_exe().map_err(|error| Failure::failed(format!("the path of this program is not known: {error}")))
+pub(super) fn own_program(invocation: &Invocation) -> Result<PathBuf, Failure> {
+    let unknown = |error| Failure::failed(format!("the path of this program is not known: {error}"));
+    invocation.program().map_err(unknown)
 }

@@ -13,6 +13,18 @@ pub struct ScenarioError {
     message: String,
     excerpt: Option<Box<Excerpt>>,
     help: Option<String>,
+    setting: Option<Box<RefusedSetting>>,
+}
+
+/// The setting that an error is about, for programs that correct it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RefusedSetting {
+    /// Its key, `robots[0].speed_m_per_s` for example.
+    pub key: String,
+    /// What was found: its value, or an unknown name; `None` if it is missing.
+    pub found: Option<String>,
+    /// What is allowed, in words; `None` if the message alone says it.
+    pub allowed: Option<String>,
 }
 
 /// The part of a text that an error points at.
@@ -85,7 +97,7 @@ impl std::error::Error for ScenarioErrors {}
 
 impl ScenarioError {
     pub(crate) fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), excerpt: None, help: None }
+        Self { message: message.into(), excerpt: None, help: None, setting: None }
     }
 
     /// Points at `span` of `source`.
@@ -99,14 +111,39 @@ impl ScenarioError {
         self
     }
 
+    /// Says which setting it is about.
+    pub(crate) fn about(
+        mut self,
+        key: impl fmt::Display,
+        found: Option<&str>,
+        allowed: Option<impl fmt::Display>,
+    ) -> Self {
+        let (found, allowed) = (found.map(str::to_owned), allowed.map(|allowed| allowed.to_string()));
+        self.setting = Some(Box::new(RefusedSetting { key: key.to_string(), found, allowed }));
+        self
+    }
+
+    /// The setting that it is about, if it is about one.
+    #[must_use]
+    pub fn setting(&self) -> Option<&RefusedSetting> {
+        self.setting.as_deref()
+    }
+
     /// Its place as `file:line:column`, if it has one; lines and columns are counted from 1.
     #[must_use]
     pub fn place(&self) -> Option<String> {
-        let Excerpt { source, text, span, .. } = self.excerpt()?;
+        let (line, column) = self.line_and_column()?;
+        Some(format!("{}:{line}:{column}", self.excerpt()?.source))
+    }
+
+    /// Its line and column in the text of its [excerpt](Self::excerpt), both counted from 1.
+    #[must_use]
+    pub fn line_and_column(&self) -> Option<(usize, usize)> {
+        let Excerpt { text, span, .. } = self.excerpt()?;
         let before = &text[..span.start];
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
-        Some(format!("{source}:{line}:{column}"))
+        Some((line, column))
     }
 
     /// The part of the text that it points at, if there is one.

@@ -82,7 +82,25 @@ impl Scenario {
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn parse(text: &str) -> Result<Self, ScenarioErrors> {
-        ScenarioFile::of_text(text)?.scenario(&[], None)
+        Self::parse_with(text, &[], None)
+    }
+
+    /// Reads a scenario from its text, overrides it by the settings `set` (each `path.to.key=value`) and by `seed`, and checks
+    /// it. Files that it names are relative to the working folder.
+    ///
+    /// # Errors
+    /// If a file cannot be read or a setting is invalid: all errors found.
+    pub fn parse_with(text: &str, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        ScenarioFile::of_text(text)?.scenario(set, seed)
+    }
+
+    /// The same scenario with other settings `set` (each `path.to.key=value`), and with `seed` if it is given.
+    ///
+    /// # Errors
+    /// If a setting is invalid: all errors found.
+    pub fn with_all(&self, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        let set: Vec<String> = self.set.iter().chain(set).cloned().collect();
+        self.file.scenario(&set, seed.or(self.seed))
     }
 
     /// The same scenario with another value of the setting `key`, `channel.max_range_m` or `robots.0.speed_m_per_s` for

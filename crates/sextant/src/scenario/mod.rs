@@ -43,7 +43,7 @@ pub use applications::{Application, ApplicationMap};
 pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
 pub use detail::DetailConfig;
 pub use distributed::NodeMapJob;
-pub use error::{Excerpt, ScenarioError, ScenarioErrors};
+pub use error::{Excerpt, RefusedSetting, ScenarioError, ScenarioErrors};
 pub use file::ScenarioFile;
 pub use known_networks::PacketsPerStop;
 pub use loaded::{NamedFile, Scenario};

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use sextant_kernel::SettingError;
 use sextant_kernel::text::shortened;
+use sextant_kernel::{SettingError, SettingProblem};
 
 use super::document::{Document, Entry, Value};
 use super::error::ScenarioError;
@@ -44,7 +44,8 @@ impl Refusal {
 impl Document {
     /// The error that the value at `error.key` is not allowed.
     pub(super) fn outside(&self, error: &SettingError) -> ScenarioError {
-        let this = ScenarioError::new(error.to_string());
+        let found = Some(error.found()).filter(|_| !matches!(error.problem, SettingProblem::Missing { .. } | SettingProblem::MissingTable));
+        let this = ScenarioError::new(error.to_string()).about(&error.key, found, Some(error.allowed()));
         match KeyPath::parse(&error.key) {
             Ok(path) => {
                 let (entry, exact) = self.nearest(&path);
@@ -64,12 +65,15 @@ impl Document {
             Refusal::UnknownField { field, expected } => {
                 let this = ScenarioError::new(format!("unknown key `{}` in {place}", shortened(field)));
                 let label = suggestion(field, expected, "no such key");
+                let key = table.child(Step::Key((*field).clone()));
+                let this = this.about(key, Some(field), Some(names(expected)));
                 self.pointing_at_key(this, &entry_of.origin, label).help(allowed("keys allowed here", expected))
             }
             Refusal::UnknownVariant { variant, expected } => {
                 let is_key = matches!(entry.value, Value::Table(_)) || !exact;
                 let label = suggestion(variant, expected, "no such choice");
                 let this = ScenarioError::new(format!("unknown choice `{}` for {place}", shortened(variant)));
+                let this = this.about(&table, Some(variant), Some(names(expected)));
                 let this = if is_key {
                     self.pointing_at_key(this, &entry_of.origin, label)
                 } else {
@@ -79,20 +83,26 @@ impl Document {
             }
             Refusal::MissingField(field) => {
                 let this = ScenarioError::new(format!("`{field}` is missing in {place}"));
-                let help = format!("write `{} = ..`", path.child(Step::Key((*field).to_owned())));
+                let key = path.child(Step::Key((*field).to_owned()));
+                let help = format!("write `{key} = ..`");
+                let this = this.about(key, None, None::<&str>);
                 self.pointing_at_key(this, &entry.origin, "this table needs it").help(help)
             }
             Refusal::Unfit { found, expected } => {
                 let this = ScenarioError::new(format!("`{path}` is {}; allowed: {expected}", shortened(found)));
+                let this = this.about(path, Some(&shortened(found)), Some(expected));
                 self.pointing(this, entry, exact, value_label(expected))
             }
             Refusal::SeveralChoices(choices) => {
                 let this = ScenarioError::new(format!("`{path}`: only one of {} is allowed", names(choices)));
+                let found = choices.join(", ");
+                let this = this.about(path, Some(&found), Some(format!("one of {}", names(choices))));
                 self.pointing(this, entry, exact, "here")
             }
             Refusal::Other(message) => {
                 let message = if path.0.is_empty() { message.clone() } else { format!("`{path}`: {message}") };
-                self.pointing(ScenarioError::new(message), entry, exact, "here")
+                let this = ScenarioError::new(message).about(path, None, None::<&str>);
+                self.pointing(this, entry, exact, "here")
             }
         }
     }

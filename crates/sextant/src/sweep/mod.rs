@@ -38,6 +38,7 @@ pub use share::Share;
 pub use statistics::{Mean, students_t_975};
 pub use table_file::TableFormat;
 pub use table_reader::{read_own_table, read_table};
+pub use tidy::table;
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 

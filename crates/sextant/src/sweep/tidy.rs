@@ -82,8 +82,10 @@ fn framed(plan: &Sweep, measures: impl Iterator<Item = Column>) -> Vec<Column> {
     identity.into_iter().chain(plan.keys().to_vec()).chain([map, error]).chain(measures).chain([mark]).collect()
 }
 
-/// The table of `rows`: its columns, without measures that have no value, and its texts.
-pub(super) fn table(plan: &Sweep, rows: &[Row]) -> (Vec<Column>, Vec<Vec<String>>) {
+/// The table of `rows`, one row for each cell, run and map: its columns, without measures that have no value, and its texts. A
+/// cell without a value is empty.
+#[must_use]
+pub fn table(plan: &Sweep, rows: &[Row]) -> (Vec<Column>, Vec<Vec<String>>) {
     let measured: Vec<_> = measured(plan).into_iter().filter(|measured| has_value(measured, rows)).collect();
     let columns = framed(plan, measured.iter().map(|measured| measured.column.clone()));
     let mut texts = Vec::new();

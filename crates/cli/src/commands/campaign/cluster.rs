@@ -2,20 +2,25 @@
 
 use std::io::{self, Write};
 use std::num::NonZeroU32;
+use std::path::Path;
 
-use super::super::slurm_flags::own_program;
 use crate::diagnostic::Failure;
 use crate::terminal::stdout;
 use sextant::campaign::Campaign;
 use sextant::campaign::slurm::{Attempts, SlurmSettings, Submitted};
 use sextant_kernel::text::counted;
 
-pub(super) fn submit(campaign: &Campaign, settings: &SlurmSettings) -> Result<(), Failure> {
-    Ok(tell(campaign, &campaign.submit(&own_program()?, settings)?)?)
+pub(super) fn submit(campaign: &Campaign, program: &Path, settings: &SlurmSettings) -> Result<(), Failure> {
+    Ok(tell(campaign, &campaign.submit(program, settings)?)?)
 }
 
-pub(super) fn resume(campaign: &Campaign, settings: &SlurmSettings, attempts: NonZeroU32) -> Result<(), Failure> {
-    Ok(tell(campaign, &campaign.resume(&own_program()?, settings, Attempts::at_most(attempts))?)?)
+pub(super) fn resume(
+    campaign: &Campaign,
+    program: &Path,
+    settings: &SlurmSettings,
+    attempts: NonZeroU32,
+) -> Result<(), Failure> {
+    Ok(tell(campaign, &campaign.resume(program, settings, Attempts::at_most(attempts))?)?)
 }
 
 pub(super) fn cancel(campaign: &Campaign) -> Result<(), Failure> {

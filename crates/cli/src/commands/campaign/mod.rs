@@ -8,9 +8,11 @@ mod status;
 use std::path::{Path, PathBuf};
 
 use super::outputs::admit;
+use super::slurm_flags::own_program;
 use super::sweep::{self, Results};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use crate::invocation::Invocation;
 use crate::terminal::stdout;
 use sextant::campaign::Campaign;
 use sextant::sweep::{TableFormat, write_table};
@@ -23,7 +25,11 @@ pub(super) fn is_asked_for(arguments: &sweep::Arguments) -> bool {
     arguments.scenario.is_some() && (action.plan.is_some() || action.of_plan().is_some() || is_folder)
 }
 
-pub(super) fn execute(arguments: &sweep::Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
+pub(super) fn execute(
+    arguments: &sweep::Arguments,
+    invocation: &Invocation,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
     arguments.work.start_threads()?;
     let flags = &arguments.campaign;
     let (action, source) = (&flags.action, arguments.scenario.as_deref().unwrap_or(Path::new("")));
@@ -42,9 +48,9 @@ pub(super) fn execute(arguments: &sweep::Arguments, interrupt: &Interrupt) -> Re
     if let Some(range) = action.cells {
         part::execute(&campaign, range, arguments, interrupt)
     } else if action.submit.is_some() {
-        cluster::submit(&campaign, &flags.slurm.settings())
+        cluster::submit(&campaign, &own_program(invocation)?, &flags.slurm.settings())
     } else if arguments.resume {
-        cluster::resume(&campaign, &flags.slurm.settings(), flags.attempts)
+        cluster::resume(&campaign, &own_program(invocation)?, &flags.slurm.settings(), flags.attempts)
     } else if action.cancel {
         cluster::cancel(&campaign)
     } else if action.collect {

@@ -1,0 +1,76 @@
+"""Sextant simulates wireless sensor networks, and maps the nodes from what robots and anchors heard.
+
+>>> import sextant
+>>> run = sextant.Scenario.template("first").run(seed=3)
+>>> run
+sextant.Run('first': 10 of 10 nodes heard, 1 map)
+>>> run.maps["ml-tm"].summary["mapped"]
+10
+
+- :class:`Scenario` is a simulation: a file, a dict or a text, checked, with other settings by keyword.
+- :class:`Run` is what came of it: its summary, what was heard, and its maps.
+- :func:`sweep` runs a scenario with many settings and seeds.
+- :func:`map_log` maps what your own robots heard, from data frames; :func:`read` reads their files.
+- :class:`Controller` drives a robot by what it hears; :class:`Application` is a program of a node, a robot or a sink.
+
+Positions are in metres in the frame of the stops: x east, y north, z up. Angles are in radians, counterclockwise from the x
+axis, times in seconds, powers in dBm.
+"""
+
+from ._application import Application
+from ._controller import Controller
+from ._log import Log, map_log, read
+from ._map import Map, algorithms
+from ._native import (
+    Announcement,
+    Command,
+    Delivery,
+    DriveEnd,
+    Heard,
+    LogError,
+    Port,
+    Pose,
+    Robot,
+    RunError,
+    ScenarioError,
+    SendReport,
+    Sensed,
+    SextantError,
+    SweepAnswer,
+    Table,
+    TimerKey,
+    __version__,
+)
+from ._scenario import Run, Scenario
+from ._sweep import sweep
+
+__all__ = [
+    "Announcement",
+    "Application",
+    "Command",
+    "Controller",
+    "Delivery",
+    "DriveEnd",
+    "Heard",
+    "Log",
+    "LogError",
+    "Map",
+    "Port",
+    "Pose",
+    "Robot",
+    "Run",
+    "RunError",
+    "Scenario",
+    "ScenarioError",
+    "SendReport",
+    "Sensed",
+    "SextantError",
+    "SweepAnswer",
+    "Table",
+    "TimerKey",
+    "__version__",
+    "algorithms",
+    "map_log",
+    "read",
+    "sweep",
+]

@@ -1,0 +1,114 @@
+"""Maps of nodes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import _native
+from ._frames import Like, as_like
+from ._native import Table
+
+
+class Map:
+    """Where the nodes are, as worked out from what was heard.
+
+    It is made by :meth:`Run.maps`, :func:`map_log` or :meth:`Log.map`.
+    """
+
+    __slots__ = ("_like", "_native", "_figures")
+
+    def __init__(self, native: _native.Map, like: Like = None) -> None:
+        self._native = native
+        self._like = like
+        self._figures: dict[str, str] | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the map."""
+        return self._native.name
+
+    @property
+    def algorithm(self) -> str:
+        """Name of the algorithm that made it."""
+        return self._native.algorithm
+
+    @property
+    def places(self) -> Any:
+        """The places of the nodes, a row each.
+
+        Columns: ``node``, ``x_m``, ``y_m``, ``z_m``; ``ties`` (number of places that are as good), ``infeasible`` (no place
+        explains all receptions), ``concern`` (why a place is not reliable: ``at-edge``, ``unsettled``, ``no-evidence``, or empty);
+        the entries ``cov_xx_m2`` .. ``cov_zz_m2`` of the covariance (m²) if the algorithm gives one; ``lat``, ``lon`` if the log has
+        them. Nodes that were never heard have no row. It is a data frame of the library of the log, or a :class:`Table`.
+        """
+        return as_like(self._native.places, self._like)
+
+    @property
+    def truth(self) -> Table | None:
+        """The true places of the nodes, where they are known: ``node``, ``x_m``, ``y_m``, ``z_m``."""
+        return self._native.truth
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Properties of the map, and its errors if the truth is known, as ``sextant map --summary`` writes them."""
+        return self._native.summary
+
+    @property
+    def notes(self) -> list[str]:
+        """What you should know of the map."""
+        return self._native.notes
+
+    @property
+    def figures(self) -> dict[str, str]:
+        """All figures of the map as SVG, by name."""
+        if self._figures is None:
+            self._figures = dict(self._native.figures())
+        return self._figures
+
+    def plot(self, ax: Any = None, *, truth: bool = True, regions: bool = True, labels: bool = False) -> Any:
+        """Draw the map with matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; the default is a new figure.
+        truth : bool
+            Draw the true places, where they are known, and lines to them.
+        regions : bool
+            Draw the region of each node that holds it with a probability of 95 %, if there are covariances.
+        labels : bool
+            Write the names of the nodes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from ._plot import plot
+
+        return plot(self, ax, truth=truth, regions=regions, labels=labels)
+
+    def _repr_svg_(self) -> str | None:
+        for name, svg in self.figures.items():
+            if name.startswith("map"):
+                return svg
+        return None
+
+    def _repr_html_(self) -> str:
+        svg = self._repr_svg_() or ""
+        told = repr(self).replace("&", "&amp;").replace("<", "&lt;")
+        return f"<div><p>{told}</p>{svg}</div>"
+
+    def __repr__(self) -> str:
+        return repr(self._native)
+
+
+def algorithms() -> dict[str, str]:
+    """Give the algorithms for maps by name, each with what it is.
+
+    Examples
+    --------
+    >>> import sextant
+    >>> "ml-tm" in sextant.algorithms()
+    True
+    """
+    return dict(_native.algorithms())

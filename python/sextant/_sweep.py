@@ -1,0 +1,70 @@
+"""Sweeps."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from . import _native
+from ._native import Table
+from ._progress import Progress, progress_of
+
+
+def sweep(
+    scenario: str | os.PathLike[str],
+    axes: Mapping[str, Sequence[Any]] | None = None,
+    *,
+    runs: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    force: bool = False,
+    progress: bool | Progress = False,
+    threads: int | None = None,
+    **settings: Any,
+) -> Table:
+    """Run a scenario with many settings and seeds, on all cores.
+
+    Parameters
+    ----------
+    scenario : path
+        The scenario; its table ``[sweep]``, if it has one, lists settings that vary.
+    axes : dict of str to sequence, optional
+        Settings that vary, with their values: each combination is a cell.
+    runs : int, optional
+        Runs of each cell, with the seeds ``seed``, ``seed`` + 1, ..; the default is that of the scenario, or 10.
+    out : path, optional
+        Write the table to this CSV or Parquet file too. What is finished is kept if the sweep is interrupted.
+    resume : bool
+        Go on with an interrupted sweep to `out`.
+    force : bool
+        Replace a table.
+    progress : bool or callable
+        As for :meth:`Scenario.run`.
+    threads : int, optional
+        The number of threads; the default is one for each core.
+    **settings
+        Settings of all cells, by their dotted keys, and ``seed``.
+
+    Returns
+    -------
+    Table
+        One row for each cell, run and map: ``cell``, ``replicate``, ``seed``, the settings that vary, ``map``, ``error`` (why a run
+        failed), and all results.
+    """
+    told = progress_of(progress)
+    try:
+        return _native.sweep(
+            os.fspath(scenario),
+            settings,
+            {key: list(values) for key, values in (axes or {}).items()},
+            runs,
+            None if out is None else os.fspath(out),
+            resume,
+            force,
+            told,
+            threads,
+        )
+    finally:
+        if told is not None:
+            told.close()

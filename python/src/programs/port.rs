@@ -1,0 +1,318 @@
+//! The port of an application: what it can know and do.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use scoped_tls_hkt::scoped_thread_local;
+use sextant::channel::Position;
+use sextant::kernel::{EventKey, SimTime, StationId};
+use sextant::scenario::Scenario;
+use sextant::sim::{self, Destination, Driving, NetworkId, Payload, SweepKind, Timer, program_seed};
+
+use super::events::{DriveEnd, Pose, checked_place};
+use super::robot::{checked_arc, direction, generator};
+use crate::error::RunError;
+use crate::names::Names;
+
+/// Gives the port of the library to whoever asks.
+trait Lend {
+    fn lend(&mut self, ask: &mut dyn FnMut(&mut sim::Port<'_>));
+}
+
+impl Lend for sim::Port<'_> {
+    fn lend(&mut self, ask: &mut dyn FnMut(&mut sim::Port<'_>)) {
+        ask(self);
+    }
+}
+
+scoped_thread_local!(static mut PORT: for<'a> &'a mut (dyn Lend + 'a));
+
+/// Calls `call`, in which the port is open.
+pub(super) fn with_port<T>(port: &mut sim::Port<'_>, call: impl FnOnce() -> T) -> T {
+    let port: &mut dyn Lend = port;
+    PORT.set(port, call)
+}
+
+/// The longest time that an application can wait for (s).
+const LONGEST_S: f64 = 1e9;
+
+/// The port of a station.
+#[pyclass(frozen, module = "sextant")]
+pub(crate) struct Port {
+    station: StationId,
+    is_robot: bool,
+    kind: &'static str,
+    networks: u8,
+    seed: u128,
+    names: Arc<Names>,
+    random: PyOnceLock<Py<PyAny>>,
+}
+
+/// A timer that was set.
+#[pyclass(frozen, module = "sextant")]
+pub(crate) struct TimerKey(EventKey);
+
+impl Port {
+    pub(super) fn new(station: &str, scenario: &Scenario, names: Arc<Names>) -> Self {
+        let kind = match station {
+            station if names.nodes().iter().any(|name| name == station) => "node",
+            station if names.robots().iter().any(|name| name == station) => "robot",
+            _ => "sink",
+        };
+        let station = names.station(station).unwrap_or_default();
+        Self {
+            station,
+            is_robot: kind == "robot",
+            kind,
+            networks: u8::try_from(scenario.networks().len()).unwrap_or(u8::MAX),
+            seed: program_seed(scenario.seed(), station),
+            names,
+            random: PyOnceLock::new(),
+        }
+    }
+
+    /// Asks the port of the library.
+    fn ask<T>(&self, ask: impl FnOnce(&mut sim::Port<'_>) -> T) -> PyResult<T> {
+        let closed = || PyRuntimeError::new_err("a port can be used only while its application is called");
+        if !PORT.is_set() {
+            return Err(closed());
+        }
+        let (mut ask, mut answer, mut is_own) = (Some(ask), None, false);
+        PORT.with(|port| {
+            port.lend(&mut |port| {
+                is_own = port.station() == self.station;
+                if let Some(ask) = ask.take().filter(|_| is_own) {
+                    answer = Some(ask(port));
+                }
+            });
+        });
+        answer.ok_or_else(closed)
+    }
+
+    /// As [`ask`](Self::ask), of a robot.
+    fn ask_robot<T>(&self, ask: impl FnOnce(&mut sim::Port<'_>) -> T) -> PyResult<T> {
+        if !self.is_robot {
+            let (name, kind) = (self.names.name(self.station), self.kind);
+            return Err(PyRuntimeError::new_err(format!("`{name}` is a {kind}; only robots can do this")));
+        }
+        self.ask(ask)
+    }
+
+    /// Refuses a robot that drives already.
+    fn ask_standing<T>(&self, ask: impl FnOnce(&mut sim::Port<'_>) -> T) -> PyResult<T> {
+        let answer = self.ask_robot(|port| port.drive_ahead().is_none().then(|| ask(port)))?;
+        answer.ok_or_else(|| PyRuntimeError::new_err("the robot drives already; call port.halt() first"))
+    }
+
+    fn network(&self, network: u8) -> PyResult<NetworkId> {
+        if network < self.networks {
+            Ok(NetworkId(network))
+        } else {
+            let last = self.networks.saturating_sub(1);
+            Err(PyValueError::new_err(format!("the network is {network}; allowed: a number from 0 to {last}")))
+        }
+    }
+}
+
+/// A span of time.
+fn span(seconds: f64) -> PyResult<Duration> {
+    if (0.0..=LONGEST_S).contains(&seconds) {
+        Ok(Duration::from_secs_f64(seconds))
+    } else {
+        Err(PyValueError::new_err(format!("the time is {seconds} s; allowed: 0 to 1e9 s")))
+    }
+}
+
+fn pose(pose: sim::Pose) -> Pose {
+    Pose::new(pose.position, pose.heading_rad)
+}
+
+/// How a drive ended at once; `None` if the robot is under way.
+fn ended(driving: Driving) -> Option<DriveEnd> {
+    match driving {
+        Driving::UnderWay => None,
+        Driving::Over(end) => Some(end.into()),
+    }
+}
+
+#[pymethods]
+impl Port {
+    #[getter]
+    fn station(&self) -> &str {
+        self.names.name(self.station)
+    }
+
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.kind
+    }
+
+    #[getter]
+    fn now_s(&self) -> PyResult<f64> {
+        self.ask(|port| port.now().as_secs_f64())
+    }
+
+    #[getter]
+    fn node_count(&self) -> usize {
+        self.names.nodes().len()
+    }
+
+    #[getter]
+    fn pose(&self) -> PyResult<Pose> {
+        self.ask(|port| pose(port.pose()))
+    }
+
+    fn pose_at(&self, time_s: f64) -> PyResult<Pose> {
+        let time = SimTime::ZERO + span(time_s)?;
+        self.ask(|port| pose(port.pose_at(time)))
+    }
+
+    #[getter]
+    fn seed(&self) -> u128 {
+        self.seed
+    }
+
+    #[getter]
+    fn random(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        Ok(self.random.get_or_try_init(py, || generator(py, self.seed))?.clone_ref(py))
+    }
+
+    fn uniform(&self, number: u64) -> PyResult<f64> {
+        self.ask(|port| port.uniform(number))
+    }
+
+    fn choice(&self, number: u64, count: u32) -> PyResult<usize> {
+        if count == 0 {
+            return Err(PyValueError::new_err("the count is 0; allowed: at least 1"));
+        }
+        self.ask(|port| port.choice(number, count as usize))
+    }
+
+    #[pyo3(signature = (payload, to=None, network=0))]
+    fn send(&self, payload: &[u8], to: Option<&str>, network: u8) -> PyResult<u32> {
+        let network = self.network(network)?;
+        let to = match to {
+            None => Destination::All,
+            Some(name) => {
+                let station = self.names.station(name);
+                let unknown = || PyKeyError::new_err(format!("there is no station `{name}`"));
+                Destination::Station(station.ok_or_else(unknown)?)
+            }
+        };
+        let sent = self.ask(|port| port.send(network, to, Payload::Octets(payload)))?;
+        let frame = sent.map_err(|why| match why {
+            sim::SendError::NoSuchStation(station) => {
+                RunError::new_err(format!("`{}` cannot receive the frame", self.names.name(station)))
+            }
+            why => RunError::new_err(why.to_string()),
+        })?;
+        Ok(frame.0)
+    }
+
+    #[pyo3(signature = (seconds, timer=0))]
+    fn after(&self, seconds: f64, timer: u16) -> PyResult<TimerKey> {
+        let span = span(seconds)?;
+        self.ask(|port| TimerKey(port.after(span, Timer(timer))))
+    }
+
+    fn cancel(&self, key: &TimerKey) -> PyResult<()> {
+        self.ask(|port| port.cancel(key.0))
+    }
+
+    #[pyo3(signature = (seconds, network=0))]
+    fn listen(&self, seconds: f64, network: u8) -> PyResult<()> {
+        let (span, network) = (span(seconds)?, self.network(network)?);
+        self.ask_robot(|port| port.listen(network, span))
+    }
+
+    #[pyo3(signature = (network=0))]
+    fn has_sectors(&self, network: u8) -> PyResult<bool> {
+        let network = self.network(network)?;
+        self.ask(|port| port.has_sectors(network))
+    }
+
+    #[pyo3(signature = (network=0))]
+    fn sectors(&self, network: u8) -> PyResult<Option<u8>> {
+        let network = self.network(network)?;
+        self.ask(|port| port.sectors(network))
+    }
+
+    #[pyo3(signature = (kind="gather", network=0))]
+    fn sweep(&self, kind: &str, network: u8) -> PyResult<()> {
+        let kind = match kind {
+            "gather" => SweepKind::Gather,
+            "announce" => SweepKind::Announce,
+            other => {
+                let words = format!("the kind of the sweep is {other:?}; allowed: \"gather\", \"announce\"");
+                return Err(PyValueError::new_err(words));
+            }
+        };
+        let network = self.network(network)?;
+        self.ask(|port| port.sweep(network, kind))?.map_err(|why| RunError::new_err(why.to_string()))
+    }
+
+    #[pyo3(signature = (x_m, y_m, z_m=None))]
+    fn drive_to(&self, x_m: f64, y_m: f64, z_m: Option<f64>) -> PyResult<Option<DriveEnd>> {
+        let z_m = match z_m {
+            Some(z_m) => z_m,
+            None => self.ask(|port| port.pose().position.z_m)?,
+        };
+        let place = checked_place(x_m, y_m, z_m)?;
+        self.ask_standing(|port| ended(port.drive(place)))
+    }
+
+    fn drive_arc(&self, length_m: f64, turn_rad: f64) -> PyResult<Option<DriveEnd>> {
+        checked_arc(length_m, turn_rad)?;
+        self.ask_standing(|port| ended(port.drive_arc(length_m, turn_rad)))
+    }
+
+    fn steer(&self, seconds: f64, turn_rate_rad_per_s: f64) -> PyResult<Option<DriveEnd>> {
+        let span = span(seconds)?;
+        checked_arc(0.0, turn_rate_rad_per_s)?;
+        self.ask_standing(|port| ended(port.steer(span, turn_rate_rad_per_s)))
+    }
+
+    fn halt(&self) -> PyResult<()> {
+        self.ask_robot(|port| port.halt())
+    }
+
+    /// When the drive under way ends (s), and the point of contact on an obstacle that ends it.
+    #[getter]
+    #[expect(clippy::type_complexity, reason = "a tuple of Python")]
+    fn drive_ahead(&self) -> PyResult<Option<(f64, Option<(f64, f64, f64)>)>> {
+        self.ask_robot(|port| {
+            let ahead = port.drive_ahead()?;
+            let contact = ahead.contact.map(|at: Position| (at.x_m, at.y_m, at.z_m));
+            Some((ahead.end.as_secs_f64(), contact))
+        })
+    }
+
+    #[pyo3(signature = (direction_rad, range_m=10.0))]
+    fn clearance(&self, direction_rad: f64, range_m: f64) -> PyResult<f64> {
+        let direction = direction(direction_rad, range_m)?;
+        self.ask_robot(|port| port.clearance_m(direction, range_m))
+    }
+
+    fn targets_within(&self, reach_m: f64) -> PyResult<Vec<u16>> {
+        self.ask(|port| port.targets_within(reach_m).into_iter().map(|target| target.0).collect())
+    }
+
+    fn capture(&self, reach_m: f64) -> PyResult<Vec<u16>> {
+        self.ask_robot(|port| port.capture(reach_m).into_iter().map(|target| target.0).collect())
+    }
+
+    fn remove_sources(&self, reach_m: f64) -> PyResult<usize> {
+        self.ask(|port| port.remove_sources(reach_m))
+    }
+
+    fn finish(&self) -> PyResult<()> {
+        self.ask(sim::Port::finish)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("sextant.Port({} {:?})", self.kind, self.station())
+    }
+}

@@ -1,0 +1,242 @@
+//! A robot as its controller sees it.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use scoped_tls_hkt::scoped_thread_local;
+use sextant::channel::Position;
+use sextant::scenario::Scenario;
+use sextant::sim::{CommandOutcome, Ending, RobotCommand, Situation, program_seed};
+
+use super::events::{Pose, checked_place};
+use crate::names::Names;
+
+scoped_thread_local!(static SITUATION: for<'a> &'a Situation<'a>);
+
+/// Calls `call`, in which the robot knows its situation.
+pub(super) fn in_situation<T>(situation: &Situation<'_>, call: impl FnOnce() -> T) -> T {
+    SITUATION.set(situation, call)
+}
+
+/// Asks the situation.
+fn known<T>(ask: impl FnOnce(&Situation<'_>) -> T) -> PyResult<T> {
+    if SITUATION.is_set() {
+        Ok(SITUATION.with(ask))
+    } else {
+        Err(PyRuntimeError::new_err("a robot can be asked only while its controller is called"))
+    }
+}
+
+/// A robot.
+#[pyclass(frozen, module = "sextant")]
+pub(crate) struct Robot {
+    name: String,
+    seed: u128,
+    names: Arc<Names>,
+    random: PyOnceLock<Py<PyAny>>,
+}
+
+impl Robot {
+    pub(super) fn new(name: &str, scenario: &Scenario, names: Arc<Names>) -> Self {
+        let station = names.station(name).unwrap_or_default();
+        let seed = program_seed(scenario.seed(), station);
+        Self { name: name.to_owned(), seed, names, random: PyOnceLock::new() }
+    }
+}
+
+/// A generator of Python with this seed.
+pub(super) fn generator(py: Python<'_>, seed: u128) -> PyResult<Py<PyAny>> {
+    Ok(py.import("random")?.call_method1("Random", (seed,))?.unbind())
+}
+
+/// What was heard of a node at the last stop.
+#[pyclass(frozen, get_all, module = "sextant")]
+pub(crate) struct Heard {
+    node: String,
+    packets: u32,
+    sent: u32,
+    rssi_dbm: f64,
+}
+
+#[pymethods]
+impl Heard {
+    fn __repr__(&self) -> String {
+        let Self { node, packets, sent, rssi_dbm } = self;
+        format!("Heard(node={node:?}, packets={packets}, sent={sent}, rssi_dbm={rssi_dbm:.1})")
+    }
+}
+
+/// What a robot is to do next.
+#[pyclass(frozen, module = "sextant")]
+pub(crate) struct Command(RobotCommand);
+
+impl Command {
+    /// The answer of a controller.
+    pub(super) fn of(answer: &Bound<'_, PyAny>) -> PyResult<RobotCommand> {
+        match answer.cast::<Self>() {
+            Ok(command) => Ok(command.get().0),
+            Err(_) => {
+                let kind = answer.get_type().name()?;
+                Err(PyTypeError::new_err(format!(
+                    "`next` returned {kind}; allowed: what robot.drive_to, robot.drive_arc, robot.listen, robot.sweep or \
+                     robot.finish return"
+                )))
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl Command {
+    fn __repr__(&self) -> String {
+        format!("{:?}", self.0)
+    }
+}
+
+#[pymethods]
+impl Robot {
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    #[getter]
+    fn time_s(&self) -> PyResult<f64> {
+        known(|situation| situation.time.as_secs_f64())
+    }
+
+    #[getter]
+    fn pose(&self) -> PyResult<Pose> {
+        known(|situation| Pose::new(situation.position, situation.heading_rad))
+    }
+
+    #[getter]
+    fn node_count(&self) -> PyResult<usize> {
+        known(|situation| situation.node_count)
+    }
+
+    #[getter]
+    fn outcome(&self) -> PyResult<&'static str> {
+        known(|situation| match situation.outcome {
+            CommandOutcome::Started => "started",
+            CommandOutcome::Arrived => "arrived",
+            CommandOutcome::Blocked(_) => "blocked",
+            CommandOutcome::Listened(_) => "listened",
+        })
+    }
+
+    #[getter]
+    fn contact(&self) -> PyResult<Option<(f64, f64, f64)>> {
+        known(|situation| match situation.outcome {
+            CommandOutcome::Blocked(contact) => Some((contact.x_m, contact.y_m, contact.z_m)),
+            CommandOutcome::Started | CommandOutcome::Arrived | CommandOutcome::Listened(_) => None,
+        })
+    }
+
+    #[getter]
+    fn heard(&self) -> PyResult<Vec<Heard>> {
+        known(|situation| match situation.outcome {
+            CommandOutcome::Listened(heard) => heard
+                .iter()
+                .map(|heard| Heard {
+                    node: self.names.nodes()[heard.node.index()].clone(),
+                    packets: heard.packets,
+                    sent: heard.sent,
+                    rssi_dbm: heard.rssi_dbm,
+                })
+                .collect(),
+            CommandOutcome::Started | CommandOutcome::Arrived | CommandOutcome::Blocked(_) => Vec::new(),
+        })
+    }
+
+    #[getter]
+    fn seed(&self) -> u128 {
+        self.seed
+    }
+
+    #[getter]
+    fn random(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        Ok(self.random.get_or_try_init(py, || generator(py, self.seed))?.clone_ref(py))
+    }
+
+    #[pyo3(signature = (direction_rad, range_m=10.0))]
+    fn clearance(&self, direction_rad: f64, range_m: f64) -> PyResult<f64> {
+        let direction = direction(direction_rad, range_m)?;
+        known(|situation| situation.clearance_m(direction, range_m))
+    }
+
+    #[pyo3(signature = (count=8, range_m=10.0))]
+    fn ranges(&self, count: u32, range_m: f64) -> PyResult<Vec<f64>> {
+        (0..count).map(|i| self.clearance(TAU * f64::from(i) / f64::from(count), range_m)).collect()
+    }
+
+    #[pyo3(signature = (x_m, y_m, z_m=None))]
+    fn drive_to(&self, x_m: f64, y_m: f64, z_m: Option<f64>) -> PyResult<Command> {
+        let z_m = match z_m {
+            Some(z_m) => z_m,
+            None => known(|situation| situation.position.z_m)?,
+        };
+        Ok(Command(RobotCommand::Drive(checked_place(x_m, y_m, z_m)?)))
+    }
+
+    fn drive_arc(&self, length_m: f64, turn_rad: f64) -> PyResult<Command> {
+        checked_arc(length_m, turn_rad)?;
+        Ok(Command(RobotCommand::DriveArc { length_m, turn_rad }))
+    }
+
+    fn listen(&self) -> Command {
+        Command(RobotCommand::Listen)
+    }
+
+    /// As `listen`, in a network whose links sweep sectors.
+    fn sweep(&self) -> PyResult<Command> {
+        if known(Situation::sweeps_sectors)? {
+            Ok(Command(RobotCommand::Listen))
+        } else {
+            Err(PyRuntimeError::new_err("the robot has no sector sweeps in its networks; use robot.listen()"))
+        }
+    }
+
+    #[pyo3(signature = (ending="complete"))]
+    fn finish(&self, ending: &str) -> PyResult<Command> {
+        Ok(Command(RobotCommand::Finish(match ending {
+            "complete" => Ending::Complete,
+            "steps_exhausted" => Ending::StepsExhausted,
+            "stuck" => Ending::Stuck,
+            other => {
+                return Err(PyValueError::new_err(format!(
+                    "the ending is {other:?}; allowed: \"complete\", \"steps_exhausted\", \"stuck\""
+                )));
+            }
+        })))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("sextant.Robot({:?})", self.name)
+    }
+}
+
+/// A direction of range sensors.
+pub(super) fn direction(direction_rad: f64, range_m: f64) -> PyResult<Position> {
+    if direction_rad.is_finite() && range_m > 0.0 && range_m <= Position::FARTHEST_M {
+        Ok(Position::new(direction_rad.cos(), direction_rad.sin(), 0.0))
+    } else {
+        Err(PyValueError::new_err(format!(
+            "the direction is {direction_rad} rad and the range {range_m} m; allowed: a finite angle, and a range above 0"
+        )))
+    }
+}
+
+/// Refuses an arc that cannot be driven.
+pub(super) fn checked_arc(length_m: f64, turn_rad: f64) -> PyResult<()> {
+    if (0.0..=Position::FARTHEST_M).contains(&length_m) && turn_rad.is_finite() {
+        Ok(())
+    } else {
+        Err(PyValueError::new_err(format!(
+            "the arc is {length_m} m long and turns by {turn_rad} rad; allowed: a length from 0, and a finite angle"
+        )))
+    }
+}

@@ -1,0 +1,160 @@
+//! Scenarios.
+
+use std::path::PathBuf;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
+use sextant::forecast::warnings;
+use sextant::recording::admission::{OutputKind, Outputs, Replace};
+use sextant::sim::RoleConfig;
+use sextant::template::Template;
+
+use crate::error::OrException;
+use crate::programs::Given;
+use crate::run::{Run, simulate};
+use crate::values::{document, toml};
+use crate::work::supervised;
+
+/// A scenario, checked.
+#[pyclass(frozen, module = "sextant._native")]
+#[derive(Clone)]
+pub(crate) struct Scenario(pub(crate) sextant::Scenario);
+
+/// Settings of Python as those of the library: each `key=value`, and the seed.
+fn settings(settings: &Bound<'_, PyDict>) -> PyResult<(Vec<String>, Option<u64>)> {
+    let (mut set, mut seed) = (Vec::new(), None);
+    for (key, value) in settings {
+        let key: String = key.extract()?;
+        if key == "seed" {
+            seed = Some(value.extract()?);
+        } else {
+            set.push(format!("{key}={}", toml(&value)?));
+        }
+    }
+    Ok((set, seed))
+}
+
+#[pymethods]
+impl Scenario {
+    /// The scenario in the file `path`, with other `settings`.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let (set, seed) = self::settings(settings)?;
+        let read = py.detach(|| sextant::Scenario::load_with(path, &set, seed));
+        Ok(Self(read.or_exception(py)?))
+    }
+
+    /// The scenario of a mapping, with other `settings`.
+    #[staticmethod]
+    fn of_mapping(py: Python<'_>, mapping: &Bound<'_, PyMapping>, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
+        Self::parse(py, &document(mapping)?, settings)
+    }
+
+    /// The scenario of a TOML text, with other `settings`.
+    #[staticmethod]
+    fn parse(py: Python<'_>, text: &str, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let (set, seed) = self::settings(settings)?;
+        let read = py.detach(|| sextant::Scenario::parse_with(text, &set, seed));
+        Ok(Self(read.or_exception(py)?))
+    }
+
+    /// One of the scenarios to begin with.
+    #[staticmethod]
+    fn template(py: Python<'_>, name: &str, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
+        match Template::named(name).and_then(Template::scenario) {
+            Some(template) => Self::parse(py, template.text, settings),
+            None => {
+                let names = Template::all().iter().filter(|template| template.scenario().is_some());
+                let names: Vec<&str> = names.map(|template| template.name).collect();
+                let allowed = names.join(", ");
+                Err(PyValueError::new_err(format!("there is no template {name:?}; allowed: {allowed}")))
+            }
+        }
+    }
+
+    /// The robots that survey.
+    #[getter]
+    fn surveyors(&self) -> Vec<String> {
+        let robots = self.0.config().robots.iter().filter(|robot| robot.role == RoleConfig::Survey);
+        robots.map(|robot| robot.name.clone()).collect()
+    }
+
+    /// The names of the nodes.
+    #[getter]
+    fn node_names(&self) -> Vec<String> {
+        self.0.world().nodes.iter().map(|node| node.name.clone()).collect()
+    }
+
+    fn with_settings(&self, py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let (set, seed) = self::settings(settings)?;
+        Ok(Self(py.detach(|| self.0.with_all(&set, seed)).or_exception(py)?))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.0.seed().0
+    }
+
+    #[getter]
+    fn text(&self) -> &str {
+        self.0.text()
+    }
+
+    #[getter]
+    fn file(&self) -> String {
+        self.0.file_name()
+    }
+
+    #[getter]
+    fn nodes(&self) -> usize {
+        self.0.world().nodes.len()
+    }
+
+    #[getter]
+    fn robots(&self) -> Vec<String> {
+        self.0.config().robots.iter().map(|robot| robot.name.clone()).collect()
+    }
+
+    #[getter]
+    fn warnings(&self, py: Python<'_>) -> Vec<String> {
+        py.detach(|| warnings(&self.0).iter().map(ToString::to_string).collect())
+    }
+
+    #[pyo3(signature = (record=None, progress=None, controllers=None, applications=None, threads=None, force=false))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
+    fn run(
+        &self,
+        py: Python<'_>,
+        record: Option<PathBuf>,
+        progress: Option<Py<PyAny>>,
+        controllers: Option<&Bound<'_, PyDict>>,
+        applications: Option<&Bound<'_, PyDict>>,
+        threads: Option<usize>,
+        force: bool,
+    ) -> PyResult<Run> {
+        self.0.check_grids().or_exception(py)?;
+        if let Some(record) = &record {
+            let mut outputs = Outputs::new(if force { Replace::Any } else { Replace::Ours });
+            self.0.sources().for_each(|source| {
+                outputs.reads(source);
+            });
+            outputs.writes("record", record, OutputKind::Recording).admit().or_exception(py)?;
+        }
+        let given = Given::new(&self.0, controllers, applications)?;
+        let done = supervised(py, threads, progress.as_ref(), |supervisor| {
+            simulate(&self.0, given, record.as_deref(), supervisor)
+        })?;
+        Run::new(self.clone(), done.or_exception(py)?, record)
+    }
+
+    fn __repr__(&self) -> String {
+        let nodes = self.nodes();
+        format!("sextant.Scenario({:?}: {nodes} nodes, seed {})", self.name(), self.seed())
+    }
+}

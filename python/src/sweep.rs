@@ -1,0 +1,79 @@
+//! Sweeps.
+
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sextant::recording::admission::{OutputKind, Outputs, Replace};
+use sextant::sweep::{self, Kind, Shard, Sweep, SweepError};
+
+use crate::error::{OrException, RunError};
+use crate::table::{Columns, Table};
+use crate::values::toml;
+use crate::work::supervised;
+
+/// Runs a scenario with many settings and seeds. Returns the table of all runs.
+#[pyfunction]
+#[pyo3(signature = (path, settings, axes, runs=None, out=None, resume=false, force=false, progress=None, threads=None))]
+#[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
+pub(crate) fn sweep(
+    py: Python<'_>,
+    path: PathBuf,
+    settings: &Bound<'_, PyDict>,
+    axes: &Bound<'_, PyDict>,
+    runs: Option<NonZeroU32>,
+    out: Option<PathBuf>,
+    resume: bool,
+    force: bool,
+    progress: Option<Py<PyAny>>,
+    threads: Option<usize>,
+) -> PyResult<Table> {
+    let mut seed = None;
+    let mut set = Vec::new();
+    for (key, value) in settings {
+        let key: String = key.extract()?;
+        if key == "seed" {
+            seed = Some(value.extract()?);
+        } else {
+            set.push(format!("{key}={}", toml(&value)?));
+        }
+    }
+    for (key, values) in axes {
+        set.push(format!("sweep.product.{}={}", serde_json::Value::from(key.extract::<String>()?), toml(&values)?));
+    }
+    let plan = py.detach(|| Sweep::read(&path, &set, seed, runs)).or_exception(py)?;
+    if let Some(out) = &out {
+        let mut outputs = Outputs::new(if force { Replace::Any } else { Replace::Ours });
+        let named = plan.named_files().iter().map(|file| file.path.as_path());
+        plan.file().layers().chain(named).for_each(|path| {
+            outputs.reads(path);
+        });
+        outputs.writes("out", out, OutputKind::Table).admit().or_exception(py)?;
+    }
+    let rows = supervised(py, threads, progress.as_ref(), |supervisor| match &out {
+        Some(out) => sweep::run(&plan, Shard::default(), out, resume, supervisor),
+        None => {
+            let (mut rows, outcome) = sweep::rows(std::slice::from_ref(&plan), supervisor);
+            outcome.map(|()| rows.pop().unwrap_or_default())
+        }
+    })?;
+    let rows = rows.or_exception(py)?;
+    if let Some(out) = &out {
+        let table = |why: sweep::TableError| RunError::new_err(why.to_string());
+        sweep::write_table(out, &plan, &rows).map_err(table)?;
+        sweep::clear_parts(out).map_err(SweepError::from).or_exception(py)?;
+    }
+    let (columns, texts) = sweep::table(&plan, &rows);
+    let mut made = Columns::default();
+    for (at, column) in columns.iter().enumerate() {
+        let cells = || texts.iter().map(|row| row[at].as_str()).map(|cell| (!cell.is_empty()).then_some(cell));
+        made = match column.kind {
+            Kind::Integer => made.optional_whole(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok()))),
+            Kind::Real => made.optional_numbers(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok()))),
+            Kind::Text => made.optional_texts(&column.name, cells().map(|cell| cell.map(str::to_owned))),
+        };
+    }
+    made.table().map_err(|why| PyValueError::new_err(why.to_string()))
+}
