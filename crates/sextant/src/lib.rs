@@ -18,6 +18,7 @@
 //!
 //! - [`Scenario`] is a simulation as a file or text says it: read, checked, and changed key by key.
 //! - [`run`](run()) simulates it, maps the nodes, measures the maps and runs the applications; [`survey`] simulates alone.
+//! - [`run_with`] does the same with controllers of robots and applications of stations of the caller's own: [`Programs`].
 //! - [`RunObserver`] sees a run while it goes on. Recordings ([`RunRecorder`]) and captures ([`RunCapture`]) are observers; a
 //!   pair of observers is one, and `()` sees nothing.
 //! - [`Forecast`] is what follows from a scenario before it runs, and [`forecast::warnings`] what is likely a mistake.
@@ -29,6 +30,8 @@
 //!   machines do part by part.
 //! - [`Template`](template::Template)s are scenarios to begin with; [`scenario::explain`] says what a key means.
 //! - [`Summary`] is the result of each of them, as the JSON object of `--summary`.
+//! - [`kernel`], [`channel`], [`sim`], [`mapper`], [`logs`], [`recording`] and [`figure`] are the crates below: their words are
+//!   those of this one, so a program needs no other dependency.
 //!
 //! Long work asks a [`Watch`] whether to go on, and tells it how far it is; [`Unwatched`] goes on to the end. Each activity
 //! has one type of errors. The same scenario and seed give the same bytes at any number of threads.
@@ -57,8 +60,15 @@ pub use forecast::Forecast;
 pub use link::{LinkError, LinkReport, RayReport, explain_link, rays_csv};
 pub use mapping::{LogMap, MapLogError, map_log};
 pub use number_range::NumberRange;
-pub use run::{Run, RunCapture, RunError, RunObserver, RunRecorder, run, survey};
+pub use run::{Programs, Run, RunCapture, RunError, RunObserver, RunRecorder, run, run_with, survey};
 pub use scenario::{AlgorithmName, Scenario, ScenarioErrors};
+pub use sextant_channel as channel;
+pub use sextant_figure as figure;
+pub use sextant_kernel as kernel;
 pub use sextant_kernel::{Unwatched, Watch};
+pub use sextant_logs as logs;
+pub use sextant_mapper as mapper;
+pub use sextant_recording as recording;
+pub use sextant_sim as sim;
 pub use summary::Summary;
 pub use sweep::{Sweep, SweepError};

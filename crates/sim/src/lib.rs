@@ -117,7 +117,7 @@ mod station;
 mod world;
 
 pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};
-pub use application::{Application, DriveAhead, Driving, Port};
+pub use application::{Application, BoxedApplication, DriveAhead, Driving, Port};
 pub use applications::broadcast::{Broadcast, DuplicateBroadcast};
 pub use applications::controller::{
     CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation, StopsLeftOut,
@@ -142,6 +142,7 @@ pub use link_budget::{LinkBudget, LinkBudgets, LinkReception};
 pub use network::Network;
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
+pub use purpose::program_seed;
 pub use region::{Reach, SimulatedRegion};
 pub use service::delays::{DelayCount, Delays};
 pub use service::delivery::{Delivery, DriveEnd};

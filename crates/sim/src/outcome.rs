@@ -51,7 +51,7 @@ impl Survey {
 pub struct RobotRecord {
     /// Its name.
     pub name: String,
-    /// Number of stops to listen, or of a mobile anchor to send; none with another application.
+    /// Number of stops to listen, or of a mobile anchor to send; with another application, of those in the logs.
     pub stops: usize,
     /// Length of its path (m).
     pub path_length_m: f64,

@@ -1,7 +1,7 @@
 //! What a simulation draws random numbers for. Never renumber: each number belongs to one purpose of the whole
 //! program.
 
-use sextant_kernel::Purpose;
+use sextant_kernel::{Purpose, Seed, StationId};
 
 /// Places of nodes.
 pub(crate) const LAYOUT: Purpose = Purpose::new(1);
@@ -47,3 +47,36 @@ pub(crate) const INTERFERENCE: Purpose = Purpose::new(27);
 pub(crate) const ROUND: Purpose = Purpose::new(28);
 /// Noise of the odometry of robots.
 pub(crate) const ODOMETRY: Purpose = Purpose::new(16);
+/// Generators of programs of the user.
+const PROGRAM: Purpose = Purpose::new(33);
+
+/// 128 random bits for the controller or the application of a station: a seed for a generator of its own, such as that of
+/// another language. It depends on the seed of the run and on the station alone, and nothing else is drawn from it.
+#[must_use]
+pub fn program_seed(seed: Seed, station: StationId) -> u128 {
+    let half = |number| u128::from(seed.bits(PROGRAM, [station.0.into(), number, 0]));
+    half(0) << 64 | half(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn each_seed_and_station_has_its_own_program_seed() {
+        let pairs = || (0..20).flat_map(|seed| (0..50).map(move |station| (Seed(seed), StationId(station))));
+        let seeds: BTreeSet<u128> = pairs().map(|(seed, station)| program_seed(seed, station)).collect();
+        let halves: BTreeSet<u128> =
+            seeds.iter().flat_map(|bits| [bits >> 64, bits & u128::from(u64::MAX)]).collect();
+        assert_eq!((seeds.len(), halves.len()), (1000, 2000));
+        assert_eq!(program_seed(Seed(3), StationId(4)), program_seed(Seed(3), StationId(4)));
+    }
+
+    /// By a program in Python of the same definition. Programs of users rely on it.
+    #[test]
+    fn a_program_seed_never_changes() {
+        assert_eq!(program_seed(Seed(7), StationId(3)), 0xC27D_C514_C12B_7EA0_A2F0_F050_37D8_CFF5);
+    }
+}

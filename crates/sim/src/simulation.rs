@@ -2,21 +2,21 @@
 
 mod applications;
 pub(crate) mod discovery;
+mod mixed;
 mod stations;
 mod team;
+mod traffic;
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_channel::{NetworkLog, NetworkLogs};
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::{RobotId, SettingError};
 use sextant_mac::EnergySpent;
 
 use crate::application::Application;
 use crate::applications::journey::{Journey, JourneyRecord};
 use crate::applications::node_traffic::NodeTraffic;
 use crate::applications::robot::RobotTask;
-use crate::applications::source::Source;
 use crate::applications::standard::Standard;
 use crate::applications::traffic::Traffic;
 use crate::engine::{Ended, Engine, Extras};
@@ -68,25 +68,7 @@ impl Simulation {
 
     /// The same with these robots alone, by number, or with all; the others are not there.
     fn of_robots(setup: Setup, present: Option<&[usize]>) -> Result<Self, SettingError> {
-        let stations = Stations::of(&setup);
-        let mut sources: Vec<Vec<Source>> = vec![Vec::new(); stations.roll.nodes];
-        for (id, network) in (0..=u8::MAX).map(NetworkId).zip(&setup.networks) {
-            stations.check_frames(id, network)?;
-            let kinds: Vec<(&Traffic, Arc<Traffic>)> =
-                network.traffic.kinds().map(|kind| (kind, Arc::new(kind.clone()))).collect();
-            let shared = |traffic: &Traffic| {
-                let known = kinds.iter().find(|(kind, _)| std::ptr::eq(*kind, traffic));
-                known.map_or_else(|| Arc::new(traffic.clone()), |(_, shared)| Arc::clone(shared))
-            };
-            for (node, sources) in sources.iter_mut().enumerate() {
-                let node = NodeId::from_index(node);
-                let Some(traffic) = network.traffic.of(node).filter(|_| network.has(node)) else { continue };
-                let to = stations.destination(id, traffic, node)?;
-                let clock = network.technology.settings().clock(setup.seed, id, node);
-                sources.push(Source::new(id, shared(traffic), to).with_clock(clock));
-            }
-        }
-        let nodes = sources.into_iter().map(NodeTraffic::new).collect();
+        let nodes = traffic::of_nodes(&setup, |_| true)?;
         Self::with_all(setup, Applications::of_nodes(nodes), present)
     }
 }
@@ -217,14 +199,15 @@ impl Outcome {
             ..
         } = ended;
         let networks: Vec<_> = networks.into_iter().map(Books::close).collect();
+        let in_logs = |robot| JourneyRecord::in_logs(RobotId::from_index(robot), &logs, roll.nodes);
         let mut own = Applications::of_nodes(Vec::with_capacity(roll.nodes));
         let mut journeys = Vec::new();
         for (station, application) in roll.stations().zip(applications) {
             match (application, roll.kind(station)) {
                 (Standard::Own(node), Kind::Node(_)) => own.nodes.push(node),
-                (Standard::Own(robot), Kind::Robot(_)) => {
-                    own.robots.push(robot);
-                    journeys.push(JourneyRecord::none(roll.nodes));
+                (Standard::Own(application), Kind::Robot(robot)) => {
+                    own.robots.push(application);
+                    journeys.push(in_logs(robot));
                 }
                 (Standard::Own(sink), Kind::Sink(_)) => own.sinks.push(sink),
                 (Standard::Robot(journey), _) => journeys.push(journey.into_record()),

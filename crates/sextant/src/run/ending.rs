@@ -1,15 +1,24 @@
 //! Why the way of a robot ended.
 
+use std::collections::BTreeSet;
+
 use sextant_apps::ControllerConfig;
 use sextant_sim::{Ending, RobotRecord, RoleConfig, StopsLeftOut, Survey};
 
+use super::simulator::Simulated;
 use crate::scenario::Scenario;
 use crate::summary::{LeftOutSummary, RobotEnd, RobotSummary};
 
 /// The robots of the survey: their paths, and why they ended.
-pub(super) fn robots(scenario: &Scenario, survey: &Survey) -> Vec<RobotSummary> {
+pub(super) fn robots(scenario: &Scenario, simulated: &Simulated) -> Vec<RobotSummary> {
+    let Simulated { survey, programmed, .. } = simulated;
     let robot = |(record, config): (&RobotRecord, &sextant_sim::RobotConfig<ControllerConfig>)| {
-        let wanted = config.controller.as_ref().map_or(1, ControllerConfig::packets_per_node);
+        let has_own = |robots: &BTreeSet<String>| robots.contains(&record.name);
+        let is_driven_by_an_application = has_own(&programmed.applications);
+        // The settings of a controller that was replaced say nothing.
+        let is_replaced = has_own(&programmed.controllers) || is_driven_by_an_application;
+        let controller = config.controller.as_ref().filter(|_| !is_replaced);
+        let wanted = controller.map_or(1, ControllerConfig::packets_per_node);
         let surveys = config.role == RoleConfig::Survey;
         RobotSummary {
             name: record.name.clone(),
@@ -20,7 +29,7 @@ pub(super) fn robots(scenario: &Scenario, survey: &Survey) -> Vec<RobotSummary> 
                 Ending::StepsExhausted => "steps_exhausted",
                 Ending::Stuck => "stuck",
             }),
-            ended: Some(end(record, config.controller.as_ref(), wanted, survey.interrupted)),
+            ended: (!is_driven_by_an_application).then(|| end(record, controller, wanted, survey.interrupted)),
             duration_s: record.end.map(sextant_kernel::SimTime::as_secs_f64),
             unreached: if surveys { unreached(survey, wanted) } else { Vec::new() },
             packets_wanted: (surveys && wanted > 1).then_some(wanted),

@@ -9,12 +9,17 @@ use sextant_recording::RecordingError;
 use sextant_recording::output::OutputError;
 use sextant_sim::DiscoveryError;
 
+use super::programs::ProgramError;
+
 /// Why a run of a scenario failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RunError {
     /// Parts of the scenario do not fit together.
     #[error(transparent)]
     Setting(#[from] SettingError),
+    /// A program of the caller's own cannot be given to a station.
+    #[error(transparent)]
+    Program(#[from] ProgramError),
     /// A map cannot be computed.
     #[error(transparent)]
     Map(MapError),
@@ -69,6 +74,7 @@ impl RunError {
             Self::NamedFile { .. }
             | Self::TwoFiles { .. }
             | Self::Setting(_)
+            | Self::Program(_)
             | Self::Map(_)
             | Self::FewPlaces { .. }
             | Self::Interrupted(_) => false,

@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 use super::discovery::Discoveries;
 use super::ending;
 use super::mac;
+use super::simulator::Simulated;
 use crate::hexadecimal::hexadecimal;
 use crate::scenario::Scenario;
 use crate::summary::{
@@ -20,12 +21,13 @@ use crate::summary::{
 #[must_use]
 pub(super) fn sum_up(
     scenario: &Scenario,
-    survey: Option<&Survey>,
+    simulated: Option<&Simulated>,
     discoveries: &Discoveries,
     maps: Vec<MapSummary>,
     applications: Vec<ApplicationSummary>,
 ) -> Summary {
-    let of_survey = survey.map(|survey| of_survey(scenario, survey)).unwrap_or_default();
+    let of_survey = simulated.map(|simulated| of_survey(scenario, simulated)).unwrap_or_default();
+    let survey = simulated.map(|simulated| &simulated.survey);
     let time = |of: fn(&ApplicationSummary) -> f64| applications.iter().map(of).sum::<f64>();
     let events: u64 = applications.iter().map(|application| application.events).sum();
     Summary {
@@ -46,14 +48,15 @@ pub(super) fn sum_up(
 }
 
 /// The parts of a summary that tell of the survey.
-fn of_survey(scenario: &Scenario, survey: &Survey) -> Summary {
+fn of_survey(scenario: &Scenario, simulated: &Simulated) -> Summary {
+    let survey = &simulated.survey;
     let has_robots = scenario.config().robots.iter().any(|robot| robot.role == RoleConfig::Survey);
     let mut traffic = mac::traffic(scenario, survey).into_iter();
     Summary {
         mac: traffic.next(),
         other_networks: traffic.collect(),
         sensing: sensing(scenario, survey),
-        gathering: has_robots.then(|| gathering(scenario, survey)),
+        gathering: has_robots.then(|| gathering(scenario, simulated)),
         faults: faults(scenario, survey),
         ..Summary::default()
     }
@@ -75,7 +78,8 @@ fn region(survey: &Survey) -> Option<RegionSummary> {
     }
 }
 
-fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
+fn gathering(scenario: &Scenario, simulated: &Simulated) -> GatheringSummary {
+    let survey = &simulated.survey;
     let packets = survey.packets;
     GatheringSummary {
         path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
@@ -99,7 +103,7 @@ fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
             rx: survey.energy.rx_j,
             idle: survey.energy.idle_j + survey.energy.sleep_j,
         }),
-        robots: ending::robots(scenario, survey),
+        robots: ending::robots(scenario, simulated),
         interrupted: survey.interrupted,
         stops: stops(scenario, survey),
         sweeps: sweeps(scenario, survey),

@@ -12,6 +12,7 @@ use super::error::RunError;
 use super::evaluation::{Evaluation, evaluate, survey_bound};
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use super::outcome::sum_up;
+use super::programs::Programs;
 use super::simulator::{Simulated, Simulator};
 use super::stop::Stop;
 use crate::scenario::{Application, Scenario};
@@ -60,9 +61,23 @@ pub struct Surveyed {
 /// # Errors
 /// If parts of the scenario do not fit together, or `observer` fails.
 pub fn run(scenario: &Scenario, observer: &mut dyn RunObserver, watch: &dyn Watch) -> Result<Run, RunError> {
+    run_with(scenario, Programs::default(), observer, watch)
+}
+
+/// Runs `scenario` as [`run`] does, with controllers and applications of the caller's own in its survey.
+///
+/// # Errors
+/// As for [`run`], and if a program cannot be given to its station.
+pub fn run_with(
+    scenario: &Scenario,
+    programs: Programs<'_>,
+    observer: &mut dyn RunObserver,
+    watch: &dyn Watch,
+) -> Result<Run, RunError> {
     let start = Stopwatch::start();
+    let has_survey = scenario.config().has_survey() || !programs.is_empty();
+    let simulator = has_survey.then(|| Simulator::with(scenario, programs)).transpose()?;
     let discoveries = Discoveries::of(scenario, watch)?;
-    let simulator = scenario.config().has_survey().then(|| Simulator::new(scenario)).transpose()?;
     observer.run_started(&RunStart { scenario, discoveries: &discoveries })?;
     let simulated = simulator.map(|simulator| simulate(scenario, simulator, observer, watch)).transpose()?;
     let gather_s = start.elapsed_s();
@@ -85,7 +100,8 @@ pub fn run(scenario: &Scenario, observer: &mut dyn RunObserver, watch: &dyn Watc
     if !interrupted {
         (applications, interrupted) = apply_all(scenario, &evaluations, survey, observer, watch)?;
     }
-    let mut summary = Summary { interrupted, ..sum_up(scenario, survey, &discoveries, summaries, applications) };
+    let mut summary =
+        Summary { interrupted, ..sum_up(scenario, simulated.as_ref(), &discoveries, summaries, applications) };
     observer.run_finished(&summary)?;
     summary.timing = Some(Timing {
         wall_s: start.elapsed_s(),
@@ -132,9 +148,10 @@ pub fn run_on(
         maps.of_nodes(simulated, observer, watch)?;
         maps.of_robots(simulated, bound, observer, watch)?;
     }
-    let survey = surveyed.map(|surveyed| &surveyed.simulated.survey);
+    let simulated = surveyed.map(|surveyed| &surveyed.simulated);
+    let survey = simulated.map(|simulated| &simulated.survey);
     let (applications, interrupted) = apply_all(scenario, &maps.evaluations, survey, observer, watch)?;
-    Ok(Summary { interrupted, ..sum_up(scenario, survey, &discoveries, maps.summaries, applications) })
+    Ok(Summary { interrupted, ..sum_up(scenario, simulated, &discoveries, maps.summaries, applications) })
 }
 
 /// Whether work was stopped; other errors remain.
@@ -148,7 +165,7 @@ fn is_interrupted(outcome: Result<(), RunError>) -> Result<bool, RunError> {
 /// Simulates the survey.
 fn simulate(
     scenario: &Scenario,
-    simulator: Simulator,
+    simulator: Simulator<'_>,
     observer: &mut dyn RunObserver,
     watch: &dyn Watch,
 ) -> Result<Simulated, RunError> {

@@ -16,7 +16,7 @@ pub struct RobotSummary {
     /// Why it finished: `complete`, `steps_exhausted` or `stuck`. Absent if it was interrupted or only its log is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ending: Option<&'static str>,
-    /// What ended its way, told apart further. Absent if only its log is known.
+    /// What ended its way, told apart further. Absent if only its log is known, or an application of the caller drives it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ended: Option<RobotEnd>,
     /// When it finished (s). Absent if it was interrupted or only its log is known.

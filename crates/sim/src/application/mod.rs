@@ -1,6 +1,7 @@
 //! Applications: what runs on a station, above its links. An application knows its own state, what is delivered to it
 //! and its clock; a robot's also its odometry and its range sensors.
 
+mod pointer;
 mod port;
 
 pub use port::{DriveAhead, Driving, Port};
@@ -11,6 +12,9 @@ use crate::service::network_id::NetworkId;
 use crate::service::report::SendReport;
 use crate::service::sensed::Sensed;
 use crate::service::sweep::{Announcement, SweepAnswer};
+
+/// An application of any type; the caller may keep it, and give a reference to it.
+pub type BoxedApplication<'a> = Box<dyn Application + Send + 'a>;
 
 /// What runs on a station. It reacts to what happens, and acts through its [`Port`]. By default an application does
 /// nothing.

@@ -78,6 +78,13 @@ impl Port<'_> {
         self.model.scene.seed
     }
 
+    /// 128 random bits of this station, for a generator of the application's own: see
+    /// [`program_seed`](crate::program_seed).
+    #[must_use]
+    pub fn program_seed(&self) -> u128 {
+        purpose::program_seed(self.seed(), self.station)
+    }
+
     /// The seed of the traffic in a network: that of all in the first network, so that more networks change nothing
     /// there.
     pub(crate) fn seed_of(&self, network: NetworkId) -> Seed {

@@ -1,8 +1,9 @@
 //! The interface through which a controller drives a robot.
 
 use sextant_channel::{ObstacleField, Position};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{NodeId, Seed, SimTime, StationId};
 
+use crate::purpose;
 use crate::station::RangeSensors;
 
 /// What a robot heard of one node during a listening slot.
@@ -49,15 +50,28 @@ pub struct Situation<'a> {
     pub time: SimTime,
     /// Position of the robot by its odometry (m).
     pub position: Position,
+    /// Where the robot looks by its odometry (rad), counterclockwise from the x axis.
+    pub heading_rad: f64,
     /// How the last command ended.
     pub outcome: CommandOutcome<'a>,
     /// Number of nodes in the network: the only thing that the robot knows about it in advance (thesis, chapter 3).
     pub node_count: usize,
     pub(crate) sensors: RangeSensors<'a>,
+    pub(crate) identity: Identity,
+}
+
+/// What a robot always knows of itself.
+#[derive(Clone, Copy)]
+pub(crate) struct Identity {
+    pub(crate) station: StationId,
+    pub(crate) seed: Seed,
+    /// Whether it surveys a network whose links sweep sectors.
+    pub(crate) sweeps_sectors: bool,
 }
 
 impl<'a> Situation<'a> {
-    /// A situation for tests of controllers: what a robot with the radius `radius_m` would know among `obstacles`.
+    /// A situation for tests of controllers: what a robot with the radius `radius_m` would know among `obstacles`. It looks
+    /// along the x axis, its networks do not sweep sectors, and it is the first station of a run with seed 0.
     #[must_use]
     pub fn new(
         time: SimTime,
@@ -68,7 +82,20 @@ impl<'a> Situation<'a> {
         radius_m: f64,
     ) -> Self {
         let sensors = RangeSensors { obstacles, radius_m, place: position, turn_rad: 0.0 };
-        Self { time, position, outcome, node_count, sensors }
+        let identity = Identity { station: StationId(0), seed: Seed(0), sweeps_sectors: false };
+        Self { time, position, heading_rad: 0.0, outcome, node_count, sensors, identity }
+    }
+
+    /// Whether the robot is in a network whose links sweep sectors: there it sweeps while it listens.
+    #[must_use]
+    pub fn sweeps_sectors(&self) -> bool {
+        self.identity.sweeps_sectors
+    }
+
+    /// 128 random bits of this robot, for a generator of the controller's own: see [`program_seed`](crate::program_seed).
+    #[must_use]
+    pub fn program_seed(&self) -> u128 {
+        purpose::program_seed(self.identity.seed, self.identity.station)
     }
 
     /// How far the robot could drive straight in `direction` (of any length above zero) before its hull touches

@@ -1,12 +1,14 @@
 //! The way of a robot: it drives, stops, does for a slot what it is there for, and goes on, as its controller says. It
 //! may also do that while it drives.
 
+use std::collections::BTreeSet;
 use std::time::Duration;
 
-use sextant_kernel::SimTime;
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{RobotId, SimTime};
 
 use super::broadcast::{Broadcast, Broadcasting};
-use super::controller::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation, StopsLeftOut};
+use super::controller::{CommandOutcome, Controller, Ending, Heard, Identity, RobotCommand, Situation, StopsLeftOut};
 use super::slot::Slot;
 use super::survey::Survey;
 use crate::application::{Application, DriveAhead, Driving, Port};
@@ -15,7 +17,7 @@ use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
 use crate::service::report::SendReport;
 use crate::service::sweep::SweepAnswer;
-use crate::station::{Listening, RobotBody};
+use crate::station::{Listening, Pose, RobotBody};
 
 /// Largest number of commands in a row that take no time; a controller that gives more is stuck.
 const IDLE_COMMANDS: u32 = 1000;
@@ -54,9 +56,19 @@ pub(crate) struct JourneyRecord {
 }
 
 impl JourneyRecord {
-    /// That of a robot that made none, among `nodes` nodes.
-    pub(crate) fn none(nodes: usize) -> Self {
-        Self { stops: 0, ending: None, packets: vec![0; nodes], left_out: StopsLeftOut::default() }
+    /// That of a robot with an own application, among `nodes` nodes: what it wrote into the logs.
+    pub(crate) fn in_logs(robot: RobotId, logs: &[ReceptionLog], nodes: usize) -> Self {
+        let mut times = BTreeSet::new();
+        let mut packets = vec![0_u32; nodes];
+        for log in logs {
+            let of_robot = |stop: u32| log.stops().get(stop as usize).is_some_and(|stop| stop.robot == robot);
+            times.extend(log.stops().iter().filter(|stop| stop.robot == robot).map(|stop| stop.time));
+            for reception in log.receptions().iter().filter(|reception| of_robot(reception.stop)) {
+                packets[reception.node.index()] += reception.received;
+            }
+        }
+        // Stops at the same time in several networks are one.
+        Self { stops: times.len(), ending: None, packets, left_out: StopsLeftOut::default() }
     }
 }
 
@@ -121,10 +133,16 @@ impl Journey {
         let mut outcome = outcome;
         for _ in 0..IDLE_COMMANDS {
             let command = {
-                let (time, place, nodes) = (port.now(), port.pose().position, port.node_count());
-                let sensors = port.range_sensors();
-                let situation = Situation { time, position: place, outcome, node_count: nodes, sensors };
-                self.controller.decide(&situation)
+                let Pose { position, heading_rad } = port.pose();
+                self.controller.decide(&Situation {
+                    time: port.now(),
+                    position,
+                    heading_rad,
+                    outcome,
+                    node_count: port.node_count(),
+                    sensors: port.range_sensors(),
+                    identity: self.identity(port),
+                })
             };
             let driving = match command {
                 RobotCommand::Drive(to) => port.drive(to),
@@ -138,6 +156,11 @@ impl Journey {
             }
         }
         self.finish(Ending::Stuck, port);
+    }
+
+    fn identity(&self, port: &Port<'_>) -> Identity {
+        let sweeps_sectors = self.body.networks.iter().any(|&network| port.has_sectors(network));
+        Identity { station: port.station(), seed: port.seed(), sweeps_sectors }
     }
 
     /// The robot drives now. No controller halts a drive, so what will happen on it is certain.

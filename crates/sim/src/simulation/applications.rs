@@ -35,11 +35,7 @@ impl<N> Applications<N> {
             "one application for each robot that waits for one"
         );
         assert!(self.sinks.is_empty() || self.sinks.len() == setup.sinks.len(), "one application for each sink");
-        let sends = !(self.robots.is_empty() && self.sinks.is_empty());
-        if sends && setup.networks.iter().any(|network| network.technology.has_coordinator()) {
-            let found = "set for robots or sinks with own applications, none of which sends beacons";
-            return Err(SettingError::new("mac.beacon_enabled", found, "`mac.csma_unslotted`"));
-        }
+        self.check_superframes(setup)?;
         for network in &setup.networks {
             let members = (0..self.nodes.len()).map(NodeId::from_index).filter(|&node| network.has(node));
             let mut traffic = members.filter_map(|node| network.traffic.of(node));
@@ -47,6 +43,16 @@ impl<N> Applications<N> {
                 let allowed = "`silent = {}`: nodes with given applications send what these say";
                 return Err(SettingError::new(network.key("traffic"), format!("`{}`", traffic.key()), allowed));
             }
+        }
+        Ok(())
+    }
+
+    /// Refuses superframes among robots and sinks with applications.
+    pub(super) fn check_superframes(&self, setup: &Setup) -> Result<(), SettingError> {
+        let sends = !(self.robots.is_empty() && self.sinks.is_empty());
+        if sends && setup.networks.iter().any(|network| network.technology.has_coordinator()) {
+            let found = "set for robots or sinks with own applications, none of which sends beacons";
+            return Err(SettingError::new("mac.beacon_enabled", found, "`mac.csma_unslotted`"));
         }
         Ok(())
     }

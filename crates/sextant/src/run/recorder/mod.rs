@@ -173,7 +173,7 @@ impl RunObserver for RunRecorder {
         }
         self.simulation.air.draw(Duration::ZERO, recorder)?;
         let nodes = survey.scenario.world().nodes.len();
-        for robot in ending::robots(survey.scenario, &survey.simulated.survey) {
+        for robot in ending::robots(survey.scenario, survey.simulated) {
             if let Some(text) = robot.end(nodes) {
                 recorder.note(end, Level::Info, &robot.name, &text)?;
             }
