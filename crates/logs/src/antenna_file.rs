@@ -13,7 +13,7 @@ use super::error::RobotLogError;
 pub(super) fn read(path: &Path, notes: &mut Vec<String>) -> Result<SectorGains, RobotLogError> {
     let text = sextant_kernel::read_text_at_most(path, sextant_kernel::LARGEST_FILE)
         .map_err(|why| RobotLogError::read(path, why))?;
-    let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
+    let wrong = |line: usize, problem: String| RobotLogError::line(path, line, problem);
     let config: ListenerAntennaConfig = toml::from_str(&text).map_err(|why| {
         let before = text.get(..why.span().map_or(0, |span| span.start)).unwrap_or_default();
         let line = 1 + before.matches('\n').count();
@@ -34,7 +34,7 @@ pub(super) fn read(path: &Path, notes: &mut Vec<String>) -> Result<SectorGains, 
 /// The error that the antenna in the file `path` has other sectors than the log.
 pub(super) fn other_sectors(path: &Path, why: &SettingError) -> RobotLogError {
     let problem = format!("the antenna has {}; allowed: the sectors of sectors.csv, {}", why.found(), why.allowed());
-    RobotLogError::Row { path: path.to_owned(), line: 1, problem }
+    RobotLogError::line(path, 1, problem)
 }
 
 /// Writes the antenna with these gains to the file `path`, unless it has no sectors.

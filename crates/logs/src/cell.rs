@@ -6,19 +6,34 @@ use sextant_kernel::text::shortened;
 use sextant_kernel::{RobotId, SimTime};
 
 use super::error::RobotLogError;
+use super::memory_table::{Cell, whole};
 use super::table::{Column, Row};
 use super::times::Times;
 use sextant_recording::RobotNames;
 
 impl Row<'_> {
     /// The text of the cell, without the spaces around it; `None` if it is empty or there is no such column.
-    pub(super) fn filled(&self, column: Column) -> Option<&str> {
-        Some(self.text(column).trim()).filter(|text| !text.is_empty())
+    pub(super) fn filled(&self, column: Column) -> Option<Cow<'_, str>> {
+        let text = match self.cell(column) {
+            Cell::Text(text) => text.trim().into(),
+            other => other.text(),
+        };
+        Some(text).filter(|text| !text.is_empty())
     }
 
-    /// The same as a number is written in a program: with a decimal point.
-    fn number(&self, column: Column) -> Option<Cow<'_, str>> {
-        Some(self.decimal(self.filled(column)?))
+    /// The number in the cell, which may be one that is not finite: `None` if the cell is empty, `Some(None)` if it holds
+    /// something else.
+    fn number(&self, column: Column) -> Option<Option<f64>> {
+        match self.cell(column) {
+            Cell::Empty => None,
+            Cell::Text(text) => {
+                let text = Some(text.trim()).filter(|text| !text.is_empty())?;
+                Some(self.decimal(text).parse().ok())
+            }
+            Cell::Float(value) => Some(Some(value)),
+            Cell::Whole(value) => Some(Some(value as f64)),
+            Cell::Instant(_) => Some(None),
+        }
     }
 
     /// A number as it is written in a program: with a decimal point.
@@ -29,30 +44,35 @@ impl Row<'_> {
 
     /// A whole number of at most `max`; `None` if the cell is empty.
     pub(super) fn whole(&self, column: Column, max: u32) -> Result<Option<u32>, RobotLogError> {
-        let parse = |text: &str| {
-            let number = text.parse().ok().filter(|&number| number <= max);
-            number.ok_or_else(|| self.wrong(column, format!("a whole number from 0 to {max}")))
+        let number: Option<u32> = match self.cell(column) {
+            Cell::Empty => return Ok(None),
+            Cell::Text(text) => match text.trim() {
+                "" => return Ok(None),
+                text => text.parse().ok(),
+            },
+            Cell::Float(value) => whole(value).and_then(|value| value.try_into().ok()),
+            Cell::Whole(value) => value.try_into().ok(),
+            Cell::Instant(_) => None,
         };
-        self.filled(column).map(parse).transpose()
+        let number = number.filter(|&number| number <= max);
+        number.map(Some).ok_or_else(|| self.wrong(column, format!("a whole number from 0 to {max}")))
     }
 
     /// A finite number; `None` if the cell is empty.
     pub(super) fn finite(&self, column: Column) -> Result<Option<f64>, RobotLogError> {
-        let parse = |text: Cow<'_, str>| {
-            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-            number.ok_or_else(|| self.wrong(column, "a finite number"))
-        };
-        self.number(column).map(parse).transpose()
+        let Some(number) = self.number(column) else { return Ok(None) };
+        let number = number.filter(|number| number.is_finite());
+        number.map(Some).ok_or_else(|| self.wrong(column, "a finite number"))
     }
 
     /// Whether the cell is empty or NaN.
     pub(super) fn is_blank(&self, column: Column) -> bool {
-        self.number(column).is_none_or(|text| text.parse().is_ok_and(f64::is_nan))
+        self.number(column).is_none_or(|number| number.is_some_and(f64::is_nan))
     }
 
     /// Whether the cell is a number that is 0.
     pub(super) fn is_zero(&self, column: Column) -> bool {
-        self.number(column).is_some_and(|text| text.parse().is_ok_and(|number: f64| number.abs() <= 0.0))
+        self.number(column).flatten().is_some_and(|number| number.abs() <= 0.0)
     }
 
     /// The identity of a sector; `None` if the cell is empty.
@@ -63,12 +83,19 @@ impl Row<'_> {
 
     /// A time.
     pub(super) fn instant(&self, times: Times) -> Result<SimTime, RobotLogError> {
-        let time = self.number(times.column).and_then(|text| times.parse(&text));
+        let time = match self.cell(times.column) {
+            Cell::Empty => None,
+            Cell::Text(text) => times.parse(&self.decimal(text.trim())),
+            Cell::Whole(value) => times.of_whole(value),
+            // As the shortest decimal that is this number.
+            Cell::Float(value) => times.parse(&value.to_string()),
+            Cell::Instant(nanos) => times.of_instant(nanos),
+        };
         time.ok_or_else(|| self.wrong(times.column, times.allowed()))
     }
 
     /// The name of a node.
-    pub(super) fn node(&self, column: Column) -> Result<&str, RobotLogError> {
+    pub(super) fn node(&self, column: Column) -> Result<Cow<'_, str>, RobotLogError> {
         Some(self.text(column))
             .filter(|name| !name.is_empty())
             .ok_or_else(|| self.wrong(column, "the name of a node"))
@@ -81,23 +108,22 @@ impl Row<'_> {
             return Ok(RobotId(0));
         }
         let name = self.filled(column).ok_or_else(|| self.wrong(column, "the name of a robot"))?;
-        Ok(robots.id(name))
+        Ok(robots.id(&name))
     }
 
     /// The error that the cell is not what is `allowed`.
     pub(super) fn wrong(&self, column: Column, allowed: impl Into<String>) -> RobotLogError {
-        self.wrong_cell(self.head.written(column.name), self.text(column), allowed)
+        self.wrong_cell(self.head.written(column.name), &self.text(column), allowed)
     }
 
     /// The error that the cell in the column with this index is not what is `allowed`.
     pub(super) fn wrong_at(&self, at: usize, allowed: impl Into<String>) -> RobotLogError {
-        self.wrong_cell(self.head.written_at(at), self.text_at(at), allowed)
+        self.wrong_cell(self.head.written_at(at), &self.text_at(at), allowed)
     }
 
     fn wrong_cell(&self, column: &str, found: &str, allowed: impl Into<String>) -> RobotLogError {
         RobotLogError::Cell {
-            path: self.head.path.clone(),
-            line: self.head.line(self.offset),
+            at: self.head.address(self.offset),
             column: column.to_owned(),
             found: shortened(found).into_owned(),
             allowed: allowed.into(),

@@ -2,6 +2,7 @@
 
 use super::bag::{Bag, BagPackets, BagPath};
 use super::bag_options::BagClock;
+use super::companions::Companions;
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
 use super::form::{PacketKind, PathKind};
@@ -12,7 +13,8 @@ use super::options::ReadOptions;
 use super::packets::Robots;
 use super::paths::Paths;
 use super::reciprocal::Roles;
-use super::{folder, gpx, nmea, packets, path_file, sniffer, stops, tum};
+use super::table_source::TableSource;
+use super::{gpx, nmea, packets, path_file, sniffer, tum};
 
 /// Reads the log. Times of all files are in one clock: seconds since 1970, or any other start that is the same in both files.
 pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
@@ -35,7 +37,7 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
     tell_bags(drive, (bag_path.as_ref(), bag_packets.as_ref()), clock, &mut notes);
 
     let skips_no_fix = options.repair.skip_no_fix;
-    let Paths { paths, mut robots, is_named, plane } = match &bag_path {
+    let paths = match &bag_path {
         Some(bag) => Paths::of_one(bag.path(clock, &mut notes)?, bag.plane()),
         None => match path.kind {
             PathKind::Tum => tum::read(&path.file, skips_no_fix, &mut notes)?,
@@ -43,51 +45,74 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
             PathKind::Nmea => nmea::read(&path.file, skips_no_fix, &mut notes)?,
             PathKind::Csv | PathKind::Bag => {
                 let names = FieldNames::of_places(options.form.path_fields.as_ref());
-                path_file::read(&path.file, &names, skips_no_fix, &mut notes)?
+                path_file::read(path.file.as_path(), &names, skips_no_fix, &mut notes)?
             }
         },
     };
-    if paths.len() > 1 && packets.kind != PacketKind::Csv {
-        let robots = paths.len();
+    if paths.paths.len() > 1 && packets.kind != PacketKind::Csv {
+        let robots = paths.paths.len();
         let problem = format!("found the paths of {robots} robots; allowed: that of the one that heard the packets");
-        return Err(RobotLogError::Row { path: path.file.clone(), line: 1, problem });
+        return Err(RobotLogError::line(&path.file, 1, problem));
     }
-    let with_path = paths.len();
-    let contacts = match folder {
-        Some(folder) => stops::read_contacts(&folder.join(folder::CONTACTS), plane, &mut robots, &mut notes)?,
-        None => Vec::new(),
+    let companions = match folder {
+        Some(folder) => Companions::of_folder(folder),
+        None => Companions::none(path.file.as_path().into()),
     };
-    let names = robots.into_vec();
-    let known = if is_named { &names[..with_path] } else { &[] };
-    let mut gatherer = Gatherer::of_robots(paths, names.clone(), options)?.with_contacts(contacts);
-    let mut roles = Roles::of(&options.form);
-    match (&bag_packets, packets) {
+    gather((paths, &companions), options, notes, |known, roles, gatherer, notes| match (&bag_packets, packets) {
         (Some(bag), _) => {
-            let delay = bag.gather(clock, &mut roles, &mut gatherer, &mut notes)?;
+            let delay = bag.gather(clock, roles, gatherer, notes)?;
             if let (Some(path), BagClock::Stamp) = (&bag_path, clock) {
                 notes.extend(path.least_delay().differs(delay));
             }
+            Ok(())
         }
         (None, PacketPart { kind: PacketKind::Captures, files }) => {
-            sniffer::read(files, &options.sniffer, &mut roles, &mut gatherer, &mut notes)?;
+            sniffer::read(files, &options.sniffer, roles, gatherer, notes)
         }
         (None, PacketPart { files, .. }) => {
             let fields = FieldNames::of_packets(options.form.packet_fields.as_ref());
             let robots = Robots { names: known, path: &path.name() };
-            for file in files {
-                packets::read(file, &fields, robots, &mut roles, &mut gatherer, &mut notes)?;
-            }
+            files.iter().try_for_each(|file| packets::read(file.as_path(), &fields, robots, roles, gatherer, notes))
         }
-    }
+    })
+}
+
+/// Reads the log of a path and packets in tables.
+pub(super) fn read_tables(
+    (path, packets): (TableSource<'_>, TableSource<'_>),
+    companions: &Companions<'_>,
+    options: &ReadOptions,
+) -> Result<RobotLog, RobotLogError> {
+    let mut notes = Vec::new();
+    let name = path.part().name();
+    let names = FieldNames::of_places(options.form.path_fields.as_ref());
+    let paths = path_file::read(path, &names, options.repair.skip_no_fix, &mut notes)?;
+    gather((paths, companions), options, notes, |known, roles, gatherer, notes| {
+        let fields = FieldNames::of_packets(options.form.packet_fields.as_ref());
+        packets::read(packets, &fields, Robots { names: known, path: &name }, roles, gatherer, notes)
+    })
+}
+
+/// The log of robots that drove these paths. `hear` gives the gatherer the packets that they heard; it gets the names of the
+/// robots with a path, if they have names.
+fn gather(
+    (paths, companions): (Paths, &Companions<'_>),
+    options: &ReadOptions,
+    mut notes: Vec<String>,
+    hear: impl FnOnce(&[String], &mut Roles, &mut Gatherer, &mut Vec<String>) -> Result<(), RobotLogError>,
+) -> Result<RobotLog, RobotLogError> {
+    let Paths { paths, mut robots, is_named, plane } = paths;
+    let with_path = paths.len();
+    let contacts = companions.contacts(plane, &mut robots, &mut notes)?;
+    let names = robots.into_vec();
+    let known = if is_named { &names[..with_path] } else { &[] };
+    let mut gatherer = Gatherer::of_robots(paths, names.clone(), options)?.with_contacts(contacts);
+    let mut roles = Roles::of(&options.form);
+    hear(known, &mut roles, &mut gatherer, &mut notes)?;
     roles.tell(&mut notes)?;
     let gathered = gatherer.finish()?;
-    let log = match folder {
-        Some(folder) => {
-            folder::refuse_sector_snrs(folder)?;
-            folder::with_sectors(folder, gathered.log, &mut notes)?
-        }
-        None => gathered.log,
-    };
+    companions.refuse_sector_snrs()?;
+    let log = companions.with_sectors(gathered.log, &mut notes)?;
     notes.extend(gathered.notes);
     Ok(RobotLog { log, plane, notes, findings: gathered.findings, clock: gathered.clock })
 }

@@ -1,4 +1,4 @@
-//! Errors of the CSV files of a robot.
+//! Errors of the log of a robot.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -8,6 +8,7 @@ use sextant_kernel::SimTime;
 
 use super::bag_error::BagError;
 use super::instant;
+use super::log_part::{LogPart, RowAddress};
 use super::path::PathError;
 use super::slot;
 use super::sniffer_error::SnifferError;
@@ -33,22 +34,18 @@ pub enum RobotLogError {
         why: String,
     },
     /// The header, or a row as a whole, is wrong.
-    #[error("{}, line {line}: {problem}", .path.display())]
+    #[error("{at}: {problem}")]
     Row {
-        /// The file.
-        path: PathBuf,
-        /// Line of the file, from 1.
-        line: usize,
+        /// Where it is.
+        at: RowAddress,
         /// The error.
         problem: String,
     },
     /// A cell is wrong.
-    #[error("{}, line {line}, column `{column}`: found `{found}`; allowed: {allowed}", .path.display())]
+    #[error("{at}, column `{column}`: found `{found}`; allowed: {allowed}")]
     Cell {
-        /// The file.
-        path: PathBuf,
-        /// Line of the file, from 1.
-        line: usize,
+        /// Where it is.
+        at: RowAddress,
         /// Name of the column.
         column: String,
         /// The text of the cell.
@@ -59,11 +56,11 @@ pub enum RobotLogError {
     /// The work was ended from outside.
     #[error(transparent)]
     Interrupted(#[from] sextant_kernel::Interrupted),
-    /// The files do not form a valid reception log.
-    #[error("`{}`: {why}", .path.display())]
+    /// The files or tables do not form a valid reception log.
+    #[error("`{part}`: {why}")]
     Log {
-        /// The folder.
-        path: PathBuf,
+        /// The folder, or the table that says where the robot was.
+        part: LogPart,
         /// The error.
         why: LogError,
     },
@@ -154,11 +151,11 @@ pub enum RobotLogError {
     /// The packets do not form a valid reception log.
     #[error(transparent)]
     Invalid(LogError),
-    /// The poses of a file are no path.
-    #[error("`{}`: {why}", .path.display())]
+    /// The poses of a file or a table are no path.
+    #[error("`{part}`: {why}")]
     Path {
-        /// The file.
-        path: PathBuf,
+        /// The file or the table.
+        part: LogPart,
         /// The error.
         why: PathError,
     },
@@ -199,10 +196,10 @@ pub enum RobotLogError {
         why: String,
     },
     /// The log has no stops.
-    #[error("`{}`: the log has no stops; at least one is required", .path.display())]
+    #[error("`{part}`: the log has no stops; at least one is required")]
     NoStops {
-        /// The folder.
-        path: PathBuf,
+        /// The folder, or the table of stops.
+        part: LogPart,
     },
     /// A ROS bag cannot be read.
     #[error(transparent)]
@@ -223,10 +220,10 @@ pub enum RobotLogError {
         problem: String,
     },
     /// Flags are for another kind of log.
-    #[error("option `{flag}` is for {meant}, but `{}` is {found}", .path.display())]
+    #[error("option `{flag}` is for {meant}, but `{part}` is {found}")]
     Unsuited {
-        /// The file or folder.
-        path: PathBuf,
+        /// The file or folder, or the table that says where the robot was.
+        part: LogPart,
         /// The flag.
         flag: &'static str,
         /// What it is for.
@@ -241,6 +238,20 @@ impl RobotLogError {
     #[must_use]
     pub fn is_system_error(&self) -> bool {
         matches!(self, Self::Write { .. })
+    }
+
+    /// The line or the row that is wrong, if it is one.
+    #[must_use]
+    pub fn row_address(&self) -> Option<&RowAddress> {
+        match self {
+            Self::Row { at, .. } | Self::Cell { at, .. } => Some(at),
+            _ => None,
+        }
+    }
+
+    /// The error that a line of a file (from 1) is wrong.
+    pub(super) fn line(path: &Path, line: usize, problem: impl Into<String>) -> Self {
+        Self::Row { at: RowAddress::File { path: path.to_owned(), line }, problem: problem.into() }
     }
 
     pub(super) fn read(path: &Path, why: impl fmt::Display) -> Self {

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::log_part::LogPart;
+
 /// The names of columns or fields in a file, by what they mean.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FieldNames {
@@ -95,14 +97,15 @@ impl FieldNames {
 
     /// What the columns `written` are: the known names that the user gives them, or their own. A column with the known name
     /// that the user gives to another one is none: it has no name.
-    pub(super) fn rename(&self, written: &[String], known: &[&'static str]) -> Result<Vec<String>, String> {
+    pub(super) fn rename(&self, written: &[String], known: &[&'static str], part: &LogPart) -> Result<Vec<String>, String> {
         let flag = self.flag.unwrap_or_default();
         let own = |name: &String| if self.name(name).is_some() { String::new() } else { name.clone() };
         let mut columns: Vec<String> = written.iter().map(own).collect();
         for (key, name) in &self.pairs {
             if !known.contains(key) {
                 return Err(format!(
-                    "option `{flag}` has `{key}={name}`, but this file has no `{key}`; allowed: {}",
+                    "option `{flag}` has `{key}={name}`, but this {} has no `{key}`; allowed: {}",
+                    part.noun(),
                     known.join(", ")
                 ));
             }
@@ -160,14 +163,15 @@ mod tests {
     #[test]
     fn a_column_gives_way_to_the_one_that_the_user_names() {
         let names = FieldNames::parse_places("t_s=time").unwrap();
+        let file = LogPart::File("path.csv".into());
         let written = ["t_s", "time", "x_m"].map(str::to_owned);
-        assert_eq!(names.rename(&written, &["t_s", "x_m"]).unwrap(), ["", "t_s", "x_m"]);
-        let problem = names.rename(&written[..1], &["t_s", "x_m"]).unwrap_err();
+        assert_eq!(names.rename(&written, &["t_s", "x_m"], &file).unwrap(), ["", "t_s", "x_m"]);
+        let problem = names.rename(&written[..1], &["t_s", "x_m"], &file).unwrap_err();
         assert_eq!(
             problem,
             "option `path_fields` has `t_s=time`, but there is no column `time`; the columns are: t_s"
         );
-        let problem = names.rename(&written, &["x_m"]).unwrap_err();
+        let problem = names.rename(&written, &["x_m"], &file).unwrap_err();
         assert_eq!(problem, "option `path_fields` has `t_s=time`, but this file has no `t_s`; allowed: x_m");
     }
 }

@@ -95,8 +95,8 @@ impl Track {
             notes.push(format!("{name}: {left_out} places without a fix are left out (option `skip_no_fix`)"));
         }
         let path = Path::new(poses).map_err(|why| match why.index() {
-            Some(index) => RobotLogError::Row { path: file.to_owned(), line: lines[index], problem: why.to_string() },
-            None => RobotLogError::Path { path: file.to_owned(), why },
+            Some(index) => RobotLogError::line(file, lines[index], why.to_string()),
+            None => RobotLogError::Path { part: file.into(), why },
         })?;
         Ok(Paths::of_one(path, plane))
     }

@@ -1,9 +1,9 @@
 //! The forms of logs, and the flags that each has.
 
 use std::fmt;
-use std::path::Path;
 
 use super::error::RobotLogError;
+use super::log_part::LogPart;
 use super::options::{ReadOptions, StopRule};
 use super::packet_delay::PacketDelay;
 
@@ -36,6 +36,17 @@ pub(super) enum Form {
     Wide,
     /// A path and packets.
     Drive(PathKind, PacketKind),
+}
+
+impl Form {
+    /// What a log of this form is, of which `part` is known.
+    fn found(self, part: &LogPart) -> String {
+        match (part, self) {
+            (LogPart::Table(_), Self::Stops) => "a table of stops in memory".to_owned(),
+            (LogPart::Table(_), Self::Drive(..)) => "a path in memory".to_owned(),
+            (_, form) => form.to_string(),
+        }
+    }
 }
 
 impl fmt::Display for Form {
@@ -110,7 +121,7 @@ impl Use {
 }
 
 /// Refuses what `options` say that are for another form of log.
-pub(super) fn refuse(path: &Path, form: Form, options: &ReadOptions) -> Result<(), RobotLogError> {
+pub(super) fn refuse(part: &LogPart, form: Form, options: &ReadOptions) -> Result<(), RobotLogError> {
     let ReadOptions { stop_every, packet_interval_s, form: of_form, repair, bag, sniffer } = options;
     let flags = [
         ("stop_every", *stop_every != StopRule::Automatic, Use::Drive),
@@ -137,10 +148,10 @@ pub(super) fn refuse(path: &Path, form: Form, options: &ReadOptions) -> Result<(
     ];
     match flags.into_iter().find(|(_, is_given, meant)| *is_given && !meant.is_for(form)) {
         Some((flag, _, meant)) => Err(RobotLogError::Unsuited {
-            path: path.to_owned(),
+            part: part.clone(),
             flag,
             meant: meant.meant(),
-            found: form.to_string(),
+            found: form.found(part),
         }),
         None => Ok(()),
     }

@@ -14,7 +14,7 @@ use super::paths::Paths;
 pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
     let text = sextant_kernel::read_text_at_most(path, sextant_kernel::LARGEST_FILE)
         .map_err(|why| RobotLogError::read(path, why))?;
-    let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
+    let wrong = |line: usize, problem: String| RobotLogError::line(path, line, problem);
     let text = text.trim_start_matches('\u{feff}');
     let document = Document::parse(text).map_err(|why| wrong(why.pos().row as usize, why.to_string()))?;
     let line = |node: Node<'_, '_>| document.text_pos_at(node.range().start).row as usize;

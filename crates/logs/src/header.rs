@@ -1,7 +1,8 @@
-//! The header of a CSV file: which columns are known, which are ignored.
+//! The columns of a table by their names: which columns are known, which are ignored.
 
 use super::field_names::FieldNames;
 use super::instant;
+use super::log_part::LogPart;
 
 /// The columns of a file.
 #[derive(Default)]
@@ -37,13 +38,17 @@ pub(super) enum Others {
 }
 
 impl Header {
-    /// Checks the names of columns. A name that is not known is ignored, unless it looks like a known column that is
+    /// Checks the names of the columns of `part`. A name that is not known is ignored, unless it looks like a known column that is
     /// absent: a misspelt `sent` would silently count as absent.
-    pub(super) fn new(names: &csv::StringRecord, known: Known<'_>) -> Result<Self, String> {
-        let written: Vec<String> = names.iter().map(|name| name.trim().to_owned()).collect();
+    pub(super) fn new<'n>(
+        names: impl Iterator<Item = &'n str>,
+        known: Known<'_>,
+        part: &LogPart,
+    ) -> Result<Self, String> {
+        let written: Vec<String> = names.map(|name| name.trim().to_owned()).collect();
         let Known { required, optional, names: given, others } = known;
         let known = [required, optional].concat();
-        let columns = given.rename(&written, &known)?;
+        let columns = given.rename(&written, &known, part)?;
         let has = |name: &str| columns.iter().any(|column| column == name);
         let has_time = instant::COLUMNS.into_iter().any(has);
         // A file has one of the columns of times.
@@ -80,7 +85,8 @@ impl Header {
         }
         if let Some(missing) = required.iter().find(|name| absent.contains(name)) {
             return Err(format!(
-                "column `{missing}` is missing; the first line must name the columns: {}{}",
+                "column `{missing}` is missing; {} the columns: {}{}",
+                must_have(part),
                 required.join(","),
                 given.hint(missing, "NAME")
             ));
@@ -118,6 +124,14 @@ impl Header {
         let names: Vec<String> =
             self.ignored.iter().filter(|name| !name.is_empty()).map(|name| format!("`{name}`")).collect();
         (!names.is_empty()).then(|| names.join(", "))
+    }
+}
+
+/// What a part of a log must do about columns that are missing.
+pub(super) const fn must_have(part: &LogPart) -> &'static str {
+    match part {
+        LogPart::File(_) => "the first line must name",
+        LogPart::Table(_) => "the table must have",
     }
 }
 

@@ -24,7 +24,7 @@ enum Unit {
 
 impl Headings {
     /// The column of `table`. Of both, the one in radians counts; then `notes` says so.
-    pub(super) fn find(table: &Table, notes: &mut Vec<String>) -> Self {
+    pub(super) fn find(table: &Table<'_>, notes: &mut Vec<String>) -> Self {
         let [radians, degrees] = COLUMNS.map(|name| table.column(name));
         let unit = match (radians.exists(), degrees.exists()) {
             (false, false) => Unit::Absent,

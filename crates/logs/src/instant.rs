@@ -91,6 +91,26 @@ pub(super) fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
     era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
 }
 
+/// The date and time of day, as RFC 3339 writes it in UTC, of a time after 1970, or before it (ns).
+pub(super) fn format_date(nanos: i64) -> String {
+    let unsigned = |number: i64| number.unsigned_abs();
+    let (second, fraction) = (nanos.div_euclid(1_000_000_000), nanos.rem_euclid(1_000_000_000));
+    let (days, of_day_s) = (second.div_euclid(86_400), second.rem_euclid(86_400));
+    // `civil_from_days` of H. Hinnant, as above.
+    let days = days + 719_468;
+    let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
+    let year_of_era = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let from_march = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * from_march + 2) / 5 + 1;
+    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
+    let year = year_of_era + 400 * era + i64::from(month <= 2);
+    let (hour, minute, second) = (of_day_s / 3600, of_day_s / 60 % 60, of_day_s % 60);
+    let clock = format(SimTime::from_nanos(unsigned(fraction)));
+    let fraction = clock.strip_prefix('0').unwrap_or_default();
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{fraction}Z")
+}
+
 /// The time `text` in a unit of which `10^places` are a second: milliseconds have three places.
 pub(super) fn parse_scaled(text: &str, places: usize) -> Option<SimTime> {
     let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
@@ -185,6 +205,11 @@ mod tests {
             assert_eq!(at(text), None, "{text}");
         }
         assert_eq!(parse_date("2023-11-14T22:13:20", true), parse("1700000000"));
+        for text in ["1970-01-01T00:00:00Z", "2024-02-29T23:59:59.25Z", "2100-03-01T00:00:00.000000001Z"] {
+            let nanos = parse_date(text, false).unwrap().as_nanos();
+            assert_eq!(format_date(nanos.try_into().unwrap()), text);
+        }
+        assert_eq!(format_date(-1), "1969-12-31T23:59:59.999999999Z");
     }
 
     #[test]

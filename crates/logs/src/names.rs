@@ -30,9 +30,9 @@ impl Names {
         let mut by_alias = BTreeMap::new();
         let mut all = BTreeSet::new();
         let head = table.rows(|row| {
-            let of = row.node(name)?.to_owned();
+            let of = row.node(name)?.into_owned();
             all.insert(of.clone());
-            if let Some(before) = by_alias.insert(row.node(alias)?.to_owned(), of) {
+            if let Some(before) = by_alias.insert(row.node(alias)?.into_owned(), of) {
                 return Err(row.wrong(alias, format!("each alias once; this one is already that of `{before}`")));
             }
             Ok(())

@@ -48,7 +48,7 @@ enum Kind {
 pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
     let octets = sextant_kernel::read_at_most(path, sextant_kernel::LARGEST_FILE)
         .map_err(|why| RobotLogError::read(path, why))?;
-    let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
+    let wrong = |line: usize, problem: String| RobotLogError::line(path, line, problem);
     let mut sentences = Vec::new();
     let mut damaged = 0_u64;
     for (line, text) in (1..).zip(octets.split(|&octet| octet == b'\n')) {

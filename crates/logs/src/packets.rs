@@ -1,7 +1,5 @@
 //! `packets.csv`: one row for each packet that a robot heard.
 
-use std::path::Path;
-
 use sextant_kernel::RobotId;
 
 use super::error::RobotLogError;
@@ -12,6 +10,7 @@ use super::instant;
 use super::packet::Packet;
 use super::reciprocal::{Roles, Transmitter};
 use super::table::{Column, Row, Table};
+use super::table_source::TableSource;
 use super::times::Times;
 
 /// The robots of a log.
@@ -23,9 +22,9 @@ pub(super) struct Robots<'a> {
     pub(super) path: &'a str,
 }
 
-/// Reads the packets in the file `path` row by row into `gatherer`, with the `names` of the user for columns.
-pub(super) fn read(
-    path: &Path,
+/// Reads the packets of a table row by row into `gatherer`, with the `names` of the user for columns.
+pub(super) fn read<'a>(
+    source: impl Into<TableSource<'a>>,
     names: &FieldNames,
     robots: Robots<'_>,
     roles: &mut Roles,
@@ -38,7 +37,7 @@ pub(super) fn read(
     };
     let optional = [&instant::COLUMNS[..], &["rssi_dbm", "snr_db", "sector"], ends].concat();
     let known = Known { required: &[required], optional: &optional, names, others: Others::Ignored };
-    let table = Table::open_known(path, known)?;
+    let table = Table::open_known(source, known)?;
     notes.extend(table.ignored());
     let time = Times::of(&table, notes)?;
     let [node, mover] = [required, ends[0]].map(|name| table.column(name));
@@ -53,7 +52,7 @@ pub(super) fn read(
         gatherer.take(Packet {
             time: row.instant(time)?,
             robot,
-            node: row.node(node)?,
+            node: &row.node(node)?,
             rssi_dbm: row.finite(rssi)?,
             snr_db: row.finite(snr)?,
             sector: row.sector(sector)?,
@@ -64,7 +63,7 @@ pub(super) fn read(
 
 impl Robots<'_> {
     /// Refuses a table that does not fit the paths or what the user wants. `mover` is the column of who drove.
-    fn check(self, table: &Table, mover: Column, roles: &Roles) -> Result<(), RobotLogError> {
+    fn check(self, table: &Table<'_>, mover: Column, roles: &Roles) -> Result<(), RobotLogError> {
         let Self { names, path } = self;
         if matches!(roles, Roles::Usual) && mover.exists() && names.is_empty() {
             return Err(table.wrong_header(format!(
@@ -92,7 +91,7 @@ impl Robots<'_> {
         match row.filled(mover) {
             Some(name) => {
                 let known = || format!("one of the robots in {}: {}", self.path, self.names.join(", "));
-                let index = self.names.iter().position(|known| known == name);
+                let index = self.names.iter().position(|known| *known == name);
                 Ok(RobotId::from_index(index.ok_or_else(|| row.wrong(mover, known()))?))
             }
             None if mover.exists() => Err(row.wrong(mover, allowed)),
@@ -112,10 +111,10 @@ impl Robots<'_> {
         }
         let name = row.filled(mover).ok_or_else(|| row.wrong(mover, "the name of a transmitter"))?;
         if self.names.is_empty() {
-            let is_wanted = transmitter.is_the_one(name);
+            let is_wanted = transmitter.is_the_one(&name);
             let is_wanted = is_wanted.map_err(|problem| row.head.wrong_row(row.offset, problem))?;
             return Ok(is_wanted.then_some(RobotId(0)));
         }
-        if transmitter.is_wanted(name) { self.of(row, mover, "").map(Some) } else { Ok(None) }
+        if transmitter.is_wanted(&name) { self.of(row, mover, "").map(Some) } else { Ok(None) }
     }
 }

@@ -15,6 +15,13 @@ pub(super) enum Listing {
     ReceivedOfSent,
 }
 
+/// Names of the files or tables of a log.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PartNames<'a> {
+    pub(super) stops: &'a str,
+    pub(super) receptions: &'a str,
+}
+
 /// What the user should know.
 pub(super) struct PairNotes {
     /// What the rows are.
@@ -42,10 +49,10 @@ pub(super) struct PairNotes {
 
 impl PairNotes {
     /// Adds the notes to `notes`.
-    pub(super) fn tell(&self, notes: &mut Vec<String>) {
+    pub(super) fn tell(&self, PartNames { stops, receptions }: PartNames<'_>, notes: &mut Vec<String>) {
         let Self { unstated, repeated, silent_pairs, absent, zeros, .. } = *self;
         let usual = match self.listing {
-            _ if self.is_stated => "`sent` of stops.csv",
+            _ if self.is_stated => &format!("`sent` of {stops}"),
             Listing::Reports => "the most reports of a node at the stop",
             Listing::ReceivedOfSent => "the median of `sent` at the stop",
             Listing::Packets | Listing::Received => "the most that were received of a node at the stop",
@@ -54,47 +61,47 @@ impl PairNotes {
                          packet";
         match self.listing {
             Listing::Packets if self.is_lossless => notes.push(format!(
-                "receptions.csv has no column `received`: each row is a packet; the pairs that were heard {strengths}"
+                "{receptions} has no column `received`: each row is a packet; the pairs that were heard {strengths}"
             )),
             Listing::Received if self.is_lossless && self.has_counts => {
-                notes.push(format!("receptions.csv has no column `sent`: the pairs that were heard {strengths}"))
+                notes.push(format!("{receptions} has no column `sent`: the pairs that were heard {strengths}"))
             }
             Listing::Reports => notes.push(format!(
-                "receptions.csv has no column `sent`: with option `noise_floor` the packets sent are {usual}"
+                "{receptions} has no column `sent`: with option `noise_floor` the packets sent are {usual}"
             )),
             Listing::Packets => notes.push(format!(
-                "receptions.csv has no column `received`: each row is a packet, and the packets sent are {usual}"
+                "{receptions} has no column `received`: each row is a packet, and the packets sent are {usual}"
             )),
             Listing::Received if self.has_counts => {
-                notes.push(format!("receptions.csv has no column `sent`: the packets sent are {usual}"));
+                notes.push(format!("{receptions} has no column `sent`: the packets sent are {usual}"));
             }
             Listing::Received | Listing::ReceivedOfSent => {}
         }
         if repeated > 0 && !matches!(self.listing, Listing::Packets | Listing::Reports) {
             notes.push(format!(
-                "receptions.csv: {repeated} rows repeat a pair of node and stop; their packets were added up, and levels \
+                "{receptions}: {repeated} rows repeat a pair of node and stop; their packets were added up, and levels \
                  averaged over packets"
             ));
         }
         if unstated > 0 {
             notes.push(format!(
-                "receptions.csv: {unstated} rows do not state `sent`; for them it is {usual}, or `received` if that is more"
+                "{receptions}: {unstated} rows do not state `sent`; for them it is {usual}, or `received` if that is more"
             ));
         }
         if silent_pairs > 0 && self.fills {
             notes.push(format!(
-                "receptions.csv: {silent_pairs} absent pairs of node and stop count as missed packets, as many as {usual} \
+                "{receptions}: {silent_pairs} absent pairs of node and stop count as missed packets, as many as {usual} \
                  (0 of 0 means that a node could not have been heard)"
             ));
         } else if silent_pairs > 0 {
             notes.push(format!(
-                "receptions.csv: {silent_pairs} absent pairs of node and stop are too many to list (at most \
+                "{receptions}: {silent_pairs} absent pairs of node and stop are too many to list (at most \
                  {MOST_SILENT_PAIRS}); each counts as one missed packet"
             ));
         }
         if zeros > 0 && absent > 0 && !self.is_stated {
             notes.push(format!(
-                "receptions.csv lists {zeros} pairs of which nothing was received and leaves out {absent} others; those count \
+                "{receptions} lists {zeros} pairs of which nothing was received and leaves out {absent} others; those count \
                  as missed packets too. List all pairs, with 0 of 0 where the robot could not have heard the node"
             ));
         }

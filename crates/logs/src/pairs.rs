@@ -8,7 +8,7 @@ use sextant_kernel::NodeId;
 
 use super::gathered::{Gathered, Keyed};
 use super::gatherer::{MOST_SILENT_PAIRS, silent};
-use super::pair_notes::{Listing, PairNotes};
+use super::pair_notes::{Listing, PairNotes, PartNames};
 use super::signal::{OfSector, Signal, Strength, merged};
 
 /// The packets of a row.
@@ -172,12 +172,13 @@ impl<S: Kept> Collector<S> {
         self,
         nodes: usize,
         at_stop: &[Option<u32>],
+        parts: PartNames<'_>,
         notes: &mut Vec<String>,
     ) -> ReceptionLogBuilder {
         let collected = self.collect();
         let mut seen = Seen::new(collected.listing, at_stop.len());
         seen.add(&collected);
-        collected.receptions(&seen.rule(nodes, at_stop, notes))
+        collected.receptions(&seen.rule(nodes, at_stop, parts, notes))
     }
 }
 
@@ -323,7 +324,13 @@ impl Seen {
 
     /// How pairs become receptions, in a log of `nodes` nodes. `at_stop` are the packets that a node sent at each stop, where
     /// the file of stops says so.
-    pub(super) fn rule(&self, nodes: usize, at_stop: &[Option<u32>], notes: &mut Vec<String>) -> Rule {
+    pub(super) fn rule(
+        &self,
+        nodes: usize,
+        at_stop: &[Option<u32>],
+        parts: PartNames<'_>,
+        notes: &mut Vec<String>,
+    ) -> Rule {
         let Self { listing, has_counts, unstated, repeated, zeros, .. } = *self;
         let is_stated = at_stop.iter().any(Option::is_some);
         // Where nothing states the packets sent, a strength tells how far a node is, and a loss would be invented.
@@ -356,7 +363,7 @@ impl Seen {
             is_stated,
             is_lossless,
         }
-        .tell(notes);
+        .tell(parts, notes);
         Rule { listing, usual, fills: fills && silent_pairs > 0, is_lossless, is_counted, is_stated }
     }
 

@@ -1,7 +1,5 @@
 //! `path.csv`: where robots were over time.
 
-use std::path::Path as FilePath;
-
 use super::doctor::origin;
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
@@ -11,20 +9,21 @@ use super::path::{Path, Pose};
 use super::paths::Paths;
 use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
+use super::table_source::TableSource;
 use super::times::Times;
 use sextant_recording::RobotNames;
 
-/// Reads the paths in the file `path`: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`, or with the `names` of
+/// Reads the paths in a table: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`, or with the `names` of
 /// the user. If `skips_no_fix`, rows without a fix are left out.
-pub(super) fn read(
-    path: &FilePath,
+pub(super) fn read<'a>(
+    source: impl Into<TableSource<'a>>,
     names: &FieldNames,
     skips_no_fix: bool,
     notes: &mut Vec<String>,
 ) -> Result<Paths, RobotLogError> {
     let optional = [&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat();
     let table =
-        Table::open_known(path, Known { required: &[], optional: &optional, names, others: Others::Ignored })?;
+        Table::open_known(source, Known { required: &[], optional: &optional, names, others: Others::Ignored })?;
     notes.extend(table.ignored());
     let time = Times::of(&table, notes)?;
     let places = Places::of(&table, Frame::Any, notes)?;
@@ -57,13 +56,13 @@ pub(super) fn read(
     }
     if left_out > 0 {
         notes
-            .push(format!("{}: {left_out} rows without a fix are left out (option `skip_no_fix`)", head.file_name()));
+            .push(format!("{}: {left_out} rows without a fix are left out (option `skip_no_fix`)", head.name()));
     }
     let path_of = |rows: Vec<(Pose, u64)>| {
         let (poses, offsets): (Vec<Pose>, Vec<u64>) = rows.into_iter().unzip();
         Path::new(poses).map_err(|why| match why.index() {
             Some(index) => head.wrong_row(offsets[index], why.to_string()),
-            None => RobotLogError::Path { path: path.to_owned(), why },
+            None => RobotLogError::Path { part: head.part.clone(), why },
         })
     };
     let paths = poses.into_iter().map(path_of).collect::<Result<_, _>>()?;

@@ -50,7 +50,7 @@ impl Frame {
 impl Places {
     /// How `table` gives places. Of a file that gives both, those in metres count, or those of the log's frame; then
     /// `notes` says so.
-    pub(super) fn of(table: &Table, frame: Frame, notes: &mut Vec<String>) -> Result<Self, RobotLogError> {
+    pub(super) fn of(table: &Table<'_>, frame: Frame, notes: &mut Vec<String>) -> Result<Self, RobotLogError> {
         let [x, y, z, lat, lon, alt] = COLUMNS.map(|name| table.column(name));
         let (metres, geodetic) = ([x, y], [lat, lon]);
         let has = |columns: [Column; 2]| columns.into_iter().all(Column::exists);

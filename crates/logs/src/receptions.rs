@@ -1,7 +1,6 @@
 //! `receptions.csv`: what was heard of each node at each stop.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use sextant_channel::{ReceptionLogBuilder, SectorReport};
 use sextant_kernel::NodeId;
@@ -10,7 +9,8 @@ use super::error::RobotLogError;
 use super::field_names::FieldNames;
 use super::form_options::FormOptions;
 use super::header::{Known, Others};
-use super::pair_notes::Listing;
+use super::lookup::Lookup;
+use super::pair_notes::{Listing, PartNames};
 use super::pairs::{Collector, Count, Kept};
 use super::rssi_check::RssiCheck;
 use super::sector_snrs;
@@ -18,9 +18,12 @@ use super::signal::{Signal, Strength};
 use super::stops::{MOST_SENT, Stops};
 use super::strengths::{Report, Strengths};
 use super::table::{Column, Row, Table};
+use super::table_source::TableSource;
 
 /// Names of the nodes and their receptions.
 pub(super) struct Receptions {
+    /// Name of the file or table that has them, for messages.
+    pub(super) name: String,
     pub(super) names: Vec<String>,
     pub(super) receptions: ReceptionLogBuilder,
     /// Rows of stops that were left out.
@@ -31,6 +34,8 @@ pub(super) struct Receptions {
 
 /// What the rows of the file have besides what is passed on of each.
 pub(super) struct OfRows {
+    /// Name of the file or table that has them, for messages.
+    pub(super) name: String,
     /// Names of the nodes.
     pub(super) names: Vec<String>,
     /// Rows of stops that were left out.
@@ -61,17 +66,17 @@ pub(super) enum SignalKind {
     None,
 }
 
-/// Reads the receptions at `stops` in the file `path`, as `form` says. Nodes are numbered in the order of their first rows.
+/// Reads the receptions at `stops` in a table, as `form` says. Nodes are numbered in the order of their first rows.
 /// Their strengths go through `rssi`.
 pub(super) fn read(
-    path: &Path,
+    source: TableSource<'_>,
     stops: &Stops,
     form: &FormOptions,
     rssi: &mut RssiCheck,
     notes: &mut Vec<String>,
 ) -> Result<Receptions, RobotLogError> {
     let mut strengths = Strengths::of(form);
-    let (rows, kind) = open(path, (stops, form), (rssi, &mut strengths), notes)?;
+    let (rows, kind) = open(source, (stops, form), (rssi, &mut strengths), notes)?;
     let read = match kind {
         SignalKind::Whole => rows.read::<Signal>(notes),
         SignalKind::Strength => rows.read::<Strength>(notes),
@@ -81,9 +86,9 @@ pub(super) fn read(
     Ok(read)
 }
 
-/// Opens the file `path` for its rows.
+/// Opens a table for its rows.
 pub(super) fn open<'a>(
-    path: &Path,
+    source: TableSource<'a>,
     (stops, form): (&'a Stops, &FormOptions),
     (rssi, strengths): (&'a mut RssiCheck, &'a mut Strengths),
     notes: &mut Vec<String>,
@@ -96,18 +101,18 @@ pub(super) fn open<'a>(
         (&["node", "stop"][..], measured.to_vec())
     };
     let table =
-        Table::open_known(path, Known { required, optional: &optional, names: &names, others: Others::Ignored })?;
+        Table::open_known(source, Known { required, optional: &optional, names: &names, others: Others::Ignored })?;
     notes.extend(table.ignored());
     let [received, sent] = ["received", "sent"].map(|name| table.column(name));
-    let (node, stop) = ends(&table, form.reciprocal)?;
+    let (node, stop) = ends(&table, &stops.name, form.reciprocal)?;
     let [sector, level, snr] = ["sector", "rssi_dbm", "snr_db"].map(|name| table.column(name));
     let sector_snrs = table.column(sector_snrs::COLUMN);
     let columns = Columns { node, stop, received, sent, sector, rssi: level, snr, sector_snrs };
     if !received.exists() && (sent.exists() || !level.exists()) {
-        return Err(table.wrong_header(
-            "column `received` is missing; the first line must name the columns: node,stop,received \
-             (or node,stop,rssi_dbm, if each row is a packet)",
-        ));
+        return Err(table.wrong_header(format!(
+            "column `received` is missing; {} the columns: node,stop,received (or node,stop,rssi_dbm, if each row is a packet)",
+            table.must_have()
+        )));
     }
     let listing = match (received.exists(), sent.exists()) {
         (_, false) if form.noise_floor.is_some() => Listing::Reports,
@@ -127,7 +132,7 @@ pub(super) fn open<'a>(
 
 /// The columns of the node and of the stop. If roles are turned, the node is the receiver: without a column of its own, it is
 /// in that of the stop, because there it stood, and the stop of the transmitter is in that of the node.
-fn ends(table: &Table, is_turned: bool) -> Result<(Column, Column), RobotLogError> {
+fn ends(table: &Table<'_>, stops: &str, is_turned: bool) -> Result<(Column, Column), RobotLogError> {
     let [node, stop, receiver] = ["node", "stop", "receiver"].map(|name| table.column(name));
     if !is_turned {
         return Ok((node, stop));
@@ -135,16 +140,17 @@ fn ends(table: &Table, is_turned: bool) -> Result<(Column, Column), RobotLogErro
     match (receiver.exists(), node.exists()) {
         (true, _) => Ok((receiver, stop)),
         (false, true) => Ok((stop, node)),
-        (false, false) => Err(table.wrong_header(
-            "column `receiver` is missing; with option `reciprocal` the first line must name the columns receiver,stop (where the \
-             transmitter was) or node,stop (the place of the transmitter as stops.csv names it, and the receiver)",
-        )),
+        (false, false) => Err(table.wrong_header(format!(
+            "column `receiver` is missing; with option `reciprocal` {} the columns receiver,stop (where the \
+             transmitter was) or node,stop (the place of the transmitter as {stops} names it, and the receiver)",
+            table.must_have()
+        ))),
     }
 }
 
 /// The rows of the file, and what is needed to read them.
 pub(super) struct Rows<'a> {
-    table: Table,
+    table: Table<'a>,
     columns: Columns,
     pub(super) listing: Listing,
     stops: &'a Stops,
@@ -182,7 +188,7 @@ impl Rows<'_> {
         let has_reports = self.have_sector_snrs();
         let mut pairs = Collector::<S>::new(listing);
         let mut reports = Vec::new();
-        let OfRows { names, left_out } = self.each(|row, of_sectors| {
+        let OfRows { name, names, left_out } = self.each(|row, of_sectors| {
             pairs.push(row.node, row.stop, row.count, row.signal());
             let (node, stop) = (NodeId(row.node), row.stop);
             reports.extend(of_sectors.into_iter().map(|(sector, snr_db)| SectorReport {
@@ -193,8 +199,9 @@ impl Rows<'_> {
             }));
             Ok(())
         })?;
-        let receptions = pairs.finish(names.len(), &stops.sent, notes);
-        Ok(Receptions { names, receptions, left_out, reports: has_reports.then_some(reports) })
+        let parts = PartNames { stops: &stops.name, receptions: &name };
+        let receptions = pairs.finish(names.len(), &stops.sent, parts, notes);
+        Ok(Receptions { name, names, receptions, left_out, reports: has_reports.then_some(reports) })
     }
 
     /// Calls `take` with each row, and with the signal-to-noise ratios of all sectors (dB) that it has.
@@ -207,26 +214,33 @@ impl Rows<'_> {
         let mut nodes: BTreeMap<String, u32> = BTreeMap::new();
         let mut last: Option<u32> = None;
         let mut left_out = 0;
-        table.rows(|row| {
-            let name = row.node(columns.node)?;
-            // The rows of a node often follow each other.
-            let node = match last.filter(|&last| names[last as usize] == name).or_else(|| nodes.get(name).copied()) {
-                Some(node) => node,
-                None => {
+        let (mut of_nodes, mut of_stops) = (Lookup::new(), Lookup::new());
+        let head = table.rows(|row| {
+            let node = of_nodes.of(row.token(columns.node), || {
+                let name = row.node(columns.node)?;
+                // The rows of a node often follow each other.
+                let last = last.filter(|&last| names[last as usize] == name);
+                Ok(last.or_else(|| nodes.get(&*name).copied()).unwrap_or_else(|| {
                     let node = u32::try_from(names.len()).expect("fewer than 2^32 nodes");
-                    names.push(name.to_owned());
-                    nodes.insert(name.to_owned(), node);
+                    names.push(name.clone().into_owned());
+                    nodes.insert(name.into_owned(), node);
                     node
-                }
-            };
+                }))
+            })?;
             last = Some(node);
-            let id = row.filled(columns.stop).unwrap_or("");
-            if stops.left_out.contains(id) {
+            let stop = of_stops.of(row.token(columns.stop), || {
+                let id = row.filled(columns.stop).unwrap_or_default();
+                if stops.left_out.contains(&*id) {
+                    return Ok(None);
+                }
+                let stop = stops.ids.get(&*id).ok_or_else(|| row.wrong(columns.stop, known_stops(stops)))?;
+                Ok(Some(*stop))
+            })?;
+            let Some(stop) = stop else {
                 left_out += 1;
                 return Ok(());
-            }
-            let stop = *stops.ids.get(id).ok_or_else(|| row.wrong(columns.stop, known_stops(&stops.ids)))?;
-            let count = count(row, columns, stops.sent[stop as usize])?;
+            };
+            let count = count(row, columns, (stop, stops))?;
             let snr_db = row.finite(columns.snr)?;
             let sector = row.sector(columns.sector)?;
             let of_sectors = sector_snrs::of_cell(row, columns.sector_snrs)?;
@@ -247,12 +261,12 @@ impl Rows<'_> {
                 }
             }
         })?;
-        Ok(OfRows { names, left_out })
+        Ok(OfRows { name: head.name(), names, left_out })
     }
 }
 
-/// The packets of a row. `at_stop` are those that a node sent at its stop, if the file of stops says so.
-fn count(row: &Row<'_>, columns: Columns, at_stop: Option<u32>) -> Result<Count, RobotLogError> {
+/// The packets of a row. The table of stops may say how many a node sent there.
+fn count(row: &Row<'_>, columns: Columns, (stop, stops): (u32, &Stops)) -> Result<Count, RobotLogError> {
     if !columns.received.exists() {
         // A row is a packet; without a level, it names a node of which nothing was heard.
         let received = u32::from(row.filled(columns.rssi).is_some());
@@ -261,26 +275,25 @@ fn count(row: &Row<'_>, columns: Columns, at_stop: Option<u32>) -> Result<Count,
     let received = row.whole(columns.received, MOST_SENT)?;
     let received = received.ok_or_else(|| row.wrong(columns.received, "a whole number, 0 or above"))?;
     let sent = row.whole(columns.sent, MOST_SENT)?;
-    let (most, whose) = match (sent, at_stop) {
-        (Some(sent), _) => (sent, ""),
-        (None, Some(at_stop)) => (at_stop, " at this stop as stops.csv has it"),
-        (None, None) => (MOST_SENT, ""),
-    };
+    let at_stop = stops.sent[stop as usize];
+    let most = sent.or(at_stop).unwrap_or(MOST_SENT);
     if received > most {
+        let is_of_stop = sent.is_none() && at_stop.is_some();
+        let whose = if is_of_stop { format!(" at this stop as {} has it", stops.name) } else { String::new() };
         return Err(row.wrong(columns.received, format!("at most {most}, the packets sent{whose}")));
     }
     Ok(Count { received, sent })
 }
 
-fn known_stops(ids: &BTreeMap<String, u32>) -> String {
+fn known_stops(Stops { ids, name, .. }: &Stops) -> String {
     let mut by_index: Vec<(&u32, &String)> = ids.iter().map(|(id, index)| (index, id)).collect();
     by_index.sort_unstable();
     match by_index.as_slice() {
         [(_, first), .., (_, last)] => {
-            format!("one of the {} stops in stops.csv, from `{first}` to `{last}`", ids.len())
+            format!("one of the {} stops in {name}, from `{first}` to `{last}`", ids.len())
         }
         _ => {
-            format!("the only stop in stops.csv: {}", by_index.iter().map(|(_, id)| id.as_str()).collect::<String>())
+            format!("the only stop in {name}: {}", by_index.iter().map(|(_, id)| id.as_str()).collect::<String>())
         }
     }
 }

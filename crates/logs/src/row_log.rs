@@ -6,13 +6,14 @@ use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder};
 use sextant_kernel::{Interrupted, NodeId};
 use sextant_recording::RobotNames;
 
+use super::companions::Companions;
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
-use super::folder::{CONTACTS, RECEPTIONS, STOPS, left_out_note, unused_sector_snrs, with_sectors};
+use super::folder::{RECEPTIONS, STOPS, left_out_note, unused_sector_snrs};
 use super::form;
 use super::layout::Layout;
 use super::options::ReadOptions;
-use super::pair_notes::Listing;
+use super::pair_notes::{Listing, PartNames};
 use super::pairs::{Collected, Collector, Count, Kept, Rule, Seen};
 use super::receptions::{self, OfRows, ReadRow, SignalKind};
 use super::rssi_check::RssiCheck;
@@ -36,6 +37,8 @@ pub struct RowLog {
     /// Notes for the user.
     pub notes: Vec<String>,
     file: PathBuf,
+    /// The name of the file for notes.
+    receptions: String,
     stops: Stops,
     options: ReadOptions,
     listing: Listing,
@@ -56,8 +59,9 @@ impl RowLog {
     /// If a file is missing, cannot be read, or has an invalid row; the first error of `take`.
     pub fn open(path: &Path, options: &ReadOptions, take: TakeRow<'_>) -> Result<Option<Self>, RobotLogError> {
         let layout = Layout::of(path, &options.form)?;
-        form::refuse(path, layout.form(), options)?;
+        form::refuse(&path.into(), layout.form(), options)?;
         let Layout::Stops(folder) = &layout else { return Ok(None) };
+        let companions = Companions::of_folder(folder);
         let mut notes = Vec::new();
         if options.form.reciprocal {
             notes.push(reciprocal::NOTE.to_owned());
@@ -65,28 +69,28 @@ impl RowLog {
         let mut robots = RobotNames::default();
         let names = FieldNames::of_places(options.form.path_fields.as_ref());
         let skips = options.repair.skip_no_fix;
-        let stops = stops::read(&folder.join(STOPS), &names, skips, &mut robots, &mut notes)?;
+        let stops = stops::read(folder.join(STOPS).into(), &names, skips, &mut robots, &mut notes)?;
         if stops.stops.is_empty() {
-            return Err(RobotLogError::NoStops { path: folder.clone() });
+            return Err(RobotLogError::NoStops { part: folder.as_path().into() });
         }
         let file = folder.join(RECEPTIONS);
         let mut rssi = RssiCheck::new(&options.repair.rssi_missing);
         let mut strengths = Strengths::of(&options.form);
-        let (rows, kind) = receptions::open(&file, (&stops, &options.form), (&mut rssi, &mut strengths), &mut notes)?;
+        let (rows, kind) = receptions::open(file.as_path().into(), (&stops, &options.form), (&mut rssi, &mut strengths), &mut notes)?;
         let listing = rows.listing;
-        notes.extend(unused_sector_snrs(folder, rows.have_sector_snrs()));
-        let OfRows { names, left_out } = rows.each(|row, _| Ok(pass(row, &stops, &mut *take)?))?;
+        notes.extend(unused_sector_snrs(&companions, rows.have_sector_snrs()));
+        let OfRows { name: receptions, names, left_out } = rows.each(|row, _| Ok(pass(row, &stops, &mut *take)?))?;
         strengths.finish(&mut notes)?;
-        notes.extend(left_out_note(&stops, left_out));
+        notes.extend(left_out_note(&stops, &receptions, left_out));
         notes.extend(rssi.note());
-        let contacts = stops::read_contacts(&folder.join(CONTACTS), stops.plane, &mut robots, &mut notes)?;
+        let contacts = companions.contacts(stops.plane, &mut robots, &mut notes)?;
         let whole = ReceptionLogBuilder::default().build(names, stops.stops.clone(), contacts);
         let whole = whole.and_then(|whole| whole.with_robots(robots.into_vec()));
-        let whole = whole.map_err(|why| RobotLogError::Log { path: folder.clone(), why })?;
-        let whole = with_sectors(folder, whole, &mut notes)?;
+        let whole = whole.map_err(|why| RobotLogError::Log { part: companions.log.clone(), why })?;
+        let whole = companions.with_sectors(whole, &mut notes)?;
         let seen = Seen::new(listing, stops.stops.len());
         let (plane, options) = (stops.plane, options.clone());
-        Ok(Some(Self { whole, plane, notes, file, stops, options, listing, kind, seen, rule: None }))
+        Ok(Some(Self { whole, plane, notes, file, receptions, stops, options, listing, kind, seen, rule: None }))
     }
 
     /// Passes all rows to `take` once more.
@@ -97,7 +101,7 @@ impl RowLog {
         let mut rssi = RssiCheck::new(&self.options.repair.rssi_missing);
         let mut strengths = Strengths::of(&self.options.form);
         let form = (&self.stops, &self.options.form);
-        let (rows, _) = receptions::open(&self.file, form, (&mut rssi, &mut strengths), &mut Vec::new())?;
+        let (rows, _) = receptions::open(self.file.as_path().into(), form, (&mut rssi, &mut strengths), &mut Vec::new())?;
         rows.each(|row, _| Ok(pass(row, &self.stops, &mut *take)?)).map(|_| ())
     }
 
@@ -114,7 +118,8 @@ impl RowLog {
     /// Fixes the rule, after all rows were seen. Returns what the user should know of it.
     pub fn fix_rule(&mut self) -> Vec<String> {
         let mut notes = Vec::new();
-        self.rule = Some(self.seen.rule(self.whole.node_count(), &self.stops.sent, &mut notes));
+        let parts = PartNames { stops: &self.stops.name, receptions: &self.receptions };
+        self.rule = Some(self.seen.rule(self.whole.node_count(), &self.stops.sent, parts, &mut notes));
         notes
     }
 

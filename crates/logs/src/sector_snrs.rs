@@ -10,12 +10,21 @@ use super::error::RobotLogError;
 use super::output::Output;
 use super::stops::Stops;
 use super::table::{Column, Row, Table};
+use super::table_source::TableSource;
 
 /// The column of `receptions.csv`.
 pub(super) const COLUMN: &str = "sector_snr_db";
 const COLUMNS: [&str; 4] = ["node", "stop", "sector", "snr_db"];
 /// What a cell of the column may have.
 const ALLOWED: &str = "pairs of a sector (0 to 255) and its SNR in dB, with spaces between them: `0:12.5 3:9.25`";
+
+/// What is known of the log whose ratios are read.
+#[derive(Clone, Copy)]
+pub(super) struct Known<'a> {
+    pub(super) stops: &'a Stops,
+    /// Name of the file or table of receptions, for messages.
+    pub(super) receptions: &'a str,
+}
 
 /// The sectors and ratios of a cell of the column of `receptions.csv`.
 pub(super) fn of_cell(row: &Row<'_>, column: Column) -> Result<Vec<(u8, f64)>, RobotLogError> {
@@ -28,28 +37,28 @@ pub(super) fn of_cell(row: &Row<'_>, column: Column) -> Result<Vec<(u8, f64)>, R
     text.split_whitespace().map(|text| pair(text).ok_or_else(|| row.wrong(column, ALLOWED))).collect()
 }
 
-/// Reads the ratios in the file `path`, of nodes and stops of `log`. Rows of stops that were left out are skipped.
+/// Reads the ratios in a table, of nodes and stops of `log`. Rows of stops that were left out are skipped.
 pub(super) fn read(
-    path: &Path,
+    source: TableSource<'_>,
     log: &ReceptionLog,
-    stops: &Stops,
+    Known { stops, receptions }: Known<'_>,
     notes: &mut Vec<String>,
 ) -> Result<Vec<SectorReport>, RobotLogError> {
-    let table = Table::open(path, &COLUMNS, &[])?;
+    let table = Table::open(source, &COLUMNS, &[])?;
     let [node, stop, sector, snr_db] = COLUMNS.map(|name| table.column(name));
     notes.extend(table.ignored());
     let nodes: BTreeMap<&str, NodeId> = (0..).map(NodeId).zip(log.names()).map(|(id, name)| (&**name, id)).collect();
     let mut reports = Vec::new();
     table.rows(|row| {
         let name = row.node(node)?;
-        let &id = nodes.get(name).ok_or_else(|| row.wrong(node, "a node of receptions.csv"))?;
-        let at = row.filled(stop).unwrap_or("");
-        if stops.left_out.contains(at) {
+        let &id = nodes.get(&*name).ok_or_else(|| row.wrong(node, format!("a node of {}", receptions)))?;
+        let at = row.filled(stop).unwrap_or_default();
+        if stops.left_out.contains(&*at) {
             return Ok(());
         }
-        let &at = stops.ids.get(at).ok_or_else(|| row.wrong(stop, "a stop of stops.csv"))?;
+        let &at = stops.ids.get(&*at).ok_or_else(|| row.wrong(stop, format!("a stop of {}", stops.name)))?;
         if log.at(id, at).is_none_or(|reception| reception.received == 0) {
-            return Err(row.wrong(node, "a node that was heard at this stop, as receptions.csv has it"));
+            return Err(row.wrong(node, format!("a node that was heard at this stop, as {receptions} has it")));
         }
         let id_of_sector = row.sector(sector)?;
         let id_of_sector = id_of_sector.ok_or_else(|| row.wrong(sector, "a whole number from 0 to 255"))?;

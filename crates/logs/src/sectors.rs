@@ -7,19 +7,20 @@ use sextant_channel::{SectorConfig, SectorTable};
 use super::error::RobotLogError;
 use super::output::Output;
 use super::table::{Row, Table};
+use super::table_source::TableSource;
 
 const AZIMUTHS: [&str; 2] = ["azimuth_from_deg", "azimuth_to_deg"];
 const ELEVATIONS: [&str; 2] = ["elevation_from_deg", "elevation_to_deg"];
 
-/// Reads the sectors in the file `path`.
-pub(super) fn read(path: &Path, notes: &mut Vec<String>) -> Result<SectorTable, RobotLogError> {
-    let table = Table::open(path, &["sector", AZIMUTHS[0], AZIMUTHS[1]], &ELEVATIONS)?;
+/// Reads the sectors in a table.
+pub(super) fn read(source: TableSource<'_>, notes: &mut Vec<String>) -> Result<SectorTable, RobotLogError> {
+    let table = Table::open(source, &["sector", AZIMUTHS[0], AZIMUTHS[1]], &ELEVATIONS)?;
     let sector = table.column("sector");
     let azimuths = AZIMUTHS.map(|name| table.column(name));
     let elevations = ELEVATIONS.map(|name| table.column(name));
     notes.extend(table.ignored());
     let mut sectors: Vec<SectorConfig> = Vec::new();
-    table.rows(|row: &Row<'_>| {
+    let head = table.rows(|row: &Row<'_>| {
         let angle = |column| row.finite(column)?.ok_or_else(|| row.wrong(column, "a finite number"));
         let id = row.sector(sector)?;
         let config = SectorConfig {
@@ -40,11 +41,7 @@ pub(super) fn read(path: &Path, notes: &mut Vec<String>) -> Result<SectorTable, 
         sectors.push(config);
         Ok(())
     })?;
-    SectorTable::new(sectors).map_err(|wrong| RobotLogError::Row {
-        path: path.to_owned(),
-        line: 1,
-        problem: wrong.to_string(),
-    })
+    SectorTable::new(sectors).map_err(|wrong| head.wrong_header(wrong.to_string()))
 }
 
 /// Writes `sectors` to the file `path`.

@@ -6,11 +6,13 @@ use super::doctor;
 use super::error::RobotLogError;
 use super::form::{self, Form};
 use super::layout::{self, Layout};
+use super::folder::{self, StopLog};
 use super::log::RobotLog;
+use super::memory_log::MemoryLog;
 use super::options::ReadOptions;
 use super::packet_delay::PacketDelay;
 use super::repair_options::RepairOptions;
-use super::{bag, drive, folder, reciprocal, sniffer};
+use super::{bag, drive, reciprocal, sniffer};
 
 /// The kinds of logs of robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +44,7 @@ impl Source {
 /// # Errors
 /// If there is such an option.
 pub fn refuse_options(path: &FilePath, options: &ReadOptions) -> Result<(), RobotLogError> {
-    form::refuse(path, Form::Recording, options)
+    form::refuse(&path.into(), Form::Recording, options)
 }
 
 /// Reads the log of a robot: a folder of CSV files, a ROS bag, captures of a sniffer, or parts of these; and looks for what is
@@ -51,17 +53,52 @@ pub fn refuse_options(path: &FilePath, options: &ReadOptions) -> Result<(), Robo
 /// # Errors
 /// If it cannot be read, a part is missing or there more than once, or `options` are for another form of log.
 pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
-    let mut read = read_once(path, options)?;
+    read_with(options, |options| read_once(path, options))
+}
+
+/// Reads the log of a robot that is in memory, as [`read`] reads files.
+///
+/// ```
+/// use sextant_logs::{MemoryColumn, MemoryLog, MemoryTable, ReadOptions};
+///
+/// let column = |name: &str, column: MemoryColumn<'static>| (name.to_owned(), column);
+/// let stops = vec![
+///     column("stop", MemoryColumn::whole(vec![0, 1])),
+///     column("x_m", MemoryColumn::floats(vec![0.0, 1.5])),
+///     column("y_m", MemoryColumn::floats(vec![0.0, 0.0])),
+/// ];
+/// let receptions = vec![
+///     column("node", MemoryColumn::texts([Some("lamp"), Some("door")])),
+///     column("stop", MemoryColumn::whole(vec![1, 0])),
+///     column("received", MemoryColumn::whole(vec![3, 0])),
+///     column("sent", MemoryColumn::whole(vec![5, 5])),
+/// ];
+/// let stops = MemoryTable::new("stops", stops)?;
+/// let receptions = MemoryTable::new("receptions", receptions)?;
+/// let log = sextant_logs::read_tables(&MemoryLog::new(stops, receptions), &ReadOptions::default())?.log;
+/// assert_eq!(log.names(), ["lamp", "door"]);
+/// # Ok::<(), sextant_logs::RobotLogError>(())
+/// ```
+///
+/// # Errors
+/// If a table has an invalid row, or `options` are for another form of log; the error names table, row and column.
+pub fn read_tables(tables: &MemoryLog<'_>, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+    read_with(options, |options| Ok(noted(tables.read(options)?, options)))
+}
+
+/// Reads a log by `read_once`, twice to estimate the delay of the packets, and looks for what is odd in it.
+fn read_with(
+    options: &ReadOptions,
+    read_once: impl Fn(&ReadOptions) -> Result<RobotLog, RobotLogError>,
+) -> Result<RobotLog, RobotLogError> {
+    let mut read = read_once(options)?;
     if options.repair.packet_delay == PacketDelay::Estimated {
         if let Some(clock) = read.clock.filter(|clock| clock.told_s().is_some()) {
             let known = PacketDelay::Seconds(clock.delay_s);
-            read = read_once(
-                path,
-                &ReadOptions {
-                    repair: RepairOptions { packet_delay: known, ..options.repair.clone() },
-                    ..options.clone()
-                },
-            )?;
+            read = read_once(&ReadOptions {
+                repair: RepairOptions { packet_delay: known, ..options.repair.clone() },
+                ..options.clone()
+            })?;
             read.notes.push(format!(
                 "the times of the packets are estimated to be {:.2} ± {:.2} s late by the clock of the path, and are \
                  corrected by that (`packet_delay=auto`)",
@@ -90,14 +127,19 @@ fn read_once(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLo
         });
     }
     let layout = Layout::of(path, &options.form)?;
-    form::refuse(path, layout.form(), options)?;
-    let mut log = match &layout {
-        Layout::Stops(folder) => folder::read(folder, options),
+    form::refuse(&path.into(), layout.form(), options)?;
+    let log = match &layout {
+        Layout::Stops(folder) => folder::read(StopLog::of_folder(folder), options),
         Layout::Wide { table, folder } => folder::read_wide(table, folder.as_deref(), options),
         Layout::Drive(parts) => drive::read(parts, options),
     }?;
+    Ok(noted(log, options))
+}
+
+/// The log with what the user should know of the options.
+fn noted(mut log: RobotLog, options: &ReadOptions) -> RobotLog {
     if options.form.reciprocal {
         log.notes.insert(0, reciprocal::NOTE.to_owned());
     }
-    Ok(log)
+    log
 }

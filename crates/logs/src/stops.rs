@@ -1,7 +1,6 @@
 //! `stops.csv` and `contacts.csv`: where robots listened and what they met.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 use sextant_channel::{Contact, Stop};
 use sextant_kernel::SimTime;
@@ -15,12 +14,15 @@ use super::instant;
 use super::local_plane::LocalPlane;
 use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
+use super::table_source::TableSource;
 use super::times::Times;
 use sextant_recording::RobotNames;
 
 /// The stops of a log.
 #[derive(Debug)]
 pub(super) struct Stops {
+    /// Name of the file or table that has them, for messages.
+    pub(super) name: String,
     pub(super) stops: Vec<Stop>,
     /// The index of each stop by its name in the files.
     pub(super) ids: BTreeMap<String, u32>,
@@ -39,10 +41,10 @@ struct Listed {
     stop: Stop,
 }
 
-/// Reads the stops in the file `path`, with the `names` of the user for columns. If `skips_no_fix`, rows without a fix are
+/// Reads the stops in a table, with the `names` of the user for columns. If `skips_no_fix`, rows without a fix are
 /// left out.
 pub(super) fn read(
-    path: &Path,
+    source: TableSource<'_>,
     names: &FieldNames,
     skips_no_fix: bool,
     robots: &mut RobotNames,
@@ -50,26 +52,32 @@ pub(super) fn read(
 ) -> Result<Stops, RobotLogError> {
     let optional = [&COLUMNS[..], &instant::COLUMNS, &heading::COLUMNS, &["robot", "sent"]].concat();
     let known = Known { required: &["stop"], optional: &optional, names, others: Others::Ignored };
-    let table = Table::open_known(path, known)?;
+    let table = Table::open_known(source, known)?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::Any, notes)?;
     let time = Times::find(&table, notes);
     let mut headings = Headings::find(&table, notes);
     let [id, robot, sent] = ["stop", "robot", "sent"].map(|name| table.column(name));
     if time.is_none() {
-        notes.push("stops.csv has no times (t_s): the duration of the survey is unknown".to_owned());
+        notes.push(format!("{} has no times (t_s): the duration of the survey is unknown", table.name()));
     }
-    let mut read =
-        Stops { stops: Vec::new(), ids: BTreeMap::new(), sent: Vec::new(), plane: None, left_out: BTreeSet::new() };
+    let mut read = Stops {
+        name: table.name(),
+        stops: Vec::new(),
+        ids: BTreeMap::new(),
+        sent: Vec::new(),
+        plane: None,
+        left_out: BTreeSet::new(),
+    };
     let mut listed: Vec<Listed> = Vec::new();
     let mut names = BTreeSet::new();
     table.rows(|row| {
         let name = row.filled(id).ok_or_else(|| row.wrong(id, "a number or a name that is not used above"))?;
-        if !names.insert(name.to_owned()) {
+        if !names.insert(name.clone().into_owned()) {
             return Err(row.wrong(id, "each stop once; this stop is already given above"));
         }
         if skips_no_fix && places.is_without_fix(row) {
-            read.left_out.insert(name.to_owned());
+            read.left_out.insert(name.into_owned());
             return Ok(());
         }
         let sent = row.whole(sent, MOST_SENT)?;
@@ -79,7 +87,7 @@ pub(super) fn read(
             position: places.read(row, &mut read.plane)?,
             heading_rad: headings.read(row)?,
         };
-        listed.push(Listed { name: name.to_owned(), sent, stop });
+        listed.push(Listed { name: name.into_owned(), sent, stop });
         Ok(())
     })?;
     let drops_origin = skips_no_fix && origin::far_m(listed.iter().map(|row| row.stop.position)).is_some();
@@ -99,17 +107,14 @@ pub(super) fn read(
 /// Most packets that a node can have sent at a stop.
 pub(super) const MOST_SENT: u32 = u32::MAX - 1;
 
-/// Reads the contacts in the file `path`, if there is one. The places of the log are in `plane`.
+/// Reads the contacts in a table. The places of the log are in `plane`.
 pub(super) fn read_contacts(
-    path: &Path,
+    source: TableSource<'_>,
     plane: Option<LocalPlane>,
     robots: &mut RobotNames,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Contact>, RobotLogError> {
-    if !path.exists() {
-        return Ok(Vec::new());
-    }
-    let table = Table::open(path, &[], &[&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat())?;
+    let table = Table::open(source, &[], &[&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat())?;
     notes.extend(table.ignored());
     let time = Times::of(&table, notes)?;
     let places = Places::of(&table, Frame::of(plane.as_ref()), notes)?;

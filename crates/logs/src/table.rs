@@ -1,33 +1,46 @@
-//! A CSV file with columns by name, read row by row; errors name line and column.
+//! A table with columns by name, read row by row: a CSV file, or a table in memory. Errors name the line or row, and the
+//! column.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sextant_kernel::text::of_cell;
 
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
-use super::header::{Header, Known, Others};
+use super::header::{self, Header, Known, Others};
 use super::lines::LinesOf;
+use super::log_part::{LogPart, RowAddress};
+use super::memory_table::{Cell, MemoryTable};
+use super::table_source::TableSource;
 
-/// A CSV file whose header was read.
-pub(super) struct Table {
+/// A table whose header was read.
+pub(super) struct Table<'a> {
     head: Head,
-    reader: csv::Reader<BufReader<LinesOf<File>>>,
+    body: Body<'a>,
 }
+
+/// The rows of a table.
+enum Body<'a> {
+    File(Box<CsvReader>),
+    Memory(&'a MemoryTable<'a>),
+}
+
+type CsvReader = csv::Reader<BufReader<LinesOf<File>>>;
 
 /// What is known of a table besides its rows.
 pub(super) struct Head {
-    pub(super) path: PathBuf,
+    pub(super) part: LogPart,
     header: Header,
-    /// Octets before the header: a byte order mark.
+    /// Octets before the header of a file: a byte order mark.
     skipped: u64,
     /// Whether a comma in a number is its decimal mark, because another character separates cells.
     pub(super) decimal_comma: bool,
 }
 
-/// A column by name, and its index in a row if the file has it.
+/// A column by name, and its index in a row if the table has it.
 #[derive(Clone, Copy)]
 pub(super) struct Column {
     pub(super) name: &'static str,
@@ -35,7 +48,7 @@ pub(super) struct Column {
 }
 
 impl Column {
-    /// Whether the file has the column.
+    /// Whether the table has the column.
     pub(super) fn exists(self) -> bool {
         self.at.is_some()
     }
@@ -44,31 +57,50 @@ impl Column {
 /// A row of a table.
 pub(super) struct Row<'a> {
     pub(super) head: &'a Head,
-    record: &'a csv::StringRecord,
-    /// Offset of the row in the file (octets), without a byte order mark.
+    cells: Cells<'a>,
+    /// Where the row is: its offset in the file (octets), without a byte order mark, or its number in the table, from 0.
     pub(super) offset: u64,
+}
+
+/// The cells of a row.
+enum Cells<'a> {
+    File(&'a csv::StringRecord),
+    Memory { table: &'a MemoryTable<'a>, row: usize },
 }
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-impl Table {
-    /// Opens the file `path`. It must have all `required` columns and may have the `optional` ones; others are ignored,
-    /// unless one looks like a known column that is absent.
+impl<'a> Table<'a> {
+    /// Opens a table. It must have all `required` columns and may have the `optional` ones; others are ignored, unless one
+    /// looks like a known column that is absent.
     pub(super) fn open(
-        path: &Path,
+        source: impl Into<TableSource<'a>>,
         required: &[&'static str],
         optional: &[&'static str],
     ) -> Result<Self, RobotLogError> {
         let known = Known { required, optional, names: &FieldNames::default(), others: Others::Ignored };
-        Self::open_known(path, known)
+        Self::open_known(source, known)
     }
 
     /// The same with names of the user for columns.
-    pub(super) fn open_known(path: &Path, known: Known<'_>) -> Result<Self, RobotLogError> {
+    pub(super) fn open_known(source: impl Into<TableSource<'a>>, known: Known<'_>) -> Result<Self, RobotLogError> {
+        match source.into() {
+            TableSource::File(path) => Self::open_file(&path, known),
+            TableSource::Memory(table) => {
+                let part = LogPart::Table(table.name().to_owned());
+                let mut head = Head { part, header: Header::default(), skipped: 0, decimal_comma: false };
+                let header = Header::new(table.column_names(), known, &head.part);
+                head.header = header.map_err(|problem| head.wrong_header(problem))?;
+                Ok(Self { head, body: Body::Memory(table) })
+            }
+        }
+    }
+
+    fn open_file(path: &Path, known: Known<'_>) -> Result<Self, RobotLogError> {
         let file = File::open(path).map_err(|why| RobotLogError::read(path, why))?;
         let mut input = BufReader::with_capacity(1 << 16, LinesOf::new(file));
         let start = input.fill_buf().map_err(|why| RobotLogError::read(path, why))?;
-        let wrong = |problem: String| RobotLogError::Row { path: path.to_owned(), line: 1, problem };
+        let wrong = |problem: String| RobotLogError::line(path, 1, problem);
         if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
             return Err(wrong("the file is UTF-16 text; save it as UTF-8".to_owned()));
         }
@@ -77,14 +109,14 @@ impl Table {
         input.consume(skipped);
         let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).from_reader(input);
         let mut head = Head {
-            path: path.to_owned(),
+            part: path.into(),
             header: Header::default(),
             skipped: skipped as u64,
             decimal_comma: delimiter != b',',
         };
         let names = reader.headers().cloned().map_err(|why| head.malformed(&why))?;
-        head.header = Header::new(&names, known).map_err(wrong)?;
-        Ok(Self { head, reader })
+        head.header = Header::new(names.iter(), known, &head.part).map_err(wrong)?;
+        Ok(Self { head, body: Body::File(Box::new(reader)) })
     }
 
     /// The column `name`.
@@ -101,12 +133,12 @@ impl Table {
     /// A note on the columns that are ignored, if there are any.
     pub(super) fn ignored(&self) -> Option<String> {
         let names = self.head.header.ignored_names()?;
-        Some(format!("{}: ignored columns: {names}", self.head.file_name()))
+        Some(format!("{}: ignored columns: {names}", self.head.name()))
     }
 
     /// A note that the columns `unused` are ignored beside those that are `used`.
     pub(super) fn ignored_beside(&self, unused: &str, what: &str, used: &str) -> String {
-        format!("{}: {unused} ignored, because {what} are read from {used}", self.head.file_name())
+        format!("{}: {unused} ignored, because {what} are read from {used}", self.head.name())
     }
 
     /// How the user can say that a column with another name is the known one `key`, for an error.
@@ -114,27 +146,42 @@ impl Table {
         self.head.header.hint(key)
     }
 
-    /// Name of the file without its folder.
-    pub(super) fn file_name(&self) -> String {
-        self.head.file_name()
+    /// Name of the file without its folder, or of the table in memory.
+    pub(super) fn name(&self) -> String {
+        self.head.name()
+    }
+
+    /// What the table must do about columns that are missing, for an error.
+    pub(super) const fn must_have(&self) -> &'static str {
+        header::must_have(&self.head.part)
     }
 
     /// The error that the header lacks something.
     pub(super) fn wrong_header(&self, problem: impl Into<String>) -> RobotLogError {
-        RobotLogError::Row { path: self.head.path.clone(), line: 1, problem: problem.into() }
+        self.head.wrong_header(problem)
     }
 
-    /// Calls `visit` with each row below the header. Returns what is known of the table besides.
+    /// Calls `visit` with each row. Returns what is known of the table besides.
     pub(super) fn rows(
-        mut self,
+        self,
         mut visit: impl FnMut(&Row<'_>) -> Result<(), RobotLogError>,
     ) -> Result<Head, RobotLogError> {
-        let mut record = csv::StringRecord::new();
-        while self.reader.read_record(&mut record).map_err(|why| self.head.malformed(&why))? {
-            let offset = record.position().map_or(0, csv::Position::byte);
-            visit(&Row { head: &self.head, record: &record, offset })?;
+        let Self { head, body } = self;
+        match body {
+            Body::File(mut reader) => {
+                let mut record = csv::StringRecord::new();
+                while reader.read_record(&mut record).map_err(|why| head.malformed(&why))? {
+                    let offset = record.position().map_or(0, csv::Position::byte);
+                    visit(&Row { head: &head, cells: Cells::File(&record), offset })?;
+                }
+            }
+            Body::Memory(table) => {
+                for row in 0..table.rows() {
+                    visit(&Row { head: &head, cells: Cells::Memory { table, row }, offset: row as u64 })?;
+                }
+            }
         }
-        Ok(self.head)
+        Ok(head)
     }
 }
 
@@ -149,16 +196,33 @@ impl Head {
         &self.header.all_written()[at]
     }
 
-    /// Name of the file without its folder.
-    pub(super) fn file_name(&self) -> String {
-        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    /// Name of the file without its folder, or of the table in memory.
+    pub(super) fn name(&self) -> String {
+        self.part.name()
     }
 
-    /// Line of the row that begins at `offset`, counted from 1. The reader's own count is wrong after a blank line and
-    /// after a line that ends in two characters, so the file is read once more, up to the row.
-    pub(super) fn line(&self, offset: u64) -> usize {
+    /// The address of the row at `offset`.
+    pub(super) fn address(&self, offset: u64) -> RowAddress {
+        match &self.part {
+            LogPart::File(path) => RowAddress::File { path: path.clone(), line: self.line(path, offset) },
+            LogPart::Table(name) => RowAddress::Table { name: name.clone(), row: usize::try_from(offset).ok() },
+        }
+    }
+
+    /// The error that the header is wrong.
+    pub(super) fn wrong_header(&self, problem: impl Into<String>) -> RobotLogError {
+        let at = match &self.part {
+            LogPart::File(path) => RowAddress::File { path: path.clone(), line: 1 },
+            LogPart::Table(name) => RowAddress::Table { name: name.clone(), row: None },
+        };
+        RobotLogError::Row { at, problem: problem.into() }
+    }
+
+    /// Line of the row of the file `path` that begins at `offset`, counted from 1. The reader's own count is wrong after a
+    /// blank line and after a line that ends in two characters, so the file is read once more, up to the row.
+    fn line(&self, path: &Path, offset: u64) -> usize {
         let lines = || -> std::io::Result<usize> {
-            let mut input = BufReader::new(File::open(&self.path)?);
+            let mut input = BufReader::new(File::open(path)?);
             let mut line = 1;
             let mut before = (&mut input).take(self.skipped + offset);
             loop {
@@ -185,7 +249,7 @@ impl Head {
 
     /// The error that the row at `offset` is wrong as a whole.
     pub(super) fn wrong_row(&self, offset: u64, problem: impl Into<String>) -> RobotLogError {
-        RobotLogError::Row { path: self.path.clone(), line: self.line(offset), problem: problem.into() }
+        RobotLogError::Row { at: self.address(offset), problem: problem.into() }
     }
 
     fn malformed(&self, why: &csv::Error) -> RobotLogError {
@@ -208,13 +272,34 @@ impl Head {
 
 impl Row<'_> {
     /// The text of the cell, with the spaces around it; empty if there is no such column.
-    pub(super) fn text(&self, column: Column) -> &str {
-        column.at.map_or("", |at| self.text_at(at))
+    pub(super) fn text(&self, column: Column) -> Cow<'_, str> {
+        self.cell(column).text()
     }
 
     /// The text of the cell in the column with this index, with the spaces around it.
-    pub(super) fn text_at(&self, at: usize) -> &str {
-        of_cell(self.record.get(at).unwrap_or(""))
+    pub(super) fn text_at(&self, at: usize) -> Cow<'_, str> {
+        self.cell_at(at).text()
+    }
+
+    /// What the cell holds; nothing if there is no such column.
+    pub(super) fn cell(&self, column: Column) -> Cell<'_> {
+        column.at.map_or(Cell::Empty, |at| self.cell_at(at))
+    }
+
+    fn cell_at(&self, at: usize) -> Cell<'_> {
+        match self.cells {
+            Cells::File(record) => Cell::Text(of_cell(record.get(at).unwrap_or(""))),
+            Cells::Memory { table, row } => table.cell(at, row),
+        }
+    }
+
+    /// A number that stands for the text of the cell: cells of the column with equal numbers have equal texts. `None` if it
+    /// has none.
+    pub(super) fn token(&self, column: Column) -> Option<u64> {
+        match self.cells {
+            Cells::File(_) => None,
+            Cells::Memory { table, row } => table.token(column.at?, row),
+        }
     }
 }
 

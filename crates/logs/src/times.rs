@@ -1,4 +1,4 @@
-//! The column of times in a CSV file, in any of the usual units.
+//! The column of times in a table, in any of the usual units.
 
 use sextant_kernel::SimTime;
 
@@ -17,7 +17,7 @@ pub(super) struct Times {
 impl Times {
     /// The column of times of `table`, if it has one. Of several, the one in seconds counts, or that in the greater unit;
     /// `notes` say so.
-    pub(super) fn find(table: &Table, notes: &mut Vec<String>) -> Option<Self> {
+    pub(super) fn find(table: &Table<'_>, notes: &mut Vec<String>) -> Option<Self> {
         let mut found = COLUMNS.into_iter().zip([0, 3, 6, 9]).map(|(name, places)| (table.column(name), places));
         let (column, places) = found.by_ref().find(|(column, _)| column.exists())?;
         let unused: Vec<String> =
@@ -29,7 +29,7 @@ impl Times {
     }
 
     /// The same, for a file that must have it.
-    pub(super) fn of(table: &Table, notes: &mut Vec<String>) -> Result<Self, RobotLogError> {
+    pub(super) fn of(table: &Table<'_>, notes: &mut Vec<String>) -> Result<Self, RobotLogError> {
         Self::find(table, notes).ok_or_else(|| {
             table.wrong_header(format!(
                 "column `t_s` is missing; times need the column t_s (or t_ms, t_us, t_ns){}",
@@ -44,6 +44,18 @@ impl Times {
             0 => instant::parse(text).or_else(|| instant::parse_date(text, false)),
             places => instant::parse_scaled(text, places),
         }
+    }
+
+    /// The time of a whole number of units.
+    pub(super) fn of_whole(self, value: i64) -> Option<SimTime> {
+        const UNITS: [u64; 4] = [1_000_000_000, 1_000_000, 1000, 1];
+        let unit_ns = UNITS[(self.places / 3).min(3)];
+        u64::try_from(value).ok()?.checked_mul(unit_ns).map(SimTime::from_nanos)
+    }
+
+    /// The time that is so many nanoseconds after 1970. As in a file, dates are for the column of seconds.
+    pub(super) fn of_instant(self, nanos: i64) -> Option<SimTime> {
+        u64::try_from(nanos).ok().filter(|_| self.places == 0).map(SimTime::from_nanos)
     }
 
     /// The allowed values of a cell.

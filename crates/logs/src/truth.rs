@@ -8,14 +8,16 @@ use sextant_channel::Position;
 use super::error::RobotLogError;
 use super::local_plane::LocalPlane;
 use super::place::{COLUMNS, Frame, Places};
+use super::memory_table::MemoryTable;
 use super::table::Table;
+use super::table_source::TableSource;
 
-/// The true positions of nodes as a file has them.
+/// The true positions of nodes as a file or a table has them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrueNodes {
     /// The position of each node by its name (m).
     pub places: BTreeMap<String, Position>,
-    /// Whether the file has heights. Without, positions are at height 0.
+    /// Whether there are heights. Without, positions are at height 0.
     pub has_heights: bool,
 }
 
@@ -32,21 +34,33 @@ pub fn read_truth(
     read_places(path, plane, &[], notes)
 }
 
-/// Reads the positions (m) in the file `path`, by name of node; the columns `other` are known and not read.
-pub(super) fn read_places(
-    path: &Path,
+/// The same of a table in memory.
+///
+/// # Errors
+/// If the table has an invalid row; the error names table, row and column.
+pub fn read_truth_table(
+    table: &MemoryTable<'_>,
+    plane: Option<&LocalPlane>,
+    notes: &mut Vec<String>,
+) -> Result<TrueNodes, RobotLogError> {
+    read_places(table, plane, &[], notes)
+}
+
+/// Reads the positions (m) in a table, by name of node; the columns `other` are known and not read.
+pub(super) fn read_places<'a>(
+    source: impl Into<TableSource<'a>>,
     plane: Option<&LocalPlane>,
     other: &[&'static str],
     notes: &mut Vec<String>,
 ) -> Result<TrueNodes, RobotLogError> {
-    let table = Table::open(path, &["node"], &[&COLUMNS, other].concat())?;
+    let table = Table::open(source, &["node"], &[&COLUMNS, other].concat())?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::of(plane), notes)?;
     let node = table.column("node");
     let mut plane = plane.copied();
     let mut found = BTreeMap::new();
     table.rows(|row| {
-        if found.insert(row.node(node)?.to_owned(), places.read(row, &mut plane)?).is_some() {
+        if found.insert(row.node(node)?.into_owned(), places.read(row, &mut plane)?).is_some() {
             return Err(row.wrong(node, "each node once; this node is already given above"));
         }
         Ok(())

@@ -17,7 +17,7 @@ use super::paths::Paths;
 /// without a place are left out.
 pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
     let unreadable = |why: std::io::Error| RobotLogError::read(path, why);
-    let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
+    let wrong = |line: usize, problem: String| RobotLogError::line(path, line, problem);
     let input = BufReader::new(LinesOf::new(File::open(path).map_err(unreadable)?));
     let mut poses = Vec::new();
     let mut left_out = 0;
@@ -45,7 +45,7 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
     let (poses, lines): (Vec<Pose>, Vec<usize>) = poses.into_iter().unzip();
     let path = Path::new(poses).map_err(|why| match why.index() {
         Some(index) => wrong(lines[index], why.to_string()),
-        None => RobotLogError::Path { path: path.to_owned(), why },
+        None => RobotLogError::Path { part: path.into(), why },
     })?;
     Ok(Paths::of_one(path, None))
 }

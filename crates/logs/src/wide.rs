@@ -83,7 +83,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) 
     let others = if form.node_columns.is_empty() { Others::Read } else { Others::Named };
     let known = Known { required: &[], optional: &optional, names: &names, others };
     let table = Table::open_known(path, known)?;
-    let file = table.file_name();
+    let file = table.name();
     let places = Places::of(&table, Frame::Any, notes)?;
     let time = Times::find(&table, notes);
     let robot = table.column("robot");
@@ -134,7 +134,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) 
         notes.push(format!("{file}: {left_out} rows without a fix are left out (option `skip_no_fix`)"));
     }
     if reading.stops.is_empty() {
-        return Err(RobotLogError::NoStops { path: path.to_owned() });
+        return Err(RobotLogError::NoStops { part: path.into() });
     }
     reading.tell(&file, notes);
     reading.strengths.finish(notes)?;
@@ -148,7 +148,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) 
 
 /// The columns that are nodes, and their names.
 fn nodes(
-    table: &Table,
+    table: &Table<'_>,
     form: &FormOptions,
     notes: &mut Vec<String>,
 ) -> Result<(Vec<usize>, Vec<String>), RobotLogError> {
@@ -169,7 +169,7 @@ fn nodes(
             "no column is a node: a wide table has places and a column for each node, and a path needs option `packets`",
         ));
     };
-    let file = table.file_name();
+    let file = table.name();
     let columns = counted(nodes.len(), "column");
     notes.push(format!(
         "{file}: {columns} from `{first}` to `{last}` hold the strengths of nodes (option `node_columns` chooses them)"
@@ -186,7 +186,8 @@ impl Reading<'_> {
     fn scan(&mut self, row: &Row<'_>, stop: usize) -> Result<(), RobotLogError> {
         self.rows += 1;
         for (&at, scans) in self.nodes.iter().zip(&mut self.scans[stop]) {
-            let text = row.text_at(at).trim();
+            let text = row.text_at(at);
+            let text = text.trim();
             let number = row.decimal(text);
             let report = if self.missing.iter().any(|missing| missing.is(text, &number)) {
                 self.silent += 1;

@@ -19,7 +19,7 @@ use super::{antenna_file, sector_snrs, sectors};
 /// If the log has no stops, or a file cannot be written.
 pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
     if log.stops().is_empty() {
-        return Err(RobotLogError::NoStops { path: folder.to_owned() });
+        return Err(RobotLogError::NoStops { part: folder.into() });
     }
     disk::create_folders(folder).map_err(|why| RobotLogError::write(folder, why))?;
     let is_named = !log.robots().is_empty();

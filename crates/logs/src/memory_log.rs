@@ -1,0 +1,66 @@
+//! The log of a robot in memory.
+
+use super::companions::Companions;
+use super::drive;
+use super::error::RobotLogError;
+use super::folder::{self, StopLog};
+use super::form::{self, Form, PacketKind, PathKind};
+use super::log::RobotLog;
+use super::log_part::LogPart;
+use super::memory_table::MemoryTable;
+use super::options::ReadOptions;
+use super::table_source::TableSource;
+
+/// The log of a robot in memory: the tables that a folder with a log has as files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MemoryLog<'a> {
+    /// Where robots were: a table of stops if it has a column `stop`, or their paths over time.
+    pub places: MemoryTable<'a>,
+    /// What they heard: the receptions at the stops, or the packets on the paths.
+    pub heard: MemoryTable<'a>,
+    /// Where robots met obstacles.
+    pub contacts: Option<MemoryTable<'a>>,
+    /// The directions of the sectors of the antenna.
+    pub sectors: Option<MemoryTable<'a>>,
+    /// The signal-to-noise ratios of all sectors, beside stops.
+    pub sector_snrs: Option<MemoryTable<'a>>,
+}
+
+impl<'a> MemoryLog<'a> {
+    /// A log of stops and receptions, or of a path and packets.
+    #[must_use]
+    pub const fn new(places: MemoryTable<'a>, heard: MemoryTable<'a>) -> Self {
+        Self { places, heard, contacts: None, sectors: None, sector_snrs: None }
+    }
+
+    /// Reads the log.
+    pub(super) fn read(&self, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+        let Self { places, heard, contacts, sectors, sector_snrs } = self;
+        let files = [("path", &options.form.path), ("packets", &options.form.packets)];
+        if let Some((flag, _)) = files.into_iter().find(|(_, file)| file.is_some()) {
+            let problem = format!("option `{flag}` names a file, but the log is in memory: leave the option out");
+            return Err(RobotLogError::Form { problem });
+        }
+        let log = LogPart::Table(places.name().to_owned());
+        let has_stops = self.has_stops(options);
+        let form = if has_stops { Form::Stops } else { Form::Drive(PathKind::Csv, PacketKind::Csv) };
+        form::refuse(&log, form, options)?;
+        let companions = Companions {
+            contacts: contacts.as_ref().map(TableSource::from),
+            sectors: sectors.as_ref().map(TableSource::from),
+            sector_snrs: sector_snrs.as_ref().map(TableSource::from),
+            ..Companions::none(log)
+        };
+        if has_stops {
+            folder::read(StopLog { stops: places.into(), receptions: heard.into(), companions }, options)
+        } else {
+            drive::read_tables((places.into(), heard.into()), &companions, options)
+        }
+    }
+
+    /// Whether the table of places has a column with the names of stops.
+    fn has_stops(&self, options: &ReadOptions) -> bool {
+        let given = options.form.path_fields.as_ref().and_then(|names| names.name("stop"));
+        self.places.column_names().any(|name| name.trim() == given.unwrap_or("stop"))
+    }
+}

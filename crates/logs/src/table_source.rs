@@ -1,0 +1,44 @@
+//! What a table is read from.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use super::log_part::LogPart;
+use super::memory_table::MemoryTable;
+
+/// What a table is read from.
+#[derive(Clone, Debug)]
+pub(super) enum TableSource<'a> {
+    /// A CSV file.
+    File(Cow<'a, Path>),
+    /// A table in memory.
+    Memory(&'a MemoryTable<'a>),
+}
+
+impl TableSource<'_> {
+    /// The part of the log that it is.
+    pub(super) fn part(&self) -> LogPart {
+        match self {
+            Self::File(path) => LogPart::File(path.clone().into_owned()),
+            Self::Memory(table) => LogPart::Table(table.name().to_owned()),
+        }
+    }
+}
+
+impl<'a> From<&'a Path> for TableSource<'a> {
+    fn from(path: &'a Path) -> Self {
+        Self::File(path.into())
+    }
+}
+
+impl From<PathBuf> for TableSource<'_> {
+    fn from(path: PathBuf) -> Self {
+        Self::File(path.into())
+    }
+}
+
+impl<'a> From<&'a MemoryTable<'a>> for TableSource<'a> {
+    fn from(table: &'a MemoryTable<'a>) -> Self {
+        Self::Memory(table)
+    }
+}
