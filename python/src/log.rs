@@ -1,15 +1,15 @@
 //! Logs.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sextant::channel::{Position, ReceptionLog};
+use sextant::channel::{Position, Reception, ReceptionLog};
+use sextant::kernel::SimTime;
 use sextant::logs::{self, ReadOptions, RobotLog, Source};
-use sextant::mapping::{self, Contents, Input};
+use sextant::mapping::{self, Input};
 use sextant::recording::SCENARIO_ATTACHMENT;
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
@@ -188,7 +188,7 @@ pub(crate) fn stops_of(log: &ReceptionLog) -> PyResult<Table> {
     let of = |coordinate: fn(Position) -> f64| stops.iter().map(move |stop| coordinate(stop.position));
     Columns::default()
         .whole("stop", 0..i64::try_from(stops.len()).map_err(|why| PyTypeError::new_err(why.to_string()))?)
-        .numbers("t_s", stops.iter().map(|stop| stop.time.as_secs_f64()))
+        .numbers("t_s", stops.iter().map(|stop| seconds(stop.time)))
         .numbers("x_m", of(|place| place.x_m))
         .numbers("y_m", of(|place| place.y_m))
         .numbers("z_m", of(|place| place.z_m))
@@ -205,7 +205,7 @@ pub(crate) fn stops_of(log: &ReceptionLog) -> PyResult<Table> {
 pub(crate) fn receptions_of(log: &ReceptionLog) -> PyResult<Table> {
     let all = log.receptions();
     let names = log.names();
-    let has = |has: fn(&sextant::channel::Reception) -> bool| all.iter().any(has);
+    let has = |is_there: fn(Reception) -> bool| all.iter().any(|reception| is_there(reception));
     Columns::default()
         .texts("node", all.iter().map(|reception| &names[reception.node.index()]))
         .whole("stop", all.iter().map(|reception| i64::from(reception.stop)))
@@ -221,4 +221,10 @@ pub(crate) fn receptions_of(log: &ReceptionLog) -> PyResult<Table> {
             columns.optional_numbers("snr_db", all.iter().map(|reception| reception.snr_db))
         })
         .table()
+}
+
+/// A time in seconds: of all numbers the nearest one, so that its shortest text is exact to the nanosecond for 104 days.
+#[expect(clippy::cast_precision_loss, reason = "times of months are exact")]
+pub(crate) fn seconds(time: SimTime) -> f64 {
+    time.as_nanos() as f64 / 1e9
 }

@@ -99,7 +99,7 @@ impl Run {
         let origin = run.survey().map(|survey| {
             let nodes = scenario.0.world().nodes.iter();
             let truth = nodes.map(|node| (node.name.clone(), node.position)).collect();
-            let mut input = Input::of_reception_logs(survey.logs.clone());
+            let mut input = Input::of_networks(survey.logs.clone());
             input.truth = Some(truth);
             Arc::new(Origin { title: scenario.0.name().to_owned(), input })
         });

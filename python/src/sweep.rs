@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sextant::recording::admission::{OutputKind, Outputs, Replace};
-use sextant::sweep::{self, Kind, Shard, Sweep, SweepError};
+use sextant::sweep::{self as sweeps, Kind, Shard, Sweep, SweepError, TableError};
 
 use crate::error::{OrException, RunError};
 use crate::table::{Columns, Table};
@@ -53,19 +53,19 @@ pub(crate) fn sweep(
         outputs.writes("out", out, OutputKind::Table).admit().or_exception(py)?;
     }
     let rows = supervised(py, threads, progress.as_ref(), |supervisor| match &out {
-        Some(out) => sweep::run(&plan, Shard::default(), out, resume, supervisor),
+        Some(out) => sweeps::run(&plan, Shard::default(), out, resume, supervisor),
         None => {
-            let (mut rows, outcome) = sweep::rows(std::slice::from_ref(&plan), supervisor);
+            let (mut rows, outcome) = sweeps::rows(std::slice::from_ref(&plan), supervisor);
             outcome.map(|()| rows.pop().unwrap_or_default())
         }
     })?;
     let rows = rows.or_exception(py)?;
     if let Some(out) = &out {
-        let table = |why: sweep::TableError| RunError::new_err(why.to_string());
-        sweep::write_table(out, &plan, &rows).map_err(table)?;
-        sweep::clear_parts(out).map_err(SweepError::from).or_exception(py)?;
+        let table = |why: TableError| RunError::new_err(why.to_string());
+        sweeps::write_table(out, &plan, &rows).map_err(table)?;
+        sweeps::clear_parts(out).map_err(SweepError::from).or_exception(py)?;
     }
-    let (columns, texts) = sweep::table(&plan, &rows);
+    let (columns, texts) = sweeps::table(&plan, &rows);
     let mut made = Columns::default();
     for (at, column) in columns.iter().enumerate() {
         let cells = || texts.iter().map(|row| row[at].as_str()).map(|cell| (!cell.is_empty()).then_some(cell));

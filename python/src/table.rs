@@ -12,7 +12,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList, PyString};
 use pyo3_arrow::ffi::{ArrayIterator, to_schema_pycapsule, to_stream_pycapsule};
 use pyo3_arrow::input::AnyRecordBatch;
-use pyo3_arrow::{PyArray, PyChunkedArray};
+use numpy::{PyReadonlyArray1, ToPyArray};
+use pyo3_arrow::PyChunkedArray;
 
 /// Rows of a table that `repr` shows.
 const SHOWN: usize = 10;
@@ -125,14 +126,18 @@ impl Table {
                 let numbers = arrow_cast::cast(array, &DataType::Float64);
                 let numbers = numbers.map_err(|why| PyTypeError::new_err(why.to_string()))?;
                 let numbers = numbers.as_primitive::<Float64Type>().iter().map(|number| number.unwrap_or(f64::NAN));
-                PyArray::from_array_ref(Arc::new(Float64Array::from_iter_values(numbers))).to_numpy(py)
+                Ok(numbers.collect::<Vec<_>>().to_pyarray(py).into_any())
             }
-            _ if with_gaps => {
+            DataType::Float64 => Ok(array.as_primitive::<Float64Type>().values().to_pyarray(py).into_any()),
+            DataType::Int64 => Ok(array.as_primitive::<Int64Type>().values().to_pyarray(py).into_any()),
+            DataType::Boolean if !with_gaps => {
+                Ok(array.as_boolean().values().iter().collect::<Vec<_>>().to_pyarray(py).into_any())
+            }
+            _ => {
                 let keywords = PyDict::new(py);
                 keywords.set_item("dtype", "object")?;
                 py.import("numpy")?.call_method("array", (list(py, array)?,), Some(&keywords))
             }
-            _ => PyArray::from_array_ref(array.clone()).to_numpy(py),
         }
     }
 
@@ -316,25 +321,17 @@ fn array_of(values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {
         numpy.call_method("ascontiguousarray", (values,), Some(&keywords))
     };
     match kind {
-        'f' => Ok(Arc::new(Float64Array::from(array("float64")?.extract::<Floats<'_>>()?.0.to_vec()?))),
-        'i' | 'u' | 'b' => Ok(Arc::new(Int64Array::from(array("int64")?.extract::<Wholes<'_>>()?.0.to_vec()?))),
+        'f' => Ok(Arc::new(Float64Array::from(array("float64")?.extract::<PyReadonlyArray1<'_, f64>>()?.as_slice()?.to_vec()))),
+        'i' | 'u' | 'b' => Ok(Arc::new(Int64Array::from(array("int64")?.extract::<PyReadonlyArray1<'_, i64>>()?.as_slice()?.to_vec()))),
         'M' => {
             let instants = array("datetime64[ns]")?.call_method1("view", ("int64",))?;
-            let instants = instants.extract::<Wholes<'_>>()?.0.to_vec()?;
+            let instants = instants.extract::<PyReadonlyArray1<'_, i64>>()?.as_slice()?.to_vec();
             let instants = instants.into_iter().map(|instant| (instant != i64::MIN).then_some(instant));
             Ok(Arc::new(instants.collect::<arrow_array::TimestampNanosecondArray>()))
         }
         _ => of_list(&values.call_method0("tolist")?),
     }
 }
-
-#[derive(FromPyObject)]
-#[pyo3(transparent)]
-struct Floats<'py>(numpy::PyReadonlyArray1<'py, f64>);
-
-#[derive(FromPyObject)]
-#[pyo3(transparent)]
-struct Wholes<'py>(numpy::PyReadonlyArray1<'py, i64>);
 
 /// A list: of numbers, or of texts if any item is one. None and NaN are empty cells.
 fn of_list(values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {

@@ -9,7 +9,7 @@ use arrow_schema::{DataType, TimeUnit};
 use pyo3::PyResult;
 use pyo3::exceptions::PyTypeError;
 use sextant::logs::{
-    LocalPlane, MemoryColumn, MemoryLog, MemoryTable, ReadOptions, RobotLog, RobotLogError, TrueNodes, read_tables,
+    LocalPlane, MemoryColumn, MemoryLog, MemoryTable, ReadOptions, RobotLog, RobotLogError, TrueNodes, read_tables, read_truth_table,
 };
 
 use crate::table::coded;
@@ -30,12 +30,7 @@ pub(crate) fn read(given: &Given, options: &ReadOptions) -> PyResult<Result<Robo
     let contacts = given.contacts.as_ref().map(|contacts| memory_table("contacts", contacts)).transpose()?;
     let read = || {
         let (places, heard, contacts) = (places?, heard?, contacts.transpose()?);
-        let log = MemoryLog::new(places, heard);
-        let log = match contacts {
-            Some(contacts) => log.with_contacts(contacts),
-            None => log,
-        };
-        read_tables(&log, options)
+        read_tables(&MemoryLog { contacts, ..MemoryLog::new(places, heard) }, options)
     };
     Ok(read())
 }
@@ -47,7 +42,7 @@ pub(crate) fn truth(
     notes: &mut Vec<String>,
 ) -> PyResult<Result<TrueNodes, RobotLogError>> {
     let table = memory_table("truth", table)?;
-    Ok(table.and_then(|table| TrueNodes::of_table(&table, plane, notes)))
+    Ok(table.and_then(|table| read_truth_table(&table, plane, notes)))
 }
 
 /// A table of Arrow as the library reads tables.

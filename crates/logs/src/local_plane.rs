@@ -26,7 +26,8 @@ pub struct Geodetic {
 
 impl Geodetic {
     /// The same with degrees to nine decimals (0.1 mm on the ground) and the height to a tenth of a millimetre.
-    pub(super) fn rounded(self) -> Self {
+    #[must_use]
+    pub fn rounded(self) -> Self {
         let round = |value: f64, decimals: i32| (value * 10_f64.powi(decimals)).round() / 10_f64.powi(decimals);
         Self { lat_deg: round(self.lat_deg, 9), lon_deg: round(self.lon_deg, 9), height_m: round(self.height_m, 4) }
     }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use sextant::scenario::Scenario;
 use sextant::sim::{self, Application, NetworkId, Timer};
@@ -114,7 +115,7 @@ struct One<T>(T);
 
 impl<'py, T: IntoPyObject<'py>> Told<'py> for One<T> {
     fn call(self, py: Python<'py>, method: &Bound<'py, PyAny>, port: &Bound<'py, Port>) -> PyResult<()> {
-        let told = self.0.into_pyobject(py).map_err(Into::into)?;
+        let told = self.0.into_bound_py_any(py)?;
         method.call1((told, port)).map(drop)
     }
 }
@@ -124,7 +125,7 @@ struct InNetwork<T>(NetworkId, T);
 
 impl<'py, T: IntoPyObject<'py>> Told<'py> for InNetwork<T> {
     fn call(self, py: Python<'py>, method: &Bound<'py, PyAny>, port: &Bound<'py, Port>) -> PyResult<()> {
-        let told = self.1.into_pyobject(py).map_err(Into::into)?;
+        let told = self.1.into_bound_py_any(py)?;
         method.call1((self.0.0, told, port)).map(drop)
     }
 }

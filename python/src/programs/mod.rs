@@ -88,7 +88,7 @@ impl Given {
     pub(crate) fn run(
         self,
         scenario: &Scenario,
-        observer: &mut dyn RunObserver,
+        observer: &mut (impl RunObserver + Send),
         supervisor: &Supervisor,
     ) -> Result<Run, RunError> {
         if self.controllers.is_empty() && self.applications.is_empty() {
@@ -106,7 +106,7 @@ impl Given {
         })
     }
 
-    fn programs(self, py: Python<'_>, scenario: &Scenario, supervisor: &Supervisor) -> PyResult<Programs> {
+    fn programs(self, py: Python<'_>, scenario: &Scenario, supervisor: &Supervisor) -> PyResult<Programs<'static>> {
         let mut programs = Programs::default();
         for (robot, object) in self.controllers {
             let controller =

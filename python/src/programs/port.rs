@@ -309,7 +309,7 @@ impl Port {
     }
 
     fn finish(&self) -> PyResult<()> {
-        self.ask(sim::Port::finish)
+        self.ask(|port| port.finish())
     }
 
     fn __repr__(&self) -> String {

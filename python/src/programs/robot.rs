@@ -193,7 +193,7 @@ impl Robot {
 
     /// As `listen`, in a network whose links sweep sectors.
     fn sweep(&self) -> PyResult<Command> {
-        if known(Situation::sweeps_sectors)? {
+        if known(|situation| situation.sweeps_sectors())? {
             Ok(Command(RobotCommand::Listen))
         } else {
             Err(PyRuntimeError::new_err("the robot has no sector sweeps in its networks; use robot.listen()"))

@@ -14,7 +14,7 @@ use sextant_logs::{self as robot_log, LocalPlane, Names, ReadOptions, RobotLog, 
 use sextant_recording::{self as recording, Known, ORIGIN_METADATA, RecordedRun, SCENARIO_ATTACHMENT};
 
 /// A reception log and what is known with it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Input {
     /// The reception logs of the networks that robots surveyed; the first one is that to map.
     pub logs: NetworkLogs,
@@ -50,12 +50,24 @@ impl Input {
     /// If it cannot be read, or robots did not survey `network`.
     pub fn read(path: &Path, network: Option<&str>, options: &ReadOptions) -> Result<Self, MapLogError> {
         if Source::of(path).is_some() {
-            let RobotLog { log, plane, mut notes, findings, .. } = robot_log::read(path, options)?;
-            notes.extend(findings.iter().map(ToString::to_string));
-            return Ok(Self::of_robot(log, plane, notes));
+            return Ok(Self::of_log(robot_log::read(path, options)?));
         }
         robot_log::refuse_options(path, options)?;
         Self::of_recording(path, recording::read_log(path)?, network)
+    }
+
+    /// The log of a robot that was read before, or made in code. What is odd in it becomes notes.
+    #[must_use]
+    pub fn of_log(read: RobotLog) -> Self {
+        let RobotLog { log, plane, mut notes, findings, .. } = read;
+        notes.extend(findings.iter().map(ToString::to_string));
+        Self::of_robot(log, plane, notes)
+    }
+
+    /// The logs of the networks that robots surveyed, the first one to map.
+    #[must_use]
+    pub fn of_networks(logs: NetworkLogs) -> Self {
+        Self { logs, ..Self::of_robot(ReceptionLog::default(), None, Vec::new()) }
     }
 
     /// The log of a robot, with places in `plane` if there is one.
