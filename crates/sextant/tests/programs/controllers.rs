@@ -3,10 +3,13 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
-use sextant::kernel::{SimTime, Work};
+use sextant::channel::Position;
+use sextant::kernel::{SimTime, StationId, Work};
 use sextant::recording::read_run;
-use sextant::run::{RunStart, SurveyEnd};
-use sextant::sim::{Controller, Observer, RobotCommand, RobotTask, Situation, Team};
+use sextant::run::{RunStart, Simulator, SurveyEnd};
+use sextant::sim::{
+    CommandOutcome, Controller, Ending, Observer, RobotCommand, RobotTask, Situation, Team, program_seed,
+};
 use sextant::{Programs, RunError, RunObserver, RunRecorder, Scenario, Summary, Watch};
 
 use crate::{results, shipped};
@@ -144,4 +147,35 @@ fn a_program_that_fails_ends_the_run_and_its_recording_is_readable() {
     let recorded = read_run(&path).expect("a readable recording");
     assert_eq!(recorded.log().stops(), run.survey().unwrap().log().stops());
     assert!(!recorded.log().stops().is_empty());
+}
+
+/// Drives north and then finishes; keeps what it knew at its last decision.
+#[derive(Clone)]
+struct Curious(Arc<Mutex<Option<(u128, bool, f64)>>>);
+
+impl Controller for Curious {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
+        let knows = (situation.program_seed(), situation.sweeps_sectors(), situation.heading_rad);
+        *self.0.lock().expect("a lock") = Some(knows);
+        match situation.outcome {
+            CommandOutcome::Started => RobotCommand::Drive(situation.position + Position::new(0.0, 0.5, 0.0)),
+            _ => RobotCommand::Finish(Ending::Complete),
+        }
+    }
+}
+
+#[test]
+fn a_controller_knows_its_heading_its_seed_and_whether_it_sweeps() {
+    for (name, sweeps) in [("smoke.toml", false), ("mmtm/two-bands.toml", true)] {
+        let scenario = shipped(name);
+        let robot = scenario.robots_of_survey().next().expect("a robot").name.clone();
+        let known = Arc::default();
+        let programs = Programs::default().with_controller(&robot, Box::new(Curious(Arc::clone(&known))));
+        let survey = Simulator::with(&scenario, programs).unwrap().run(&mut ()).survey;
+        let (seed, knows_sweeps, heading_rad) = known.lock().unwrap().take().expect("it decided");
+        let station = StationId::from_index(scenario.world().nodes.len());
+        assert_eq!((seed, knows_sweeps), (program_seed(scenario.seed(), station), sweeps), "{name}");
+        assert!((heading_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "{heading_rad}");
+        assert_eq!(survey.robots[0].ending, Some(Ending::Complete));
+    }
 }
