@@ -5,8 +5,8 @@
 use std::io::Write;
 
 use sextant::Unwatched;
-use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime};
+use sextant::channel::{Position, Reception, ReceptionLog, Stop};
+use sextant::kernel::{NodeId, RobotId, SimTime};
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let nodes = [("lamp", Position::new(2.0, 3.0, 0.0)), ("door", Position::new(8.0, 6.0, 0.0))];

@@ -5,9 +5,9 @@
 use std::io::Write;
 use std::time::Duration;
 
-use sextant::Scenario;
-use sextant_kernel::SimTime;
-use sextant_sim::{Application, Applications, Delivery, Destination, NetworkId, Payload, Port, Simulation, Timer};
+use sextant::kernel::SimTime;
+use sextant::sim::{Application, Delivery, Destination, NetworkId, Payload, Port, Timer};
+use sextant::{Programs, Scenario, Unwatched};
 
 const SCENARIO: &str = "name = \"flood\"\nseed = 1\nduration_s = 10.0\n\
     world.nodes.lattice = { spacing_m = 3.0, jitter_m = 0.5, count = 60, \
@@ -57,17 +57,18 @@ impl Application for Flooder {
 }
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let setup = Scenario::parse(SCENARIO)?.setup();
-    let mut nodes = vec![Flooder::default(); setup.world.nodes.len()];
-    nodes[0].is_origin = true;
-    let (survey, applications) = Simulation::with(setup, Applications::of_nodes(nodes))?.run_own(&mut ());
-    let heard: Vec<SimTime> = applications.nodes.iter().filter_map(|node| node.heard).collect();
+    let scenario = Scenario::parse(SCENARIO)?;
+    let mut flooders = vec![Flooder::default(); scenario.world().nodes.len()];
+    flooders[0].is_origin = true;
+    let mut programs = Programs::default();
+    for (node, flooder) in scenario.world().nodes.iter().zip(&mut flooders) {
+        programs = programs.with_node(&node.name, Box::new(flooder));
+    }
+    let run = sextant::run_with(&scenario, programs, &mut (), &Unwatched)?;
+    let sent = run.survey().ok_or("the nodes are simulated")?.packets.sent;
+    let heard: Vec<SimTime> = flooders.iter().filter_map(|flooder| flooder.heard).collect();
     let last_s = heard.iter().max().map_or(0.0, |time| time.as_secs_f64());
-    let (all, sent) = (applications.nodes.len(), survey.packets.sent);
-    writeln!(
-        std::io::stdout(),
-        "{} of {all} nodes heard of it within {last_s:.2} s, by {sent} packets",
-        heard.len()
-    )?;
+    let (count, all) = (heard.len(), flooders.len());
+    writeln!(std::io::stdout(), "{count} of {all} nodes heard of it within {last_s:.2} s, by {sent} packets")?;
     Ok(())
 }

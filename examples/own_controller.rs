@@ -1,14 +1,14 @@
-//! A robot with a controller of its own: it drives a spiral and listens at each corner.
+//! A robot with a controller of its own: it drives a square spiral and listens at each corner.
 //!
 //! `cargo run --release -p sextant --example own_controller`
 
 use std::io::Write;
 
-use sextant::{Scenario, Unwatched};
-use sextant_channel::Position;
-use sextant_sim::{CommandOutcome, Controller, Ending, RobotCommand, RobotTask, Simulation, Situation};
+use sextant::channel::Position;
+use sextant::sim::{CommandOutcome, Controller, Ending, RobotCommand, Situation};
+use sextant::{Programs, Scenario, Unwatched};
 
-/// Drives a spiral of straight legs round a middle, and listens at the end of each.
+/// Drives a square spiral round a middle, and listens at each corner.
 #[derive(Clone)]
 struct Spiral {
     middle: Position,
@@ -26,22 +26,22 @@ impl Controller for Spiral {
             return RobotCommand::Finish(Ending::Complete);
         }
         self.corner += 1;
-        let (angle, radius_m) = (0.9 * f64::from(self.corner), 0.15 * f64::from(self.corner));
-        RobotCommand::Drive(
-            self.middle + Position::new(radius_m * libm::cos(angle), radius_m * libm::sin(angle), 0.0),
-        )
+        let (x, y) = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)][self.corner as usize % 4];
+        let radius_m = 0.12 * f64::from(self.corner);
+        RobotCommand::Drive(self.middle + Position::new(x * radius_m, y * radius_m, 0.0))
     }
 }
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/smoke.toml");
-    let mut setup = Scenario::load(file)?.setup();
+    let scenario = Scenario::load(file)?;
     let spiral = Spiral { middle: Position::new(6.0, 3.0, 0.0), corner: 0, corners: 40 };
-    setup.robots[0].task = RobotTask::Survey(Box::new(spiral));
-    let survey = Simulation::new(setup)?.run(&mut ());
-    let log = survey.logs.first();
-    let map = sextant::map_log(log, "link-model".parse()?, &Unwatched)?;
-    let (stops, mapped, nodes) = (log.stops().len(), map.summary.mapped, log.node_count());
-    writeln!(std::io::stdout(), "{stops} stops, {mapped} of {nodes} nodes mapped")?;
+    let programs = Programs::default().with_controller("surveyor", Box::new(spiral));
+    let run = sextant::run_with(&scenario, programs, &mut (), &Unwatched)?;
+    let stops = run.survey().ok_or("a robot surveys")?.robots[0].stops;
+    for map in &run.summary().maps {
+        let error = map.position_error_m.ok_or("the true places are known")?;
+        writeln!(std::io::stdout(), "{stops} stops, {}: {:.2} m mean error", map.algorithm, error.mean)?;
+    }
     Ok(())
 }

@@ -4,10 +4,10 @@
 
 use std::io::Write;
 
+use sextant::channel::{Position, ReceptionLog};
+use sextant::kernel::NodeId;
+use sextant::mapper::{CoordinateFrame, PositionError, TopologyMap};
 use sextant::{Scenario, Unwatched};
-use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::NodeId;
-use sextant_mapper::{CoordinateFrame, PositionError, TopologyMap};
 
 /// Each node is where the most of its packets were received; of several such stops, in their middle.
 fn best_stops(log: &ReceptionLog) -> TopologyMap {

@@ -4,11 +4,11 @@
 
 use std::io::Write;
 
+use sextant::channel::Position;
+use sextant::kernel::SimTime;
 use sextant::run::SurveyEnd;
+use sextant::sim::Observer;
 use sextant::{RunError, RunObserver, Scenario, Unwatched};
-use sextant_channel::Position;
-use sextant_kernel::SimTime;
-use sextant_sim::Observer;
 
 /// Adds up how far the robots drive.
 #[derive(Default)]

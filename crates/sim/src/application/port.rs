@@ -305,6 +305,10 @@ impl Port<'_> {
 
     /// Writes a stop of this robot into the log of a network: it has listened at `position` from `since` until now. The number of
     /// the stop in what it heard is filled in, and the heading of the robot by its odometry if its antenna turns with it.
+    ///
+    /// # Panics
+    /// If the station is no robot; and at the end of the simulation, if what was heard is no log: a node twice at a stop, or
+    /// more packets received than sent.
     pub fn log_stop(&mut self, network: NetworkId, since: SimTime, position: Position, heard: impl Into<StopLog>) {
         let robot = self.model.robot(self.station);
         let turns = self.model.networks[network.index()].turns_antennas();
