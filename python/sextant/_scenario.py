@@ -6,10 +6,9 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from . import _native
+from . import _native as inner
 from ._application import Application
 from ._controller import Controller
-from ._frames import Like, as_like
 from ._map import Map
 from ._native import Table
 from ._progress import Progress, progress_of
@@ -48,19 +47,21 @@ class Scenario:
 
     __slots__ = ("_native",)
 
+    _native: inner.Scenario
+
     def __init__(self, source: Path | Mapping[str, Any] | Scenario, /, **settings: Any) -> None:
         if isinstance(source, Scenario):
             self._native = source._native.with_settings(settings)
         elif isinstance(source, Mapping):
-            self._native = _native.Scenario.of_mapping(source, settings)
+            self._native = inner.Scenario.of_mapping(source, settings)
         elif isinstance(source, (str, os.PathLike)):
-            self._native = _native.Scenario.load(os.fspath(source), settings)
+            self._native = inner.Scenario.load(os.fspath(source), settings)
         else:
             kind = type(source).__name__
             raise TypeError(f"a scenario is made of a path, a dict or a Scenario, not of {kind}")
 
     @classmethod
-    def _of(cls, native: _native.Scenario) -> Scenario:
+    def _of(cls, native: inner.Scenario) -> Scenario:
         made = cls.__new__(cls)
         made._native = native
         return made
@@ -68,7 +69,7 @@ class Scenario:
     @classmethod
     def from_text(cls, text: str, /, **settings: Any) -> Scenario:
         """Make a scenario of the text of a TOML file."""
-        return cls._of(_native.Scenario.parse(text, settings))
+        return cls._of(inner.Scenario.parse(text, settings))
 
     @classmethod
     def template(cls, name: str = "survey", /, **settings: Any) -> Scenario:
@@ -81,7 +82,7 @@ class Scenario:
         **settings
             As for :class:`Scenario`.
         """
-        return cls._of(_native.Scenario.template(name, settings))
+        return cls._of(inner.Scenario.template(name, settings))
 
     @property
     def name(self) -> str:
@@ -221,7 +222,7 @@ class Run:
 
     __slots__ = ("_maps", "_native", "_summary")
 
-    def __init__(self, native: _native.Run) -> None:
+    def __init__(self, native: inner.Run) -> None:
         self._native = native
         self._summary: dict[str, Any] | None = None
         self._maps: dict[str, Map] | None = None
