@@ -1,11 +1,11 @@
 """Sextant simulates wireless sensor networks, and maps the nodes from what robots and anchors heard.
 
 >>> import sextant
->>> run = sextant.Scenario.template("first").run(seed=3)
+>>> run = sextant.Scenario.template("survey").run(seed=3)
 >>> run
-sextant.Run('first': 10 of 10 nodes heard, 1 map)
+sextant.Run('survey': 36 of 36 nodes heard, 2 maps)
 >>> run.maps["ml-tm"].summary["mapped"]
-10
+36
 
 - :class:`Scenario` is a simulation: a file, a dict or a text, checked, with other settings by keyword.
 - :class:`Run` is what came of it: its summary, what was heard, and its maps.

@@ -233,7 +233,7 @@ def map_log(
     >>> stops = {"stop": list(range(16)), "x_m": [x for x, _ in walk], "y_m": [y for _, y in walk]}
     >>> heard = {"node": ["lamp"] * 16, "stop": list(range(16))}
     >>> heard["rssi_dbm"] = [-40.0 - 3.0 * ((x - 4) ** 2 + (y - 2) ** 2) ** 0.5 for x, y in walk]
-    >>> places = sextant.map_log(stops, heard, algorithm="weighted-centroid").places
+    >>> places = sextant.map_log(stops, heard, algorithm="rssi-centroid").places
     >>> places["node"]
     ['lamp']
     """

@@ -274,13 +274,13 @@ class Run:
 
     @property
     def packets(self) -> Table:
-        """The packets one by one, where they were traced: ``[recording] packets = true``, and ``record`` was given."""
+        """The packets one by one, where they were traced: ``recording.packets = true``, and ``record`` was given."""
         tables = self.tables
-        if "packets" not in tables:
+        if "mac_packets" not in tables:
             raise ValueError(
                 'the packets were not traced; run with `**{"recording.packets": True}` and `record="run.mcap"`'
             )
-        return tables["packets"]
+        return tables["mac_packets"]
 
     @property
     def record(self) -> str | None:

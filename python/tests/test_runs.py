@@ -71,7 +71,7 @@ def test_tables_hold_what_was_heard(surveyed: sextant.Run) -> None:
 def test_maps_have_places_with_covariances(surveyed: sextant.Run) -> None:
     made = surveyed.maps["ml-tm"]
     assert made.places["cov_xx_m2"].min() > 0.0
-    summary = next(map for map in surveyed.summary["maps"] if map["name"] == "ml-tm")
+    summary = next(one for one in surveyed.summary["maps"] if one["algorithm"] == "ml-tm")
     assert made.summary == summary
     truth = made.truth
     assert truth is not None
@@ -90,7 +90,7 @@ def test_the_tables_of_a_recording_are_those_of_the_export(
     written = {str(path.relative_to(tmp_path / "tables"))[:-4]: path for path in (tmp_path / "tables").rglob("*.csv")}
     tables = run.tables
     assert set(tables) <= set(written)
-    for name in ("packets", "stops", "receptions"):
+    for name in ("mac_packets", "stops", "receptions"):
         with written[name].open() as file:
             rows = list(csv.reader(file))
         table = tables[name]
