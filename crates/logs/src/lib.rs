@@ -33,6 +33,7 @@ mod drive;
 mod error;
 mod field_names;
 mod field_path;
+mod file_names;
 mod fix;
 mod folder;
 mod form;
