@@ -269,6 +269,8 @@ pub(super) struct Seen {
     most: Vec<u32>,
     /// How many pairs state a number of packets sent at a stop: by stop and number, above 0.
     stated: BTreeMap<(u32, u32), usize>,
+    /// The number that the last pairs at each stop state, and how many of them are not counted yet: most state the same.
+    last_stated: Vec<(u32, usize)>,
     /// Pairs of which nothing was received, of nodes that were heard at another stop.
     zeros: usize,
     /// Pairs of which something was received, and those of them that have a strength.
@@ -287,6 +289,7 @@ impl Seen {
             pairs: vec![0; stops],
             most: vec![0; stops],
             stated: BTreeMap::new(),
+            last_stated: vec![(0, 0); stops],
             zeros: 0,
             heard: 0,
             with_strength: 0,
@@ -316,7 +319,16 @@ impl Seen {
             let reported = if seen.listing == Listing::Reports { pair.sent } else { pair.received };
             seen.most[stop] = seen.most[stop].max(reported);
             if seen.listing == Listing::ReceivedOfSent && pair.sent != UNSTATED && pair.sent > 0 {
-                *seen.stated.entry((pair.stop, pair.sent)).or_default() += 1;
+                let (number, count) = &mut seen.last_stated[stop];
+                if *number == pair.sent {
+                    *count += 1;
+                } else {
+                    let before = std::mem::replace(number, pair.sent);
+                    let counted = std::mem::replace(count, 1);
+                    if counted > 0 {
+                        *seen.stated.entry((pair.stop, before)).or_default() += counted;
+                    }
+                }
             }
         }
         seen.zeros += if is_heard { zeros } else { 0 };
@@ -376,8 +388,14 @@ impl Seen {
     /// [`FEWEST_STATED`] pairs state one, it is at most that of all pairs.
     fn medians(&self) -> Vec<u32> {
         let mut medians = vec![1; self.pairs.len()];
+        let mut stated = self.stated.clone();
+        for (stop, &(sent, count)) in (0..).zip(&self.last_stated) {
+            if count > 0 {
+                *stated.entry((stop, sent)).or_default() += count;
+            }
+        }
         let stated: Vec<(u32, u32, usize)> =
-            self.stated.iter().map(|(&(stop, sent), &count)| (stop, sent, count)).collect();
+            stated.into_iter().map(|((stop, sent), count)| (stop, sent, count)).collect();
         let mut all: Vec<(u32, usize)> = stated.iter().map(|&(_, sent, count)| (sent, count)).collect();
         all.sort_unstable();
         let of_all = median(&all);
