@@ -1,5 +1,7 @@
 //! Tables in memory mean the same as CSV files with the same cells, and are refused for the same reasons.
 
+#![expect(clippy::unwrap_used, reason = "a test that fails panics")]
+
 use proptest::prelude::*;
 use sextant_logs::{
     FieldNames, FormOptions, MemoryColumn, MemoryLog, MemoryTable, PacketDelay, ReadOptions, RepairOptions, RobotLog,
@@ -310,15 +312,15 @@ fn drive() -> Case {
     let seconds = || (0..200).map(f64::from);
     let path = vec![
         ("t_s", Cells::Floats(seconds().map(|t_s| 1000.0 + t_s).collect())),
-        ("x_m", Cells::Floats(seconds().map(|t_s| 20.0 * (0.11 * t_s).sin()).collect())),
-        ("y_m", Cells::Floats(seconds().map(|t_s| 20.0 * (0.23 * t_s).cos()).collect())),
+        ("x_m", Cells::Floats(seconds().map(|t_s| 20.0 * libm::sin(0.11 * t_s)).collect())),
+        ("y_m", Cells::Floats(seconds().map(|t_s| 20.0 * libm::cos(0.23 * t_s)).collect())),
     ];
     let heard: Vec<(f64, usize)> =
         seconds().filter(|t_s| t_s % 7.0 > 0.5).flat_map(|t_s| [(t_s, 0), (t_s, 1)]).collect();
     let strength = |&(t_s, node): &(f64, usize)| {
         let (x_m, y_m) =
-            (20.0 * (0.11 * t_s).sin() - [5.0, -9.0][node], 20.0 * (0.23 * t_s).cos() - [3.0, 4.0][node]);
-        -40.0 - 12.0 * (x_m * x_m + y_m * y_m + 1.0).log10()
+            (20.0 * libm::sin(0.11 * t_s) - [5.0, -9.0][node], 20.0 * libm::cos(0.23 * t_s) - [3.0, 4.0][node]);
+        -40.0 - 12.0 * libm::log10(x_m * x_m + y_m * y_m + 1.0)
     };
     let packets = vec![
         (
