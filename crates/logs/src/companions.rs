@@ -6,7 +6,7 @@ use sextant_channel::{Contact, ReceptionLog, SectorReport, SectorTable};
 use sextant_recording::RobotNames;
 
 use super::error::RobotLogError;
-use super::folder::{ANTENNA, CONTACTS, SECTOR_SNRS, SECTORS};
+use super::file_names::{ANTENNA, CONTACTS, SECTOR_SNRS, SECTORS};
 use super::local_plane::LocalPlane;
 use super::log_part::{LogPart, RowAddress};
 use super::sector_snrs::{self, Known};
@@ -94,7 +94,8 @@ impl Companions<'_> {
             (Some(_), Some(table)) => {
                 let (part, column) = (table.part(), sector_snrs::COLUMN);
                 let (receptions, noun) = (known.receptions, part.noun());
-                let problem = format!("{receptions} has the column `{column}` too; remove the column, or this {noun}");
+                let problem =
+                    format!("{receptions} has the column `{column}` too; remove the column, or this {noun}");
                 return Err(wrong(part, problem));
             }
         };

@@ -97,7 +97,12 @@ impl FieldNames {
 
     /// What the columns `written` are: the known names that the user gives them, or their own. A column with the known name
     /// that the user gives to another one is none: it has no name.
-    pub(super) fn rename(&self, written: &[String], known: &[&'static str], part: &LogPart) -> Result<Vec<String>, String> {
+    pub(super) fn rename(
+        &self,
+        written: &[String],
+        known: &[&'static str],
+        part: &LogPart,
+    ) -> Result<Vec<String>, String> {
         let flag = self.flag.unwrap_or_default();
         let own = |name: &String| if self.name(name).is_some() { String::new() } else { name.clone() };
         let mut columns: Vec<String> = written.iter().map(own).collect();

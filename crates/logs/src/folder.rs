@@ -1,4 +1,4 @@
-//! The folder of a log: its files by their names, and logs that have their stops, in files or in memory.
+//! Logs that have their stops: a table of stops and one of receptions, in files or in memory, or a wide table.
 
 use std::path::Path;
 
@@ -8,6 +8,7 @@ use super::companions::Companions;
 use super::doctor::{self, Finding};
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
+use super::file_names::{RECEPTIONS, STOPS};
 use super::log::RobotLog;
 use super::options::ReadOptions;
 use super::rssi_check::RssiCheck;
@@ -15,19 +16,6 @@ use super::table_source::TableSource;
 use super::{receptions, sector_snrs, stops, wide};
 use sextant_kernel::text::counted;
 use sextant_recording::RobotNames;
-
-pub(super) const STOPS: &str = "stops.csv";
-pub(super) const RECEPTIONS: &str = "receptions.csv";
-pub(super) const CONTACTS: &str = "contacts.csv";
-pub(super) const SECTORS: &str = "sectors.csv";
-pub(super) const ANTENNA: &str = "antenna.toml";
-pub(super) const SECTOR_SNRS: &str = "sector_snrs.csv";
-pub(super) const PACKETS: &str = "packets.csv";
-pub(super) const PATH: &str = "path.csv";
-
-/// The true places of nodes, and other names of them: for scores only.
-pub(super) const NODES: &str = "nodes.csv";
-pub(super) const NAMES: &str = "names.csv";
 
 /// The tables of stops and of receptions of a log, and what it has besides.
 pub(super) struct StopLog<'a> {
@@ -82,7 +70,9 @@ pub(super) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
 pub(super) fn left_out_note(stops: &stops::Stops, receptions: &str, left_out: usize) -> Option<String> {
     let (name, rows) = (&stops.name, counted(stops.left_out.len(), "row"));
     (!stops.left_out.is_empty()).then(|| {
-        format!("{name}: {rows} without a fix are left out, with {left_out} rows of {receptions} (option `skip_no_fix`)")
+        format!(
+            "{name}: {rows} without a fix are left out, with {left_out} rows of {receptions} (option `skip_no_fix`)"
+        )
     })
 }
 

@@ -147,12 +147,9 @@ pub(super) fn refuse(part: &LogPart, form: Form, options: &ReadOptions) -> Resul
         ("lora", of_form.lora, Use::Lora),
     ];
     match flags.into_iter().find(|(_, is_given, meant)| *is_given && !meant.is_for(form)) {
-        Some((flag, _, meant)) => Err(RobotLogError::Unsuited {
-            part: part.clone(),
-            flag,
-            meant: meant.meant(),
-            found: form.found(part),
-        }),
+        Some((flag, _, meant)) => {
+            Err(RobotLogError::Unsuited { part: part.clone(), flag, meant: meant.meant(), found: form.found(part) })
+        }
         None => Ok(()),
     }
 }

@@ -7,7 +7,7 @@ use super::form::{Form, PacketKind, PathKind};
 use super::form_options::FormOptions;
 use super::header::{Known, Others};
 use super::table::Table;
-use super::{bag, field_names::FieldNames, folder, nmea, sniffer, tum};
+use super::{bag, field_names::FieldNames, file_names, nmea, sniffer, tum};
 
 /// The parts of a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,11 +154,20 @@ impl Holding {
             let name = file_name(&file);
             let extension = file.extension().map(|extension| extension.to_string_lossy().to_lowercase());
             match (name.as_str(), extension.as_deref()) {
-                (folder::STOPS, _) => holding.stops = Some(folder::STOPS),
-                (folder::RECEPTIONS, _) => holding.stops = holding.stops.or(Some(folder::RECEPTIONS)),
-                (folder::PACKETS, _) => holding.packets.push(PacketPart { kind: PacketKind::Csv, files: vec![file] }),
-                (folder::PATH, _) => holding.paths.push(PathPart { kind: PathKind::Csv, file }),
-                (folder::CONTACTS | folder::SECTORS | folder::SECTOR_SNRS | folder::NODES | folder::NAMES, _) => {}
+                (file_names::STOPS, _) => holding.stops = Some(file_names::STOPS),
+                (file_names::RECEPTIONS, _) => holding.stops = holding.stops.or(Some(file_names::RECEPTIONS)),
+                (file_names::PACKETS, _) => {
+                    holding.packets.push(PacketPart { kind: PacketKind::Csv, files: vec![file] })
+                }
+                (file_names::PATH, _) => holding.paths.push(PathPart { kind: PathKind::Csv, file }),
+                (
+                    file_names::CONTACTS
+                    | file_names::SECTORS
+                    | file_names::SECTOR_SNRS
+                    | file_names::NODES
+                    | file_names::NAMES,
+                    _,
+                ) => {}
                 (_, Some("gpx")) => holding.paths.push(PathPart { kind: PathKind::Gpx, file }),
                 (_, Some("nmea")) => holding.paths.push(PathPart { kind: PathKind::Nmea, file }),
                 (_, Some("tum")) => holding.paths.push(PathPart { kind: PathKind::Tum, file }),

@@ -1,7 +1,8 @@
 //! Logs of real robots, and maps of them as files.
 //!
 //! Input: a folder with `stops.csv` and `receptions.csv`, or with `path.csv` and `packets.csv`; a table with a column a node; a
-//! ROS 2 bag; captures of a sniffer and a path; or a path and packets of any two of these. Output: the reception log for a mapper, the plane of its places if they are given by latitude and
+//! ROS 2 bag; captures of a sniffer and a path; or a path and packets of any two of these; or the same tables in memory
+//! ([`read_tables`]). Output: the reception log for a mapper, the plane of its places if they are given by latitude and
 //! longitude, and notes; or an error with file, line and column. The formats are described in `docs/robot-logs.md`.
 //!
 //! ```
@@ -33,6 +34,7 @@ mod drive;
 mod error;
 mod field_names;
 mod field_path;
+mod file_names;
 mod fix;
 mod folder;
 mod form;
@@ -84,6 +86,7 @@ mod sniffer;
 mod sniffer_error;
 mod sniffer_options;
 mod source;
+mod stated;
 mod stops;
 mod strengths;
 mod table;

@@ -57,10 +57,7 @@ impl<'a> MemoryTable<'a> {
     ///
     /// # Errors
     /// If the columns have not the same length, or a cell has the place of a text that is not there.
-    pub fn new(
-        name: impl Into<String>,
-        columns: Vec<(String, MemoryColumn<'a>)>,
-    ) -> Result<Self, RobotLogError> {
+    pub fn new(name: impl Into<String>, columns: Vec<(String, MemoryColumn<'a>)>) -> Result<Self, RobotLogError> {
         let name = name.into();
         let rows = columns.first().map_or(0, |(_, column)| column.len());
         let at = |row| RowAddress::Table { name: name.clone(), row };

@@ -1,8 +1,6 @@
 //! The rows of `receptions.csv` as receptions: rows of one pair are added up, and pairs without a row get what the log says of
 //! others at the stop.
 
-use std::collections::BTreeMap;
-
 use sextant_channel::{Reception, ReceptionLogBuilder};
 use sextant_kernel::NodeId;
 
@@ -10,6 +8,7 @@ use super::gathered::{Gathered, Keyed};
 use super::gatherer::{MOST_SILENT_PAIRS, silent};
 use super::pair_notes::{Listing, PairNotes, PartNames};
 use super::signal::{OfSector, Signal, Strength, merged};
+use super::stated::Stated;
 
 /// The packets of a row.
 #[derive(Clone, Copy, Debug)]
@@ -267,8 +266,8 @@ pub(super) struct Seen {
     pairs: Vec<usize>,
     /// Most packets received of a node at each stop; of reports, those of noise count too.
     most: Vec<u32>,
-    /// How many pairs state a number of packets sent at a stop: by stop and number, above 0.
-    stated: BTreeMap<(u32, u32), usize>,
+    /// The numbers of packets sent that pairs state.
+    stated: Stated,
     /// Pairs of which nothing was received, of nodes that were heard at another stop.
     zeros: usize,
     /// Pairs of which something was received, and those of them that have a strength.
@@ -286,7 +285,7 @@ impl Seen {
             repeated: 0,
             pairs: vec![0; stops],
             most: vec![0; stops],
-            stated: BTreeMap::new(),
+            stated: Stated::new(stops),
             zeros: 0,
             heard: 0,
             with_strength: 0,
@@ -316,7 +315,7 @@ impl Seen {
             let reported = if seen.listing == Listing::Reports { pair.sent } else { pair.received };
             seen.most[stop] = seen.most[stop].max(reported);
             if seen.listing == Listing::ReceivedOfSent && pair.sent != UNSTATED && pair.sent > 0 {
-                *seen.stated.entry((pair.stop, pair.sent)).or_default() += 1;
+                seen.stated.add(pair.stop, pair.sent);
             }
         }
         seen.zeros += if is_heard { zeros } else { 0 };
@@ -340,7 +339,7 @@ impl Seen {
             && (matches!(listing, Listing::Reports | Listing::Packets) || listing == Listing::Received && has_counts);
         let usual: Vec<u32> = match listing {
             _ if is_lossless => vec![1; at_stop.len()],
-            Listing::ReceivedOfSent => self.medians(),
+            Listing::ReceivedOfSent => self.stated.medians(),
             Listing::Received if !has_counts => vec![1; at_stop.len()],
             Listing::Reports | Listing::Packets | Listing::Received => {
                 self.most.iter().map(|&most| most.max(1)).collect()
@@ -371,36 +370,4 @@ impl Seen {
     fn has_strengths(&self) -> bool {
         2 * self.with_strength > self.heard
     }
-
-    /// The median number of packets sent at each stop, the lower one of two; 1 where none is stated. Where fewer than
-    /// [`FEWEST_STATED`] pairs state one, it is at most that of all pairs.
-    fn medians(&self) -> Vec<u32> {
-        let mut medians = vec![1; self.pairs.len()];
-        let stated: Vec<(u32, u32, usize)> =
-            self.stated.iter().map(|(&(stop, sent), &count)| (stop, sent, count)).collect();
-        let mut all: Vec<(u32, usize)> = stated.iter().map(|&(_, sent, count)| (sent, count)).collect();
-        all.sort_unstable();
-        let of_all = median(&all);
-        for of_stop in stated.chunk_by(|a, b| a.0 == b.0) {
-            let numbers: Vec<(u32, usize)> = of_stop.iter().map(|&(_, sent, count)| (sent, count)).collect();
-            let is_few = numbers.iter().map(|&(_, count)| count).sum::<usize>() < FEWEST_STATED;
-            let own = median(&numbers);
-            medians[of_stop[0].0 as usize] = if is_few { own.min(of_all) } else { own };
-        }
-        medians
-    }
-}
-
-/// Fewer pairs do not say what is usual at a stop.
-const FEWEST_STATED: usize = 3;
-
-/// The median of numbers in ascending order, each with how often it occurs: the lower one of two, 1 of none.
-fn median(numbers: &[(u32, usize)]) -> u32 {
-    let all: usize = numbers.iter().map(|&(_, count)| count).sum();
-    let mut below = 0;
-    let middle = numbers.iter().find(|&&(_, count)| {
-        below += count;
-        2 * below >= all
-    });
-    middle.map_or(1, |&(number, _)| number)
 }

@@ -55,8 +55,7 @@ pub(super) fn read<'a>(
         }
     }
     if left_out > 0 {
-        notes
-            .push(format!("{}: {left_out} rows without a fix are left out (option `skip_no_fix`)", head.name()));
+        notes.push(format!("{}: {left_out} rows without a fix are left out (option `skip_no_fix`)", head.name()));
     }
     let path_of = |rows: Vec<(Pose, u64)>| {
         let (poses, offsets): (Vec<Pose>, Vec<u64>) = rows.into_iter().unzip();

@@ -9,7 +9,8 @@ use sextant_recording::RobotNames;
 use super::companions::Companions;
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
-use super::folder::{RECEPTIONS, STOPS, left_out_note, unused_sector_snrs};
+use super::file_names::{RECEPTIONS, STOPS};
+use super::folder::{left_out_note, unused_sector_snrs};
 use super::form;
 use super::layout::Layout;
 use super::options::ReadOptions;
@@ -76,7 +77,12 @@ impl RowLog {
         let file = folder.join(RECEPTIONS);
         let mut rssi = RssiCheck::new(&options.repair.rssi_missing);
         let mut strengths = Strengths::of(&options.form);
-        let (rows, kind) = receptions::open(file.as_path().into(), (&stops, &options.form), (&mut rssi, &mut strengths), &mut notes)?;
+        let (rows, kind) = receptions::open(
+            file.as_path().into(),
+            (&stops, &options.form),
+            (&mut rssi, &mut strengths),
+            &mut notes,
+        )?;
         let listing = rows.listing;
         notes.extend(unused_sector_snrs(&companions, rows.have_sector_snrs()));
         let OfRows { name: receptions, names, left_out } = rows.each(|row, _| Ok(pass(row, &stops, &mut *take)?))?;
@@ -101,7 +107,8 @@ impl RowLog {
         let mut rssi = RssiCheck::new(&self.options.repair.rssi_missing);
         let mut strengths = Strengths::of(&self.options.form);
         let form = (&self.stops, &self.options.form);
-        let (rows, _) = receptions::open(self.file.as_path().into(), form, (&mut rssi, &mut strengths), &mut Vec::new())?;
+        let (rows, _) =
+            receptions::open(self.file.as_path().into(), form, (&mut rssi, &mut strengths), &mut Vec::new())?;
         rows.each(|row, _| Ok(pass(row, &self.stops, &mut *take)?)).map(|_| ())
     }
 
@@ -158,6 +165,7 @@ fn collected<S: Kept>(listing: Listing, rows: impl IntoIterator<Item = Reception
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::folder::StopLog;
 
     /// The receptions of a log in two halves of its nodes, and its notes.
     fn in_halves(folder: &Path) -> (Vec<Reception>, Vec<String>) {
@@ -202,7 +210,8 @@ mod tests {
             let folder = tempfile::tempdir().expect("there is room");
             std::fs::write(folder.path().join("stops.csv"), stops).expect("there is room");
             std::fs::write(folder.path().join("receptions.csv"), receptions).expect("there is room");
-            let whole = super::super::folder::read(folder.path(), &ReadOptions::default()).expect("a good log");
+            let whole = super::super::folder::read(StopLog::of_folder(folder.path()), &ReadOptions::default())
+                .expect("a good log");
             let (found, notes) = in_halves(folder.path());
             assert_eq!(found, whole.log.receptions().to_vec(), "{receptions}");
             let sorted = |mut notes: Vec<String>| {

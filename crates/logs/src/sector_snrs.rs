@@ -28,6 +28,9 @@ pub(super) struct Known<'a> {
 
 /// The sectors and ratios of a cell of the column of `receptions.csv`.
 pub(super) fn of_cell(row: &Row<'_>, column: Column) -> Result<Vec<(u8, f64)>, RobotLogError> {
+    if !column.exists() {
+        return Ok(Vec::new());
+    }
     let pair = |text: &str| {
         let (sector, snr_db) = text.split_once(':')?;
         let snr_db: f64 = row.decimal(snr_db).parse().ok()?;

@@ -4,9 +4,9 @@ use std::path::Path as FilePath;
 
 use super::doctor;
 use super::error::RobotLogError;
+use super::folder::{self, StopLog};
 use super::form::{self, Form};
 use super::layout::{self, Layout};
-use super::folder::{self, StopLog};
 use super::log::RobotLog;
 use super::memory_log::MemoryLog;
 use super::options::ReadOptions;

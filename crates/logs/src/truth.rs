@@ -7,8 +7,8 @@ use sextant_channel::Position;
 
 use super::error::RobotLogError;
 use super::local_plane::LocalPlane;
-use super::place::{COLUMNS, Frame, Places};
 use super::memory_table::MemoryTable;
+use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
 use super::table_source::TableSource;
 

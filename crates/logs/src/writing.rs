@@ -7,7 +7,7 @@ use sextant_kernel::NodeId;
 use sextant_recording::disk;
 
 use super::error::RobotLogError;
-use super::folder::{ANTENNA, CONTACTS, RECEPTIONS, SECTOR_SNRS, SECTORS, STOPS};
+use super::file_names::{ANTENNA, CONTACTS, RECEPTIONS, SECTOR_SNRS, SECTORS, STOPS};
 use super::output::Output;
 use super::{antenna_file, sector_snrs, sectors};
 

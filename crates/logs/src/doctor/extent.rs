@@ -77,12 +77,14 @@ fn needed_dbm(log: &ReceptionLog, node: NodeId) -> Option<(f64, f64, f64)> {
     heard.truncate(STRONGEST);
     let mut most: Option<(f64, f64, f64)> = None;
     for (number, (weaker_dbm, at)) in heard.iter().enumerate() {
-        for (_, other) in &heard[..number] {
-            let apart_m = plane_m(*at, *other);
-            let power_dbm = weaker_dbm + 20.0 * libm::log10((0.5 * apart_m).max(1e-9)) + LOSS_AT_ONE_METRE_DB;
-            if most.is_none_or(|(most, ..)| power_dbm > most) {
-                most = Some((power_dbm, *weaker_dbm, apart_m));
-            }
+        // Of the stronger ones, the farthest needs the most power.
+        let square = |other: Position| (at.x_m - other.x_m).powi(2) + (at.y_m - other.y_m).powi(2);
+        let stronger = heard[..number].iter().map(|(_, other)| *other);
+        let Some(farthest) = stronger.max_by(|a, b| square(*a).total_cmp(&square(*b))) else { continue };
+        let apart_m = plane_m(*at, farthest);
+        let power_dbm = weaker_dbm + 20.0 * libm::log10((0.5 * apart_m).max(1e-9)) + LOSS_AT_ONE_METRE_DB;
+        if most.is_none_or(|(most, ..)| power_dbm > most) {
+            most = Some((power_dbm, *weaker_dbm, apart_m));
         }
     }
     most

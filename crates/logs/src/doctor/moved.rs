@@ -1,5 +1,6 @@
 //! Nodes that one place does not explain: they moved during the survey.
 
+use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::NodeId;
 
@@ -24,8 +25,9 @@ const MOST_STOPS: usize = 160;
 /// What is odd of nodes that seem to have moved.
 pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
     let every = log.node_count().div_ceil(MOST_NODES).max(1);
-    let moved: Vec<String> = (0..log.node_count())
-        .step_by(every)
+    let nodes: Vec<usize> = (0..log.node_count()).step_by(every).collect();
+    let moved: Vec<String> = nodes
+        .into_par_iter()
         .filter_map(|node| {
             let Moved { after, apart_m } = moved(&observations(log, NodeId::from_index(node)))?;
             let stop = log.stops()[after as usize].time.as_secs_f64();
@@ -75,12 +77,15 @@ fn moved(heard: &[(u32, Observation)]) -> Option<Moved> {
     }
     let middle = all[all.len() / 2].at;
     let extent_m = all.iter().map(|observation| plane_m(observation.at, middle)).fold(0.0, f64::max);
+    let most = (LEFT * one.loss).min(one.loss - GAIN);
     let split = |tenths: usize| {
         let at = all.len() * tenths / 10;
         let (before, after) = all.split_at(at.clamp(LEAST_PART, all.len() - LEAST_PART));
-        let fits = [NodeFit::of(before, law)?, NodeFit::of(after, law)?];
-        let apart_m = plane_m(fits[0].place(), fits[1].place());
-        Some((fits[0].loss + fits[1].loss, Moved { after: heard[before.len()].0, apart_m }))
+        // No loss is below 0, so that the second part, whatever it is, cannot make up for the first.
+        let first = NodeFit::of(before, law).filter(|first| first.loss <= most)?;
+        let second = NodeFit::of(after, law)?;
+        let apart_m = plane_m(first.place(), second.place());
+        Some((first.loss + second.loss, Moved { after: heard[before.len()].0, apart_m }))
     };
     let best = SPLITS.into_iter().filter_map(split).min_by(|a, b| a.0.total_cmp(&b.0));
     let (loss, moved) = best?;

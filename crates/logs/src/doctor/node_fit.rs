@@ -52,18 +52,31 @@ impl Law {
         }
     }
 
-    /// Loss, slope and curvature (above 0) over η.
-    fn loss(self, eta: f64, value: f64) -> [f64; 3] {
+    /// Loss at η.
+    fn loss(self, eta: f64, value: f64) -> f64 {
+        match self {
+            Self::Strengths { scale_db } => {
+                let error = (eta - value) / scale_db;
+                2.5 * libm::log(1.0 + error * error / 4.0)
+            }
+            Self::Presence => {
+                let softplus = if eta > 30.0 { eta } else { libm::log1p(libm::exp(eta)) };
+                softplus - value * eta
+            }
+        }
+    }
+
+    /// Slope and curvature (above 0) of the loss over η.
+    fn slopes(self, eta: f64, value: f64) -> [f64; 2] {
         match self {
             Self::Strengths { scale_db } => {
                 let error = (eta - value) / scale_db;
                 let heavy = 1.0 + error * error / 4.0;
-                [2.5 * libm::log(heavy), 1.25 * error / heavy / scale_db, 1.25 / heavy / (scale_db * scale_db)]
+                [1.25 * error / heavy / scale_db, 1.25 / heavy / (scale_db * scale_db)]
             }
             Self::Presence => {
                 let share = 1.0 / (1.0 + libm::exp(-eta));
-                let softplus = if eta > 30.0 { eta } else { libm::log1p(libm::exp(eta)) };
-                [softplus - value * eta, share - value, (share * (1.0 - share)).max(1e-4)]
+                [share - value, (share * (1.0 - share)).max(1e-4)]
             }
         }
     }
@@ -73,10 +86,12 @@ impl NodeFit {
     /// The fit to `observations` that a search from `start` ends at. `None` if it has no finite loss.
     pub(super) fn from(start: Vector4<f64>, observations: &[Observation], law: Law) -> Option<Self> {
         let mut at = start;
-        let mut loss = total(&at, observations, law);
+        // Of each observation, at `at` and at the place that is tried.
+        let (mut logs, mut tried) = (vec![0.0; observations.len()], vec![0.0; observations.len()]);
+        let mut loss = total(&at, observations, law, &mut logs);
         let mut damping = 1e-2;
         for _ in 0..STEPS {
-            let (slope, curvature) = derivatives(&at, observations, law);
+            let (slope, curvature) = derivatives(&at, observations, law, &logs);
             let mut improved = false;
             for _ in 0..6 {
                 let mut damped = curvature;
@@ -85,10 +100,11 @@ impl NodeFit {
                 }
                 let Some(step) = damped.lu().solve(&slope) else { break };
                 let next = at - step;
-                let found = total(&next, observations, law);
+                let found = total(&next, observations, law, &mut tried);
                 if found < loss {
                     improved = loss - found > GAIN * loss.abs().max(1e-9);
                     (at, loss) = (next, found);
+                    std::mem::swap(&mut logs, &mut tried);
                     damping = (damping * 0.2).max(1e-9);
                     break;
                 }
@@ -132,13 +148,12 @@ impl NodeFit {
 
     /// η at a place.
     pub(super) fn at(&self, place: Position) -> f64 {
-        let [eta, ..] = eta(&self.parameters, place);
-        eta
+        eta(&self.parameters, log_m(&self.parameters, place))
     }
 
     /// The loss of one observation.
     pub(super) fn loss_of(&self, observation: &Observation, law: Law) -> f64 {
-        observation.weight * law.loss(self.at(observation.at), observation.value)[0]
+        observation.weight * law.loss(self.at(observation.at), observation.value)
     }
 }
 
@@ -147,40 +162,63 @@ pub(super) fn plane_m(a: Position, b: Position) -> f64 {
     libm::hypot(a.x_m - b.x_m, a.y_m - b.y_m)
 }
 
-/// η at a place, and its derivatives by x, y and b (by a it is 1).
-fn eta(at: &Vector4<f64>, place: Position) -> [f64; 4] {
+/// `d² + d₀²` between a node and a place (m²).
+fn square(at: &Vector4<f64>, place: Position) -> f64 {
     let (dx, dy) = (at.x - place.x_m, at.y - place.y_m);
-    let square = dx * dx + dy * dy + LEAST_M * LEAST_M;
-    let log = 0.5 * libm::log(square);
-    [at.z - at.w * log, -at.w * dx / square, -at.w * dy / square, -log]
+    dx * dx + dy * dy + LEAST_M * LEAST_M
 }
 
-fn total(at: &Vector4<f64>, observations: &[Observation], law: Law) -> f64 {
+/// `ln √(d² + d₀²)` between a node and a place.
+fn log_m(at: &Vector4<f64>, place: Position) -> f64 {
+    0.5 * libm::log(square(at, place))
+}
+
+/// η where the logarithm of the distance is `log`.
+fn eta(at: &Vector4<f64>, log: f64) -> f64 {
+    at.z - at.w * log
+}
+
+/// The loss of all observations, with the prior. `logs` gets the logarithm of the distance of each.
+fn total(at: &Vector4<f64>, observations: &[Observation], law: Law, logs: &mut [f64]) -> f64 {
     let [mean, deviation] = law.prior();
     let error = (at.w - mean) / deviation;
     let sum: f64 = observations
         .iter()
-        .map(|observation| {
-            let [eta, ..] = eta(at, observation.at);
-            observation.weight * law.loss(eta, observation.value)[0]
+        .zip(logs)
+        .map(|(observation, log)| {
+            *log = log_m(at, observation.at);
+            observation.weight * law.loss(eta(at, *log), observation.value)
         })
         .sum();
     sum + 0.5 * error * error
 }
 
-/// Slope and curvature of the loss.
-fn derivatives(at: &Vector4<f64>, observations: &[Observation], law: Law) -> (Vector4<f64>, Matrix4<f64>) {
+/// Slope and curvature of the loss. `logs` are the logarithms of the distances.
+fn derivatives(
+    at: &Vector4<f64>,
+    observations: &[Observation],
+    law: Law,
+    logs: &[f64],
+) -> (Vector4<f64>, Matrix4<f64>) {
     let [mean, deviation] = law.prior();
     let mut slope = Vector4::new(0.0, 0.0, 0.0, (at.w - mean) / (deviation * deviation));
     let mut curvature = Matrix4::zeros();
     curvature[(3, 3)] = 1.0 / (deviation * deviation);
-    for observation in observations {
-        let [eta, by_x, by_y, by_b] = eta(at, observation.at);
-        let [_, first, second] = law.loss(eta, observation.value);
-        let by = Vector4::new(by_x, by_y, 1.0, by_b);
-        slope += by * (first * observation.weight);
-        curvature += by * by.transpose() * (second * observation.weight);
+    for (observation, &log) in observations.iter().zip(logs) {
+        let [first, second] = law.slopes(eta(at, log), observation.value);
+        let square = square(at, observation.at);
+        let (dx, dy) = (at.x - observation.at.x_m, at.y - observation.at.y_m);
+        // The derivatives of η by x, y, a and b.
+        let by = [-at.w * dx / square, -at.w * dy / square, 1.0, -log];
+        let (first, second) = (first * observation.weight, second * observation.weight);
+        for row in 0..4 {
+            slope[row] += by[row] * first;
+            for column in 0..=row {
+                curvature[(row, column)] += by[row] * by[column] * second;
+            }
+        }
     }
+    curvature.fill_upper_triangle_with_lower_triangle();
     (slope, curvature)
 }
 

@@ -56,10 +56,31 @@ impl Input {
         Self::of_recording(path, recording::read_log(path)?, network)
     }
 
-    /// The log of a robot that was read before, or made in code. What is odd in it becomes notes.
+    /// The log of a robot, which was read from files or from tables in memory. What is odd in it is noted.
+    ///
+    /// ```
+    /// use sextant::mapping::Input;
+    /// use sextant_logs::{MemoryColumn, MemoryLog, MemoryTable, ReadOptions, read_tables};
+    ///
+    /// let column = |name: &str, column: MemoryColumn<'static>| (name.to_owned(), column);
+    /// let stops = vec![
+    ///     column("stop", MemoryColumn::texts([Some("A"), Some("B")])),
+    ///     column("x_m", MemoryColumn::floats(vec![0.0, 1.5])),
+    ///     column("y_m", MemoryColumn::floats(vec![0.0, 0.0])),
+    /// ];
+    /// let receptions = vec![
+    ///     column("node", MemoryColumn::texts([Some("lamp")])),
+    ///     column("stop", MemoryColumn::texts([Some("B")])),
+    ///     column("received", MemoryColumn::whole(vec![1])),
+    /// ];
+    /// let stops = MemoryTable::new("stops", stops)?;
+    /// let tables = MemoryLog::new(stops, MemoryTable::new("receptions", receptions)?);
+    /// let input = Input::of_log(read_tables(&tables, &ReadOptions::default())?);
+    /// assert_eq!(input.log().names(), ["lamp"]);
+    /// # Ok::<(), sextant_logs::RobotLogError>(())
+    /// ```
     #[must_use]
-    pub fn of_log(read: RobotLog) -> Self {
-        let RobotLog { log, plane, mut notes, findings, .. } = read;
+    pub fn of_log(RobotLog { log, plane, mut notes, findings, clock: _ }: RobotLog) -> Self {
         notes.extend(findings.iter().map(ToString::to_string));
         Self::of_robot(log, plane, notes)
     }
@@ -160,7 +181,7 @@ impl Input {
         Ok(places.zip(has_heights).map(|(places, has_heights)| TrueNodes { places, has_heights }))
     }
 
-    /// Takes the true positions of nodes from a file of the user, instead of those of the recording.
+    /// Takes the true positions of nodes from a file or a table of the user, instead of those of the recording.
     pub fn take_truth(&mut self, TrueNodes { places: truth, has_heights }: TrueNodes) {
         let names: BTreeSet<&String> = self.log().names().iter().collect();
         let strangers: Vec<&String> = truth.keys().filter(|name| !names.contains(name)).collect();
