@@ -38,7 +38,8 @@ mkdir -p "$out"
 
 if [ -z "$rehearsed" ]; then
     step "packages"
-    cargo package --workspace --exclude sextant-benches --exclude sextant-fuzz --locked
+    # shellcheck disable=SC2046 # flags, word by word
+    cargo package $(release/published.py) --locked
     mkdir "$out/crates"
     cp target/package/*-"$version".crate "$out/crates"
 

@@ -37,7 +37,8 @@ const ROOMS: [&str; 15] = [
 ];
 
 /// The modules of the command line from top to bottom.
-const COMMAND_LINE: [&str; 7] = ["commands", "live", "paragraph", "progress", "terminal", "interrupt", "diagnostic"];
+const COMMAND_LINE: [&str; 8] =
+    ["commands", "live", "paragraph", "progress", "terminal", "interrupt", "invocation", "diagnostic"];
 
 /// The folders of the crates whose modules are checked.
 const FOLDERS: [&str; 13] = [
