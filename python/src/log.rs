@@ -1,13 +1,14 @@
 //! Logs.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sextant::channel::{Position, Reception, ReceptionLog};
 use sextant::kernel::SimTime;
+use sextant::logs::doctor::Finding;
 use sextant::logs::{self, ReadOptions, RobotLog, Source};
 use sextant::mapping::{self, Input};
 use sextant::recording::SCENARIO_ATTACHMENT;
@@ -27,7 +28,16 @@ use crate::work::supervised;
 #[pyclass(frozen, module = "sextant._native")]
 pub(crate) struct Log {
     origin: Arc<Origin>,
-    findings: Vec<String>,
+    found: Found,
+    findings: OnceLock<Vec<String>>,
+}
+
+/// What is known of what is odd in a log.
+enum Found {
+    /// Everything; nothing of a recording.
+    All(Vec<String>),
+    /// What was seen on reading it.
+    OnReading(Vec<Finding>),
 }
 
 /// How a log is mapped, as Python says it.
@@ -43,8 +53,8 @@ struct Mapping {
 }
 
 impl Log {
-    fn new(title: String, input: Input, findings: Vec<String>) -> Self {
-        Self { origin: Arc::new(Origin { title, input }), findings }
+    fn new(title: String, input: Input, found: Found) -> Self {
+        Self { origin: Arc::new(Origin { title, input }), found, findings: OnceLock::new() }
     }
 }
 
@@ -71,8 +81,20 @@ impl Log {
     }
 
     #[getter]
-    fn findings(&self) -> Vec<String> {
-        self.findings.clone()
+    fn findings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let first = match &self.found {
+            Found::All(all) => return Ok(all.clone()),
+            Found::OnReading(first) => first,
+        };
+        if self.findings.get().is_none() {
+            let input = &self.origin.input;
+            let (log, plane) = (input.log().clone(), input.plane);
+            let read = RobotLog { log, plane, notes: Vec::new(), findings: first.clone(), clock: None };
+            let examined = supervised(py, None, None, |_| logs::examine(read))?;
+            // Another thread may have been faster, with the same result.
+            let _ = self.findings.set(examined.findings.iter().map(ToString::to_string).collect());
+        }
+        Ok(self.findings.get().cloned().unwrap_or_default())
     }
 
     #[getter]
@@ -148,15 +170,16 @@ pub(crate) fn read(py: Python<'_>, path: PathBuf, network: Option<String>, optio
     let options = read_options(options)?;
     let title = path.file_stem().map_or_else(|| "log".to_owned(), |name| name.to_string_lossy().into_owned());
     // Findings are of logs of robots alone.
-    let read = supervised(py, Some(1), None, |_| -> Result<_, mapping::MapLogError> {
+    let read = supervised(py, None, None, |_| -> Result<_, mapping::MapLogError> {
         if Source::of(&path).is_some() {
-            let read = logs::read(&path, &options)?;
-            return Ok(of_robot(read));
+            let mut read = logs::read(&path, &options)?;
+            let found = std::mem::take(&mut read.findings).iter().map(ToString::to_string).collect();
+            return Ok((Input::of_log(read), Found::All(found)));
         }
-        Ok((Input::read(&path, network.as_deref(), &options)?, Vec::new()))
+        Ok((Input::read(&path, network.as_deref(), &options)?, Found::All(Vec::new())))
     })?;
-    let (input, findings) = read.or_exception(py)?;
-    Ok(Log::new(title, input, findings))
+    let (input, found) = read.or_exception(py)?;
+    Ok(Log::new(title, input, found))
 }
 
 /// A log of tables in memory.
@@ -171,15 +194,10 @@ pub(crate) fn log_of_tables(
     let options: ReadOptions = read_options(options)?;
     let contacts = contacts.map(batch_of).transpose()?;
     let given = Given { places: batch_of(places)?, heard: batch_of(heard)?, contacts };
-    let read = py.detach(|| table_log::read(&given, &options))?;
-    let (input, findings) = of_robot(read.or_exception(py)?);
-    Ok(Log::new("log".to_owned(), input, findings))
-}
-
-/// What is mapped of the log of a robot, and what is odd in it.
-fn of_robot(read: RobotLog) -> (Input, Vec<String>) {
-    let findings = read.findings.iter().map(ToString::to_string).collect();
-    (Input::of_log(read), findings)
+    let read = supervised(py, None, None, |_| table_log::read(&given, &options))??;
+    let mut read = read.or_exception(py)?;
+    let found = Found::OnReading(std::mem::take(&mut read.findings));
+    Ok(Log::new("log".to_owned(), Input::of_log(read), found))
 }
 
 /// The stops of a log, as the columns of stops.csv.

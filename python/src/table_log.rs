@@ -9,7 +9,7 @@ use arrow_schema::{DataType, TimeUnit};
 use pyo3::PyResult;
 use pyo3::exceptions::PyTypeError;
 use sextant::logs::{
-    LocalPlane, MemoryColumn, MemoryLog, MemoryTable, ReadOptions, RobotLog, RobotLogError, TrueNodes, read_tables, read_truth_table,
+    LocalPlane, MemoryColumn, MemoryLog, MemoryTable, ReadOptions, RobotLog, RobotLogError, TrueNodes, gather_tables, read_truth_table,
 };
 
 use crate::table::coded;
@@ -30,7 +30,7 @@ pub(crate) fn read(given: &Given, options: &ReadOptions) -> PyResult<Result<Robo
     let contacts = given.contacts.as_ref().map(|contacts| memory_table("contacts", contacts)).transpose()?;
     let read = || {
         let (places, heard, contacts) = (places?, heard?, contacts.transpose()?);
-        read_tables(&MemoryLog { contacts, ..MemoryLog::new(places, heard) }, options)
+        gather_tables(&MemoryLog { contacts, ..MemoryLog::new(places, heard) }, options)
     };
     Ok(read())
 }

@@ -121,6 +121,6 @@ pub use repair_options::RepairOptions;
 pub use row_log::{RowLog, TakeRow};
 pub use sniffer_error::SnifferError;
 pub use sniffer_options::SnifferOptions;
-pub use source::{Source, read, read_tables, refuse_options};
+pub use source::{Source, examine, gather_tables, read, read_tables, refuse_options};
 pub use truth::{TrueNodes, read_truth, read_truth_table};
 pub use writing::write;

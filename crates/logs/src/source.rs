@@ -53,7 +53,7 @@ pub fn refuse_options(path: &FilePath, options: &ReadOptions) -> Result<(), Robo
 /// # Errors
 /// If it cannot be read, a part is missing or there more than once, or `options` are for another form of log.
 pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
-    read_with(options, |options| read_once(path, options))
+    Ok(examine(read_with(options, |options| read_once(path, options))?))
 }
 
 /// Reads the log of a robot that is in memory, as [`read`] reads files.
@@ -83,10 +83,28 @@ pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLog
 /// # Errors
 /// If a table has an invalid row, or `options` are for another form of log; the error names table, row and column.
 pub fn read_tables(tables: &MemoryLog<'_>, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+    Ok(examine(gather_tables(tables, options)?))
+}
+
+/// As [`read_tables`], but what is odd in the log as a whole is not looked for, which takes longer than the rest:
+/// [`examine`] does that.
+///
+/// # Errors
+/// As for [`read_tables`].
+pub fn gather_tables(tables: &MemoryLog<'_>, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
     read_with(options, |options| Ok(noted(tables.read(options)?, options)))
 }
 
-/// Reads a log by `read_once`, twice to estimate the delay of the packets, and looks for what is odd in it.
+/// Looks for what is odd in a log as a whole, and adds it to the findings.
+#[must_use]
+pub fn examine(mut read: RobotLog) -> RobotLog {
+    let found = doctor::of_log(&read.log, &read.findings);
+    read.findings.extend(found);
+    read.findings = doctor::told_apart(read.findings);
+    read
+}
+
+/// Reads a log by `read_once`, twice to estimate the delay of the packets.
 fn read_with(
     options: &ReadOptions,
     read_once: impl Fn(&ReadOptions) -> Result<RobotLog, RobotLogError>,
@@ -112,9 +130,6 @@ fn read_with(
             );
         }
     }
-    let found = doctor::of_log(&read.log, &read.findings);
-    read.findings.extend(found);
-    read.findings = doctor::told_apart(read.findings);
     Ok(read)
 }
 

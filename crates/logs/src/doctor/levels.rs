@@ -1,41 +1,17 @@
 //! How often each signal strength occurs in a log, as it was measured.
 
-use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 /// At most so many different strengths are counted one by one.
 const MOST: usize = 4096;
 /// No receiver reports less: the thermal noise in 1 Hz is -174 dBm, and the narrowest radios have 100 Hz.
 const LEAST_DBM: f64 = -150.0;
 
-/// A strength (dBm), ordered.
-#[derive(Clone, Copy, Debug)]
-struct Level(f64);
-
-impl PartialEq for Level {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Level {}
-
-impl PartialOrd for Level {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Level {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
 /// How often each strength was measured, to a hundredth of a decibel. Memory does not grow with packets.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Levels {
-    counts: BTreeMap<Level, u64>,
+    /// By the bits of the strength (dBm).
+    counts: HashMap<u64, u64>,
     total: u64,
 }
 
@@ -44,7 +20,7 @@ impl Levels {
     pub(crate) fn take(&mut self, rssi_dbm: f64) {
         self.total += 1;
         // Adding 0 makes -0 a 0.
-        let level = Level((rssi_dbm * 100.0).round() / 100.0 + 0.0);
+        let level = ((rssi_dbm * 100.0).round() / 100.0 + 0.0).to_bits();
         if let Some(count) = self.counts.get_mut(&level) {
             *count += 1;
         } else if self.counts.len() < MOST {
@@ -67,8 +43,12 @@ impl Levels {
         self.all().filter(|(level_dbm, _)| !is_possible(*level_dbm)).collect()
     }
 
+    /// From the weakest.
     fn all(&self) -> impl Iterator<Item = (f64, u64)> {
-        self.counts.iter().map(|(level, &count)| (level.0, count))
+        let mut all: Vec<(f64, u64)> =
+            self.counts.iter().map(|(&level, &count)| (f64::from_bits(level), count)).collect();
+        all.sort_unstable_by(|(a, _), (b, _)| a.total_cmp(b));
+        all.into_iter()
     }
 }
 
