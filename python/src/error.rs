@@ -128,7 +128,8 @@ impl IntoException for RobotLogError {
             return PyKeyboardInterrupt::new_err(());
         }
         let at = self.row_address();
-        let file = at.and_then(|at| at.file().map(|file| file.display().to_string()).or(at.table().map(str::to_owned)));
+        let file =
+            at.and_then(|at| at.file().map(|file| file.display().to_string()).or(at.table().map(str::to_owned)));
         let (line, row) = (at.and_then(|at| at.line()), at.and_then(|at| at.row()));
         let cell = match &self {
             Self::Cell { column, found, allowed, .. } => Some((column.clone(), found.clone(), allowed.clone())),

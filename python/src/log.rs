@@ -126,7 +126,7 @@ impl Log {
         let mut input = self.origin.input.clone();
         if let Some(truth) = truth {
             let table = batch_of(truth)?;
-            let truth = table_log::truth(&table, input.plane.as_ref(), &mut input.notes)?.or_exception(py)?;
+            let truth = table_log::truth(&table, input.plane.as_ref(), &mut input.notes).or_exception(py)?;
             input.take_truth(truth);
         }
         let text = input.scenario.clone();
@@ -138,7 +138,8 @@ impl Log {
             && let Err(known) = input.logs.put_first(network)
         {
             let known: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
-            let known = if known.is_empty() { "it is of one network without a name".to_owned() } else { known.join(", ") };
+            let known =
+                if known.is_empty() { "it is of one network without a name".to_owned() } else { known.join(", ") };
             return Err(PyValueError::new_err(format!("the log has no network `{network}`; networks: {known}")));
         }
         let settings = MapSettings::new(scenario, algorithm, (mapping.profile.as_deref(), network), &set);
@@ -166,7 +167,12 @@ impl Log {
 
 /// Reads what the command line reads: a recording, a folder of tables, a ROS bag, a capture.
 #[pyfunction]
-pub(crate) fn read(py: Python<'_>, path: PathBuf, network: Option<String>, options: &Bound<'_, PyDict>) -> PyResult<Log> {
+pub(crate) fn read(
+    py: Python<'_>,
+    path: PathBuf,
+    network: Option<String>,
+    options: &Bound<'_, PyDict>,
+) -> PyResult<Log> {
     let options = read_options(options)?;
     let title = path.file_stem().map_or_else(|| "log".to_owned(), |name| name.to_string_lossy().into_owned());
     // Findings are of logs of robots alone.
@@ -194,7 +200,7 @@ pub(crate) fn log_of_tables(
     let options: ReadOptions = read_options(options)?;
     let contacts = contacts.map(batch_of).transpose()?;
     let given = Given { places: batch_of(places)?, heard: batch_of(heard)?, contacts };
-    let read = supervised(py, None, None, |_| table_log::read(&given, &options))??;
+    let read = supervised(py, None, None, |_| table_log::read(&given, &options))?;
     let mut read = read.or_exception(py)?;
     let found = Found::OnReading(std::mem::take(&mut read.findings));
     Ok(Log::new("log".to_owned(), Input::of_log(read), found))

@@ -26,7 +26,8 @@ pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions
         match name.as_str() {
             "stop_every" => *stop_every = given.parsed()?,
             "packet_interval" => {
-                *packet_interval_s = Some(given.number(|span_s| (1e-6..=1e6).contains(&span_s), "seconds from 1e-6 to 1e6")?);
+                *packet_interval_s =
+                    Some(given.number(|span_s| (1e-6..=1e6).contains(&span_s), "seconds from 1e-6 to 1e6")?);
             }
             "path" => form.path = Some(given.value.extract()?),
             "packets" => form.packets = Some(given.value.extract()?),
@@ -78,7 +79,11 @@ impl Keyword<'_, '_> {
     }
 
     fn flag(&self) -> PyResult<bool> {
-        if self.value.is_instance_of::<PyBool>() { self.value.is_truthy() } else { Err(self.refused("True or False")) }
+        if self.value.is_instance_of::<PyBool>() {
+            self.value.is_truthy()
+        } else {
+            Err(self.refused("True or False"))
+        }
     }
 
     fn number(&self, is_allowed: impl Fn(f64) -> bool, allowed: &str) -> PyResult<f64> {
@@ -91,9 +96,7 @@ impl Keyword<'_, '_> {
 
     /// One value or several.
     fn list<T: FromStr<Err: Display>>(&self) -> PyResult<Vec<T>> {
-        let parsed = |item: Bound<'_, PyAny>| {
-            item.str()?.to_str()?.parse().map_err(|why: T::Err| self.refused(why))
-        };
+        let parsed = |item: Bound<'_, PyAny>| item.str()?.to_str()?.parse().map_err(|why: T::Err| self.refused(why));
         if self.value.is_instance_of::<PyString>() || self.value.try_iter().is_err() {
             return Ok(vec![parsed(self.value.clone())?]);
         }

@@ -103,9 +103,9 @@ impl Run {
             input.truth = Some(truth);
             Arc::new(Origin { title: scenario.0.name().to_owned(), input })
         });
-        let maps = origin.iter().flat_map(|origin| {
-            run.maps().iter().map(|made| Map::of_run(Arc::clone(origin), &scenario.0, made))
-        });
+        let maps = origin
+            .iter()
+            .flat_map(|origin| run.maps().iter().map(|made| Map::of_run(Arc::clone(origin), &scenario.0, made)));
         let maps = Python::attach(|py| maps.map(|map| Py::new(py, map)).collect::<PyResult<_>>())?;
         Ok(Self { scenario, run, record, maps })
     }
@@ -178,7 +178,8 @@ impl Run {
     fn heard_text(&self) -> String {
         let nodes = self.scenario.0.world().nodes.len();
         let Ok(log) = self.log() else { return format!("{nodes} nodes, no survey") };
-        let is_heard = |node: &usize| log.of(NodeId::from_index(*node)).iter().any(|reception| reception.received > 0);
+        let is_heard =
+            |node: &usize| log.of(NodeId::from_index(*node)).iter().any(|reception| reception.received > 0);
         format!("{} of {nodes} nodes heard", (0..log.node_count()).filter(is_heard).count())
     }
 }

@@ -70,8 +70,12 @@ pub(crate) fn sweep(
     for (at, column) in columns.iter().enumerate() {
         let cells = || texts.iter().map(|row| row[at].as_str()).map(|cell| (!cell.is_empty()).then_some(cell));
         made = match column.kind {
-            Kind::Integer => made.optional_whole(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok()))),
-            Kind::Real => made.optional_numbers(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok()))),
+            Kind::Integer => {
+                made.optional_whole(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok())))
+            }
+            Kind::Real => {
+                made.optional_numbers(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok())))
+            }
             Kind::Text => made.optional_texts(&column.name, cells().map(|cell| cell.map(str::to_owned))),
         };
     }

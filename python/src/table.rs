@@ -4,16 +4,22 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
-use arrow_array::types::{Float64Type, Int64Type};
-use arrow_array::{Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray, StructArray};
+use arrow_array::ffi::FFI_ArrowSchema;
+use arrow_array::ffi_stream::FFI_ArrowArrayStream;
+use arrow_array::types::{
+    Decimal128Type, Float16Type, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type,
+    UInt16Type, UInt32Type, UInt64Type,
+};
+use arrow_array::{
+    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator, StringArray,
+};
 use arrow_schema::{DataType, Field, Schema};
+use numpy::{PyReadonlyArray1, ToPyArray};
 use pyo3::exceptions::{PyImportError, PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList, PyString};
-use pyo3_arrow::ffi::{ArrayIterator, to_schema_pycapsule, to_stream_pycapsule};
-use pyo3_arrow::input::AnyRecordBatch;
-use numpy::{PyReadonlyArray1, ToPyArray};
 use pyo3_arrow::PyChunkedArray;
+use pyo3_arrow::input::AnyRecordBatch;
 
 /// Rows of a table that `repr` shows.
 const SHOWN: usize = 10;
@@ -91,8 +97,7 @@ impl Table {
 
     /// The cells of a row as texts.
     fn texts(&self, row: usize) -> Vec<String> {
-        let text = |array: &ArrayRef| arrow_cast::display::array_value_to_string(array, row).unwrap_or_default();
-        self.batch.columns().iter().map(text).collect()
+        self.batch.columns().iter().map(|array| text(array, row)).collect()
     }
 }
 
@@ -123,10 +128,8 @@ impl Table {
         let with_gaps = array.null_count() > 0;
         match array.data_type() {
             DataType::Float64 | DataType::Int64 if with_gaps => {
-                let numbers = arrow_cast::cast(array, &DataType::Float64);
-                let numbers = numbers.map_err(|why| PyTypeError::new_err(why.to_string()))?;
-                let numbers = numbers.as_primitive::<Float64Type>().iter().map(|number| number.unwrap_or(f64::NAN));
-                Ok(numbers.collect::<Vec<_>>().to_pyarray(py).into_any())
+                let numbers = numbers_of(array).unwrap_or_default();
+                Ok(numbers.to_pyarray(py).into_any())
             }
             DataType::Float64 => Ok(array.as_primitive::<Float64Type>().values().to_pyarray(py).into_any()),
             DataType::Int64 => Ok(array.as_primitive::<Int64Type>().values().to_pyarray(py).into_any()),
@@ -156,14 +159,16 @@ impl Table {
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyCapsule>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        let field = Arc::new(Field::new_struct("", self.batch.schema_ref().fields().clone(), false));
-        let array: ArrayRef = Arc::new(StructArray::from(self.batch.clone()));
-        let arrays = ArrayIterator::new([Ok(array)].into_iter(), field);
-        Ok(to_stream_pycapsule(py, Box::new(arrays), requested_schema)?)
+        // A producer may leave the requested schema out of account.
+        drop(requested_schema);
+        let batches = RecordBatchIterator::new([Ok(self.batch.clone())], self.batch.schema());
+        PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(batches)), c"arrow_array_stream")
     }
 
     fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
-        Ok(to_schema_pycapsule(py, self.batch.schema_ref().as_ref())?)
+        let schema = FFI_ArrowSchema::try_from(self.batch.schema_ref().as_ref());
+        let schema = schema.map_err(|why| PyTypeError::new_err(why.to_string()))?;
+        PyCapsule::new_with_value(py, schema, c"arrow_schema")
     }
 
     fn __repr__(&self) -> String {
@@ -175,7 +180,8 @@ impl Table {
         let widths: Vec<usize> = (0..names.len()).map(width).collect();
         let mut text = format!("sextant.Table: {rows} rows\n");
         for line in &lines {
-            let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}")).collect();
+            let cells: Vec<String> =
+                line.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}")).collect();
             text += cells.join("  ").trim_end();
             text.push('\n');
         }
@@ -192,7 +198,8 @@ impl Table {
         };
         let rows = self.batch.num_rows();
         let body: String = (0..rows.min(SHOWN)).map(|at| row(&self.texts(at), "td")).collect();
-        let more = if rows > SHOWN { format!("<p>{rows} rows, of which {SHOWN} are shown</p>") } else { String::new() };
+        let more =
+            if rows > SHOWN { format!("<p>{rows} rows, of which {SHOWN} are shown</p>") } else { String::new() };
         format!("<table>{}{body}</table>{more}", row(&self.column_names(), "th"))
     }
 
@@ -206,6 +213,65 @@ impl Table {
     fn of_dict(columns: &Bound<'_, PyDict>) -> PyResult<Self> {
         Ok(Self { batch: of_columns(columns)? })
     }
+}
+
+/// The text of a cell of a table of ours.
+fn text(array: &ArrayRef, row: usize) -> String {
+    if array.is_null(row) {
+        return String::new();
+    }
+    match array.data_type() {
+        DataType::Float64 => array.as_primitive::<Float64Type>().value(row).to_string(),
+        DataType::Int64 => array.as_primitive::<Int64Type>().value(row).to_string(),
+        DataType::Boolean => array.as_boolean().value(row).to_string(),
+        DataType::Utf8 => array.as_string::<i32>().value(row).to_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// The numbers of a column, with NaN where there is none; `None` if it has no numbers.
+pub(crate) fn numbers_of(array: &ArrayRef) -> Option<Vec<f64>> {
+    /// One type of numbers.
+    macro_rules! numbers {
+        ($kind:ty, $number:expr) => {
+            array.as_primitive::<$kind>().iter().map(|number| number.map_or(f64::NAN, $number)).collect()
+        };
+    }
+    Some(match array.data_type() {
+        DataType::Float16 => numbers!(Float16Type, f64::from),
+        DataType::Float32 => numbers!(Float32Type, f64::from),
+        DataType::Float64 => numbers!(Float64Type, |number| number),
+        DataType::Decimal128(_, scale) => {
+            let unit = 10_f64.powi(i32::from(*scale));
+            numbers!(Decimal128Type, |number| number as f64 / unit)
+        }
+        _ => whole_of(array)?.into_iter().map(|number| number.map_or(f64::NAN, |number| number as f64)).collect(),
+    })
+}
+
+/// The whole numbers of a column; `None` if it has others, or one that is too large.
+pub(crate) fn whole_of(array: &ArrayRef) -> Option<Vec<Option<i64>>> {
+    /// One type of whole numbers.
+    macro_rules! whole {
+        ($kind:ty) => {
+            array.as_primitive::<$kind>().iter().map(|number| number.map(i64::from)).collect()
+        };
+    }
+    Some(match array.data_type() {
+        DataType::Int8 => whole!(Int8Type),
+        DataType::Int16 => whole!(Int16Type),
+        DataType::Int32 => whole!(Int32Type),
+        DataType::Int64 => whole!(Int64Type),
+        DataType::UInt8 => whole!(UInt8Type),
+        DataType::UInt16 => whole!(UInt16Type),
+        DataType::UInt32 => whole!(UInt32Type),
+        DataType::UInt64 => {
+            let numbers = array.as_primitive::<UInt64Type>().iter();
+            numbers.map(|number| number.map(i64::try_from).transpose()).collect::<Result<_, _>>().ok()?
+        }
+        DataType::Boolean => array.as_boolean().iter().map(|flag| flag.map(i64::from)).collect(),
+        _ => return None,
+    })
 }
 
 /// A text inside of HTML.
@@ -289,7 +355,9 @@ fn of_columns(columns: &Bound<'_, PyDict>) -> PyResult<RecordBatch> {
             && first.len() != array.len()
         {
             let (rows, first) = (array.len(), first.len());
-            return Err(PyTypeError::new_err(format!("column `{name}` has {rows} rows, but the first column has {first}")));
+            return Err(PyTypeError::new_err(format!(
+                "column `{name}` has {rows} rows, but the first column has {first}"
+            )));
         }
         fields.push(Field::new(name, array.data_type().clone(), true));
         arrays.push(array);
@@ -321,8 +389,12 @@ fn array_of(values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {
         numpy.call_method("ascontiguousarray", (values,), Some(&keywords))
     };
     match kind {
-        'f' => Ok(Arc::new(Float64Array::from(array("float64")?.extract::<PyReadonlyArray1<'_, f64>>()?.as_slice()?.to_vec()))),
-        'i' | 'u' | 'b' => Ok(Arc::new(Int64Array::from(array("int64")?.extract::<PyReadonlyArray1<'_, i64>>()?.as_slice()?.to_vec()))),
+        'f' => Ok(Arc::new(Float64Array::from(
+            array("float64")?.extract::<PyReadonlyArray1<'_, f64>>()?.as_slice()?.to_vec(),
+        ))),
+        'i' | 'u' | 'b' => Ok(Arc::new(Int64Array::from(
+            array("int64")?.extract::<PyReadonlyArray1<'_, i64>>()?.as_slice()?.to_vec(),
+        ))),
         'M' => {
             let instants = array("datetime64[ns]")?.call_method1("view", ("int64",))?;
             let instants = instants.extract::<PyReadonlyArray1<'_, i64>>()?.as_slice()?.to_vec();

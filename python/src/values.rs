@@ -88,7 +88,8 @@ pub(crate) fn of_json<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py
         },
         Value::String(text) => PyString::new(py, text).into_any(),
         Value::Array(items) => {
-            let items: Vec<Bound<'py, PyAny>> = items.iter().map(|item| of_json(py, item)).collect::<PyResult<_>>()?;
+            let items: Vec<Bound<'py, PyAny>> =
+                items.iter().map(|item| of_json(py, item)).collect::<PyResult<_>>()?;
             PyList::new(py, items)?.into_any()
         }
         Value::Object(entries) => {

@@ -77,12 +77,8 @@ impl PyApplication {
     }
 
     /// Calls a method, if the class has it, with what `told` makes.
-    fn call<T>(
-        &self,
-        method: Option<&Py<PyAny>>,
-        port: &mut sim::Port<'_>,
-        told: impl FnOnce(&Names) -> T,
-    ) where
+    fn call<T>(&self, method: Option<&Py<PyAny>>, port: &mut sim::Port<'_>, told: impl FnOnce(&Names) -> T)
+    where
         T: for<'py> Told<'py>,
     {
         let Some(method) = method.filter(|_| !self.brake.is_stopped()) else { return };

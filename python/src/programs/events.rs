@@ -37,9 +37,7 @@ pub(super) fn checked_place(x_m: f64, y_m: f64, z_m: f64) -> PyResult<Position> 
     if is_good(x_m) && is_good(y_m) && is_good(z_m) {
         Ok(Position::new(x_m, y_m, z_m))
     } else {
-        Err(PyValueError::new_err(format!(
-            "the place is {x_m}, {y_m}, {z_m}; allowed: metres from -1e9 to 1e9"
-        )))
+        Err(PyValueError::new_err(format!("the place is {x_m}, {y_m}, {z_m}; allowed: metres from -1e9 to 1e9")))
     }
 }
 
@@ -124,7 +122,9 @@ pub(crate) struct Sensed {
 impl From<&sim::Sensed> for Sensed {
     fn from(sensed: &sim::Sensed) -> Self {
         match *sensed {
-            sim::Sensed::Entered(target) => Self { kind: "entered", target: Some(target.0), field: None, value: None },
+            sim::Sensed::Entered(target) => {
+                Self { kind: "entered", target: Some(target.0), field: None, value: None }
+            }
             sim::Sensed::Left(target) => Self { kind: "left", target: Some(target.0), field: None, value: None },
             sim::Sensed::Sampled { field, value } => {
                 Self { kind: "sampled", target: None, field: Some(field.0), value: Some(value) }

@@ -131,11 +131,7 @@ pub(super) fn algorithms() -> impl TypedValueParser<Value = AlgorithmName> {
         .try_map(|name| name.parse::<AlgorithmName>())
 }
 
-pub(crate) fn execute(
-    arguments: &Arguments,
-    invocation: &Invocation,
-    interrupt: &Interrupt,
-) -> Result<(), Failure> {
+pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
     let mut outputs = arguments.inputs();

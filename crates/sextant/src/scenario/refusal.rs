@@ -44,7 +44,8 @@ impl Refusal {
 impl Document {
     /// The error that the value at `error.key` is not allowed.
     pub(super) fn outside(&self, error: &SettingError) -> ScenarioError {
-        let found = Some(error.found()).filter(|_| !matches!(error.problem, SettingProblem::Missing { .. } | SettingProblem::MissingTable));
+        let found = Some(error.found())
+            .filter(|_| !matches!(error.problem, SettingProblem::Missing { .. } | SettingProblem::MissingTable));
         let this = ScenarioError::new(error.to_string()).about(&error.key, found, Some(error.allowed()));
         match KeyPath::parse(&error.key) {
             Ok(path) => {
