@@ -229,7 +229,7 @@ pub(crate) fn stops_of(log: &ReceptionLog) -> PyResult<Table> {
 pub(crate) fn receptions_of(log: &ReceptionLog) -> PyResult<Table> {
     let all = log.receptions();
     let names = log.names();
-    let has = |is_there: fn(Reception) -> bool| all.iter().any(|reception| is_there(reception));
+    let has = |is_there: fn(Reception) -> bool| all.iter().any(&is_there);
     Columns::default()
         .texts("node", all.iter().map(|reception| &names[reception.node.index()]))
         .whole("stop", all.iter().map(|reception| i64::from(reception.stop)))

@@ -1,6 +1,6 @@
 //! The stations of a scenario by name.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use sextant::Scenario;
 use sextant::kernel::StationId;
@@ -9,7 +9,7 @@ use sextant::kernel::StationId;
 #[derive(Debug, Default)]
 pub(crate) struct Names {
     names: Vec<String>,
-    ids: HashMap<String, StationId>,
+    ids: BTreeMap<String, StationId>,
     robots: usize,
     sinks: usize,
 }
@@ -22,7 +22,7 @@ impl Names {
         let sinks = names.len();
         names.extend(scenario.config().sinks.iter().map(|sink| sink.name.clone()));
         // Of two stations with one name, the first has it.
-        let mut ids = HashMap::new();
+        let mut ids = BTreeMap::new();
         for (number, name) in (0..).zip(&names) {
             ids.entry(name.clone()).or_insert(StationId(number));
         }

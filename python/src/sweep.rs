@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sextant::recording::admission::{OutputKind, Outputs, Replace};
-use sextant::sweep::{self as sweeps, Kind, Shard, Sweep, SweepError, TableError};
+use sextant::sweep::{self as sweeps, Kind, Shard, Sweep, TableError};
 
 use crate::error::{OrException, RunError};
 use crate::table::{Columns, Table};
@@ -63,7 +63,7 @@ pub(crate) fn sweep(
     if let Some(out) = &out {
         let table = |why: TableError| RunError::new_err(why.to_string());
         sweeps::write_table(out, &plan, &rows).map_err(table)?;
-        sweeps::clear_parts(out).map_err(SweepError::from).or_exception(py)?;
+        sweeps::clear_parts(out).or_exception(py)?;
     }
     let (columns, texts) = sweeps::table(&plan, &rows);
     let mut made = Columns::default();

@@ -1,6 +1,5 @@
 //! Tables: columns of Arrow, given to and taken from any library that knows them.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
@@ -424,8 +423,9 @@ fn of_list(values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {
 }
 
 /// Texts of a column, each once, and the number of each row's.
+#[expect(clippy::disallowed_types, reason = "texts are looked up, and their order is that of the rows")]
 pub(crate) fn coded<'a>(texts: impl Iterator<Item = Option<&'a str>>) -> (Vec<u32>, Vec<String>) {
-    let mut numbers: HashMap<&'a str, u32> = HashMap::new();
+    let mut numbers: std::collections::HashMap<&'a str, u32> = std::collections::HashMap::new();
     let mut names = Vec::new();
     let codes = texts.map(|text| {
         let Some(text) = text else { return u32::MAX };

@@ -222,7 +222,7 @@ impl Robot {
 /// A direction of range sensors.
 pub(super) fn direction(direction_rad: f64, range_m: f64) -> PyResult<Position> {
     if direction_rad.is_finite() && range_m > 0.0 && range_m <= Position::FARTHEST_M {
-        Ok(Position::new(direction_rad.cos(), direction_rad.sin(), 0.0))
+        Ok(Position::new(libm::cos(direction_rad), libm::sin(direction_rad), 0.0))
     } else {
         Err(PyValueError::new_err(format!(
             "the direction is {direction_rad} rad and the range {range_m} m; allowed: a finite angle, and a range above 0"

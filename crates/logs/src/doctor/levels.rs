@@ -1,17 +1,47 @@
 //! How often each signal strength occurs in a log, as it was measured.
 
-use std::collections::HashMap;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 /// At most so many different strengths are counted one by one.
 const MOST: usize = 4096;
 /// No receiver reports less: the thermal noise in 1 Hz is -174 dBm, and the narrowest radios have 100 Hz.
 const LEAST_DBM: f64 = -150.0;
+/// Strengths from [`LEAST_DBM`] to below 0 dBm, which nearly all are, in hundredths of a decibel.
+const USUAL: usize = 15_000;
+
+/// A strength (dBm), ordered.
+#[derive(Clone, Copy, Debug)]
+struct Level(f64);
+
+impl PartialEq for Level {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Level {}
+
+impl PartialOrd for Level {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Level {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
 
 /// How often each strength was measured, to a hundredth of a decibel. Memory does not grow with packets.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Levels {
-    /// By the bits of the strength (dBm).
-    counts: HashMap<u64, u64>,
+    /// How often each of the usual strengths occurs, from the weakest; empty if none does.
+    usual: Vec<u64>,
+    others: BTreeMap<Level, u64>,
+    /// Number of different strengths that are counted.
+    distinct: usize,
     total: u64,
 }
 
@@ -20,11 +50,26 @@ impl Levels {
     pub(crate) fn take(&mut self, rssi_dbm: f64) {
         self.total += 1;
         // Adding 0 makes -0 a 0.
-        let level = ((rssi_dbm * 100.0).round() / 100.0 + 0.0).to_bits();
-        if let Some(count) = self.counts.get_mut(&level) {
+        let hundredths = (rssi_dbm * 100.0).round() + 0.0;
+        let has_room = self.distinct < MOST;
+        if let Some(place) = place(hundredths) {
+            if self.usual.is_empty() {
+                self.usual = vec![0; USUAL];
+            }
+            let count = &mut self.usual[place];
+            let is_new = *count == 0;
+            if !is_new || has_room {
+                *count += 1;
+                self.distinct += usize::from(is_new);
+            }
+            return;
+        }
+        let level = Level(hundredths / 100.0);
+        if let Some(count) = self.others.get_mut(&level) {
             *count += 1;
-        } else if self.counts.len() < MOST {
-            self.counts.insert(level, 1);
+        } else if has_room {
+            self.others.insert(level, 1);
+            self.distinct += 1;
         }
     }
 
@@ -35,24 +80,54 @@ impl Levels {
 
     /// The strengths that a radio may report, from the weakest, with how often they occur.
     pub(super) fn possible(&self) -> Vec<(f64, u64)> {
-        self.all().filter(|(level_dbm, _)| is_possible(*level_dbm)).collect()
+        let counted = self.usual.iter().enumerate().filter(|(_, count)| **count > 0);
+        counted.map(|(place, &count)| (level_dbm(place), count)).collect()
     }
 
     /// The others.
     pub(super) fn impossible(&self) -> Vec<(f64, u64)> {
-        self.all().filter(|(level_dbm, _)| !is_possible(*level_dbm)).collect()
-    }
-
-    /// From the weakest.
-    fn all(&self) -> impl Iterator<Item = (f64, u64)> {
-        let mut all: Vec<(f64, u64)> =
-            self.counts.iter().map(|(&level, &count)| (f64::from_bits(level), count)).collect();
-        all.sort_unstable_by(|(a, _), (b, _)| a.total_cmp(b));
-        all.into_iter()
+        self.others.iter().map(|(level, &count)| (level.0, count)).collect()
     }
 }
 
-/// Whether a radio may report this strength (dBm): below 0, and above all noise.
-fn is_possible(level_dbm: f64) -> bool {
-    (LEAST_DBM..0.0).contains(&level_dbm)
+/// The place of a strength in hundredths of a decibel among the usual ones: those that a radio may report, below 0 dBm and above
+/// all noise.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole, and within the bounds")]
+fn place(hundredths: f64) -> Option<usize> {
+    (LEAST_DBM * 100.0..0.0).contains(&hundredths).then_some((hundredths - LEAST_DBM * 100.0) as usize)
+}
+
+/// The usual strength at a place (dBm).
+fn level_dbm(place: usize) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "at most 15 000")]
+    let hundredths = place as f64 + LEAST_DBM * 100.0;
+    hundredths / 100.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strengths_are_counted_to_a_hundredth_of_a_decibel() {
+        let mut levels = Levels::default();
+        for level_dbm in
+            [-70.004, -70.0, -149.999, -150.0, -150.006, -0.006, -0.004, 0.0, 127.0, -1e300, f64::INFINITY]
+        {
+            levels.take(level_dbm);
+        }
+        assert_eq!(levels.possible(), [(-150.0, 2), (-70.0, 2), (-0.01, 1)]);
+        let others = [(-1e300, 1), (-150.01, 1), (0.0, 2), (127.0, 1), (f64::INFINITY, 1)];
+        assert_eq!(levels.impossible(), others);
+        assert_eq!(levels.total(), 11);
+    }
+
+    #[test]
+    fn only_so_many_different_strengths_are_counted() {
+        let mut levels = Levels::default();
+        let level = |i: i32| -1.0 - 0.01 * f64::from(i);
+        (0..5000).chain(0..10).for_each(|i| levels.take(level(i)));
+        assert_eq!((levels.possible().len(), levels.total()), (MOST, 5010));
+        assert_eq!(levels.possible().iter().filter(|(_, count)| *count == 2).count(), 10);
+    }
 }
