@@ -225,6 +225,16 @@ mod tests {
 
     const PHY: Phy = Phy::Oqpsk2450;
 
+    #[test]
+    fn energies_are_added_taken_off_and_multiplied_part_by_part() {
+        let spent = EnergySpent { tx_j: 2.0, rx_j: 3.0, idle_j: 5.0, sleep_j: 7.0 };
+        let twice = EnergySpent { tx_j: 4.0, rx_j: 6.0, idle_j: 10.0, sleep_j: 14.0 };
+        let mut sum = spent;
+        sum += spent;
+        assert_eq!((sum, spent * 2.0, twice - spent), (twice, twice, spent));
+        assert!((spent.total_j() - 17.0).abs() < 1e-12);
+    }
+
     /// Energy of `span` in `state` (uJ).
     fn microjoules(radio: &RadioStates, state: RadioState, tx_dbm: f64, span: Duration) -> f64 {
         1e6 * radio.power_w(state, Dbm(tx_dbm)) * span.as_secs_f64()

@@ -175,6 +175,37 @@ mod tests {
     }
 
     #[test]
+    fn many_cycles_count_as_each_of_them_would() {
+        let turnaround = Duration::from_micros(12);
+        // On, and then at rest (us): the second rest is shorter than the turnaround.
+        let spans =
+            [(100, 40), (7, 5), (30, 12)].map(|(on, rest)| (Duration::from_micros(on), Duration::from_micros(rest)));
+        for resting in [RadioState::Idle, RadioState::Sleep] {
+            let start = SimTime::ZERO + Duration::from_micros(3);
+            let (mut each, mut cycles, mut now) =
+                (EnergyMeter::new(RadioState::Receive, start), Cycles::default(), start);
+            for (on, rest) in spans {
+                cycles.add(on, rest, turnaround);
+                now += on;
+                each.enter(resting, now);
+                now += rest;
+                each.enter(RadioState::Receive, now);
+                each.wake(turnaround);
+            }
+            let mut at_once = EnergyMeter::new(RadioState::Receive, start);
+            at_once.cycle(resting, &cycles, now);
+            for meter in [&mut each, &mut at_once] {
+                meter.enter(RadioState::Sleep, now + Duration::from_micros(9));
+            }
+            for state in [RadioState::Receive, RadioState::Turnaround, RadioState::Idle, RadioState::Sleep] {
+                assert_eq!(at_once.span(state), each.span(state), "{resting:?}: {state:?}");
+            }
+            let turned_us = if resting == RadioState::Idle { 12 + 5 + 12 } else { 0 };
+            assert_eq!(at_once.span(RadioState::Turnaround), Duration::from_micros(turned_us));
+        }
+    }
+
+    #[test]
     fn a_meter_counts_each_state_once() {
         let at = |us| SimTime::ZERO + Duration::from_micros(us);
         let mut meter = EnergyMeter::new(RadioState::Sleep, at(0));

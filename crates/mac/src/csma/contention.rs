@@ -57,3 +57,24 @@ impl Csma {
         RadioState::Receive
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::port::OutgoingFrame;
+    use super::*;
+
+    #[test]
+    fn a_contention_ends_after_as_many_busy_assessments_as_are_allowed() {
+        let attempt = Attempt {
+            exponent: 3,
+            ..Attempt::new(OutgoingFrame { mpdu_octets: 20, ack_request: false, sequence: 0 })
+        };
+        let mut contention = Contention { attempt, max_be: 5, max_backoffs: 4 };
+        let mut longest = Vec::new();
+        while !contention.is_last() {
+            longest.push(contention.defer());
+        }
+        assert_eq!(longest, [15, 31, 31, 31]);
+        assert_eq!((contention.attempt.busy, contention.attempt.ccas), (4, 4));
+    }
+}

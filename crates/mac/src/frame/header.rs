@@ -210,6 +210,17 @@ mod tests {
     }
 
     #[test]
+    fn only_acknowledgements_of_the_latest_revision_have_addresses() {
+        for (version, has_address) in [(0_u16, false), (1, false), (2, true)] {
+            let control: u16 = 2 | 2 << 10 | version << 12;
+            let octets = [&control.to_le_bytes()[..], &[0x77], &DESTINATION_PAN, &SHORT].concat();
+            let header = Header::parse(&octets).expect("a good acknowledgement");
+            assert_eq!(header.sequence, Some(0x77));
+            assert_eq!(header.destination.is_some(), has_address, "revision {version}");
+        }
+    }
+
+    #[test]
     fn the_header_of_a_frame_that_we_write_is_that_of_the_frame() {
         let places = [
             Endpoint { pan: 1, address: Address::Short(7) },
