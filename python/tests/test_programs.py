@@ -230,6 +230,48 @@ def test_frames_to_one_station_are_acknowledged() -> None:
     assert Listens.got == [b"hello"]
 
 
+def test_a_robot_with_an_application_of_its_own_writes_the_stops_that_are_mapped(survey: sextant.Scenario) -> None:
+    class Walks(sextant.Application):
+        has_task = True
+
+        def __init__(self) -> None:
+            self.places = [(x, y) for y in (1.0, 4.0, 7.0) for x in (1.0, 4.0, 7.0, 10.0, 13.0)]
+            self.heard: dict[str, list[float]] = {}
+
+        def go(self, port: sextant.Port) -> None:
+            if not self.places:
+                port.finish()
+            elif port.drive_to(*self.places.pop(0)) is not None:
+                self.stop(port)
+
+        def stop(self, port: sextant.Port) -> None:
+            self.heard.clear()
+            self.since_s = port.now_s
+            port.listen(2.5)
+
+        def started(self, port: sextant.Port) -> None:
+            self.go(port)
+
+        def drive_ended(self, end: sextant.DriveEnd, port: sextant.Port) -> None:
+            self.stop(port)
+
+        def delivered(self, delivery: sextant.Delivery, port: sextant.Port) -> None:
+            self.heard.setdefault(delivery.sender, []).append(delivery.rssi_dbm)
+
+        def listened(self, network: int, port: sextant.Port) -> None:
+            with pytest.raises(KeyError, match="nobody"):
+                port.log_stop({"nobody": (1, 1, None)}, self.since_s)
+            with pytest.raises(ValueError, match="allowed"):
+                port.log_stop({"n0": (2, 1, None)}, self.since_s)
+            heard = {node: (len(all), len(all), sum(all) / len(all)) for node, all in self.heard.items()}
+            port.log_stop(heard, self.since_s)
+            self.go(port)
+
+    run = survey.run(applications={"surveyor": Walks()})
+    assert len(run.stops) == 15
+    assert len(run.maps["packet-centroid"].places) > 20
+
+
 def test_sectors_are_swept_by_a_controller() -> None:
     class Sweeps(Wander):
         def next(self, robot: sextant.Robot) -> sextant.Command:

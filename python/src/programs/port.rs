@@ -1,5 +1,6 @@
 //! The port of an application: what it can know and do.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -7,8 +8,8 @@ use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use scoped_tls_hkt::scoped_thread_local;
-use sextant::channel::Position;
-use sextant::kernel::{EventKey, SimTime, StationId};
+use sextant::channel::{Position, Reception};
+use sextant::kernel::{EventKey, NodeId, SimTime, StationId};
 use sextant::scenario::Scenario;
 use sextant::sim::{self, Destination, Driving, NetworkId, Payload, SweepKind, Timer, program_seed};
 
@@ -306,6 +307,38 @@ impl Port {
 
     fn remove_sources(&self, reach_m: f64) -> PyResult<usize> {
         self.ask(|port| port.remove_sources(reach_m))
+    }
+
+    /// Writes a stop: what was heard since `since_s` of each node, as received, sent and mean strength (dBm).
+    #[pyo3(signature = (heard, since_s, network=0))]
+    fn log_stop(&self, heard: BTreeMap<String, (u32, u32, Option<f64>)>, since_s: f64, network: u8) -> PyResult<()> {
+        let (since, network) = (SimTime::ZERO + span(since_s)?, self.network(network)?);
+        let mut receptions = Vec::new();
+        for (name, (received, sent, rssi_dbm)) in heard {
+            let node = self.names.station(&name).filter(|station| station.index() < self.names.nodes().len());
+            let node = node.ok_or_else(|| PyKeyError::new_err(format!("there is no node `{name}`")))?;
+            if received > sent || rssi_dbm.is_some_and(|rssi_dbm| !rssi_dbm.is_finite()) {
+                let found = format!("{received} of {sent} packets, {rssi_dbm:?} dBm");
+                let allowed = "at most as many received as sent, and a finite strength";
+                return Err(PyValueError::new_err(format!("`{name}` has {found}; allowed: {allowed}")));
+            }
+            let node = NodeId::from_index(node.index());
+            receptions.push(Reception { node, stop: 0, received, sent, sector: None, rssi_dbm, snr_db: None });
+        }
+        receptions.sort_by_key(|reception| reception.node);
+        let is_past = self.ask_robot(|port| {
+            let is_past = since <= port.now();
+            if is_past {
+                let position = port.pose_at(since).position;
+                port.log_stop(network, since, position, receptions);
+            }
+            is_past
+        })?;
+        if is_past {
+            Ok(())
+        } else {
+            Err(PyValueError::new_err(format!("since_s is {since_s}, which is in the future")))
+        }
     }
 
     fn finish(&self) -> PyResult<()> {
