@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import sextant
 
@@ -26,7 +27,7 @@ class Place:
     @property
     def has_covariance(self) -> bool:
         """Whether there is a covariance."""
-        return not any(math.isnan(entry) for entry in (self.xx_m2, self.xy_m2, self.yy_m2))
+        return all(math.isfinite(entry) for entry in (self.xx_m2, self.xy_m2, self.yy_m2))
 
     def axes(self) -> tuple[float, float, float]:
         """Standard deviations along the long and the short axis (m), and the direction of the long axis (rad)."""
@@ -49,7 +50,7 @@ class LiveMap:
         As for ``sextant.map_log``, such as ``stop_every="1m"``.
     """
 
-    def __init__(self, algorithm: str = "auto", visited_m: float = 1.0, **options: object) -> None:
+    def __init__(self, algorithm: str = "auto", visited_m: float = 1.0, **options: Any) -> None:
         self.algorithm, self.visited_m, self.options = algorithm, visited_m, options
         self._path: dict[str, list[float]] = {"t_s": [], "x_m": [], "y_m": [], "z_m": []}
         self._times: list[float] = []
@@ -57,7 +58,14 @@ class LiveMap:
         self._rssi_dbm: list[float] = []
 
     def add_pose(self, t_s: float, x_m: float, y_m: float, z_m: float = 0.0) -> bool:
-        """Add where the robot is. A pose that is not later than the last is left out, and False is returned."""
+        """Add where the robot is. A pose that is not later than the last is left out, and False is returned.
+
+        Raises
+        ------
+        ValueError
+            A number is not finite.
+        """
+        _check_finite(t_s=t_s, x_m=x_m, y_m=y_m, z_m=z_m)
         if self._path["t_s"] and t_s <= self._path["t_s"][-1]:
             return False
         for column, value in zip(self._path.values(), (t_s, x_m, y_m, z_m), strict=True):
@@ -65,19 +73,33 @@ class LiveMap:
         return True
 
     def add_packet(self, t_s: float, node: str, rssi_dbm: float) -> None:
-        """Add a packet that was heard."""
+        """Add a packet that was heard.
+
+        Raises
+        ------
+        ValueError
+            A number is not finite.
+        """
+        _check_finite(t_s=t_s, rssi_dbm=rssi_dbm)
         self._times.append(float(t_s))
         self._nodes.append(node)
         self._rssi_dbm.append(float(rssi_dbm))
 
-    def map(self) -> list[Place]:
-        """Work out where the nodes are; no place before two poses and a packet between them."""
+    def missing(self) -> str | None:
+        """Say what is missing for a map, or None if there is enough."""
         times = self._path["t_s"]
         if len(times) < 2:
+            return f"poses: {len(times)}; at least 2 are needed"
+        if not self._known():
+            span = f"packets from {times[0]} s to {times[-1]} s, the time of the path"
+            return f"{span}: 0 of {len(self._times)}; at least 1 is needed"
+        return None
+
+    def map(self) -> list[Place]:
+        """Work out where the nodes are; no place while something is `missing`."""
+        if self.missing() is not None:
             return []
-        known = [index for index, t_s in enumerate(self._times) if times[0] <= t_s <= times[-1]]
-        if not known:
-            return []
+        known = self._known()
         packets = {
             "t_s": [self._times[index] for index in known],
             "node": [self._nodes[index] for index in known],
@@ -113,9 +135,20 @@ class LiveMap:
         poses = zip(self._path["x_m"], self._path["y_m"], strict=True)
         return any(math.hypot(x_m - x, y_m - y) < self.visited_m for x, y in poses)
 
+    def _known(self) -> list[int]:
+        """Indices of the packets that were heard between the first pose and the last."""
+        times = self._path["t_s"]
+        return [index for index, t_s in enumerate(self._times) if times[0] <= t_s <= times[-1]]
+
     def _distance_from_robot(self, end: tuple[float, float]) -> float:
         return math.hypot(end[0] - self._path["x_m"][-1], end[1] - self._path["y_m"][-1])
 
 
-def _place(node: object, *numbers: object) -> Place:
-    return Place(str(node), *(math.nan if value is None else float(value) for value in numbers))  # type: ignore[arg-type]
+def _place(node: object, *numbers: float | None) -> Place:
+    return Place(str(node), *(math.nan if value is None else float(value) for value in numbers))
+
+
+def _check_finite(**numbers: float) -> None:
+    for name, number in numbers.items():
+        if not math.isfinite(number):
+            raise ValueError(f"`{name}` is {number}; allowed: a finite number")

@@ -22,6 +22,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 import sextant
 
+#: The variance of what is not known (m² or rad²).
+UNKNOWN = 1e6
 #: The axis of an ellipse is at least this long (m), so that it can be seen.
 LEAST_AXIS_M = 0.02
 
@@ -37,7 +39,7 @@ class Ros2Mapper(Node):
         if self.pose_type not in POSE_TYPES:
             raise ValueError(f"pose_type is {self.pose_type!r}; allowed: {', '.join(POSE_TYPES)}")
         self.live = LiveMap(algorithm=self._parameter("algorithm", "auto"))
-        self.frame = ""
+        self.frame = self._parameter("frame_id", "")
         self.markers = self.create_publisher(MarkerArray, "map_of_nodes", 10)
         self.goal = self.create_publisher(PoseStamped, self._parameter("goal_topic", "next_stop"), 10)
         self.poses: dict[str, Any] = {}
@@ -47,7 +49,10 @@ class Ros2Mapper(Node):
         self.create_timer(self._parameter("period_s", 10.0), self.on_timer)
 
     def on_pose(self, message: Any) -> None:
-        """Add a pose. The frame of the first is the frame of the map; poses in other frames are left out."""
+        """Add a pose. Poses in another frame than that of the map are left out.
+
+        The frame of the map is the parameter ``frame_id``; if it is empty, the frame of the first pose.
+        """
         frame = message.header.frame_id
         self.frame = self.frame or frame
         if frame != self.frame:
@@ -55,19 +60,25 @@ class Ros2Mapper(Node):
             return
         at = (message.pose.pose if self.pose_type == "odometry" else message.pose).position
         stamp = message.header.stamp
-        self.live.add_pose(stamp.sec + stamp.nanosec * 1e-9, at.x, at.y, at.z)
+        t_s = stamp.sec + stamp.nanosec * 1e-9
+        try:
+            added = self.live.add_pose(t_s, at.x, at.y, at.z)
+        except ValueError as error:
+            self.get_logger().warning(f"a pose is left out: {error}")
+            return
+        if not added:
+            self.get_logger().warning(f"the pose of {t_s} s is left out: it is not later than the last")
 
     def on_packet(self, message: Any) -> None:
         """Add a packet."""
         try:
             packet = json.loads(message.data)
             node, rssi_dbm = str(packet["node"]), float(packet["rssi_dbm"])
+            self.live.add_packet(self.get_clock().now().nanoseconds * 1e-9, node, rssi_dbm)
         except (ValueError, KeyError, TypeError) as error:
             self.get_logger().warning(
                 f'a packet is left out: {message.data!r} ({error!r}); expected {{"node": "n7", "rssi_dbm": -71.5}}'
             )
-            return
-        self.live.add_packet(self.get_clock().now().nanoseconds * 1e-9, node, rssi_dbm)
 
     def on_timer(self) -> None:
         """Map what was heard until now, and publish it."""
@@ -77,6 +88,7 @@ class Ros2Mapper(Node):
             self.get_logger().warning(f"no map yet: {error}")
             return
         if not places:
+            self.get_logger().warning(f"no map yet: {self.live.missing() or 'no node has a place'}")
             return
         self.markers.publish(self._marker_array(places))
         for place in places:
@@ -90,9 +102,9 @@ class Ros2Mapper(Node):
         return self.declare_parameter(name, default).value
 
     def _publisher_of(self, node: str) -> Any:
-        """The publisher of one node; characters that no topic may have become underscores."""
+        """The publisher of one node; a character that no topic may have becomes its number: `a-b` is `a_2d_b`."""
         if node not in self.poses:
-            word = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in node)
+            word = "".join(letter if letter.isascii() and letter.isalnum() else f"_{ord(letter):x}_" for letter in node)
             self.poses[node] = self.create_publisher(PoseWithCovarianceStamped, f"nodes/node_{word}", 10)
         return self.poses[node]
 
@@ -136,8 +148,8 @@ class Ros2Mapper(Node):
         self._stamp(message)
         _put(message.pose.pose.position, place.x_m, place.y_m, place.z_m)
         message.pose.pose.orientation.w = 1.0
-        # Rows and columns are x, y, z and three rotations; only x and y are estimated here.
-        covariance = [0.0] * 36
+        # Rows and columns are x, y, z and three rotations; only x and y are estimated here, the others are not known.
+        covariance = [UNKNOWN if row == column and row > 1 else 0.0 for row in range(6) for column in range(6)]
         covariance[0], covariance[1], covariance[6], covariance[7] = place.xx_m2, place.xy_m2, place.xy_m2, place.yy_m2
         message.pose.covariance = covariance
         return message

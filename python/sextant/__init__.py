@@ -20,7 +20,7 @@ axis, times in seconds, powers in dBm.
 from ._application import Application
 from ._controller import Controller
 from ._log import Log, map_log, read
-from ._map import Map, algorithms
+from ._map import Figure, Map, algorithms
 from ._native import (
     Announcement,
     Command,
@@ -51,6 +51,7 @@ __all__ = [
     "Controller",
     "Delivery",
     "DriveEnd",
+    "Figure",
     "Heard",
     "Log",
     "LogError",

@@ -2,11 +2,44 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 from . import _native
 from ._frames import Like, as_like
 from ._native import Table
+
+
+class Figure:
+    """A picture, which shows itself in a notebook.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    svg : str
+        The picture as SVG.
+    """
+
+    __slots__ = ("name", "svg")
+
+    def __init__(self, name: str, svg: str) -> None:
+        self.name = name
+        self.svg = svg
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the picture to an SVG file."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.svg)
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def _repr_html_(self) -> str:
+        return self.svg
+
+    def __repr__(self) -> str:
+        return f"sextant.Figure({self.name!r})"
 
 
 class Map:
@@ -20,7 +53,7 @@ class Map:
     def __init__(self, native: _native.Map, like: Like = None) -> None:
         self._native = native
         self._like = like
-        self._figures: dict[str, str] | None = None
+        self._figures: dict[str, Figure] | None = None
 
     @property
     def name(self) -> str:
@@ -59,11 +92,11 @@ class Map:
         return self._native.notes
 
     @property
-    def figures(self) -> dict[str, str]:
-        """All figures of the map as SVG, by name."""
+    def figures(self) -> dict[str, Figure]:
+        """All figures by name: the survey, the map, its errors, the reception curve against the data, residuals."""
         if self._figures is None:
-            self._figures = dict(self._native.figures())
-        return self._figures
+            self._figures = {name: Figure(name, svg) for name, svg in self._native.figures()}
+        return dict(self._figures)
 
     def plot(self, ax: Any = None, *, truth: bool = True, regions: bool = True, labels: bool = False) -> Any:
         """Draw the map with matplotlib.
@@ -88,10 +121,7 @@ class Map:
         return plot(self, ax, truth=truth, regions=regions, labels=labels)
 
     def _repr_svg_(self) -> str | None:
-        for name, svg in self.figures.items():
-            if name.startswith("map"):
-                return svg
-        return None
+        return next((figure.svg for name, figure in self.figures.items() if name.startswith("map")), None)
 
     def _repr_html_(self) -> str:
         svg = self._repr_svg_() or ""

@@ -35,6 +35,11 @@ create_exception!(sextant, RunError, SextantError, "A run, a map or a sweep fail
 /// Adds the exceptions to the module.
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
+    let places = ["key", "found", "allowed", "file", "line", "row", "column"];
+    for class in [py.get_type::<ScenarioError>(), py.get_type::<LogError>()] {
+        // What is not known of an error is None.
+        places.iter().try_for_each(|name| class.setattr(name, py.None()))?;
+    }
     module.add("SextantError", py.get_type::<SextantError>())?;
     module.add("ScenarioError", py.get_type::<ScenarioError>())?;
     module.add("LogError", py.get_type::<LogError>())?;
@@ -187,10 +192,10 @@ impl IntoException for SweepError {
 }
 
 impl IntoException for RecordingError {
-    fn into_exception(self, py: Python<'_>) -> PyErr {
+    fn into_exception(self, _py: Python<'_>) -> PyErr {
         match self {
             Self::Interrupted(_) => PyKeyboardInterrupt::new_err(()),
-            error => Attributes::of(py, LogError::new_err(error.to_string())).done(),
+            error => LogError::new_err(error.to_string()),
         }
     }
 }

@@ -48,10 +48,32 @@ def test_the_nodes_are_near_their_true_places(run: sextant.Run, live: LiveMap) -
 def test_there_is_no_map_before_a_packet_between_two_poses() -> None:
     live = LiveMap()
     assert live.map() == []
+    assert live.missing() == "poses: 0; at least 2 are needed"
     live.add_pose(0.0, 0.0, 0.0)
     live.add_pose(1.0, 1.0, 0.0)
     live.add_packet(2.0, "late", -60.0)
     assert live.map() == []
+    assert "0 of 1" in (live.missing() or "")
+    live.add_packet(0.5, "heard", -60.0)
+    assert live.missing() is None
+    assert [place.node for place in live.map()] == ["heard"]
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+def test_a_number_that_is_not_finite_is_refused_and_not_kept(number: float) -> None:
+    live = LiveMap()
+    live.add_pose(0.0, 0.0, 0.0)
+    with pytest.raises(ValueError, match="`t_s` is .*finite"):
+        live.add_pose(number, 0.0, 0.0)
+    with pytest.raises(ValueError, match="`rssi_dbm` is .*finite"):
+        live.add_packet(0.5, "bad", number)
+    assert live.add_pose(1.0, 1.0, 0.0)
+    live.add_packet(0.5, "good", -60.0)
+    assert [place.node for place in live.map()] == ["good"]
+
+
+def test_the_same_input_gives_the_same_map(live: LiveMap) -> None:
+    assert live.map() == live.map()
 
 
 def test_a_pose_that_is_not_later_is_left_out() -> None:

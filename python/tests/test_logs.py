@@ -76,9 +76,9 @@ def test_a_log_in_memory_gives_the_map_of_the_command_line_to_the_last_bit(
 
 def test_the_truth_gives_errors(folder: Path) -> None:
     stops, receptions = of_folder(folder, "stops"), of_folder(folder, "receptions")
-    made = sextant.map_log(stops, receptions, truth=of_folder(folder, "nodes"))
+    made = sextant.map_log(stops, receptions, algorithm="ml-tm", truth=of_folder(folder, "nodes"))
     assert made.summary["position_error_m"]["mean"] > 0.0
-    assert "position_error_m" not in sextant.map_log(stops, receptions).summary
+    assert "position_error_m" not in sextant.map_log(stops, receptions, algorithm="ml-tm").summary
 
 
 def as_pandas(columns: dict[str, Any]) -> Any:
@@ -122,8 +122,8 @@ FORMS = [as_pandas, as_polars, as_pyarrow, as_duckdb, as_numpy, as_structured, a
 @pytest.mark.parametrize("form", FORMS)
 def test_each_kind_of_table_gives_the_same_map(folder: Path, form: Callable[[dict[str, Any]], Any]) -> None:
     stops, receptions = of_folder(folder, "stops"), of_folder(folder, "receptions")
-    expected = sextant.map_log(stops, receptions).places
-    made = sextant.map_log(form(stops), form(receptions))
+    expected = sextant.map_log(stops, receptions, algorithm="ml-tm").places
+    made = sextant.map_log(form(stops), form(receptions), algorithm="ml-tm")
     places = made.places
     kind = type(form(stops))
     if form in (as_pandas, as_polars, as_pyarrow, as_numpy, as_table):
@@ -136,9 +136,9 @@ def test_a_pandas_frame_needs_no_pyarrow(folder: Path, monkeypatch: pytest.Monke
     import sys
 
     stops, receptions = as_pandas(of_folder(folder, "stops")), as_pandas(of_folder(folder, "receptions"))
-    expected = sextant.map_log(stops, receptions).places
+    expected = sextant.map_log(stops, receptions, algorithm="ml-tm").places
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    assert sextant.map_log(stops, receptions).places.equals(expected)
+    assert sextant.map_log(stops, receptions, algorithm="ml-tm").places.equals(expected)
 
 
 def test_a_run_can_be_mapped_from_its_tables(surveyed: sextant.Run) -> None:
@@ -150,10 +150,10 @@ def test_a_run_can_be_mapped_from_its_tables(surveyed: sextant.Run) -> None:
 def test_categories_and_gaps_are_read(folder: Path) -> None:
     pandas = pytest.importorskip("pandas")
     stops, receptions = as_pandas(of_folder(folder, "stops")), as_pandas(of_folder(folder, "receptions"))
-    expected = sextant.map_log(stops, receptions).places
+    expected = sextant.map_log(stops, receptions, algorithm="ml-tm").places
     receptions["node"] = pandas.Categorical(receptions["node"])
     receptions["received"] = receptions["received"].astype("float64")
-    assert sextant.map_log(stops, receptions).places.equals(expected)
+    assert sextant.map_log(stops, receptions, algorithm="ml-tm").places.equals(expected)
 
 
 def test_a_path_and_packets_are_a_log() -> None:
@@ -185,6 +185,15 @@ def test_errors_name_table_row_and_column() -> None:
     with pytest.raises(sextant.LogError) as caught:
         sextant.Log({"stop": [1], "x_m": [0.0], "y_m": [0.0]}, {"node": ["a"], "stop": [9], "received": [1]})
     assert (caught.value.file, caught.value.row, caught.value.column) == ("receptions", 0, "stop")
+
+
+def test_an_error_of_a_whole_log_has_no_row(tmp_path: Path) -> None:
+    (tmp_path / "broken.mcap").write_bytes(b"not a recording")
+    with pytest.raises(sextant.LogError) as caught:
+        sextant.read(tmp_path / "broken.mcap")
+    error = caught.value
+    assert (error.row, error.line, error.column) == (None, None, None)
+    assert "broken.mcap" in str(error)
 
 
 def test_errors_name_file_and_line(tmp_path: Path) -> None:

@@ -119,7 +119,8 @@ def example(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
         monkeypatch.setitem(sys.modules, name, module)
     monkeypatch.syspath_prepend(str(EXAMPLES))
     monkeypatch.delitem(sys.modules, "ros2_mapper", raising=False)
-    monkeypatch.setattr(Node, "parameters", {})
+    # An algorithm that takes little time.
+    monkeypatch.setattr(Node, "parameters", {"algorithm": "ml-tm"})
     return importlib.import_module("ros2_mapper")
 
 
@@ -148,7 +149,7 @@ def drive(mapper: Any) -> None:
 
 @pytest.mark.parametrize("kind", ["pose", "odometry"])
 def test_the_map_is_published_in_the_frame_of_the_poses(example: ModuleType, kind: str) -> None:
-    Node.parameters = {"pose_type": kind, "pose_topic": "/where", "period_s": 5.0}
+    Node.parameters = Node.parameters | {"pose_type": kind, "pose_topic": "/where", "period_s": 5.0}
     mapper = example.Ros2Mapper()
     assert mapper.subscribed["/where"][0] is {"pose": PoseStamped, "odometry": Odometry}[kind]
     assert mapper.period_s == 5.0
@@ -179,6 +180,22 @@ def test_covariances_and_ellipses_say_the_same(example: ModuleType) -> None:
     assert area == pytest.approx(5.991464547107979 * math.sqrt(entries[0] * entries[7] - entries[1] ** 2))
 
 
+def test_the_ellipse_of_a_known_covariance_has_its_axes_and_direction(example: ModuleType) -> None:
+    mapper = example.Ros2Mapper()
+    # Standard deviations of 3 m at 45 degrees, and of 1 m across.
+    place = example.Place("n", 2.0, 7.0, 0.0, 5.0, 4.0, 5.0)
+    sphere, region = mapper._marker_array([place]).markers
+    assert (sphere.type, region.type) == (Marker.SPHERE, Marker.CYLINDER)
+    axis = 2.0 * math.sqrt(5.991464547107979)
+    assert (region.scale.x, region.scale.y) == pytest.approx((3.0 * axis, 1.0 * axis))
+    turn = region.pose.orientation
+    assert 2.0 * math.atan2(turn.z, turn.w) == pytest.approx(math.pi / 4.0)
+    message = mapper._pose_with_covariance(place)
+    at = {index: entry for index, entry in enumerate(message.pose.covariance) if entry != 0.0}
+    unknown = {14: 1e6, 21: 1e6, 28: 1e6, 35: 1e6}
+    assert at == {0: 5.0, 1: 4.0, 6: 4.0, 7: 5.0, **unknown}
+
+
 def test_the_goal_is_where_the_robot_was_not(example: ModuleType) -> None:
     mapper = example.Ros2Mapper()
     drive(mapper)
@@ -188,14 +205,37 @@ def test_the_goal_is_where_the_robot_was_not(example: ModuleType) -> None:
     assert all(one.header.frame_id == "odom" and one.pose.orientation.w == 1.0 for one in goals)
 
 
-@pytest.mark.parametrize("data", ["no JSON", '{"node": "n1"}', "[]", '{"node": "n1", "rssi_dbm": "loud"}'])
+@pytest.mark.parametrize("data", [
+    "no JSON", '{"node": "n1"}', "[]", '{"node": "n1", "rssi_dbm": "loud"}',
+    '{"node": "n1", "rssi_dbm": NaN}', '{"node": "n1", "rssi_dbm": 1e999}'])
 def test_a_bad_packet_is_left_out_with_a_warning(example: ModuleType, data: str) -> None:
     mapper = example.Ros2Mapper()
     mapper.on_packet(String(data))
     assert len(mapper.warnings) == 1 and repr(data) in mapper.warnings[0]
 
 
+def test_a_late_pose_and_a_pose_in_another_frame_are_left_out_with_a_warning(example: ModuleType) -> None:
+    Node.parameters = Node.parameters | {"frame_id": "map"}
+    mapper = example.Ros2Mapper()
+    message = PoseStamped()
+    message.header.frame_id = "odom"
+    mapper.on_pose(message)
+    assert "'odom'" in mapper.warnings[-1] and "'map'" in mapper.warnings[-1]
+    message.header.frame_id = "map"
+    mapper.on_pose(message)
+    assert len(mapper.warnings) == 1
+    mapper.on_pose(message)
+    assert "not later than the last" in mapper.warnings[-1]
+
+
+def test_too_little_gives_no_map_and_says_why(example: ModuleType) -> None:
+    mapper = example.Ros2Mapper()
+    mapper.on_timer()
+    assert mapper.warnings == ["no map yet: poses: 0; at least 2 are needed"]
+    assert mapper.published["map_of_nodes"] == []
+
+
 def test_an_unknown_pose_type_is_refused(example: ModuleType) -> None:
-    Node.parameters = {"pose_type": "twist"}
+    Node.parameters = Node.parameters | {"pose_type": "twist"}
     with pytest.raises(ValueError, match="'twist'; allowed: pose, odometry"):
         example.Ros2Mapper()

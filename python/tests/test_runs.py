@@ -127,6 +127,7 @@ def test_runs_and_maps_show_themselves(surveyed: sextant.Run) -> None:
     assert "<svg" in made._repr_html_() and "<svg" in surveyed._repr_html_()
     assert "<table>" in surveyed.stops._repr_html_()
     assert {"network", "map-ml-tm", "error-cdf"} <= set(made.figures)
+    assert made.figures["map-ml-tm"]._repr_svg_() == svg
 
 
 def test_a_map_is_drawn_with_matplotlib(surveyed: sextant.Run, tmp_path: Path) -> None:
