@@ -23,14 +23,14 @@ def plot(made: Map, ax: Any, *, truth: bool, regions: bool, labels: bool) -> Any
     ax.plot(stops["x_m"], stops["y_m"], ".", color="0.75", markersize=3, label="stops", zorder=1)
     known = native.truth if truth else None
     if known is not None:
-        ax.plot(known["x_m"], known["y_m"], "o", mfc="none", color="tab:green", label="true places", zorder=2)
+        ax.plot(known["x_m"], known["y_m"], "x", color="black", markersize=5, label="true places", zorder=2)
         at = {node: (x, y) for node, x, y in zip(known["node"], known["x_m"], known["y_m"], strict=True)}
         for node, x, y in zip(places["node"], places["x_m"], places["y_m"], strict=True):
             if node in at:
                 ax.plot([x, at[node][0]], [y, at[node][1]], "-", color="tab:red", linewidth=0.7, zorder=2)
     if regions and "cov_xx_m2" in places:
         _regions(places, ax)
-    ax.plot(places["x_m"], places["y_m"], "x", color="tab:blue", label=made.name, zorder=3)
+    ax.plot(places["x_m"], places["y_m"], "o", color="tab:blue", markersize=4, label=made.name, zorder=3)
     if labels:
         for node, x, y in zip(places["node"], places["x_m"], places["y_m"], strict=True):
             ax.annotate(node, (x, y), xytext=(3, 3), textcoords="offset points", fontsize=7)
