@@ -40,6 +40,7 @@ from ._native import (
     Table,
     TimerKey,
     __version__,
+    table,
 )
 from ._scenario import Run, Scenario
 from ._sweep import sweep
@@ -74,4 +75,5 @@ __all__ = [
     "map_log",
     "read",
     "sweep",
+    "table",
 ]

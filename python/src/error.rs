@@ -105,8 +105,12 @@ impl IntoException for ScenarioErrors {
 /// The error with its place and its advice, in one line.
 fn told(error: &OneError) -> String {
     let place = error.place().map_or_else(String::new, |place| format!("{place}: "));
-    let advice = error.advice().map_or_else(String::new, |advice| format!("; {advice}"));
-    format!("{place}{error}{advice}")
+    format!("{place}{}", advised(error, error.advice()))
+}
+
+/// An error with its advice, in one line.
+fn advised(error: &impl Display, advice: Option<&str>) -> String {
+    advice.map_or_else(|| error.to_string(), |advice| format!("{error}; {advice}"))
 }
 
 fn of_one(py: Python<'_>, error: &OneError) -> PyErr {
@@ -171,10 +175,7 @@ impl IntoException for LibraryRunError {
     fn into_exception(self, _py: Python<'_>) -> PyErr {
         match self {
             Self::Interrupted(_) => PyKeyboardInterrupt::new_err(()),
-            error => {
-                let advice = error.advice().map_or_else(String::new, |advice| format!("; {advice}"));
-                RunError::new_err(format!("{error}{advice}"))
-            }
+            error => RunError::new_err(advised(&error, error.advice())),
         }
     }
 }
@@ -183,10 +184,7 @@ impl IntoException for SweepError {
     fn into_exception(self, _py: Python<'_>) -> PyErr {
         match self {
             Self::Interrupted(_) => PyKeyboardInterrupt::new_err(()),
-            error => {
-                let advice = error.advice().map_or_else(String::new, |advice| format!("; {advice}"));
-                RunError::new_err(format!("{error}{advice}"))
-            }
+            error => RunError::new_err(advised(&error, error.advice())),
         }
     }
 }
@@ -208,8 +206,7 @@ impl IntoException for ExportError {
 
 impl IntoException for OutputRefusal {
     fn into_exception(self, _py: Python<'_>) -> PyErr {
-        let advice = self.advice().map_or_else(String::new, |advice| format!("; {advice}"));
-        PyOSError::new_err(format!("{self}{advice}"))
+        PyOSError::new_err(advised(&self, self.advice()))
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod command;
 mod error;
+mod given;
 mod log;
 mod map;
 mod names;
@@ -34,6 +35,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<log::Log>()?;
     module.add_class::<map::Map>()?;
     programs::add(module)?;
+    module.add_function(wrap_pyfunction!(given::table, module)?)?;
     module.add_function(wrap_pyfunction!(log::read, module)?)?;
     module.add_function(wrap_pyfunction!(log::log_of_tables, module)?)?;
     module.add_function(wrap_pyfunction!(map::algorithms, module)?)?;

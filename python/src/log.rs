@@ -16,10 +16,11 @@ use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
 
 use crate::error::OrException;
+use crate::given::batch_of;
 use crate::map::{Map, Origin};
 use crate::options::read_options;
 use crate::run::tables_of;
-use crate::table::{Columns, Table, batch_of};
+use crate::table::{Columns, Table};
 use crate::table_log::{self, Given};
 use crate::values::toml;
 use crate::work::supervised;

@@ -22,7 +22,7 @@ use crate::work::supervised;
 pub(crate) struct Scenario(pub(crate) sextant::Scenario);
 
 /// Settings of Python as those of the library: each `key=value`, and the seed.
-fn settings(settings: &Bound<'_, PyDict>) -> PyResult<(Vec<String>, Option<u64>)> {
+pub(crate) fn settings(settings: &Bound<'_, PyDict>) -> PyResult<(Vec<String>, Option<u64>)> {
     let (mut set, mut seed) = (Vec::new(), None);
     for (key, value) in settings {
         let key: String = key.extract()?;

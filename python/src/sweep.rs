@@ -10,6 +10,7 @@ use sextant::recording::admission::{OutputKind, Outputs, Replace};
 use sextant::sweep::{self as sweeps, Kind, Shard, Sweep, TableError};
 
 use crate::error::{OrException, RunError};
+use crate::scenario::settings as settings_of;
 use crate::table::{Columns, Table};
 use crate::values::toml;
 use crate::work::supervised;
@@ -30,16 +31,7 @@ pub(crate) fn sweep(
     progress: Option<Py<PyAny>>,
     threads: Option<usize>,
 ) -> PyResult<Table> {
-    let mut seed = None;
-    let mut set = Vec::new();
-    for (key, value) in settings {
-        let key: String = key.extract()?;
-        if key == "seed" {
-            seed = Some(value.extract()?);
-        } else {
-            set.push(format!("{key}={}", toml(&value)?));
-        }
-    }
+    let (mut set, seed) = settings_of(settings)?;
     for (key, values) in axes {
         set.push(format!("sweep.product.{}={}", serde_json::Value::from(key.extract::<String>()?), toml(&values)?));
     }

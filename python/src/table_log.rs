@@ -14,7 +14,7 @@ use sextant::logs::{
     read_truth_table,
 };
 
-use crate::table::{coded, numbers_of, whole_of};
+use crate::given::{coded, numbers_of, whole_of};
 
 /// The tables of a log.
 pub(crate) struct Given {

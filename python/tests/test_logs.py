@@ -69,7 +69,7 @@ def test_a_log_in_memory_gives_the_map_of_the_command_line_to_the_last_bit(
     expected = places_by_command(command, folder, "--algorithm", algorithm)
     stops, receptions = of_folder(folder, "stops"), of_folder(folder, "receptions")
     made = sextant.map_log(stops, receptions, algorithm=algorithm)
-    table = sextant.Table.of_dict(made.places)
+    table = sextant.table(made.places)
     assert texts(table) == expected
     assert texts(sextant.read(folder).map(algorithm).places) == expected
 
@@ -113,7 +113,7 @@ def as_structured(columns: dict[str, Any]) -> Any:
 
 
 def as_table(columns: dict[str, Any]) -> Any:
-    return sextant.Table.of_dict(columns)
+    return sextant.table(columns)
 
 
 FORMS = [as_pandas, as_polars, as_pyarrow, as_duckdb, as_numpy, as_structured, as_table]
