@@ -173,6 +173,14 @@ mod tests {
     }
 
     #[test]
+    fn places_that_have_nothing_to_do_with_each_other_have_no_similarity() {
+        let on_x = [-1.0, 1.0, 0.0].map(|x_m| Position::new(x_m, 0.0, 0.0));
+        let on_y = [1.0, 1.0, -2.0].map(|y_m| Position::new(0.0, y_m, 0.0));
+        let pairs: Vec<_> = on_x.into_iter().zip(on_y).collect();
+        assert_eq!(Similarity::fit(&pairs, Reflection::Allowed), Err(AlignmentError::Coincide("mapped")));
+    }
+
+    #[test]
     fn noise_is_fitted_better_than_by_any_similarity_nearby() {
         let noisy = |i: u64, p: Position| {
             let draw = |axis| Seed(4).normal(Purpose::new(8), [i, axis, 7]);

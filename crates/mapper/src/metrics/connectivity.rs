@@ -249,6 +249,23 @@ mod tests {
     }
 
     #[test]
+    fn a_large_network_is_counted_part_by_part_and_nodes_without_neighbours_apart() {
+        let side = 40;
+        let mut truth = square(side, 1);
+        assert!(truth.len() > NODES_AT_A_TIME);
+        let lonely = [0, 5, 9].map(|i| Position::new(1000.0 * f64::from(i + 1), 0.0, 0.0));
+        truth.extend(lonely);
+        let error =
+            connectivity_error(&truth, &images(&truth, |p| p), 1.0 + 1e-9, NeighbourhoodRule::EndPoints, &Unwatched)
+                .unwrap();
+        let pairs = 2 * 2 * side as usize * (side as usize - 1);
+        assert_eq!((error.physical, error.lost, error.gained, error.isolated), (pairs, 0, 0, lonely.len()));
+        assert_eq!(error.per_node.len(), truth.len());
+        let (lattice, apart) = error.per_node.split_at(truth.len() - lonely.len());
+        assert!(lattice.iter().all(|share| *share == Some(0.0)) && apart.iter().all(Option::is_none));
+    }
+
+    #[test]
     fn stretching_shearing_and_mirroring_the_map_changes_nothing() {
         let sheared = |p: Position| Position::new(3.0 - 0.5 * p.x_m + 0.2 * p.y_m, 4.0 * p.y_m, p.z_m);
         let turned = |p: Position| Position::new(0.5 * p.z_m, 2.0 * p.x_m, -3.0 * p.y_m + 0.4 * p.z_m);
