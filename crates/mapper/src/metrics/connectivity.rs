@@ -253,12 +253,11 @@ mod tests {
         let side = 40;
         let mut truth = square(side, 1);
         assert!(truth.len() > NODES_AT_A_TIME);
-        let lonely = [0, 5, 9].map(|i| Position::new(1000.0 * f64::from(i + 1), 0.0, 0.0));
+        let lonely = [0, 5, 9].map(|i| Position::new(1000.0 * f64::from(i + 1), 40.0 * f64::from(i), 0.0));
         truth.extend(lonely);
         let error =
-            connectivity_error(&truth, &images(&truth, |p| p), 1.0 + 1e-9, NeighbourhoodRule::EndPoints, &Unwatched)
-                .unwrap();
-        let pairs = 2 * 2 * side as usize * (side as usize - 1);
+            connectivity_error(&truth, &images(&truth, |p| p), 1.01, NeighbourhoodRule::Affine, &Unwatched).unwrap();
+        let pairs = 4 * u64::from(side * (side - 1));
         assert_eq!((error.physical, error.lost, error.gained, error.isolated), (pairs, 0, 0, lonely.len()));
         assert_eq!(error.per_node.len(), truth.len());
         let (lattice, apart) = error.per_node.split_at(truth.len() - lonely.len());
