@@ -5,6 +5,7 @@ mod controller;
 mod events;
 mod port;
 mod robot;
+mod seeded;
 
 use std::sync::Arc;
 

@@ -6,15 +6,15 @@ use std::time::Duration;
 
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 use scoped_tls_hkt::scoped_thread_local;
 use sextant::channel::{Position, Reception};
 use sextant::kernel::{EventKey, NodeId, SimTime, StationId};
 use sextant::scenario::Scenario;
-use sextant::sim::{self, Destination, Driving, NetworkId, Payload, SweepKind, Timer, program_seed};
+use sextant::sim::{self, Destination, Driving, NetworkId, Payload, SweepKind, Timer};
 
 use super::events::{DriveEnd, Pose, checked_place};
-use super::robot::{checked_arc, direction, generator};
+use super::robot::{checked_arc, direction};
+use super::seeded::Seeded;
 use crate::error::RunError;
 use crate::names::Names;
 
@@ -47,9 +47,8 @@ pub(crate) struct Port {
     is_robot: bool,
     kind: &'static str,
     networks: u8,
-    seed: u128,
     names: Arc<Names>,
-    random: PyOnceLock<Py<PyAny>>,
+    seeded: Seeded,
 }
 
 /// A timer that was set.
@@ -69,9 +68,8 @@ impl Port {
             is_robot: kind == "robot",
             kind,
             networks: u8::try_from(scenario.networks().len()).unwrap_or(u8::MAX),
-            seed: program_seed(scenario.seed(), station),
             names,
-            random: PyOnceLock::new(),
+            seeded: Seeded::new(scenario, station),
         }
     }
 
@@ -173,12 +171,12 @@ impl Port {
 
     #[getter]
     fn seed(&self) -> u128 {
-        self.seed
+        self.seeded.seed()
     }
 
     #[getter]
     fn random(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        Ok(self.random.get_or_try_init(py, || generator(py, self.seed))?.clone_ref(py))
+        self.seeded.generator(py)
     }
 
     fn uniform(&self, number: u64) -> PyResult<f64> {

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 use scoped_tls_hkt::scoped_thread_local;
 use sextant::channel::Position;
 use sextant::scenario::Scenario;
-use sextant::sim::{CommandOutcome, Ending, RobotCommand, Situation, program_seed};
+use sextant::sim::{CommandOutcome, Ending, RobotCommand, Situation};
 
 use super::events::{Pose, checked_place};
+use super::seeded::Seeded;
 use crate::names::Names;
 
 scoped_thread_local!(static SITUATION: for<'a> &'a Situation<'a>);
@@ -34,22 +34,15 @@ fn known<T>(ask: impl FnOnce(&Situation<'_>) -> T) -> PyResult<T> {
 #[pyclass(frozen, module = "sextant")]
 pub(crate) struct Robot {
     name: String,
-    seed: u128,
     names: Arc<Names>,
-    random: PyOnceLock<Py<PyAny>>,
+    seeded: Seeded,
 }
 
 impl Robot {
     pub(super) fn new(name: &str, scenario: &Scenario, names: Arc<Names>) -> Self {
         let station = names.station(name).unwrap_or_default();
-        let seed = program_seed(scenario.seed(), station);
-        Self { name: name.to_owned(), seed, names, random: PyOnceLock::new() }
+        Self { name: name.to_owned(), names, seeded: Seeded::new(scenario, station) }
     }
-}
-
-/// A generator of Python with this seed.
-pub(super) fn generator(py: Python<'_>, seed: u128) -> PyResult<Py<PyAny>> {
-    Ok(py.import("random")?.call_method1("Random", (seed,))?.unbind())
 }
 
 /// What was heard of a node at the last stop.
@@ -154,12 +147,12 @@ impl Robot {
 
     #[getter]
     fn seed(&self) -> u128 {
-        self.seed
+        self.seeded.seed()
     }
 
     #[getter]
     fn random(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        Ok(self.random.get_or_try_init(py, || generator(py, self.seed))?.clone_ref(py))
+        self.seeded.generator(py)
     }
 
     #[pyo3(signature = (direction_rad, range_m=10.0))]
