@@ -10,7 +10,7 @@ from . import _native
 from ._frames import Like
 from ._map import Map
 from ._native import Table
-from ._progress import Progress, progress_of
+from ._progress import Progress, shown
 
 
 class Log:
@@ -165,12 +165,8 @@ class Log:
             "near_stops": near_stops,
             "threads": threads,
         }
-        told = progress_of(progress)
-        try:
+        with shown(progress) as told:
             made = self._native.map(how, dict(settings or {}), truth, told)
-        finally:
-            if told is not None:
-                told.close()
         return [Map(native, self._like) for native in made]
 
     def __repr__(self) -> str:

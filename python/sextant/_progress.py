@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 Progress = Callable[[str, int, int], object]
 
@@ -38,8 +39,14 @@ class _Line:
             sys.stderr.flush()
 
 
-def progress_of(progress: bool | Progress) -> _Line | None:
-    """What is told of the progress, if anything is."""
+@contextmanager
+def shown(progress: bool | Progress) -> Iterator[_Line | None]:
+    """What is told of the progress, if anything is; the line is cleared at the end."""
     if progress is False:
-        return None
-    return _Line(None if progress is True else progress)
+        yield None
+        return
+    line = _Line(None if progress is True else progress)
+    try:
+        yield line
+    finally:
+        line.close()

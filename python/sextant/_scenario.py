@@ -11,7 +11,7 @@ from ._application import Application
 from ._controller import Controller
 from ._map import Map
 from ._native import Table
-from ._progress import Progress, progress_of
+from ._progress import Progress, shown
 
 Path = str | os.PathLike[str]
 
@@ -181,8 +181,7 @@ class Scenario:
         if callable(applications):
             made = {name: applications(name) for name in native.node_names}
             applications = {name: program for name, program in made.items() if program is not None}
-        told = progress_of(progress)
-        try:
+        with shown(progress) as told:
             run = native.run(
                 None if record is None else os.fspath(record),
                 told,
@@ -191,9 +190,6 @@ class Scenario:
                 threads,
                 force,
             )
-        finally:
-            if told is not None:
-                told.close()
         return Run(run)
 
     def __repr__(self) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from . import _native
 from ._native import Table
-from ._progress import Progress, progress_of
+from ._progress import Progress, shown
 
 
 def sweep(
@@ -52,8 +52,7 @@ def sweep(
         One row for each cell, run and map: ``cell``, ``replicate``, ``seed``, the settings that vary, ``map``, ``error`` (why a run
         failed), and all results.
     """
-    told = progress_of(progress)
-    try:
+    with shown(progress) as told:
         return _native.sweep(
             os.fspath(scenario),
             settings,
@@ -65,6 +64,3 @@ def sweep(
             told,
             threads,
         )
-    finally:
-        if told is not None:
-            told.close()
