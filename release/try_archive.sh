@@ -19,7 +19,7 @@ bash -n completions/sextant.bash
 # Each command has its page, and the formatter of pages has nothing to say about them.
 [ "$(find man -name 'sextant-*.1' | wc -l)" -ge 10 ]
 if command -v groff >/dev/null; then
-    [ -z "$(groff -man -Tutf8 -ww -z man/man1/*.1 2>&1 | tee /dev/stderr)" ]
+    [ -z "$(groff -man -Tutf8 -ww -z man/man1/*.1 2>&1 | tee -a /dev/stderr)" ]
 fi
 
 # The README runs the program by cargo, or by its name.
