@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sextant::channel::{Position, Reception, ReceptionLog};
+use sextant::channel::{Reception, ReceptionLog};
 use sextant::kernel::SimTime;
 use sextant::logs::doctor::Finding;
 use sextant::logs::{self, ReadOptions, RobotLog, Source};
@@ -22,23 +22,17 @@ use crate::options::read_options;
 use crate::run::tables_of;
 use crate::table::{Columns, Table};
 use crate::table_log::{self, Given};
-use crate::values::toml;
+use crate::values::setting;
 use crate::work::supervised;
 
 /// A log of receptions, with what is known with it.
 #[pyclass(frozen, module = "sextant._native")]
 pub(crate) struct Log {
     origin: Arc<Origin>,
-    found: Found,
+    /// What was seen on reading it to be odd.
+    seen: Vec<Finding>,
+    /// All that is odd in it, once it was looked for.
     findings: OnceLock<Vec<String>>,
-}
-
-/// What is known of what is odd in a log.
-enum Found {
-    /// Everything; nothing of a recording.
-    All(Vec<String>),
-    /// What was seen on reading it.
-    OnReading(Vec<Finding>),
 }
 
 /// How a log is mapped, as Python says it.
@@ -54,8 +48,9 @@ struct Mapping {
 }
 
 impl Log {
-    fn new(title: String, input: Input, found: Found) -> Self {
-        Self { origin: Arc::new(Origin { title, input }), found, findings: OnceLock::new() }
+    /// A log of which all is known that is odd in it.
+    fn examined(title: String, input: Input, findings: Vec<String>) -> Self {
+        Self { origin: Arc::new(Origin { title, input }), seen: Vec::new(), findings: findings.into() }
     }
 }
 
@@ -83,14 +78,10 @@ impl Log {
 
     #[getter]
     fn findings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        let first = match &self.found {
-            Found::All(all) => return Ok(all.clone()),
-            Found::OnReading(first) => first,
-        };
         if self.findings.get().is_none() {
             let input = &self.origin.input;
             let (log, plane) = (input.log().clone(), input.plane);
-            let read = RobotLog { log, plane, notes: Vec::new(), findings: first.clone(), clock: None };
+            let read = RobotLog { log, plane, notes: Vec::new(), findings: self.seen.clone(), clock: None };
             let examined = supervised(py, None, None, |_| logs::examine(read))?;
             // Another thread may have been faster, with the same result.
             let _ = self.findings.set(examined.findings.iter().map(ToString::to_string).collect());
@@ -120,7 +111,7 @@ impl Log {
         truth: Option<&Bound<'_, PyAny>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Vec<Map>> {
-        let set = set.iter().map(|(key, value)| Ok(format!("{}={}", key.extract::<String>()?, toml(&value)?)));
+        let set = set.iter().map(|(key, value)| setting(key.extract()?, &value));
         let set: Vec<String> = set.collect::<PyResult<_>>()?;
         let algorithm = mapping.algorithm.as_deref().map(str::parse::<AlgorithmName>).transpose();
         let algorithm = algorithm.map_err(|why| PyValueError::new_err(why.to_string()))?;
@@ -181,12 +172,12 @@ pub(crate) fn read(
         if Source::of(&path).is_some() {
             let mut read = logs::read(&path, &options)?;
             let found = std::mem::take(&mut read.findings).iter().map(ToString::to_string).collect();
-            return Ok((Input::of_log(read), Found::All(found)));
+            return Ok((Input::of_log(read), found));
         }
-        Ok((Input::read(&path, network.as_deref(), &options)?, Found::All(Vec::new())))
+        Ok((Input::read(&path, network.as_deref(), &options)?, Vec::new()))
     })?;
-    let (input, found) = read.or_exception(py)?;
-    Ok(Log::new(title, input, found))
+    let (input, findings) = read.or_exception(py)?;
+    Ok(Log::examined(title, input, findings))
 }
 
 /// A log of tables in memory.
@@ -203,20 +194,18 @@ pub(crate) fn log_of_tables(
     let given = Given { places: batch_of(places)?, heard: batch_of(heard)?, contacts };
     let read = supervised(py, None, None, |_| table_log::read(&given, &options))?;
     let mut read = read.or_exception(py)?;
-    let found = Found::OnReading(std::mem::take(&mut read.findings));
-    Ok(Log::new("log".to_owned(), Input::of_log(read), found))
+    let seen = std::mem::take(&mut read.findings);
+    let origin = Arc::new(Origin { title: "log".to_owned(), input: Input::of_log(read) });
+    Ok(Log { origin, seen, findings: OnceLock::new() })
 }
 
 /// The stops of a log, as the columns of stops.csv.
 pub(crate) fn stops_of(log: &ReceptionLog) -> PyResult<Table> {
     let stops = log.stops();
-    let of = |coordinate: fn(Position) -> f64| stops.iter().map(move |stop| coordinate(stop.position));
     Columns::default()
         .whole("stop", 0..i64::try_from(stops.len()).map_err(|why| PyTypeError::new_err(why.to_string()))?)
         .numbers("t_s", stops.iter().map(|stop| seconds(stop.time)))
-        .numbers("x_m", of(|place| place.x_m))
-        .numbers("y_m", of(|place| place.y_m))
-        .numbers("z_m", of(|place| place.z_m))
+        .places(stops.iter().map(|stop| stop.position))
         .when(!log.robots().is_empty(), |columns| {
             columns.texts("robot", stops.iter().map(|stop| log.robot_name(stop.robot).into_owned()))
         })

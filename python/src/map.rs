@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use sextant::Scenario;
 use sextant::channel::Position;
@@ -15,7 +14,7 @@ use sextant::summary::MapSummary;
 
 use crate::picture::{self, Drawn};
 use crate::table::{Columns, Table};
-use crate::values::of_json;
+use crate::values::of_serialized;
 
 /// The log that maps are of, and its title in pictures.
 pub(crate) struct Origin {
@@ -55,11 +54,6 @@ impl Map {
         Self { origin, name: named.name.clone(), job: Some(named.clone()), map, learned, summary, notes }
     }
 
-    /// The map as a name for errors.
-    pub(crate) fn name(&self) -> &str {
-        &self.name
-    }
-
     fn computed(&self) -> Option<ComputedMap<'_>> {
         let named = self.job.as_ref()?;
         Some(ComputedMap { named, map: self.map.clone(), learned: self.learned.clone() })
@@ -74,8 +68,8 @@ impl Map {
 
 #[pymethods]
 impl Map {
-    #[getter(name)]
-    fn name_of_map(&self) -> &str {
+    #[getter]
+    pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
@@ -91,21 +85,17 @@ impl Map {
 
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let summary = serde_json::to_value(&self.summary).map_err(|why| PyValueError::new_err(why.to_string()))?;
-        of_json(py, &summary)
+        of_serialized(py, &self.summary)
     }
 
     /// The places, as the columns of the file of a map.
     #[getter]
     fn places(&self) -> PyResult<Table> {
-        let of = |coordinate: fn(Position) -> f64| self.placed().map(move |(_, place)| coordinate(place.position));
         let has_covariance = self.placed().any(|(_, place)| place.covariance.is_some());
         let plane = self.origin.input.plane.filter(|_| !matches!(self.map.frame, CoordinateFrame::Relative(_)));
         let mut columns = Columns::default()
             .texts("node", self.placed().map(|(name, _)| name))
-            .numbers("x_m", of(|place| place.x_m))
-            .numbers("y_m", of(|place| place.y_m))
-            .numbers("z_m", of(|place| place.z_m))
+            .places(self.placed().map(|(_, place)| place.position))
             .whole("ties", self.placed().map(|(_, place)| i64::from(place.ties)))
             .flags("infeasible", self.placed().map(|(_, place)| place.infeasible))
             .optional_texts(
@@ -135,12 +125,9 @@ impl Map {
         let names = self.origin.input.log().names();
         let known: Vec<(&String, Position)> =
             names.iter().filter_map(|name| Some((name, *truth.get(name)?))).collect();
-        let of = |coordinate: fn(Position) -> f64| known.iter().map(move |(_, place)| coordinate(*place));
         let table = Columns::default()
             .texts("node", known.iter().map(|(name, _)| name))
-            .numbers("x_m", of(|place| place.x_m))
-            .numbers("y_m", of(|place| place.y_m))
-            .numbers("z_m", of(|place| place.z_m))
+            .places(known.iter().map(|(_, place)| *place))
             .table()?;
         Ok(Some(table))
     }

@@ -5,6 +5,14 @@ use std::collections::BTreeMap;
 use sextant::Scenario;
 use sextant::kernel::StationId;
 
+/// What a station is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Node,
+    Robot,
+    Sink,
+}
+
 /// The stations of the survey of a scenario: nodes, then robots, then sinks.
 #[derive(Debug, Default)]
 pub(crate) struct Names {
@@ -37,6 +45,15 @@ impl Names {
     /// The station with this name.
     pub(crate) fn station(&self, name: &str) -> Option<StationId> {
         self.ids.get(name).copied()
+    }
+
+    /// What a station is.
+    pub(crate) fn kind(&self, station: StationId) -> Kind {
+        match station.index() {
+            index if index < self.robots => Kind::Node,
+            index if index < self.sinks => Kind::Robot,
+            _ => Kind::Sink,
+        }
     }
 
     pub(crate) fn nodes(&self) -> &[String] {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use sextant::channel::{Position, ReceptionLog};
+use sextant::channel::ReceptionLog;
 use sextant::kernel::NodeId;
 use sextant::mapping::Input;
 use sextant::recording::read_tables;
@@ -20,7 +20,7 @@ use crate::map::{Map, Origin};
 use crate::programs::Given;
 use crate::scenario::Scenario;
 use crate::table::{Columns, Table};
-use crate::values::of_json;
+use crate::values::of_serialized;
 use crate::work::Supervisor;
 
 /// A run that is over.
@@ -130,8 +130,7 @@ impl Run {
 
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let summary = serde_json::to_value(self.run.summary());
-        of_json(py, &summary.map_err(|why| PyValueError::new_err(why.to_string()))?)
+        of_serialized(py, self.run.summary())
     }
 
     #[getter]
@@ -147,12 +146,9 @@ impl Run {
     #[getter]
     fn nodes(&self) -> PyResult<Table> {
         let nodes = &self.scenario.0.world().nodes;
-        let places = |of: fn(Position) -> f64| nodes.iter().map(move |node| of(node.position));
         Columns::default()
             .texts("node", nodes.iter().map(|node| &node.name))
-            .numbers("x_m", places(|place| place.x_m))
-            .numbers("y_m", places(|place| place.y_m))
-            .numbers("z_m", places(|place| place.z_m))
+            .places(nodes.iter().map(|node| node.position))
             .table()
     }
 

@@ -13,7 +13,7 @@ use sextant::template::Template;
 use crate::error::OrException;
 use crate::programs::Given;
 use crate::run::{Run, simulate};
-use crate::values::{document, toml};
+use crate::values::{document, setting};
 use crate::work::supervised;
 
 /// A scenario, checked.
@@ -29,7 +29,7 @@ pub(crate) fn settings(settings: &Bound<'_, PyDict>) -> PyResult<(Vec<String>, O
         if key == "seed" {
             seed = Some(value.extract()?);
         } else {
-            set.push(format!("{key}={}", toml(&value)?));
+            set.push(setting(key, &value)?);
         }
     }
     Ok((set, seed))

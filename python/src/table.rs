@@ -14,6 +14,7 @@ use numpy::ToPyArray;
 use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList};
+use sextant::channel::Position;
 
 /// Rows of a table that `repr` shows.
 const SHOWN: usize = 10;
@@ -50,6 +51,13 @@ impl Columns {
 
     pub(crate) fn numbers(self, name: &str, values: impl IntoIterator<Item = f64>) -> Self {
         self.add(name, Arc::new(Float64Array::from_iter_values(values)))
+    }
+
+    /// Places (m), as three columns.
+    pub(crate) fn places(self, places: impl Iterator<Item = Position> + Clone) -> Self {
+        self.numbers("x_m", places.clone().map(|place| place.x_m))
+            .numbers("y_m", places.clone().map(|place| place.y_m))
+            .numbers("z_m", places.map(|place| place.z_m))
     }
 
     pub(crate) fn optional_numbers(self, name: &str, values: impl IntoIterator<Item = Option<f64>>) -> Self {

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PySequence, PyString};
+use serde::Serialize;
 use serde_json::Value;
 
 /// A value as TOML writes it.
@@ -76,8 +77,19 @@ pub(crate) fn document(mapping: &Bound<'_, PyMapping>) -> PyResult<String> {
     Ok(text)
 }
 
+/// A setting of a scenario, as `key=value` with the value as TOML writes it.
+pub(crate) fn setting(key: String, value: &Bound<'_, PyAny>) -> PyResult<String> {
+    Ok(format!("{key}={}", toml(value)?))
+}
+
+/// A value of the library, as its JSON has it.
+pub(crate) fn of_serialized<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
+    let value = serde_json::to_value(value).map_err(|why| PyValueError::new_err(why.to_string()))?;
+    of_json(py, &value)
+}
+
 /// A value of JSON.
-pub(crate) fn of_json<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+fn of_json<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::Null => py.None().into_bound(py),
         Value::Bool(value) => PyBool::new(py, *value).to_owned().into_any(),

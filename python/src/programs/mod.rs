@@ -16,7 +16,7 @@ use sextant::run::Programs;
 use sextant::scenario::Scenario;
 use sextant::{Run, RunError, RunObserver, run_with};
 
-use crate::names::Names;
+use crate::names::{Kind, Names};
 use crate::work::Supervisor;
 use application::PyApplication;
 use controller::PyController;
@@ -46,14 +46,6 @@ pub(crate) struct Given {
     applications: Vec<(Kind, String, Py<PyAny>)>,
 }
 
-/// What a station is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Node,
-    Robot,
-    Sink,
-}
-
 impl Given {
     pub(crate) fn new(
         scenario: &Scenario,
@@ -67,10 +59,7 @@ impl Given {
         }
         for (station, application) in applications.into_iter().flatten() {
             let station: String = station.extract()?;
-            let kind = [(Kind::Node, names.nodes()), (Kind::Robot, names.robots()), (Kind::Sink, names.sinks())]
-                .into_iter()
-                .find(|(_, names)| names.contains(&station));
-            let Some((kind, _)) = kind else {
+            let Some(id) = names.station(&station) else {
                 let known = |names: &[String]| if names.len() > 4 { &names[..4] } else { names }.join(", ");
                 return Err(PyKeyError::new_err(format!(
                     "there is no station `{station}`; nodes: {} ..; robots: {}; sinks: {}",
@@ -79,7 +68,7 @@ impl Given {
                     known(names.sinks())
                 )));
             };
-            given.applications.push((kind, station, application.unbind()));
+            given.applications.push((names.kind(id), station, application.unbind()));
         }
         given.names = Arc::new(names);
         Ok(given)

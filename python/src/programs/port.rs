@@ -16,7 +16,7 @@ use super::events::{DriveEnd, Pose, checked_place};
 use super::robot::{checked_arc, direction};
 use super::seeded::Seeded;
 use crate::error::RunError;
-use crate::names::Names;
+use crate::names::{Kind, Names};
 
 /// Gives the port of the library to whoever asks.
 trait Lend {
@@ -44,8 +44,7 @@ const LONGEST_S: f64 = 1e9;
 #[pyclass(frozen, module = "sextant")]
 pub(crate) struct Port {
     station: StationId,
-    is_robot: bool,
-    kind: &'static str,
+    kind: Kind,
     networks: u8,
     names: Arc<Names>,
     seeded: Seeded,
@@ -57,16 +56,10 @@ pub(crate) struct TimerKey(EventKey);
 
 impl Port {
     pub(super) fn new(station: &str, scenario: &Scenario, names: Arc<Names>) -> Self {
-        let kind = match station {
-            station if names.nodes().iter().any(|name| name == station) => "node",
-            station if names.robots().iter().any(|name| name == station) => "robot",
-            _ => "sink",
-        };
         let station = names.station(station).unwrap_or_default();
         Self {
             station,
-            is_robot: kind == "robot",
-            kind,
+            kind: names.kind(station),
             networks: u8::try_from(scenario.networks().len()).unwrap_or(u8::MAX),
             names,
             seeded: Seeded::new(scenario, station),
@@ -93,8 +86,8 @@ impl Port {
 
     /// As [`ask`](Self::ask), of a robot.
     fn ask_robot<T>(&self, ask: impl FnOnce(&mut sim::Port<'_>) -> T) -> PyResult<T> {
-        if !self.is_robot {
-            let (name, kind) = (self.names.name(self.station), self.kind);
+        if self.kind != Kind::Robot {
+            let (name, kind) = (self.names.name(self.station), self.kind());
             return Err(PyRuntimeError::new_err(format!("`{name}` is a {kind}; only robots can do this")));
         }
         self.ask(ask)
@@ -146,7 +139,11 @@ impl Port {
 
     #[getter]
     fn kind(&self) -> &'static str {
-        self.kind
+        match self.kind {
+            Kind::Node => "node",
+            Kind::Robot => "robot",
+            Kind::Sink => "sink",
+        }
     }
 
     #[getter]
@@ -313,7 +310,7 @@ impl Port {
         let (since, network) = (SimTime::ZERO + span(since_s)?, self.network(network)?);
         let mut receptions = Vec::new();
         for (name, (received, sent, rssi_dbm)) in heard {
-            let node = self.names.station(&name).filter(|station| station.index() < self.names.nodes().len());
+            let node = self.names.station(&name).filter(|station| self.names.kind(*station) == Kind::Node);
             let node = node.ok_or_else(|| PyKeyError::new_err(format!("there is no node `{name}`")))?;
             if received > sent || rssi_dbm.is_some_and(|rssi_dbm| !rssi_dbm.is_finite()) {
                 let found = format!("{received} of {sent} packets, {rssi_dbm:?} dBm");
@@ -344,6 +341,6 @@ impl Port {
     }
 
     fn __repr__(&self) -> String {
-        format!("sextant.Port({} {:?})", self.kind, self.station())
+        format!("sextant.Port({} {:?})", self.kind(), self.station())
     }
 }
