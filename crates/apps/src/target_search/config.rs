@@ -10,32 +10,68 @@ use sextant_kernel::SettingError;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DetarskConfig {
+    /// The values of the settings that are absent.
+    pub preset: SearchPreset,
     /// A robot that touches a target at this distance between their centres has captured it (m).
     pub capture_m: f64,
     /// How long after the first detection of a target the robots start (s).
     pub start_delay_s: f64,
     /// Time between two polls and two decisions of a robot (s).
     pub step_s: f64,
-    /// Time between two instants at which the place of a target is worked out (s); in the thesis that of a step.
-    pub sample_s: f64,
+    /// Time between two instants at which the place of a target is worked out (s). Presets: `default` 0.25, `thesis` that of
+    /// a step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample_s: Option<f64>,
     /// Nodes within this distance of a robot on the map always answer it, and their powers tell the robot its place (m).
     /// If absent, one and a half times the way of the robot in one step (thesis, neighbourhood V + ε with ε = V/2).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub neighbourhood_m: Option<f64>,
-    /// Which nodes tell a robot what they detected.
-    pub informants: Informants,
-    /// How a robot works out where it is on the map.
-    pub own_place: OwnPlaceRule,
+    /// Which nodes tell a robot what they detected. Presets: `default` all that hear, `thesis` neighbourhood.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub informants: Option<Informants>,
+    /// How a robot works out where it is on the map. Presets: `default` fused, `thesis` received power.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_place: Option<OwnPlaceRule>,
     /// How the detected places of a target are smoothed.
     pub filter: FilterConfig,
-    /// How the place of a target is predicted from the past.
-    pub prediction: PredictionConfig,
-    /// Where a robot drives.
-    pub aim: Aim,
-    /// How it gets there.
-    pub path: PathRule,
+    /// How the place of a target is predicted from the past. Presets: `default` waves, `thesis` integral.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prediction: Option<PredictionConfig>,
+    /// Where a robot drives. Presets: `default` interception, `thesis` pursuit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aim: Option<Aim>,
+    /// How it gets there. Presets: `default` A*, `thesis` greedy.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathRule>,
+    /// Whether it drives on between two decisions as it likes, or in whole steps. Presets: `default` continuous, `thesis`
+    /// discrete.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<SearchMotion>,
     /// Largest speed that a target is believed to have (m/s).
     pub max_target_speed_m_per_s: f64,
+}
+
+/// The values of settings of a search that are absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SearchPreset {
+    /// Those with which robots capture soonest.
+    #[default]
+    Default,
+    /// Those of the thesis, as its text states them.
+    Thesis,
+}
+
+/// How a robot moves between two decisions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SearchMotion {
+    /// Along its way at its speed; it captures a target at any time.
+    #[default]
+    Continuous,
+    /// In whole steps, as long as it can drive between two decisions, to one of the eight places around it; it captures a
+    /// target only at the end of a step (thesis, section 6.1: the search is discrete).
+    Discrete,
 }
 
 /// Which nodes tell a robot what they detected.
@@ -139,32 +175,49 @@ pub enum PathRule {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PGConfig {
+    /// The values of the settings that are absent.
+    pub preset: SearchPreset,
     /// A robot that touches a target at this distance between their centres has captured it (m).
     pub capture_m: f64,
     /// How long after the first detection of a target the robots start (s).
     pub start_delay_s: f64,
     /// Time between two decisions of a robot (s).
     pub step_s: f64,
-    /// Time between two rounds in which the pseudo-gradient is worked out anew (s).
-    pub update_s: f64,
+    /// Time between two rounds in which the pseudo-gradient is worked out anew (s). Presets: `default` 2, `thesis` 1.5: a step,
+    /// and the time in which a round comes to a robot near the target.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub update_s: Option<f64>,
+    /// Whether a robot stands after each step until it has heard a round that began since then. Presets: `default` false,
+    /// `thesis` true (section 6.4.1: the pseudo-gradient is worked out in each step of the robot).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wait_for_round: Option<bool>,
     /// How a robot works out where it is on the map.
     pub own_place: OwnPlaceRule,
+    /// How it gets to a node. Presets: `default` A*, `thesis` greedy.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathRule>,
+    /// Whether it drives on between two decisions as it likes, or in whole steps. Presets: `default` continuous, `thesis`
+    /// discrete.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<SearchMotion>,
 }
 
 impl Default for DetarskConfig {
     fn default() -> Self {
         Self {
+            preset: SearchPreset::default(),
             capture_m: 1.0,
             start_delay_s: 5.0,
             step_s: 1.0,
-            sample_s: 0.25,
+            sample_s: None,
             neighbourhood_m: None,
-            informants: Informants::default(),
-            own_place: OwnPlaceRule::default(),
+            informants: None,
+            own_place: None,
             filter: FilterConfig::RobustKalman(RobustKalmanConfig::default()),
-            prediction: PredictionConfig::default(),
-            aim: Aim::default(),
-            path: PathRule::default(),
+            prediction: None,
+            aim: None,
+            path: None,
+            motion: None,
             max_target_speed_m_per_s: 2.0,
         }
     }
@@ -190,7 +243,27 @@ impl Default for ParticlesConfig {
 
 impl Default for PGConfig {
     fn default() -> Self {
-        Self { capture_m: 1.0, start_delay_s: 5.0, step_s: 1.0, update_s: 2.0, own_place: OwnPlaceRule::default() }
+        Self {
+            preset: SearchPreset::default(),
+            capture_m: 1.0,
+            start_delay_s: 5.0,
+            step_s: 1.0,
+            update_s: None,
+            wait_for_round: None,
+            own_place: OwnPlaceRule::default(),
+            path: None,
+            motion: None,
+        }
+    }
+}
+
+impl SearchPreset {
+    /// The value of a setting: `set` if the user set it, else that of this preset.
+    pub(super) fn or<T>(self, set: Option<T>, default: T, thesis: T) -> T {
+        set.unwrap_or(match self {
+            Self::Default => default,
+            Self::Thesis => thesis,
+        })
     }
 }
 

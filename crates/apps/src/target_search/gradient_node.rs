@@ -31,6 +31,8 @@ struct Round {
     least: u8,
     neighbours: u32,
     closeness: f64,
+    /// When the newest of the detecting nodes behind these neighbours detected the target.
+    detected: SimTime,
     is_told: bool,
 }
 
@@ -49,24 +51,21 @@ impl GradientNode {
     /// A round begins: a node that detects a target, or did since the last round, says so.
     pub(super) fn begin_round(&mut self, detections: &[Detection], outbox: &mut Outbox, port: &mut Port<'_>) {
         let now = port.now();
-        let number = self.number(now);
-        for detection in detections {
+        let number = self.method.round_at(now);
+        // The newest detection of a target counts.
+        for detection in detections.iter().rev() {
             let since = detection.left.map_or(Duration::ZERO, |left| now.saturating_since(left));
             let told =
                 self.targets.get(&detection.target).is_some_and(|round| round.number == number && round.is_told);
             if since >= self.method.update || told {
                 continue;
             }
-            let round = Round { number, least: 0, neighbours: 0, closeness: 0.0, is_told: true };
-            self.targets.insert(detection.target, round);
-            let message = GradientMessage { round: number, target: detection.target, hops: 0, value: 0.0 };
+            let Detection { target, entered: detected, .. } = *detection;
+            let round = Round { number, least: 0, neighbours: 0, closeness: 0.0, detected, is_told: true };
+            self.targets.insert(target, round);
+            let message = GradientMessage { round: number, target, hops: 0, value: 0.0, detected };
             outbox.broadcast(&Message::Gradient(message), port);
         }
-    }
-
-    fn number(&self, now: SimTime) -> u16 {
-        let number = u128::from(now.as_nanos()) / self.method.update.as_nanos();
-        u16::try_from(number % (u128::from(u16::MAX) + 1)).unwrap_or(0)
     }
 
     /// The pseudo-gradient of a neighbour. Returns how long to wait before that of this node is told, if it is the first
@@ -74,7 +73,8 @@ impl GradientNode {
     pub(super) fn hear(&mut self, message: &GradientMessage, rssi: Dbm, draw: f64) -> Option<Duration> {
         let method = &self.method;
         let closeness = ((rssi - method.weakest).0 / (method.strongest - method.weakest).0).clamp(0.0, 0.999);
-        let fresh = Round { number: message.round, least: message.hops, neighbours: 1, closeness, is_told: false };
+        let &GradientMessage { round: number, hops: least, detected, .. } = message;
+        let fresh = Round { number, least, neighbours: 1, closeness, detected, is_told: false };
         match self.targets.get_mut(&message.target) {
             Some(round) if round.number == message.round => {
                 if round.is_told {
@@ -85,6 +85,7 @@ impl GradientNode {
                 } else if message.hops == round.least {
                     round.neighbours += 1;
                     round.closeness += closeness;
+                    round.detected = round.detected.max(detected);
                 }
                 None
             }
@@ -102,7 +103,7 @@ impl GradientNode {
         round.is_told = true;
         let hops = round.least.saturating_add(1);
         let value = f64::from(hops) - round.closeness / f64::from(round.neighbours);
-        let message = GradientMessage { round: round.number, target, hops, value };
+        let message = GradientMessage { round: round.number, target, hops, value, detected: round.detected };
         outbox.broadcast(&Message::Gradient(message), port);
     }
 }

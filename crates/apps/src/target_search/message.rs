@@ -40,7 +40,7 @@ const STILL: u32 = u32::MAX;
 /// | 4 DETECTION | 4 node that detected, 2 target, 4 time, 12 place of the node on the map: x, y, z as `f32` |
 /// | 5 ALARM | 4 origin, 2 number, 2 target, 4 time, 12 place on the map: x, y, z as `f32` |
 /// | 6 CLAIM | 4 origin, 2 number; then for each target: 2 target, 1 state (0 sought, 1 captured), 4 seconds to its interception as `f32` |
-/// | 7 GRADIENT | 2 round, 2 target, 1 hops to a node that detects the target, 4 pseudo-gradient of the sender as `f32` |
+/// | 7 GRADIENT | 2 round, 2 target, 1 hops to a node that detects the target, 4 pseudo-gradient of the sender as `f32`, 4 when the newest of these nodes detected it |
 #[derive(Clone, Debug, PartialEq)]
 pub enum Message {
     /// A robot asks the nodes around it.
@@ -122,6 +122,8 @@ pub struct GradientMessage {
     pub hops: u8,
     /// The pseudo-gradient: hops, less the closeness to nodes that are one hop nearer.
     pub value: f64,
+    /// When the newest of the detecting nodes so many hops away detected the target.
+    pub detected: SimTime,
 }
 
 /// A time to whole milliseconds.
@@ -213,11 +215,12 @@ impl Message {
                     put(&mut octets, seconds);
                 }
             }
-            Self::Gradient(GradientMessage { round, target, hops, value }) => {
+            Self::Gradient(GradientMessage { round, target, hops, value, detected }) => {
                 octets.extend(round.to_le_bytes());
                 octets.extend(target.0.to_le_bytes());
                 octets.push(*hops);
                 put(&mut octets, *value);
+                put_time(&mut octets, *detected);
             }
         }
         octets
@@ -278,7 +281,7 @@ impl Message {
                 let (round, target) = (reader.u16("the round")?, target(reader)?);
                 let [hops] = reader.take("the hops")?;
                 let value = reader.number("the pseudo-gradient")?;
-                Self::Gradient(GradientMessage { round, target, hops, value })
+                Self::Gradient(GradientMessage { round, target, hops, value, detected: time(reader)? })
             }
             found => return Err(MessageError::Kind { found, allowed: "1 to 7" }),
         };
@@ -332,9 +335,11 @@ mod tests {
                 place
             }),
             (key(), claims).prop_map(|(key, targets)| Message::Claim { key, targets }),
-            (any::<u16>(), target(), any::<u8>(), polls::number()).prop_map(|(round, target, hops, value)| {
-                Message::Gradient(GradientMessage { round, target, hops, value })
-            }),
+            (any::<u16>(), target(), any::<u8>(), polls::number(), time()).prop_map(
+                |(round, target, hops, value, detected)| {
+                    Message::Gradient(GradientMessage { round, target, hops, value, detected })
+                }
+            ),
         ]
     }
 

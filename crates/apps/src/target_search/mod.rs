@@ -37,7 +37,7 @@ mod wayfinder;
 pub use assignment::assign;
 pub use config::{
     Aim, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, ParticlesConfig, PathRule,
-    PredictionConfig, RobustKalmanConfig,
+    PredictionConfig, RobustKalmanConfig, SearchMotion, SearchPreset,
 };
 pub use grid_path::CellMap;
 pub use interception::{Meeting, Pursuit};

@@ -8,7 +8,7 @@ use sextant_channel::{Bounds, Position};
 use sextant_kernel::{SimTime, StationId};
 use sextant_sim::{Application, Delivery, DriveEnd, Estimate, NetworkId, Port, Pose, RobotBody, TargetId, Timer};
 
-use super::config::{Aim, OwnPlaceRule};
+use super::config::{Aim, OwnPlaceRule, SearchMotion};
 use super::driver::Driver;
 use super::gradient_pilot::GradientPilot;
 use super::interception::Pursuit;
@@ -29,6 +29,8 @@ const REACH: Timer = Timer(2);
 
 /// How often a robot looks whether a target is within reach.
 const REACH_INTERVAL: Duration = Duration::from_millis(100);
+/// How often a robot that waits for a round looks whether it has come.
+const WAIT_INTERVAL: Duration = Duration::from_millis(20);
 /// Share of a step in which robots begin.
 const PHASE_SHARE: f64 = 0.1;
 /// Share of a step in which nodes answer a poll.
@@ -57,6 +59,9 @@ pub struct SearchRobot {
     /// Where it was by odometry when it sent the last request.
     asked_at: Option<Pose>,
     pilot: Pilot,
+    /// When it ended its latest step, and whether it stands since then.
+    stepped: SimTime,
+    is_waiting: bool,
     /// When the search for each target may start.
     alarms: BTreeMap<TargetId, SimTime>,
     team: Team,
@@ -96,11 +101,11 @@ impl SearchRobot {
     ) -> Self {
         let pilot = match &settings.method {
             Method::Detarsk(method) => Pilot::Detarsk { method: method.clone(), trackers: BTreeMap::new() },
-            Method::PseudoGradient(_) => Pilot::PseudoGradient(GradientPilot::default()),
+            Method::PseudoGradient(method) => Pilot::PseudoGradient(GradientPilot::new(method.clone())),
         };
         let place = PlaceOnMap::new(map.frame());
         let step_m = body.speed_m_per_s * settings.step.as_secs_f64();
-        let driver = Driver::new(settings.path, body.radius_m, step_m);
+        let driver = Driver::new(settings.path, settings.motion, body.radius_m, step_m);
         Self {
             settings,
             map,
@@ -113,6 +118,8 @@ impl SearchRobot {
             asking: Asking::default(),
             asked_at: None,
             pilot,
+            stepped: SimTime::ZERO,
+            is_waiting: false,
             alarms: BTreeMap::new(),
             team: Team::new(team),
             driver,
@@ -147,7 +154,9 @@ impl SearchRobot {
         let radius_m = radius_m.unwrap_or(self.scale() * (NEIGHBOURHOOD_STEPS * self.driver.step_m()));
         let pose = port.pose();
         self.asked_at = Some(pose);
-        let place = self.place.to_map(pose.position);
+        // In whole steps it knows where it decides next, and asks the nodes around there.
+        let there = self.driver.bound_for().filter(|_| self.is_discrete()).unwrap_or(pose.position);
+        let place = self.place.to_map(there);
         let asked = self.asking.whom(self.map.frame(), place, radius_m, &self.neighbourhood);
         self.neighbourhood = Neighbourhood::default();
         let window = self.settings.step.mul_f64(WINDOW_SHARE);
@@ -271,8 +280,36 @@ impl SearchRobot {
         self.driver.set_out(to, nodes, port);
     }
 
-    /// Captures the targets within reach.
-    fn reach(&mut self, port: &mut Port<'_>) {
+    /// Whether it captures targets only at the ends of steps.
+    fn is_discrete(&self) -> bool {
+        self.settings.motion == SearchMotion::Discrete
+    }
+
+    /// A step is over. A robot that is guided round by round stands until it has heard the round of this step.
+    fn end_step(&mut self, port: &mut Port<'_>) {
+        let now = port.now();
+        if !self.is_waiting {
+            self.stepped = now;
+            if self.is_discrete() && self.reach(port) {
+                return;
+            }
+        }
+        let waits = |pilot: &Pilot, stepped| match pilot {
+            Pilot::PseudoGradient(pilot) => pilot.waits(stepped, now),
+            Pilot::Detarsk { .. } => false,
+        };
+        self.is_waiting = self.record.started.is_some() && waits(&self.pilot, self.stepped);
+        if self.is_waiting {
+            self.driver.stand(port);
+            port.after(WAIT_INTERVAL, STEP);
+        } else {
+            self.step(port);
+            port.after(self.settings.step, STEP);
+        }
+    }
+
+    /// Captures the targets within reach. Returns whether all are captured: then the search is over.
+    fn reach(&mut self, port: &mut Port<'_>) -> bool {
         if self.record.started.is_some() {
             for target in port.capture(self.settings.capture_m) {
                 self.record.captured.push((target, port.now()));
@@ -280,12 +317,12 @@ impl SearchRobot {
                 self.team.tell(&BTreeMap::new(), &mut self.outbox, port);
             }
         }
-        if self.team.captured().len() >= self.targets {
+        let is_over = self.team.captured().len() >= self.targets;
+        if is_over {
             port.halt();
             port.finish();
-        } else {
-            port.after(REACH_INTERVAL, REACH);
         }
+        is_over
     }
 
     fn alarm(&mut self, target: TargetId, first: (SimTime, Position), port: &Port<'_>) {
@@ -330,15 +367,18 @@ impl Application for SearchRobot {
         port.listen(self.network, self.duration);
         // Robots do not ask all at once.
         port.after(self.settings.step.mul_f64(PHASE_SHARE * port.uniform(0)), STEP);
-        port.after(REACH_INTERVAL, REACH);
+        if !self.is_discrete() {
+            port.after(REACH_INTERVAL, REACH);
+        }
     }
 
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
         if timer == REACH {
-            self.reach(port);
+            if !self.reach(port) {
+                port.after(REACH_INTERVAL, REACH);
+            }
         } else {
-            self.step(port);
-            port.after(self.settings.step, STEP);
+            self.end_step(port);
         }
     }
 
@@ -358,7 +398,7 @@ impl Application for SearchRobot {
             }
             Ok(Message::Gradient(gradient)) => {
                 if let Pilot::PseudoGradient(pilot) = &mut self.pilot {
-                    pilot.hear(delivery.from, &gradient, delivery.rssi);
+                    pilot.hear(delivery.from, &gradient, delivery.rssi, now);
                 }
             }
             _ => {}

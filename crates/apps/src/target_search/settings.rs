@@ -3,18 +3,21 @@
 use std::time::Duration;
 
 use sextant_channel::Dbm;
-use sextant_kernel::SettingError;
+use sextant_kernel::{SettingError, SimTime};
 use sextant_sim::Radio;
 
 use super::config::{
     Aim, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, PathRule, PredictionConfig,
-    RobustKalmanConfig, span,
+    RobustKalmanConfig, SearchMotion, span,
 };
 use super::particle_filter::{ParticleFilterSettings, Space};
 use super::robust_kalman::RobustKalmanSettings;
 
 /// Allowed times of a step (s).
 const STEP_S: [f64; 2] = [0.05, 60.0];
+
+/// Numbers of rounds.
+const ROUNDS: u64 = 1 << 16;
 
 /// The settings of a target search, checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +28,7 @@ pub struct TargetSearch {
     pub(super) step: Duration,
     pub(super) own_place: OwnPlaceRule,
     pub(super) path: PathRule,
+    pub(super) motion: SearchMotion,
     pub(super) method: Method,
 }
 
@@ -64,6 +68,31 @@ pub(super) struct PseudoGradient {
     /// The powers of neighbours that are as far and as near as can be.
     pub(super) weakest: Dbm,
     pub(super) strongest: Dbm,
+    /// Whether a robot stands after each step until it has heard a round that began since then.
+    pub(super) waits: bool,
+}
+
+impl PseudoGradient {
+    /// The number of the round at `now`: it begins again after 65535.
+    pub(super) fn round_at(&self, now: SimTime) -> u16 {
+        (self.rounds_until(now) % ROUNDS) as u16
+    }
+
+    /// When the latest round with this number began, until `now`.
+    pub(super) fn began(&self, round: u16, now: SimTime) -> SimTime {
+        let latest = self.rounds_until(now);
+        let since = (latest % ROUNDS + ROUNDS - u64::from(round)) % ROUNDS;
+        SimTime::from_nanos(latest.saturating_sub(since) * self.update_nanos())
+    }
+
+    /// Rounds that have begun before the one at `now`.
+    fn rounds_until(&self, now: SimTime) -> u64 {
+        now.as_nanos() / self.update_nanos()
+    }
+
+    fn update_nanos(&self) -> u64 {
+        u64::try_from(self.update.as_nanos()).unwrap_or(u64::MAX)
+    }
 }
 
 impl TargetSearch {
@@ -98,22 +127,25 @@ impl TargetSearch {
                 Filter::Particles(settings.validated().map_err(|error| error.within("filter.particles"))?)
             }
         };
-        let neighbourhood_m = config.neighbourhood_m;
+        let (preset, neighbourhood_m) = (config.preset, config.neighbourhood_m);
+        let step = span("step_s", config.step_s, STEP_S)?;
+        let sample = config.sample_s.map(|sample_s| span("sample_s", sample_s, STEP_S)).transpose()?;
         Ok(Self {
             capture_m: SettingError::in_range("capture_m", config.capture_m, 1e-3, 1e3)?,
             start_delay: span("start_delay_s", config.start_delay_s, [0.0, 1e6])?,
-            step: span("step_s", config.step_s, STEP_S)?,
-            own_place: config.own_place,
-            path: config.path,
+            step,
+            own_place: preset.or(config.own_place, OwnPlaceRule::Fused, OwnPlaceRule::ReceivedPower),
+            path: preset.or(config.path, PathRule::AStar, PathRule::Greedy),
+            motion: preset.or(config.motion, SearchMotion::Continuous, SearchMotion::Discrete),
             method: Method::Detarsk(Detarsk {
-                sample: span("sample_s", config.sample_s, STEP_S)?,
+                sample: preset.or(sample, Duration::from_millis(250), step),
                 neighbourhood_m: neighbourhood_m
                     .map(|radius_m| SettingError::positive("neighbourhood_m", radius_m))
                     .transpose()?,
-                informants: config.informants,
+                informants: preset.or(config.informants, Informants::AllThatHear, Informants::Neighbourhood),
                 filter,
-                prediction: config.prediction,
-                aim: config.aim,
+                prediction: preset.or(config.prediction, PredictionConfig::Waves, PredictionConfig::Integral),
+                aim: preset.or(config.aim, Aim::Interception, Aim::Pursuit),
                 max_speed_m_per_s,
             }),
         })
@@ -124,15 +156,19 @@ impl TargetSearch {
     /// # Errors
     /// If a setting is out of its range.
     pub fn pseudo_gradient(config: &PGConfig, radio: &Radio) -> Result<Self, SettingError> {
-        let update = span("update_s", config.update_s, STEP_S)?;
+        let preset = config.preset;
+        let update = config.update_s.map(|update_s| span("update_s", update_s, STEP_S)).transpose()?;
+        let update = preset.or(update, Duration::from_secs(2), Duration::from_millis(1500));
         Ok(Self {
             capture_m: SettingError::in_range("capture_m", config.capture_m, 1e-3, 1e3)?,
             start_delay: span("start_delay_s", config.start_delay_s, [0.0, 1e6])?,
             step: span("step_s", config.step_s, STEP_S)?,
             own_place: config.own_place,
-            path: PathRule::AStar,
+            path: preset.or(config.path, PathRule::AStar, PathRule::Greedy),
+            motion: preset.or(config.motion, SearchMotion::Continuous, SearchMotion::Discrete),
             method: Method::PseudoGradient(PseudoGradient {
                 update,
+                waits: preset.or(config.wait_for_round, false, true),
                 jitter: update / 8,
                 weakest: radio.sensitivity(),
                 // At the reference distance of one metre, a frame is as strong as it was sent.

@@ -290,6 +290,44 @@ fn a_robot_follows_the_pseudo_gradient_to_a_slow_target() {
     assert!(sent > 0.5 * most && sent <= most, "{sent} messages in {rounds} rounds");
 }
 
+/// The places (m) and times (s) of the decisions of the only robot.
+fn decisions(outcome: &Outcome) -> Vec<(Position, f64)> {
+    let [robot] = outcome.robots.as_slice() else { panic!("one robot") };
+    robot.steps.iter().map(|step| (step.place, step.time.as_secs_f64())).collect()
+}
+
+#[test]
+fn a_discrete_robot_goes_in_whole_steps_in_eight_directions_and_captures_at_their_ends() {
+    let settings = "preset = \"thesis\"\nown_place = \"fused\"\nstart_delay_s = 3.0";
+    let outcome = Scene { settings, ..Scene::default() }.run();
+    let decisions = decisions(&outcome);
+    for pair in decisions.windows(2) {
+        let step = pair[1].0 - pair[0].0;
+        // Its place is known to a few centimetres.
+        let eighths = libm::atan2(step.y_m, step.x_m) / std::f64::consts::FRAC_PI_4;
+        assert!((step.length_m() - 1.5).abs() < 0.05, "a step of {step}");
+        assert!((eighths - libm::round(eighths)).abs() < 0.05, "a step of {step}");
+    }
+    assert!(decisions.len() > 5, "{decisions:?}");
+    let after_s = outcome.captured[&TargetId(0)].1.as_secs_f64() - decisions[0].1;
+    assert!((after_s - libm::round(after_s)).abs() < 1e-6, "{after_s} s after its first decision");
+}
+
+#[test]
+fn a_robot_that_waits_for_a_round_decides_once_in_each() {
+    let gaps = |settings| {
+        let targets = vec!["places_m = [[0.0, 12.0], [10.0, 12.0]]\nspeed_m_per_s = 0.3"];
+        let outcome = Scene { targets, settings, is_pseudo_gradient: true, ..Scene::default() }.run();
+        assert_eq!(outcome.captured.len(), 1);
+        decisions(&outcome).windows(2).map(|pair| pair[1].1 - pair[0].1).collect::<Vec<_>>()
+    };
+    assert!(gaps("update_s = 1.5").iter().all(|gap| (gap - 1.0).abs() < 1e-6), "it decides at each step");
+    // A step of 1 s ends after the next round has begun only if that one came late: then it waits for the one after it.
+    let waits = gaps("update_s = 1.5\nwait_for_round = true");
+    assert!(waits.iter().all(|gap| (1.4..3.2).contains(gap)), "{waits:?}");
+    assert!(waits.iter().any(|gap| (1.4..1.6).contains(gap)), "{waits:?}");
+}
+
 #[test]
 fn pseudo_gradients_cost_far_more_messages_than_polls() {
     let messages = |is_pseudo_gradient| {
