@@ -94,6 +94,9 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "target/case-1.toml",
     "target/case-2.toml",
     "target/case-3.toml",
+    "target/elements-1.toml",
+    "target/elements-2.toml",
+    "target/elements-3.toml",
     "target/filters.toml",
     "target/map-then-search.toml",
     "target/maps.toml",
@@ -101,6 +104,12 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "target/speeds-1.toml",
     "target/speeds-2.toml",
     "target/speeds-3.toml",
+    "target/thesis-1.toml",
+    "target/thesis-2.toml",
+    "target/thesis-3.toml",
+    "target/thesis-family-1.toml",
+    "target/thesis-family-2.toml",
+    "target/thesis-family-3.toml",
 ];
 
 /// Writes the scenarios into `folder`, so that the user can read and change them.

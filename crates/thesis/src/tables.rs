@@ -48,7 +48,17 @@ const CHAPTERS: [Chapter; 5] = [
         "5.11-comparison",
         "5.12-energy",
     ),
-    chapter!(6, "chapter_6": "6.1-time", "6.3-prediction", "6.6-distance", "6.messages", "6.maps", "6.filters"),
+    chapter!(6, "chapter_6":
+        "6.1-time",
+        "6.ways",
+        "6.elements",
+        "6.3-prediction",
+        "6.6-distance",
+        "6.messages",
+        "6.maps",
+        "6.filters",
+        "6.sensors",
+    ),
     chapter!(7, "chapter_7": "7.5-slow-robot", "7.8-two-sources", "7.9-gradient", "7.11-room", "seek"),
 ];
 
