@@ -25,6 +25,11 @@ pub struct LevelSetConfig {
     /// Time between two decisions (s).
     #[serde(default = "default_control_s")]
     pub control_s: f64,
+    /// Heading of the robots at the start, counterclockwise from x by their odometry (degrees): θ0 of the thesis, which does
+    /// not print it. They turn there on the spot, which takes no time. If absent, they do not turn; a robot that has not
+    /// driven before looks along x.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_heading_deg: Option<f64>,
     /// Gain γ of the law (1/s). Presets: 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gamma_per_s: Option<f64>,
@@ -43,8 +48,8 @@ pub struct LevelSetConfig {
     /// sign. Preset `thesis`: 0, `adaptive`: 0.5.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub boundary_layer: Option<f64>,
-    /// How the field at the robot is worked out from readings of nodes. Preset `thesis`: the mean over nodes within 4 m,
-    /// weighted by the ratio of powers in dBm; `adaptive`: a local fit.
+    /// How the field at the robot is worked out from readings of nodes. Preset `thesis`: the mean over nodes within 4 m
+    /// with equal weights; `adaptive`: a local fit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimate: Option<EstimateConfig>,
     /// How its rate of change is worked out. Preset `thesis`: the difference of two samples; `adaptive`: least squares of 5
@@ -78,8 +83,8 @@ pub enum Preset {
     #[default]
     Adaptive,
     /// The law as in the thesis: γ = 1/s, δ = 0.1 and the bare sign. The robot has a reading of each node in range at each
-    /// decision. The value is the mean over the nodes within 4 m with nearly equal weights, and its rate the difference
-    /// of two values. The thesis does not print the 4 m and the time between two readings.
+    /// decision. The value is the mean over the nodes within 4 m with equal weights, and its rate the difference of two
+    /// values. The thesis does not print the 4 m and the time between two readings, and its weights are a ratio of powers.
     Thesis,
 }
 

@@ -275,6 +275,9 @@ impl Application for SeekRobot {
     }
 
     fn started(&mut self, port: &mut Port<'_>) {
+        if let Some(heading_rad) = self.settings.start_heading_rad {
+            port.drive_arc(0.0, heading_rad - port.pose().heading_rad);
+        }
         self.steering.take_over(port.pose().heading_rad);
         self.ask(port);
         let begin = match self.settings.poll.access {

@@ -19,6 +19,8 @@ pub struct SourceSeeking {
     pub(super) guidance: Guidance,
     pub(super) turn_rate_max_rad_per_s: f64,
     pub(super) control: Duration,
+    /// Heading at the start, by odometry (rad); as it is if absent.
+    pub(super) start_heading_rad: Option<f64>,
     pub(super) estimate: Estimate,
     pub(super) poll: Poll,
     pub(super) when_stuck: WhenStuck,
@@ -83,7 +85,7 @@ impl SourceSeeking {
             (None, None) => Climb::Share(0.7),
         };
         let preset = match config.preset {
-            Preset::Thesis => Estimate::Mean(Weights::DbmRatio, Some(THESIS_REACH_M)),
+            Preset::Thesis => Estimate::Mean(Weights::Equal, Some(THESIS_REACH_M)),
             Preset::Adaptive => Estimate::default(),
         };
         let estimate = config.estimate.unwrap_or_default().checked(preset);
@@ -114,6 +116,8 @@ impl SourceSeeking {
             boundary_layer: SettingError::in_range("boundary_layer", boundary_layer, 0.0, 100.0)?,
             patience: if is_thesis { Patience::Endless } else { Patience::TwoTurns },
         };
+        let in_turn = |heading_deg| SettingError::in_range("start_heading_deg", heading_deg, -360.0, 360.0);
+        let heading_deg = config.start_heading_deg.map(in_turn);
         let access = if is_thesis { Access::Ideal } else { Access::frames() };
         Ok(Self {
             goal,
@@ -125,6 +129,7 @@ impl SourceSeeking {
             },
             turn_rate_max_rad_per_s: turn_rate_max,
             control: control(config.control_s)?,
+            start_heading_rad: heading_deg.transpose()?.map(f64::to_radians),
             estimate,
             poll: config.poll.checked(access).map_err(|error| error.within("poll"))?,
             when_stuck: if is_thesis { WhenStuck::GoesOn } else { WhenStuck::Wanders },
@@ -149,6 +154,7 @@ impl SourceSeeking {
                 config.turn_rate_max_rad_per_s,
             )?,
             control: control(config.control_s)?,
+            start_heading_rad: None,
             estimate: estimate.map_err(|error| error.within("estimate"))?,
             poll: config.poll.checked(Access::frames()).map_err(|error| error.within("poll"))?,
             when_stuck: WhenStuck::Wanders,

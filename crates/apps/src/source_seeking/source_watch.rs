@@ -10,7 +10,7 @@ use super::local_fit::LocalFit;
 /// A direction is known if the gradient along it is so many standard deviations.
 const KNOWN: f64 = 2.0;
 /// The robot has climbed if the gradient was so many.
-const CLIMBED: f64 = 4.0;
+const CLIMBED: f64 = 5.0;
 
 /// Watches whether a robot has come to the source, by the gradient of the plane through all readings around it. It has
 /// arrived if that was clear on its way, and now
@@ -70,14 +70,14 @@ mod tests {
 
     #[test]
     fn a_plane_that_is_flat_after_a_climb_is_the_source() {
-        // Two standard deviations are 0.2, and four are 0.4.
-        assert_eq!(arrivals(&[0.1, 0.3, 0.1, 0.5, 0.3, 0.2], 0.1), [5]);
-        assert_eq!(arrivals(&[0.1, 0.3, 0.1, 0.3, 0.0], 0.1), [0; 0], "it has never climbed");
+        // Two standard deviations are 0.2, and five are 0.5.
+        assert_eq!(arrivals(&[0.1, 0.3, 0.1, 0.6, 0.3, 0.1], 0.1), [5]);
+        assert_eq!(arrivals(&[0.1, 0.3, 0.1, 0.4, 0.0], 0.1), [0; 0], "it has never climbed");
     }
 
     #[test]
     fn a_gradient_that_points_back_is_the_source() {
-        assert_eq!(arrivals(&[0.5, 0.5, -0.3], 0.1), [2]);
+        assert_eq!(arrivals(&[0.6, 0.6, -0.3], 0.1), [2]);
         // What was ahead is longer ago than half a turn, and the way since then leads down.
         assert_eq!(arrivals(&[0.5, -0.3], 0.01), [1]);
         assert_eq!(arrivals(&[-0.5, -0.5, -0.4, -0.3], 0.01), [0; 0]);

@@ -8,9 +8,12 @@ use super::super::estimate::{Estimate, LocalFitConfig};
 use super::super::field_estimate::{Disc, FieldEstimate};
 use super::super::goal::Target;
 use super::super::gradient::plane;
-use super::super::local_fit::{Axes, LocalFit, Sample};
+use super::super::local_fit::{Axes, Sample};
 use super::super::steering::Steering;
 use super::{Outlook, SeekRobot};
+
+/// With fewer readings, the uncertainty of a plane is not known well enough to tell the source.
+const LEAST_AROUND: usize = 10;
 
 impl SeekRobot {
     pub(super) fn axes(&self) -> Axes {
@@ -53,25 +56,26 @@ impl SeekRobot {
         match self.settings.goal.target {
             Target::Level(level) => self.watch.arrives(level, outlook.field.value, now),
             Target::Source => {
-                let around = outlook.place.zip(outlook.place.and_then(|place| self.plane(place, self.reach_m())));
+                let Some(place) = outlook.place else { return false };
+                let samples = self.around(place, self.reach_m());
                 let half_turn_s = std::f64::consts::PI / self.settings.turn_rate_max_rad_per_s;
-                around.is_some_and(|(place, plane)| self.source_watch.arrives(plane, place, now, half_turn_s))
+                samples.len() >= LEAST_AROUND
+                    && plane(&samples).is_some_and(|plane| self.source_watch.arrives(plane, place, now, half_turn_s))
             }
         }
     }
 
-    /// The plane through the readings within `reach_m` of a place on the map (m).
-    fn plane(&self, place: Position, reach_m: f64) -> Option<LocalFit> {
+    /// The readings within `reach_m` of a place on the map (m).
+    fn around(&self, place: Position, reach_m: f64) -> Vec<Sample> {
         let is_near = |distance_m: f64| if distance_m <= reach_m { 1.0 } else { 0.0 };
-        let samples: Vec<Sample> = self.readings.samples(place, Axes::Plane, is_near).collect();
-        plane(&samples)
+        self.readings.samples(place, Axes::Plane, is_near).collect()
     }
 
     /// Where the gradient points, by odometry (rad).
     pub(super) fn course_rad(&self, outlook: &Outlook) -> Option<f64> {
         let Steering::Gradient { plane_reach_m, .. } = self.steering else { return None };
         let place = outlook.place?;
-        let slope = self.plane(place, plane_reach_m.unwrap_or(self.reach_m()))?.gradient;
+        let slope = plane(&self.around(place, plane_reach_m.unwrap_or(self.reach_m())))?.gradient;
         if slope.length_m() <= 0.0 {
             return None;
         }
