@@ -60,8 +60,9 @@ impl PollConfig {
             let with =
                 if ideal.is_some() { "`ideal = true`" } else { "`preset = \"thesis\"`, whose polls are ideal" };
             let remedy = "leave it out, or set `ideal = false`";
-            for (key, _) in [("interval_s", interval_s), ("memory_s", memory_s)].iter().filter(|(_, s)| s.is_some()) {
-                return Err(SettingError::conflict(*key, with, remedy));
+            let times = [("interval_s", interval_s), ("memory_s", memory_s)];
+            if let Some((key, _)) = times.into_iter().find(|(_, seconds)| seconds.is_some()) {
+                return Err(SettingError::conflict(key, with, remedy));
             }
             return Ok(Poll { access: Access::Ideal, reach_m });
         }
