@@ -1,10 +1,10 @@
-//! When a robot has arrived.
+//! When a robot has arrived at a level.
 
 use sextant_kernel::SimTime;
 
-use super::settings::Goal;
+use super::goal::Level;
 
-/// Watches whether a robot has arrived.
+/// Watches whether a robot has arrived at a level.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ArrivalWatch {
     /// Since when the field is within the tolerance of the level.
@@ -15,8 +15,8 @@ pub(super) struct ArrivalWatch {
 
 impl ArrivalWatch {
     /// Whether the robot arrives now, where the field is `value`.
-    pub(super) fn arrives(&mut self, goal: &Goal, value: f64, now: SimTime) -> bool {
-        let Goal { level, tolerance, hold, .. } = *goal;
+    pub(super) fn arrives(&mut self, level: Level, value: f64, now: SimTime) -> bool {
+        let Level { value: level, tolerance, hold } = level;
         if self.is_there {
             self.is_there = value >= level - 2.0 * tolerance;
             return false;
@@ -36,24 +36,13 @@ impl ArrivalWatch {
 mod tests {
     use std::time::Duration;
 
-    use sextant_sim::FieldId;
-
-    use super::super::config::AfterArrival;
     use super::*;
 
     fn arrivals(hold: Duration, values: &[f64]) -> Vec<usize> {
-        let goal = Goal {
-            field: FieldId(0),
-            level: 9.0,
-            tolerance: 0.1,
-            hold,
-            then: AfterArrival::Stop,
-            arrivals: 1,
-            remove_within_m: None,
-        };
+        let level = Level { value: 9.0, tolerance: 0.1, hold };
         let mut watch = ArrivalWatch::default();
         let at = |i: usize| SimTime::ZERO + Duration::from_secs(i as u64);
-        (0..values.len()).filter(|&i| watch.arrives(&goal, values[i], at(i))).collect()
+        (0..values.len()).filter(|&i| watch.arrives(level, values[i], at(i))).collect()
     }
 
     #[test]

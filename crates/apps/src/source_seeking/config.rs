@@ -3,68 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::field_estimate::EstimateConfig;
+use super::estimate::EstimateConfig;
+use super::goal::{GoalConfig, GradientGoalConfig};
 use super::level_set::HigherField;
+use super::poll::PollConfig;
 use super::rate::RateConfig;
-
-/// What robots seek, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct GoalConfig {
-    /// Name of the field; may be absent if there is only one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub field: Option<String>,
-    /// The value that is sought, in the unit of the field: a robot that believes to be where the field has it has arrived.
-    pub level: f64,
-    /// A robot has arrived when the field is at most this much below the level.
-    #[serde(default = "default_tolerance")]
-    pub tolerance: f64,
-    /// How long the field must stay within the tolerance below and above the level (s). If 0, a robot has arrived when
-    /// it first crosses the level less the tolerance.
-    #[serde(default)]
-    pub hold_s: f64,
-    /// What a robot does when it has arrived as often as it should.
-    #[serde(default)]
-    pub then: AfterArrival,
-    /// How often each robot should arrive: the number of sources, if it removes them.
-    #[serde(default = "one")]
-    pub arrivals: u32,
-    /// A robot that has arrived removes the sources that are truly within this distance (m); if there is none, it has come
-    /// to what is left of an earlier source, and has not arrived. If absent, it removes none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub remove_within_m: Option<f64>,
-}
-
-/// What a robot does when it has arrived as often as it should.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum AfterArrival {
-    /// It stops there.
-    #[default]
-    Stop,
-    /// It drives on, round the level set, until the end.
-    Circle,
-}
-
-/// How robots ask nodes for their readings, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PollConfig {
-    /// Time between two polls (s).
-    pub interval_s: f64,
-    /// Nodes within this distance of the robot on the map answer, in the unit of the map (m); 5.5 times the spacing of the
-    /// nodes if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reach_m: Option<f64>,
-    /// A reading counts for so long after it was heard (s).
-    pub memory_s: f64,
-}
-
-impl Default for PollConfig {
-    fn default() -> Self {
-        Self { interval_s: 1.0, reach_m: None, memory_s: 5.0 }
-    }
-}
 
 /// Settings of the law of sliding mode that takes a robot to a level set (Gunathillake 2018, chapter 7; Matveev, Teimoori,
 /// Savkin 2012), as written in a scenario.
@@ -82,6 +25,11 @@ pub struct LevelSetConfig {
     /// Time between two decisions (s).
     #[serde(default = "default_control_s")]
     pub control_s: f64,
+    /// Heading of the robots at the start, counterclockwise from x by their odometry (degrees): θ0 of the thesis, which does
+    /// not print it. They turn there on the spot, which takes no time. If absent, they do not turn; a robot that has not
+    /// driven before looks along x.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_heading_deg: Option<f64>,
     /// Gain γ of the law (1/s). Presets: 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gamma_per_s: Option<f64>,
@@ -100,11 +48,12 @@ pub struct LevelSetConfig {
     /// sign. Preset `thesis`: 0, `adaptive`: 0.5.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub boundary_layer: Option<f64>,
-    /// How the field at the robot is worked out from readings of nodes. Preset `thesis`: power weights; `adaptive`: local
-    /// fit.
+    /// How the field at the robot is worked out from readings of nodes. Preset `thesis`: the mean over nodes within 4 m
+    /// with equal weights; `adaptive`: a local fit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimate: Option<EstimateConfig>,
-    /// How its rate of change is worked out. Presets: least squares of 5 samples.
+    /// How its rate of change is worked out. Preset `thesis`: the difference of two samples; `adaptive`: least squares of 5
+    /// samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<RateConfig>,
     /// For robots that move in space; they move in the plane if absent.
@@ -133,7 +82,9 @@ pub enum Preset {
     /// that still turns in circles climbs more slowly.
     #[default]
     Adaptive,
-    /// The law and its numbers as in the thesis.
+    /// The law as in the thesis: γ = 1/s, δ = 0.1 and the bare sign. The robot has a reading of each node in range at each
+    /// decision. The value is the mean over the nodes within 4 m with equal weights, and its rate the difference of two
+    /// values. The thesis does not print the 4 m and the time between two readings, and its weights are a ratio of powers.
     Thesis,
 }
 
@@ -143,8 +94,8 @@ pub enum Preset {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GradientConfig {
-    /// What robots seek.
-    pub goal: GoalConfig,
+    /// What robots seek: `"source"`, or a level.
+    pub goal: GradientGoalConfig,
     /// Largest turn rate of the robots (rad/s).
     #[serde(default = "default_turn_rate_max")]
     pub turn_rate_max_rad_per_s: f64,
@@ -154,7 +105,11 @@ pub struct GradientConfig {
     /// Turn rate for each radian between the heading and the gradient (1/s).
     #[serde(default = "default_heading_gain")]
     pub heading_gain_per_s: f64,
-    /// How the field at the robot is worked out from readings of nodes, which tells whether it has arrived.
+    /// The plane whose gradient is the course.
+    #[serde(default)]
+    pub plane: PlaneConfig,
+    /// How the field at the robot is worked out from readings of nodes, which tells whether it has arrived at a level. A
+    /// local fit if absent.
     #[serde(default)]
     pub estimate: EstimateConfig,
     /// How robots ask nodes for their readings.
@@ -162,12 +117,14 @@ pub struct GradientConfig {
     pub poll: PollConfig,
 }
 
-fn default_tolerance() -> f64 {
-    0.1
-}
-
-fn one() -> u32 {
-    1
+/// The plane through readings whose gradient is the course of a robot, as written in a scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlaneConfig {
+    /// Nodes within this distance of the robot on the map count, in the unit of the map (m). If absent, those within
+    /// `poll.reach_m`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reach_m: Option<f64>,
 }
 
 fn default_turn_rate_max() -> f64 {

@@ -2,47 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Db, Position};
 use sextant_kernel::{SimTime, StationId};
 
+use super::estimate::Weights;
 use super::local_fit::{Axes, Degree, Fitting, LocalFit, Sample};
 use crate::navigation::HeardNode;
-
-/// How the value of the field at the robot is worked out from readings of nodes, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum EstimateConfig {
-    /// The mean, weighted by the ratio of received and transmit power (thesis, chapter 7): shadowing makes it jump from
-    /// poll to poll.
-    PowerWeights {},
-    /// A polynomial through the readings around the place of the robot on the map.
-    LocalFit(LocalFitConfig),
-}
-
-/// Settings of local fits, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct LocalFitConfig {
-    /// Smallest bandwidth of the Gaussian weights, as a multiple of the spacing of the nodes on the map.
-    pub bandwidth_spacings: f64,
-    /// The bandwidth grows until the gradient of the field is so many standard deviations (after Lepski 1991: the smallest
-    /// bandwidth at which the signal stands out of the noise), or all nodes that answer are used.
-    pub significance: f64,
-}
-
-impl Default for LocalFitConfig {
-    fn default() -> Self {
-        Self { bandwidth_spacings: 1.25, significance: 3.0 }
-    }
-}
-
-impl Default for EstimateConfig {
-    fn default() -> Self {
-        Self::LocalFit(LocalFitConfig::default())
-    }
-}
 
 /// Factor from one bandwidth to the next.
 const GROWTH: f64 = 1.5;
@@ -57,6 +22,13 @@ const RIDGE: f64 = 1e-3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Readings {
     by_node: BTreeMap<StationId, (HeardNode, f64)>,
+}
+
+/// The nodes around a place (m on the map).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Disc {
+    pub(super) center: Position,
+    pub(super) radius_m: f64,
 }
 
 /// The field at the robot.
@@ -86,19 +58,30 @@ impl Readings {
         self.by_node.retain(|_, (heard, _)| heard.time >= time);
     }
 
-    /// The mean of those heard since `since`, weighted by the linear ratio of received and transmit power (thesis, chapter
-    /// 7, equation of d(t)).
-    pub(super) fn power_weighted(&self, since: SimTime) -> Option<f64> {
+    /// The weighted mean (thesis, chapter 7, equation of d(t)) of those heard since `since` that are within the distance of
+    /// the place in `within` (m on the map); if none is so near, the nearest one counts.
+    pub(super) fn mean(&self, since: SimTime, weights: Weights, within: Option<(Disc, Axes)>) -> Option<f64> {
         let latest = || self.by_node.values().filter(|(heard, _)| heard.time >= since);
+        let apart_m =
+            |heard: &HeardNode| within.map_or(0.0, |(disc, axes)| axes.of(heard.place - disc.center).length_m());
+        let nearest_m = latest().map(|(heard, _)| apart_m(heard)).min_by(f64::total_cmp)?;
+        let reach_m = within.map_or(0.0, |(disc, _)| disc.radius_m).max(nearest_m);
+        let counting = || latest().filter(|(heard, _)| apart_m(heard) <= reach_m);
         // Relative to the strongest one, so that no weight underflows.
-        let strongest = latest().map(|(heard, _)| heard.gain.0).max_by(f64::total_cmp)?;
+        let strongest = counting().map(|(heard, _)| heard.gain.0).max_by(f64::total_cmp)?;
+        let weigh = |heard: &HeardNode| match weights {
+            Weights::Equal => 1.0,
+            Weights::DbmRatio => heard.rssi.0 / (heard.rssi - heard.gain).0,
+            Weights::Power => Db(heard.gain.0 - strongest).to_factor(),
+        };
         let (mut total, mut sum) = (0.0, 0.0);
-        for (heard, value) in latest() {
-            let weight = Db(heard.gain.0 - strongest).to_factor();
+        for (heard, value) in counting() {
+            let weight = weigh(heard);
             total += weight;
             sum += weight * value;
         }
-        Some(sum / total)
+        let mean = sum / total;
+        mean.is_finite().then_some(mean)
     }
 
     /// The field at `place` by local fits whose bandwidth is at least `bandwidth` (m on the map), and at most half of
@@ -151,10 +134,7 @@ impl Readings {
         weigh: impl Fn(f64) -> f64,
     ) -> impl Iterator<Item = Sample> {
         self.by_node.values().filter_map(move |(heard, value)| {
-            let mut offset = heard.place - place;
-            if axes == Axes::Plane {
-                offset.z_m = 0.0;
-            }
+            let offset = axes.of(heard.place - place);
             let weight = weigh(offset.length_m());
             (weight > 0.0).then_some(Sample { offset, value: *value, weight })
         })
@@ -206,16 +186,50 @@ mod tests {
     }
 
     #[test]
-    fn power_weights_are_linear_ratios_of_the_latest_answers() {
+    fn a_mean_has_its_weights_and_takes_the_latest_answers() {
         let mut readings = Readings::default();
-        readings.hear(StationId(0), heard(0.0, 0.0, -400.0, 5), 0.0);
-        readings.hear(StationId(1), heard(1.0, 0.0, -390.0, 5), 11.0);
-        readings.hear(StationId(2), heard(2.0, 0.0, -300.0, 1), 99.0);
+        // All send with -50 dBm.
+        readings.hear(StationId(0), heard(0.0, 0.0, -40.0, 5), 0.0);
+        readings.hear(StationId(1), heard(1.0, 0.0, -30.0, 5), 11.0);
+        readings.hear(StationId(2), heard(2.0, 0.0, -20.0, 1), 99.0);
         let since = SimTime::ZERO + Duration::from_secs(2);
-        assert!((readings.power_weighted(since).expect("readings") - 10.0).abs() < 1e-9);
+        for (weights, expected) in [
+            (Weights::Equal, 5.5),
+            // -90 / -50 = 1.8 and -80 / -50 = 1.6: the weaker one counts more.
+            (Weights::DbmRatio, 1.6 * 11.0 / 3.4),
+            // A tenth and one.
+            (Weights::Power, 10.0),
+        ] {
+            let mean = readings.mean(since, weights, None).expect("readings");
+            assert!((mean - expected).abs() < 1e-9, "{weights:?}: {mean}");
+        }
         readings.forget_before(since);
         assert_eq!(readings.len(), 2);
-        assert_eq!(readings.power_weighted(SimTime::ZERO + Duration::from_secs(6)), None);
+        assert_eq!(readings.mean(SimTime::ZERO + Duration::from_secs(6), Weights::Power, None), None);
+    }
+
+    #[test]
+    fn linear_weights_of_weak_signals_do_not_vanish() {
+        let mut readings = Readings::default();
+        readings.hear(StationId(0), heard(0.0, 0.0, -4000.0, 0), 0.0);
+        readings.hear(StationId(1), heard(1.0, 0.0, -3990.0, 0), 11.0);
+        let mean = readings.mean(SimTime::ZERO, Weights::Power, None).expect("readings");
+        assert!((mean - 10.0).abs() < 1e-9, "{mean}");
+    }
+
+    #[test]
+    fn a_mean_takes_the_nodes_in_reach_or_else_the_nearest_one() {
+        let mut readings = Readings::default();
+        for (i, x_m) in [(0, 0.0), (1, 3.0), (2, 5.0)] {
+            readings.hear(StationId(i), heard(x_m, 0.0, -40.0, 0), f64::from(i));
+        }
+        let mean = |x_m: f64, radius_m: f64| {
+            let disc = Disc { center: Position::new(x_m, 0.0, 7.0), radius_m };
+            readings.mean(SimTime::ZERO, Weights::Equal, Some((disc, Axes::Plane))).expect("readings")
+        };
+        assert!((mean(1.0, 2.0) - 0.5).abs() < 1e-12, "the first two: the height does not matter in the plane");
+        assert!((mean(4.0, 1.0) - 1.5).abs() < 1e-12, "the last two");
+        assert!((mean(9.0, 1.0) - 2.0).abs() < 1e-12, "none is so near");
     }
 
     #[test]

@@ -5,18 +5,18 @@ use std::f64::consts::{PI, TAU};
 
 use sextant_channel::Position;
 
-use super::local_fit::{Axes, Degree, Fitting, Sample};
+use super::local_fit::{Axes, Degree, Fitting, LocalFit, Sample};
 
 /// What keeps the fit solvable, as a share of the mean spread of the places.
 const RIDGE: f64 = 1e-6;
 /// Nodes whose spread across their line is a smaller share of that along it do not determine a plane.
 const LEAST_SPREAD: f64 = 1e-3;
 
-/// The gradient (1/m) by least squares of a plane, with an intercept: the value at the robot itself is not known. `None`
-/// unless there are three nodes that are not in a line.
+/// The plane of least squares, with an intercept: the value at the robot itself is not known. Its value is that at the
+/// centre of the places. `None` unless there are three nodes that are not in a line.
 ///
 /// If readings have independent errors of variance σ², its covariance is σ² (Σ (q - q̄)(q - q̄)ᵀ)⁻¹ with the places q.
-pub(super) fn gradient(samples: &[Sample]) -> Option<Position> {
+pub(super) fn plane(samples: &[Sample]) -> Option<LocalFit> {
     if samples.len() < 3 {
         return None;
     }
@@ -38,7 +38,7 @@ pub(super) fn gradient(samples: &[Sample]) -> Option<Position> {
     let centered: Vec<Sample> =
         samples.iter().map(|sample| Sample { offset: sample.offset - center, weight: 1.0, ..*sample }).collect();
     let fitting = Fitting { axes: Axes::Plane, degree: Degree::Linear, scale_m, ridge: RIDGE };
-    fitting.exactly(&centered, Degree::Linear).map(|fit| fit.gradient)
+    fitting.exactly(&centered, Degree::Linear)
 }
 
 /// The turn rate (rad/s) of a robot that looks into `heading_rad` and should look into `course_rad`: `gain_per_s` times the
@@ -74,7 +74,7 @@ mod tests {
     proptest! {
         #[test]
         fn the_gradient_of_a_plane_is_found(a in -5.0..5.0_f64, gx in -3.0..3.0_f64, gy in -3.0..3.0_f64) {
-            let found = gradient(&samples(|_, x, y| a + gx * x + gy * y)).unwrap();
+            let found = plane(&samples(|_, x, y| a + gx * x + gy * y)).unwrap().gradient;
             // The ridge holds it down by a millionth or so.
             prop_assert!(found.distance_m(Position::new(gx, gy, 0.0)) < 1e-5, "{found}");
         }
@@ -89,11 +89,11 @@ mod tests {
     #[test]
     fn three_nodes_in_a_line_are_no_plane() {
         let all = samples(|_, x, _| x);
-        assert_eq!(gradient(&all[..2]), None);
+        assert_eq!(plane(&all[..2]), None);
         let line: Vec<Sample> = (0..5)
             .map(|i| Sample { offset: Position::new(f64::from(i), 2.0 * f64::from(i), 0.0), value: 1.0, weight: 1.0 })
             .collect();
-        assert_eq!(gradient(&line), None);
+        assert_eq!(plane(&line), None);
     }
 
     #[test]
@@ -112,7 +112,7 @@ mod tests {
         let mut found = [0.0; 3];
         for run in 0..runs {
             let noise = |i: usize| sigma * Seed(5).normal(Purpose::new(1001), [run.into(), i as u64, 0]);
-            let Position { x_m: x, y_m: y, .. } = gradient(&samples(|i, _, _| noise(i))).unwrap();
+            let Position { x_m: x, y_m: y, .. } = plane(&samples(|i, _, _| noise(i))).unwrap().gradient;
             found = [found[0] + x * x, found[1] + y * y, found[2] + x * y];
         }
         for (found, expected) in found.into_iter().zip(expected) {

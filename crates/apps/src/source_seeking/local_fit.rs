@@ -23,6 +23,16 @@ pub(super) enum Axes {
     Space,
 }
 
+impl Axes {
+    /// The part of an offset along these axes.
+    pub(super) fn of(self, offset: Position) -> Position {
+        match self {
+            Self::Plane => Position { z_m: 0.0, ..offset },
+            Self::Space => offset,
+        }
+    }
+}
+
 /// A reading near the place of interest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {

@@ -10,6 +10,8 @@ use sextant_kernel::SettingError;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum RateConfig {
+    /// The difference of two samples, divided by the time between them.
+    Difference,
     /// The slope of the straight line of least squares through so many latest samples.
     LeastSquares {
         /// Number of samples.
@@ -35,7 +37,7 @@ impl RateConfig {
             Self::Filtered { time_constant_s } => {
                 SettingError::positive("filtered.time_constant_s", time_constant_s).map(|_| self)
             }
-            Self::LeastSquares { .. } => Ok(self),
+            Self::Difference | Self::LeastSquares { .. } => Ok(self),
         }
     }
 }
@@ -44,7 +46,7 @@ impl RateConfig {
 #[derive(Clone, Debug)]
 pub(super) struct Rate {
     config: RateConfig,
-    /// The latest samples: time (s) and value. One suffices for the filter.
+    /// The latest samples: time (s) and value. One suffices for differences.
     samples: VecDeque<(f64, f64)>,
     filtered: Option<f64>,
 }
@@ -64,7 +66,7 @@ impl Rate {
         let last = self.samples.back().copied();
         let keep = match self.config {
             RateConfig::LeastSquares { samples } => samples as usize,
-            RateConfig::Filtered { .. } => 1,
+            RateConfig::Difference | RateConfig::Filtered { .. } => 1,
         };
         while self.samples.len() >= keep {
             self.samples.pop_front();
@@ -72,6 +74,7 @@ impl Rate {
         self.samples.push_back((time_s, value));
         match self.config {
             RateConfig::LeastSquares { .. } => self.line(),
+            RateConfig::Difference => last.map(|(last_s, last)| (value - last) / (time_s - last_s)),
             RateConfig::Filtered { time_constant_s } => {
                 let (last_s, last) = last?;
                 let span_s = time_s - last_s;
@@ -103,8 +106,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_rates_of_a_ramp_are_its_slope() {
-        for config in [RateConfig::LeastSquares { samples: 5 }, RateConfig::Filtered { time_constant_s: 0.3 }] {
+    fn all_rates_of_a_ramp_are_its_slope() {
+        let [line, filter] = [RateConfig::LeastSquares { samples: 5 }, RateConfig::Filtered { time_constant_s: 0.3 }];
+        for config in [line, filter, RateConfig::Difference] {
             let mut rate = Rate::new(config);
             assert_eq!(rate.sample(0.0, 7.0), None);
             for i in 1..30 {
@@ -112,6 +116,18 @@ mod tests {
                 let found = rate.sample(time_s, 7.0 - 0.25 * time_s).unwrap();
                 assert!((found + 0.25).abs() < 1e-9, "{config:?}: {found}");
             }
+        }
+    }
+
+    #[test]
+    fn a_difference_knows_the_last_two_samples_only() {
+        let mut rate = Rate::new(RateConfig::Difference);
+        let rates =
+            [(0.0, 1.0), (0.1, 1.2), (0.3, 0.8), (0.4, 0.8)].map(|(time_s, value)| rate.sample(time_s, value));
+        // 0.2 in 0.1 s, -0.4 in 0.2 s, nothing in 0.1 s.
+        for (found, expected) in rates.iter().zip([None, Some(2.0), Some(-2.0), Some(0.0)]) {
+            let difference = found.zip(expected).map_or(0.0, |(found, expected)| found - expected);
+            assert!(found.is_some() == expected.is_some() && difference.abs() < 1e-9, "{rates:?}");
         }
     }
 

@@ -1,6 +1,8 @@
 //! The application of a robot.
 
 mod avoiding;
+mod looking;
+mod polling;
 mod wandering;
 
 use std::f64::consts::FRAC_PI_2;
@@ -9,34 +11,31 @@ use std::time::Duration;
 
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
-use sextant_sim::{
-    Application, Delivery, Destination, DriveEnd, Driving, Estimate, NetworkId, Payload, Port, Pose, Timer,
-};
+use sextant_sim::{Application, Delivery, DriveEnd, Driving, NetworkId, Port, Pose, Timer};
 
 use super::arrival::ArrivalWatch;
 use super::boundary::Boundary;
-use super::config::AfterArrival;
-use super::field_estimate::{EstimateConfig, FieldEstimate, LocalFitConfig, Readings};
-use super::gradient::{gradient, turn_rate};
-use super::local_fit::{Axes, Sample};
-use super::message::SeekMessage;
+use super::field_estimate::{FieldEstimate, Readings};
+use super::goal::AfterArrival;
+use super::gradient::turn_rate;
+use super::poll::Access;
 use super::progress::Progress;
 use super::record::{Arrival, RobotSeekRecord, SeekState};
 use super::settings::SourceSeeking;
+use super::source_watch::SourceWatch;
 use super::steering::{SpatialCourse, Steering};
-use crate::navigation::{Asking, HeardNode, NavigationMap, Neighbourhood, PlaceOnMap, Request};
+use crate::navigation::{Asking, NavigationMap, Neighbourhood, PlaceOnMap};
 
 const POLL: Timer = Timer(0);
 const CONTROL: Timer = Timer(1);
 
-/// Distance from which nodes answer, as a multiple of their spacing.
-const REACH_SPACINGS: f64 = 5.5;
 /// A robot does not begin before it has heard so many nodes.
 const LEAST_NODES: usize = 3;
 /// Radius of the arc on which a robot finds out how the map is turned (m): wide beside the errors of received powers.
 const ARC_RADIUS_M: f64 = 4.0;
 
-/// A robot: it polls the nodes around it, works out the field where it is, and drives to where that has the level sought.
+/// A robot: it polls the nodes around it, works out the field where it is, and drives to where that has the level sought,
+/// or to the source.
 #[derive(Debug)]
 pub struct SeekRobot {
     settings: Arc<SourceSeeking>,
@@ -52,11 +51,15 @@ pub struct SeekRobot {
     /// Number of the latest poll, and where the robot was then by its odometry.
     asking: Asking,
     polled_at: Option<Position>,
+    /// With ideal polls: when its place was fixed last, and whether each node in range had a reading.
+    fixed: Option<SimTime>,
+    has_heard_all: bool,
     steering: Steering,
     mode: Mode,
     /// The obstacle that it left last, and when.
     left: Option<(Boundary, SimTime)>,
     watch: ArrivalWatch,
+    source_watch: SourceWatch,
     progress: Progress,
     record: RobotSeekRecord,
 }
@@ -105,9 +108,12 @@ impl SeekRobot {
             readings: Readings::default(),
             asking: Asking::default(),
             polled_at: None,
+            fixed: None,
+            has_heard_all: false,
             mode: Mode::Waiting,
             left: None,
             watch: ArrivalWatch::default(),
+            source_watch: SourceWatch::default(),
             progress: Progress::default(),
             record: RobotSeekRecord::default(),
         }
@@ -133,85 +139,16 @@ impl SeekRobot {
         self.record.arrivals.len() >= self.settings.goal.arrivals as usize
     }
 
-    fn reach_m(&self) -> f64 {
-        self.settings.poll.reach_m.unwrap_or(REACH_SPACINGS * self.map.spacing_m())
-    }
-
-    fn axes(&self) -> Axes {
-        if self.steering.is_spatial() { Axes::Space } else { Axes::Plane }
-    }
-
     /// Length of the way between two decisions (m).
     fn step_m(&self) -> f64 {
         self.speed_m_per_s * self.settings.control.as_secs_f64()
     }
 
-    /// Uses the answers of the last poll, and begins the next one.
-    fn ask(&mut self, port: &mut Port<'_>) {
-        let now = port.now();
-        let odometry = port.pose().position;
-        if let (Some(map), Some(then)) = (self.neighbourhood.centroid(), self.polled_at) {
-            // Answers came all along the way since then.
-            self.place.fix((then + odometry) * 0.5, map);
-            self.centroid = Some(map);
-        }
-        let heard = std::mem::take(&mut self.neighbourhood);
-        self.readings.forget_before(before(now, self.settings.poll.memory));
-        self.polled_at = Some(odometry);
-        let interval = self.settings.poll.interval;
-        let (place, radius_m) = (self.place_on_map(odometry), self.reach_m());
-        let asked = self.asking.whom(self.map.frame(), place, radius_m, &heard);
-        let request = Request { number: self.asking.next_poll(), window: interval, asked };
-        let octets = SeekMessage::Request(request, self.settings.goal.field).to_octets();
-        match port.send(self.network, Destination::All, Payload::Octets(&octets)) {
-            Ok(_) => {
-                self.record.polls += 1;
-                self.record.octets += octets.len() as u64;
-            }
-            Err(_) => self.record.refused += 1,
-        }
-        port.listen(self.network, interval + interval / 4);
-        port.after(interval, POLL);
-    }
-
-    /// Where it is on the map (m).
-    fn place_on_map(&self, odometry: Position) -> Option<Position> {
-        self.place.to_map(odometry).or(self.centroid)
-    }
-
-    /// The field at a place on the map (m) at the time `now`; `None` if it has not heard enough.
-    fn field_at(&self, place: Option<Position>, now: SimTime) -> Option<FieldEstimate> {
-        match self.settings.estimate {
-            EstimateConfig::PowerWeights {} => {
-                let value = self.readings.power_weighted(before(now, self.settings.poll.interval))?;
-                Some(FieldEstimate { value, smooth: value, gradient: None })
-            }
-            EstimateConfig::LocalFit(LocalFitConfig { bandwidth_spacings, significance }) => {
-                let bandwidth_m = bandwidth_spacings * self.map.spacing_m();
-                self.readings.fitted(place?, self.axes(), [bandwidth_m, self.reach_m()], significance)
-            }
-        }
-    }
-
-    /// What it knows now; `None` until it has heard enough.
-    fn look(&mut self, port: &mut Port<'_>) -> Option<Outlook> {
-        let pose = port.pose();
-        let place = self.place_on_map(pose.position);
-        let field = self.field_at(place, port.now())?;
-        if let Some(place) = place {
-            port.tell(Estimate::OwnPlace(place));
-        }
-        port.tell(Estimate::FieldValue { field: self.settings.goal.field, value: field.value });
-        if self.record.largest.is_none_or(|largest| field.value > largest) {
-            self.record.largest = Some(field.value);
-        }
-        Some(Outlook { pose, place, field })
-    }
-
     /// Looks at what it knows, and drives on.
     fn decide(&mut self, port: &mut Port<'_>) {
+        self.hear_all(port);
         if matches!(self.mode, Mode::Waiting) {
-            if self.asking.polls() < 2 || self.readings.len() < LEAST_NODES {
+            if !self.has_heard_enough() {
                 port.after(self.settings.control, CONTROL);
                 return;
             }
@@ -229,9 +166,7 @@ impl SeekRobot {
             port.after(self.settings.control, CONTROL);
             return;
         };
-        if !self.has_arrived_often_enough()
-            && self.watch.arrives(&self.settings.goal, outlook.field.value, port.now())
-        {
+        if !self.has_arrived_often_enough() && self.arrives(&outlook, port.now()) {
             self.arrive(outlook, port);
             if matches!(self.mode, Mode::Arrived) {
                 return;
@@ -289,7 +224,7 @@ impl SeekRobot {
         let (step_m, turn_rate_max) = (self.step_m(), self.settings.turn_rate_max_rad_per_s);
         let slope = outlook.place.zip(outlook.field.gradient).map(|(place, slope)| self.by_odometry(place, slope));
         let driving = match &mut self.steering {
-            Steering::Gradient { gain_per_s } => {
+            Steering::Gradient { gain_per_s, .. } => {
                 let heading_rad = outlook.pose.heading_rad;
                 let rate =
                     course_rad.map_or(0.0, |course| turn_rate(heading_rad, course, *gain_per_s, turn_rate_max));
@@ -314,34 +249,6 @@ impl SeekRobot {
         }
     }
 
-    /// Where the gradient points, by odometry (rad).
-    fn course_rad(&self, outlook: &Outlook) -> Option<f64> {
-        let Steering::Gradient { .. } = self.steering else { return None };
-        let place = outlook.place?;
-        let reach_m = self.reach_m();
-        let is_near = |distance_m: f64| if distance_m <= reach_m { 1.0 } else { 0.0 };
-        let samples: Vec<Sample> = self.readings.samples(place, Axes::Plane, is_near).collect();
-        let slope = gradient(&samples)?;
-        if slope.length_m() <= 0.0 {
-            return None;
-        }
-        let way = self.by_odometry(place, slope);
-        Some(libm::atan2(way.y_m, way.x_m))
-    }
-
-    /// A gradient at `place` on the map (1/m on the map) by odometry (1/m). Its length grows with the scale of the map, and
-    /// its direction is turned with it.
-    fn by_odometry(&self, place: Position, gradient: Position) -> Position {
-        let steepness = gradient.length_m();
-        let (Some(scale), true) = (self.place.scale(), steepness > 0.0) else { return gradient };
-        let ahead = place + gradient * (self.map.spacing_m() / steepness);
-        let Some((here, there)) = self.place.to_odometry(place).zip(self.place.to_odometry(ahead)) else {
-            return gradient;
-        };
-        let way = there - here;
-        way * (scale * steepness / way.length_m())
-    }
-
     /// A drive is over.
     fn ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
         match end {
@@ -358,11 +265,6 @@ impl SeekRobot {
     }
 }
 
-/// The time so long before `now`; the start if there was none.
-fn before(now: SimTime, span: Duration) -> SimTime {
-    SimTime::ZERO + now.saturating_since(SimTime::ZERO).saturating_sub(span)
-}
-
 impl Application for SeekRobot {
     fn hears(&self) -> bool {
         true
@@ -373,9 +275,16 @@ impl Application for SeekRobot {
     }
 
     fn started(&mut self, port: &mut Port<'_>) {
+        if let Some(heading_rad) = self.settings.start_heading_rad {
+            port.drive_arc(0.0, heading_rad - port.pose().heading_rad);
+        }
         self.steering.take_over(port.pose().heading_rad);
         self.ask(port);
-        port.after(self.settings.poll.interval, CONTROL);
+        let begin = match self.settings.poll.access {
+            Access::Ideal => Duration::ZERO,
+            Access::Frames { interval, .. } => interval,
+        };
+        port.after(begin, CONTROL);
     }
 
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
@@ -387,19 +296,7 @@ impl Application for SeekRobot {
     }
 
     fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
-        let Ok(SeekMessage::Answer(answer, field, value)) = SeekMessage::read(delivery.payload) else { return };
-        if delivery.network != self.network || field != self.settings.goal.field {
-            return;
-        }
-        self.record.answers += 1;
-        let heard = HeardNode {
-            place: answer.place,
-            gain: delivery.rssi - answer.tx_power,
-            rssi: delivery.rssi,
-            time: port.now(),
-        };
-        self.neighbourhood.hear(delivery.from, heard);
-        self.readings.hear(delivery.from, heard, value);
+        self.hear(delivery, port);
     }
 
     fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {

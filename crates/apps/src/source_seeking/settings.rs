@@ -5,9 +5,11 @@ use std::time::Duration;
 use sextant_kernel::SettingError;
 use sextant_sim::{Field, FieldId};
 
-use super::config::{AfterArrival, GoalConfig, GradientConfig, LevelSetConfig, PollConfig, Preset, SpaceConfig};
-use super::field_estimate::{EstimateConfig, LocalFitConfig};
+use super::config::{GradientConfig, LevelSetConfig, Preset, SpaceConfig};
+use super::estimate::{Estimate, Weights};
+use super::goal::{Goal, Target};
 use super::level_set::{Climb, HigherField, LevelSet, Patience};
+use super::poll::{Access, Poll};
 use super::rate::RateConfig;
 
 /// The settings of source seeking, checked.
@@ -17,7 +19,9 @@ pub struct SourceSeeking {
     pub(super) guidance: Guidance,
     pub(super) turn_rate_max_rad_per_s: f64,
     pub(super) control: Duration,
-    pub(super) estimate: EstimateConfig,
+    /// Heading at the start, by odometry (rad); as it is if absent.
+    pub(super) start_heading_rad: Option<f64>,
+    pub(super) estimate: Estimate,
     pub(super) poll: Poll,
     pub(super) when_stuck: WhenStuck,
 }
@@ -29,18 +33,6 @@ pub(super) enum WhenStuck {
     GoesOn,
     /// It drives to a random place on the map.
     Wanders,
-}
-
-/// What robots seek.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Goal {
-    pub(super) field: FieldId,
-    pub(super) level: f64,
-    pub(super) tolerance: f64,
-    pub(super) hold: Duration,
-    pub(super) then: AfterArrival,
-    pub(super) arrivals: u32,
-    pub(super) remove_within_m: Option<f64>,
 }
 
 /// How robots are guided.
@@ -55,7 +47,11 @@ pub(super) enum Guidance {
         torsion: Option<Torsion>,
     },
     /// Up the gradient.
-    Gradient { gain_per_s: f64 },
+    Gradient {
+        gain_per_s: f64,
+        /// How far nodes of its plane may be from the robot on the map (m).
+        plane_reach_m: Option<f64>,
+    },
 }
 
 /// Torsion of a path in space.
@@ -67,17 +63,8 @@ pub(super) enum Torsion {
     PerMetre(f64),
 }
 
-/// How robots ask nodes for their readings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Poll {
-    pub(super) interval: Duration,
-    pub(super) reach_m: Option<f64>,
-    pub(super) memory: Duration,
-}
-
-/// Longest times (s).
-const LONGEST_INTERVAL_S: f64 = 60.0;
-const LONGEST_S: f64 = 1e6;
+/// Nodes that count with the preset `thesis` (m): a reading of ours, because the thesis does not print the radius.
+const THESIS_REACH_M: f64 = 4.0;
 
 impl SourceSeeking {
     /// The settings of the law of sliding mode, in a world with these fields.
@@ -86,7 +73,7 @@ impl SourceSeeking {
     /// If a setting is out of its range, or there is no such field.
     pub fn level_set(config: &LevelSetConfig, fields: &[Field]) -> Result<Self, SettingError> {
         let turn_rate_max = SettingError::positive("turn_rate_max_rad_per_s", config.turn_rate_max_rad_per_s)?;
-        let goal = goal(&config.goal, fields).map_err(|error| error.within("goal"))?;
+        let goal = config.goal.checked(fields).map_err(|error| error.within("goal"))?;
         let is_thesis = config.preset == Preset::Thesis;
         let climb = match (config.delta, config.climb_share) {
             (Some(_), Some(_)) => {
@@ -97,32 +84,41 @@ impl SourceSeeking {
             (None, None) if is_thesis => Climb::Delta(0.1),
             (None, None) => Climb::Share(0.7),
         };
-        let estimate = config.estimate.unwrap_or_else(|| match config.preset {
-            Preset::Thesis => EstimateConfig::PowerWeights {},
-            Preset::Adaptive => EstimateConfig::default(),
-        });
-        if matches!((climb, estimate), (Climb::Share(_), EstimateConfig::PowerWeights {})) {
-            let remedy = "set `delta`, because power weights do not show how steep the field is";
-            return Err(SettingError::conflict("climb_share", "`estimate.power_weights`", remedy));
+        let preset = match config.preset {
+            Preset::Thesis => Estimate::Mean(Weights::Equal, Some(THESIS_REACH_M)),
+            Preset::Adaptive => Estimate::default(),
+        };
+        let estimate = config.estimate.unwrap_or_default().checked(preset);
+        let estimate = estimate.map_err(|error| error.within("estimate"))?;
+        let is_mean = matches!(estimate, Estimate::Mean(..));
+        if is_mean && matches!(climb, Climb::Share(_)) {
+            let remedy = "set `delta`, because a mean does not show how steep the field is";
+            return Err(SettingError::conflict("climb_share", "`estimate.weights`", remedy));
+        }
+        if is_mean && config.space.is_some() {
+            let remedy = "use `estimate.local_fit`, because a mean does not show where the field is higher";
+            return Err(SettingError::conflict("space", "`estimate.weights`", remedy));
         }
         let boundary_layer = config.boundary_layer.unwrap_or(if is_thesis { 0.0 } else { 0.5 });
-        if config.space.is_some() && estimate == (EstimateConfig::PowerWeights {}) {
-            let remedy = "use `estimate.local_fit`, because power weights do not show where the field is higher";
-            return Err(SettingError::conflict("space", "`estimate.power_weights`", remedy));
-        }
         let torsion = config.space.map(|SpaceConfig { torsion_per_m }| match torsion_per_m {
             None => Ok(Torsion::LikeCurvature),
             Some(torsion) => SettingError::finite("space.torsion_per_m", torsion).map(Torsion::PerMetre),
         });
-        let rate = config.rate.unwrap_or(RateConfig::LeastSquares { samples: 5 });
+        let rate = config.rate.unwrap_or(match config.preset {
+            Preset::Thesis => RateConfig::Difference,
+            Preset::Adaptive => RateConfig::LeastSquares { samples: 5 },
+        });
         let law = LevelSet {
-            level: goal.level,
+            level: config.goal.level,
             turn_rate_max,
             gamma_per_s: SettingError::positive("gamma_per_s", config.gamma_per_s.unwrap_or(1.0))?,
             climb,
             boundary_layer: SettingError::in_range("boundary_layer", boundary_layer, 0.0, 100.0)?,
             patience: if is_thesis { Patience::Endless } else { Patience::TwoTurns },
         };
+        let in_turn = |heading_deg| SettingError::in_range("start_heading_deg", heading_deg, -360.0, 360.0);
+        let heading_deg = config.start_heading_deg.map(in_turn);
+        let access = if is_thesis { Access::Ideal } else { Access::frames() };
         Ok(Self {
             goal,
             guidance: Guidance::LevelSet {
@@ -133,8 +129,9 @@ impl SourceSeeking {
             },
             turn_rate_max_rad_per_s: turn_rate_max,
             control: control(config.control_s)?,
-            estimate: estimate.checked().map_err(|error| error.within("estimate"))?,
-            poll: poll(&config.poll).map_err(|error| error.within("poll"))?,
+            start_heading_rad: heading_deg.transpose()?.map(f64::to_radians),
+            estimate,
+            poll: config.poll.checked(access).map_err(|error| error.within("poll"))?,
             when_stuck: if is_thesis { WhenStuck::GoesOn } else { WhenStuck::Wanders },
         })
     }
@@ -144,18 +141,22 @@ impl SourceSeeking {
     /// # Errors
     /// If a setting is out of its range, or there is no such field.
     pub fn gradient(config: &GradientConfig, fields: &[Field]) -> Result<Self, SettingError> {
+        let reach_m = config.plane.reach_m.map(|reach_m| SettingError::positive("plane.reach_m", reach_m));
+        let estimate = config.estimate.checked(Estimate::default());
         Ok(Self {
-            goal: goal(&config.goal, fields).map_err(|error| error.within("goal"))?,
+            goal: config.goal.checked(fields)?,
             guidance: Guidance::Gradient {
                 gain_per_s: SettingError::positive("heading_gain_per_s", config.heading_gain_per_s)?,
+                plane_reach_m: reach_m.transpose()?,
             },
             turn_rate_max_rad_per_s: SettingError::positive(
                 "turn_rate_max_rad_per_s",
                 config.turn_rate_max_rad_per_s,
             )?,
             control: control(config.control_s)?,
-            estimate: config.estimate.checked().map_err(|error| error.within("estimate"))?,
-            poll: poll(&config.poll).map_err(|error| error.within("poll"))?,
+            start_heading_rad: None,
+            estimate: estimate.map_err(|error| error.within("estimate"))?,
+            poll: config.poll.checked(Access::frames()).map_err(|error| error.within("poll"))?,
             when_stuck: WhenStuck::Wanders,
         })
     }
@@ -166,10 +167,29 @@ impl SourceSeeking {
         self.goal.field
     }
 
-    /// The value that is sought.
+    /// The value that is sought; `None` if it is the source, whose value nobody knows.
     #[must_use]
-    pub fn level(&self) -> f64 {
-        self.goal.level
+    pub fn level(&self) -> Option<f64> {
+        match self.goal.target {
+            Target::Level(level) => Some(level.value),
+            Target::Source => None,
+        }
+    }
+
+    /// The value at which a robot has arrived: the level less its tolerance.
+    #[must_use]
+    pub fn arrival_value(&self) -> Option<f64> {
+        match self.goal.target {
+            Target::Level(level) => Some(level.value - level.tolerance),
+            Target::Source => None,
+        }
+    }
+
+    /// Whether readings are weighted by the ratio of two powers as numbers in dBm, which has no value if nodes send with
+    /// 0 dBm.
+    #[must_use]
+    pub fn weighs_by_dbm(&self) -> bool {
+        matches!(self.estimate, Estimate::Mean(Weights::DbmRatio, _))
     }
 
     /// The rate γ δ at which the value rises far below the level (1/s), if the law has a fixed one.
@@ -182,88 +202,8 @@ impl SourceSeeking {
             Guidance::LevelSet { .. } | Guidance::Gradient { .. } => None,
         }
     }
-
-    /// How far below the level a robot has arrived.
-    #[must_use]
-    pub fn tolerance(&self) -> f64 {
-        self.goal.tolerance
-    }
-}
-
-fn span(key: &str, seconds: f64, least_s: f64, most_s: f64) -> Result<Duration, SettingError> {
-    SettingError::in_range(key, seconds, least_s, most_s).map(Duration::from_secs_f64)
 }
 
 fn control(control_s: f64) -> Result<Duration, SettingError> {
-    span("control_s", control_s, 1e-3, 10.0)
-}
-
-fn goal(config: &GoalConfig, fields: &[Field]) -> Result<Goal, SettingError> {
-    let arrivals = config.arrivals;
-    if arrivals == 0 {
-        return Err(SettingError::new("arrivals", arrivals, "1 or more"));
-    }
-    if arrivals > 1 && config.remove_within_m.is_none() {
-        let allowed =
-            "1, unless `remove_within_m` says which sources a robot removes: otherwise it stays with the first";
-        return Err(SettingError::new("arrivals", arrivals, allowed));
-    }
-    let tolerance = SettingError::not_negative("tolerance", config.tolerance)?;
-    let hold = span("hold_s", config.hold_s, 0.0, LONGEST_S)?;
-    if tolerance <= 0.0 && !hold.is_zero() {
-        return Err(SettingError::new("tolerance", tolerance, "a number above 0 beside `hold_s`"));
-    }
-    Ok(Goal {
-        field: field(config.field.as_deref(), fields)?,
-        level: SettingError::finite("level", config.level)?,
-        tolerance,
-        hold,
-        then: config.then,
-        arrivals,
-        remove_within_m: config
-            .remove_within_m
-            .map(|reach_m| SettingError::positive("remove_within_m", reach_m))
-            .transpose()?,
-    })
-}
-
-/// The field with this name, or the only one.
-fn field(name: Option<&str>, fields: &[Field]) -> Result<FieldId, SettingError> {
-    let names = || {
-        let names: Vec<String> = fields.iter().map(|field| format!("`{}`", field.name())).collect();
-        if names.is_empty() { "a field in `[[world.fields]]`".into() } else { names.join(", ") }
-    };
-    let index = match (name, fields) {
-        (Some(name), _) => fields
-            .iter()
-            .position(|field| field.name() == name)
-            .ok_or_else(|| SettingError::new("field", format!("`{name}`"), names()))?,
-        (None, [_]) => 0,
-        (None, _) => return Err(SettingError::missing("field", names())),
-    };
-    Ok(FieldId(u16::try_from(index).expect("at most 65536 fields")))
-}
-
-fn poll(config: &PollConfig) -> Result<Poll, SettingError> {
-    let interval = span("interval_s", config.interval_s, 0.05, LONGEST_INTERVAL_S)?;
-    let memory = span("memory_s", config.memory_s, 0.05, LONGEST_S)?;
-    if memory < interval {
-        let allowed = format!("at least {}, the value of `interval_s`", config.interval_s);
-        return Err(SettingError::new("memory_s", config.memory_s, allowed));
-    }
-    let reach_m = config.reach_m.map(|reach_m| SettingError::positive("reach_m", reach_m)).transpose()?;
-    Ok(Poll { interval, reach_m, memory })
-}
-
-impl EstimateConfig {
-    /// Itself, if it is valid.
-    fn checked(self) -> Result<Self, SettingError> {
-        if let Self::LocalFit(LocalFitConfig { bandwidth_spacings, significance }) = self {
-            let table = "local_fit";
-            SettingError::in_range("bandwidth_spacings", bandwidth_spacings, 0.1, 100.0)
-                .map_err(|error| error.within(table))?;
-            SettingError::not_negative("significance", significance).map_err(|error| error.within(table))?;
-        }
-        Ok(self)
-    }
+    SettingError::in_range("control_s", control_s, 1e-3, 10.0).map(Duration::from_secs_f64)
 }

@@ -15,7 +15,7 @@ const STEEPEST_S: f64 = 1.0;
 #[derive(Debug)]
 pub(super) enum Steering {
     LevelSet(Box<LevelSetSteering>),
-    Gradient { gain_per_s: f64 },
+    Gradient { gain_per_s: f64, plane_reach_m: Option<f64> },
 }
 
 /// The law of a level set with what it needs to know.
@@ -42,7 +42,7 @@ impl Steering {
     /// Of a robot that moves at `speed_m_per_s`.
     pub(super) fn new(guidance: &Guidance, speed_m_per_s: f64) -> Self {
         match *guidance {
-            Guidance::Gradient { gain_per_s } => Self::Gradient { gain_per_s },
+            Guidance::Gradient { gain_per_s, plane_reach_m } => Self::Gradient { gain_per_s, plane_reach_m },
             Guidance::LevelSet { law, rate, higher, torsion } => Self::LevelSet(Box::new(LevelSetSteering {
                 sliding: Sliding::new(law),
                 higher,

@@ -43,14 +43,15 @@ struct Found {
     field: Field,
     path: Vec<(SimTime, Position)>,
     removed: usize,
-    told: usize,
+    /// The values of the field that it believed in.
+    told: Vec<(SimTime, f64)>,
 }
 
 #[derive(Default)]
 struct Watch {
     path: Vec<(SimTime, Position)>,
     removed: usize,
-    told: usize,
+    told: Vec<(SimTime, f64)>,
 }
 
 impl Observer for Watch {
@@ -62,8 +63,10 @@ impl Observer for Watch {
         self.removed += 1;
     }
 
-    fn estimated(&mut self, _station: sextant_kernel::StationId, _time: SimTime, estimate: &Estimate) {
-        self.told += usize::from(matches!(estimate, Estimate::FieldValue { .. }));
+    fn estimated(&mut self, _station: sextant_kernel::StationId, time: SimTime, estimate: &Estimate) {
+        if let Estimate::FieldValue { value, .. } = *estimate {
+            self.told.push((time, value));
+        }
     }
 }
 
@@ -213,7 +216,7 @@ fn a_robot_arrives_at_the_level_and_stops() {
         // 16.3 m to the centre, less the 4.6 m of the level, at 0.5 m/s: no way is shorter.
         assert!(found.arrival_s() > 2.0 * (16.3 - 4.8), "{} s", found.arrival_s());
         assert!(found.end().distance_m(found.record.arrivals[0].odometry) < 1e-9);
-        assert!(found.told > 100 && found.record.answers > 1000);
+        assert!(found.told.len() > 100 && found.record.answers > 1000);
     }
 }
 
@@ -243,6 +246,61 @@ fn the_gradient_leads_almost_straight_to_the_level() {
     // Two seconds of orientation, and a turn at the start.
     let shortest_s = 2.0 * (16.3 - 4.8);
     assert!((shortest_s..shortest_s + 6.0).contains(&found.arrival_s()), "{} s", found.arrival_s());
+}
+
+#[test]
+fn a_robot_without_a_level_drives_on_to_the_source() {
+    for (seed, snr_db, most_m) in [(1, None, 0.7), (2, None, 0.7), (3, Some(20.0), 2.5), (4, Some(20.0), 2.5)] {
+        let found = Scene { snr_db, seed, ..Scene::default() }.gradient("goal = \"source\"\nplane.reach_m = 4.0");
+        assert_eq!(found.record.state, SeekState::Arrived, "seed {seed}");
+        let apart_m = found.end().distance_m(Position::new(15.0, 15.0, 0.0));
+        assert!(apart_m < most_m, "seed {seed}: {apart_m} m from the source");
+        // 16.3 m at 0.5 m/s, less the distance at the arrival.
+        assert!(found.arrival_s() > 2.0 * (16.2 - apart_m), "{} s", found.arrival_s());
+    }
+}
+
+#[test]
+fn a_field_without_a_peak_in_reach_has_no_source() {
+    // It rises to the east everywhere.
+    let field = "name = \"gas\"\ngaussians = [{ center_m = [300, 10], peak = 10, sigma_m = 250 }]";
+    let found = Scene { field, duration_s: 60.0, ..Scene::default() }.gradient("goal = \"source\"");
+    assert!(found.record.arrivals.is_empty(), "{:?}", found.record);
+}
+
+#[test]
+fn with_ideal_polls_a_robot_knows_the_nodes_in_reach_at_each_step() {
+    let thesis = "goal.level = 9.0\npreset = \"thesis\"\nestimate.weights = \"equal\"\nestimate.reach_m = 3.0";
+    let scene = || Scene { duration_s: 30.0, ..Scene::default() };
+    let found = scene().level_set(thesis);
+    // It decides each 0.1 s, but for the first second, in which not all nodes have taken a sample.
+    assert!((290..=300).contains(&found.told.len()), "{} decisions", found.told.len());
+    assert_eq!((found.record.polls, found.record.answers, found.record.octets), (0, 0, 0), "without frames");
+    let places = scene().places();
+    let mut off = 0;
+    for &(time, value) in &found.told {
+        let (_, here) = found.path.iter().rev().find(|(moved, _)| *moved <= time).expect("a place");
+        let near = places.iter().filter(|place| place.distance_m(*here) <= 3.0);
+        let values: Vec<f64> = near.map(|place| found.field.full_value(*place)).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        assert!((value - mean).abs() < 0.5, "{value} for {mean}");
+        off += usize::from((value - mean).abs() > 0.15);
+    }
+    // The place on the map is a little off, so that a few nodes at the rim differ.
+    assert!(off < found.told.len() / 4, "{off} of {}", found.told.len());
+    // All nodes in range at once are the same at any channel access: no seed of the MAC matters.
+    assert_eq!(scene().level_set(thesis).told, found.told);
+}
+
+#[test]
+fn the_thesis_preset_reaches_the_level() {
+    let mut arrived = 0;
+    for seed in 1..=4 {
+        let found =
+            Scene { seed, ..Scene::default() }.level_set("goal.level = 9.0\npreset = \"thesis\"\ndelta = 0.05");
+        arrived += found.record.arrivals.len();
+    }
+    assert_eq!(arrived, 4);
 }
 
 #[test]
@@ -338,12 +396,27 @@ fn invalid_settings_are_rejected_with_their_key() {
     assert_eq!(key("goal = { level = 9.0, tolerance = 0.0, hold_s = 1.0 }"), "goal.tolerance");
     assert_eq!(key("goal.level = 9.0\nclimb_share = 1.5"), "climb_share");
     assert_eq!(key("goal.level = 9.0\nclimb_share = 0.5\ndelta = 0.1"), "delta");
-    assert_eq!(key("goal.level = 9.0\nestimate.power_weights = {}"), "climb_share");
+    assert_eq!(key("goal.level = 9.0\nestimate.weights = \"power\""), "climb_share");
+    assert_eq!(key("goal.level = 9.0\ndelta = 0.1\nspace = {}\nestimate.weights = \"equal\""), "space");
+    assert_eq!(key("goal.level = 9.0\nestimate = { local_fit = {}, weights = \"equal\" }"), "estimate.local_fit");
+    assert_eq!(key("goal.level = 9.0\nestimate.reach_m = 4.0"), "estimate.weights");
+    assert_eq!(key("goal.level = 9.0\npoll = { ideal = true, interval_s = 1.0 }"), "poll.interval_s");
+    assert_eq!(key("goal.level = 9.0\npreset = \"thesis\"\npoll.memory_s = 5.0"), "poll.memory_s");
     assert_eq!(key("goal.level = 9.0\npoll.memory_s = 0.5"), "poll.memory_s");
     assert_eq!(key("goal.level = 9.0\nrate.least_squares.samples = 1"), "rate.least_squares.samples");
     assert_eq!(
         key("goal.level = 9.0\nestimate.local_fit.bandwidth_spacings = 0.0"),
         "estimate.local_fit.bandwidth_spacings"
+    );
+    let gradient = |settings: &str, fields: &[Field]| {
+        let config: GradientConfig = toml::from_str(settings).expect("settings");
+        SourceSeeking::gradient(&config, fields).expect_err("invalid settings").to_string()
+    };
+    let one = std::slice::from_ref(&field);
+    assert!(gradient("goal = \"source\"\nplane.reach_m = 0.0", one).starts_with("`plane.reach_m` is 0"));
+    assert_eq!(
+        gradient("goal = \"source\"", &[field.clone(), field.clone()]),
+        "`goal` is \"source\" in a world with 2 fields; allowed: a table with `field` and `level`"
     );
     let absent = error("goal.level = 9.0", &[]);
     assert_eq!(absent.to_string(), "`goal.field` is missing; needed: a field in `[[world.fields]]`");

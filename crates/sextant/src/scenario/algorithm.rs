@@ -5,6 +5,7 @@ use std::sync::Arc;
 use sextant_apps::AlgorithmConfig;
 use sextant_apps::source_seeking::SourceSeeking;
 use sextant_apps::target_search::TargetSearch;
+use sextant_channel::Dbm;
 use sextant_kernel::SettingError;
 use sextant_sim::{Field, Gaussian, Radio};
 
@@ -38,7 +39,9 @@ impl Algorithm {
             AlgorithmConfig::Gradient(config) => SourceSeeking::gradient(config, fields).map(seek),
         };
         let task = task.and_then(|task| match &task {
-            Task::Seek(seek) => check_level(seek, fields).map(|()| task),
+            Task::Seek(seek) => {
+                check_level(seek, fields).and_then(|()| check_weights(seek, radio.tx_power())).map(|()| task)
+            }
             Task::Search(_) => Ok(task),
         });
         let task = task.map_err(|error| error.within(format!("algorithm.{}", config.key())))?;
@@ -51,9 +54,10 @@ impl Algorithm {
         matches!(self.task, Task::Search(_))
     }
 
-    /// Number of the field whose source it seeks, and the level that it wants to reach, in the unit of the field.
+    /// Number of the field whose source it seeks, and the level that it wants to reach, in the unit of the field; no level
+    /// if it is the source itself.
     #[must_use]
-    pub fn sought(&self) -> Option<(usize, f64)> {
+    pub fn sought(&self) -> Option<(usize, Option<f64>)> {
         match &self.task {
             Task::Search(_) => None,
             Task::Seek(seek) => Some((seek.field().index(), seek.level())),
@@ -65,9 +69,20 @@ impl Algorithm {
 fn check_level(seek: &SourceSeeking, fields: &[Field]) -> Result<(), SettingError> {
     let field = &fields[seek.field().index()];
     let highest: f64 = field.gaussians().iter().map(Gaussian::peak).filter(|peak| *peak > 0.0).sum();
-    if seek.level() - seek.tolerance() > highest {
-        let found = format!("{}, which the field `{}` has nowhere", seek.level(), field.name());
+    if let (Some(level), Some(least)) = (seek.level(), seek.arrival_value())
+        && least > highest
+    {
+        let found = format!("{level}, which the field `{}` has nowhere", field.name());
         return Err(SettingError::new("goal.level", found, format!("at most {highest}, the sum of its peaks")));
+    }
+    Ok(())
+}
+
+/// Refuses weights that have no value: a number of dBm divided by zero.
+fn check_weights(seek: &SourceSeeking, tx_power: Dbm) -> Result<(), SettingError> {
+    if seek.weighs_by_dbm() && tx_power.0.abs() <= 0.0 {
+        let found = "`dbm_ratio`, which has no value for a transmit power of 0 dBm";
+        return Err(SettingError::new("estimate.weights", found, "`equal` or `power`"));
     }
     Ok(())
 }

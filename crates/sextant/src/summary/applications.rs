@@ -24,7 +24,7 @@ pub struct ApplicationSummary {
     /// Whether all targets were captured. Absent if it seeks the source of a field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub captured: Option<bool>,
-    /// Whether a robot arrived at the level that it seeks. Absent if it searches targets.
+    /// Whether a robot arrived at the level or the source that it seeks. Absent if it searches targets.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arrived: Option<bool>,
     /// When the last target was captured, or the first robot arrived for the first time (s). Absent if that did not
@@ -65,7 +65,11 @@ pub struct ApplicationSummary {
     /// field. Absent if no robot did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub field_error: Option<ErrorSummary>,
-    /// The level that it seeks, in the unit of the field.
+    /// Distance between where the robot truly was at the first arrival and the nearest source (m). Absent if it seeks a
+    /// level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source_m: Option<f64>,
+    /// The level that it seeks, in the unit of the field. Absent if it seeks the source itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
     /// The largest true value of the field where a robot was, in the unit of the field.
@@ -74,7 +78,8 @@ pub struct ApplicationSummary {
     /// The arrivals, in the order of time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub arrivals: Vec<ArrivalSummary>,
-    /// The least time in which the control law can reach the level from the start of the robot (s).
+    /// The least time in which the control law can reach the level from the start of the robot (s), if the value that it
+    /// works with is the exact one: readings that differ from the field can take it there sooner.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law_minimum_s: Option<f64>,
     /// How often each kind of step was taken, by name: what the filters, the predictions and the controllers did.
@@ -166,7 +171,7 @@ pub struct ApplicationTarget {
     pub left_s: Option<f64>,
 }
 
-/// An arrival at the level of a field.
+/// An arrival at the level or the source of a field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ArrivalSummary {
     /// Name of the robot.
@@ -177,6 +182,9 @@ pub struct ArrivalSummary {
     pub believed: f64,
     /// The true value there.
     pub value: f64,
+    /// Distance between where the robot truly was and the nearest source (m). Absent if it seeks a level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source_m: Option<f64>,
 }
 
 /// The messages of an application.

@@ -63,14 +63,16 @@ fn details(application: &ApplicationSummary, out: &mut impl Write) -> io::Result
         writeln!(out, "{name}: {} {}", target.name, fate(target))?;
     }
     for arrival in &application.arrivals {
-        let ArrivalSummary { robot, time_s, believed, value } = arrival;
-        writeln!(out, "{name}: {robot} arrived after {time_s:.1} s, at {value:.2} (believed {believed:.2})")?;
+        let ArrivalSummary { robot, time_s, believed, value, source_m } = arrival;
+        let source = source_m.map_or_else(String::new, |source_m| format!(", {source_m:.2} m from the source"));
+        writeln!(out, "{name}: {robot} arrived after {time_s:.1} s, at {value:.2} (believed {believed:.2}){source}")?;
     }
-    if let (Some(level), Some(largest)) = (application.level, application.largest_value) {
+    if let Some(largest) = application.largest_value {
+        let sought = application.level.map_or_else(|| "the source".to_owned(), |level| format!("{level:.2}"));
         let least = application.law_minimum_s.map_or_else(String::new, |least_s| {
-            format!(", which the control law reaches in no less than {least_s:.1} s")
+            format!(", which the control law reaches in the exact field in no less than {least_s:.1} s")
         });
-        writeln!(out, "{name}: sought {level:.2}{least}; largest value on the way {largest:.2}")?;
+        writeln!(out, "{name}: sought {sought}{least}; largest value on the way {largest:.2}")?;
     }
     let kinds: Vec<String> = application
         .messages

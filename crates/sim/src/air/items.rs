@@ -1,6 +1,6 @@
 //! The power of a link, item by item.
 
-use sextant_channel::{Db, Dbm, PathBudget, Position};
+use sextant_channel::{Db, Dbm, Milliwatts, PathBudget, Position};
 use sextant_kernel::SimTime;
 
 use super::listener::Listener;
@@ -36,6 +36,21 @@ impl Air {
         let signal = self.trial(emission, from);
         let listener = Listener { receiver: to.radio.receiver, station: to.radio.station, place: to.place };
         self.medium.items(&signal, &listener)
+    }
+
+    /// The power of a frame from one radio that begins `now` at another; `None` if it could not be received even if nothing
+    /// else disturbed it.
+    pub(crate) fn undisturbed(
+        &mut self,
+        now: SimTime,
+        emission: Emission,
+        from: PlacedRadio,
+        to: PlacedRadio,
+    ) -> Option<Milliwatts> {
+        let signal = Signal { draw: self.draw_at(now), start: now, end: now, ..self.trial(emission, from) };
+        let Interface { receiver, station } = to.radio;
+        let power = self.medium.power_at(&signal, &Listener { receiver, station, place: to.place })?;
+        (power >= self.rules(receiver).least_power()).then_some(power)
     }
 
     /// A frame of no length that is not sent.

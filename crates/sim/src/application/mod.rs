@@ -1,6 +1,7 @@
 //! Applications: what runs on a station, above its links. An application knows its own state, what is delivered to it
 //! and its clock; a robot's also its odometry and its range sensors.
 
+mod ideal;
 mod pointer;
 mod port;
 

@@ -40,7 +40,7 @@ impl<A: Application> Engine<A> {
     /// A node samples the fields.
     pub(super) fn sample(&mut self, station: StationId, observer: &mut impl Observer) {
         for number in 0..self.model.world.fields.len() {
-            let model = &self.model;
+            let model = &mut self.model;
             let sampled =
                 model.sensing.read(station, FieldId::from_index(number), &model.world.fields[number], &model.scene);
             self.tell_sensed(station, &sampled, observer);

@@ -6,6 +6,7 @@ use std::time::Duration;
 use sextant_kernel::{Rank, SimTime, StationId};
 
 use super::books::Books;
+use super::transmitter::Transmitter;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
@@ -93,6 +94,9 @@ pub(crate) trait NetworkLinks {
     fn sectors(&self, _station: StationId) -> Option<u8> {
         None
     }
+
+    /// The radio of a station; `None` if the station is not in the network, or dead.
+    fn transmitter(&self, station: StationId) -> Option<Transmitter>;
 
     /// Begins a sector sweep of a station.
     ///

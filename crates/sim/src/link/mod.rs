@@ -17,6 +17,7 @@ mod payloads;
 pub(crate) mod settings;
 mod technology;
 mod track;
+pub(crate) mod transmitter;
 
 use sextant_kernel::SettingError;
 

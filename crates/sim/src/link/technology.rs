@@ -15,6 +15,7 @@ use super::ieee80211ad::{self, Ieee80211ad};
 use super::ieee802154::{self, Ieee802154};
 use super::links::{Cut, NetworkLinks};
 use super::settings::{LinkSettings, Placement};
+use super::transmitter::Transmitter;
 use crate::event::link::LinkEvent;
 use crate::observer::Observer;
 use crate::scene::Scene;
@@ -245,6 +246,10 @@ impl Links {
 
     pub(crate) fn sectors(&self, station: StationId) -> Option<u8> {
         ask!(self, links => links.sectors(station))
+    }
+
+    pub(crate) fn transmitter(&self, station: StationId) -> Option<Transmitter> {
+        ask!(self, links => links.transmitter(station))
     }
 
     pub(crate) fn sweep(&mut self, station: StationId, kind: SweepKind, scene: &mut Scene) -> Result<(), SweepError> {

@@ -164,11 +164,16 @@ impl Sensing {
     ///
     /// # Panics
     /// If the node samples no fields.
-    pub(crate) fn read(&self, station: StationId, id: FieldId, field: &Field, scene: &Scene) -> Sensed {
-        let readings = self.readings.as_ref().expect("samples are scheduled for nodes with a sensor");
+    pub(crate) fn read(&mut self, station: StationId, id: FieldId, field: &Field, scene: &Scene) -> Sensed {
+        let readings = self.readings.as_mut().expect("samples are scheduled for nodes with a sensor");
         let truth = field.value(scene.place(station), scene.now);
         let value = readings.read(NodeId(station.0), id.index(), truth, scene.now);
         Sensed::Sampled { field: id, value }
+    }
+
+    /// The latest sample of a field by a node, if there was any.
+    pub(crate) fn latest(&self, node: NodeId, field: FieldId) -> Option<f64> {
+        self.readings.as_ref()?.latest(node, field.index())
     }
 
     /// Schedules the next samples of a node.

@@ -19,6 +19,8 @@ pub(super) struct Readings {
     sensor: FieldSensor,
     nodes: Vec<NodeId>,
     errors: Vec<Errors>,
+    /// The latest sample of each field, by node.
+    latest: Vec<Option<f64>>,
     seed: Seed,
 }
 
@@ -31,8 +33,9 @@ struct Errors {
 
 impl Readings {
     pub(super) fn new(sensor: FieldSensor, world: &World, nodes: Vec<NodeId>, seed: Seed) -> Self {
+        let latest = vec![None; world.nodes.len() * world.fields.len()];
         let errors = world.fields.iter().map(|field| Errors::of(&sensor, mean_square(field, world))).collect();
-        Self { sensor, nodes, errors, seed }
+        Self { sensor, nodes, errors, latest, seed }
     }
 
     /// The nodes that sample.
@@ -53,11 +56,24 @@ impl Readings {
 
     /// What a node reads at `time` where the field number `field` has `value`: value + offset of the sensor (thesis,
     /// section 7.4, sensor model) + noise of the sample.
-    pub(super) fn read(&self, node: NodeId, field: usize, value: f64, time: SimTime) -> f64 {
+    pub(super) fn read(&mut self, node: NodeId, field: usize, value: f64, time: SimTime) -> f64 {
         let Errors { offset, noise } = self.errors[field];
         let normal = |what| self.seed.normal(purpose::SENSING, [node.0.into(), field as u64, what]);
         let drawn = |sigma: f64, what| if sigma > 0.0 { sigma * normal(what) } else { 0.0 };
-        value + drawn(offset, OFFSET) + drawn(noise, time.as_nanos())
+        let sample = value + drawn(offset, OFFSET) + drawn(noise, time.as_nanos());
+        let slot = self.slot(node, field);
+        self.latest[slot] = Some(sample);
+        sample
+    }
+
+    /// The latest sample of the field number `field` by a node, if there was any.
+    pub(super) fn latest(&self, node: NodeId, field: usize) -> Option<f64> {
+        let is_known = field < self.errors.len();
+        self.latest.get(self.slot(node, field)).copied().filter(|_| is_known)?
+    }
+
+    fn slot(&self, node: NodeId, field: usize) -> usize {
+        node.index() * self.errors.len() + field
     }
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod delays;
 pub(crate) mod delivery;
 pub(crate) mod estimate;
+pub(crate) mod ideal;
 pub(crate) mod network_id;
 pub(crate) mod outcome;
 pub(crate) mod packet_trace;

@@ -12,6 +12,7 @@ mod faults;
 mod flooding;
 mod halo;
 mod hopping;
+mod ideal;
 mod interference;
 mod listening;
 mod meeting;

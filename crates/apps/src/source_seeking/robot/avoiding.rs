@@ -34,7 +34,8 @@ impl SeekRobot {
         let step_m = self.step_m();
         let heading_rad = outlook.pose.heading_rad;
         let course_rad = self.course_rad(&outlook).unwrap_or(heading_rad);
-        let levels = [outlook.field.smooth, self.settings.goal.level];
+        let value = outlook.field.smooth;
+        let levels = [value, self.settings.goal.level_or(value)];
         if boundary.may_leave(course_rad, levels, step_m, clearance(port, f64::INFINITY)) {
             self.left = Some((boundary, port.now()));
             self.mode = Mode::Seeking;

@@ -20,8 +20,9 @@ impl SeekRobot {
         if !seeks || self.settings.when_stuck == WhenStuck::GoesOn {
             return false;
         }
-        let is_stuck =
-            self.progress.is_stuck([outlook.field.smooth, self.settings.goal.level], self.step_m(), self.reach_m());
+        let value = outlook.field.smooth;
+        let levels = [value, self.settings.goal.level_or(value)];
+        let is_stuck = self.progress.is_stuck(levels, self.step_m(), self.reach_m());
         is_stuck || outlook.place.is_some_and(|place| self.is_off_map(place))
     }
 

@@ -89,6 +89,38 @@ fn invalid_applications_are_refused_at_their_key() {
 }
 
 #[test]
+fn goals_and_estimates_are_refused_at_their_key() {
+    let goal = "`applications[0].algorithm.gradient.goal`";
+    let law = "applications[1].algorithm.level_set";
+    let gradient = |goal: &str| seeking().replacen("{ goal = { level = 9.0 } }", &format!("{{ goal = {goal} }}"), 1);
+    let level_set = |more: &str| seeking().replacen("delta = 0.5", &format!("delta = 0.5, {more}"), 1);
+    for (scenario, key, allowed) in [
+        (gradient("\"sources\""), format!("unknown choice `sources` for {goal}"), "did you mean `source`?"),
+        (gradient("3"), format!("{goal} is the integer 3"), "allowed: \"source\", or a table with `level`"),
+        (gradient("{ levl = 9.0 }"), format!("unknown key `levl` in {goal}"), "did you mean `level`?"),
+        (gradient("\"level\""), format!("`level` is missing in {goal}"), ""),
+        (
+            level_set("estimate = { local_fit = {}, weights = \"equal\" }"),
+            format!("`{law}.estimate.local_fit` conflicts with `weights`"),
+            "set one of them",
+        ),
+        (
+            level_set("poll = { ideal = true, interval_s = 1.0 }"),
+            format!("`{law}.poll.interval_s` conflicts with `ideal = true`"),
+            "or set `ideal = false`",
+        ),
+    ] {
+        let said = refused(&scenario, None);
+        assert!(said.contains(&key) && said.contains(allowed), "{key}: {said}");
+    }
+    let loud = level_set("estimate.weights = \"dbm_ratio\"");
+    let radio = |line: &str| line.starts_with("tx_power_dbm = ").then_some("tx_power_dbm = 0.0");
+    let loud: Vec<&str> = loud.lines().map(|line| radio(line).unwrap_or(line)).collect();
+    let said = refused(&loud.join("\n"), None);
+    assert!(said.contains(&format!("`{law}.estimate.weights`")) && said.contains("`equal` or `power`"), "{said}");
+}
+
+#[test]
 fn maps_in_files_must_be_maps_of_the_nodes() {
     let scenario = seeking().replacen("map.physical = {}", "map.file = \"map.csv\"", 1);
     for (map, message) in [

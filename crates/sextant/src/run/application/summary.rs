@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use sextant_apps::source_seeking::SeekRecord;
 use sextant_apps::target_search::{MessageCounts, SearchRecord};
+use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
-use sextant_sim::{Applications, Estimate, Survey};
+use sextant_sim::{Applications, Estimate, Field, Survey};
 
 use super::maps::WorkingMap;
 use super::score::{self, Scored};
@@ -169,11 +170,15 @@ fn of_seeking(
         *steps.entry("sources_removed").or_default() += record.removed as u64;
         octets += record.octets;
         let name = &summary.robots[robot].name;
-        arrivals.extend(record.arrivals.iter().map(|arrival| ArrivalSummary {
-            robot: name.clone(),
-            time_s: arrival.time.as_secs_f64(),
-            believed: arrival.value,
-            value: witness.robot_at(robot, arrival.time).map_or(f64::NAN, |at| field.value(at, before(arrival.time))),
+        arrivals.extend(record.arrivals.iter().map(|arrival| {
+            let (place, time) = (witness.robot_at(robot, arrival.time), before(arrival.time));
+            ArrivalSummary {
+                robot: name.clone(),
+                time_s: arrival.time.as_secs_f64(),
+                believed: arrival.value,
+                value: place.map_or(f64::NAN, |place| field.value(place, time)),
+                source_m: place.filter(|_| level.is_none()).and_then(|place| source_m(field, place, time)),
+            }
         }));
     }
     for record in &records.nodes {
@@ -188,7 +193,8 @@ fn of_seeking(
     ApplicationSummary {
         arrived: Some(!arrivals.is_empty()),
         time_s: arrivals.first().map(|arrival: &ArrivalSummary| arrival.time_s),
-        level: Some(level),
+        source_m: arrivals.first().and_then(|arrival| arrival.source_m),
+        level,
         largest_value: largest,
         law_minimum_s: law_minimum_s(scenario, application, witness),
         arrivals,
@@ -200,6 +206,12 @@ fn of_seeking(
         },
         ..summary
     }
+}
+
+/// Distance between a place and the nearest source that is there (m).
+fn source_m(field: &Field, place: Position, time: SimTime) -> Option<f64> {
+    let sources = field.gaussians().iter().filter(|source| source.is_active(time) && source.peak() > 0.0);
+    sources.map(|source| source.center().distance_m(place)).min_by(f64::total_cmp)
 }
 
 /// Just before `time`: the source that a robot removes at its arrival is still there.
@@ -214,5 +226,5 @@ fn law_minimum_s(scenario: &Scenario, application: &Application, witness: &Witne
     let field = &scenario.world().fields[seek.field().index()];
     let start = |way: &Way| way.places().next().map(|place| field.value(place, SimTime::ZERO));
     let highest = witness.robots.iter().filter_map(start).max_by(f64::total_cmp)?;
-    Some((seek.level() - seek.tolerance() - highest).max(0.0) / rate)
+    Some((seek.arrival_value()? - highest).max(0.0) / rate)
 }

@@ -59,7 +59,7 @@ fn description(scenario: &Scenario, application: &Application, robots: &[String]
         map: application.map.name().to_owned(),
         robots: robots.to_vec(),
         field: sought.map_or_else(String::new, |(field, _)| scenario.world().fields[field].name().to_owned()),
-        level: sought.map(|(_, level)| level),
+        level: sought.and_then(|(_, level)| level),
     }
 }
 

@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use sextant_channel::Milliwatts;
 use sextant_kernel::{SimTime, StationId};
+use sextant_mac::RadioState;
 use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, SectorMeasurement, TxSector};
 
 use super::settings::Ieee80211ad;
@@ -27,6 +28,7 @@ use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
 use crate::link::payloads::Payloads;
 use crate::link::settings::Placement;
+use crate::link::transmitter::Transmitter;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
@@ -236,6 +238,15 @@ impl NetworkLinks for Links {
             }
         }
         self.tell_carrier(scene);
+    }
+
+    fn transmitter(&self, station: StationId) -> Option<Transmitter> {
+        let Radios { air, power, .. } = self.radios;
+        let radio = Interface { receiver: self.radios.receiver(station), station };
+        // A radio that does not sweep listens: only that of a dead station is asleep.
+        let is_there = self.ledger.has(station) && self.stacks[station.index()].radio.state != RadioState::Sleep;
+        let sectors = self.antennas.of(self.roll.kind(station)).sector_count();
+        is_there.then_some(Transmitter { air, radio, tx_power: power, sectors: Some(sectors) })
     }
 
     fn sweep(&mut self, station: StationId, kind: SweepKind, scene: &mut Scene) -> Result<(), SweepError> {

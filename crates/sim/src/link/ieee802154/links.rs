@@ -24,7 +24,7 @@ use super::mac::NodeMac;
 use super::settings::Ieee802154;
 use super::stack::Stack;
 use super::transceiver::{Radios, Transceiver};
-use crate::air::{Arrival, Transmission};
+use crate::air::{Arrival, Interface, Transmission};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
@@ -34,6 +34,7 @@ use crate::link::ledger::Ledger;
 use crate::link::links::{Cut, NetworkLinks};
 use crate::link::payloads::Payloads;
 use crate::link::settings::Placement;
+use crate::link::transmitter::Transmitter;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
@@ -284,6 +285,13 @@ impl NetworkLinks for Links {
             stack.sequence = stack.sequence.wrapping_add(frames as u8);
             stack.frames = stack.frames.wrapping_add(frames as u32);
         }
+    }
+
+    fn transmitter(&self, station: StationId) -> Option<Transmitter> {
+        let stack = &self.stacks[station.index()];
+        let radio = Interface { receiver: self.radios.receiver(station), station };
+        let is_there = self.ledger.has(station) && !stack.is_dead;
+        is_there.then_some(Transmitter { air: self.radios.air, radio, tx_power: stack.tx_power, sectors: None })
     }
 
     fn note_due(&mut self, station: StationId, frames: u64) {
