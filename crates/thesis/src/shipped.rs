@@ -95,12 +95,14 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "target/case-2.toml",
     "target/case-3.toml",
     "target/filters.toml",
+    "target/imperfect-sensors.toml",
     "target/map-then-search.toml",
     "target/maps.toml",
     "target/several.toml",
     "target/speeds-1.toml",
     "target/speeds-2.toml",
     "target/speeds-3.toml",
+    "target/walls.toml",
 ];
 
 /// Writes the scenarios into `folder`, so that the user can read and change them.

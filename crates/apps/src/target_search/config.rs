@@ -36,6 +36,34 @@ pub struct DetarskConfig {
     pub path: PathRule,
     /// Largest speed that a target is believed to have (m/s).
     pub max_target_speed_m_per_s: f64,
+    /// Whether detections are believed. If absent, they are doubted exactly if the sensors raise false alarms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detections: Option<Belief>,
+    /// What robots do before a target is detected.
+    pub before_detection: BeforeDetection,
+}
+
+/// Whether detections are believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Belief {
+    /// Each of them.
+    Trusted,
+    /// Those of several nodes that agree, along a way that a target can go.
+    Doubted,
+}
+
+/// What robots do before a target is detected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BeforeDetection {
+    /// They stand (thesis), and capture nothing before their search has started.
+    #[default]
+    Wait,
+    /// They drive to the place on the map with the least mean distance to the nodes, and capture what they meet.
+    Center,
+    /// They drive along lanes over the map, and capture what they meet.
+    Patrol,
 }
 
 /// Which nodes tell a robot what they detected.
@@ -149,6 +177,8 @@ pub struct PGConfig {
     pub update_s: f64,
     /// How a robot works out where it is on the map.
     pub own_place: OwnPlaceRule,
+    /// What robots do before a target is detected.
+    pub before_detection: BeforeDetection,
 }
 
 impl Default for DetarskConfig {
@@ -166,6 +196,8 @@ impl Default for DetarskConfig {
             aim: Aim::default(),
             path: PathRule::default(),
             max_target_speed_m_per_s: 2.0,
+            detections: None,
+            before_detection: BeforeDetection::default(),
         }
     }
 }
@@ -190,7 +222,14 @@ impl Default for ParticlesConfig {
 
 impl Default for PGConfig {
     fn default() -> Self {
-        Self { capture_m: 1.0, start_delay_s: 5.0, step_s: 1.0, update_s: 2.0, own_place: OwnPlaceRule::default() }
+        Self {
+            capture_m: 1.0,
+            start_delay_s: 5.0,
+            step_s: 1.0,
+            update_s: 2.0,
+            own_place: OwnPlaceRule::default(),
+            before_detection: BeforeDetection::default(),
+        }
     }
 }
 

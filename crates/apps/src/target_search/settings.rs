@@ -7,9 +7,10 @@ use sextant_kernel::SettingError;
 use sextant_sim::Radio;
 
 use super::config::{
-    Aim, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, PathRule, PredictionConfig,
-    RobustKalmanConfig, span,
+    Aim, BeforeDetection, Belief, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, PathRule,
+    PredictionConfig, RobustKalmanConfig, span,
 };
+use super::doubt::Doubt;
 use super::particle_filter::{ParticleFilterSettings, Space};
 use super::robust_kalman::RobustKalmanSettings;
 
@@ -25,6 +26,7 @@ pub struct TargetSearch {
     pub(super) step: Duration,
     pub(super) own_place: OwnPlaceRule,
     pub(super) path: PathRule,
+    pub(super) before: BeforeDetection,
     pub(super) method: Method,
 }
 
@@ -45,6 +47,9 @@ pub(super) struct Detarsk {
     pub(super) prediction: PredictionConfig,
     pub(super) aim: Aim,
     pub(super) max_speed_m_per_s: f64,
+    pub(super) belief: Option<Belief>,
+    /// How much detections are doubted, if they are.
+    pub(super) doubt: Option<Doubt>,
 }
 
 /// How robots smooth the detected places of a target.
@@ -105,6 +110,7 @@ impl TargetSearch {
             step: span("step_s", config.step_s, STEP_S)?,
             own_place: config.own_place,
             path: config.path,
+            before: config.before_detection,
             method: Method::Detarsk(Detarsk {
                 sample: span("sample_s", config.sample_s, STEP_S)?,
                 neighbourhood_m: neighbourhood_m
@@ -115,8 +121,28 @@ impl TargetSearch {
                 prediction: config.prediction,
                 aim: config.aim,
                 max_speed_m_per_s,
+                belief: config.detections,
+                doubt: None,
             }),
         })
+    }
+
+    /// The same among sensors of which `doubt` is known: that they raise false alarms.
+    ///
+    /// # Errors
+    /// `detections` if detections are to be doubted that are never false.
+    pub fn among(mut self, doubt: Option<Doubt>) -> Result<Self, SettingError> {
+        if let Method::Detarsk(method) = &mut self.method {
+            method.doubt = match (method.belief, doubt) {
+                (Some(Belief::Doubted), None) => {
+                    let allowed = "`trusted`, or sensors with `false_alarms_per_h` above 0";
+                    return Err(SettingError::new("detections", "`doubted`, without false alarms", allowed));
+                }
+                (Some(Belief::Trusted), _) => None,
+                (_, doubt) => doubt,
+            };
+        }
+        Ok(self)
     }
 
     /// The settings of P-G among radios like `radio`.
@@ -131,6 +157,7 @@ impl TargetSearch {
             step: span("step_s", config.step_s, STEP_S)?,
             own_place: config.own_place,
             path: PathRule::AStar,
+            before: config.before_detection,
             method: Method::PseudoGradient(PseudoGradient {
                 update,
                 jitter: update / 8,
@@ -139,6 +166,14 @@ impl TargetSearch {
                 strongest: radio.tx_power(),
             }),
         })
+    }
+
+    /// How much detections are doubted, if they are.
+    pub(super) fn doubt(&self) -> Option<Doubt> {
+        match &self.method {
+            Method::Detarsk(method) => method.doubt,
+            Method::PseudoGradient(_) => None,
+        }
     }
 
     /// Whether all nodes that hear a robot tell it what they detected, and not only its neighbourhood.

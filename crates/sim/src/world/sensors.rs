@@ -161,6 +161,18 @@ impl TargetSensor {
         self.false_alarms_per_s
     }
 
+    /// How long a false alarm lasts.
+    #[must_use]
+    pub fn false_alarm(&self) -> Duration {
+        self.false_alarm
+    }
+
+    /// Probability that it misses a passage.
+    #[must_use]
+    pub fn miss_probability(&self) -> f64 {
+        self.miss_probability
+    }
+
     /// Whether it misses passages, or raises false alarms.
     #[must_use]
     pub fn errs(&self) -> bool {
