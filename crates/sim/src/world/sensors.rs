@@ -26,16 +26,20 @@ pub struct TargetSensorConfig {
     pub radius_m: f64,
     /// Probability that the sensor misses a whole passage of a target through its radius: 0 to below 1.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("default" = 0.0))]
     pub miss_probability: f64,
     /// False alarms of each node in an hour: the mean of a Poisson process. At each, the node detects a random one of the
     /// targets that is not there.
     #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("default" = 0.0))]
     pub false_alarms_per_h: f64,
     /// How long a false alarm lasts (s).
     #[serde(default = "TargetSensorConfig::usual_false_alarm_s", skip_serializing_if = "is_usual_false_alarm")]
+    #[schemars(extend("default" = 1.0))]
     pub false_alarm_s: f64,
     /// Whether a node detects a target only while no solid obstacle is on the straight line between them.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[schemars(extend("default" = false))]
     pub walls_hide: bool,
 }
 
