@@ -145,6 +145,11 @@ impl ObstacleField {
         lengths.filter(|&obstacle| self.obstacles[obstacle].is_solid()).min()
     }
 
+    /// The solid obstacles whose boxes are within `margin_m` of a line.
+    pub(crate) fn along(&self, span: Span, margin_m: f64) -> impl Iterator<Item = usize> + '_ {
+        self.tree.along(span, margin_m).filter(|&obstacle| self.obstacles[obstacle].is_solid())
+    }
+
     /// What is wrong with a place where something should stand, if anything: the value found, and the values allowed.
     #[must_use]
     pub fn fault(&self, position: Position) -> Option<(String, &'static str)> {
@@ -180,9 +185,7 @@ impl ObstacleField {
         let direction = direction * (1.0 / length);
         let sweep = Sweep { from, direction, range_m: range_m.min(end_m), radius_m };
         let span = Span::new(from, sweep.at(sweep.range_m));
-        self.tree
-            .along(span, radius_m)
-            .filter(|&obstacle| self.obstacles[obstacle].is_solid())
+        self.along(span, radius_m)
             .filter_map(|obstacle| self.obstacles[obstacle].shape().touch_m(&sweep))
             .fold(range_m, f64::min)
     }

@@ -83,6 +83,7 @@ mod sector_table;
 mod shadowing;
 #[cfg(feature = "obstacles")]
 mod shape;
+mod sight;
 #[cfg(feature = "obstacles")]
 mod span;
 #[cfg(feature = "obstacles")]

@@ -47,6 +47,8 @@ pub(crate) const INTERFERENCE: Purpose = Purpose::new(27);
 pub(crate) const ROUND: Purpose = Purpose::new(28);
 /// Noise of the odometry of robots.
 pub(crate) const ODOMETRY: Purpose = Purpose::new(16);
+/// Passages of targets that sensors miss, and their false alarms.
+pub(crate) const SENSOR_ERRORS: Purpose = Purpose::new(34);
 /// Generators of programs of the user.
 const PROGRAM: Purpose = Purpose::new(33);
 

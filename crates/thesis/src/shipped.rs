@@ -98,6 +98,7 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "target/elements-2.toml",
     "target/elements-3.toml",
     "target/filters.toml",
+    "target/imperfect-sensors.toml",
     "target/map-then-search.toml",
     "target/maps.toml",
     "target/several.toml",
@@ -110,6 +111,7 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "target/thesis-family-1.toml",
     "target/thesis-family-2.toml",
     "target/thesis-family-3.toml",
+    "target/walls.toml",
 ];
 
 /// Writes the scenarios into `folder`, so that the user can read and change them.

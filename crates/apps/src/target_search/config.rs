@@ -49,6 +49,34 @@ pub struct DetarskConfig {
     pub motion: Option<SearchMotion>,
     /// Largest speed that a target is believed to have (m/s).
     pub max_target_speed_m_per_s: f64,
+    /// Whether detections are believed. If absent, they are doubted exactly if the sensors raise false alarms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detections: Option<Belief>,
+    /// What robots do before a target is detected.
+    pub before_detection: BeforeDetection,
+}
+
+/// Whether detections are believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Belief {
+    /// Each of them.
+    Trusted,
+    /// Those of several nodes that agree, along a way that a target can go.
+    Doubted,
+}
+
+/// What robots do before a target is detected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BeforeDetection {
+    /// They stand (thesis), and capture nothing before their search has started.
+    #[default]
+    Wait,
+    /// They drive to the place on the map with the least mean distance to the nodes, and capture what they meet.
+    Center,
+    /// They drive along lanes over the map, and capture what they meet.
+    Patrol,
 }
 
 /// The values of settings of a search that are absent.
@@ -200,6 +228,8 @@ pub struct PGConfig {
     /// discrete.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<SearchMotion>,
+    /// What robots do before a target is detected.
+    pub before_detection: BeforeDetection,
 }
 
 impl Default for DetarskConfig {
@@ -219,6 +249,8 @@ impl Default for DetarskConfig {
             path: None,
             motion: None,
             max_target_speed_m_per_s: 2.0,
+            detections: None,
+            before_detection: BeforeDetection::default(),
         }
     }
 }
@@ -253,6 +285,7 @@ impl Default for PGConfig {
             own_place: OwnPlaceRule::default(),
             path: None,
             motion: None,
+            before_detection: BeforeDetection::default(),
         }
     }
 }

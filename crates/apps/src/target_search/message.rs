@@ -16,6 +16,7 @@ const DETECTION: u8 = 4;
 const ALARM: u8 = 5;
 const CLAIM: u8 = 6;
 const GRADIENT: u8 = 7;
+const DOUBTED_ALARM: u8 = 8;
 
 /// Largest payload of a message (octets): it fits into a frame beside its header.
 pub(super) const LARGEST_OCTETS: usize = 102;
@@ -41,6 +42,7 @@ const STILL: u32 = u32::MAX;
 /// | 5 ALARM | 4 origin, 2 number, 2 target, 4 time, 12 place on the map: x, y, z as `f32` |
 /// | 6 CLAIM | 4 origin, 2 number; then for each target: 2 target, 1 state (0 sought, 1 captured), 4 seconds to its interception as `f32` |
 /// | 7 GRADIENT | 2 round, 2 target, 1 hops to a node that detects the target, 4 pseudo-gradient of the sender as `f32`, 4 when the newest of these nodes detected it |
+/// | 8 ALARM of doubted detections | as 5; then 1 number of nodes that detected the target together |
 #[derive(Clone, Debug, PartialEq)]
 pub enum Message {
     /// A robot asks the nodes around it.
@@ -66,6 +68,8 @@ pub enum Message {
         time: SimTime,
         /// Where it was detected first, on the map (m).
         place: Position,
+        /// Number of nodes that detected it together, where detections are doubted.
+        nodes: Option<u8>,
     },
     /// A robot tells the other robots which targets it can reach when, and which ones it has captured.
     Claim {
@@ -169,7 +173,8 @@ impl Message {
             Self::Answer(..) => ANSWER,
             Self::Tree { .. } => TREE,
             Self::Detection(_) => DETECTION,
-            Self::Alarm { .. } => ALARM,
+            Self::Alarm { nodes: None, .. } => ALARM,
+            Self::Alarm { nodes: Some(_), .. } => DOUBTED_ALARM,
             Self::Claim { .. } => CLAIM,
             Self::Gradient(_) => GRADIENT,
         };
@@ -197,11 +202,12 @@ impl Message {
                 put_time(&mut octets, *time);
                 put_place(&mut octets, *place);
             }
-            Self::Alarm { key, target, time, place } => {
+            Self::Alarm { key, target, time, place, nodes } => {
                 put_key(&mut octets, *key);
                 octets.extend(target.0.to_le_bytes());
                 put_time(&mut octets, *time);
                 put_place(&mut octets, *place);
+                octets.extend(nodes);
             }
             Self::Claim { key, targets } => {
                 put_key(&mut octets, *key);
@@ -260,12 +266,12 @@ impl Message {
                 time: time(reader)?,
                 place: reader.place("the place")?,
             }),
-            ALARM => Self::Alarm {
-                key: key(reader)?,
-                target: target(reader)?,
-                time: time(reader)?,
-                place: reader.place("the place")?,
-            },
+            kind @ (ALARM | DOUBTED_ALARM) => {
+                let (key, target, time) = (key(reader)?, target(reader)?, time(reader)?);
+                let place = reader.place("the place")?;
+                let nodes = (kind == DOUBTED_ALARM).then(|| reader.take("the number of nodes")).transpose()?;
+                Self::Alarm { key, target, time, place, nodes: nodes.map(|[nodes]| nodes) }
+            }
             CLAIM => {
                 let key = key(reader)?;
                 let mut targets = Vec::with_capacity(reader.left() / CLAIM_OCTETS);
@@ -283,7 +289,7 @@ impl Message {
                 let value = reader.number("the pseudo-gradient")?;
                 Self::Gradient(GradientMessage { round, target, hops, value, detected: time(reader)? })
             }
-            found => return Err(MessageError::Kind { found, allowed: "1 to 7" }),
+            found => return Err(MessageError::Kind { found, allowed: "1 to 8" }),
         };
         reader.end()?;
         Ok(message)
@@ -328,12 +334,8 @@ mod tests {
             (any::<u32>(), target(), time(), polls::place()).prop_map(|(node, target, time, place)| {
                 Message::Detection(FirstDetection { node: StationId(node), target, time, place })
             }),
-            (key(), target(), time(), polls::place()).prop_map(|(key, target, time, place)| Message::Alarm {
-                key,
-                target,
-                time,
-                place
-            }),
+            (key(), target(), time(), polls::place(), any::<Option<u8>>())
+                .prop_map(|(key, target, time, place, nodes)| Message::Alarm { key, target, time, place, nodes }),
             (key(), claims).prop_map(|(key, targets)| Message::Claim { key, targets }),
             (any::<u16>(), target(), any::<u8>(), polls::number(), time()).prop_map(
                 |(round, target, hops, value, detected)| {
@@ -376,6 +378,6 @@ mod tests {
     fn what_is_no_message_says_why() {
         assert_eq!(Message::read(&[]), Err(MessageError::Truncated { octets: 0, part: "the header" }));
         assert_eq!(Message::read(&[0x21]), Err(MessageError::Version(2)));
-        assert_eq!(Message::read(&[0x18]), Err(MessageError::Kind { found: 8, allowed: "1 to 7" }));
+        assert_eq!(Message::read(&[0x19]), Err(MessageError::Kind { found: 9, allowed: "1 to 8" }));
     }
 }

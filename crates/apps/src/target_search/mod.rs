@@ -10,10 +10,12 @@
 
 mod assignment;
 mod config;
+mod doubt;
 mod driver;
 mod gradient_node;
 mod gradient_pilot;
 mod grid_path;
+mod idle;
 mod interception;
 mod message;
 mod node;
@@ -21,6 +23,7 @@ mod outbox;
 mod particle_filter;
 mod prober;
 mod record;
+mod reports;
 mod robot;
 mod robust_kalman;
 mod route;
@@ -36,9 +39,10 @@ mod wayfinder;
 
 pub use assignment::assign;
 pub use config::{
-    Aim, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, ParticlesConfig, PathRule,
-    PredictionConfig, RobustKalmanConfig, SearchMotion, SearchPreset,
+    Aim, BeforeDetection, Belief, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, ParticlesConfig,
+    PathRule, PredictionConfig, RobustKalmanConfig, SearchMotion, SearchPreset,
 };
+pub use doubt::Doubt;
 pub use grid_path::CellMap;
 pub use interception::{Meeting, Pursuit};
 pub use message::{Claim, Detection, FirstDetection, GradientMessage, Message};

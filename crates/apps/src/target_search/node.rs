@@ -1,6 +1,6 @@
 //! The application of a node.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -13,6 +13,7 @@ use sextant_sim::{
 use super::gradient_node::GradientNode;
 use super::message::{Detection, FirstDetection, Message};
 use super::outbox::{MessageCounts, Outbox};
+use super::reports::HOLDS;
 use super::route::Route;
 use super::settings::{Method, TargetSearch};
 use crate::navigation::{Answer, Flood, FloodKey, Request, WaitingAnswers};
@@ -55,8 +56,8 @@ pub struct SearchNode {
     answering: Vec<(FrameId, StationId, u32)>,
     /// Answers that wait for their instants.
     asked: WaitingAnswers<(StationId, Request)>,
-    /// The targets that the robots know of.
-    known: BTreeSet<TargetId>,
+    /// The targets that the robots know of, and since when.
+    known: BTreeMap<TargetId, SimTime>,
     route: Route,
     /// Whether an attempt to tell the sink is due later.
     retries: bool,
@@ -92,7 +93,7 @@ impl SearchNode {
             told: BTreeMap::new(),
             answering: Vec::new(),
             asked: WaitingAnswers::new(FIRST_ANSWER, SENDING_SHARE),
-            known: BTreeSet::new(),
+            known: BTreeMap::new(),
             route: Route::default(),
             retries: false,
             flood: Flood::new(FLOOD_JITTER, ENOUGH_COPIES, FIRST_FLOOD, FLOODS),
@@ -138,12 +139,18 @@ impl SearchNode {
 
     /// A target is here that nobody knows, as far as this node was told.
     fn report(&mut self, target: TargetId, port: &mut Port<'_>) {
-        if self.known.contains(&target) {
+        if self.is_known(target, port.now()) {
             return;
         }
         let (Some(place), Some(node)) = (self.place, port.node(port.station())) else { return };
         let detection = FirstDetection { node: StationId(node.0), target, time: port.now(), place };
         self.forward(detection, port);
+    }
+
+    /// Whether the robots know of a target. Where detections are doubted, the target may be elsewhere after a while.
+    fn is_known(&self, target: TargetId, now: SimTime) -> bool {
+        let holds = |told: &SimTime| self.settings.doubt().is_none() || now.saturating_since(*told) < HOLDS;
+        self.known.get(&target).is_some_and(holds)
     }
 
     /// Sends a message to the sink, or lets it wait for a better moment.
@@ -235,9 +242,12 @@ impl Application for SearchNode {
                 self.route.learn(delivery.from, *hops, delivery.rssi);
                 Some(*key)
             }
-            Message::Alarm { key, target, .. } => {
-                self.known.insert(*target);
-                self.route.forget(*target);
+            Message::Alarm { key, target, nodes, .. } => {
+                let doubt = self.settings.doubt();
+                if doubt.is_none_or(|doubt| nodes.is_none_or(|nodes| nodes >= doubt.confirming())) {
+                    self.known.insert(*target, port.now());
+                    self.route.forget(*target);
+                }
                 Some(*key)
             }
             Message::Claim { key, .. } => Some(*key),

@@ -11,6 +11,7 @@ use sextant_sim::{Application, Delivery, DriveEnd, Estimate, NetworkId, Port, Po
 use super::config::{Aim, OwnPlaceRule, SearchMotion};
 use super::driver::Driver;
 use super::gradient_pilot::GradientPilot;
+use super::idle::Idle;
 use super::interception::Pursuit;
 use super::message::{Detection, Message};
 use super::outbox::Outbox;
@@ -66,6 +67,7 @@ pub struct SearchRobot {
     alarms: BTreeMap<TargetId, SimTime>,
     team: Team,
     driver: Driver,
+    idle: Idle,
     prober: Prober,
     outbox: Outbox,
     record: RobotSearchRecord,
@@ -106,6 +108,7 @@ impl SearchRobot {
         let place = PlaceOnMap::new(map.frame());
         let step_m = body.speed_m_per_s * settings.step.as_secs_f64();
         let driver = Driver::new(settings.path, settings.motion, body.radius_m, step_m);
+        let idle = Idle::new(settings.before, (0, team));
         Self {
             settings,
             map,
@@ -123,10 +126,18 @@ impl SearchRobot {
             alarms: BTreeMap::new(),
             team: Team::new(team),
             driver,
+            idle,
             prober: Prober::default(),
             outbox: Outbox::new(network),
             record: RobotSearchRecord::default(),
         }
+    }
+
+    /// The same with this number in its team: robots share the map before a target is detected.
+    #[must_use]
+    pub(super) fn with_number(self, number: usize) -> Self {
+        let idle = Idle::new(self.settings.before, (number, self.team.size()));
+        Self { idle, ..self }
     }
 
     /// What it leaves behind.
@@ -202,10 +213,18 @@ impl SearchRobot {
                 let mut plans = BTreeMap::new();
                 let mut times_s = BTreeMap::new();
                 for (&target, tracker) in trackers.iter_mut() {
+                    if method.doubt.is_some() && !self.team.captured().contains(&target) {
+                        tracker.update(scale);
+                        if let Some(since) = tracker.since() {
+                            self.alarms.entry(target).or_insert(since + settings.start_delay);
+                        }
+                    }
                     if !is_open(&target, &self.alarms, &self.team) {
                         continue;
                     }
-                    tracker.update(scale);
+                    if method.doubt.is_none() {
+                        tracker.update(scale);
+                    }
                     let predicted = tracker.predict(now);
                     port.tell(Estimate::TargetPlace { target, place: predicted });
                     let meeting = pursuit.earliest(|after| tracker.predict(now + after));
@@ -247,6 +266,8 @@ impl SearchRobot {
             } else if let Some(nearest) = self.nearest(place).filter(|_| self.is_lost()) {
                 // It is outside the network, where no station can reach it.
                 self.set_out(place, nearest, port);
+            } else if let Some(goal) = self.idle_goal(place) {
+                self.set_out(place, goal, port);
             }
         } else {
             let answers = self.neighbourhood.nodes().len();
@@ -254,6 +275,12 @@ impl SearchRobot {
             self.driver.go_straight(next, port);
         }
         self.ask(port);
+    }
+
+    /// Where it drives while there is nothing to search.
+    fn idle_goal(&mut self, place: Position) -> Option<Position> {
+        let near_m = self.scale() * self.settings.capture_m;
+        self.idle.goal(place, near_m, self.map.places().iter().copied().flatten())
     }
 
     /// The place of the nearest node on the map.
@@ -308,9 +335,9 @@ impl SearchRobot {
         }
     }
 
-    /// Captures the targets within reach. Returns whether all are captured: then the search is over.
+    /// Captures the targets within reach: a robot that waits, not before its search has started. Returns whether all are captured: then the search is over.
     fn reach(&mut self, port: &mut Port<'_>) -> bool {
-        if self.record.started.is_some() {
+        if self.record.started.is_some() || self.idle.drives() {
             for target in port.capture(self.settings.capture_m) {
                 self.record.captured.push((target, port.now()));
                 self.team.capture(target);
@@ -325,14 +352,18 @@ impl SearchRobot {
         is_over
     }
 
-    fn alarm(&mut self, target: TargetId, first: (SimTime, Position), port: &Port<'_>) {
+    fn alarm(&mut self, target: TargetId, first: (SimTime, Position), nodes: Option<u8>, port: &Port<'_>) {
         let start = first.0 + self.settings.start_delay;
         self.record.alarmed.get_or_insert(port.now());
         self.alarms.entry(target).or_insert(start);
         if let Pilot::Detarsk { method, trackers } = &mut self.pilot {
             let (sample, bounds) = (method.sample, self.map.bounds());
             let seed = port.seed();
-            trackers.entry(target).or_insert_with(|| Tracker::new(method, target, seed, sample, first, bounds));
+            let tracker =
+                (trackers.entry(target)).or_insert_with(|| Tracker::new(method, target, seed, sample, first, bounds));
+            if let Some(nodes) = nodes {
+                tracker.learn_told(first.0, first.1, nodes);
+            }
         }
     }
 
@@ -346,7 +377,9 @@ impl SearchRobot {
         for (target, sightings) in by_target {
             let (sample, bounds) = (method.sample, self.map.bounds());
             let first = sightings.iter().map(|sighting| sighting.entered).min().unwrap_or(now);
-            self.alarms.entry(target).or_insert(first + self.settings.start_delay);
+            if method.doubt.is_none() {
+                self.alarms.entry(target).or_insert(first + self.settings.start_delay);
+            }
             let tracker = (trackers.entry(target))
                 .or_insert_with(|| Tracker::new(method, target, port.seed(), sample, (first, place), bounds));
             tracker.learn(node, place, &sightings, now);
@@ -392,7 +425,7 @@ impl Application for SearchRobot {
                     .hear(delivery.from, HeardNode { place: answer.place, gain, rssi: delivery.rssi, time: now });
                 self.learn(delivery.from, answer.place, &detections, port);
             }
-            Ok(Message::Alarm { target, time, place, .. }) => self.alarm(target, (time, place), port),
+            Ok(Message::Alarm { target, time, place, nodes, .. }) => self.alarm(target, (time, place), nodes, port),
             Ok(Message::Claim { key, targets }) if key.origin != port.station() => {
                 self.team.hear(key.origin, &targets, now);
             }

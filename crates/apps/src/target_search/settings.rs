@@ -7,9 +7,10 @@ use sextant_kernel::{SettingError, SimTime};
 use sextant_sim::Radio;
 
 use super::config::{
-    Aim, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, PathRule, PredictionConfig,
-    RobustKalmanConfig, SearchMotion, span,
+    Aim, BeforeDetection, Belief, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, PathRule,
+    PredictionConfig, RobustKalmanConfig, SearchMotion, span,
 };
+use super::doubt::Doubt;
 use super::particle_filter::{ParticleFilterSettings, Space};
 use super::robust_kalman::RobustKalmanSettings;
 
@@ -29,6 +30,7 @@ pub struct TargetSearch {
     pub(super) own_place: OwnPlaceRule,
     pub(super) path: PathRule,
     pub(super) motion: SearchMotion,
+    pub(super) before: BeforeDetection,
     pub(super) method: Method,
 }
 
@@ -49,6 +51,9 @@ pub(super) struct Detarsk {
     pub(super) prediction: PredictionConfig,
     pub(super) aim: Aim,
     pub(super) max_speed_m_per_s: f64,
+    pub(super) belief: Option<Belief>,
+    /// How much detections are doubted, if they are.
+    pub(super) doubt: Option<Doubt>,
 }
 
 /// How robots smooth the detected places of a target.
@@ -137,6 +142,7 @@ impl TargetSearch {
             own_place: preset.or(config.own_place, OwnPlaceRule::Fused, OwnPlaceRule::ReceivedPower),
             path: preset.or(config.path, PathRule::AStar, PathRule::Greedy),
             motion: preset.or(config.motion, SearchMotion::Continuous, SearchMotion::Discrete),
+            before: config.before_detection,
             method: Method::Detarsk(Detarsk {
                 sample: preset.or(sample, Duration::from_millis(250), step),
                 neighbourhood_m: neighbourhood_m
@@ -147,8 +153,28 @@ impl TargetSearch {
                 prediction: preset.or(config.prediction, PredictionConfig::Waves, PredictionConfig::Integral),
                 aim: preset.or(config.aim, Aim::Interception, Aim::Pursuit),
                 max_speed_m_per_s,
+                belief: config.detections,
+                doubt: None,
             }),
         })
+    }
+
+    /// The same among sensors of which `doubt` is known: that they raise false alarms.
+    ///
+    /// # Errors
+    /// `detections` if detections are to be doubted that are never false.
+    pub fn among(mut self, doubt: Option<Doubt>) -> Result<Self, SettingError> {
+        if let Method::Detarsk(method) = &mut self.method {
+            method.doubt = match (method.belief, doubt) {
+                (Some(Belief::Doubted), None) => {
+                    let allowed = "`trusted`, or sensors with `false_alarms_per_h` above 0";
+                    return Err(SettingError::new("detections", "`doubted`, without false alarms", allowed));
+                }
+                (Some(Belief::Trusted), _) => None,
+                (_, doubt) => doubt,
+            };
+        }
+        Ok(self)
     }
 
     /// The settings of P-G among radios like `radio`.
@@ -166,6 +192,7 @@ impl TargetSearch {
             own_place: config.own_place,
             path: preset.or(config.path, PathRule::AStar, PathRule::Greedy),
             motion: preset.or(config.motion, SearchMotion::Continuous, SearchMotion::Discrete),
+            before: config.before_detection,
             method: Method::PseudoGradient(PseudoGradient {
                 update,
                 waits: preset.or(config.wait_for_round, false, true),
@@ -175,6 +202,14 @@ impl TargetSearch {
                 strongest: radio.tx_power(),
             }),
         })
+    }
+
+    /// How much detections are doubted, if they are.
+    pub(super) fn doubt(&self) -> Option<Doubt> {
+        match &self.method {
+            Method::Detarsk(method) => method.doubt,
+            Method::PseudoGradient(_) => None,
+        }
     }
 
     /// Whether all nodes that hear a robot tell it what they detected, and not only its neighbourhood.

@@ -107,6 +107,45 @@ impl Sightings {
         self.detecting.iter().map(|(&sample, nodes)| (self.time(sample), fix(nodes))).collect()
     }
 
+    /// The nodes that detected the target at each sample time, by where they are: in groups whose nodes are within one and a
+    /// half times `radius_m` of their mean.
+    pub(super) fn groups(&self, radius_m: f64) -> Vec<(SimTime, Position, BTreeSet<NodeId>)> {
+        let mut groups = Vec::new();
+        for (&sample, nodes) in &self.detecting {
+            let mut left = nodes.clone();
+            while let Some(group) = self.densest(&left, radius_m) {
+                left.retain(|node| !group.contains(node));
+                groups.push((self.time(sample), self.mean(&group), group));
+            }
+        }
+        groups
+    }
+
+    /// The nodes around the one of `nodes` that has the most others near it.
+    fn densest(&self, nodes: &BTreeSet<NodeId>, radius_m: f64) -> Option<BTreeSet<NodeId>> {
+        let near = |place: Position, reach_m: f64| -> BTreeSet<NodeId> {
+            nodes.iter().copied().filter(|node| self.places[node].distance_m(place) <= reach_m).collect()
+        };
+        let core = nodes.iter().map(|node| near(self.places[node], radius_m)).max_by_key(BTreeSet::len)?;
+        let group = near(self.mean(&core), 1.5 * radius_m);
+        Some(if group.is_empty() { core } else { group })
+    }
+
+    /// The same with these detections alone: nothing is known of the others.
+    pub(super) fn only(&self, kept: &[(SimTime, BTreeSet<NodeId>)]) -> Self {
+        let detecting: BTreeMap<u64, BTreeSet<NodeId>> =
+            kept.iter().map(|(time, nodes)| (self.last_until(*time), nodes.clone())).collect();
+        let mut answered = self.answered.clone();
+        for (sample, nodes) in &self.detecting {
+            if let Some(answered) = answered.get_mut(sample) {
+                answered.retain(|node| {
+                    !nodes.contains(node) || detecting.get(sample).is_some_and(|of| of.contains(node))
+                });
+            }
+        }
+        Self { settings: self.settings, places: self.places.clone(), detecting, answered }
+    }
+
     /// The last sample time at which a node is known to have detected the target.
     #[must_use]
     pub fn latest(&self) -> Option<SimTime> {
@@ -150,6 +189,11 @@ impl Sightings {
 
     fn period_nanos(&self) -> u64 {
         u64::try_from(self.settings.period.as_nanos()).unwrap_or(u64::MAX).max(1)
+    }
+
+    /// The last sample time at `time` or earlier.
+    pub(super) fn sample_time(&self, time: SimTime) -> SimTime {
+        self.time(self.last_until(time))
     }
 
     /// Number of the first sample time at `time` or later.

@@ -10,10 +10,13 @@ use sextant_sim::{Application, Delivery, NetworkId, Port, TargetId, Timer};
 use super::message::{FirstDetection, Message};
 use super::node::{ENOUGH_COPIES, FLOOD_JITTER};
 use super::outbox::{MessageCounts, Outbox};
+use super::reports::{GRACE, Reports, Sighted};
 use crate::navigation::{Flood, FloodKey};
 
 /// The timer of the message that tells the nodes the way to the sink.
 const TREE: Timer = Timer(1);
+/// The timer of the next look whether an alarm is confirmed.
+const LOOK: Timer = Timer(2);
 /// The timers of messages to pass on.
 const FIRST_FLOOD: u16 = 100;
 const FLOODS: u16 = 64;
@@ -28,16 +31,30 @@ const GATHERING: Duration = Duration::from_millis(500);
 /// How often an alarm is sent, and the time in between.
 const ALARMS: u32 = 3;
 const ALARM_INTERVAL: Duration = Duration::from_secs(3);
+/// How often it looks whether an alarm is confirmed.
+const LOOK_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A sink: it tells the nodes the way to itself, and the robots where a target was detected first.
 #[derive(Debug)]
 pub struct SearchSink {
     alarms: BTreeMap<TargetId, Gathered>,
+    /// What it doubts detections by, if it does.
+    doubts: Option<Doubts>,
+    reports: BTreeMap<TargetId, Reports>,
     flood: Flood,
     number: u16,
     trees: u32,
     outbox: Outbox,
     draws: u64,
+}
+
+/// What a sink doubts detections by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Doubts {
+    /// Number of nodes that confirm each other.
+    pub(super) confirming: u8,
+    /// How far apart they are on the map at most (m).
+    pub(super) reach_m: f64,
 }
 
 /// The first detections of a target.
@@ -55,12 +72,20 @@ impl SearchSink {
     pub fn new(network: NetworkId) -> Self {
         Self {
             alarms: BTreeMap::new(),
+            doubts: None,
+            reports: BTreeMap::new(),
             flood: Flood::new(FLOOD_JITTER, ENOUGH_COPIES, FIRST_FLOOD, FLOODS),
             number: 0,
             trees: 0,
             outbox: Outbox::new(network),
             draws: 0,
         }
+    }
+
+    /// The same, if it has doubts.
+    #[must_use]
+    pub(super) fn with_doubts(self, doubts: Option<Doubts>) -> Self {
+        Self { doubts, ..self }
     }
 
     /// What it sent.
@@ -77,6 +102,9 @@ impl SearchSink {
     }
 
     fn gather(&mut self, detection: FirstDetection, port: &mut Port<'_>) {
+        if let Some(doubts) = self.doubts {
+            return self.weigh(detection, doubts, port);
+        }
         let FirstDetection { node, target, time, place } = detection;
         let gathered = self.alarms.entry(target).or_insert_with(|| {
             port.after(GATHERING, Timer(FIRST_ALARM + target.0));
@@ -86,6 +114,37 @@ impl SearchSink {
             gathered.first = gathered.first.min(time);
             gathered.places.insert(node, place);
         }
+    }
+
+    /// A node says that it detected a target, which may be false.
+    fn weigh(&mut self, detection: FirstDetection, doubts: Doubts, port: &mut Port<'_>) {
+        if self.reports.is_empty() {
+            port.after(GRACE, LOOK);
+        }
+        let reports = self.reports.entry(detection.target).or_default();
+        let Doubts { confirming, reach_m } = doubts;
+        if let Some(sighted) = reports.add(detection, confirming, reach_m, port.now()) {
+            self.tell(detection.target, sighted, port);
+        }
+    }
+
+    /// Tells all of the targets that nobody confirms.
+    fn look(&mut self, port: &mut Port<'_>) {
+        let Some(Doubts { reach_m, .. }) = self.doubts else { return };
+        let now = port.now();
+        let best = |(&target, reports): (&TargetId, &mut Reports)| Some((target, reports.best_so_far(reach_m, now)?));
+        let sighted: Vec<_> = self.reports.iter_mut().filter_map(best).collect();
+        for (target, sighted) in sighted {
+            self.tell(target, sighted, port);
+        }
+        port.after(LOOK_INTERVAL, LOOK);
+    }
+
+    /// Tells all which nodes detected a target together.
+    fn tell(&mut self, target: TargetId, Sighted { time, place, nodes }: Sighted, port: &mut Port<'_>) {
+        let key = self.key(port);
+        let message = Message::Alarm { key, target, time, place, nodes: Some(nodes) };
+        self.outbox.broadcast(&message, port);
     }
 
     /// Tells all where the target was detected first: the mean of the places of the nodes (thesis, equation of the
@@ -99,7 +158,7 @@ impl SearchSink {
         if gathered.sent < ALARMS {
             port.after(ALARM_INTERVAL, Timer(FIRST_ALARM + target.0));
         }
-        let message = Message::Alarm { key, target, time: gathered.first, place };
+        let message = Message::Alarm { key, target, time: gathered.first, place, nodes: None };
         self.outbox.broadcast(&message, port);
     }
 }
@@ -122,6 +181,8 @@ impl Application for SearchSink {
             if self.trees < TREES {
                 port.after(TREE_INTERVAL, TREE);
             }
+        } else if timer == LOOK {
+            self.look(port);
         } else if let Some((_, octets)) = self.flood.due(timer) {
             if let Ok(message) = Message::read(&octets) {
                 self.outbox.broadcast(&message, port);

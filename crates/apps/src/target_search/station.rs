@@ -13,7 +13,7 @@ use super::outbox::MessageCounts;
 use super::record::RobotSearchRecord;
 use super::robot::SearchRobot;
 use super::settings::TargetSearch;
-use super::sink::SearchSink;
+use super::sink::{Doubts, SearchSink};
 use crate::navigation::NavigationMap;
 
 /// The application of a station that takes part in a search.
@@ -67,15 +67,21 @@ impl TargetSearch {
             let node = SearchNode::new(Arc::clone(self), network, place, radio.tx_power());
             SearchStation::Node(Box::new(node))
         };
-        let robot = |body: &RobotBody| {
+        let robot = |(number, body): (usize, &RobotBody)| {
             let robot =
                 SearchRobot::new(Arc::clone(self), Arc::clone(map), network, body, robots.len(), targets, duration);
-            SearchStation::Robot(Box::new(robot))
+            SearchStation::Robot(Box::new(robot.with_number(number)))
         };
+        let doubts = self.doubt().map(|doubt| Doubts {
+            confirming: doubt.confirming(),
+            reach_m: doubt.reach_m(doubt.scale_of(map.bounds())),
+        });
         Applications {
             nodes: (0..nodes).map(node).collect(),
-            robots: robots.iter().map(robot).collect(),
-            sinks: (0..sinks).map(|_| SearchStation::Sink(Box::new(SearchSink::new(network)))).collect(),
+            robots: robots.iter().enumerate().map(robot).collect(),
+            sinks: (0..sinks)
+                .map(|_| SearchStation::Sink(Box::new(SearchSink::new(network).with_doubts(doubts))))
+                .collect(),
         }
     }
 }

@@ -34,6 +34,11 @@ impl Team {
         Self { size, ..Self::default() }
     }
 
+    /// Number of its robots.
+    pub(super) fn size(&self) -> usize {
+        self.size
+    }
+
     /// The targets that were captured.
     pub(super) fn captured(&self) -> &BTreeSet<TargetId> {
         &self.captured

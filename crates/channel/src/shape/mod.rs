@@ -9,6 +9,7 @@ mod mesh;
 mod obj;
 mod polytope;
 mod prism;
+mod shadow;
 mod surface;
 mod sweep;
 mod triangle;
@@ -35,6 +36,7 @@ pub(crate) use facet::{Edge, Face, Facet};
 use mesh::Mesh;
 pub(crate) use polytope::Plane;
 use polytope::Polytope;
+pub(crate) use shadow::Gaze;
 use sweep::ConvexSolid;
 pub(crate) use sweep::Sweep;
 
@@ -172,6 +174,16 @@ impl Shape {
             Form::Mesh(mesh) => mesh.surface().clone(),
         };
         (surface.vertices, surface.triangles)
+    }
+
+    /// Adds all shares of the way of a gaze at which this shape may begin or end to hide it, and maybe some more.
+    pub(crate) fn sight_changes(&self, gaze: &Gaze, shares: &mut Vec<f64>) {
+        match &self.form {
+            Form::Box(cuboid) => gaze.changes_by_surface(&cuboid.surface(), shares),
+            Form::Polytope(polytope) => gaze.changes_by_surface(polytope.surface(), shares),
+            Form::Mesh(mesh) => gaze.changes_by_surface(mesh.surface(), shares),
+            Form::Cylinder(cylinder) => gaze.changes_by_cylinder(cylinder, shares),
+        }
     }
 
     /// Its flat faces; none of a cylinder.

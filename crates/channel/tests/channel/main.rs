@@ -13,5 +13,6 @@ mod reflections;
 mod rooms;
 mod sector_gains;
 mod shadow;
+mod sight;
 mod solids;
 mod volumes;

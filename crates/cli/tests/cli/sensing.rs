@@ -52,6 +52,35 @@ fn the_summary_counts_the_recorded_detections() {
 }
 
 #[test]
+fn recordings_and_summaries_have_what_sensors_that_err_said() {
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join("run.mcap");
+    let counts = |set: &[&str]| {
+        run(SHIPPED, set, &path);
+        let recorded = read_run(&path).expect("a recording");
+        let summary = recorded.attachments.iter().find(|attachment| attachment.name == SUMMARY_ATTACHMENT);
+        let json: serde_json::Value = serde_json::from_slice(&summary.expect("a summary").data).expect("JSON");
+        let drawn = read_world(&path).expect("a recording");
+        let entered = drawn.detections.iter().filter(|detection| detection.sensation == Sensation::Entered).count();
+        let count = |key: &str| json["sensing"][key].as_u64();
+        assert_eq!(count("detections"), Some(entered as u64));
+        (entered as u64, count("missed_detections"), count("false_detections"))
+    };
+    let (all, none, neither) = counts(&[]);
+    assert_eq!((none, neither), (None, None), "sensors without errors have no counts of them");
+    let (some, missed, false_ones) = counts(&["sensors.targets.miss_probability=0.4"]);
+    assert_eq!((some + missed.expect("a count"), false_ones), (all, Some(0)));
+    assert!(missed > Some(0) && some > 0);
+    let (more, missed, false_ones) = counts(&["sensors.targets.false_alarms_per_h=40.0"]);
+    // A false alarm of a node that detects the target already says nothing new, and neither does the target.
+    let false_ones = false_ones.expect("a count");
+    assert!(
+        missed == Some(0) && false_ones > 10 && more <= all + false_ones && more > all,
+        "{more} {all} {false_ones}"
+    );
+}
+
+#[test]
 fn each_recorded_detection_is_at_the_rim_of_the_node() {
     let (_folder, drawn) = recorded(&[]);
     assert_eq!(drawn.detection_radius_m, Some(2.5));
@@ -178,6 +207,9 @@ fn mistakes_in_targets_fields_and_sensors_are_found_at_their_key() {
         ("world.fields.0.gaussians.1.sigma_m=-4.0", "`world.fields[0].gaussians[1].sigma_m` is -4"),
         ("world.fields.0.gaussians.0.peak=nan", "`world.fields[0].gaussians[0].peak` is NaN"),
         ("sensors.targets.radius_m=0.0", "`sensors.targets.radius_m` is 0"),
+        ("sensors.targets.miss_probability=1.0", "`sensors.targets.miss_probability` is 1"),
+        ("sensors.targets.false_alarms_per_h=-2.0", "`sensors.targets.false_alarms_per_h` is -2"),
+        ("sensors.targets.false_alarm_s=0.0", "`sensors.targets.false_alarm_s` is 0"),
         ("sensors.fields.offset_snr_db=1e9", "`sensors.fields.offset_snr_db` is 1000000000"),
         ("recording.fields.step_m=1e-3", "`recording.fields.step_m` is 0.001, which gives"),
         ("recording.fields.at_s.1=-1.0", "`recording.fields.at_s[1]` is -1"),

@@ -13,7 +13,8 @@ use crate::hexadecimal::hexadecimal;
 use crate::scenario::Scenario;
 use crate::summary::{
     ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary,
-    RegionSummary, ScenarioSummary, SectorReportsSummary, SensingSummary, SimulationSummary, Summary,
+    RegionSummary, ScenarioSummary, SectorReportsSummary, SensingSummary, SensorErrorCounts, SimulationSummary,
+    Summary,
 };
 
 /// The summary of a run without timing: of its survey, if it has one, of the discovery before it, of its maps and of its
@@ -169,6 +170,16 @@ fn sensing(scenario: &Scenario, survey: &Survey) -> Option<SensingSummary> {
         fields: world.fields.len(),
         detections: survey.sensed.entered,
         samples: survey.sensed.sampled,
+        errors: sensor_errors(scenario, survey),
+    })
+}
+
+/// How often the sensors of targets erred, if they do.
+pub(super) fn sensor_errors(scenario: &Scenario, survey: &Survey) -> Option<SensorErrorCounts> {
+    let errs = scenario.world().sensors.targets.is_some_and(|sensor| sensor.errs());
+    errs.then_some(SensorErrorCounts {
+        missed_detections: survey.sensed.missed,
+        false_detections: survey.sensed.false_alarms,
     })
 }
 

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use sextant_apps::AlgorithmConfig;
 use sextant_apps::source_seeking::SourceSeeking;
-use sextant_apps::target_search::TargetSearch;
+use sextant_apps::target_search::{Doubt, TargetSearch};
 use sextant_channel::Dbm;
 use sextant_kernel::SettingError;
-use sextant_sim::{Field, Gaussian, Radio};
+use sextant_sim::{Field, Gaussian, Radio, World};
 
 /// What an application does, checked.
 #[derive(Clone, Debug)]
@@ -28,12 +28,17 @@ pub enum Task {
 }
 
 impl Algorithm {
-    /// The checked form of `config` in a network of such radios and a world with these fields.
-    pub(super) fn new(config: &AlgorithmConfig, radio: &Radio, fields: &[Field]) -> Result<Self, SettingError> {
+    /// The checked form of `config` in a network of such radios, in this world.
+    pub(super) fn new(config: &AlgorithmConfig, radio: &Radio, world: &World) -> Result<Self, SettingError> {
+        let fields = &world.fields;
+        let places = world.nodes.iter().map(|node| node.position);
+        let doubt = || world.sensors.targets.and_then(|sensor| Doubt::new(&sensor, places));
         let search = |search: TargetSearch| Task::Search(Arc::new(search));
         let seek = |seek: SourceSeeking| Task::Seek(Arc::new(seek));
         let task = match config {
-            AlgorithmConfig::Detarsk(config) => TargetSearch::detarsk(config).map(search),
+            AlgorithmConfig::Detarsk(config) => {
+                TargetSearch::detarsk(config).and_then(|search| search.among(doubt())).map(search)
+            }
             AlgorithmConfig::PG(config) => TargetSearch::pseudo_gradient(config, radio).map(search),
             AlgorithmConfig::LevelSet(config) => SourceSeeking::level_set(config, fields).map(seek),
             AlgorithmConfig::Gradient(config) => SourceSeeking::gradient(config, fields).map(seek),

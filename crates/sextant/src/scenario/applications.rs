@@ -199,7 +199,7 @@ impl Surroundings<'_> {
         errors: &mut Errors,
     ) -> Option<Algorithm> {
         let radio = &self.setup.networks[network.index()].technology.ieee802154()?.radio;
-        errors.take(table, Algorithm::new(&written.algorithm, radio, &self.setup.world.fields))
+        errors.take(table, Algorithm::new(&written.algorithm, radio, &self.setup.world))
     }
 
     /// Refuses networks in which nodes and robots cannot exchange messages. Returns whether it is a good one.

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::gathering::EnergySummary;
 use super::map::ErrorSummary;
+use super::results::SensorErrorCounts;
 use sextant_kernel::text::{counted, listed};
 
 /// What an application on a map of the nodes came to. Times count from the start of its phase.
@@ -85,6 +86,9 @@ pub struct ApplicationSummary {
     /// How often each kind of step was taken, by name: what the filters, the predictions and the controllers did.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub steps: BTreeMap<&'static str, u64>,
+    /// The errors of the sensors of targets. Absent if they make none.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub sensor_errors: Option<SensorErrorCounts>,
     /// The messages.
     pub messages: ApplicationMessages,
     /// Energy of the radios of all nodes (J).

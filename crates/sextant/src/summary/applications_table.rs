@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use super::applications::{ApplicationSummary, ApplicationTarget, ArrivalSummary};
+use super::results::SensorErrorCounts;
 use crate::columns::{Align, columns};
 
 /// Writes one row for each application, and what it took below.
@@ -73,6 +74,9 @@ fn details(application: &ApplicationSummary, out: &mut impl Write) -> io::Result
             format!(", which the control law reaches in the exact field in no less than {least_s:.1} s")
         });
         writeln!(out, "{name}: sought {sought}{least}; largest value on the way {largest:.2}")?;
+    }
+    if let Some(SensorErrorCounts { missed_detections, false_detections }) = application.sensor_errors {
+        writeln!(out, "{name}: sensors: {missed_detections} missed and {false_detections} false detections")?;
     }
     let kinds: Vec<String> = application
         .messages

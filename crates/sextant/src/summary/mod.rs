@@ -35,7 +35,9 @@ pub use map::{
     LearnedSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M, SectorPairsSummary, SectorsSummary,
 };
 pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
-pub use results::{FaultsSummary, RegionSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};
+pub use results::{
+    FaultsSummary, RegionSummary, ScenarioSummary, SensingSummary, SensorErrorCounts, SimulationSummary, Summary,
+};
 pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};

@@ -77,6 +77,18 @@ pub struct SensingSummary {
     pub detections: u64,
     /// Samples of fields by nodes.
     pub samples: u64,
+    /// The errors of the sensors of targets. Absent if they make none.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub errors: Option<SensorErrorCounts>,
+}
+
+/// The errors of the sensors of targets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SensorErrorCounts {
+    /// Passages of targets through the radius of a node, in its sight, that its sensor missed.
+    pub missed_detections: u64,
+    /// Of the detections, those of a target that was not there.
+    pub false_detections: u64,
 }
 
 /// The scenario of a run.

@@ -34,6 +34,9 @@ impl<A: Application> Engine<A> {
                 | Event::ArcPartDriven(station)
                 | Event::TargetEntered(station, _)
                 | Event::TargetLeft(station, _)
+                | Event::TargetMissed(station, _)
+                | Event::FalseAlarmRaised(station)
+                | Event::FalseAlarmEnded(station, _)
                 | Event::SampleDue(station) => self.dead[station.index()],
                 Event::HaloDue(_)
                 | Event::TargetTurned(_)

@@ -285,6 +285,9 @@ impl<A: Application> Engine<A> {
             Event::TargetTurned(target) => self.turn(target, observer),
             Event::TargetEntered(station, target) => self.enter(station, target, observer),
             Event::TargetLeft(station, target) => self.leave(station, target, observer),
+            Event::TargetMissed(_, target) => self.miss(target),
+            Event::FalseAlarmRaised(station) => self.raise_false_alarm(station, observer),
+            Event::FalseAlarmEnded(station, target) => self.end_false_alarm(station, target, observer),
             Event::SampleDue(station) => self.sample(station, observer),
             Event::Died(station) => self.die(station),
             Event::NoiseStarted(number) => {

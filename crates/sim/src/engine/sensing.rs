@@ -37,6 +37,26 @@ impl<A: Application> Engine<A> {
         }
     }
 
+    /// A target enters the radius of detection of a node, whose sensor misses it.
+    pub(super) fn miss(&mut self, target: TargetId) {
+        self.sensed.missed += u64::from(self.model.sensing.is_there(target));
+    }
+
+    /// The sensor of a node says that a target is there, which is not.
+    pub(super) fn raise_false_alarm(&mut self, station: StationId, observer: &mut impl Observer) {
+        if let Some(target) = self.model.sensing.raise_false_alarm(station, &mut self.model.scene) {
+            self.sensed.false_alarms += 1;
+            self.tell_sensed(station, &Sensed::Entered(target), observer);
+        }
+    }
+
+    /// A false alarm is over.
+    pub(super) fn end_false_alarm(&mut self, station: StationId, target: TargetId, observer: &mut impl Observer) {
+        if self.model.sensing.end_false_alarm(station, target) {
+            self.tell_sensed(station, &Sensed::Left(target), observer);
+        }
+    }
+
     /// A node samples the fields.
     pub(super) fn sample(&mut self, station: StationId, observer: &mut impl Observer) {
         for number in 0..self.model.world.fields.len() {

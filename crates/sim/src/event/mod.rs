@@ -30,6 +30,12 @@ pub(crate) enum Event {
     TargetEntered(StationId, TargetId),
     /// A target leaves the radius of detection of a node.
     TargetLeft(StationId, TargetId),
+    /// A target enters the radius of detection of a node, whose sensor misses it.
+    TargetMissed(StationId, TargetId),
+    /// The sensor of a node raises a false alarm.
+    FalseAlarmRaised(StationId),
+    /// A false alarm of a node about a target is over.
+    FalseAlarmEnded(StationId, TargetId),
     /// A node samples the fields.
     SampleDue(StationId),
     /// A node dies.
@@ -56,6 +62,9 @@ impl Event {
             | Self::HaloDue(station)
             | Self::TargetEntered(station, _)
             | Self::TargetLeft(station, _)
+            | Self::TargetMissed(station, _)
+            | Self::FalseAlarmRaised(station)
+            | Self::FalseAlarmEnded(station, _)
             | Self::SampleDue(station)
             | Self::Died(station) => Class::Application.rank(station),
             Self::NoiseStarted(noise) => Class::StartOfSignal.rank(StationId(noise.into())),

@@ -53,7 +53,7 @@ fn shares_within(leg: &Leg, center: Position, radius_m: f64) -> Option<(f64, f64
 }
 
 /// The instant at which a share of a leg is done.
-fn instant(leg: &Leg, share: f64) -> SimTime {
+pub(super) fn instant(leg: &Leg, share: f64) -> SimTime {
     let span = leg.end - leg.start;
     leg.start + Duration::from_secs_f64(share.max(0.0) * span.as_secs_f64()).min(span)
 }

@@ -31,6 +31,11 @@ impl NodeIndex {
         self.radius_m
     }
 
+    /// The nodes.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = NodeId> {
+        self.places.keys().copied()
+    }
+
     /// Where a node is (m).
     pub(super) fn place(&self, node: NodeId) -> Position {
         self.places[&node]

@@ -33,6 +33,10 @@ pub struct Sensations {
     pub left: u64,
     /// A node sampled a field.
     pub sampled: u64,
+    /// A target passed the radius of detection of a node, in its sight, and the sensor missed it.
+    pub missed: u64,
+    /// Of those that entered, a target that was not there.
+    pub false_alarms: u64,
 }
 
 impl Sensations {

@@ -1,6 +1,7 @@
 //! Targets on their ways, and what the sensors of nodes say.
 
 mod crossings;
+mod errors;
 mod evasion;
 mod fields;
 mod visits;
@@ -78,7 +79,7 @@ pub(crate) fn targets(motions: &[TargetMotionConfig], obstacles: &ObstacleField)
 
 /// Sensors that detect targets within `radius_m`.
 pub(crate) fn discs(radius_m: f64) -> Sensors {
-    let targets = Some(TargetSensorConfig { radius_m });
+    let targets = Some(TargetSensorConfig::perfect(radius_m));
     Sensors::try_from(SensorsConfig { targets, fields: None }).expect("good settings")
 }
 

@@ -129,6 +129,48 @@ fn figures_show_ways_and_the_capture() {
 }
 
 #[test]
+fn a_search_with_false_alarms_captures_and_counts_them() {
+    let errors = "radius_m = 1.5\nmiss_probability = 0.2\nfalse_alarms_per_h = 120.0\n";
+    let trusted = "[[applications]]\nname = \"trusted\"\nmap.physical = {}\nduration_s = 90.0\n\
+        algorithm.detarsk = { detections = \"trusted\" }\n";
+    let scenario = [&searching().replace("radius_m = 1.5\n", errors), trusted].concat();
+    let (folder, summary) = run(&scenario, &[]);
+    let [doubted, _, trusted] = [0, 1, 2].map(|i| &summary["applications"][i]);
+    assert_eq!((&doubted["captured"], &trusted["name"]), (&true.into(), &"trusted".into()));
+    let mut said = 0.0;
+    for application in summary["applications"].as_array().unwrap() {
+        let (false_ones, missed) = (&application["false_detections"], &application["missed_detections"]);
+        assert!(number(false_ones) > 5.0 && number(missed) > 0.0, "{application}");
+        said += number(false_ones);
+    }
+    // The recording has what nodes said, true or not.
+    assert!(topics(&folder)["/sensed"] as f64 > said);
+    let table = String::from_utf8(
+        sextant().current_dir(folder.path()).args(["run", "a.toml", "--force"]).output().unwrap().stdout,
+    );
+    assert!(table.unwrap().contains("missed and"));
+}
+
+#[test]
+fn a_search_with_doubts_needs_sensors_that_raise_false_alarms() {
+    let scenario = searching().replace("detarsk = {}", "detarsk.detections = \"doubted\"");
+    let said = super::refusals::refused(&scenario, None);
+    let key = "`applications[0].algorithm.detarsk.detections` is `doubted`, without false alarms";
+    assert!(said.contains(key) && said.contains("false_alarms_per_h"), "{said}");
+}
+
+#[test]
+fn a_robot_on_patrol_captures_a_target_that_no_node_detects() {
+    // The sensors miss nearly all; the target stands beside a lane.
+    let hidden = searching()
+        .replace("radius_m = 1.5\n", "radius_m = 1.5\nmiss_probability = 0.9999999\n")
+        .replace("[[1.0, 1.0], [7.0, 1.5], [7.0, 6.5], [1.5, 6.5]]", "[[4.0, 3.6]]");
+    let rule = |rule: &str| hidden.replace("detarsk = {}", &format!("detarsk.before_detection = \"{rule}\""));
+    let captured = |rule_name: &str| run(&rule(rule_name), &[]).1["applications"][0]["captured"].clone();
+    assert_eq!([captured("wait"), captured("patrol")], [false, true]);
+}
+
+#[test]
 fn the_number_of_threads_changes_no_byte() {
     let bytes = |threads| fs::read(run(&searching(), &["--threads", threads]).0.path().join("run.mcap")).unwrap();
     assert!(bytes("1") == bytes("2"));

@@ -12,6 +12,7 @@ use sextant_sim::{Applications, Estimate, Field, Survey};
 use super::maps::WorkingMap;
 use super::score::{self, Scored};
 use super::simulate::Records;
+use crate::run::outcome::sensor_errors;
 use crate::run::witness::Witness;
 use crate::scenario::{Application, Scenario, Task};
 use crate::summary::{
@@ -50,6 +51,7 @@ pub(super) fn sum_up(
         prediction_error_m: score::errors(scored, |estimate| matches!(estimate, Estimate::TargetPlace { .. })),
         own_place_error_m: score::errors(scored, |estimate| matches!(estimate, Estimate::OwnPlace(_))),
         field_error: score::errors(scored, |estimate| matches!(estimate, Estimate::FieldValue { .. })),
+        sensor_errors: sensor_errors(scenario, survey),
         messages: ApplicationMessages {
             sent: record.packets.iter().map(|packets| packets.sent).sum(),
             ..ApplicationMessages::default()

@@ -27,6 +27,8 @@ pub(super) const APPLICATION: &[Known<'static>] = &[
     known("second_arrival_s", Second, "time to the second arrival"),
     known("least_arrival_value", Plain, "least true value at an arrival"),
     known("law_minimum_s", Second, "least time in which the control law can reach the level in the exact field"),
+    known("missed_detections", Count, "passages of targets that sensors missed"),
+    known("false_detections", Count, "detections of targets that were not there"),
     known("path_length_m", Metre, "length of the paths of all its robots"),
     known("messages.sent", Count, "frames on air: without repetitions"),
     known("messages.sent_per_s", PerSecond, "frames on air per second: without repetitions"),

@@ -49,6 +49,8 @@ pub(super) const RUN: &[Known<'static>] = &[
     known("mac.energy_j.rx", Joule, "energy of nodes for receiving"),
     known("mac.energy_j.idle", Joule, "energy of idle nodes"),
     known("sensing.detections", Count, "detections of targets"),
+    known("sensing.missed_detections", Count, "passages of targets that sensors missed"),
+    known("sensing.false_detections", Count, "detections of targets that were not there"),
     known("sensing.samples", Count, "samples of fields"),
     known("mac.out_of_range", Count, "packets out of the range of their sink"),
     known("mac.not_listened", Count, "packets sent while their sink did not listen"),
