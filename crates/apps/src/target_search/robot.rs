@@ -263,7 +263,7 @@ impl SearchRobot {
                 self.record.started.get_or_insert(time);
                 self.record.steps.push(SearchStep { time, place, target, predicted, goal, latest });
                 self.set_out(place, goal, port);
-            } else if let Some(nearest) = self.nearest(place).filter(|_| self.is_lost()) {
+            } else if let Some(nearest) = self.nearest(place).filter(|_| self.is_outside(place)) {
                 // It is outside the network, where no station can reach it.
                 self.set_out(place, nearest, port);
             } else if let Some(goal) = self.idle_goal(place) {
@@ -287,6 +287,12 @@ impl SearchRobot {
     fn nearest(&self, place: Position) -> Option<Position> {
         let places = self.map.places().iter().copied().flatten();
         places.min_by(|a, b| a.distance_m(place).total_cmp(&b.distance_m(place)))
+    }
+
+    /// Whether it has to drive to the network: a robot that drives before a detection knows its way where nodes are few.
+    fn is_outside(&self, place: Position) -> bool {
+        let network = self.map.bounds().grown(self.scale() * self.settings.capture_m);
+        self.is_lost() && !(self.idle.drives() && network.contains(place))
     }
 
     /// Whether too few nodes answered to tell where it is.
