@@ -80,7 +80,8 @@ pub(super) struct PseudoGradient {
 impl PseudoGradient {
     /// The number of the round at `now`: it begins again after 65535.
     pub(super) fn round_at(&self, now: SimTime) -> u16 {
-        (self.rounds_until(now) % ROUNDS) as u16
+        let [low, high, ..] = self.rounds_until(now).to_le_bytes();
+        u16::from_le_bytes([low, high])
     }
 
     /// When the latest round with this number began, until `now`.
