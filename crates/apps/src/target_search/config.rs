@@ -40,6 +40,9 @@ pub struct DetarskConfig {
     /// Where a robot drives. Presets: `default` interception, `thesis` pursuit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aim: Option<Aim>,
+    /// Where a robot drives after a poll in which no node knew a newer detection. Presets: `default` on, `thesis` back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_news: Option<WithoutNews>,
     /// How it gets there. Presets: `default` A*, `thesis` greedy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathRule>,
@@ -187,6 +190,18 @@ pub enum Aim {
     Interception,
 }
 
+/// Where a robot drives after a poll in which no node knew a newer detection than it knows already.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WithoutNews {
+    /// On: what it knows is enough for `aim`.
+    #[default]
+    On,
+    /// Back to the place of the newest detection that it knows, if it is farther from there than a step: nodes near that
+    /// know where the target went. The thesis does not say what its robot does.
+    Back,
+}
+
 /// How a robot gets to where it drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -219,6 +234,13 @@ pub struct PGConfig {
     /// `thesis` true (section 6.4.1: the pseudo-gradient is worked out in each step of the robot).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wait_for_round: Option<bool>,
+    /// The robot drives to a node within this distance of its place on the map, and to a farther one only if it heard none of
+    /// these (m). Presets: `default` no limit, `thesis` one and a half times its way in one step, as DeTarSK.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub neighbourhood_m: Option<f64>,
+    /// Which nodes are zero hops away from the target. Presets: `default` detecting, `thesis` detected.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sources: Option<GradientSources>,
     /// How a robot works out where it is on the map.
     pub own_place: OwnPlaceRule,
     /// How it gets to a node. Presets: `default` A*, `thesis` greedy.
@@ -230,6 +252,18 @@ pub struct PGConfig {
     pub motion: Option<SearchMotion>,
     /// What robots do before a target is detected.
     pub before_detection: BeforeDetection,
+}
+
+/// Which nodes are zero hops away from a target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GradientSources {
+    /// Those that detect it, or did since the last round: a robot drives towards the target.
+    #[default]
+    Detecting,
+    /// All that ever detected it: a robot drives to the nearest part of its trail, and then along the trail to the newest
+    /// detection that is in reach. The thesis says that the path of P-G follows all steps of the target.
+    Detected,
 }
 
 impl Default for DetarskConfig {
@@ -246,6 +280,7 @@ impl Default for DetarskConfig {
             filter: FilterConfig::RobustKalman(RobustKalmanConfig::default()),
             prediction: None,
             aim: None,
+            without_news: None,
             path: None,
             motion: None,
             max_target_speed_m_per_s: 2.0,
@@ -282,6 +317,8 @@ impl Default for PGConfig {
             step_s: 1.0,
             update_s: None,
             wait_for_round: None,
+            neighbourhood_m: None,
+            sources: None,
             own_place: OwnPlaceRule::default(),
             path: None,
             motion: None,

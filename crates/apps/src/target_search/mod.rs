@@ -39,8 +39,8 @@ mod wayfinder;
 
 pub use assignment::assign;
 pub use config::{
-    Aim, BeforeDetection, Belief, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, ParticlesConfig,
-    PathRule, PredictionConfig, RobustKalmanConfig, SearchMotion, SearchPreset,
+    Aim, BeforeDetection, Belief, DetarskConfig, FilterConfig, GradientSources, Informants, OwnPlaceRule, PGConfig,
+    ParticlesConfig, PathRule, PredictionConfig, RobustKalmanConfig, SearchMotion, SearchPreset, WithoutNews,
 };
 pub use doubt::Doubt;
 pub use grid_path::CellMap;

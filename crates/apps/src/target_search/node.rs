@@ -207,8 +207,13 @@ impl Application for SearchNode {
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
         if timer == ROUND {
             let Some(gradients) = &mut self.gradients else { return };
-            gradients.begin_round(&self.detections, &mut self.outbox, port);
+            let later = gradients.begin_round(&self.detections, &mut self.outbox, port);
             port.after(gradients.until_next_round(port.now()), ROUND);
+            for target in later {
+                let draw = self.draw(port);
+                let Some(gradients) = &self.gradients else { return };
+                port.after(gradients.wait(draw), Timer(FIRST_GRADIENT + target.0));
+            }
         } else if timer == RETRY {
             self.retries = false;
             self.route.forward_waiting(&mut self.outbox, port);

@@ -8,7 +8,7 @@ use sextant_channel::{Bounds, Position};
 use sextant_kernel::{SimTime, StationId};
 use sextant_sim::{Application, Delivery, DriveEnd, Estimate, NetworkId, Port, Pose, RobotBody, TargetId, Timer};
 
-use super::config::{Aim, OwnPlaceRule, SearchMotion};
+use super::config::{Aim, OwnPlaceRule, SearchMotion, WithoutNews};
 use super::driver::Driver;
 use super::gradient_pilot::GradientPilot;
 use super::idle::Idle;
@@ -17,7 +17,7 @@ use super::message::{Detection, Message};
 use super::outbox::Outbox;
 use super::prober::Prober;
 use super::record::{RobotSearchRecord, SearchStep};
-use super::settings::{Detarsk, Method, TargetSearch};
+use super::settings::{Detarsk, Method, TargetSearch, Vicinity};
 use super::sightings::Sighting;
 use super::team::Team;
 use super::tracker::Tracker;
@@ -36,9 +36,6 @@ const WAIT_INTERVAL: Duration = Duration::from_millis(20);
 const PHASE_SHARE: f64 = 0.1;
 /// Share of a step in which nodes answer a poll.
 const WINDOW_SHARE: f64 = 0.6;
-/// The neighbourhood, as a multiple of the way of the robot in one step: V + ε with ε = V/2 (thesis, information
-/// gathering).
-const NEIGHBOURHOOD_STEPS: f64 = 1.5;
 /// Answers from which the robot learns where it is on the map.
 const RELIABLE: usize = 8;
 /// How far ahead an interception is looked for.
@@ -158,11 +155,11 @@ impl SearchRobot {
 
     /// Asks the nodes around.
     fn ask(&mut self, port: &mut Port<'_>) {
-        let radius_m = match &self.settings.method {
-            Method::Detarsk(method) => method.neighbourhood_m,
-            Method::PseudoGradient(_) => None,
+        let vicinity = match &self.settings.method {
+            Method::Detarsk(method) => method.vicinity,
+            Method::PseudoGradient(_) => Vicinity::OfSteps,
         };
-        let radius_m = radius_m.unwrap_or(self.scale() * (NEIGHBOURHOOD_STEPS * self.driver.step_m()));
+        let radius_m = vicinity.radius_m(self.driver.step_m(), self.scale());
         let pose = port.pose();
         self.asked_at = Some(pose);
         // In whole steps it knows where it decides next, and asks the nodes around there.
@@ -232,6 +229,10 @@ impl SearchRobot {
                         (Aim::Interception, Some(meeting)) => meeting.place,
                         _ => predicted,
                     };
+                    let newest = tracker.newest_place();
+                    let is_away = place.distance_m(newest) > scale * self.driver.step_m();
+                    let turns_back = method.without_news == WithoutNews::Back && !tracker.has_news() && is_away;
+                    let goal = if turns_back { newest } else { goal };
                     times_s.insert(target, meeting.map_or(HORIZON, |meeting| meeting.after).as_secs_f64());
                     plans.insert(target, Plan { target, predicted, goal, latest: tracker.latest() });
                 }
@@ -240,13 +241,20 @@ impl SearchRobot {
                 plans.get(&target).copied()
             }
             Pilot::PseudoGradient(pilot) => {
+                let radius_m = pilot.vicinity().map(|vicinity| vicinity.radius_m(self.driver.step_m(), scale));
+                let place_of = |node| port.node(node).and_then(|node| self.map.place(node));
+                let is_near = |node| {
+                    radius_m.is_none_or(|radius_m| {
+                        place_of(node).is_some_and(|other: Position| other.distance_m(place) <= radius_m)
+                    })
+                };
                 let open = pilot.targets().filter(|target| is_open(target, &self.alarms, &self.team));
                 let nearest = open.filter_map(|target| {
-                    let node = pilot.choose(target)?;
+                    let node = pilot.choose(target, &is_near).or_else(|| pilot.choose(target, &|_| true))?;
                     Some((target, node, pilot.value(target, node)?))
                 });
                 let (target, node, _) = nearest.min_by(|a, b| a.2.total_cmp(&b.2))?;
-                let goal = self.map.place(port.node(node)?)?;
+                let goal = place_of(node)?;
                 port.tell(Estimate::TargetPlace { target, place: goal });
                 Some(Plan { target, predicted: goal, goal, latest: now })
             }

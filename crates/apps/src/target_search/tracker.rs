@@ -33,6 +33,9 @@ pub(super) struct Tracker {
     bounds: Bounds,
     /// When the track begins that is believed, where detections are doubted.
     since: Option<SimTime>,
+    /// The newest detection that was known before the latest update, and whether that brought a newer one.
+    known: Option<SimTime>,
+    has_news: bool,
     forecast: Option<Outlook>,
     fallbacks: u32,
 }
@@ -86,6 +89,8 @@ impl Tracker {
             sightings: Sightings::new(settings),
             told: Vec::new(),
             since: None,
+            known: None,
+            has_news: false,
             bounds,
             forecast: None,
             fallbacks: 0,
@@ -114,6 +119,16 @@ impl Tracker {
         self.sightings.latest().map_or(self.first.0, |latest| latest.max(self.first.0))
     }
 
+    /// Whether the latest update brought a newer detection than was known before.
+    pub(super) fn has_news(&self) -> bool {
+        self.has_news
+    }
+
+    /// The place of the newest detection (m).
+    pub(super) fn newest_place(&self) -> Position {
+        self.sightings.fixes().last().map_or(self.first.1, |(_, fix)| fix.place)
+    }
+
     /// Times that the robust filter had to fall back, in the last update.
     pub(super) fn fallbacks(&self) -> u32 {
         self.fallbacks
@@ -121,6 +136,8 @@ impl Tracker {
 
     /// Works out the way of the target from all that is known. One metre is `scale` long on the map.
     pub(super) fn update(&mut self, scale: f64) {
+        let latest = self.latest();
+        self.has_news = self.known.replace(latest).is_none_or(|known| latest > known);
         let believed = match self.method.doubt {
             Some(doubt) => self.believe(&doubt, scale),
             None => Believed { sightings: Cow::Borrowed(&self.sightings), since: None, told: Vec::new() },
