@@ -1,9 +1,10 @@
 //! The way that a robot is expected to drive in a survey, before it does.
 
-use sextant_channel::{ObstacleField, Position};
-use sextant_kernel::{SettingError, SimTime};
-use sextant_sim::{CommandOutcome, Controller, RobotCommand, Situation};
+use sextant_channel::ObstacleField;
+use sextant_kernel::SettingError;
+use sextant_sim::Controller;
 
+use crate::planned_path::{PathPart, drive_planned};
 use crate::s_path::SPathConfig;
 use crate::{ControllerConfig, Surroundings};
 
@@ -44,23 +45,11 @@ impl ControllerConfig {
 }
 
 /// The way of a planned path without obstacles; stops inside `obstacles` do not count.
-fn driven(mut controller: Box<dyn Controller>, open: &Surroundings<'_>, obstacles: &ObstacleField) -> ExpectedWay {
+fn driven(controller: Box<dyn Controller>, open: &Surroundings<'_>, obstacles: &ObstacleField) -> ExpectedWay {
     let mut way = ExpectedWay::default();
-    let mut place: Position = open.start;
-    let mut outcome = CommandOutcome::Started;
-    loop {
-        let situation = Situation::new(SimTime::ZERO, place, outcome, 0, open.obstacles, open.radius_m);
-        match controller.decide(&situation) {
-            RobotCommand::Drive(to) => {
-                way.length_m += place.distance_m(to);
-                place = to;
-                outcome = CommandOutcome::Arrived;
-            }
-            RobotCommand::Listen => {
-                way.stops += usize::from(obstacles.containing(place).is_none());
-                outcome = CommandOutcome::Listened(&[]);
-            }
-            RobotCommand::DriveArc { .. } | RobotCommand::Finish(_) => return way,
-        }
-    }
+    drive_planned(controller, open, |part| match part {
+        PathPart::Drive { from, to } => way.length_m += from.distance_m(to),
+        PathPart::Stop(place) => way.stops += usize::from(obstacles.containing(place).is_none()),
+    });
+    way
 }

@@ -6,10 +6,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{Seed, SettingError};
-use sextant_sim::layout::RegionConfig;
+use sextant_sim::layout::{Region, RegionConfig};
 use sextant_sim::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
 
 use crate::area::Area;
+use crate::height_range::within_steps;
 use crate::purpose;
 use crate::surroundings::Surroundings;
 
@@ -67,6 +68,20 @@ impl Default for RandomWalkConfig {
             packets_per_node: default_packets_per_node(),
             max_steps: default_max_steps(),
         }
+    }
+}
+
+impl RandomWalkConfig {
+    /// The lowest and the highest height of the robot (m); `None` if the region is invalid.
+    pub(crate) fn height_range_m(&self, start: Position) -> Option<[f64; 2]> {
+        let region = self.region.as_ref().map(Region::try_from).transpose().ok()?;
+        Some(match region.filter(|region| !region.is_planar()) {
+            Some(region) => {
+                let bounds = region.bounds();
+                within_steps(start, [bounds.min.z_m, bounds.max.z_m], self.max_steps, self.step_m)
+            }
+            None => [start.z_m; 2],
+        })
     }
 }
 

@@ -13,8 +13,9 @@ pub enum MapError {
     /// The part of the lattice that one node may need does not fit into the memory allowed.
     #[error(
         "a grid of {vertices:.3e} vertices {} m apart needs {} MB for one node; allowed: {} MB; \
-         a grid_step_m of {} fits, or allow more with max_memory_mb",
-        plain(*step_m), .bytes.div_ceil(1_000_000), .allowed_bytes / 1_000_000, plain(*suggested_step_m)
+         a grid_step_m of {} fits{}",
+        plain(*step_m), .bytes.div_ceil(1_000_000), .allowed_bytes / 1_000_000, plain(*suggested_step_m),
+        .memory_key.map_or(String::new(), |key| format!(", or allow more with {key}"))
     )]
     GridTooLarge {
         /// Vertices of the whole lattice (beyond 2⁵³ rounded).
@@ -27,6 +28,8 @@ pub enum MapError {
         step_m: f64,
         /// A step that fits (m).
         suggested_step_m: f64,
+        /// The setting that allows more memory, if there is one.
+        memory_key: Option<&'static str>,
     },
     /// The log has no stops, so there is no lattice.
     #[error("the log has no stops; a grid needs at least one place where the robot listened")]

@@ -218,6 +218,7 @@ impl Size {
             allowed_bytes,
             step_m,
             suggested_step_m: suggested,
+            memory_key: Some("max_memory_mb"),
         }
     }
 }

@@ -2,8 +2,11 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sextant_channel::Position;
 use sextant_kernel::SettingError;
 use sextant_sim::layout::RegionConfig;
+
+use crate::height_range::within_steps;
 
 /// The automated S path, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -117,6 +120,18 @@ impl Default for AutomatedSConfig {
             area: None,
             layers: None,
         }
+    }
+}
+
+impl AutomatedSConfig {
+    /// The lowest and the highest height of the robot (m); `None` if a value is invalid.
+    pub(crate) fn height_range_m(&self, start: Position) -> Option<[f64; 2]> {
+        let Settings { layers, max_steps, step_m, .. } = Settings::try_from(self).ok()?;
+        let climbs = |layers: &Layers| [1.0, -1.0].iter().any(|&up| layers.next_m(start.z_m, up).is_some());
+        Some(match layers.filter(climbs) {
+            Some(layers) => within_steps(start, [layers.floor_m, layers.ceiling_m], max_steps, step_m),
+            None => [start.z_m; 2],
+        })
     }
 }
 

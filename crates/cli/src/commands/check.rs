@@ -38,7 +38,8 @@ pub(crate) struct Arguments {
 /// A valid scenario.
 #[derive(Serialize)]
 struct Valid {
-    file: PathBuf,
+    /// Its file; octets of its path that are no Unicode are replaced.
+    file: String,
     name: String,
     outline: String,
     /// Number of cells of its sweep.
@@ -91,7 +92,7 @@ fn check(path: &Path, arguments: &Arguments) -> Result<Valid, Vec<Report>> {
         Some(_) => Some(Sweep::read(path, set, None, None).map_err(|errors| reports(&errors))?.cells().len()),
     };
     Ok(Valid {
-        file: path.to_owned(),
+        file: path.to_string_lossy().into_owned(),
         name: scenario.name().to_owned(),
         outline: scenario.outline(),
         cells,

@@ -22,6 +22,7 @@ mod failing_disk;
 mod faults;
 mod figure;
 mod forms;
+mod grid_sizes;
 mod guide;
 mod init;
 #[cfg(unix)]

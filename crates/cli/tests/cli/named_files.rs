@@ -155,3 +155,33 @@ fn a_recording_without_its_files_is_refused_by_the_map_that_needs_them() {
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(message.contains("pile.obj") && message.contains("attached to the recording"), "{message}");
 }
+
+/// A folder may have any name, and a sweep compares the absolute paths of the files that its scenarios name.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_sweep_and_a_check_work_in_a_folder_whose_name_is_no_unicode() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    let home = TempDir::new().expect("a test with room on the disk");
+    let folder = home.path().join(OsStr::from_bytes(b"f\xff"));
+    fs::create_dir_all(folder.join("cells")).expect("a test with room on the disk");
+    let base = format!("{SURVEY}[world.nodes.csv]\nfile = \"nodes.csv\"\n[traffic.periodic]\ninterval_s = 0.5\n");
+    let sweep = "extends = \"../base.toml\"\nname = \"swept\"\n[sweep]\nruns = 1\n[sweep.product]\nradio.tx_power_dbm = [-50, -55]\n";
+    for (name, text) in [("base.toml", base.as_str()), ("nodes.csv", NODES), ("cells/sweep.toml", sweep)] {
+        fs::write(folder.join(name), text).expect("a test with room on the disk");
+    }
+    let scenario = folder.join("cells/sweep.toml");
+    let program = |words: &[&str], out: &str| {
+        let mut command = sextant();
+        command.current_dir(home.path()).args(words).arg(&scenario).args(out.split_whitespace());
+        let output = command.output().expect("the program starts");
+        assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    };
+    program(&["sweep"], "--out table.csv");
+    let table = fs::read_to_string(home.path().join("table.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 3, "{table}");
+    let checked: Value = serde_json::from_slice(&program(&["check"], "--format json")).expect("JSON");
+    assert_eq!(checked[0]["cells"], 2);
+}

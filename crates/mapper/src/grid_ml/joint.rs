@@ -372,6 +372,15 @@ impl Estimator for JointMlTm {
         self.networks().collect()
     }
 
+    fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
+        // The range of a profile that is fitted is known only with a log.
+        if self.profiles().count() < self.members.len() {
+            return Ok(());
+        }
+        let range_m = self.profiles().map(ReceptionProfile::range_m).fold(0.0, f64::max);
+        Lattice::covering(stops, range_m, self.grid_step_m, self.z_range_m, self.allowed_bytes).map(drop)
+    }
+
     fn estimate(
         &self,
         knowledge: &Knowledge<'_>,

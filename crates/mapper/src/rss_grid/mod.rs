@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::{Position, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
 use self::channel::Given;
@@ -28,6 +28,7 @@ use crate::log_facts::heights::check_z_range;
 use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, strengths};
+use crate::numerics::whole;
 use crate::posterior::FitState;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
@@ -136,6 +137,8 @@ impl TryFrom<RssGridConfig> for RssGrid {
 const ALLOWED_BYTES: u64 = 1_536_000_000;
 /// Bytes per vertex: its log-likelihood of silence, and its entry in the list of a search.
 const OCTETS_PER_VERTEX: u64 = 24;
+/// A step that is not set grows by this factor until the grid fits the memory.
+const COARSER: f64 = 1.1;
 /// Number of grid steps over the reach, if no step is set, in the plane and in space.
 const STEPS_PER_REACH: [f64; 2] = [60.0, 40.0];
 /// Without a hard radius, receptions may be this many standard deviations stronger than the mean.
@@ -256,14 +259,10 @@ impl RssGrid {
         sensitivity_dbm: f64,
         watch: &dyn Watch,
     ) -> Result<TopologyMap, MapError> {
-        let range_m = self
-            .max_range_m
-            .unwrap_or_else(|| ranging.distance_m(sensitivity_dbm - REACH_SIGMAS * ranging.sigma_db()));
+        let range_m = self.range_m(ranging, sensitivity_dbm);
         map.heights = SoughtHeights::of(log.stops(), self.z_range_m, range_m);
-        let is_spatial = map.heights.is_some_and(|heights| heights.high_m > heights.low_m);
-        let step_m = self.step_m(range_m, is_spatial);
-        map.grid_step_m = Some(step_m);
-        let lattice = self.lattice(log, range_m, step_m)?;
+        let lattice = self.lattice(log.stops(), range_m)?;
+        map.grid_step_m = Some(lattice.step_m());
         let nodes: Vec<Vec<Strength>> =
             (0..log.node_count()).map(|node| strengths(log, NodeId::from_index(node))).collect();
         let search = Search {
@@ -292,21 +291,45 @@ impl RssGrid {
         Ok(map)
     }
 
-    /// The lattice, if the likelihoods of all its vertices fit the memory.
-    fn lattice(&self, log: &ReceptionLog, range_m: f64, step_m: f64) -> Result<Lattice, MapError> {
-        let lattice = Lattice::covering(log.stops(), range_m, step_m, self.z_range_m, ALLOWED_BYTES)?;
-        let bytes = lattice.len().saturating_mul(OCTETS_PER_VERTEX);
-        if bytes <= ALLOWED_BYTES {
-            return Ok(lattice);
+    /// How far a node is heard under a known channel (m).
+    fn range_m(&self, ranging: &Ranging, sensitivity_dbm: f64) -> f64 {
+        self.max_range_m.unwrap_or_else(|| ranging.distance_m(sensitivity_dbm - REACH_SIGMAS * ranging.sigma_db()))
+    }
+
+    /// The lattice, if the likelihoods of all its vertices fit the memory. If no step is set, it is as coarse as it must be.
+    fn lattice(&self, stops: &[Stop], range_m: f64) -> Result<Lattice, MapError> {
+        let heights = SoughtHeights::of(stops, self.z_range_m, range_m);
+        let is_spatial = heights.is_some_and(|heights| heights.high_m > heights.low_m);
+        let mut step_m = self.step_m(range_m, is_spatial);
+        loop {
+            let lattice = self.lattice_of_step(stops, range_m, step_m);
+            let is_too_large = matches!(lattice, Err(MapError::GridTooLarge { .. }));
+            // With steps of a whole reach, a place tells nothing about its node.
+            if !is_too_large || self.grid_step_m.is_some() || COARSER * step_m > range_m {
+                return lattice;
+            }
+            step_m *= COARSER;
         }
+    }
+
+    fn lattice_of_step(&self, stops: &[Stop], range_m: f64, step_m: f64) -> Result<Lattice, MapError> {
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
-        let (vertices, excess) = (lattice.len() as f64, bytes as f64 / ALLOWED_BYTES as f64);
+        let vertices = match Lattice::covering(stops, range_m, step_m, self.z_range_m, ALLOWED_BYTES) {
+            Ok(lattice) if lattice.len().saturating_mul(OCTETS_PER_VERTEX) <= ALLOWED_BYTES => return Ok(lattice),
+            Ok(lattice) => lattice.len() as f64,
+            // The window of one node is too large already.
+            Err(MapError::GridTooLarge { vertices, .. }) => vertices,
+            Err(error) => return Err(error),
+        };
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let (bytes, allowed) = (vertices * OCTETS_PER_VERTEX as f64, ALLOWED_BYTES as f64);
         Err(MapError::GridTooLarge {
             vertices,
-            bytes,
+            bytes: whole(bytes) as u64,
             allowed_bytes: ALLOWED_BYTES,
             step_m,
-            suggested_step_m: step_m * excess.sqrt().ceil(),
+            suggested_step_m: step_m * (bytes / allowed).sqrt().ceil(),
+            memory_key: None,
         })
     }
 }
@@ -337,6 +360,15 @@ impl Estimator for RssGrid {
 
     fn messages(&self) -> Messages {
         Messages::Unknown
+    }
+
+    fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
+        match self.channel {
+            Channel::Known { ranging, sensitivity_dbm } => {
+                self.lattice(stops, self.range_m(&ranging, sensitivity_dbm)).map(drop)
+            }
+            Channel::Fitted(_) => Ok(()),
+        }
     }
 
     fn estimate(

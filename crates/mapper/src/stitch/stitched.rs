@@ -81,7 +81,10 @@ impl Estimator for Stitched {
     }
 
     fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
-        self.inner.check_grid(stops)
+        // How the frames of the others fit to that of the first robot is known only with their logs.
+        let first = stops.iter().map(|stop| stop.robot).min();
+        let of_first: Vec<Stop> = stops.iter().filter(|stop| Some(stop.robot) == first).copied().collect();
+        self.inner.check_grid(&of_first)
     }
 
     fn estimate(

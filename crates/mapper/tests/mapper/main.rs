@@ -7,6 +7,7 @@ mod calibration;
 mod comparators;
 mod concerns;
 mod features;
+mod grid_sizes;
 mod heights;
 mod ml_tm;
 mod mm_tm;

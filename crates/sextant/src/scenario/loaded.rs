@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use sextant_apps::{ControllerConfig, MapSourceConfig};
+use sextant_apps::ControllerConfig;
 use sextant_channel::Anchor;
 use sextant_kernel::{Files, Seed};
 use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, SimulatedRegion, World};
@@ -19,8 +19,9 @@ use super::document::Document;
 use super::error::ScenarioErrors;
 use super::errors::Errors;
 use super::file::ScenarioFile;
+use super::grids::check_grids;
 use super::known_networks::PacketsPerStop;
-use super::maps::{MapJob, check_grids};
+use super::maps::MapJob;
 use super::plausible::check_numbers;
 use super::survey_identity::SurveyIdentity;
 use sextant_kernel::text::counted;
@@ -185,14 +186,15 @@ impl Scenario {
         &self.named_files
     }
 
-    /// Checks whether the grids of its maps fit the memory that they are allowed, wherever robots stop. A sweep does not ask
-    /// this, because its other cells are run in any case.
+    /// Checks whether the grids of its maps fit the memory that they are allowed, wherever robots may stop. A sweep does not
+    /// ask this, because its other cells are run in any case.
     ///
     /// # Errors
     /// If a grid does not fit.
     pub fn check_grids(&self) -> Result<(), ScenarioErrors> {
         let mut errors = Errors::default();
-        check_grids(&self.maps, &self.parts.setup.robots, &mut errors);
+        let maps = self.maps.iter().map(|map| (map, self.networks_of(map)));
+        check_grids(maps, &self.parts.setup, &self.config.robots, &mut errors);
         if errors.found.is_empty() { Ok(()) } else { errors.placed(&self.file.overridden(&self.set, self.seed)?) }
     }
 
@@ -338,42 +340,10 @@ impl Scenario {
 
 /// The files that the settings name, whose paths become relative to the folder of the scenario.
 fn named_files(config: &mut ScenarioConfig, document: &Document, folder: &Path) -> Vec<NamedFile> {
-    let mut named_files = Vec::new();
-    for (key, file) in config.world.files_mut() {
+    let named = |(key, file): (String, &mut PathBuf)| {
         let written = file.clone();
-        document.rebase(&format!("world.{key}"), file, folder);
-        named_files.push(NamedFile { written, path: folder.join(file) });
-    }
-    for (i, application) in config.applications.iter_mut().enumerate() {
-        if let MapSourceConfig::File(file) = &mut application.map {
-            let written = file.clone();
-            document.rebase(&format!("applications[{i}].map.file"), file, folder);
-            named_files.push(NamedFile { written, path: folder.join(file) });
-        }
-    }
-    let of_traffic = config.traffic.iter_mut().map(|traffic| ("traffic".to_owned(), traffic));
-    let of_networks = config
-        .networks
-        .iter_mut()
-        .filter_map(|(name, network)| Some((format!("networks.{name}.traffic"), network.traffic.as_mut()?)));
-    for (table, traffic) in of_traffic.chain(of_networks) {
-        for (key, file) in traffic.files_mut() {
-            let written = file.clone();
-            document.rebase(&format!("{table}.{key}"), file, folder);
-            named_files.push(NamedFile { written, path: folder.join(file) });
-        }
-    }
-    let of_antennas = config.antenna.iter_mut().map(|antenna| ("antenna".to_owned(), antenna));
-    let of_networks = config
-        .networks
-        .iter_mut()
-        .filter_map(|(name, network)| Some((format!("networks.{name}.antenna"), network.antenna.as_mut()?)));
-    for (table, antenna) in of_antennas.chain(of_networks) {
-        for (key, file) in antenna.files_mut() {
-            let written = file.clone();
-            document.rebase(&format!("{table}.{key}"), file, folder);
-            named_files.push(NamedFile { written, path: folder.join(file) });
-        }
-    }
-    named_files
+        document.rebase(&key, file, folder);
+        NamedFile { written, path: folder.join(file) }
+    };
+    config.files_mut().into_iter().map(named).collect()
 }

@@ -1,9 +1,8 @@
 //! The maps of a scenario.
 
-use sextant_channel::Stop;
-use sextant_kernel::{RobotId, SettingError, SettingProblem, SimTime};
-use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig, MapError, Mapper, Stitched};
-use sextant_sim::{Robot, RoleConfig};
+use sextant_kernel::{SettingError, SettingProblem};
+use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig, Mapper, Stitched};
+use sextant_sim::RoleConfig;
 
 use super::config::ScenarioConfig;
 use super::errors::Errors;
@@ -76,18 +75,6 @@ pub(super) fn check_log_of_maps(
     if let Some(map) = maps.iter().find(of_log) {
         let allowed = format!("a robot that surveys: the map `{}` is made from what robots hear", map.name);
         errors.refuse(&SettingError::new("robots", "no surveying robot", allowed));
-    }
-}
-
-/// Refuses maps whose grid does not fit the memory, wherever the robots stop: already around where one starts.
-pub(super) fn check_grids(maps: &[MapJob], robots: &[Robot], errors: &mut Errors) {
-    let Some(first) = robots.first() else { return };
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: first.body.start, heading_rad: None };
-    for (i, map) in maps.iter().enumerate() {
-        if let Err(error @ MapError::GridTooLarge { .. }) = map.mapper.check_grid(&[stop]) {
-            let allowed = "settings whose grid fits around one stop";
-            errors.refuse(&SettingError::new(format!("maps[{i}].algorithm"), error, allowed));
-        }
     }
 }
 

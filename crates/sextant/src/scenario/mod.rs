@@ -13,6 +13,8 @@ mod effective;
 mod error;
 mod errors;
 mod file;
+mod files;
+mod grids;
 mod key_path;
 mod keys;
 mod known_networks;

@@ -59,6 +59,7 @@ impl SurveyIdentity {
     /// Never for a scenario that was read from text.
     #[must_use]
     pub fn of(config: &ScenarioConfig) -> Self {
+        let config = &with_paths_as_text(config);
         // Without `..`, so that a new table of settings must be listed here.
         let ScenarioConfig {
             world,
@@ -111,9 +112,21 @@ impl SurveyIdentity {
             faults,
             distributed: distributed_mapping.as_ref().map(|mapping| (mapping, anchors)),
         };
-        let json = serde_json::to_vec(&settings).expect("settings that were read from text can be written as text");
+        let json = serde_json::to_vec(&settings)
+            .expect("all paths are texts now, and so were all other settings when they were read");
         Self(Sha256::digest(json).into())
     }
+}
+
+/// The same settings. In paths that are no Unicode, because folders may have any name, other octets are escaped.
+fn with_paths_as_text(config: &ScenarioConfig) -> ScenarioConfig {
+    let mut config = config.clone();
+    for (_, path) in config.files_mut() {
+        if path.to_str().is_none() {
+            *path = path.as_os_str().as_encoded_bytes().escape_ascii().to_string().into();
+        }
+    }
+    config
 }
 
 #[cfg(test)]
