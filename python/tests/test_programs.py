@@ -250,6 +250,8 @@ def test_a_robot_with_an_application_of_its_own_writes_the_stops_that_are_mapped
             port.listen(2.5)
 
         def started(self, port: sextant.Port) -> None:
+            with pytest.raises(ValueError, match="a finite angle"):
+                port.steer(1e9, 1e300)
             self.go(port)
 
         def drive_ended(self, end: sextant.DriveEnd, port: sextant.Port) -> None:

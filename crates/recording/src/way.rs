@@ -8,9 +8,15 @@ use sextant_kernel::SimTime;
 pub struct Way(Vec<(SimTime, Position)>);
 
 impl Way {
-    /// Adds the place at `time`, which is not before those that it has.
+    /// Adds the place at `time`. One that comes late is put in order.
     pub fn push(&mut self, time: SimTime, place: Position) {
-        self.0.push((time, place));
+        match self.0.last() {
+            Some((last, _)) if *last > time => {
+                let next = self.0.partition_point(|(at, _)| *at <= time);
+                self.0.insert(next, (time, place));
+            }
+            _ => self.0.push((time, place)),
+        }
     }
 
     /// The place at `time`: the first place before it was seen, the last one after; `None` if it never was.
@@ -53,7 +59,9 @@ impl Way {
 
 impl FromIterator<(SimTime, Position)> for Way {
     fn from_iter<I: IntoIterator<Item = (SimTime, Position)>>(points: I) -> Self {
-        Self(points.into_iter().collect())
+        let mut way = Self::default();
+        points.into_iter().for_each(|(time, place)| way.push(time, place));
+        way
     }
 }
 
@@ -71,5 +79,16 @@ mod tests {
         assert_eq!(Way::default().at(at(3)), None);
         assert!((way.length_m() - 4.0).abs() < 1e-12);
         assert_eq!(way.within(at(11), at(20)).points(), [(at(20), Position::new(4.0, 0.0, 0.0))]);
+    }
+
+    #[test]
+    fn places_that_come_late_are_put_in_order() {
+        let place = |nanos: u32| (SimTime::from_nanos(nanos.into()), Position::new(f64::from(nanos), 0.0, 0.0));
+        let way = Way::from_iter([30, 10, 40, 20, 10].map(place));
+        assert_eq!(way.points(), [10, 10, 20, 30, 40].map(place));
+        for nanos in 0..50_u32 {
+            let seen = way.at(SimTime::from_nanos(nanos.into())).expect("it was seen");
+            assert!((seen.x_m - f64::from(nanos.clamp(10, 40))).abs() < 1e-9, "{seen:?}");
+        }
     }
 }

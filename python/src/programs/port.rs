@@ -267,7 +267,7 @@ impl Port {
 
     fn steer(&self, seconds: f64, turn_rate_rad_per_s: f64) -> PyResult<Option<DriveEnd>> {
         let span = span(seconds)?;
-        checked_arc(0.0, turn_rate_rad_per_s)?;
+        checked_arc(0.0, turn_rate_rad_per_s * seconds)?;
         self.ask_standing(|port| ended(port.steer(span, turn_rate_rad_per_s)))
     }
 

@@ -11,7 +11,7 @@ use super::belief::Belief;
 use super::config::DistributedMapping;
 use super::message::{Beacon, Directions, Message};
 
-/// Most earlier stops that a beacon tells, with and without sectors: they fit in a frame.
+/// Most earlier stops that a beacon tells, with and without sectors: with few rings of sectors they fit in a frame.
 const MOST_EARLIER: [usize; 2] = [24, 5];
 
 /// What a mobile anchor says at its stops. It has a compass, so it knows the directions of its sectors.
@@ -36,6 +36,26 @@ impl MobileAnchor {
         });
         Self { settings, directions, stops: VecDeque::new() }
     }
+
+    /// Size of the largest message that it sends (octets).
+    #[must_use]
+    pub fn largest_octets(&self) -> usize {
+        let earlier = if self.settings.passes_on { self.most_earlier() } else { 0 };
+        self.beacon(Position::ORIGIN, vec![Position::ORIGIN; earlier]).len()
+    }
+
+    /// Most earlier stops that a beacon tells.
+    fn most_earlier(&self) -> usize {
+        MOST_EARLIER[usize::from(self.directions.is_none())]
+    }
+
+    /// The octets of what it sends at `place`.
+    fn beacon(&self, place: Position, earlier: Vec<Position>) -> Vec<u8> {
+        let (belief, directions) = (Belief::exact(place), self.directions.clone());
+        let mut octets = Vec::new();
+        Message::Beacon(Beacon { belief, directions, earlier, others: Vec::new() }).write(&mut octets);
+        octets
+    }
 }
 
 impl Broadcast for MobileAnchor {
@@ -43,21 +63,13 @@ impl Broadcast for MobileAnchor {
         if now >= SimTime::ZERO + self.settings.mobile_phase() {
             return None;
         }
-        let beacon = Beacon {
-            belief: Belief::exact(pose.position),
-            directions: self.directions.clone(),
-            earlier: self.stops.iter().copied().collect(),
-            others: Vec::new(),
-        };
+        let octets = self.beacon(pose.position, self.stops.iter().copied().collect());
         if self.settings.passes_on {
             self.stops.push_back(pose.position);
-            let most = MOST_EARLIER[usize::from(self.directions.is_none())];
-            if self.stops.len() > most {
+            if self.stops.len() > self.most_earlier() {
                 self.stops.pop_front();
             }
         }
-        let mut octets = Vec::new();
-        Message::Beacon(beacon).write(&mut octets);
         Some(octets)
     }
 }

@@ -184,21 +184,23 @@ impl MappingNode {
     /// Each message is sent at a random instant of each of as many parts of the window as it is sent times.
     fn schedule_messages(&mut self, port: &mut Port<'_>) {
         let span = self.settings.window.mul_f64(SENDING_SHARE);
-        let mut timer = WINDOW;
-        for _ in 0..self.outbox.len() {
-            for repeat in 0..self.settings.repeats {
-                let part = span / self.settings.repeats;
+        let repeats = self.settings.repeats;
+        let part = span / repeats;
+        for message in 0..self.outbox.len() {
+            for repeat in 0..repeats {
                 let at = part * repeat + part.mul_f64(port.uniform(self.draws));
                 self.draws += 1;
-                timer.0 += 1;
-                port.after(at, timer);
+                match timer_of(message, repeat, repeats) {
+                    Some(timer) => drop(port.after(at, timer)),
+                    None => self.record.unsent += 1,
+                }
             }
         }
     }
 
     /// Sends the message that is due.
     fn send(&mut self, timer: Timer, port: &mut Port<'_>) {
-        let repeats = usize::try_from(self.settings.repeats).expect("few repeats");
+        let repeats = usize::try_from(self.settings.repeats).expect("at most 100 repeats");
         let Some(octets) = self.outbox.get(usize::from(timer.0 - 1) / repeats) else { return };
         match port.send(self.network, Destination::All, Payload::Octets(octets)) {
             Ok(_) => self.record.sent += 1,
@@ -317,6 +319,12 @@ impl MappingNode {
     }
 }
 
+/// The timer of a message and a repeat of it; `None` if there are more than timers have numbers.
+fn timer_of(message: usize, repeat: u32, repeats: u32) -> Option<Timer> {
+    let before = u64::try_from(message).ok()?.checked_mul(repeats.into())?;
+    u16::try_from(before + u64::from(repeat) + 1).ok().map(Timer)
+}
+
 /// The directions of the sectors of an antenna whose ring is turned and raised like this. Where the elevation is known to
 /// lie in an interval, they hold all elevations that the sectors may cover.
 fn directions_of(found: &RingOrientation, antenna: NodeAntenna) -> Directions {
@@ -364,5 +372,19 @@ impl Application for MappingNode {
         let (iteration, _) = self.schedule.at(self.window.saturating_sub(1));
         let is_mobile = port.node(delivery.from).is_none();
         self.neighbours.hear(message, delivery, port.station(), iteration, is_mobile);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_have_timers_until_the_numbers_of_timers_end() {
+        assert_eq!(timer_of(0, 0, 3), Some(Timer(1)));
+        assert_eq!(timer_of(7, 2, 3), Some(Timer(24)));
+        assert_eq!(timer_of(655, 34, 100), Some(Timer(u16::MAX)));
+        assert_eq!(timer_of(655, 35, 100), None);
+        assert_eq!(timer_of(usize::MAX, 0, 100), None);
     }
 }

@@ -8,6 +8,9 @@ use sextant_kernel::SettingError;
 
 use crate::Position;
 
+/// The largest angle (degrees): ten turns. Far larger ones would leave no digits for the widths of sectors.
+const MOST_DEG: f64 = 3600.0;
+
 /// How an antenna is turned, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
@@ -46,11 +49,9 @@ impl TryFrom<OrientationConfig> for Orientation {
 
     fn try_from(config: OrientationConfig) -> Result<Self, SettingError> {
         let OrientationConfig { yaw_deg, pitch_deg, roll_deg } = config;
-        Ok(Self::new(
-            SettingError::finite("yaw_deg", yaw_deg)?.to_radians(),
-            SettingError::finite("pitch_deg", pitch_deg)?.to_radians(),
-            SettingError::finite("roll_deg", roll_deg)?.to_radians(),
-        ))
+        let radians =
+            |key, deg| SettingError::in_range(key, deg, -MOST_DEG, MOST_DEG).map(|deg: f64| deg.to_radians());
+        Ok(Self::new(radians("yaw_deg", yaw_deg)?, radians("pitch_deg", pitch_deg)?, radians("roll_deg", roll_deg)?))
     }
 }
 
@@ -145,12 +146,21 @@ mod tests {
             OrientationConfig::default(),
             OrientationConfig { yaw_deg: 30.1, pitch_deg: -7.25, roll_deg: 400.3 },
             OrientationConfig { yaw_deg: -179.9, pitch_deg: 90.0, roll_deg: 1.0 / 3.0 },
+            OrientationConfig { yaw_deg: MOST_DEG, pitch_deg: -MOST_DEG, roll_deg: MOST_DEG },
         ] {
             let turned = Orientation::try_from(config).unwrap();
             assert_eq!(Orientation::try_from(turned.config()).unwrap(), turned);
         }
         let written = Orientation::heading(12.3_f64.to_radians()).config();
         assert_eq!(written, OrientationConfig { yaw_deg: 12.3, pitch_deg: 0.0, roll_deg: 0.0 });
+    }
+
+    #[test]
+    fn angles_of_many_turns_are_refused_at_their_key() {
+        for deg in [3601.0, -1e20, f64::NAN] {
+            let config = OrientationConfig { yaw_deg: deg, ..OrientationConfig::default() };
+            assert_eq!(Orientation::try_from(config).unwrap_err().key, "yaw_deg");
+        }
     }
 
     proptest! {

@@ -217,6 +217,7 @@ fn a_planar_cut_holds_within_the_width_of_its_beams() {
     assert_eq!((wedge(&beam), beam.endless_cut_deg()), (vec![[-15.0, 35.0]; 2], None));
     let refused = |outside, width| cut(outside, Some(width)).unwrap_err().key;
     assert_eq!(refused(Some(-20.0), 0.0), "code_book.vertical_width_deg");
+    assert_eq!(refused(Some(-20.0), 1e-20), "code_book.vertical_width_deg");
     assert_eq!(refused(Some(-20.0), 181.0), "code_book.vertical_width_deg");
     assert_eq!(refused(None, 50.0), "code_book.outside_gain_dbi");
     let grid = rows(&[0], (0..360).step_by(10), &[0, 10]);

@@ -86,7 +86,7 @@ impl Pace {
     /// Simulated time now.
     fn time(&self, state: &State) -> SimTime {
         match self.speed {
-            Some(speed) if !state.is_paused => state.time + state.since.elapsed().mul_f64(speed),
+            Some(speed) if !state.is_paused => passed(state.time, state.since.elapsed(), speed),
             _ => state.time,
         }
     }
@@ -121,4 +121,22 @@ impl Pace {
 fn now() -> Instant {
     #[expect(clippy::disallowed_methods, reason = "a live view follows the wall clock")]
     Instant::now()
+}
+
+/// Simulated time when `span` has passed at `speed` since `time`; the last instant if it would be later.
+fn passed(time: SimTime, span: Duration, speed: f64) -> SimTime {
+    let span_ns = u64::try_from(span.mul_f64(speed).as_nanos()).unwrap_or(u64::MAX);
+    SimTime::from_nanos(time.as_nanos().saturating_add(span_ns))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fast_view_that_is_left_open_stays_at_the_last_instant() {
+        let second = Duration::from_secs(1);
+        assert_eq!(passed(SimTime::from_nanos(5), second, 2.0), SimTime::from_nanos(2_000_000_005));
+        assert_eq!(passed(SimTime::from_nanos(5), 86_400 * second, 1e9), SimTime::MAX);
+    }
 }

@@ -223,6 +223,13 @@ fn foreign_and_changed_files_are_refused() {
 
     let plan = study.file("plan/plan.json");
     let text = fs::read_to_string(&plan).unwrap();
+    for (key, found) in [("\"surveys\":[0", u64::MAX), ("\"surveys\":[0", 99), ("\"runs\":2", u32::MAX.into())] {
+        assert_eq!(text.matches(key).count(), 1, "{key} in {text}");
+        let before = &key[..key.len() - 1];
+        fs::write(&plan, text.replace(key, &format!("{before}{found}"))).unwrap();
+        let message = refused(&study.on_plan(&["--status"]));
+        assert!(message.contains("plan.json` was changed since the plan was made"), "{found}: {message}");
+    }
     fs::write(
         &plan,
         text.replace(&format!("\"version\":\"{}\"", env!("CARGO_PKG_VERSION")), "\"version\":\"0.0.1\""),

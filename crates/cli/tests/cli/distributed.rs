@@ -338,6 +338,14 @@ fn invalid_tables_are_refused_at_their_key() {
             "`distributed_mapping.place.grid_step_m` is 0",
             "above 0",
         ),
+        (
+            mobile.replace(
+                "azimuth_sectors = 16\nelevations_deg = [-75.0, -25.0]",
+                &format!("azimuth_sectors = 1\nelevations_deg = {:?}", (-64..64).collect::<Vec<i32>>()),
+            ),
+            "`antenna.robots.sectors.elevations_deg` is 128 rings: a mobile anchor tells their directions",
+            "fewer rings, so that the message has at most 964 octets",
+        ),
     ] {
         let said = refused(&scenario);
         let said: Vec<_> = said.split_whitespace().filter(|word| *word != "│").collect();

@@ -123,6 +123,12 @@ impl RecordedWorld {
         let Some(application) = self.applications.iter_mut().find(|application| application.name == first) else {
             return Ok(());
         };
+        if time < application.start {
+            let start = application.start;
+            return Err(format!(
+                "the value `{name}` is of {time}; allowed: times from {start}, when `{first}` began"
+            ));
+        }
         match application.series.iter_mut().find(|(other, _)| other == rest) {
             Some((_, points)) => points.push((time, value)),
             None => application.series.push((rest.to_owned(), vec![(time, value)])),
@@ -169,4 +175,22 @@ fn capture(data: &[u8]) -> Result<RecordedCapture, String> {
     let CaptureMessage { time_ns, robot, target, x_m, y_m, z_m } =
         CaptureMessage::decode(data).map_err(|why| why.to_string())?;
     Ok(RecordedCapture { time: SimTime::from_nanos(time_ns), robot, target, place: place(x_m, y_m, z_m)? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_from_before_its_application_is_refused() {
+        let start = SimTime::from_nanos(5_000_000_000);
+        let application = RecordedApplication { name: "search".to_owned(), start, ..RecordedApplication::default() };
+        let mut world = RecordedWorld { applications: vec![application], ..RecordedWorld::default() };
+        let message =
+            MetricMessage { time_ns: 0, name: "search/rover/error_m".to_owned(), value: 1.0 }.encode_to_vec();
+        assert_eq!(world.add_metric(start, &message), Ok(()));
+        let refused = world.add_metric(SimTime::from_nanos(4_000_000_000), &message).unwrap_err();
+        assert!(refused.contains("is of 4.000000000 s; allowed: times from 5.000000000 s"), "{refused}");
+        assert_eq!(world.applications[0].series, [("rover/error_m".to_owned(), vec![(start, 1.0)])]);
+    }
 }

@@ -12,7 +12,7 @@ use super::bundle::Bundle;
 use super::error::CampaignError;
 use crate::scenario::ScenarioFile;
 use crate::summary::measures::Subjects;
-use crate::sweep::{Checked, Sweep, Trial};
+use crate::sweep::{Checked, Sweep, Trial, check_runs};
 
 /// The version of this program, whose plans it does.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -119,7 +119,13 @@ impl PlanFile {
         self.files.check(&files)?;
         let scenario = ScenarioFile::read(files.join(&self.files.scenario))?;
         let axes = scenario.axes(&self.set)?;
-        if axes.cells.len() != self.surveys.len() || self.surveys.len() != self.sha256.len() || self.runs == 0 {
+        let cells = axes.cells.len();
+        let is_own = self.surveys.len() == cells
+            && self.sha256.len() == cells
+            && are_numbered(&self.surveys)
+            && self.runs > 0
+            && check_runs(cells, self.runs).is_ok();
+        if !is_own {
             return Err(CampaignError::Changed { file: Self::path(folder) });
         }
         let checked = Checked {
@@ -133,4 +139,14 @@ impl PlanFile {
         };
         Ok(Sweep::checked(scenario, axes, checked))
     }
+}
+
+/// Whether surveys have numbers in the order in which they appear first, as in each plan.
+fn are_numbered(surveys: &[usize]) -> bool {
+    let mut count = 0;
+    surveys.iter().all(|&survey| {
+        let is_next = survey == count;
+        count += usize::from(is_next);
+        survey < count
+    })
 }

@@ -60,6 +60,9 @@ impl ApplicationMap {
     }
 }
 
+/// A map with fewer places does not tell where a robot is.
+const LEAST_PLACES: usize = 3;
+
 /// What applications may name.
 pub(super) struct Surroundings<'a> {
     pub(super) config: &'a ScenarioConfig,
@@ -121,6 +124,10 @@ impl Surroundings<'_> {
 
     /// The map of an application.
     fn map(&self, written: &ApplicationConfig) -> Result<ApplicationMap, SettingError> {
+        if self.nodes().len() < LEAST_PLACES {
+            let found = format!("a map of {}", counted(self.nodes().len(), "node"));
+            return Err(SettingError::new("map", found, format!("a world with at least {LEAST_PLACES} nodes")));
+        }
         match &written.map {
             MapSourceConfig::Physical {} => Ok(ApplicationMap::Physical),
             MapSourceConfig::Computed(name) => {
@@ -151,9 +158,9 @@ impl Surroundings<'_> {
                     let refused = refuse(found, "places of nodes of the world");
                     return refused.map_err(|error| self.files.discreet(file, error));
                 }
-                if read.len() < 3 {
+                if read.len() < LEAST_PLACES {
                     let found = format!("`{}`, with {}", file.display(), counted(read.len(), "node"));
-                    return refuse(found, "at least 3 nodes");
+                    return refuse(found, &format!("at least {LEAST_PLACES} nodes"));
                 }
                 let places = nodes.iter().map(|node| read.get(&node.name).copied()).collect();
                 let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();

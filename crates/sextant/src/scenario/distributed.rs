@@ -9,6 +9,7 @@ use sextant_apps::distributed::{
 };
 use sextant_channel::{Anchor, Antenna, AntennaConfig, SectorTable};
 use sextant_kernel::{NodeId, SettingError};
+use sextant_mac::dmg::MAX_BEACON_PAYLOAD_OCTETS;
 use sextant_mapper::BearingTable;
 use sextant_sim::{Broadcast, MacConfig, Network, NetworkId, Robot, RoleConfig, Setup};
 
@@ -101,7 +102,11 @@ pub(super) fn check_distributed(
     let settings = Arc::new(errors.take(TABLE, DistributedMapping::try_from(written))?);
     let patterns = patterns(&settings, busy, has_mobile, errors);
     let sectors = antennas.as_ref().map(|(_, of_robots, per_ring)| (of_robots, *per_ring));
-    let broadcast: Box<dyn Broadcast> = Box::new(MobileAnchor::new(Arc::clone(&settings), sectors));
+    let mobile = MobileAnchor::new(Arc::clone(&settings), sectors);
+    if has_mobile && sectors.is_some() {
+        check_message(&mobile, busy, &tables[at], errors);
+    }
+    let broadcast: Box<dyn Broadcast> = Box::new(mobile);
     for (i, robot) in config.robots.iter().enumerate().filter(|(_, robot)| robot.role == RoleConfig::Anchor) {
         let Some(built) = setup.robots.iter_mut().find(|built| built.body.name == robot.name) else { continue };
         check_network(i, built, network, config, errors);
@@ -147,6 +152,19 @@ pub(super) fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors) {
         }
     };
     errors.refuse(&error.within(&tables.mac.key));
+}
+
+/// What a mobile anchor tells of its sectors must fit in a frame.
+fn check_message(mobile: &MobileAnchor, network: &Network, tables: &NetworkTables<'_>, errors: &mut Errors) {
+    let most = usize::from(MAX_BEACON_PAYLOAD_OCTETS);
+    let octets = mobile.largest_octets();
+    if octets > most {
+        let rings = network.technology.antennas().map_or(1, |antennas| antennas.robots().rings());
+        let found = format!("{rings} rings: a mobile anchor tells their directions in a message of {octets} octets");
+        let allowed = format!("fewer rings, so that the message has at most {most} octets");
+        let error = SettingError::new("robots.sectors.elevations_deg", found, allowed);
+        errors.refuse(&error.within(&tables.antenna.key));
+    }
 }
 
 /// A mobile anchor sends in the network of the map, and in no other.

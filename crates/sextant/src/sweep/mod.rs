@@ -42,7 +42,7 @@ pub use tidy::table;
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 
-pub(crate) use plan::Checked;
+pub(crate) use plan::{Checked, check_runs};
 #[cfg(feature = "parquet")]
 pub(crate) use table_file::write_table as write_texts;
 

@@ -65,7 +65,7 @@ pub(crate) struct Checked {
 const MOST_RUNS: u64 = 10_000_000;
 
 /// Refuses more runs of all `cells` together than a sweep can have.
-fn check_runs(cells: usize, runs: u32) -> Result<(), ScenarioError> {
+pub(crate) fn check_runs(cells: usize, runs: u32) -> Result<(), ScenarioError> {
     let all = (cells as u64).saturating_mul(runs.into());
     if all <= MOST_RUNS {
         return Ok(());

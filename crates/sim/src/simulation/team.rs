@@ -92,7 +92,9 @@ impl Team {
     /// The simulation of these robots, or of all.
     fn simulation(&self, group: Option<&[usize]>) -> Simulation {
         let simulation = Simulation::of_robots(self.setup.clone(), group);
-        simulation.and_then(|simulation| simulation.with_region(self.region)).expect("the setup was checked")
+        simulation
+            .and_then(|simulation| simulation.with_region(self.region))
+            .expect("the simulation of the whole team was made, and a group needs nothing else")
     }
 
     /// Robots that are too near each other at the start are in one group.

@@ -279,6 +279,9 @@ fn outside(config: &CodeBookConfig, azimuths: &Steps) -> Result<Option<f64>, Set
     }
 }
 
+/// A planar cut holds at least so far (degrees): less is lost in the digits of its elevation.
+const LEAST_CUT_DEG: f64 = 1e-6;
+
 /// How far above and below a planar cut holds (degrees), checked: infinite if nothing is said.
 fn cut_half_deg(config: &CodeBookConfig, elevations: &Steps) -> Result<f64, SettingError> {
     let Some(deg) = config.vertical_width_deg else { return Ok(f64::INFINITY) };
@@ -286,9 +289,7 @@ fn cut_half_deg(config: &CodeBookConfig, elevations: &Steps) -> Result<f64, Sett
         let with = format!("a grid of {} elevations", elevations.count);
         return Err(SettingError::conflict("vertical_width_deg", &with, "remove it, because it is for a planar cut"));
     }
-    if !(deg > 0.0 && deg <= 180.0) {
-        return Err(SettingError::new("vertical_width_deg", deg, "above 0, at most 180"));
-    }
+    SettingError::in_range("vertical_width_deg", deg, LEAST_CUT_DEG, 180.0)?;
     if config.outside_gain_dbi.is_none() {
         let needed = "the gain in dBi beyond `vertical_width_deg`";
         return Err(SettingError::missing("outside_gain_dbi", needed));

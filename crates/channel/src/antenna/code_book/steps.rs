@@ -11,6 +11,8 @@ pub(super) struct Steps {
 
 /// How far an angle may be from its step (degrees): rounded angles of a file.
 const TOLERANCE_DEG: f64 = 0.011;
+/// Smaller steps (degrees) are lost in the digits of angles.
+const LEAST_STEP_DEG: f64 = 1e-6;
 /// Most steps of an axis: a tenth of a degree all around.
 const MOST_STEPS: f64 = 3600.0;
 
@@ -43,7 +45,7 @@ impl Steps {
         }
         let smallest_deg = angles_deg.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let steps = ((last_deg - first_deg) / smallest_deg).round();
-        if steps > MOST_STEPS {
+        if steps > MOST_STEPS || smallest_deg < LEAST_STEP_DEG {
             return Err(format!("angles from {first_deg} to {last_deg} of which two differ by {smallest_deg}"));
         }
         let step_deg = (last_deg - first_deg) / steps;
@@ -104,6 +106,13 @@ pub(super) fn floor(steps: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn angles_that_hardly_differ_are_no_steps() {
+        assert!(Steps::of(&[170.0, 170.0 + 2e-6, 170.0 + 4e-6]).is_ok());
+        let found = Steps::of(&[170.0, 170.0 + 1e-13]).unwrap_err();
+        assert!(found.contains("of which two differ by"), "{found}");
+    }
 
     #[test]
     fn missing_angles_are_steps_without_a_place() {

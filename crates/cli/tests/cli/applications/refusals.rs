@@ -28,6 +28,7 @@ fn invalid_applications_are_refused_at_their_key() {
             "`applications[0].map.computed` is `no-such`",
             "`[[maps]]`, of which the scenario has none",
         ),
+        (good.replace("count = 36", "count = 2"), "`applications[0].map` is a map of 2 nodes", "at least 3 nodes"),
         (good.replacen(&format!("{physical}\n"), "", 1), "`map` is missing in `applications[0]`", ""),
         (
             good.replacen(physical, &format!("{physical}\nrobots = [\"nobody\"]"), 1),

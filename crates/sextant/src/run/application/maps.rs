@@ -65,7 +65,8 @@ impl WorkingMap {
             }
             ApplicationMap::File { places, .. } => (places.clone(), MapFrame::Robot),
             ApplicationMap::Computed(name) => {
-                let made = made.iter().find(|made| made.name == *name).expect("the scenario was checked");
+                let made = made.iter().find(|made| made.name == *name);
+                let made = made.expect("the check of the scenario refuses unknown maps, and all are made before");
                 (made.places.clone(), made.frame)
             }
         };

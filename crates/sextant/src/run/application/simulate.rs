@@ -47,9 +47,9 @@ impl Prepared {
         let networks = whole.networks.into_iter().map(|network| Network { traffic: traffic.clone(), ..network });
         let networks: Vec<Network> = networks.collect();
         let known = NavigationMap::new(map.places.clone(), map.frame).map(Arc::new);
-        let known = known.expect("a map with a similarity has three nodes");
+        let known = known.expect("a map with fewer than three places is refused before");
         let radio = networks[application.network.index()].technology.ieee802154();
-        let radio = &radio.expect("the scenario was checked").radio;
+        let radio = &radio.expect("the check of the scenario refuses applications over other technologies").radio;
         let stations = match &application.algorithm.task {
             Task::Search(search) => {
                 let team = SearchTeam {

@@ -107,7 +107,11 @@ fn record_likelihoods(recorder: &mut FileRecorder, end: &MapEnd<'_>, named: &Map
     let logs = MapLogs::from(&survey.logs);
     let log = logs.of(named);
     for name in &scenario.recording().likelihood {
-        let at = log.names().iter().position(|other| other == name).expect("the scenario was checked");
+        let at = log
+            .names()
+            .iter()
+            .position(|other| other == name)
+            .expect("the check of the scenario refuses other names than those of nodes");
         let node = NodeOfLog { log, node: NodeId::from_index(at) };
         match named.mapper.surface(end.learned(), node, *watch) {
             None => return Ok(()),
