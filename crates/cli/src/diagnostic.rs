@@ -15,7 +15,7 @@ use sextant::run::RunError;
 use sextant::scenario::{ScenarioError, ScenarioErrors};
 use sextant::sweep::{SweepError, TableError};
 use sextant_kernel::Interrupted;
-use sextant_kernel::text::printable;
+use sextant_kernel::text::{is_harmful, printable};
 use sextant_logs::RobotLogError;
 use sextant_recording::RecordingError;
 use sextant_recording::admission::OutputRefusal;
@@ -310,7 +310,7 @@ impl Message {
 const LONGEST_LINE: usize = 1000;
 
 impl Excerpt {
-    /// The same with each control character replaced by as many question marks as it has octets, so that places stay.
+    /// The same with each harmful character replaced by as many question marks as it has octets, so that places stay.
     /// Nothing if the line is too long to be shown.
     fn printable(self) -> Option<Self> {
         let Self { source, label } = self;
@@ -321,9 +321,9 @@ impl Excerpt {
         if text[from..to].lines().any(|line| line.len() > LONGEST_LINE) {
             return None;
         }
-        let is_harmful = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t');
-        let plain = |c: char| if is_harmful(c) { "?".repeat(c.len_utf8()) } else { c.to_string() };
-        let text: String = if text.contains(is_harmful) { text.chars().map(plain).collect() } else { text.clone() };
+        let is_hidden = |c: char| is_harmful(c) && c != '\r';
+        let plain = |c: char| if is_hidden(c) { "?".repeat(c.len_utf8()) } else { c.to_string() };
+        let text: String = if text.contains(is_hidden) { text.chars().map(plain).collect() } else { text.clone() };
         Some(Self { source: NamedSource::new(printable(name), text), label })
     }
 }

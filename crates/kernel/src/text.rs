@@ -34,11 +34,20 @@ pub(crate) fn shortened_to(most: usize, text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A text for a terminal: control characters except line feeds and tabs, which could move the cursor or change colours,
-/// are written as `\u{1b}`.
+/// Whether a character changes how the text around it is shown: control characters except line feeds and tabs, which could
+/// move a cursor or change colours; characters that reverse the order of letters (Unicode Standard Annex 9), so that a
+/// name reads as another one; and those that end a line or a paragraph.
+#[must_use]
+pub fn is_harmful(c: char) -> bool {
+    let is_directing =
+        matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let is_ending = matches!(c, '\u{2028}' | '\u{2029}');
+    is_directing || is_ending || c.is_control() && !matches!(c, '\n' | '\t')
+}
+
+/// A text for people, on a terminal or in a picture: characters that are [harmful](is_harmful) are written as `\u{1b}`.
 #[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
-    let is_harmful = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
     if !text.contains(is_harmful) {
         return Cow::Borrowed(text);
     }
@@ -86,6 +95,13 @@ mod tests {
     fn control_characters_do_not_reach_a_terminal() {
         assert_eq!(printable("a\tb\n"), "a\tb\n");
         assert_eq!(printable("\u{1b}[2Jname\r\u{7f}\u{9b}"), r"\u{1b}[2Jname\u{d}\u{7f}\u{9b}");
+    }
+
+    #[test]
+    fn a_name_does_not_read_as_another_one() {
+        assert_eq!(printable("\u{202e}edon\u{202c}"), r"\u{202e}edon\u{202c}");
+        assert_eq!(printable("a\u{2067}b\u{2028}c"), r"a\u{2067}b\u{2028}c");
+        assert_eq!(printable("nœud עברית 節点"), "nœud עברית 節点");
     }
 
     #[test]

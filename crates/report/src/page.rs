@@ -8,6 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::write::GzEncoder;
 use flate2::{Compression, GzBuilder};
 
+use sextant_kernel::text::is_harmful;
 use sextant_recording::admission::REPORT_TITLE;
 
 use super::document::{Kind, Report};
@@ -31,10 +32,10 @@ impl Report {
     /// Never: all keys of a report are texts, and memory is written without errors.
     #[must_use]
     pub fn to_html(&self) -> String {
-        let json = serde_json::to_vec(self).expect("the keys of a report are texts");
+        let json = visible(serde_json::to_string(self).expect("the keys of a report are texts"));
         let mut packed: GzEncoder<Vec<u8>> =
             GzBuilder::new().mtime(0).operating_system(UNKNOWN_SYSTEM).write(Vec::new(), Compression::new(7));
-        packed.write_all(&json).expect("memory takes everything");
+        packed.write_all(json.as_bytes()).expect("memory takes everything");
         let packed = packed.finish().expect("memory takes everything");
         let title = escaped(&self.title);
         let mut html = String::with_capacity(SCRIPT.len() + STYLE.len() + 2 * packed.len());
@@ -84,7 +85,24 @@ impl Kind {
     }
 }
 
-/// `text` for HTML. Control characters, which HTML does not allow, become visible.
+/// The same JSON, in which characters that change how the text around them is shown are written as `\u{202e}`.
+fn visible(json: String) -> String {
+    if !json.contains(is_harmful) {
+        return json;
+    }
+    let mut safe = String::with_capacity(json.len() + 16);
+    for letter in json.chars() {
+        if is_harmful(letter) {
+            safe.push('\\');
+            safe.extend(letter.escape_unicode());
+        } else {
+            safe.push(letter);
+        }
+    }
+    safe
+}
+
+/// `text` for HTML. Control characters, which HTML does not allow, and those that reverse letters become visible.
 fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -94,7 +112,7 @@ fn escaped(text: &str) -> String {
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&#39;"),
-            letter if letter.is_control() => safe.push('\u{fffd}'),
+            letter if letter.is_control() || is_harmful(letter) => safe.push('\u{fffd}'),
             letter => safe.push(letter),
         }
     }
@@ -116,6 +134,14 @@ mod tests {
             assert!(!text.contains("</script") && !text.contains("</style") && !text.contains("<!--"));
         }
         assert!(!STYLE.contains("http") && !STYLE.contains("@import"));
+    }
+
+    #[test]
+    fn letters_that_reverse_others_are_seen() {
+        let json = serde_json::to_string("a\u{202e}b\u{1b}\n").unwrap();
+        let read: String = serde_json::from_str(&visible(json)).unwrap();
+        assert_eq!(read, "a\\u{202e}b\u{1b}\n");
+        assert!(!Report::new(Kind::Run, "a\u{2067}b", "a.mcap").to_html().contains('\u{2067}'));
     }
 
     #[test]

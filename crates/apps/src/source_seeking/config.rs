@@ -19,7 +19,7 @@ pub struct LevelSetConfig {
     /// The values of the settings that are absent.
     #[serde(default)]
     pub preset: Preset,
-    /// Largest turn rate of the robots (rad/s).
+    /// Largest turn rate of the robots (rad/s): 0.001 to 100.
     #[serde(default = "default_turn_rate_max")]
     pub turn_rate_max_rad_per_s: f64,
     /// Time between two decisions (s).
@@ -96,7 +96,7 @@ pub enum Preset {
 pub struct GradientConfig {
     /// What robots seek: `"source"`, or a level.
     pub goal: GradientGoalConfig,
-    /// Largest turn rate of the robots (rad/s).
+    /// Largest turn rate of the robots (rad/s): 0.001 to 100.
     #[serde(default = "default_turn_rate_max")]
     pub turn_rate_max_rad_per_s: f64,
     /// Time between two decisions (s).

@@ -72,7 +72,7 @@ impl SourceSeeking {
     /// # Errors
     /// If a setting is out of its range, or there is no such field.
     pub fn level_set(config: &LevelSetConfig, fields: &[Field]) -> Result<Self, SettingError> {
-        let turn_rate_max = SettingError::positive("turn_rate_max_rad_per_s", config.turn_rate_max_rad_per_s)?;
+        let turn_rate_max = turn_rate_max(config.turn_rate_max_rad_per_s)?;
         let goal = config.goal.checked(fields).map_err(|error| error.within("goal"))?;
         let is_thesis = config.preset == Preset::Thesis;
         let climb = match (config.delta, config.climb_share) {
@@ -149,10 +149,7 @@ impl SourceSeeking {
                 gain_per_s: SettingError::positive("heading_gain_per_s", config.heading_gain_per_s)?,
                 plane_reach_m: reach_m.transpose()?,
             },
-            turn_rate_max_rad_per_s: SettingError::positive(
-                "turn_rate_max_rad_per_s",
-                config.turn_rate_max_rad_per_s,
-            )?,
+            turn_rate_max_rad_per_s: turn_rate_max(config.turn_rate_max_rad_per_s)?,
             control: control(config.control_s)?,
             start_heading_rad: None,
             estimate: estimate.map_err(|error| error.within("estimate"))?,
@@ -204,6 +201,27 @@ impl SourceSeeking {
     }
 }
 
+/// A slower robot would turn for hours, and a faster one in hundreds of circles between two decisions.
+fn turn_rate_max(rad_per_s: f64) -> Result<f64, SettingError> {
+    SettingError::in_range("turn_rate_max_rad_per_s", rad_per_s, 1e-3, 100.0)
+}
+
 fn control(control_s: f64) -> Result<Duration, SettingError> {
     SettingError::in_range("control_s", control_s, 1e-3, 10.0).map(Duration::from_secs_f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_that_takes_ages_or_hundreds_of_circles_is_refused() {
+        for rate in [0.0, 1e-30, 1e-12, 1e9, 1e12, f64::NAN, f64::INFINITY] {
+            let error = turn_rate_max(rate).unwrap_err();
+            assert_eq!((error.key.as_str(), error.allowed()), ("turn_rate_max_rad_per_s", "0.001 to 100"));
+        }
+        for rate in [1e-3, 1.0, 100.0] {
+            assert!(turn_rate_max(rate).is_ok());
+        }
+    }
 }

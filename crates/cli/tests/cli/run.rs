@@ -334,8 +334,8 @@ fn an_invalid_output_folder_is_reported_before_the_simulation() {
     std::fs::write(folder.path().join("file"), "").unwrap();
     let output = run(&["--set", ENDLESS], &folder.path().join("file/smoke.mcap"));
     let error = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{error}");
-    assert!(error.contains("cannot create"), "{error}");
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("cannot be written") && error.contains("there is no folder"), "{error}");
 }
 
 #[test]
@@ -361,7 +361,7 @@ fn an_output_that_would_overwrite_another_or_a_device_is_rejected() {
         let pipe = folder.path().join("pipe");
         assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo starts").success());
         let output = run(&[], &pipe);
-        assert_eq!(output.status.code(), Some(1));
+        assert_eq!(output.status.code(), Some(2));
         assert!(String::from_utf8_lossy(&output.stderr).contains("a device or a pipe"));
         assert!(!pipe.is_file(), "the pipe is unchanged");
     }

@@ -3,6 +3,8 @@
 
 mod kind;
 mod outputs;
+mod refusal;
 
 pub use kind::{MAP_HEADER, OutputKind, PICTURE_SOFTWARE, REPORT_TITLE};
-pub use outputs::{OutputNote, OutputRefusal, Outputs, Replace, admit_folder};
+pub use outputs::{Outputs, Replace, admit_folder};
+pub use refusal::{OutputNote, OutputRefusal};

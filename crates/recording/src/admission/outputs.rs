@@ -4,7 +4,8 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::kind::OutputKind;
-use crate::output::{FileIdentity, Leftover, kept_name, part_of};
+use super::refusal::{OutputNote, OutputRefusal};
+use crate::output::{FileIdentity, Leftover, kept_name, part_of, try_folder};
 
 /// What may be replaced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,6 +31,8 @@ pub struct Outputs<'a> {
     replace: Replace,
     inputs: Vec<(PathBuf, FileIdentity)>,
     folders: Vec<PathBuf>,
+    /// Folders in which each file has a meaning, so that none may be added.
+    closed: Vec<PathBuf>,
     outputs: Vec<Output<'a>>,
     /// Folders whose contents go, by the names that the user gave them.
     cleared: Vec<(String, PathBuf)>,
@@ -43,99 +46,6 @@ struct Output<'a> {
     /// The file while it is written, if it is long.
     part: Option<PathBuf>,
     kind: OutputKind<'a>,
-}
-
-/// Why a command may not write one of its outputs.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum OutputRefusal {
-    /// It would replace an input.
-    #[error("{output} is an input of this command, `{}`: an output never replaces an input", .input.display())]
-    Input {
-        /// The output.
-        output: String,
-        /// The input.
-        input: PathBuf,
-    },
-    /// Two outputs are one file.
-    #[error("{output} and {other} are the same file: name two different files")]
-    Shared {
-        /// An output.
-        output: String,
-        /// The other one.
-        other: String,
-    },
-    /// It would replace a file that is not ours.
-    #[error("{output} exists, and is not {kind}")]
-    Foreign {
-        /// The output.
-        output: String,
-        /// What it should be.
-        kind: String,
-    },
-    /// It would replace a table.
-    #[error("{output} exists")]
-    Exists {
-        /// The output.
-        output: String,
-    },
-    /// Another process writes it.
-    #[error("{output} is being written by another process")]
-    Busy {
-        /// The output.
-        output: String,
-    },
-    /// The folder has files of others.
-    #[error("the folder `{}` has files", .folder.display())]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-    },
-}
-
-impl OutputRefusal {
-    /// What to do.
-    #[must_use]
-    pub fn advice(&self) -> Option<&'static str> {
-        match self {
-            Self::Input { .. } => Some("name another file"),
-            Self::Shared { .. } => None,
-            Self::Foreign { .. } | Self::Exists { .. } => Some("choose another name, or replace it with --force"),
-            Self::Busy { .. } => Some("wait for its end, or name another file"),
-            Self::Folder { .. } => Some("choose another folder, or write into this one with --force"),
-        }
-    }
-}
-
-/// What the user should know of an output that may be written.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum OutputNote {
-    /// A file will be replaced.
-    Replaced {
-        /// The file.
-        path: PathBuf,
-        /// What it is; nothing if it is not ours.
-        what: Option<&'static str>,
-    },
-    /// A process that wrote the file ended early; what it left will have another name.
-    LeftOver {
-        /// What is left.
-        part: PathBuf,
-        /// Its new name.
-        kept: PathBuf,
-    },
-}
-
-impl fmt::Display for OutputNote {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Replaced { path, what: Some(what) } => write!(f, "`{}` is replaced: it is {what}", path.display()),
-            Self::Replaced { path, what: None } => write!(f, "`{}` is replaced", path.display()),
-            Self::LeftOver { part, kept } => {
-                let (part, kept) = (part.display(), kept.display());
-                write!(f, "`{part}` is of a process that ended early; it is kept as `{kept}`")
-            }
-        }
-    }
 }
 
 impl<'a> Outputs<'a> {
@@ -152,6 +62,12 @@ impl<'a> Outputs<'a> {
             _ => self.inputs.push((path.to_owned(), FileIdentity::of(path))),
         }
         self
+    }
+
+    /// The command reads this folder, to which no file may be added.
+    pub fn reads_closed(&mut self, folder: &Path) -> &mut Self {
+        self.closed.extend(folder.canonicalize());
+        self.reads(folder)
     }
 
     /// The command writes this file; `name` is what the user calls it, `--out` for example.
@@ -177,11 +93,18 @@ impl<'a> Outputs<'a> {
             if let Some((input, _)) = self.inputs.iter().find(|(_, identity)| output.is_or_passes(identity)) {
                 return Err(OutputRefusal::Input { output: shown(), input: input.clone() });
             }
-            if let Some(other) = self.outputs[..i].iter().find(|other| other.identity == output.identity) {
+            if let Some(other) = self.outputs[..i].iter().find(|other| output.meets(other)) {
                 return Err(OutputRefusal::Shared { output: shown(), other: other.to_string() });
             }
             if output.part.as_ref().is_some_and(|part| Leftover::at(part) == Leftover::Busy) {
                 return Err(OutputRefusal::Busy { output: shown() });
+            }
+        }
+        for (folder, output) in
+            self.closed.iter().flat_map(|folder| self.outputs.iter().map(move |output| (folder, output)))
+        {
+            if output.would_be_in(folder) {
+                return Err(OutputRefusal::Input { output: output.to_string(), input: folder.clone() });
             }
         }
         for (name, folder) in &self.cleared {
@@ -204,6 +127,9 @@ impl<'a> Outputs<'a> {
         let mut notes = Vec::new();
         for output in &self.outputs {
             let shown = || output.to_string();
+            if let Err(why) = output.has_place() {
+                return Err(OutputRefusal::Place { output: shown(), why });
+            }
             if let Some(part) = output.part.as_ref().filter(|part| Leftover::at(part) == Leftover::Kept) {
                 notes.push(OutputNote::LeftOver { part: part.clone(), kept: kept_name(part) });
             }
@@ -247,6 +173,40 @@ impl Output<'_> {
     /// Whether it is this file, or has its name while it is written.
     fn is_or_passes(&self, identity: &FileIdentity) -> bool {
         self.identity == *identity || self.part.as_ref().is_some_and(|part| FileIdentity::of(part) == *identity)
+    }
+
+    /// Whether both are one file, also while they are written.
+    fn meets(&self, other: &Self) -> bool {
+        let passes = |part: &PathBuf| other.is_or_passes(&FileIdentity::of(part));
+        other.is_or_passes(&self.identity) || self.part.as_ref().is_some_and(passes)
+    }
+
+    /// Whether a file of this name would be in this folder, which has no links in its path.
+    fn would_be_in(&self, folder: &Path) -> bool {
+        let whole = std::path::absolute(&self.path).unwrap_or_else(|_| self.path.clone());
+        let above = whole.ancestors().skip(1).find_map(|above| above.canonicalize().ok());
+        above.is_some_and(|above| above.starts_with(folder))
+    }
+
+    /// Whether a file can be there. Of a file that the user did not name, the command makes the folder.
+    ///
+    /// # Errors
+    /// The reason why not.
+    fn has_place(&self) -> Result<(), String> {
+        match std::fs::metadata(&self.path) {
+            Ok(found) if found.is_dir() => return Err("it is a folder".to_owned()),
+            Ok(found) if !found.is_file() && self.part.is_some() => {
+                return Err("it is a device or a pipe, not a file".to_owned());
+            }
+            Ok(found) if !found.is_file() => return Ok(()),
+            Ok(_) | Err(_) => {}
+        }
+        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        match folder.is_dir() {
+            _ if self.name.is_empty() => Ok(()),
+            true => try_folder(folder).map_err(|error| error.to_string()),
+            false => Err(format!("there is no folder `{}`", folder.display())),
+        }
     }
 
     /// Whether it is a file in this folder, or a name of one.
@@ -342,6 +302,56 @@ mod tests {
         outputs.writes("--out", &path("x"), OutputKind::Map).writes("--summary", &path("./X"), OutputKind::Summary);
         let refusal = outputs.admit().unwrap_err();
         assert!(refusal.to_string().contains("are the same file"), "{refusal}");
+    }
+
+    #[test]
+    fn an_output_is_not_called_as_another_one_while_that_is_written() {
+        let folder = folder();
+        let path = |name: &str| folder.path().join(name);
+        let admit = |recording: &str, capture: &str| {
+            let mut outputs = Outputs::new(Replace::Any);
+            outputs.writes("--out", &path(recording), OutputKind::Recording);
+            outputs.writes("--pcap", &path(capture), OutputKind::Capture).admit()
+        };
+        for (recording, capture) in [("r.part", "r"), ("r", "r.part"), ("r", "./R.PART")] {
+            assert!(matches!(admit(recording, capture), Err(OutputRefusal::Shared { .. })), "{recording} {capture}");
+        }
+        assert_eq!(admit("r.mcap", "r.pcap"), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn an_output_has_a_place_before_the_work() {
+        let folder = folder();
+        let admit = |name: &str, out: &str, kind| {
+            Outputs::new(Replace::Any).writes(name, &folder.path().join(out), kind).admit()
+        };
+        for out in ["", "no/x.json", "no/../x.json", "a.toml/x.json"] {
+            let refusal = admit("--summary", out, OutputKind::Summary).unwrap_err();
+            assert!(matches!(refusal, OutputRefusal::Place { .. }), "{out}: {refusal}");
+        }
+        assert_eq!(admit("--summary", "x.json", OutputKind::Summary), Ok(Vec::new()));
+        assert_eq!(admit("", "new/x.svg", OutputKind::Picture), Ok(Vec::new()), "the command makes the folder");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "nothing is left");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn small_files_alone_are_written_to_devices() {
+        let admit = |kind| Outputs::new(Replace::Any).writes("--out", Path::new("/dev/null"), kind).admit();
+        assert_eq!(admit(OutputKind::Map), Ok(Vec::new()));
+        assert!(matches!(admit(OutputKind::Recording), Err(OutputRefusal::Place { .. })));
+    }
+
+    #[test]
+    fn nothing_is_added_to_a_closed_folder() {
+        let folder = folder();
+        let admit = |out: &str| {
+            let mut outputs = Outputs::new(Replace::Any);
+            outputs.reads_closed(folder.path()).writes("--out", &folder.path().join(out), OutputKind::Table).admit()
+        };
+        assert!(matches!(admit("new.csv"), Err(OutputRefusal::Input { .. })));
+        assert!(matches!(admit("no/new.csv"), Err(OutputRefusal::Input { .. })));
+        assert!(!matches!(admit("../new.csv"), Err(OutputRefusal::Input { .. })));
     }
 
     #[test]

@@ -8,8 +8,11 @@ mod replaced;
 mod simulated;
 
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
 
 pub use file::DiskFile;
 pub use replaced::{Disk, Replaced, replace};
@@ -69,12 +72,22 @@ pub enum Change<'a> {
     },
 }
 
+/// So long is waited for a process that reads a pipe: less than the time in which a signal ends the program.
+const READER_COMES_WITHIN: Duration = Duration::from_millis(500);
+
 /// Writes to a device or a pipe, which has no name to be given at the end.
 ///
 /// # Errors
-/// Those of the system.
+/// Those of the system; [`io::ErrorKind::TimedOut`] if it is a pipe that no process reads.
 pub fn write_device(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    fs::write(path, bytes)
+    // The system opens a pipe when somebody reads it, and gives no word before.
+    let (opened, device) = mpsc::channel();
+    let name = path.to_owned();
+    thread::spawn(move || opened.send(fs::OpenOptions::new().write(true).open(name)));
+    match device.recv_timeout(READER_COMES_WITHIN) {
+        Ok(device) => device?.write_all(bytes),
+        Err(_) => Err(io::Error::new(io::ErrorKind::TimedOut, "it is a pipe that no process reads")),
+    }
 }
 
 /// Renames a file or folder, as [`fs::rename`].

@@ -13,6 +13,7 @@ pub use csv_file::{CsvFile, EmptyCell};
 pub(crate) use draft::{Draft, DraftError, Leftover, PART, RECOVERING, kept_name, part_of};
 pub use error::OutputError;
 pub use folder::open_folder;
+pub(crate) use folder::try_folder;
 pub use identity::{FileIdentity, plain};
 pub use part_file::PartFile;
 pub use scratch::open_scratch;

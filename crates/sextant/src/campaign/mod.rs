@@ -71,8 +71,9 @@ impl Campaign {
         disk::create_folders(&parts).map_err(|error| OutputError::new(&parts, &error))?;
         // Without this file the folder is no plan, so it comes last.
         PlanFile::of(&sweep, files, estimate).write(folder)?;
+        let campaign = Self::open(folder)?;
         room.complete()?;
-        Self::open(folder)
+        Ok(campaign)
     }
 
     /// Rejects a folder where [`create`](Self::create) could not write a plan, before long work.

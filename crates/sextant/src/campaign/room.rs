@@ -1,11 +1,11 @@
 //! Room for a plan in a folder, also where one was begun and not finished.
 
-use std::fs;
+use std::fs::{self, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use sextant_recording::disk::{self, DiskFile};
-use sextant_recording::output::OutputError;
+use sextant_recording::output::{FileIdentity, OutputError};
 
 use super::plan_file::PlanFile;
 use super::{Campaign, CampaignError, FILES, PARTS, Replace, slurm, work_file};
@@ -16,11 +16,13 @@ const UNFINISHED: &str = "unfinished";
 /// All that a plan has in its folder. The first one makes it a plan.
 const CONTENTS: [&str; 6] = [PlanFile::NAME, FILES, work_file::LINES, work_file::TABLE, PARTS, slurm::FOLDER];
 
-/// A folder in which a plan is being written.
+/// A folder in which a plan is being written, by this process alone.
 #[derive(Debug)]
 #[must_use]
 pub(super) struct Room {
     mark: PathBuf,
+    /// Locked as long as the plan is being written.
+    _lock: DiskFile,
 }
 
 /// Fails if `folder` has something else than a plan that may be replaced, or the beginning of one.
@@ -42,10 +44,12 @@ pub(super) fn make(folder: &Path, replace: Replace) -> Result<Room, CampaignErro
     let unwritten = |path: &Path, error: &io::Error| CampaignError::from(OutputError::new(path, error));
     disk::create_folders(folder).map_err(|error| unwritten(folder, &error))?;
     let mark = folder.join(UNFINISHED);
-    match DiskFile::create_new(&mark).and_then(|_| disk::sync_folder_of(&mark)) {
-        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(unwritten(&mark, &error)),
-        _ => {}
-    }
+    let lock = locked(&mark).map_err(|error| unwritten(folder, &error))?;
+    // Another process may have written a plan since the first look.
+    check(folder, replace).inspect_err(|_| {
+        // Only the first error is reported.
+        let _ = disk::remove_file(&mark);
+    })?;
     let mut old = names(folder)?;
     // The file that makes it a plan goes first.
     old.sort_by_key(|name| CONTENTS.iter().position(|own| name == own));
@@ -54,7 +58,30 @@ pub(super) fn make(folder: &Path, replace: Replace) -> Result<Room, CampaignErro
         let removed = if path.is_dir() { disk::remove_folder(&path) } else { disk::remove_file(&path) };
         removed.map_err(|error| unwritten(&path, &error))?;
     }
-    Ok(Room { mark })
+    Ok(Room { mark, _lock: lock })
+}
+
+/// The mark, which no other process has.
+///
+/// # Errors
+/// If another process writes a plan there, or the mark cannot be written.
+fn locked(mark: &Path) -> io::Result<DiskFile> {
+    let busy = || io::Error::new(io::ErrorKind::WouldBlock, "another process writes a plan there");
+    let file = match DiskFile::create_new(mark) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => match DiskFile::open(mark) {
+            // The other process has just finished.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(busy()),
+            opened => opened?,
+        },
+        created => created?,
+    };
+    // Some file systems have no locks.
+    let is_taken = matches!(file.system().try_lock(), Err(TryLockError::WouldBlock));
+    if is_taken || !FileIdentity::is_at(file.system(), mark).unwrap_or(false) {
+        return Err(busy());
+    }
+    disk::sync_folder_of(mark)?;
+    Ok(file)
 }
 
 impl Room {

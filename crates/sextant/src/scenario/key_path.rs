@@ -33,6 +33,12 @@ pub(crate) struct PathError {
     pub(crate) message: &'static str,
 }
 
+/// The most steps of a path. Scenarios are less deep, and work on them goes down step by step.
+pub(crate) const MOST_STEPS: usize = 64;
+
+/// What is said of a path with more.
+pub(crate) const TOO_DEEP: &str = "a path has at most 64 keys";
+
 impl KeyPath {
     /// Parses `a.b[2].c`, `a.b.2.c` or `a."odd key".c`.
     pub(crate) fn parse(text: &str) -> Result<Self, PathError> {
@@ -46,6 +52,9 @@ impl KeyPath {
         loop {
             let rest = &text[at..];
             let fail = |length: usize, message| Err(PathError { span: at..at + length, message });
+            if steps.len() == MOST_STEPS {
+                return fail(rest.len(), TOO_DEEP);
+            }
             if rest.starts_with('[') && !steps.is_empty() {
                 let Some(close) = rest.find(']') else {
                     return fail(rest.len(), "`[` without `]`");
@@ -142,5 +151,8 @@ mod tests {
             assert_eq!(KeyPath::parse(text).unwrap_err().span, span, "{text}");
         }
         assert_eq!(KeyPath::parse("a[0]b").unwrap_err().span, 4..5);
+        let deep = |steps: usize| KeyPath::parse(&vec!["a"; steps].join("."));
+        assert!(deep(MOST_STEPS).is_ok());
+        assert_eq!(deep(100_000).unwrap_err().message, TOO_DEEP);
     }
 }

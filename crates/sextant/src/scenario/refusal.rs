@@ -61,7 +61,9 @@ impl Document {
     pub(super) fn refused(&self, path: &KeyPath, refusal: &Refusal) -> ScenarioError {
         let (entry, exact) = self.nearest(path);
         let (table, entry_of) = self.named_in(path, refusal.name());
-        let place = if table.0.is_empty() { "the scenario".to_owned() } else { format!("`{table}`") };
+        let [path_text, table_text] = [path, &table].map(KeyPath::to_string);
+        let [shown, table_shown] = [&path_text, &table_text].map(|text| shortened(text));
+        let place = if table.0.is_empty() { "the scenario".to_owned() } else { format!("`{table_shown}`") };
         match refusal {
             Refusal::UnknownField { field, expected } => {
                 let this = ScenarioError::new(format!("unknown key `{}` in {place}", shortened(field)));
@@ -85,23 +87,23 @@ impl Document {
             Refusal::MissingField(field) => {
                 let this = ScenarioError::new(format!("`{field}` is missing in {place}"));
                 let key = path.child(Step::Key((*field).to_owned()));
-                let help = format!("write `{key} = ..`");
+                let help = format!("write `{} = ..`", shortened(&key.to_string()));
                 let this = this.about(key, None, None::<&str>);
                 self.pointing_at_key(this, &entry.origin, "this table needs it").help(help)
             }
             Refusal::Unfit { found, expected } => {
-                let this = ScenarioError::new(format!("`{path}` is {}; allowed: {expected}", shortened(found)));
+                let this = ScenarioError::new(format!("`{shown}` is {}; allowed: {expected}", shortened(found)));
                 let this = this.about(path, Some(&shortened(found)), Some(expected));
                 self.pointing(this, entry, exact, value_label(expected))
             }
             Refusal::SeveralChoices(choices) => {
-                let this = ScenarioError::new(format!("`{path}`: only one of {} is allowed", names(choices)));
+                let this = ScenarioError::new(format!("`{shown}`: only one of {} is allowed", names(choices)));
                 let found = choices.join(", ");
                 let this = this.about(path, Some(&found), Some(format!("one of {}", names(choices))));
                 self.pointing(this, entry, exact, "here")
             }
             Refusal::Other(message) => {
-                let message = if path.0.is_empty() { message.clone() } else { format!("`{path}`: {message}") };
+                let message = if path.0.is_empty() { message.clone() } else { format!("`{shown}`: {message}") };
                 let this = ScenarioError::new(message).about(path, None, None::<&str>);
                 self.pointing(this, entry, exact, "here")
             }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::document::{Document, Entry, Value};
 use super::effective;
 use super::error::ScenarioError;
-use super::key_path::{KeyPath, Step};
+use super::key_path::{KeyPath, MOST_STEPS, Step, TOO_DEEP};
 use super::refusal::Refusal;
 
 /// Maximum number of cells of a sweep; more are surely a mistake.
@@ -238,9 +238,13 @@ impl<'a> Reader<'a> {
     ) -> Result<(), ScenarioError> {
         for (name, entry) in self.table(entry, path)? {
             let path = path.child(Step::Key(name.clone()));
-            let steps = KeyPath::parse(name)
-                .map_err(|error| self.unfit(&path, format!("`{name}`: {}", error.message), "path.to.key"))?;
+            let steps = KeyPath::parse(name).map_err(|error| {
+                self.unfit(&path, format!("no path of a setting: {}", error.message), "path.to.key")
+            })?;
             let key = KeyPath([key.0.as_slice(), &steps.0].concat());
+            if key.0.len() > MOST_STEPS {
+                return Err(self.unfit(&path, format!("no path of a setting: {TOO_DEEP}"), "path.to.key"));
+            }
             match &entry.value {
                 Value::Table(_) => self.leaves(entry, &path, &key, visit)?,
                 value => visit(&path, key.to_string(), value)?,

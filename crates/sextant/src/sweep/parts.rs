@@ -42,8 +42,14 @@ impl Parts {
                         _ => Err(error),
                     })
                     .map_err(|error| OutputError::new(&folder, &error))?;
-                write_file(&mark, fingerprint.as_bytes())?;
-                Self::lock(&mark, folder)
+                match write_file(&mark, fingerprint.as_bytes()) {
+                    // Another process has just finished the sweep.
+                    Err(_) if !folder.exists() => Err(SweepError::Busy { folder }),
+                    written => {
+                        written?;
+                        Self::lock(&mark, folder)
+                    }
+                }
             }
             Err(error) => Err(SweepError::Read { path: mark, why: error.to_string() }),
         }
@@ -51,8 +57,11 @@ impl Parts {
 
     /// The folder with this `mark`, which no other process has.
     fn lock(mark: &Path, folder: PathBuf) -> Result<Self, SweepError> {
-        let file =
-            File::open(mark).map_err(|error| SweepError::Read { path: mark.to_owned(), why: error.to_string() })?;
+        let file = match File::open(mark) {
+            // Another process has just finished the sweep.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(SweepError::Busy { folder }),
+            opened => opened.map_err(|error| SweepError::Read { path: mark.to_owned(), why: error.to_string() })?,
+        };
         // Some file systems have no locks.
         let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
         if is_taken || !FileIdentity::is_at(&file, mark).unwrap_or(false) {
@@ -101,10 +110,13 @@ fn checked(text: &str) -> Option<&str> {
     (first == checksum(rows.as_bytes())).then_some(rows)
 }
 
-/// Removes the folder beside `out`.
+/// Removes the folder beside `out`. What another process begins there at the same moment stays.
 pub(super) fn remove(out: &Path) -> Result<(), SweepError> {
     let folder = folder(out);
-    Ok(disk::remove_folder(&folder).map_err(|error| OutputError::new(&folder, &error))?)
+    match disk::remove_folder(&folder) {
+        Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => Ok(()),
+        removed => Ok(removed.map_err(|error| OutputError::new(&folder, &error))?),
+    }
 }
 
 fn folder(out: &Path) -> PathBuf {

@@ -85,7 +85,7 @@ fn collect(campaign: &Campaign, arguments: &sweep::Arguments) -> Result<(), Fail
     let out = arguments.out.clone().unwrap_or_else(|| default_table(campaign));
     TableFormat::of(&out)?;
     let mut outputs = Outputs::new(if arguments.force { Replace::Any } else { Replace::Ours });
-    outputs.reads(campaign.folder()).writes("--out", &out, OutputKind::Table);
+    outputs.reads_closed(campaign.folder()).writes("--out", &out, OutputKind::Table);
     admit(&outputs, Some(arguments.work))?;
     let rows = campaign.collect()?;
     write_table(&out, campaign.sweep(), &rows)?;

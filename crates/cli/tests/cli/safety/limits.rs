@@ -78,3 +78,17 @@ fn numbers_that_nobody_can_mean_are_refused_at_their_key() {
         assert!(said.contains(key) || said.contains("controller"), "{setting}: {said}");
     }
 }
+
+#[test]
+fn a_path_of_many_keys_is_refused() {
+    let bench = Bench::new();
+    let deep = vec!["a"; 20_000].join(".");
+    bench.write("deep.toml", &format!("extends = \"a.toml\"\n[sweep.product]\n\"{deep}\" = [1, 2]\n"));
+    let half = vec!["a"; 40].join(".");
+    bench.write("joined.toml", &format!("extends = \"a.toml\"\n[sweep.product.\"{half}\"]\n\"{half}\" = [1, 2]\n"));
+    let set = format!("check a.toml --set {deep}=1");
+    for line in ["check deep.toml", "sweep deep.toml --dry-run", "check joined.toml", &set] {
+        let said = bench.refused(line);
+        assert!(said.contains("at most 64 keys") && said.len() < 3000, "{}: {said}", &line[..20.min(line.len())]);
+    }
+}

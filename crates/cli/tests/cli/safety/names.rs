@@ -42,6 +42,27 @@ fn names_cannot_move_the_cursor_or_break_a_picture() {
 }
 
 #[test]
+fn a_name_cannot_reverse_the_letters_around_it() {
+    let bench = Bench::new();
+    log_of(&bench, ["\u{202e}edon", "\u{2067}other\u{2028}"]);
+    let is_hidden = |c: char| matches!(c, '\u{2028}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    for line in ["map log --figure pictures --out map.csv", "inspect log", "map log --truth log/stops.csv"] {
+        let output = bench.run(line);
+        for text in [output.stdout, output.stderr] {
+            let text = String::from_utf8(text).unwrap();
+            assert!(!text.contains(is_hidden), "{line}: {text:?}");
+        }
+    }
+    for file in std::fs::read_dir(bench.path("pictures")).unwrap() {
+        assert!(!std::fs::read_to_string(file.unwrap().path()).unwrap().contains(is_hidden));
+    }
+    // Tables keep the names.
+    assert!(String::from_utf8(bench.read("map.csv")).unwrap().contains("\n\u{202e}edon,"));
+    bench.write("own.toml", "extends = \"a.toml\"\nseed = \"\u{202e}1\" # \u{202d}\n");
+    assert!(!bench.refused("check own.toml").contains(is_hidden));
+}
+
+#[test]
 fn a_name_that_looks_like_a_formula_reads_back_equal() {
     let bench = Bench::new();
     log_of(&bench, ["=HYPERLINK(\"http://x\")", "''=1+1"]);

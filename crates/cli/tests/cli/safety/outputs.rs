@@ -138,3 +138,63 @@ fn a_plan_does_not_clear_away_its_own_scenario() {
     let name = files[0].strip_prefix(bench.folder()).unwrap().display().to_string();
     spares(&bench, &name, &[&format!("sweep {name} --runs 1 --plan plan --no-trial --force")]);
 }
+
+#[test]
+fn an_output_without_a_place_is_refused_before_the_work() {
+    let bench = Bench::recorded();
+    std::fs::create_dir(bench.path("folder")).unwrap();
+    for (line, why) in [
+        ("run a.toml --out b.mcap --summary folder", "it is a folder"),
+        ("run a.toml --out b.mcap --summary no/b.json", "there is no folder `no`"),
+        ("run a.toml --out b.mcap --summary no/../b.json", "there is no folder `no/..`"),
+        ("run a.toml --out b.mcap --pcap a.toml/b.pcap", "there is no folder `a.toml`"),
+        ("map a.mcap --out folder", "it is a folder"),
+        ("map a.mcap --summary no/b.json", "there is no folder `no`"),
+        ("report a.mcap --out folder --force", "it is a folder"),
+    ] {
+        let said = bench.refused(line);
+        assert!(said.contains(why), "{line}: {said}");
+    }
+    assert!(!bench.path("b.mcap").exists() && !bench.path("b.mcap.part").exists());
+}
+
+#[test]
+fn an_output_does_not_have_the_temporary_name_of_another_one() {
+    let bench = Bench::new();
+    for line in [
+        "run a.toml --out r.mcap.part --pcap r.mcap",
+        "run a.toml --out r.mcap --pcap r.mcap.part",
+        "run a.toml --out r.mcap --summary ./r.mcap.part --force",
+    ] {
+        let said = bench.refused(line);
+        assert!(said.contains("are the same file"), "{line}: {said}");
+    }
+}
+
+#[test]
+fn nothing_is_added_to_a_plan() {
+    let bench = Bench::new();
+    bench.done("sweep a.toml --runs 1 --plan plan --no-trial");
+    bench.done("sweep plan --cells 0..1 --quiet");
+    for table in ["plan/table.csv", "plan/parts/x.csv", "plan/no/../../plan/x.csv"] {
+        let said = bench.refused(&format!("sweep plan --collect --quiet --force --out {table}"));
+        assert!(said.contains("an output never replaces an input"), "{table}: {said}");
+    }
+    bench.done("sweep plan --collect --quiet --out table.csv");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_that_no_process_reads_does_not_hold_the_program() {
+    let bench = Bench::recorded();
+    std::process::Command::new("mkfifo").arg(bench.path("pipe")).status().unwrap();
+    let output = bench.run("run a.toml --out b.mcap --summary pipe --quiet");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("`pipe` cannot be written: it is a pipe that no process reads"), "{said}");
+    // A reader that is there gets all.
+    let pipe = bench.path("pipe");
+    let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
+    bench.done("map a.mcap --out pipe --quiet");
+    assert!(reader.join().unwrap().starts_with(b"node,x_m,y_m,z_m"));
+}

@@ -1,6 +1,6 @@
 //! Two processes and one output, and processes that are killed.
 
-use std::process::Child;
+use std::process::{Child, Stdio};
 use std::thread;
 use std::time::Duration;
 
@@ -82,4 +82,34 @@ fn of_two_sweeps_with_one_table_one_is_told() {
     assert!(said.contains("another process does this sweep"), "{said}");
     assert!(first.wait_with_output().unwrap().status.success());
     assert_eq!(String::from_utf8(bench.read("t.csv")).unwrap().lines().count(), 41);
+}
+
+#[test]
+fn of_plans_in_one_folder_one_is_whole_and_the_others_are_told() {
+    let bench = Bench::new();
+    for round in 0..6 {
+        let folder = format!("plan-{round}");
+        let words = ["sweep", "a.toml", "--runs", "2", "--no-trial", "--quiet", "--plan", &folder];
+        let start = |_| {
+            let mut command = sextant();
+            let piped = command.args(words).current_dir(bench.folder()).stderr(Stdio::piped()).stdout(Stdio::null());
+            piped.spawn().expect("the program starts")
+        };
+        let children: Vec<Child> = (0..4).map(start).collect();
+        let mut wrote = 0;
+        for child in children {
+            let output = child.wait_with_output().unwrap();
+            let said = String::from_utf8(output.stderr).unwrap();
+            let is_told = ["another process writes a plan there", "there is a plan in", "it has `unfinished`"];
+            match output.status.code() {
+                Some(0) => wrote += 1,
+                Some(1 | 2) => assert!(is_told.iter().any(|told| said.contains(told)), "{said}"),
+                code => panic!("{code:?}: {said}"),
+            }
+        }
+        assert_eq!(wrote, 1);
+        bench.done(&format!("sweep {folder} --cells 0..2 --quiet"));
+        bench.done(&format!("sweep {folder} --collect --out table.csv --force --quiet"));
+        assert!(!bench.path(&folder).join("unfinished").exists());
+    }
 }

@@ -1,7 +1,9 @@
 //! What a check of a scenario accepts, a run accepts; and what it refuses, it names. Found by changing shipped scenarios at
-//! random: keys are removed, numbers negated, zero, huge, tiny or not numbers, texts and types swapped.
+//! random: keys are removed or added, numbers negated, zero, huge, tiny or not numbers, texts and types swapped.
 //!
 //! `SEXTANT_MUTANTS=5000 SEXTANT_MUTANTS_SEED=7 cargo test -p sextant --release --test mutants` tries more.
+
+mod additions;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -10,20 +12,27 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use sextant::Forecast;
 use sextant::forecast::warnings;
 use sextant::run::RunError;
-use sextant::scenario::Scenario;
+use sextant::scenario::{Scenario, schema};
 use sextant_kernel::{Purpose, Seed, Watch, Work};
 use toml::{Table, Value};
 
+use additions::additions;
+
 /// Scenarios that name no files, with all kinds of tables.
-const SHIPPED: [&str; 9] = [
+const SHIPPED: [&str; 14] = [
     "smoke.toml",
     "mac/beacon-enabled.toml",
     "mac/poisson-star.toml",
     "mmtm/two-bands.toml",
     "seek/one-source.toml",
+    "seek/pioneer.toml",
+    "seek/two-sources.toml",
     "sensing/targets-and-fields.toml",
     "target/case-1.toml",
+    "target/elements-1.toml",
+    "target/imperfect-sensors.toml",
     "target/map-then-search.toml",
+    "target/walls.toml",
     "teams/size.toml",
 ];
 
@@ -97,13 +106,17 @@ fn at<'v>(root: &'v mut Value, path: &[Step]) -> &'v mut Value {
     })
 }
 
+/// Numbers that hardly anybody means.
+fn extremes() -> Vec<Value> {
+    let extremes = [0.0, -1.0, 1e300, -1e300, 1e-300, 5e-324, 1e9, 1e6, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+    extremes.map(Value::Float).to_vec()
+}
+
 /// Another value than `value`; `names` are the texts of the scenario.
 fn changed(value: &Value, names: &[String], luck: &mut Luck) -> Value {
     let floats = |of: f64| {
-        let extremes =
-            [0.0, -1.0, 1e300, -1e300, 1e-300, 5e-324, 1e9, 1e6, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-        let scaled = [-of, 1e3 * of, 1e-3 * of];
-        extremes.into_iter().chain(scaled).map(Value::Float).collect::<Vec<_>>()
+        let scaled = [-of, 1e3 * of, 1e-3 * of].map(Value::Float);
+        extremes().into_iter().chain(scaled).collect::<Vec<_>>()
     };
     let other =
         [Value::Table(Table::new()), Value::Array(Vec::new()), Value::Boolean(true), Value::String("x".into())];
@@ -141,9 +154,19 @@ fn changed(value: &Value, names: &[String], luck: &mut Luck) -> Value {
 }
 
 /// A scenario with one or two changes.
-fn mutant(scenario: &Value, luck: &mut Luck) -> Value {
+fn mutant(schema: &serde_json::Value, scenario: &Value, luck: &mut Luck) -> Value {
     let mut mutant = scenario.clone();
     for _ in 0..1 + luck.below(5) / 4 {
+        if luck.below(3) == 0 {
+            let addition = luck.of(&additions(schema, &mutant));
+            let value = addition.value(schema, luck);
+            if let Some((Step::Key(key), above)) = addition.path.split_last()
+                && let Value::Table(table) = at(&mut mutant, above)
+            {
+                table.insert(key.clone(), value);
+            }
+            continue;
+        }
         let mut all = Vec::new();
         paths(&mutant, &[], &mut all);
         let is_text = |path: &Vec<Step>| at(&mut scenario.clone(), path).as_str().map(str::to_owned);
@@ -197,13 +220,14 @@ fn what_a_check_accepts_a_run_accepts_and_errors_name_their_keys() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
     let count = setting("SEXTANT_MUTANTS", USUAL);
     let seed = Seed(setting("SEXTANT_MUTANTS_SEED", 1));
+    let schema = schema();
     let mut faults = Vec::new();
     for (i, name) in SHIPPED.into_iter().enumerate() {
         let text = Scenario::load(folder.join(name)).expect("a good scenario").text().to_owned();
         let scenario = Value::Table(text.parse().expect("TOML"));
         for number in 0..count {
             let mut luck = Luck { seed, mutant: number * SHIPPED.len() as u64 + i as u64, draws: 0 };
-            let Ok(text) = toml::to_string(&mutant(&scenario, &mut luck)) else { continue };
+            let Ok(text) = toml::to_string(&mutant(&schema, &scenario, &mut luck)) else { continue };
             let fault =
                 catch_unwind(AssertUnwindSafe(|| fault(&text))).unwrap_or_else(|_| Some("a panic".to_owned()));
             faults.extend(fault.map(|fault| format!("mutant {number} of {name}: {fault}\n{text}")));
