@@ -306,6 +306,17 @@ fn gaps_are_named_all_at_once_and_filled_on_request() {
 }
 
 #[test]
+fn a_few_gains_do_not_make_a_grid_of_millions_of_directions() {
+    let mut text = String::from("sector,azimuth_deg,elevation_deg,gain_dbi\n");
+    for (azimuth, elevation) in [(0.0, 0.0), (0.1, 0.1), (180.0, 80.0)] {
+        writeln!(text, "1,{azimuth},{elevation},3").expect("a string grows");
+    }
+    let error = read_with(&text, CodeBookConfig { gaps: Gaps::Hold, ..CodeBookConfig::default() }).unwrap_err();
+    assert!(error.found().ends_with("a grid of 1801 azimuths times 801 elevations for 3 gains"), "{error}");
+    assert_eq!(error.allowed(), "a gain for at least one in 1000 directions of each sector");
+}
+
+#[test]
 fn factors_are_told_from_decibels_by_their_column() {
     let good = rows(&[0, 1], (0..360).step_by(10), &[0, 10]);
     let factors = good.lines().skip(1).map(|row| {

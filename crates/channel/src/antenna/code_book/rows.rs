@@ -14,6 +14,12 @@ use super::{Flaw, SECTORS_OF_ANTENNA};
 /// The columns beside that of the gain.
 const ANGLES: [&str; 3] = ["sector", "azimuth_deg", "elevation_deg"];
 
+/// A grid of so many cells is never too large: all sectors together.
+const FEW_CELLS: usize = 100_000;
+/// A larger grid has at most so many cells for each gain in the file: a short file with two angles that hardly differ would
+/// make one of millions.
+const MOST_CELLS_OF_A_GAIN: usize = 1000;
+
 /// An angle in millionths of a degree, so that equal angles are equal.
 type MicroDegrees = i64;
 
@@ -101,6 +107,15 @@ fn grid(patterns: BTreeMap<Owner, Entries>) -> Result<Measured, Flaw> {
     };
     let (azimuths, columns) = axis("azimuths", &azimuths)?;
     let (elevations, rows) = axis("elevations", &elevations)?;
+    let gains = patterns.values().map(Entries::len).sum::<usize>();
+    let directions = azimuths.count * elevations.count;
+    if patterns.len() * directions > FEW_CELLS.max(MOST_CELLS_OF_A_GAIN * gains) {
+        let (across, up) = (azimuths.count, elevations.count);
+        return Err(flaw(
+            format!("a grid of {across} azimuths times {up} elevations for {gains} gains"),
+            format!("a gain for at least one in {MOST_CELLS_OF_A_GAIN} directions of each sector"),
+        ));
+    }
     let mut measured = Measured { azimuths, elevations, sectors: Vec::new(), quasi_omni: None };
     for (owner, entries) in patterns {
         let mut gains = vec![f64::NAN; azimuths.count * elevations.count];
