@@ -226,7 +226,7 @@ pub struct PGConfig {
     pub start_delay_s: f64,
     /// Time between two decisions of a robot (s).
     pub step_s: f64,
-    /// Time between two rounds in which the pseudo-gradient is worked out anew (s). Presets: `default` 2, `thesis` 1.5: a step,
+    /// Time between two rounds in which the pseudo-gradient is worked out anew (s). Presets: `default` 2, `thesis` 1.75: a step,
     /// and the time in which a round comes to a robot near the target.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub update_s: Option<f64>,
@@ -234,10 +234,6 @@ pub struct PGConfig {
     /// `thesis` true (section 6.4.1: the pseudo-gradient is worked out in each step of the robot).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wait_for_round: Option<bool>,
-    /// The robot drives to a node within this distance of its place on the map, and to a farther one only if it heard none of
-    /// these (m). Presets: `default` no limit, `thesis` one and a half times its way in one step, as DeTarSK.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub neighbourhood_m: Option<f64>,
     /// Which nodes are zero hops away from the target. Presets: `default` detecting, `thesis` detected.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sources: Option<GradientSources>,
@@ -317,7 +313,6 @@ impl Default for PGConfig {
             step_s: 1.0,
             update_s: None,
             wait_for_round: None,
-            neighbourhood_m: None,
             sources: None,
             own_place: OwnPlaceRule::default(),
             path: None,

@@ -7,7 +7,7 @@ use sextant_kernel::{SimTime, StationId};
 use sextant_sim::TargetId;
 
 use super::message::GradientMessage;
-use super::settings::{PseudoGradient, Vicinity};
+use super::settings::PseudoGradient;
 
 /// What a robot heard last of the pseudo-gradients of the nodes around it.
 #[derive(Clone, Debug)]
@@ -55,17 +55,12 @@ impl GradientPilot {
         of_target.insert(node, heard);
     }
 
-    /// Where it chooses a node first, if not among all that it hears.
-    pub(super) fn vicinity(&self) -> Option<Vicinity> {
-        self.method.vicinity
-    }
-
-    /// The node to drive to, among those that are `near`: that with the least pseudo-gradient in the latest round. Among equal ones it is that with the
-    /// newest detection, and then that with the largest power. `None` if no such node was heard.
-    pub(super) fn choose(&self, target: TargetId, near: &impl Fn(StationId) -> bool) -> Option<StationId> {
+    /// The node to drive to: that with the least pseudo-gradient in the latest round. Among equal ones it is that with the
+    /// newest detection, and then that with the largest power. `None` if no node was heard.
+    pub(super) fn choose(&self, target: TargetId) -> Option<StationId> {
         let of_target = self.heard.get(&target)?;
         let latest = of_target.values().map(|heard| heard.round).reduce(|a, b| if is_later(b, a) { b } else { a })?;
-        let in_round = of_target.iter().filter(|&(&node, heard)| heard.round == latest && near(node));
+        let in_round = of_target.iter().filter(|(_, heard)| heard.round == latest);
         let least = in_round.min_by(|(_, a), (_, b)| {
             let by_value = a.value.total_cmp(&b.value);
             by_value.then(b.detected.cmp(&a.detected)).then(b.rssi.0.total_cmp(&a.rssi.0))
@@ -108,7 +103,6 @@ mod tests {
             strongest: Dbm(-50.0),
             waits: true,
             sources: GradientSources::Detecting,
-            vicinity: None,
         })
     }
 
@@ -122,9 +116,9 @@ mod tests {
         pilot.hear(StationId(1), &message(3, 0.0, 5000), Dbm(-60.0), at(6010));
         pilot.hear(StationId(2), &message(3, 0.0, 5500), Dbm(-80.0), at(6020));
         pilot.hear(StationId(3), &message(3, 0.4, 5900), Dbm(-55.0), at(6030));
-        assert_eq!(pilot.choose(TargetId(0), &|_| true), Some(StationId(2)));
+        assert_eq!(pilot.choose(TargetId(0)), Some(StationId(2)));
         pilot.hear(StationId(4), &message(3, 0.0, 5500), Dbm(-70.0), at(6040));
-        assert_eq!(pilot.choose(TargetId(0), &|_| true), Some(StationId(4)));
+        assert_eq!(pilot.choose(TargetId(0)), Some(StationId(4)));
     }
 
     #[test]

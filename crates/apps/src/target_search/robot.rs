@@ -17,7 +17,7 @@ use super::message::{Detection, Message};
 use super::outbox::Outbox;
 use super::prober::Prober;
 use super::record::{RobotSearchRecord, SearchStep};
-use super::settings::{Detarsk, Method, TargetSearch, Vicinity};
+use super::settings::{Detarsk, Method, TargetSearch};
 use super::sightings::Sighting;
 use super::team::Team;
 use super::tracker::Tracker;
@@ -36,6 +36,9 @@ const WAIT_INTERVAL: Duration = Duration::from_millis(20);
 const PHASE_SHARE: f64 = 0.1;
 /// Share of a step in which nodes answer a poll.
 const WINDOW_SHARE: f64 = 0.6;
+/// The neighbourhood, as a multiple of the way of the robot in one step: V + ε with ε = V/2 (thesis, information
+/// gathering).
+const NEIGHBOURHOOD_STEPS: f64 = 1.5;
 /// Answers from which the robot learns where it is on the map.
 const RELIABLE: usize = 8;
 /// How far ahead an interception is looked for.
@@ -155,11 +158,11 @@ impl SearchRobot {
 
     /// Asks the nodes around.
     fn ask(&mut self, port: &mut Port<'_>) {
-        let vicinity = match &self.settings.method {
-            Method::Detarsk(method) => method.vicinity,
-            Method::PseudoGradient(_) => Vicinity::OfSteps,
+        let radius_m = match &self.settings.method {
+            Method::Detarsk(method) => method.neighbourhood_m,
+            Method::PseudoGradient(_) => None,
         };
-        let radius_m = vicinity.radius_m(self.driver.step_m(), self.scale());
+        let radius_m = radius_m.unwrap_or(self.scale() * (NEIGHBOURHOOD_STEPS * self.driver.step_m()));
         let pose = port.pose();
         self.asked_at = Some(pose);
         // In whole steps it knows where it decides next, and asks the nodes around there.
@@ -241,20 +244,13 @@ impl SearchRobot {
                 plans.get(&target).copied()
             }
             Pilot::PseudoGradient(pilot) => {
-                let radius_m = pilot.vicinity().map(|vicinity| vicinity.radius_m(self.driver.step_m(), scale));
-                let place_of = |node| port.node(node).and_then(|node| self.map.place(node));
-                let is_near = |node| {
-                    radius_m.is_none_or(|radius_m| {
-                        place_of(node).is_some_and(|other: Position| other.distance_m(place) <= radius_m)
-                    })
-                };
                 let open = pilot.targets().filter(|target| is_open(target, &self.alarms, &self.team));
                 let nearest = open.filter_map(|target| {
-                    let node = pilot.choose(target, &is_near).or_else(|| pilot.choose(target, &|_| true))?;
+                    let node = pilot.choose(target)?;
                     Some((target, node, pilot.value(target, node)?))
                 });
                 let (target, node, _) = nearest.min_by(|a, b| a.2.total_cmp(&b.2))?;
-                let goal = place_of(node)?;
+                let goal = self.map.place(port.node(node)?)?;
                 port.tell(Estimate::TargetPlace { target, place: goal });
                 Some(Plan { target, predicted: goal, goal, latest: now })
             }
@@ -271,7 +267,7 @@ impl SearchRobot {
                 self.record.started.get_or_insert(time);
                 self.record.steps.push(SearchStep { time, place, target, predicted, goal, latest });
                 self.set_out(place, goal, port);
-            } else if let Some(nearest) = self.nearest(place).filter(|_| self.is_outside(place)) {
+            } else if let Some(nearest) = self.nearest(place).filter(|&nearest| self.is_outside(place, nearest)) {
                 // It is outside the network, where no station can reach it.
                 self.set_out(place, nearest, port);
             } else if let Some(goal) = self.idle_goal(place) {
@@ -298,9 +294,11 @@ impl SearchRobot {
     }
 
     /// Whether it has to drive to the network: a robot that drives before a detection knows its way where nodes are few.
-    fn is_outside(&self, place: Position) -> bool {
+    /// In whole steps it goes no nearer to a node that is not half a step away.
+    fn is_outside(&self, place: Position, nearest: Position) -> bool {
         let network = self.map.bounds().grown(self.scale() * self.settings.capture_m);
-        self.is_lost() && !(self.idle.drives() && network.contains(place))
+        let stays = self.is_discrete() && place.distance_m(nearest) <= 0.5 * self.scale() * self.driver.step_m();
+        self.is_lost() && !stays && !(self.idle.drives() && network.contains(place))
     }
 
     /// Whether too few nodes answered to tell where it is.

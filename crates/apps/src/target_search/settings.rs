@@ -17,9 +17,6 @@ use super::robust_kalman::RobustKalmanSettings;
 /// Allowed times of a step (s).
 const STEP_S: [f64; 2] = [0.05, 60.0];
 
-/// The neighbourhood, as a multiple of the way of the robot in one step (thesis: V + ε, ε at most V/2).
-const NEIGHBOURHOOD_STEPS: f64 = 1.5;
-
 /// Numbers of rounds.
 const ROUNDS: u64 = 1 << 16;
 
@@ -48,7 +45,7 @@ pub(super) enum Method {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Detarsk {
     pub(super) sample: Duration,
-    pub(super) vicinity: Vicinity,
+    pub(super) neighbourhood_m: Option<f64>,
     pub(super) informants: Informants,
     pub(super) filter: Filter,
     pub(super) prediction: PredictionConfig,
@@ -80,33 +77,6 @@ pub(super) struct PseudoGradient {
     /// Whether a robot stands after each step until it has heard a round that began since then.
     pub(super) waits: bool,
     pub(super) sources: GradientSources,
-    /// Where a robot chooses a node first, if not among all that it hears.
-    pub(super) vicinity: Option<Vicinity>,
-}
-
-/// The distance on the map within which a node is near a robot.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Vicinity {
-    /// One and a half times its way in one step: V + ε with ε = V/2 (thesis, information gathering).
-    OfSteps,
-    /// This distance (m on the map).
-    Within(f64),
-}
-
-impl Vicinity {
-    /// That of a setting, if it is there.
-    fn checked(neighbourhood_m: Option<f64>) -> Result<Option<Self>, SettingError> {
-        let positive = |radius_m| SettingError::positive("neighbourhood_m", radius_m);
-        Ok(neighbourhood_m.map(positive).transpose()?.map(Self::Within))
-    }
-
-    /// The distance on the map for steps of `step_m`; one metre is `scale` long there.
-    pub(super) fn radius_m(self, step_m: f64, scale: f64) -> f64 {
-        match self {
-            Self::OfSteps => scale * (NEIGHBOURHOOD_STEPS * step_m),
-            Self::Within(radius_m) => radius_m,
-        }
-    }
 }
 
 impl PseudoGradient {
@@ -165,7 +135,7 @@ impl TargetSearch {
                 Filter::Particles(settings.validated().map_err(|error| error.within("filter.particles"))?)
             }
         };
-        let preset = config.preset;
+        let (preset, neighbourhood_m) = (config.preset, config.neighbourhood_m);
         let step = span("step_s", config.step_s, STEP_S)?;
         let sample = config.sample_s.map(|sample_s| span("sample_s", sample_s, STEP_S)).transpose()?;
         Ok(Self {
@@ -178,7 +148,9 @@ impl TargetSearch {
             before: config.before_detection,
             method: Method::Detarsk(Detarsk {
                 sample: preset.or(sample, Duration::from_millis(250), step),
-                vicinity: Vicinity::checked(config.neighbourhood_m)?.unwrap_or(Vicinity::OfSteps),
+                neighbourhood_m: neighbourhood_m
+                    .map(|radius_m| SettingError::positive("neighbourhood_m", radius_m))
+                    .transpose()?,
                 informants: preset.or(config.informants, Informants::AllThatHear, Informants::Neighbourhood),
                 filter,
                 prediction: preset.or(config.prediction, PredictionConfig::Waves, PredictionConfig::Integral),
@@ -216,7 +188,7 @@ impl TargetSearch {
     pub fn pseudo_gradient(config: &PGConfig, radio: &Radio) -> Result<Self, SettingError> {
         let preset = config.preset;
         let update = config.update_s.map(|update_s| span("update_s", update_s, STEP_S)).transpose()?;
-        let update = preset.or(update, Duration::from_secs(2), Duration::from_millis(1500));
+        let update = preset.or(update, Duration::from_secs(2), Duration::from_millis(1750));
         Ok(Self {
             capture_m: SettingError::in_range("capture_m", config.capture_m, 1e-3, 1e3)?,
             start_delay: span("start_delay_s", config.start_delay_s, [0.0, 1e6])?,
@@ -228,11 +200,6 @@ impl TargetSearch {
             method: Method::PseudoGradient(PseudoGradient {
                 update,
                 waits: preset.or(config.wait_for_round, false, true),
-                vicinity: preset.or(
-                    Vicinity::checked(config.neighbourhood_m)?.map(Some),
-                    None,
-                    Some(Vicinity::OfSteps),
-                ),
                 sources: preset.or(config.sources, GradientSources::Detecting, GradientSources::Detected),
                 jitter: update / 8,
                 weakest: radio.sensitivity(),

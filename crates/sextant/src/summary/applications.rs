@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::gathering::EnergySummary;
 use super::map::ErrorSummary;
-use super::results::SensorErrorCounts;
+use super::sensing::SensorErrorCounts;
 use sextant_kernel::text::{counted, listed};
 
 /// What an application on a map of the nodes came to. Times count from the start of its phase.

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::applications::{ApplicationSummary, ApplicationTarget, ArrivalSummary};
-use super::results::SensorErrorCounts;
+use super::sensing::SensorErrorCounts;
 use crate::columns::{Align, columns};
 
 /// Writes one row for each application, and what it took below.

@@ -15,6 +15,7 @@ mod map;
 pub mod measures;
 mod results;
 mod robots;
+mod sensing;
 mod table;
 mod timing;
 
@@ -35,9 +36,8 @@ pub use map::{
     LearnedSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M, SectorPairsSummary, SectorsSummary,
 };
 pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
-pub use results::{
-    FaultsSummary, RegionSummary, ScenarioSummary, SensingSummary, SensorErrorCounts, SimulationSummary, Summary,
-};
+pub use results::{FaultsSummary, RegionSummary, ScenarioSummary, SimulationSummary, Summary};
 pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};
+pub use sensing::{SensingSummary, SensorErrorCounts};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};
