@@ -377,6 +377,40 @@ fn a_robot_that_waits_for_a_round_decides_once_in_each() {
 }
 
 #[test]
+fn a_pseudo_gradient_of_all_that_detected_the_target_leads_to_its_trail() {
+    // Where the robot is when it comes near the line on which the target went away to the right.
+    let meets_at_m = |settings| {
+        let robots = vec!["start_m = [2.0, 1.0]\nspeed_m_per_s = 1.5"];
+        let outcome = Scene { robots, settings, is_pseudo_gradient: true, ..Scene::default() }.run();
+        let decisions = decisions(&outcome);
+        decisions.iter().find(|(place, _)| place.y_m > 9.5).map(|(place, _)| place.x_m).expect("it comes to the line")
+    };
+    let trail_m = meets_at_m("start_delay_s = 12.0\nsources = \"detected\"");
+    let target_m = meets_at_m("start_delay_s = 12.0\nsources = \"detecting\"");
+    assert!(trail_m < 6.0 && target_m > 9.0, "{trail_m} m and {target_m} m");
+}
+
+#[test]
+fn a_robot_that_hears_nothing_new_goes_back_to_the_newest_detection_that_it_knows() {
+    let steps = |settings| {
+        let targets =
+            vec!["places_m = [[0.0, 12.0], [6.0, 12.0], [6.0, 4.0], [18.0, 4.0], [18.0, 14.0]]\nspeed_m_per_s = 1.2"];
+        let robots = vec!["start_m = [2.0, 18.0]\nspeed_m_per_s = 1.5"];
+        let outcome = Scene { targets, robots, settings, ..Scene::default() }.run();
+        outcome.robots[0].steps.clone()
+    };
+    let on = steps("preset = \"thesis\"\nstart_delay_s = 9.0\nwithout_news = \"on\"");
+    assert!(on.iter().all(|step| step.goal == step.predicted));
+    let back = steps("preset = \"thesis\"\nstart_delay_s = 9.0");
+    let turned: Vec<_> = back.windows(2).filter(|pair| pair[1].goal != pair[1].predicted).collect();
+    assert!(!turned.is_empty(), "{back:?}");
+    for pair in turned {
+        assert_eq!(pair[1].latest, pair[0].latest, "it heard of a newer detection");
+        assert!(pair[1].goal.distance_m(pair[1].place) > 1.5, "it is there already");
+    }
+}
+
+#[test]
 fn pseudo_gradients_cost_far_more_messages_than_polls() {
     let messages = |is_pseudo_gradient| {
         let outcome = Scene { is_pseudo_gradient, ..Scene::default() }.run();
