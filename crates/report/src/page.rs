@@ -85,14 +85,19 @@ impl Kind {
     }
 }
 
-/// The same JSON, in which characters that change how the text around them is shown are written as `\u{202e}`.
+/// Whether a letter changes in what order those around it are shown. Ends of lines, which terminals obey, do no harm in HTML.
+fn reverses(letter: char) -> bool {
+    is_harmful(letter) && !matches!(letter, '\u{2028}' | '\u{2029}')
+}
+
+/// The same JSON, in which letters that change the order of those around them are written as `\u{202e}`.
 fn visible(json: String) -> String {
-    if !json.contains(is_harmful) {
+    if !json.contains(reverses) {
         return json;
     }
     let mut safe = String::with_capacity(json.len() + 16);
     for letter in json.chars() {
-        if is_harmful(letter) {
+        if reverses(letter) {
             safe.push('\\');
             safe.extend(letter.escape_unicode());
         } else {

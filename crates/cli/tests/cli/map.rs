@@ -242,7 +242,7 @@ fn the_number_of_threads_does_not_change_the_results() {
 }
 
 #[test]
-fn bad_input_exits_with_two_and_a_failed_write_with_one() {
+fn bad_input_and_an_output_in_a_missing_folder_exit_with_two() {
     let folder = survey();
     let refused = |words: &[&str], code: i32, message: &str| {
         let (found, stdout, stderr) = map(folder.path(), words);
@@ -259,8 +259,8 @@ fn bad_input_exits_with_two_and_a_failed_write_with_one() {
     refused(&with(&["--truth", "none.csv"]), 2, "none.csv");
     refused(&with(&["--set", "maps.0.algorithm.ml_tm.grid_step_m=0"]), 2, "grid_step_m` is 0");
     refused(&with(&["--set", "maps.0.algorithm.ml_tm.grid_step_m=1e-5"]), 2, "allow more with max_memory_mb");
-    refused(&with(&["--out", "none/map.csv"]), 1, "none/map.csv");
-    refused(&with(&["--summary", "none/summary.json"]), 1, "none/summary.json");
+    refused(&with(&["--out", "none/map.csv"]), 2, "none/map.csv` cannot be written: there is no folder `none`");
+    refused(&with(&["--summary", "none/summary.json"]), 2, "none/summary.json");
     std::fs::write(folder.path().join("log/receptions.csv"), "node,stop,received\na,0,1\na,zero,1\n").unwrap();
     refused(&with(&[]), 2, "receptions.csv, line 3");
 }
