@@ -16,9 +16,9 @@ use super::settings::PseudoGradient;
 const OLDEST: u16 = u16::MAX / 2;
 
 /// Works out the pseudo-gradient of each target in a node, round by round. A node that detects the target, or ever did, is
-/// zero hops away ([`GradientSources`]). Any other node hears those of its neighbours for a while. Its hops are one more than their least, and its
-/// pseudo-gradient is that number less the mean closeness of the neighbours with the least hops; closeness is received
-/// power in decibels, from 0 at the sensitivity to 1 at the reference.
+/// zero hops away ([`GradientSources`]). Any other node hears those of its neighbours for a while. Its hops are one more
+/// than their least, and its pseudo-gradient is that number less the mean closeness of the neighbours with the least hops;
+/// closeness is received power in decibels, from 0 at the sensitivity to 1 at the reference.
 #[derive(Clone, Debug)]
 pub(super) struct GradientNode {
     method: PseudoGradient,

@@ -232,10 +232,10 @@ impl SearchRobot {
                         (Aim::Interception, Some(meeting)) => meeting.place,
                         _ => predicted,
                     };
-                    let newest = tracker.newest_place();
-                    let is_away = place.distance_m(newest) > scale * self.driver.step_m();
-                    let turns_back = method.without_news == WithoutNews::Back && !tracker.has_news() && is_away;
-                    let goal = if turns_back { newest } else { goal };
+                    let turns_back = method.without_news == WithoutNews::Back && !tracker.has_news();
+                    let newest = turns_back.then(|| tracker.newest_place());
+                    let is_away = |newest: &Position| place.distance_m(*newest) > scale * self.driver.step_m();
+                    let goal = newest.filter(is_away).unwrap_or(goal);
                     times_s.insert(target, meeting.map_or(HORIZON, |meeting| meeting.after).as_secs_f64());
                     plans.insert(target, Plan { target, predicted, goal, latest: tracker.latest() });
                 }

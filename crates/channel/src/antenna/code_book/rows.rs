@@ -118,7 +118,7 @@ fn grid(patterns: BTreeMap<Owner, Entries>) -> Result<Measured, Flaw> {
     }
     let mut measured = Measured { azimuths, elevations, sectors: Vec::new(), quasi_omni: None };
     for (owner, entries) in patterns {
-        let mut gains = vec![f64::NAN; azimuths.count * elevations.count];
+        let mut gains = vec![f64::NAN; directions];
         for ([elevation, azimuth], (gain, _)) in entries {
             gains[rows[&elevation] * azimuths.count + columns[&azimuth]] = gain;
         }
