@@ -26,6 +26,7 @@ mod narrow;
 mod operations;
 mod places;
 mod product;
+mod reached;
 mod receiver;
 mod rows;
 mod score;

@@ -7,6 +7,7 @@ use sextant_channel::Position;
 use super::Row;
 use super::balls::{Balls, Part};
 use super::conditions::{Plane, Residual};
+use super::reached::Reached;
 use super::receiver::Receiver;
 use super::wedges::Wedges;
 use crate::Lattice;
@@ -30,8 +31,6 @@ pub(crate) struct Rows {
     layer: Vec<Receiver>,
     /// The balls round the receptions on the rim.
     balls: Balls,
-    /// Changes along a row of the packets in range.
-    steps: Vec<i64>,
     /// Coordinates along an axis, to be sorted.
     sorted: Vec<(f64, u32)>,
     /// Corners of a box outside of which no vertex is looked at, if there is one.
@@ -240,18 +239,25 @@ impl Rows {
         let reach = range_m * range_m * ROUNDING;
         let least = self.rim_packets.saturating_sub(cap);
         let [along, ys, zs] = self.span.clone();
-        for k in zs {
+        let mut reached = Reached::default();
+        let (mut layers, mut rows) = (Vec::new(), Vec::new());
+        for receiver in &self.rim {
+            let (z, half) = (receiver.place.z_m, reach.sqrt());
+            reached.add(lattice.span(2, z - half, z + half).0, receiver.packets);
+        }
+        reached.take_runs(&zs, least, |run| layers.push(run));
+        for k in layers.into_iter().flatten() {
             let z = lattice.coordinate(2, k);
             self.layer.clear();
             self.layer.extend(self.rim.iter().filter(|r| (z - r.place.z_m).powi(2) <= reach));
-            if packets(&self.layer) < least {
-                continue;
+            for receiver in &self.layer {
+                let (y, half) = (receiver.place.y_m, (reach - (z - receiver.place.z_m).powi(2)).sqrt());
+                reached.add(lattice.span(1, y - half, y + half).0, receiver.packets);
             }
-            for j in ys.clone() {
+            rows.clear();
+            reached.take_runs(&ys, least, |run| rows.push(run));
+            for j in rows.iter().cloned().flatten() {
                 let y = lattice.coordinate(1, j);
-                self.steps.clear();
-                self.steps.resize(along.len() + 1, 0);
-                let mut in_reach = 0;
                 for &Receiver { place, packets, sector } in &self.layer {
                     let (dy, dz) = (y - place.y_m, z - place.z_m);
                     let square = reach - dy * dy - dz * dz;
@@ -262,25 +268,10 @@ impl Rows {
                             let (first, last) = wedges.interval(sector, place.into(), y, z);
                             (low, high) = (low.max(first), high.min(last));
                         }
-                        let (span, _) = lattice.span(0, low, high);
-                        let (start, end) = (span.start.max(along.start), span.end.min(along.end));
-                        if start < end {
-                            in_reach += u64::from(packets);
-                            self.steps[start - along.start] += i64::from(packets);
-                            self.steps[end - along.start] -= i64::from(packets);
-                        }
+                        reached.add(lattice.span(0, low, high).0, packets);
                     }
                 }
-                if in_reach < least {
-                    continue;
-                }
-                let mut covered = 0;
-                for (i, step) in along.clone().zip(&self.steps) {
-                    covered += step;
-                    if covered.unsigned_abs() >= least {
-                        visit([j, k], i);
-                    }
-                }
+                reached.take_runs(&along, least, |run| run.for_each(|i| visit([j, k], i)));
             }
         }
     }
@@ -302,10 +293,6 @@ impl Rows {
             })
             .into()
     }
-}
-
-fn packets(receivers: &[Receiver]) -> u64 {
-    receivers.iter().map(|receiver| u64::from(receiver.packets)).sum()
 }
 
 /// The corners of the bounding box of the receptions.

@@ -161,6 +161,19 @@ fn a_plateau_is_represented_by_its_mean_and_mirror_images_by_one_of_them() {
 }
 
 #[test]
+fn a_stop_far_from_all_others_does_not_make_the_search_long() {
+    // The lattice has 10¹³ vertices, of which those within reach of a stop are some hundreds.
+    let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 1.0, 6.0));
+    let ml_tm = ml_tm(MlTmConfig::new(0.5, profile));
+    let stops = [Position::ORIGIN, Position::new(2.0, 0.0, 0.0), Position::new(2e6, 1e6, 0.0)];
+    let log = log(1, &stops, (0..3).map(|stop| entry(0, stop, 1, 1)).collect());
+    let map = ml_tm.map(&log, &Unwatched).unwrap();
+    let estimate = map.estimates[0].as_ref().expect("it was heard");
+    assert!(estimate.position.distance_m(Position::new(1.0, 0.0, 0.0)) < 1.0, "{estimate:?}");
+    assert_eq!(map.infeasible(), 1);
+}
+
+#[test]
 fn one_thread_and_two_give_the_same_bits() {
     let draw = |i: u64, what| Seed(11).uniform(Purpose::new(8), [i, what, 2]);
     let stops: Vec<Position> =
