@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use sextant_channel::LogError;
 use sextant_kernel::SimTime;
@@ -63,6 +64,26 @@ pub enum RobotLogError {
         part: LogPart,
         /// The error.
         why: LogError,
+    },
+    /// A node sends so often that it cannot have sent all these packets at a stop.
+    #[error(
+        "node `{node}` would have sent {sent} packets at stop {stop} ({span} s), one every {interval} s; allowed: up to {most} at a \
+         stop. Check the times of the packets and of the path, or give the interval with option `packet_interval`",
+        span = instant::format_span(*.span), interval = interval.as_secs_f64()
+    )]
+    TooManySent {
+        /// Name of the node.
+        node: String,
+        /// Index of the stop.
+        stop: u32,
+        /// How long the stop lasts.
+        span: Duration,
+        /// How often the node sends.
+        interval: Duration,
+        /// Packets.
+        sent: u64,
+        /// Most packets of a node at a stop.
+        most: u32,
     },
     /// A folder has two logs, of which one is a list of stops.
     #[error(

@@ -22,6 +22,7 @@ use super::rssi_check::RssiCheck;
 use super::sending;
 use super::signal::Signal;
 use super::slot::{self, Slot};
+use super::stops::MOST_SENT;
 use super::strengths::{Report, Strengths};
 
 /// Most pairs of a node and a stop that are listed although nothing was heard. Above it, an absent pair counts as one missed
@@ -143,7 +144,7 @@ impl Gatherer {
         };
         let each = match rule {
             StopRule::Distance(distance_m) => format!(", one each {distance_m} m"),
-            StopRule::Time(span) => format!(", one each {} s", instant::format_span(span)),
+            StopRule::Time(span) => format!(", one each {} s", span.as_secs_f64()),
             StopRule::Automatic => String::new(),
         };
         self.notes.push(format!("{whose} is cut into {stops} stops{each} (option `stop_every` sets it)"));
@@ -259,7 +260,7 @@ impl Gatherer {
             let node = NodeId(of_node[0].node);
             let interval = intervals.of[node.index()];
             if let Some(interval) = interval {
-                self.count_sent(of_node, interval, &mut sent);
+                self.count_sent(of_node, interval, &mut sent)?;
             }
             let mut pairs = of_node.chunk_by(|a, b| a.stop == b.stop).peekable();
             for (stop, &sent) in (0..).zip(&sent) {
@@ -292,7 +293,7 @@ impl Gatherer {
     }
 
     /// How many packets the node of the rows `heard` sent at each stop.
-    fn count_sent(&self, heard: &[Heard], interval: Duration, sent: &mut [u32]) {
+    fn count_sent(&self, heard: &[Heard], interval: Duration, sent: &mut [u32]) -> Result<(), RobotLogError> {
         let mut times: Vec<SimTime> = heard.iter().flat_map(|row| [row.first, row.last]).collect();
         times.sort_unstable();
         times.dedup();
@@ -300,10 +301,19 @@ impl Gatherer {
         for track in &self.tracks {
             let mut counts = vec![0; track.slots.len()];
             sending::count(&track.slots, &mut counts, &times, interval, span);
-            for (&stop, count) in track.stops.iter().zip(counts) {
-                sent[stop as usize] = count;
+            for ((&stop, slot), count) in track.stops.iter().zip(&track.slots).zip(counts) {
+                let fits = u32::try_from(count).ok().filter(|&count| count <= MOST_SENT);
+                sent[stop as usize] = fits.ok_or_else(|| RobotLogError::TooManySent {
+                    node: self.names[heard[0].node as usize].clone(),
+                    stop,
+                    span: slot.end.saturating_since(slot.start),
+                    interval,
+                    sent: count,
+                    most: MOST_SENT,
+                })?;
             }
         }
+        Ok(())
     }
 
     /// The sending interval of each node.

@@ -15,7 +15,7 @@ use super::slot::Slot;
 /// every interval.
 pub(super) fn count(
     slots: &[Slot],
-    counts: &mut [u32],
+    counts: &mut [u64],
     heard: &[SimTime],
     interval: Duration,
     (from, to): (SimTime, SimTime),
@@ -57,7 +57,7 @@ impl Run {
 
 struct Runs<'a> {
     slots: &'a [Slot],
-    counts: &'a mut [u32],
+    counts: &'a mut [u64],
 }
 
 impl Runs<'_> {
@@ -71,7 +71,7 @@ impl Runs<'_> {
                 break;
             }
             let sent = run.before(slot.end.as_nanos()) - run.before(slot.start.as_nanos());
-            *count = count.saturating_add(u32::try_from(sent).unwrap_or(u32::MAX));
+            *count += sent;
         }
     }
 }

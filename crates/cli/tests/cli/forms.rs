@@ -306,3 +306,29 @@ fn the_program_maps_a_wide_table_by_other_names() {
     assert_eq!(code, 2);
     assert!(unwrapped(&stderr).contains("`--pan` is for captures of sniffers, but"), "{stderr}");
 }
+
+#[test]
+fn more_packets_of_a_node_at_a_stop_than_can_be_counted_are_refused() {
+    let folder = folder(&[
+        ("path.csv", "t_s,x_m,y_m\n0,0,0\n5000,2,0\n"),
+        ("packets.csv", "t_s,node,rssi_dbm\n1,a,-50\n4999,a,-50\n"),
+    ]);
+    let read = |interval_s| {
+        let options = ReadOptions {
+            stop_every: StopRule::Distance(5.0),
+            packet_interval_s: Some(interval_s),
+            ..ReadOptions::default()
+        };
+        robot_log::read(folder.path(), &options)
+    };
+    let sent = |log: &RobotLog| rows(log, 0).iter().map(|&(_, _, sent, _)| sent).collect::<Vec<_>>();
+    // At 0 s and at 5000 s too.
+    assert_eq!(sent(&read(1.0).unwrap()), [5001]);
+    let problem = read(1e-6).unwrap_err().to_string();
+    assert!(
+        problem.starts_with(
+            "node `a` would have sent 5000000001 packets at stop 0 (5000 s), one every 0.000001 s; allowed: up to 4294967294"
+        ),
+        "{problem}"
+    );
+}
