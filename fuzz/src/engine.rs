@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use libfuzzer_sys::fuzz_target;
+use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
 use sextant_fuzz::Target;
 
 /// The target that the environment names.
@@ -12,3 +12,9 @@ static TARGET: LazyLock<&Target> = LazyLock::new(|| {
 });
 
 fuzz_target!(|octets: &[u8]| TARGET.run(octets));
+
+// Inputs that a target would ignore because they are too long are not made.
+fuzz_mutator!(|octets: &mut [u8], size: usize, room: usize, _seed: u32| {
+    let most = room.min(TARGET.longest);
+    fuzzer_mutate(octets, size.min(most), most)
+});

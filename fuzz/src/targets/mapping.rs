@@ -81,10 +81,10 @@ fn is_sound(name: &str, map: &TopologyMap, given: &Given) {
     }
 }
 
-/// Mostly small whole and half metres, sometimes any number.
+/// Mostly some sixteenths of a metre, sometimes any number. The places are near each other, so that grids are small.
 fn length_m(choices: &mut Unstructured<'_>) -> Result<f64> {
-    let usual = || |choices: &mut Unstructured<'_>| Ok(f64::from(choices.arbitrary::<i8>()?) / 4.0);
-    Ok(match choices.int_in_range(0..=31_u8)? {
+    let usual = || |choices: &mut Unstructured<'_>| Ok(f64::from(choices.arbitrary::<i8>()?) / 16.0);
+    Ok(match choices.int_in_range(0..=63_u8)? {
         0 => f64::from(choices.arbitrary::<i32>()?) / 1000.0,
         1 => f64::from(choices.arbitrary::<i8>()?) * 1e-9,
         _ => usual()(choices)?,
