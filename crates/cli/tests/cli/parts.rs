@@ -6,6 +6,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use sextant_channel::Position;
+#[cfg(feature = "sqlite-bags")]
+use sextant_kernel::{Purpose, Seed};
 use sextant_logs::{self as robot_log, FormOptions, LocalPlane, ReadOptions, RobotLog, StopRule};
 
 use super::drive::{assert_holds, folder, kept, map, options, path_csv, unwrapped};
@@ -314,4 +316,30 @@ fn a_bag_in_sqlite_is_the_same_log() {
             .contains("topic `/radio`: the bag has no definition of its messages, as bags in SQLite of ROS 2 Humble"),
         "{problem}"
     );
+}
+
+#[cfg(feature = "sqlite-bags")]
+#[test]
+fn damaged_bags_in_sqlite_are_read_or_refused() {
+    let whole = std::fs::read(kept("bags/sqlite/sqlite.db3")).unwrap();
+    let folder = folder(&[]);
+    let path = folder.path().join("a.db3");
+    let (mut read_ones, mut refused) = (0, 0);
+    for number in 0..200 {
+        let draw = |what: u64, below: usize| Seed(number).bits(Purpose::new(1), [what, 0, 0]) as usize % below;
+        let mut octets = whole.clone();
+        for change in 0..1 + draw(0, 12) as u64 {
+            octets[draw(2 * change + 1, whole.len())] = draw(2 * change + 2, 256) as u8;
+        }
+        octets.truncate(whole.len() - draw(100, 4) / 3 * draw(101, whole.len()));
+        std::fs::write(&path, octets).unwrap();
+        match read(&path, None, None) {
+            Ok(_) => read_ones += 1,
+            Err(error) => {
+                assert!(error.to_string().contains("a.db3"), "{error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(read_ones > 20 && refused > 20, "{read_ones} read, {refused} refused");
 }

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use sextant_kernel::{LARGEST_FILE, read_text_at_most};
+
 use super::super::bag_error::BagError;
 
 /// The first octets of files.
@@ -81,8 +83,10 @@ pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, BagError> {
         });
     }
     found.sort_by_cached_key(|name| order(name));
-    if let Ok(metadata) = std::fs::read_to_string(path.join(METADATA)) {
-        check_metadata(path, &metadata, &found)?;
+    let metadata = path.join(METADATA);
+    if metadata.is_file() {
+        let text = read_text_at_most(&metadata, LARGEST_FILE).map_err(|why| BagError::read(&metadata, &why))?;
+        check_metadata(path, &text, &found)?;
     }
     Ok(found.iter().map(|name| path.join(name)).collect())
 }
