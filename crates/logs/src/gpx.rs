@@ -16,6 +16,9 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
         .map_err(|why| RobotLogError::read(path, why))?;
     let wrong = |line: usize, problem: String| RobotLogError::line(path, line, problem);
     let text = text.trim_start_matches('\u{feff}');
+    if let Some(line) = line_of_long_tag(text) {
+        return Err(wrong(line, format!("it has a tag of more than {LONGEST_TAG} octets")));
+    }
     let document = Document::parse(text).map_err(|why| wrong(why.pos().row as usize, why.to_string()))?;
     let line = |node: Node<'_, '_>| document.text_pos_at(node.range().start).row as usize;
     let points = document.descendants().filter(|node| node.tag_name().name() == "trkpt");
@@ -43,6 +46,43 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
     track.finish(path, notes)
 }
 
+/// The longest tag that is read (octets). The reader of XML compares each attribute of a tag with each other one.
+const LONGEST_TAG: usize = 1 << 14;
+
+/// The line of the first tag that is longer.
+fn line_of_long_tag(text: &str) -> Option<usize> {
+    // They may have quotes in any number.
+    let others = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+    let mut at = 0;
+    while let Some(before) = text[at..].find('<') {
+        let start = at + before;
+        let markup = &text[start..];
+        at = start
+            + match others.iter().find(|(opening, _)| markup.starts_with(opening)) {
+                Some((_, end)) => markup.find(end)?,
+                None => match tag_length(markup) {
+                    Some(length) => length,
+                    None if markup.len() > LONGEST_TAG => return Some(1 + text[..start].matches('\n').count()),
+                    None => return None,
+                },
+            };
+    }
+    None
+}
+
+/// How long the tag is that `markup` begins with; `None` if it does not end.
+fn tag_length(markup: &str) -> Option<usize> {
+    let mut quote = None;
+    markup.bytes().take(LONGEST_TAG).position(|octet| {
+        match quote {
+            Some(quoted) if octet == quoted => quote = None,
+            None if octet == b'"' || octet == b'\'' => quote = Some(octet),
+            _ => {}
+        }
+        octet == b'>' && quote.is_none()
+    })
+}
+
 /// What a track point says; `None` if it has no time.
 fn fix(point: Node<'_, '_>) -> Result<Option<Fix>, String> {
     let child = |name: &str| {
@@ -65,4 +105,27 @@ fn fix(point: Node<'_, '_>) -> Result<Option<Fix>, String> {
     };
     let [lat_deg, lon_deg] = ["lat", "lon"].map(angle);
     Ok(Some(Fix { time, lat_deg: lat_deg?, lon_deg: lon_deg?, height_m }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_tags_are_found_and_other_long_texts_are_not() {
+        let attributes = |count: usize| (0..count).map(|at| format!(" a{at}=\">'\"")).collect::<String>();
+        let in_tag = |count| format!("<?xml version=\"1.0\"?>\n<gpx>\n<trkpt{}>", attributes(count));
+        assert_eq!(line_of_long_tag(&in_tag(1000)), None);
+        assert_eq!(line_of_long_tag(&in_tag(2000)), Some(3));
+        let long = "it's <b ".repeat(9000);
+        for text in
+            [format!("<gpx><!-- {long} --></gpx>"), format!("<a><![CDATA[{long}]]></a>"), format!("<?a {long}?>")]
+        {
+            assert_eq!(line_of_long_tag(&text), None);
+        }
+        // The reader of XML says what is wrong with them.
+        for text in ["<gpx", "<gpx a=\"", "<!-- ", "a", ""] {
+            assert_eq!(line_of_long_tag(text), None, "{text}");
+        }
+    }
 }

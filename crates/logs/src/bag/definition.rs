@@ -86,7 +86,7 @@ impl Definitions {
     /// Reads the definition of the message type `name`.
     ///
     /// # Errors
-    /// If the text has an invalid line, or a type that it does not define.
+    /// If the text has an invalid line or a type that it does not define, or defines a message without end or of great size.
     pub(super) fn parse(dialect: Dialect, name: &str, text: &str) -> Result<Self, String> {
         let mut sections = vec![Section { name: short_name(name), lines: Vec::new() }];
         let mut lines = text.lines();
@@ -101,6 +101,9 @@ impl Definitions {
                 section.lines.push(line);
             }
         }
+        if sections.len() > MOST_TYPES {
+            return Err(format!("its definition has {} types; allowed: up to {MOST_TYPES}", sections.len()));
+        }
         let mut messages = Vec::with_capacity(sections.len());
         for section in &sections {
             let fields =
@@ -108,7 +111,13 @@ impl Definitions {
             messages.push(fields.collect::<Result<Vec<_>, String>>()?);
         }
         let definitions = Self { dialect, messages };
-        definitions.check_depth(Self::WHOLE, &mut Vec::new(), &sections)?;
+        let Size { fields, .. } =
+            definitions.size(Self::WHOLE, 1, &mut vec![Known::Nothing; sections.len()], &sections)?;
+        if fields > MOST_FIELDS {
+            return Err(format!(
+                "its definition has {fields} fields with those of inner messages; allowed: up to {MOST_FIELDS}"
+            ));
+        }
         Ok(definitions)
     }
 
@@ -117,20 +126,67 @@ impl Definitions {
         &self.messages[message]
     }
 
-    /// A message cannot hold itself.
-    fn check_depth(&self, message: usize, outer: &mut Vec<usize>, sections: &[Section<'_>]) -> Result<(), String> {
-        if outer.contains(&message) {
-            return Err(format!("its definition is circular: `{}` holds itself", sections[message].name));
+    /// How large a message is with those in it; `sizes` has what is known of each.
+    ///
+    /// # Errors
+    /// If a message holds itself, or they are nested too deep.
+    fn size(
+        &self,
+        message: usize,
+        depth: usize,
+        sizes: &mut [Known],
+        sections: &[Section<'_>],
+    ) -> Result<Size, String> {
+        match sizes[message] {
+            Known::Size(size) => return Ok(size),
+            Known::Open => {
+                return Err(format!("its definition is circular: `{}` holds itself", sections[message].name));
+            }
+            Known::Nothing => sizes[message] = Known::Open,
         }
-        outer.push(message);
+        let mut whole = Size { fields: 0, depth: 1 };
         for field in &self.messages[message] {
+            whole.fields = whole.fields.saturating_add(1);
             if let Kind::Message(inner) = field.kind {
-                self.check_depth(inner, outer, sections)?;
+                // The depth is looked at here too, because this function calls itself.
+                if depth < MOST_DEPTH {
+                    let size = self.size(inner, depth + 1, sizes, sections)?;
+                    whole.fields = whole.fields.saturating_add(size.fields);
+                    whole.depth = whole.depth.max(size.depth + 1);
+                } else {
+                    whole.depth = MOST_DEPTH + 1;
+                }
+                if whole.depth > MOST_DEPTH {
+                    return Err(format!("its definition nests more than {MOST_DEPTH} messages in each other"));
+                }
             }
         }
-        outer.pop();
-        Ok(())
+        sizes[message] = Known::Size(whole);
+        Ok(whole)
     }
+}
+
+/// Most types of a definition, most fields of a message with those in it, and how deep messages are nested. Those of ROS have some
+/// dozens, some hundreds, and some. A few lines can define a message of 2⁶⁰ fields.
+const MOST_TYPES: usize = 1000;
+const MOST_FIELDS: u64 = 10_000;
+const MOST_DEPTH: usize = 50;
+
+/// How large a message is.
+#[derive(Clone, Copy)]
+struct Size {
+    fields: u64,
+    /// How many messages are nested in each other.
+    depth: usize,
+}
+
+/// What is known of the size of a message.
+#[derive(Clone, Copy)]
+enum Known {
+    Nothing,
+    /// It is being worked out.
+    Open,
+    Size(Size),
 }
 
 /// The definition of one type.
@@ -279,6 +335,29 @@ mod tests {
             fields(Dialect::Ros2, "time when").unwrap_err(),
             "field `when` has the type `time`, which its definition does not define"
         );
+    }
+
+    #[test]
+    fn the_size_of_a_message_has_bounds() {
+        let chain = |types: usize, of: &str| {
+            let mut text = of.replace('#', "0");
+            for at in 0..types {
+                text += &format!("===\nMSG: radio/T{at}\n");
+                text += &if at + 1 < types { of.replace('#', &(at + 1).to_string()) } else { "uint8 a\n".to_owned() };
+            }
+            text
+        };
+        let problem = |text: &str| fields(Dialect::Ros2, text).unwrap_err();
+        assert_eq!(fields(Dialect::Ros2, &chain(49, "T# a\n")).as_deref(), Ok(&["a Message(1) One".to_owned()][..]));
+        assert!(problem(&chain(50, "T# a\n")).contains("more than 50 messages"));
+        assert!(problem(&chain(999, "T# a\n")).contains("more than 50 messages"));
+        assert!(problem(&chain(1000, "T# a\n")).contains("has 1001 types; allowed: up to 1000"));
+        // With the message itself 3 · 2¹¹ - 2 = 6142, and twice as many.
+        assert!(fields(Dialect::Ros2, &chain(11, "T# a\nT# b\n")).is_ok());
+        assert!(problem(&chain(12, "T# a\nT# b\n")).contains("has 12286 fields with those of inner messages"));
+        assert!(problem(&chain(49, "T# a\nT# b\n")).contains("fields with those of inner messages"));
+        assert!(fields(Dialect::Ros2, &"uint8 a\n".repeat(10_000)).is_ok());
+        assert!(problem(&"uint8 a\n".repeat(10_001)).contains("has 10001 fields"));
     }
 
     #[test]
