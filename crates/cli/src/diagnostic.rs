@@ -23,6 +23,8 @@ use sextant_recording::output::OutputError;
 use sextant_report::ReportError;
 use sextant_thesis::ReproductionError;
 
+use crate::terminal;
+
 /// Why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -298,11 +300,7 @@ impl Message {
     /// The same without control characters of files of others, and without lines that fill a screen.
     fn printable(self) -> Self {
         let excerpt = self.excerpt.and_then(Excerpt::printable);
-        Self {
-            text: printable(&self.text).into_owned(),
-            help: self.help.map(|help| printable(&help).into_owned()),
-            excerpt,
-        }
+        Self { text: terminal::message(&self.text), help: self.help.map(|help| terminal::message(&help)), excerpt }
     }
 }
 

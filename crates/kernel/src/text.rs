@@ -12,10 +12,18 @@ const MOST_NAMES: usize = 10;
 
 /// `a, b, c`, or the first of many names and the number of the others: `a, b, .. and 3 more`.
 pub fn listed<T: AsRef<str>>(names: &[T]) -> String {
-    let shown: Vec<&str> = names.iter().take(MOST_NAMES).map(AsRef::as_ref).collect();
+    listed_to(MOST_NAMES, names)
+}
+
+/// The same of a list to choose from, with at most so many names.
+pub fn listed_to<T: AsRef<str>>(most: usize, names: &[T]) -> String {
+    let shown: Vec<&str> = names.iter().take(most).map(AsRef::as_ref).collect();
     let more = names.len() - shown.len();
     shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
+
+/// Of a list that a user chooses from, at most this many are printed.
+pub const MOST_CHOICES: usize = 100;
 
 /// Of a text that others wrote, a message shows at most so many characters.
 const MOST_SHOWN: usize = 200;
@@ -27,7 +35,8 @@ pub fn shortened(text: &str) -> Cow<'_, str> {
 }
 
 /// The same with at most so many characters.
-pub(crate) fn shortened_to(most: usize, text: &str) -> Cow<'_, str> {
+#[must_use]
+pub fn shortened_to(most: usize, text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         None => Cow::Borrowed(text),
         Some((end, _)) => Cow::Owned(format!("{}.. ({} octets)", &text[..end], text.len())),
@@ -128,6 +137,7 @@ mod tests {
     fn of_many_names_the_first_are_listed() {
         let names: Vec<String> = (0..13).map(|i| format!("n{i}")).collect();
         assert_eq!(listed(&names), "n0, n1, n2, n3, n4, n5, n6, n7, n8, n9 and 3 more");
+        assert_eq!(listed_to(2, &names), "n0, n1 and 11 more");
         assert_eq!((listed(&names[..2]), listed(&names[..0])), ("n0, n1".to_owned(), String::new()));
     }
 

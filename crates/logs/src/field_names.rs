@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use sextant_kernel::text::{MOST_CHOICES, listed_to};
+
 use super::log_part::LogPart;
 
 /// The names of columns or fields in a file, by what they mean.
@@ -117,7 +119,7 @@ impl FieldNames {
             let at = written.iter().position(|column| column == name).ok_or_else(|| {
                 format!(
                     "option `{flag}` has `{key}={name}`, but there is no column `{name}`; the columns are: {}",
-                    written.join(", ")
+                    listed_to(MOST_CHOICES, written)
                 )
             })?;
             columns[at] = (*key).to_owned();

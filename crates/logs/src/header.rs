@@ -1,5 +1,9 @@
 //! The columns of a table by their names: which columns are known, which are ignored.
 
+use std::collections::BTreeSet;
+
+use sextant_kernel::text::{MOST_CHOICES, listed_to};
+
 use super::field_names::FieldNames;
 use super::instant;
 use super::log_part::LogPart;
@@ -13,7 +17,7 @@ pub(super) struct Header {
     written: Vec<String>,
     /// The names of the user.
     given: FieldNames,
-    ignored: Vec<String>,
+    ignored: Vec<usize>,
 }
 
 /// The columns that a file may have.
@@ -58,6 +62,7 @@ impl Header {
         let is_likely = |name: &&str| *name == "t_s" || !instant::COLUMNS.contains(name);
         let likely: Vec<&str> = absent.iter().copied().filter(is_likely).collect();
         let mut ignored = Vec::new();
+        let mut seen = BTreeSet::new();
         for (at, name) in columns.iter().enumerate() {
             let is_known = known.contains(&name.as_str());
             if !is_known {
@@ -77,9 +82,10 @@ impl Header {
                          columns: {known}"
                     ));
                 }
-                ignored.push(asked.to_owned());
+                ignored.push(at);
             }
-            if (is_known || others != Others::Ignored && !name.is_empty()) && columns[..at].contains(name) {
+            let is_new = seen.insert(name);
+            if (is_known || others != Others::Ignored && !name.is_empty()) && !is_new {
                 return Err(format!("column `{name}` appears twice"));
             }
         }
@@ -111,7 +117,7 @@ impl Header {
 
     /// The indices of the columns that are not known.
     pub(super) fn unknown(&self) -> impl Iterator<Item = usize> {
-        (0..self.written.len()).filter(|&at| self.ignored.contains(&self.written[at]))
+        self.ignored.iter().copied()
     }
 
     /// The index of the column `name`.
@@ -121,9 +127,14 @@ impl Header {
 
     /// The names of the columns that are ignored, if any has one.
     pub(super) fn ignored_names(&self) -> Option<String> {
-        let names: Vec<String> =
-            self.ignored.iter().filter(|name| !name.is_empty()).map(|name| format!("`{name}`")).collect();
-        (!names.is_empty()).then(|| names.join(", "))
+        let names: Vec<String> = self
+            .ignored
+            .iter()
+            .map(|&at| &self.written[at])
+            .filter(|name| !name.is_empty())
+            .map(|name| format!("`{name}`"))
+            .collect();
+        (!names.is_empty()).then(|| listed_to(MOST_CHOICES, &names))
     }
 }
 

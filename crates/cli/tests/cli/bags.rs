@@ -246,3 +246,21 @@ fn a_bag_is_mapped_and_a_recording_is_told_from_it() {
     assert_eq!(code, 2, "{stderr}");
     assert!(unwrapped(&stderr).contains("`--pan` is for captures of sniffers, but"), "{stderr}");
 }
+
+#[test]
+fn of_many_topics_an_error_lists_some() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("topics.mcap");
+    let mut writer = mcap::WriteOptions::new().profile("ros2").create(std::fs::File::create(&path).unwrap()).unwrap();
+    let schema = writer.add_schema("p/msg/A", "ros2msg", b"uint8 a\n").unwrap();
+    for topic in 0..3000 {
+        let channel = writer.add_channel(schema, &format!("/t{topic}"), "cdr", &Default::default()).unwrap();
+        let header = mcap::records::MessageHeader { channel_id: channel, sequence: 0, log_time: 1, publish_time: 1 };
+        writer.write_to_known_channel(&header, &[0, 1, 0, 0, 7]).unwrap();
+    }
+    writer.finish().unwrap();
+    let (code, _, stderr) = map(&path, &[]);
+    assert_eq!(code, 2, "{stderr}");
+    assert!(unwrapped(&stderr).contains("/t0 (p/msg/A)") || unwrapped(&stderr).contains("/t0 (p/A)"), "{stderr}");
+    assert!(unwrapped(&stderr).contains(" and 2900 more") && stderr.len() < 10_000, "{stderr}");
+}

@@ -326,10 +326,11 @@ fn damaged_bags_in_sqlite_are_read_or_refused() {
     let path = folder.path().join("a.db3");
     let (mut read_ones, mut refused) = (0, 0);
     for number in 0..200 {
-        let draw = |what: u64, below: usize| Seed(number).bits(Purpose::new(1), [what, 0, 0]) as usize % below;
+        let bits = |what| Seed(number).bits(Purpose::new(1), [what, 0, 0]);
+        let draw = |what, below: usize| usize::try_from(bits(what) % below as u64).unwrap();
         let mut octets = whole.clone();
         for change in 0..1 + draw(0, 12) as u64 {
-            octets[draw(2 * change + 1, whole.len())] = draw(2 * change + 2, 256) as u8;
+            octets[draw(2 * change + 1, whole.len())] = bits(2 * change + 2).to_le_bytes()[0];
         }
         octets.truncate(whole.len() - draw(100, 4) / 3 * draw(101, whole.len()));
         std::fs::write(&path, octets).unwrap();

@@ -1,6 +1,6 @@
 //! The fields of a message that can be read.
 
-use std::fmt::Write as _;
+use sextant_kernel::text::listed_to;
 
 use super::super::field_path::{Element, FieldPath, Step};
 use super::definition::{Definitions, Extent, Field, Kind, Number};
@@ -87,12 +87,8 @@ fn gather(definitions: &Definitions, message: usize, outer: &mut Vec<Step>, foun
 /// The fields that can be read, for an error.
 pub(super) fn listing(definitions: &Definitions) -> String {
     let leaves = leaves(definitions);
-    let shown = leaves.iter().take(LISTED_FIELDS).map(|leaf| format!("{} ({})", leaf.path, leaf.type_text));
-    let mut text = shown.collect::<Vec<_>>().join(", ");
-    if let more @ 1.. = leaves.len().saturating_sub(LISTED_FIELDS) {
-        write!(text, " and {more} more").expect("a string grows");
-    }
-    if text.is_empty() { "none".to_owned() } else { text }
+    let fields: Vec<_> = leaves.iter().map(|leaf| format!("{} ({})", leaf.path, leaf.type_text)).collect();
+    if fields.is_empty() { "none".to_owned() } else { listed_to(LISTED_FIELDS, &fields) }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! A file that was made to harm may have views and computed columns, whose rows have no end, and pages that belong to many
 //! tables. It is refused.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -107,7 +107,7 @@ impl Room {
 
 /// The topics by their numbers.
 fn channels(file: &Connection, room: &mut Room) -> Result<BTreeMap<i64, Channel<'static>>, Problem> {
-    let mut schemas: HashMap<String, Arc<Schema<'static>>> = HashMap::new();
+    let mut schemas: BTreeMap<String, Arc<Schema<'static>>> = BTreeMap::new();
     let schema = |name: &str, encoding: String, text: String| {
         Arc::new(Schema { id: 1, name: name.to_owned(), encoding, data: text.into_bytes().into() })
     };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mcap::{Channel, Schema};
+use sextant_kernel::text::{MOST_CHOICES, listed_to, shortened};
 
 use super::super::bag_error::BagError;
 use super::definition::{Definitions, Dialect, short_name};
@@ -141,8 +142,9 @@ impl Bag {
 
     /// `topics` for an error: names and types.
     pub(super) fn list<'a>(topics: impl Iterator<Item = &'a Topic>) -> String {
-        let list: Vec<_> = topics.map(|topic| format!("{} ({})", topic.name, topic.message_type)).collect();
-        if list.is_empty() { "none".to_owned() } else { list.join(", ") }
+        let list: Vec<_> =
+            topics.map(|topic| format!("{} ({})", shortened(&topic.name), shortened(&topic.message_type))).collect();
+        if list.is_empty() { "none".to_owned() } else { listed_to(MOST_CHOICES, &list) }
     }
 
     /// An error of the bag as a whole.
