@@ -4,8 +4,8 @@
 //! bytes and blocks that the program holds, resident memory, open files, files left over). All cycles do the same work, so what
 //! the program holds after them must not grow: it ends with an error if the last quarter holds more than the second one at its
 //! most, if its resident memory is a tenth larger, or if it has more files open. A leak of one block in a cycle shows within
-//! minutes, and ten hours are more of the same. Each round simulates and records a scenario with another seed, exports its tables, reads the recording back, maps it, sweeps a
-//! scenario, and does a part of a plan. Linux only: the figures are those of `/proc`.
+//! minutes, and ten hours are more of the same. Each round simulates and records a scenario with another seed, exports its tables,
+//! reads the recording back, maps it, sweeps a scenario, and does a part of a plan. Linux only: the figures are those of `/proc`.
 
 use std::alloc::System;
 use std::error::Error;

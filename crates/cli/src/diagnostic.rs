@@ -15,15 +15,13 @@ use sextant::run::RunError;
 use sextant::scenario::{ScenarioError, ScenarioErrors};
 use sextant::sweep::{SweepError, TableError};
 use sextant_kernel::Interrupted;
-use sextant_kernel::text::{is_harmful, printable};
+use sextant_kernel::text::{is_harmful, message, printable};
 use sextant_logs::RobotLogError;
 use sextant_recording::RecordingError;
 use sextant_recording::admission::OutputRefusal;
 use sextant_recording::output::OutputError;
 use sextant_report::ReportError;
 use sextant_thesis::ReproductionError;
-
-use crate::terminal;
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -300,7 +298,7 @@ impl Message {
     /// The same without control characters of files of others, and without lines that fill a screen.
     fn printable(self) -> Self {
         let excerpt = self.excerpt.and_then(Excerpt::printable);
-        Self { text: terminal::message(&self.text), help: self.help.map(|help| terminal::message(&help)), excerpt }
+        Self { text: message(&self.text), help: self.help.map(|help| message(&help)), excerpt }
     }
 }
 

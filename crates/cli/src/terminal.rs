@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use indicatif::{ProgressDrawTarget, ProgressStyle};
-use sextant_kernel::text::{printable, shortened_to};
+use sextant_kernel::text::{message, printable};
 use sextant_kernel::{Watch, Work};
 
 use crate::interrupt::Interrupt;
@@ -19,14 +19,6 @@ pub(crate) fn warn(warning: &str) {
 pub(crate) fn say(line: &str) {
     // If standard error is closed, nobody can be told.
     let _ = writeln!(io::stderr(), "{}", message(line));
-}
-
-/// The longest text of a message (characters).
-const LONGEST_MESSAGE: usize = 8000;
-
-/// A text for people as it is printed, without control characters and not too long: it may hold names from files of others.
-pub(crate) fn message(text: &str) -> String {
-    printable(&shortened_to(LONGEST_MESSAGE, text)).into_owned()
 }
 
 /// Standard output of results.

@@ -35,8 +35,7 @@ pub fn shortened(text: &str) -> Cow<'_, str> {
 }
 
 /// The same with at most so many characters.
-#[must_use]
-pub fn shortened_to(most: usize, text: &str) -> Cow<'_, str> {
+pub(crate) fn shortened_to(most: usize, text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         None => Cow::Borrowed(text),
         Some((end, _)) => Cow::Owned(format!("{}.. ({} octets)", &text[..end], text.len())),
@@ -52,6 +51,15 @@ pub fn is_harmful(c: char) -> bool {
         matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let is_ending = matches!(c, '\u{2028}' | '\u{2029}');
     is_directing || is_ending || c.is_control() && !matches!(c, '\n' | '\t')
+}
+
+/// The longest text of a message (characters).
+const LONGEST_MESSAGE: usize = 8000;
+
+/// The text of a message as it is shown: [`printable`], and not too long. It may have names from files of others.
+#[must_use]
+pub fn message(text: &str) -> String {
+    printable(&shortened_to(LONGEST_MESSAGE, text)).into_owned()
 }
 
 /// A text for people, on a terminal or in a picture: characters that are [harmful](is_harmful) are written as `\u{1b}`.
@@ -96,6 +104,8 @@ mod tests {
     #[test]
     fn long_texts_of_others_are_shortened() {
         assert_eq!(shortened("short"), "short");
+        assert!(message(&"\u{1b}".repeat(9000)).ends_with("\\u{1b}.. (9000 octets)"));
+        assert_eq!(message("a\nb"), "a\nb");
         let long = "ä".repeat(500_000);
         assert_eq!(shortened(&long), format!("{}.. (1000000 octets)", "ä".repeat(200)));
     }

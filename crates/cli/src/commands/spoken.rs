@@ -1,16 +1,24 @@
 //! Options of the library in the words of the command line.
 
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
+
 use clap::CommandFactory;
 
 use super::Cli;
 
+/// The names of the options that flags of `map` set. They are asked for once: a log may have thousands of notes.
+static OPTIONS: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
+    let command = Cli::command();
+    let map = command.find_subcommand("map").expect("there is the command `map`");
+    let flags = map.get_arguments().filter(|argument| argument.get_long().is_some());
+    flags.map(|argument| argument.get_id().to_string()).collect()
+});
+
 /// The text with the options of the library as flags: `` option `skip_no_fix` `` becomes `` `--skip-no-fix` ``, and
 /// `` `packet_delay=auto` `` becomes `` `--packet-delay auto` ``.
 pub(crate) fn with_flags(text: &str) -> String {
-    let command = Cli::command();
-    let map = command.find_subcommand("map").expect("there is the command `map`");
-    let is_option =
-        |name: &str| map.get_arguments().any(|argument| argument.get_long().is_some() && argument.get_id() == name);
+    let is_option = |name: &str| OPTIONS.contains(name);
     let flag = |name: &str| format!("--{}", name.replace('_', "-"));
     let mut spoken = String::with_capacity(text.len());
     let mut rest = text;
