@@ -84,7 +84,11 @@ impl Search<'_> {
         let (span, _) = self.lattice.span(0, stop.x_m - half_m, stop.x_m + half_m);
         for i in span.start.max(columns.start)..span.end.min(columns.end) {
             let along_m = self.lattice.coordinate(0, i) - stop.x_m;
-            values[i - columns.start] += self.curves.log_silence((along_m * along_m + across_m * across_m).sqrt());
+            let distance_m = (along_m * along_m + across_m * across_m).sqrt();
+            // The span may have a vertex too many at its ends. `log_likelihood` takes back only what is within the range.
+            if distance_m <= self.range_m {
+                values[i - columns.start] += self.curves.log_silence(distance_m);
+            }
         }
     }
 
@@ -312,6 +316,65 @@ mod tests {
         Some((best, highest, mean))
     }
 
+    /// What differs between the estimate and a scan, for stops and strengths that are drawn with a seed.
+    fn agrees_with_a_scan(
+        (seed, count, heard): (u64, u64, usize),
+        (sigma_db, range_m): (f64, Option<f64>),
+        is_spatial: bool,
+    ) -> Result<(), TestCaseError> {
+        let draw = |i, axis| Seed(seed).uniform(Purpose::new(8), [i, axis, 0]);
+        let height_m = if is_spatial { 6.0 } else { 0.0 };
+        let stops: Vec<Stop> = (0..count)
+            .map(|i| Position::new(20.0 * draw(i, 0), 14.0 * draw(i, 1), height_m * draw(i, 2)))
+            .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
+            .collect();
+        let config = RangingConfig {
+            exponent: Some(2.7),
+            tx_power_dbm: Some(-50.0),
+            sigma_db: Some(sigma_db),
+            ..RangingConfig::default()
+        };
+        let ranging = Ranging::try_from(config).expect("a law");
+        let sensitivity_dbm = -75.0;
+        let range_m = range_m.unwrap_or_else(|| ranging.distance_m(sensitivity_dbm - 2.0 * sigma_db)).min(40.0);
+        let step_m = if is_spatial { 1.9 } else { 0.6 };
+        let lattice = Lattice::covering(&stops, range_m, step_m, None, 1 << 30).expect("a small lattice");
+        // The lattice begins exactly at the range of the outermost stop. Whether such a vertex is within it would be a
+        // matter of rounding.
+        let range_m = range_m * (1.0 + 1e-7);
+        let search = Search {
+            curves: Curves::new(&ranging, sensitivity_dbm, range_m + 2.0 * lattice.half_diagonal_m()),
+            lattice: &lattice,
+            stops: &stops,
+            range_m,
+            variance: sigma_db * sigma_db,
+            watch: &Unwatched,
+        };
+        let tiles = Tiles::new(&search).expect("nobody interrupts");
+        let heard: Vec<Strength> = (0..)
+            .zip(stops.iter().take(heard))
+            .map(|(i, stop)| Strength { place: stop.position, rssi_dbm: -75.0 + 30.0 * draw(i, 3) })
+            .collect();
+        let radius = if scan(&search, &heard, Radius::Hard).is_some() { Radius::Hard } else { Radius::Ignored };
+        let (best, highest, mean) = scan(&search, &heard, radius).expect("a vertex near the strongest stop");
+        for kind in [EstimateKind::Argmax, EstimateKind::PosteriorMean] {
+            let (estimate, evaluated) = search.estimate(&tiles, &heard, kind);
+            let estimate = estimate.expect("a vertex near the strongest stop");
+            prop_assert!(evaluated <= 2 * lattice.len());
+            prop_assert_eq!(estimate.infeasible, radius == Radius::Ignored);
+            prop_assert_eq!(estimate.ties as usize, best.len());
+            prop_assert!((estimate.log_likelihood.unwrap() - highest).abs() < 1e-9 * (1.0 + highest.abs()));
+            let expected = if kind == EstimateKind::Argmax { best.as_slice() } else { &[mean] };
+            // Weights follow from log-likelihoods, whose rounding errors the lattice of 40 m multiplies.
+            prop_assert!(
+                expected.iter().any(|place| estimate.position.distance_m(*place) < 1e-6),
+                "{} is not in {expected:?}",
+                estimate.position
+            );
+        }
+        Ok(())
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(60))]
         #[test]
@@ -323,55 +386,12 @@ mod tests {
             range_m in prop_oneof![Just(None), (4.0..12.0_f64).prop_map(Some)],
             is_spatial in any::<bool>(),
         ) {
-            let draw = |i, axis| Seed(seed).uniform(Purpose::new(8), [i, axis, 0]);
-            let height_m = if is_spatial { 6.0 } else { 0.0 };
-            let stops: Vec<Stop> = (0..count)
-                .map(|i| Position::new(20.0 * draw(i, 0), 14.0 * draw(i, 1), height_m * draw(i, 2)))
-                .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
-                .collect();
-            let config = RangingConfig {
-                exponent: Some(2.7),
-                tx_power_dbm: Some(-50.0),
-                sigma_db: Some(sigma_db),
-                ..RangingConfig::default()
-            };
-            let ranging = Ranging::try_from(config).expect("a law");
-            let sensitivity_dbm = -75.0;
-            let range_m = range_m.unwrap_or_else(|| ranging.distance_m(sensitivity_dbm - 2.0 * sigma_db)).min(40.0);
-            let step_m = if is_spatial { 1.9 } else { 0.6 };
-            let lattice = Lattice::covering(&stops, range_m, step_m, None, 1 << 30).expect("a small lattice");
-            // The lattice begins exactly at the range of the outermost stop. Whether such a vertex is within it would be a
-            // matter of rounding.
-            let range_m = range_m * (1.0 + 1e-7);
-            let search = Search {
-                curves: Curves::new(&ranging, sensitivity_dbm, range_m + 2.0 * lattice.half_diagonal_m()),
-                lattice: &lattice,
-                stops: &stops,
-                range_m,
-                variance: sigma_db * sigma_db,
-                watch: &Unwatched,
-            };
-            let tiles = Tiles::new(&search).expect("nobody interrupts");
-            let heard: Vec<Strength> = (0..)
-                .zip(stops.iter().take(heard))
-                .map(|(i, stop)| Strength { place: stop.position, rssi_dbm: -75.0 + 30.0 * draw(i, 3) })
-                .collect();
-            let radius = if scan(&search, &heard, Radius::Hard).is_some() { Radius::Hard } else { Radius::Ignored };
-            let (best, highest, mean) = scan(&search, &heard, radius).expect("a vertex near the strongest stop");
-            for kind in [EstimateKind::Argmax, EstimateKind::PosteriorMean] {
-                let (estimate, evaluated) = search.estimate(&tiles, &heard, kind);
-                let estimate = estimate.expect("a vertex near the strongest stop");
-                prop_assert!(evaluated <= 2 * lattice.len());
-                prop_assert_eq!(estimate.infeasible, radius == Radius::Ignored);
-                prop_assert_eq!(estimate.ties as usize, best.len());
-                prop_assert!((estimate.log_likelihood.unwrap() - highest).abs() < 1e-9 * (1.0 + highest.abs()));
-                let expected = if kind == EstimateKind::Argmax { best.as_slice() } else { &[mean] };
-                // Weights follow from log-likelihoods, whose rounding errors the lattice of 40 m multiplies.
-                prop_assert!(
-                    expected.iter().any(|place| estimate.position.distance_m(*place) < 1e-6),
-                    "{} is not in {expected:?}", estimate.position
-                );
-            }
+            agrees_with_a_scan((seed, count, heard), (sigma_db, range_m), is_spatial)?;
         }
+    }
+
+    #[test]
+    fn silence_of_a_stop_does_not_count_a_micrometre_beyond_its_range() {
+        agrees_with_a_scan((6058, 22, 1), (8.378_906_630_118_95, None), true).expect("the same estimate");
     }
 }
