@@ -15,15 +15,20 @@ pub fn listed<T: AsRef<str>>(names: &[T]) -> String {
     listed_to(MOST_NAMES, names)
 }
 
-/// The same of a list to choose from, with at most so many names.
-pub fn listed_to<T: AsRef<str>>(most: usize, names: &[T]) -> String {
+/// Of a list that a user chooses from, at most this many are printed.
+const MOST_CHOICES: usize = 100;
+
+/// The names that a user chooses from: `a, b, c`, the first of very many, or `none`.
+pub fn choices<T: AsRef<str>>(names: &[T]) -> String {
+    if names.is_empty() { "none".to_owned() } else { listed_to(MOST_CHOICES, names) }
+}
+
+/// The first names of a list, and the number of the others.
+fn listed_to<T: AsRef<str>>(most: usize, names: &[T]) -> String {
     let shown: Vec<&str> = names.iter().take(most).map(AsRef::as_ref).collect();
     let more = names.len() - shown.len();
     shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
-
-/// Of a list that a user chooses from, at most this many are printed.
-pub const MOST_CHOICES: usize = 100;
 
 /// Of a text that others wrote, a message shows at most so many characters.
 const MOST_SHOWN: usize = 200;
@@ -147,7 +152,8 @@ mod tests {
     fn of_many_names_the_first_are_listed() {
         let names: Vec<String> = (0..13).map(|i| format!("n{i}")).collect();
         assert_eq!(listed(&names), "n0, n1, n2, n3, n4, n5, n6, n7, n8, n9 and 3 more");
-        assert_eq!(listed_to(2, &names), "n0, n1 and 11 more");
+        assert!(choices(&vec!["a"; 103]).ends_with("a, a and 3 more"));
+        assert_eq!((choices(&names[..2]), choices(&names[..0])), ("n0, n1".to_owned(), "none".to_owned()));
         assert_eq!((listed(&names[..2]), listed(&names[..0])), ("n0, n1".to_owned(), String::new()));
     }
 

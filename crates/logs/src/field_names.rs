@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use sextant_kernel::text::{MOST_CHOICES, listed_to};
+use sextant_kernel::text::choices;
 
 use super::log_part::LogPart;
 
@@ -119,7 +119,7 @@ impl FieldNames {
             let at = written.iter().position(|column| column == name).ok_or_else(|| {
                 format!(
                     "option `{flag}` has `{key}={name}`, but there is no column `{name}`; the columns are: {}",
-                    listed_to(MOST_CHOICES, written)
+                    choices(written)
                 )
             })?;
             columns[at] = (*key).to_owned();

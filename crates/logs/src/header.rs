@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use sextant_kernel::text::{MOST_CHOICES, listed_to};
+use sextant_kernel::text::choices;
 
 use super::field_names::FieldNames;
 use super::instant;
@@ -134,7 +134,7 @@ impl Header {
             .filter(|name| !name.is_empty())
             .map(|name| format!("`{name}`"))
             .collect();
-        (!names.is_empty()).then(|| listed_to(MOST_CHOICES, &names))
+        (!names.is_empty()).then(|| choices(&names))
     }
 }
 

@@ -1,7 +1,7 @@
 //! `packets.csv`: one row for each packet that a robot heard.
 
 use sextant_kernel::RobotId;
-use sextant_kernel::text::{MOST_CHOICES, listed_to};
+use sextant_kernel::text::choices;
 
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
@@ -91,7 +91,7 @@ impl Robots<'_> {
     fn of(self, row: &Row<'_>, mover: Column, allowed: &str) -> Result<RobotId, RobotLogError> {
         match row.filled(mover) {
             Some(name) => {
-                let known = || format!("one of the robots in {}: {}", self.path, listed_to(MOST_CHOICES, self.names));
+                let known = || format!("one of the robots in {}: {}", self.path, choices(self.names));
                 let index = self.names.iter().position(|known| *known == name);
                 Ok(RobotId::from_index(index.ok_or_else(|| row.wrong(mover, known()))?))
             }

@@ -21,7 +21,7 @@ use super::signal::Signal;
 use super::strengths::{Report, Strengths};
 use super::table::{Row, Table};
 use super::times::Times;
-use sextant_kernel::text::{MOST_CHOICES, counted, listed_to};
+use sextant_kernel::text::{choices, counted};
 use sextant_recording::RobotNames;
 
 /// Largest strength that a cell may hold (dBm); more is no power that was received.
@@ -158,7 +158,7 @@ fn nodes(
         let names: Vec<&str> = others.iter().map(|(_, name)| *name).collect();
         let problem = format!(
             "option `node_columns` has `{unused}`, but there is no such column; the columns are: {}",
-            listed_to(MOST_CHOICES, &names)
+            choices(&names)
         );
         return Err(table.wrong_header(problem));
     }
@@ -176,7 +176,7 @@ fn nodes(
     ));
     if !ignored.is_empty() {
         let names: Vec<String> = ignored.iter().map(|(_, name)| format!("`{name}`")).collect();
-        notes.push(format!("{file}: ignored columns: {}", listed_to(MOST_CHOICES, &names)));
+        notes.push(format!("{file}: ignored columns: {}", choices(&names)));
     }
     Ok(nodes.into_iter().map(|(at, name)| (at, name.to_owned())).unzip())
 }

@@ -10,7 +10,7 @@ use crate::robot_names::RobotNames;
 use foxglove::messages::PointCloud;
 use prost::Message as _;
 use sextant_channel::{Contact, LogError, NetworkLog, NetworkLogs, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::text::{MOST_CHOICES, listed_to};
+use sextant_kernel::text::choices;
 use sextant_kernel::{Files, NodeId, SimTime};
 
 use super::drawing;
@@ -108,8 +108,7 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
 /// The run, if a robot stopped somewhere.
 fn with_stops(path: &Path, run: RecordedRun, topics: &[String]) -> Result<RecordedRun, RecordingError> {
     if run.log().stops().is_empty() {
-        let topics = if topics.is_empty() { "none".to_owned() } else { listed_to(MOST_CHOICES, topics) };
-        return Err(RecordingError::NoLog { path: path.to_owned(), topics });
+        return Err(RecordingError::NoLog { path: path.to_owned(), topics: choices(topics) });
     }
     Ok(run)
 }

@@ -1,12 +1,9 @@
 //! The fields of a message that can be read.
 
-use sextant_kernel::text::listed_to;
+use sextant_kernel::text::choices;
 
 use super::super::field_path::{Element, FieldPath, Step};
 use super::definition::{Definitions, Extent, Field, Kind, Number};
-
-/// The largest number of fields that an error lists.
-const LISTED_FIELDS: usize = 40;
 
 /// What a path leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +85,7 @@ fn gather(definitions: &Definitions, message: usize, outer: &mut Vec<Step>, foun
 pub(super) fn listing(definitions: &Definitions) -> String {
     let leaves = leaves(definitions);
     let fields: Vec<_> = leaves.iter().map(|leaf| format!("{} ({})", leaf.path, leaf.type_text)).collect();
-    if fields.is_empty() { "none".to_owned() } else { listed_to(LISTED_FIELDS, &fields) }
+    choices(&fields)
 }
 
 #[cfg(test)]

@@ -47,12 +47,8 @@ pub(super) fn scan<E: From<BagError>>(
 fn read(path: &Path, visit: &mut impl FnMut(&Channel<'static>, u64, &[u8]) -> bool) -> Result<(), Problem> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let file = Connection::open_with_flags(path, flags)?;
-    for table in ["topics", "messages", "message_definitions"] {
-        if is_plain(&file, table)? == Some(false) {
-            return Err(Problem(format!(
-                "`{table}` is not a table as ROS 2 writes it: it is a view or virtual, or has computed columns"
-            )));
-        }
+    for table in ["topics", "messages"] {
+        has_table(&file, table)?;
     }
     let mut room = Room::of(&file)?;
     let channels = channels(&file, &mut room)?;
@@ -78,13 +74,21 @@ fn read(path: &Path, visit: &mut impl FnMut(&Channel<'static>, u64, &[u8]) -> bo
     Ok(())
 }
 
-/// Whether the rows of `table` are in the file, in the order of their numbers; `None` if there is no such table.
-fn is_plain(file: &Connection, table: &str) -> Result<Option<bool>, rusqlite::Error> {
+/// Whether there is a table of this name.
+///
+/// # Errors
+/// If its rows are not in the file, in the order of their numbers.
+fn has_table(file: &Connection, table: &str) -> Result<bool, Problem> {
     // Computed columns are hidden, and a column `rowid` is not the number of the row.
     let plain = "SELECT type = 'table' AND rootpage > 0 AND NOT EXISTS
             (SELECT 1 FROM pragma_table_xinfo(?1) WHERE hidden <> 0 OR name = 'rowid' COLLATE NOCASE)
         FROM sqlite_schema WHERE name = ?1 COLLATE NOCASE AND type IN ('table', 'view')";
-    file.query_row(plain, [table], |row| row.get(0)).optional()
+    match file.query_row(plain, [table], |row| row.get(0)).optional()? {
+        Some(false) => Err(Problem(format!(
+            "`{table}` is not a table as ROS 2 writes it: it is a view or virtual, or has computed columns"
+        ))),
+        known => Ok(known.is_some()),
+    }
 }
 
 /// How many octets of rows may still be read. Those of an honest file are not more than its pages have.
@@ -111,7 +115,7 @@ fn channels(file: &Connection, room: &mut Room) -> Result<BTreeMap<i64, Channel<
     let schema = |name: &str, encoding: String, text: String| {
         Arc::new(Schema { id: 1, name: name.to_owned(), encoding, data: text.into_bytes().into() })
     };
-    if file.table_exists(None, "message_definitions")? {
+    if has_table(file, "message_definitions")? {
         let mut statement =
             file.prepare("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")?;
         let mut rows = statement.query([])?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mcap::{Channel, Schema};
-use sextant_kernel::text::{MOST_CHOICES, listed_to, shortened};
+use sextant_kernel::text::{choices, shortened};
 
 use super::super::bag_error::BagError;
 use super::definition::{Definitions, Dialect, short_name};
@@ -144,7 +144,7 @@ impl Bag {
     pub(super) fn list<'a>(topics: impl Iterator<Item = &'a Topic>) -> String {
         let list: Vec<_> =
             topics.map(|topic| format!("{} ({})", shortened(&topic.name), shortened(&topic.message_type))).collect();
-        if list.is_empty() { "none".to_owned() } else { listed_to(MOST_CHOICES, &list) }
+        choices(&list)
     }
 
     /// An error of the bag as a whole.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
-use sextant_kernel::text::{MOST_CHOICES, listed_to};
+use sextant_kernel::text::choices;
 
 use super::super::bag_error::BagError;
 use super::super::bag_options::{BagClock, BagOptions};
@@ -176,7 +176,7 @@ fn at(samples: &[(SimTime, Isometry3<f64>)], time: SimTime) -> Option<Isometry3<
 fn pairs(parents: &BTreeMap<String, String>, options: &BagOptions) -> Result<Vec<(String, String)>, String> {
     let list = || {
         let pairs: Vec<_> = parents.iter().map(|(child, parent)| format!("{parent} -> {child}")).collect();
-        if pairs.is_empty() { "none".to_owned() } else { listed_to(MOST_CHOICES, &pairs) }
+        choices(&pairs)
     };
     let child = match &options.child_frame {
         Some(name) => name.trim_start_matches('/').to_owned(),

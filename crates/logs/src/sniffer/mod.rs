@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 use std::path::{Path as FilePath, PathBuf};
 
 use sextant_kernel::SimTime;
-use sextant_kernel::text::{MOST_CHOICES, listed_to};
+use sextant_kernel::text::choices;
 
 use self::captured::{Captured, End};
 use self::sender::{Heard, PanNames, Sender, SenderAddress};
@@ -63,7 +63,7 @@ pub(super) fn read(
             pans.iter().map(|pan| pan.map_or("none".to_owned(), |pan| format!("{pan:#06x}"))).collect();
         notes.push(format!(
             "the frames are of several PANs ({}): nodes with a short address are named PAN/ADDRESS; option `pan` chooses one",
-            listed_to(MOST_CHOICES, &names)
+            choices(&names)
         ));
     }
     let mut receivers = BTreeSet::new();
