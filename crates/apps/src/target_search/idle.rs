@@ -3,10 +3,8 @@
 use sextant_channel::{Bounds, Position};
 
 use super::config::BeforeDetection;
+use super::geometric_median::geometric_median;
 
-/// Rounds of the geometric median, and how near to a node it stops (as a share of the spread).
-const ROUNDS: usize = 200;
-const AT_NODE: f64 = 1e-9;
 /// Decisions without coming nearer after which a place is given up: an obstacle may be there.
 const PATIENCE: u32 = 5;
 /// Most lanes of a patrol.
@@ -55,7 +53,7 @@ impl Idle {
                 let own = part(nodes.collect(), self.share);
                 let mut way = match self.rule {
                     BeforeDetection::Wait => Vec::new(),
-                    BeforeDetection::Center => median(&own).into_iter().collect(),
+                    BeforeDetection::Center => geometric_median(&own).into_iter().collect(),
                     BeforeDetection::Patrol => lanes(&own, 2.0 * near_m),
                 };
                 let far_m = |at: Option<&Position>| at.map_or(0.0, |at| at.distance_m(place));
@@ -93,35 +91,6 @@ fn part(mut nodes: Vec<Position>, (number, robots): (usize, usize)) -> Vec<Posit
     nodes[end(number)..end(number + 1)].to_vec()
 }
 
-/// The place with the least mean distance to `nodes` (geometric median), by the iteration of Weiszfeld (1937) with the step
-/// of Vardi and Zhang (2000) at a node.
-fn median(nodes: &[Position]) -> Option<Position> {
-    let mean = |weighted: &mut dyn Iterator<Item = (Position, f64)>| {
-        let (sum, weights) = weighted.fold((Position::ORIGIN, 0.0), |(sum, all), (p, w)| (sum + p * w, all + w));
-        (weights > 0.0).then(|| sum * (1.0 / weights))
-    };
-    let mut place = mean(&mut nodes.iter().map(|&node| (node, 1.0)))?;
-    let spread_m = nodes.iter().map(|node| node.distance_m(place)).fold(0.0, f64::max);
-    for _ in 0..ROUNDS {
-        let is_here = |node: &&Position| node.distance_m(place) <= AT_NODE * spread_m;
-        let here = nodes.iter().filter(is_here).count() as f64;
-        let others = || nodes.iter().filter(|node| !is_here(node));
-        let Some(next) = mean(&mut others().map(|&node| (node, 1.0 / node.distance_m(place)))) else { break };
-        let pull =
-            others().fold(Position::ORIGIN, |pull, &node| pull + (node - place) * (1.0 / node.distance_m(place)));
-        let pull = pull.length_m();
-        if pull <= here {
-            break;
-        }
-        let step = (next - place) * (1.0 - here / pull);
-        place = place + step;
-        if step.length_m() <= AT_NODE * spread_m {
-            break;
-        }
-    }
-    Some(place)
-}
-
 /// The ends of lanes along the longer side of the box around `nodes`, in order: as many as there is room for with
 /// `least_m` from lane to lane, but not more than [`MOST_LANES`].
 fn lanes(nodes: &[Position], least_m: f64) -> Vec<Position> {
@@ -148,41 +117,10 @@ fn lanes(nodes: &[Position], least_m: f64) -> Vec<Position> {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
 
     fn at(x: f64, y: f64) -> Position {
         Position::new(x, y, 0.0)
-    }
-
-    fn mean_distance_m(nodes: &[Position], place: Position) -> f64 {
-        nodes.iter().map(|node| node.distance_m(place)).sum::<f64>() / nodes.len() as f64
-    }
-
-    proptest! {
-        #[test]
-        fn no_other_place_has_a_smaller_mean_distance_than_the_median(
-            nodes in prop::collection::vec((-30.0..30.0_f64, -9.0..9.0_f64), 1..30),
-            off in (-3.0..3.0_f64, -3.0..3.0_f64),
-        ) {
-            let nodes: Vec<Position> = nodes.into_iter().map(|(x, y)| at(x, y)).collect();
-            let median = median(&nodes).expect("nodes");
-            let least = mean_distance_m(&nodes, median);
-            for scale in [1.0, 0.1, 0.01] {
-                let other = median + at(off.0, off.1) * scale;
-                prop_assert!(mean_distance_m(&nodes, other) >= least - 1e-4 * (1.0 + least), "{median}, not {other}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_median_of_a_cross_is_its_middle_and_of_most_nodes_in_one_place_that_place() {
-        let cross = [at(-3.0, 1.0), at(5.0, 1.0), at(0.0, -7.0), at(0.0, 2.0)];
-        assert!(median(&cross).expect("nodes").distance_m(at(0.0, 1.0)) < 1e-6);
-        let heavy = [at(2.0, 2.0), at(2.0, 2.0), at(2.0, 2.0), at(9.0, 0.0), at(-4.0, 1.0)];
-        assert!(median(&heavy).expect("nodes").distance_m(at(2.0, 2.0)) < 1e-6);
-        assert_eq!(median(&[]), None);
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod assignment;
 mod config;
 mod doubt;
 mod driver;
+mod geometric_median;
 mod gradient_node;
 mod gradient_pilot;
 mod grid_path;
