@@ -101,7 +101,10 @@ fn tiny_search(scenario: &str) -> Vec<String> {
         _ if scenario.starts_with("target/elements-") => 9,
         _ => 3,
     };
-    let mut set: Vec<_> = (0..applications).map(|i| format!("applications.{i}.duration_s=20.0")).collect();
+    // Errors of predictions need a target that has been seen for a while.
+    let has_predictions = ["filters", "thesis-1", "thesis-2", "thesis-3"].map(|name| format!("target/{name}.toml"));
+    let duration_s = if has_predictions.contains(&scenario.to_owned()) { "20.0" } else { "8.0" };
+    let mut set: Vec<_> = (0..applications).map(|i| format!("applications.{i}.duration_s={duration_s}")).collect();
     if scenario == "target/maps.toml" {
         set.push("maps.0.algorithm.ml_tm.grid_step_m=1.0".to_owned());
         set.push("maps.1.algorithm.self_calibrated.grid_step_m=1.0".to_owned());
@@ -111,7 +114,11 @@ fn tiny_search(scenario: &str) -> Vec<String> {
 
 /// The same for source seeking: few nodes around a start that is near the level.
 fn tiny_seek(scenario: &str) -> Vec<String> {
-    let applications = if scenario.contains("space") { 1 } else { 3 };
+    let applications = match scenario {
+        "seek/space.toml" => 1,
+        "seek/one-source.toml" | "seek/slow-robot.toml" => 4,
+        _ => 3,
+    };
     // In the room, the thesis' numbers need a minute and a half.
     let duration_s = if scenario == "seek/pioneer.toml" { "240.0" } else { "60.0" };
     let mut set: Vec<_> = (0..applications).map(|i| format!("applications.{i}.duration_s={duration_s}")).collect();
@@ -297,12 +304,18 @@ fn every_conclusion_can_hold_or_not() {
         for claim in &experiment.claims {
             let terms = claim.check.terms();
             let mut verdicts = Vec::new();
+            let are_shown = |verdicts: &[Verdict]| {
+                [Verdict::Holds, Verdict::DoesNotHold].iter().all(|verdict| verdicts.contains(verdict))
+            };
             let is_read = |scenario: &str| terms.iter().any(|term| term.scenario == scenario);
             let read = plans.iter().filter(|(scenario, _)| is_read(scenario));
             let read: BTreeMap<_, _> = read.map(|(scenario, plan)| (scenario.clone(), plan.clone())).collect();
             // The values of the terms rise, fall or are equal, at several sizes.
             for step in [1.3, 1.0 / 1.3, 1.0, 2.0, 0.5, 100.0] {
-                for size in [0.01, 0.05, 0.5, 0.95, 10.0, 100.0] {
+                for size in [0.5, 0.01, 100.0, 0.05, 0.95, 10.0] {
+                    if are_shown(&verdicts) {
+                        continue;
+                    }
                     let runs = made_up(&read, |scenario, cell, measure| {
                         let is_it = |term: &&Term| {
                             let values = plans[scenario].values(cell);

@@ -37,6 +37,8 @@ const SETTLED_OF_REPORTS_DB: f64 = 0.05;
 /// Margins that are tried at first, from the usual one (dB), and so many yaws.
 const MARGINS_DB: [f64; 7] = [0.0, -4.0, 4.0, -8.0, 8.0, -12.0, 12.0];
 const YAWS: u32 = 24;
+/// Laws that are tried at first, at most: margins, yaws, and smaller turns.
+const FIRST_LAWS: f64 = 40.0;
 /// An antenna is turned from what the log says only if this makes the log likelier by so much (logarithm).
 const TURNED: f64 = 10.0;
 /// Steps of the grid over the reach, while the law is estimated.
@@ -123,6 +125,19 @@ impl Survey<'_> {
         self.scene.reach_m / STEPS_PER_REACH
     }
 
+    /// Elementary operations of finding the places of so many nodes, at most.
+    pub(super) fn operations(&self, nodes: f64) -> f64 {
+        nodes * places::most_evaluations(self.scene.heights) * self.log.stops().len() as f64
+    }
+
+    /// The work of a fit to these nodes.
+    fn work(&self, nodes: &[(NodeId, SearchBox)], name: &'static str) -> Work {
+        let some = nodes.len().min(FIRST_NODES) as f64;
+        let turns = if self.log.has_sector_snrs() { f64::from(naming::GOLDEN_STEPS + 2) * some } else { 0.0 };
+        let each = f64::from(ROUNDS) * (nodes.len() as f64 + turns);
+        Work { name, unit: "round", steps: ROUNDS.into(), operations: self.operations(FIRST_LAWS * some + each) }
+    }
+
     /// The logarithm of the probability of what the log says of some nodes, over all their places.
     fn ln_evidence(&self, likelihoods: &Likelihoods, nodes: &[(NodeId, SearchBox)]) -> f64 {
         let of_node = |node: &(NodeId, SearchBox)| {
@@ -181,7 +196,7 @@ impl Survey<'_> {
         name: &'static str,
         watch: &dyn Watch,
     ) -> Result<Found, MapError> {
-        watch.begin(Work { name, unit: "round", steps: u64::from(ROUNDS), operations: 0.0 });
+        watch.begin(self.work(nodes, name));
         let mut law = self.first(&few(nodes, FIRST_NODES), watch)?;
         let mut found = Found {
             law: law.clone(),

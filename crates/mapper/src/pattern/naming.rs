@@ -16,7 +16,7 @@ const MOST_DB: f64 = 1.5;
 const NOISE_DB: [f64; 2] = [0.5, 8.0];
 const RIPPLE_DB: [f64; 2] = [0.1, 6.0];
 /// Steps of a search along one value.
-const GOLDEN_STEPS: u32 = 14;
+pub(super) const GOLDEN_STEPS: u32 = 14;
 /// In a round the antenna turns at most so far (rad).
 pub(super) const TURN_RAD: f64 = 0.07;
 

@@ -3,6 +3,7 @@
 use sextant_channel::Position;
 
 use super::evidence::{Evidence, Likelihood};
+use crate::SoughtHeights;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::whole;
 use crate::posterior::Verdict;
@@ -38,6 +39,14 @@ pub(super) struct Places {
     pub(super) edge_below: f64,
     pub(super) step_m: f64,
     pub(super) evaluated: u64,
+}
+
+/// At how many places the likelihood of a node is computed, at most.
+pub(super) fn most_evaluations(heights: SoughtHeights) -> f64 {
+    let [level, space] = FIRST;
+    let (first, parts) =
+        if heights.high_m <= heights.low_m { (level * level, 4.0) } else { (space * space * space, 8.0) };
+    first + f64::from(HALVINGS) * parts * MOST as f64
 }
 
 /// The posterior of a node in a box, in cells of at most `step_m` where it is not wide. `likelihood` is that for cells of a

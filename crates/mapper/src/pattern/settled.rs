@@ -51,7 +51,8 @@ impl Settled {
         };
         let survey = Survey { log, scene: &self.scene };
         let boxes = self.scene.boxes(heard);
-        watch.begin(Work { name, unit: "node", steps: boxes.len() as u64, operations: 0.0 });
+        let operations = survey.operations(boxes.len() as f64);
+        watch.begin(Work { name, unit: "node", steps: boxes.len() as u64, operations });
         let solved: Result<Vec<Option<Places>>, MapError> = boxes
             .par_iter()
             .map(|node| {
