@@ -6,7 +6,7 @@
 //! made with several placeholders, and an error counts if it is found with all of them.
 
 use serde::de::DeserializeOwned;
-use sextant_kernel::SettingError;
+use sextant_kernel::{SettingError, SettingProblem};
 
 use super::deserialize::read;
 use super::document::{Document, Entry, Placeholder, Value};
@@ -97,7 +97,8 @@ impl<T: DeserializeOwned> Diagnosis<'_, T> {
         certain
     }
 
-    /// The errors of settings with these placeholders, without those about the placeholders themselves.
+    /// The errors of settings with these placeholders, without those about the placeholders themselves. If no placeholder but
+    /// nothing is allowed in a place, a setting of the same table that is missing may be needed only without that one.
     fn found_with(&mut self, preference: [Placeholder; 3]) -> Option<Vec<SettingError>> {
         let mut changed = self.placeholders.clone();
         let mut found = Vec::new();
@@ -117,8 +118,20 @@ impl<T: DeserializeOwned> Diagnosis<'_, T> {
                 break;
             }
         }
-        found.retain(|error| KeyPath::parse(&error.key).map_or(true, |key| !self.is_set_aside(&key)));
+        let is_one_of_two = |error: &SettingError, key: &KeyPath| {
+            preference[0] != Placeholder::Absent
+                && matches!(error.problem, SettingProblem::Missing { .. })
+                && self.placeholders.iter().any(|path| path.is_beside(key) && self.is_absent(path))
+        };
+        found.retain(|error| {
+            KeyPath::parse(&error.key).map_or(true, |key| !self.is_set_aside(&key) && !is_one_of_two(error, &key))
+        });
         Some(found)
+    }
+
+    /// Whether nothing stands at `path`.
+    fn is_absent(&self, path: &KeyPath) -> bool {
+        matches!(self.document.nearest(path), (Entry { value: Value::Placeholder(Placeholder::Absent), .. }, true))
     }
 
     /// Reads the scenario; what cannot be read is set aside. `None` if that did not help.

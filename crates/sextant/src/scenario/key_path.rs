@@ -98,6 +98,12 @@ impl KeyPath {
         self.0.len() >= other.0.len() && self.0.iter().zip(&other.0).all(same)
     }
 
+    /// Whether it is another setting of the same table as `other`.
+    pub(crate) fn is_beside(&self, other: &Self) -> bool {
+        let table = |path: &Self| path.0.split_last().map(|(_, table)| Self(table.to_vec()));
+        table(self) == table(other) && self != other
+    }
+
     /// The path with one more step.
     pub(crate) fn child(&self, step: Step) -> Self {
         let mut steps = self.0.clone();

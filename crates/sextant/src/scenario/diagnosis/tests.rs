@@ -173,6 +173,12 @@ fn what_follows_from_a_mistake_is_no_mistake() {
         ("[world.nodes.explicit]", "[world.nodes.exotic]", 1),
         ("[traffic.beacon]\ninterval_s = 1.0", "[traffic]", 1),
         ("[radio]\ntx_power_dbm = -50.0\nsensitivity_dbm = -90.0", "[radio]", 2),
+        // A mesh has a file or vertices.
+        (
+            "[world.obstacles.shape.box]\ncenter_m = [5.0, 5.0, 0.0]\nsize_m = [2.0, 1.0, 3.0]",
+            "[world.obstacles.shape.mesh]\nfile = \"none.obj\"",
+            1,
+        ),
     ] {
         assert_eq!(GOOD.matches(from).count(), 1, "{from}");
         let told = all_told(&GOOD.replace(from, to));
