@@ -97,8 +97,9 @@ impl<T: DeserializeOwned> Diagnosis<'_, T> {
         certain
     }
 
-    /// The errors of settings with these placeholders, without those about the placeholders themselves. If no placeholder but
-    /// nothing is allowed in a place, a setting of the same table that is missing may be needed only without that one.
+    /// The errors of settings with these placeholders, without those about the placeholders themselves. Where every placeholder
+    /// but [`Absent`](Placeholder::Absent) is refused, another setting of the same table may be needed only because of that: it
+    /// is not called missing.
     fn found_with(&mut self, preference: [Placeholder; 3]) -> Option<Vec<SettingError>> {
         let mut changed = self.placeholders.clone();
         let mut found = Vec::new();
