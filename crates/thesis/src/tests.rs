@@ -304,8 +304,8 @@ fn every_conclusion_can_hold_or_not() {
         for claim in &experiment.claims {
             let terms = claim.check.terms();
             let mut verdicts = Vec::new();
-            let are_shown = |verdicts: &[Verdict]| {
-                [Verdict::Holds, Verdict::DoesNotHold].iter().all(|verdict| verdicts.contains(verdict))
+            let missing = |verdicts: &[Verdict]| {
+                [Verdict::Holds, Verdict::DoesNotHold].into_iter().find(|verdict| !verdicts.contains(verdict))
             };
             let is_read = |scenario: &str| terms.iter().any(|term| term.scenario == scenario);
             let read = plans.iter().filter(|(scenario, _)| is_read(scenario));
@@ -313,7 +313,7 @@ fn every_conclusion_can_hold_or_not() {
             // The values of the terms rise, fall or are equal, at several sizes.
             for step in [1.3, 1.0 / 1.3, 1.0, 2.0, 0.5, 100.0] {
                 for size in [0.5, 0.01, 100.0, 0.05, 0.95, 10.0] {
-                    if are_shown(&verdicts) {
+                    if missing(&verdicts).is_none() {
                         continue;
                     }
                     let runs = made_up(&read, |scenario, cell, measure| {
@@ -337,8 +337,8 @@ fn every_conclusion_can_hold_or_not() {
                     );
                 }
             }
-            for verdict in [Verdict::Holds, Verdict::DoesNotHold] {
-                assert!(verdicts.contains(&verdict), "`{}` never {}", claim.text, verdict.words());
+            if let Some(verdict) = missing(&verdicts) {
+                panic!("`{}` never {}", claim.text, verdict.words());
             }
         }
     }

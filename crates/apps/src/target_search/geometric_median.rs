@@ -49,10 +49,9 @@ fn improved(nodes: &[Position], mut place: Position) -> Position {
     for _ in 0..ROUNDS {
         let Some(step) = newton_step(nodes, place) else { break };
         let shares = std::iter::successors(Some(1.0), |share| Some(0.5 * share)).take(HALVINGS);
-        let Some(better) = shares.map(|share| place + step * share).find(|&next| sum_m(next) < least_m) else {
-            break;
-        };
-        (place, least_m) = (better, sum_m(better));
+        let mut tries = shares.map(|share| place + step * share).map(|next| (next, sum_m(next)));
+        let Some(better) = tries.find(|&(_, sum_m)| sum_m < least_m) else { break };
+        (place, least_m) = better;
     }
     // Newton's method does not end at a node, where the sum has no derivative. If all are on a line, the best place is one.
     let of_nodes = nodes.iter().map(|&node| (node, sum_m(node)));
