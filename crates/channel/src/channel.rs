@@ -59,6 +59,12 @@ impl Channel {
         self.scatterers.is_some()
     }
 
+    /// Number of ways by reflections that are tried for a link: what [`rays`](Self::rays) costs.
+    #[must_use]
+    pub fn tries(&self) -> usize {
+        self.scatterers.as_ref().map_or(0, Scatterers::tries)
+    }
+
     /// Replaces `rays` with the ways of a signal from `from` to `to`: the direct one, then reflections and ways round edges,
     /// the strongest first. None beyond the hard radius. A reflection is left out if a solid obstacle is in its way. The time
     /// grows with the number of all faces; with two reflections a ray, with its square.

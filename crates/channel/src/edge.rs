@@ -47,11 +47,7 @@ impl Corners {
             return None;
         }
         // Unfolded about the edges the way is straight.
-        let on = |edge: Edge, way_m: f64| {
-            let z_m = a.z_m + (b.z_m - a.z_m) * way_m / all_m;
-            let is_on = z_m >= edge.bottom.z_m && z_m <= edge.top.z_m;
-            is_on.then(|| Position::new(edge.bottom.x_m, edge.bottom.y_m, z_m))
-        };
+        let on = |edge: Edge, way_m: f64| edge.at(a.z_m + (b.z_m - a.z_m) * way_m / all_m);
         let (first, last) = (on(first, before_m)?, on(last, all_m - after_m)?);
         let (rise_out, rise_in) = (libm::tan(out_rad), libm::tan(in_rad));
         let share = rise_in / (rise_out + rise_in);

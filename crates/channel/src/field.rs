@@ -3,7 +3,7 @@
 use sextant_kernel::SettingError;
 
 use crate::material::DB_PER_NEPER;
-use crate::shape::Sweep;
+use crate::shape::{LEVEL_M, Sweep};
 use crate::span::Span;
 use crate::tree::Tree;
 use crate::{Bounds, Db, Obstacle, ObstacleLoss, Position};
@@ -86,14 +86,14 @@ impl ObstacleField {
     fn lengths(&self, from: Position, to: Position) -> impl Iterator<Item = Crossing> + '_ {
         let key = |p: Position| [p.x_m, p.y_m, p.z_m];
         let (from, to) = if key(from) <= key(to) { (from, to) } else { (to, from) };
-        self.tree.along(Span::new(from, to), 0.0).filter_map(move |obstacle| {
+        self.tree.along(Span::new(from, to), LEVEL_M).filter_map(move |obstacle| {
             let length_m = self.obstacles[obstacle].shape().length_inside_m(from, to);
             (length_m > 0.0).then_some(Crossing { obstacle, length_m })
         })
     }
 
-    /// Replaces `crossings` with those of the straight line from `from` to `to`, by obstacle. A line that only
-    /// touches an obstacle, or runs along its face, does not cross it.
+    /// Replaces `crossings` with those of the straight line from `from` to `to`, by obstacle. A line in the floor of an
+    /// obstacle crosses it; one that only touches it, or runs along another face, does not ([`Shape`](crate::Shape)).
     pub fn crossings(&self, from: Position, to: Position, crossings: &mut Vec<Crossing>) {
         crossings.clear();
         crossings.extend(self.lengths(from, to));
@@ -131,11 +131,11 @@ impl ObstacleField {
         crossings.iter().map(loss).collect()
     }
 
-    /// The first solid obstacle that contains `p`.
+    /// The first solid obstacle that contains `p`, its floor included.
     #[must_use]
     pub fn containing(&self, p: Position) -> Option<usize> {
         let contains = |obstacle: &Obstacle| obstacle.is_solid() && obstacle.shape().contains(p);
-        self.tree.holding(p).filter(|&obstacle| contains(&self.obstacles[obstacle])).min()
+        self.tree.holding(p, LEVEL_M).filter(|&obstacle| contains(&self.obstacles[obstacle])).min()
     }
 
     /// The first solid obstacle that the straight line from `from` to `to` crosses.
@@ -185,7 +185,7 @@ impl ObstacleField {
         let direction = direction * (1.0 / length);
         let sweep = Sweep { from, direction, range_m: range_m.min(end_m), radius_m };
         let span = Span::new(from, sweep.at(sweep.range_m));
-        self.along(span, radius_m)
+        self.along(span, radius_m + LEVEL_M)
             .filter_map(|obstacle| self.obstacles[obstacle].shape().touch_m(&sweep))
             .fold(range_m, f64::min)
     }

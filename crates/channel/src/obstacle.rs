@@ -18,7 +18,7 @@ pub struct ObstacleConfig {
     /// Name in messages and pictures.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub name: Option<String>,
-    /// Its shape.
+    /// Its shape. It has its floor, and neither its sides nor its roof: on the ground it blocks stations at z = 0.
     pub shape: ShapeConfig,
     /// Name of a known material.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]

@@ -57,6 +57,12 @@ impl Scatterers {
         self.mirrors.is_empty() && self.corners.is_empty()
     }
 
+    /// Number of ways by reflections that are tried for a link.
+    pub(crate) fn tries(&self) -> usize {
+        let mirrors = self.mirrors.len();
+        if self.law.order > 1 { mirrors * mirrors } else { mirrors }
+    }
+
     /// Replaces `rays` with the ways from `a` to `b`: the direct one, then the others, the strongest first. The caller
     /// orders the two ends, so that both directions have the same bits.
     pub(crate) fn trace(&self, a: Position, b: Position, around: Surroundings<'_>, rays: &mut Vec<Ray>) {

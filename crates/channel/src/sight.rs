@@ -1,6 +1,6 @@
 //! What is seen among obstacles.
 
-use crate::shape::Gaze;
+use crate::shape::{Gaze, LEVEL_M};
 use crate::span::Span;
 use crate::{ObstacleField, Position};
 
@@ -10,7 +10,7 @@ const SAME_SHARE: f64 = 1e-13;
 impl ObstacleField {
     /// The parts of the straight way from `from` to `to` that are seen from `eye`: those without a solid obstacle on the
     /// straight line to the eye. Each part has the shares of the way at which it begins and ends, from 0 to 1; they are in
-    /// order and do not touch. A line that only touches an obstacle is free.
+    /// order and do not touch. A line in the floor of an obstacle is hidden; one that only touches the obstacle is free.
     ///
     /// The ends are worked out from the edges and the tangents of the obstacles, so no part is missed.
     #[must_use]
@@ -18,7 +18,7 @@ impl ObstacleField {
         let gaze = Gaze { eye, from, to };
         let reach_m = eye.distance_m(from).max(eye.distance_m(to));
         let mut shares = Vec::new();
-        for obstacle in self.along(Span::new(from, to), reach_m) {
+        for obstacle in self.along(Span::new(from, to), reach_m + LEVEL_M) {
             self.obstacles()[obstacle].shape().sight_changes(&gaze, &mut shares);
         }
         if shares.is_empty() {

@@ -23,9 +23,9 @@ impl Tree {
         self.0.leaves(move |node| span.meets(bounds(node).grown(margin_m))).map(|leaf| leaf as usize)
     }
 
-    /// The objects whose boxes contain `p`.
-    pub(crate) fn holding(&self, p: Position) -> impl Iterator<Item = usize> + '_ {
-        self.0.leaves(move |node| bounds(node).contains(p)).map(|leaf| leaf as usize)
+    /// The objects whose boxes, grown by `margin_m`, contain `p`.
+    pub(crate) fn holding(&self, p: Position, margin_m: f64) -> impl Iterator<Item = usize> + '_ {
+        self.0.leaves(move |node| bounds(node).grown(margin_m).contains(p)).map(|leaf| leaf as usize)
     }
 
     /// The smallest `distance_m` of all objects, each at least as far from `p` as its box; infinite without objects.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::clip::GRAZE_M;
+use super::levels::LEVEL_M;
 use super::polytope::Plane;
 use super::surface::Surface;
 use super::triangle::{self, Triangle};
@@ -38,9 +39,20 @@ pub(crate) struct Edge {
 /// Planes are the same if their normals differ by less than this and their offsets by as many metres.
 const SAME: f64 = 1e-9;
 
+impl Edge {
+    /// The place on the edge at a height, if the edge is so high: it has its lower end, and not its upper one.
+    pub(crate) fn at(&self, z_m: f64) -> Option<Position> {
+        let above_m = z_m + LEVEL_M;
+        let is_on = above_m >= self.bottom.z_m && above_m <= self.top.z_m;
+        is_on.then(|| Position { z_m, ..self.bottom })
+    }
+}
+
 impl Face {
-    /// Whether a place in the plane is on the face.
+    /// Whether a place in the plane is on the face: as of a solid, its lower edge belongs to it, and its upper edge does not.
     pub(crate) fn holds(&self, place: Position, normal: Position) -> bool {
+        let upwards = Position::new(0.0, 0.0, 1.0) - normal * normal.z_m;
+        let place = place + upwards * LEVEL_M;
         match self {
             Self::Whole => true,
             Self::Behind(sides) => sides.iter().all(|side| side.height_m(place) <= 0.0),

@@ -5,6 +5,7 @@ mod cuboid;
 mod cylinder;
 mod facet;
 mod hull;
+mod levels;
 mod mesh;
 mod obj;
 mod polytope;
@@ -33,6 +34,8 @@ use crate::{Bounds, Position};
 use cuboid::Cuboid;
 use cylinder::Cylinder;
 pub(crate) use facet::{Edge, Face, Facet};
+pub(crate) use levels::LEVEL_M;
+use levels::Levels;
 use mesh::Mesh;
 pub(crate) use polytope::Plane;
 use polytope::Polytope;
@@ -40,7 +43,8 @@ pub(crate) use shadow::Gaze;
 use sweep::ConvexSolid;
 pub(crate) use sweep::Sweep;
 
-/// The shape of an obstacle as written in a scenario.
+/// The shape of an obstacle as written in a scenario. What is level with its floor is in it, and what is level with its
+/// roof, or on one of its sides, is not: a wall that stands on the ground (from z = 0 up) blocks stations on the ground.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
@@ -57,11 +61,17 @@ pub enum ShapeConfig {
     Mesh(MeshConfig),
 }
 
-/// The shape of an obstacle: a solid without its surface. Places within a nanometre of the surface are outside.
+/// The shape of an obstacle: a solid with its floors, and without its other faces.
+///
+/// What lies in the boundary belongs to the solid exactly if what is just above is inside. So level faces that look down
+/// belong to it, and side faces, slopes and roofs do not: a box that stands on the ground is crossed by a line on the
+/// ground, and a line along a wall or on a roof is free. A place, or a line with both ends, within a millimetre of a level
+/// face lies in it; at other faces a nanometre counts.
 #[derive(Clone, Debug)]
 pub struct Shape {
     form: Form,
     bounds: Bounds,
+    levels: Levels,
     body: Option<ConvexSolid>,
 }
 
@@ -74,6 +84,9 @@ enum Form {
 }
 
 impl Shape {
+    /// A place or a line this near to a level face lies in it (m).
+    pub const LEVEL_M: f64 = LEVEL_M;
+
     /// The shape that `config` describes; its file paths are among `files`.
     ///
     /// # Errors
@@ -120,7 +133,13 @@ impl Shape {
             Form::Polytope(polytope) => ConvexSolid::convex(polytope.surface()),
             Form::Mesh(_) => None,
         };
-        Self { form, bounds: bounds.expect("a solid has corners"), body }
+        let levels = match &form {
+            Form::Box(cuboid) => Levels::of(&cuboid.surface()),
+            Form::Cylinder(cylinder) => Levels::of(&cylinder.surface()),
+            Form::Polytope(polytope) => Levels::of(polytope.surface()),
+            Form::Mesh(mesh) => Levels::of(mesh.surface()),
+        };
+        Self { form, bounds: bounds.expect("a solid has corners"), levels, body }
     }
 
     /// The smallest box around it.
@@ -129,9 +148,10 @@ impl Shape {
         self.bounds
     }
 
-    /// Whether `p` is inside, by more than a nanometre.
+    /// Whether `p` is inside or on a floor.
     #[must_use]
     pub fn contains(&self, p: Position) -> bool {
+        let [p] = self.levels.judged([p]);
         match &self.form {
             Form::Box(cuboid) => cuboid.contains(p),
             Form::Cylinder(cylinder) => cylinder.contains(p),
@@ -140,7 +160,7 @@ impl Shape {
         }
     }
 
-    /// Distance from `p` (m), 0 inside.
+    /// Distance from `p` (m), 0 inside and on all faces.
     #[must_use]
     pub fn distance_m(&self, p: Position) -> f64 {
         match &self.form {
@@ -151,10 +171,11 @@ impl Shape {
         }
     }
 
-    /// Length of the straight line from `from` to `to` inside (m). A line that only runs along a face or touches an
-    /// edge or a corner is not inside.
+    /// Length of the straight line from `from` to `to` inside (m). A line in a floor is inside. A line that only runs along
+    /// another face, or touches an edge or a corner, is not.
     #[must_use]
     pub fn length_inside_m(&self, from: Position, to: Position) -> f64 {
+        let [from, to] = self.levels.judged([from, to]);
         match &self.form {
             Form::Box(cuboid) => cuboid.length_inside_m(from, to),
             Form::Cylinder(cylinder) => cylinder.length_inside_m(from, to),
@@ -178,6 +199,8 @@ impl Shape {
 
     /// Adds all shares of the way of a gaze at which this shape may begin or end to hide it, and maybe some more.
     pub(crate) fn sight_changes(&self, gaze: &Gaze, shares: &mut Vec<f64>) {
+        let [eye, from, to] = self.levels.judged([gaze.eye, gaze.from, gaze.to]);
+        let gaze = Gaze { eye, from, to };
         match &self.form {
             Form::Box(cuboid) => gaze.changes_by_surface(&cuboid.surface(), shares),
             Form::Polytope(polytope) => gaze.changes_by_surface(polytope.surface(), shares),
@@ -208,6 +231,8 @@ impl Shape {
 
     /// How far the ball of `sweep` travels before it touches the shape (m); `None` if it does not within range.
     pub(crate) fn touch_m(&self, sweep: &Sweep) -> Option<f64> {
+        let [from, _] = self.levels.judged([sweep.from, sweep.at(sweep.range_m)]);
+        let sweep = &Sweep { from, ..*sweep };
         if let Form::Mesh(mesh) = &self.form {
             if mesh.contains(sweep.from) {
                 return Some(0.0);

@@ -6,6 +6,7 @@ mod antenna;
 mod budget;
 mod clearance;
 mod code_book;
+mod floors;
 mod input;
 mod lengths;
 mod rays;

@@ -6,6 +6,7 @@
 
 mod cost;
 mod curve;
+mod idle_obstacles;
 mod network;
 mod warning;
 mod way;

@@ -135,6 +135,11 @@ impl<'a> Reach<'a> {
         self.channel.mean_power(power(self.network), from, to).map_or(0.0, |mean| self.curve.probability(mean))
     }
 
+    /// The channel.
+    pub(super) fn channel(&self) -> &Channel {
+        &self.channel
+    }
+
     /// The obstacles.
     pub(super) fn obstacles(&self) -> &ObstacleField {
         self.channel.obstacles()

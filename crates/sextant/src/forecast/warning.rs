@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use sextant_channel::{Bounds, Position};
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 use sextant_sim::{RobotTask, Setup};
 
+use super::idle_obstacles::Audience;
 use super::network::Reach;
 use super::way::{Way, is_planned};
 use crate::scenario::Scenario;
@@ -184,52 +184,16 @@ impl Warnings<'_> {
         }
     }
 
-    /// Obstacles that block neither radio nor robots.
+    /// Obstacles that change neither signals nor ways of robots.
     fn obstacles(&mut self, reaches: &[Reach<'_>], planned: &[Way<'_>]) {
-        let places = self.setup.world.nodes.iter().map(|node| node.position);
-        let sinks = self.setup.sinks.iter().map(|sink| sink.position);
-        let starts = self.scenario.bodies().iter().map(|body| body.start);
-        let stops = planned.iter().flat_map(|way| way.stops().iter().copied());
-        let Some(all) = Bounds::of(places.chain(sinks).chain(starts).chain(stops)) else { return };
-        // A robot that finds its way itself may leave the nodes by as far as it hears them.
-        let is_known = planned.len() == self.scenario.bodies().len();
-        let far_m = reaches.iter().map(|reach| reach.range.hundredth_m).fold(0.0, f64::max);
-        let radius_m = self.scenario.bodies().iter().map(|body| body.radius_m).fold(0.0, f64::max);
-        let margin_m = if is_known { radius_m } else { far_m };
-        let reached = Bounds {
-            min: all.min - Position::new(margin_m, margin_m, radius_m),
-            max: all.max + Position::new(margin_m, margin_m, radius_m),
+        let idle = Audience { scenario: self.scenario, setup: self.setup, reaches, planned }.idle_obstacles();
+        let Some(&(i, why)) = idle.first() else { return };
+        let others = match idle.len() {
+            1 => String::new(),
+            count => format!(" (and {} more)", counted(count - 1, "obstacle")),
         };
-        let attenuate = reaches.iter().any(|reach| reach.law().obstacles_attenuate());
-        let mut idle: Vec<(usize, &str)> = Vec::new();
-        for (i, obstacle) in self.setup.world.obstacles.obstacles().iter().enumerate() {
-            let bounds = obstacle.shape().bounds();
-            let absorbs = attenuate && (obstacle.absorption_per_m() > 0.0 || obstacle.loss().0 > 0.0);
-            let reflects = obstacle.reflection_loss().is_some();
-            if !absorbs && !obstacle.is_solid() && !reflects {
-                idle.push((i, "it neither absorbs nor stops robots; give it a `material`"));
-            } else if apart(&bounds, &reached) && !reflects {
-                idle.push((
-                    i,
-                    "it lies beside, above or below all stations and their links; check its place and size",
-                ));
-            }
-        }
-        let count = idle.len();
-        if let Some((i, why)) = idle.first() {
-            let others =
-                if count > 1 { format!(" (and {} more)", counted(count - 1, "obstacle")) } else { String::new() };
-            let obstacle = &self.setup.world.obstacles.obstacles()[*i];
-            let name = obstacle.name().map_or(String::new(), |name| format!(" `{name}`"));
-            self.warn(format!("world.obstacles[{i}]"), format!("the obstacle{name} blocks nothing: {why}{others}"));
-        }
+        let obstacle = &self.setup.world.obstacles.obstacles()[i];
+        let name = obstacle.name().map_or(String::new(), |name| format!(" `{name}`"));
+        self.warn(format!("world.obstacles[{i}]"), format!("the obstacle{name} blocks nothing: {why}{others}"));
     }
-}
-
-/// Whether two boxes do not touch.
-fn apart(a: &Bounds, b: &Bounds) -> bool {
-    let gap = |a: (f64, f64), b: (f64, f64)| a.1 < b.0 || b.1 < a.0;
-    gap((a.min.x_m, a.max.x_m), (b.min.x_m, b.max.x_m))
-        || gap((a.min.y_m, a.max.y_m), (b.min.y_m, b.max.y_m))
-        || gap((a.min.z_m, a.max.z_m), (b.min.z_m, b.max.z_m))
 }
