@@ -80,6 +80,23 @@ fn both_laws_of_the_seek_template_reach_the_source() {
 }
 
 #[test]
+fn each_obstacle_of_a_template_takes_power_from_a_link() {
+    let mut count = 0;
+    for template in Template::all() {
+        let Some(file) = template.scenario() else { continue };
+        let scenario = Scenario::parse(file.text).expect("a good scenario");
+        let world = scenario.world();
+        let nodes = || world.nodes.iter().map(|node| node.position);
+        for (i, obstacle) in world.obstacles.obstacles().iter().enumerate() {
+            let is_crossed = nodes().any(|a| nodes().any(|b| obstacle.shape().length_inside_m(a, b) > 0.3));
+            assert!(is_crossed, "{}: obstacle {i} is between no two nodes", template.name);
+            count += 1;
+        }
+    }
+    assert_eq!(count, 2, "obstacles of templates");
+}
+
+#[test]
 fn the_log_is_mapped_at_once_and_is_what_its_readme_says() {
     let folder = folder();
     sextant(folder.path(), &["init", "log"]).success();

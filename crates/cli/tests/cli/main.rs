@@ -53,6 +53,7 @@ mod schema;
 mod sector_reports;
 mod sector_sweeps;
 mod sensing;
+mod standing_obstacles;
 mod sweep;
 mod teams;
 mod tiles;
