@@ -17,7 +17,7 @@ use crate::Position;
 #[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct BoxConfig {
-    /// Middle of the box (m).
+    /// Middle of the box (m): at half its height if it stands on the ground.
     pub center_m: Position,
     /// Length, width and height (m).
     pub size_m: [f64; 3],

@@ -114,6 +114,7 @@ fn the_log_is_mapped_at_once_and_is_what_its_readme_says() {
         ("world.nodes.lattice.count", "12"),
         ("world.nodes.lattice.spacing_m", "3.0"),
         ("robots.0.controller.s_path.lane_spacing_m", "4.0"),
+        ("channel.obstacles_attenuate", "false"),
     ] {
         scenario = scenario.with(key, value).expect("a good setting");
     }
