@@ -39,9 +39,9 @@ interval_s = 0.5
 [[robots]]
 name = "rover"
 start_m = [1, 0]
-listen_s = 2.0
+listen_s = 10.0
 [robots.controller.waypoints]
-places_m = [[1, 0]]
+places_m = [[1, 0], [2, 0]]
 "#
     )
 }
@@ -75,7 +75,9 @@ fn a_wall_on_the_ground_takes_the_packets_of_the_node_behind_it() {
     let open = received(folder, &world("box = { center_m = [5, 9, 1], size_m = [1, 1, 2] }"));
     for shape in WALLS {
         let behind = world(shape);
-        assert_eq!(2 * received(folder, &behind), open, "{shape}");
+        // Half of the packets were those of the node behind the wall; phases of the traffic are drawn.
+        let near = received(folder, &behind);
+        assert!(open >= 76 && 2 * near <= open + 4 && 2 * near + 4 >= open, "{shape}: {near} of {open}");
         let (code, stdout, stderr) =
             told(folder, &behind, &["explain-link", "a.toml", "n0", "n1", "--format", "json"]);
         assert_eq!(code, Some(0), "{stderr}");
@@ -104,7 +106,7 @@ fn nobody_stands_in_what_stands_on_the_ground() {
         for (from, to, key) in [
             ("start_m = [1, 0]", "start_m = [5, 0]", "start_m"),
             ("[[0, 0], [10, 0]]", "[[0, 0], [5, 0.2]]", "positions_m[1]"),
-            ("places_m = [[1, 0]]", "places_m = [[1, 0], [5, 0]]", "places_m[1]"),
+            ("[[1, 0], [2, 0]]", "[[1, 0], [5, 0]]", "places_m[1]"),
             ("[radio]", "[[sinks]]\nname = \"gate\"\nposition_m = [5, 0]\n[radio]", "position_m"),
         ] {
             let (code, _, stderr) = told(folder.path(), &text.replace(from, to), &["check", "a.toml"]);

@@ -91,11 +91,11 @@ impl Audience<'_> {
     /// The places of two stations of a network that may hear each other.
     fn links<'b>(&'b self, reach: &'b Reach<'b>) -> impl Iterator<Item = (Position, Position)> + 'b {
         let nodes = reach.nodes.iter().map(|(_, place)| *place);
-        let sinks = self.setup.sinks.iter().filter(|sink| sink.is_in(reach.id)).map(|sink| sink.position);
-        let surveys = self.planned.iter().filter(|way| way.body().networks.contains(&reach.id));
+        let sinks = self.setup.sinks.iter().filter(move |sink| sink.is_in(reach.id)).map(|sink| sink.position);
+        let surveys = self.planned.iter().filter(move |way| way.body().networks.contains(&reach.id));
         let stops = surveys.flat_map(|way| way.stops().iter().copied());
         let ends = nodes.chain(sinks).chain(stops);
-        ends.flat_map(|to| reach.in_reach(to).map(move |(_, from)| (*from, to)))
+        ends.flat_map(move |to| reach.in_reach(to).map(move |(_, from)| (*from, to)))
     }
 }
 
