@@ -22,6 +22,7 @@ use super::file::ScenarioFile;
 use super::grids::check_grids;
 use super::known_networks::PacketsPerStop;
 use super::maps::MapJob;
+use super::networks::{ForeignChip, NetworkTables};
 use super::plausible::check_numbers;
 use super::survey_identity::SurveyIdentity;
 use sextant_kernel::text::counted;
@@ -238,6 +239,11 @@ impl Scenario {
     #[must_use]
     pub fn warm_up(&self) -> Duration {
         self.parts.warm_up
+    }
+
+    /// The named chips whose energy is counted, though they have not the band of the radios.
+    pub(crate) fn foreign_chips(&self) -> Vec<ForeignChip> {
+        NetworkTables::all(&self.config).iter().filter_map(NetworkTables::foreign_chip).collect()
     }
 
     /// Which part of the nodes' traffic is simulated.

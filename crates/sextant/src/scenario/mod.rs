@@ -52,6 +52,7 @@ pub use loaded::{NamedFile, Scenario};
 pub use map_settings::{AlgorithmName, MapSettings, RecordedScenario, UnknownAlgorithm};
 pub use maps::MapJob;
 pub use network_config::NetworkConfig;
+pub(crate) use networks::ForeignChip;
 pub use reference::{Choice, ExplainError, Explanation, KeyReference, explain, key_reference};
 pub use schema::{schema, schema_of_files};
 pub use snapshots::SnapshotsConfig;
