@@ -24,6 +24,7 @@ use super::known_networks::PacketsPerStop;
 use super::maps::MapJob;
 use super::networks::{ForeignChip, NetworkTables};
 use super::plausible::check_numbers;
+use super::replaced::check_given;
 use super::survey_identity::SurveyIdentity;
 use sextant_kernel::text::counted;
 
@@ -76,6 +77,7 @@ impl Scenario {
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn load_with(path: impl AsRef<Path>, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        check_given(set, "seed", seed)?;
         ScenarioFile::read(path)?.scenario(set, seed)
     }
 
@@ -93,6 +95,7 @@ impl Scenario {
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn parse_with(text: &str, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        check_given(set, "seed", seed)?;
         ScenarioFile::of_text(text)?.scenario(set, seed)
     }
 

@@ -27,6 +27,7 @@ mod networks;
 mod plausible;
 mod reference;
 mod refusal;
+mod replaced;
 mod robots;
 mod schema;
 mod setting_line;
@@ -53,6 +54,7 @@ pub use map_settings::{AlgorithmName, MapSettings, RecordedScenario, UnknownAlgo
 pub use maps::MapJob;
 pub use network_config::NetworkConfig;
 pub(crate) use networks::ForeignChip;
+pub(crate) use replaced::check_given;
 pub use reference::{Choice, ExplainError, Explanation, KeyReference, explain, key_reference};
 pub use schema::{schema, schema_of_files};
 pub use snapshots::SnapshotsConfig;
