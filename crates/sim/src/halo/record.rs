@@ -47,7 +47,7 @@ impl AllSimulated {
             Self::Saturated => "nodes are saturated",
             Self::Superframes => "nodes follow the beacons of superframes",
             Self::OnlyAnswers => "nodes send only when they are asked",
-            Self::Sinks => "there are sinks, whose share of received packets is of those of all nodes",
+            Self::Sinks => "sinks count the packets of all nodes",
             Self::Acknowledged => "nodes send frames again that nobody acknowledges",
             Self::FewNodes => "there are few nodes",
             Self::AllWithin => "the halo covers all nodes",

@@ -7,7 +7,7 @@ use super::outcome::{Deafness, FrameOutcome};
 
 /// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
 /// of `lost_channel_access`, `lost_queue`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and
-/// `not_listened`. A packet to one station is received by that station; a packet to all is received if any station
+/// `not_listened`; those of a station that were not simulated are in none of these. A packet to one station is received by that station; a packet to all is received if any station
 /// received it whose application hears, and the best outcome counts. With several transmissions of one packet, the
 /// best outcome counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -93,12 +93,13 @@ impl Packets {
             return self;
         }
         let mut all = self;
-        let unsent = [self.lost_channel_access, self.lost_queue].map(|count| part(missing, count, simulated));
-        all.lost_channel_access += unsent[0];
-        all.lost_queue += unsent[1];
+        let without_access = part(missing, self.lost_channel_access, simulated);
+        let without_place = part(missing, self.lost_queue, simulated).min(missing - without_access);
+        all.lost_channel_access += without_access;
+        all.lost_queue += without_place;
         all.channel_access_failures += part(missing, self.channel_access_failures, simulated);
         all.assessments += if simulated > 0 { part(missing, self.assessments, simulated) } else { missing };
-        let sent = missing - unsent.iter().sum::<u64>().min(missing);
+        let sent = missing - without_access - without_place;
         all.sent += sent;
         all.transmissions += sent;
         let not_listened = if self.sent > 0 { part(sent, self.not_listened, self.sent) } else { sent };
