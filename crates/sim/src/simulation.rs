@@ -267,9 +267,10 @@ fn no_rest<N: Application>(setup: &Setup, applications: &[Standard<N>], roll: Ro
     let (nodes, others) = applications.split_at(roll.nodes);
     let of_nodes = (nodes.iter().any(Application::hears) || !nodes.iter().all(Application::may_rest))
         .then_some(AllSimulated::NodeApplications);
-    setup.needs_all().or(of_nodes).or_else(|| {
-        (!others.iter().any(Application::hears)).then_some(AllSimulated::NoListener)
-    })
+    setup
+        .needs_all()
+        .or(of_nodes)
+        .or_else(|| (!others.iter().any(Application::hears)).then_some(AllSimulated::NoListener))
 }
 
 /// The error of a robot that nothing drives.

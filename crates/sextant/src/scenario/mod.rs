@@ -54,8 +54,8 @@ pub use map_settings::{AlgorithmName, MapSettings, RecordedScenario, UnknownAlgo
 pub use maps::MapJob;
 pub use network_config::NetworkConfig;
 pub(crate) use networks::ForeignChip;
-pub(crate) use replaced::check_given;
 pub use reference::{Choice, ExplainError, Explanation, KeyReference, explain, key_reference};
+pub(crate) use replaced::check_given;
 pub use schema::{schema, schema_of_files};
 pub use snapshots::SnapshotsConfig;
 pub use survey_identity::SurveyIdentity;

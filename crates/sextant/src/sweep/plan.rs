@@ -13,8 +13,7 @@ use super::statistics::Mean;
 use super::work_list::WorkList;
 use crate::hexadecimal::hexadecimal;
 use crate::scenario::{
-    NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity, SweepAxes,
-    check_given,
+    NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity, SweepAxes, check_given,
 };
 use crate::summary::Measure;
 use crate::summary::measures::{self, Subjects};

@@ -120,7 +120,10 @@ impl Books {
             access += self.above_rest(radio, RadioState::Transmit, radio.meter.span(RadioState::Transmit)) * -1.0;
         }
         if offered == 0 {
-            return Some(Estimate { access: self.above_rest(radio, RadioState::Receive, self.spans.access), sent: 1.0 });
+            return Some(Estimate {
+                access: self.above_rest(radio, RadioState::Receive, self.spans.access),
+                sent: 1.0,
+            });
         }
         #[expect(clippy::cast_precision_loss, reason = "far below 2^53 packets")]
         let [each, sent] = [1.0 / offered as f64, sent as f64];

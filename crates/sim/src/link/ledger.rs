@@ -3,7 +3,7 @@
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::RadioStates;
 
-use super::books::{ Books, FrameSpans, RadioUse};
+use super::books::{Books, FrameSpans, RadioUse};
 use super::settings::Placement;
 use crate::service::delays::Delays;
 use crate::service::due_frames::DueFrames;

@@ -25,14 +25,15 @@ impl ExplicitConfig {
         if self.positions_m.is_empty() {
             return Err(SettingError::new("positions_m", "an empty list", "at least one place"));
         }
-        let mut faults = (self.positions_m.iter().enumerate())
-            .filter_map(|(i, &position)| Some((i, obstacles.fault(position)?)));
+        let mut faults =
+            (self.positions_m.iter().enumerate()).filter_map(|(i, &position)| Some((i, obstacles.fault(position)?)));
         if let Some((i, (found, allowed))) = faults.next() {
             // An obstacle in the wrong place is one mistake, however many nodes it covers.
             return Err(match faults.count() {
                 0 => SettingError::new(format!("positions_m[{i}]"), found, allowed),
                 others => {
-                    let found = format!("a list whose entry {i} is {found}, and {} as wrong", counted(others, "other"));
+                    let found =
+                        format!("a list whose entry {i} is {found}, and {} as wrong", counted(others, "other"));
                     SettingError::new("positions_m", found, allowed)
                 }
             });
