@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use proptest::prelude::*;
 use sextant_channel::Position;
+use sextant_kernel::Files;
 use sextant_sim::{
     AllSimulated, GroupConfig, MANY_NODES, NodesOfGroup, OnceConfig, Packets, PeriodicConfig, PoissonConfig,
-    SaturatedConfig, Setup, SimulatedPart, SimulatedRegion, Sink, Survey, TrafficConfig,
+    SaturatedConfig, Setup, SimulatedPart, SimulatedRegion, Sink, Survey, TrafficConfig, TrafficPlan,
 };
 
 use super::{LISTENERS, RANGE_M, field, heard, periodic, poisson, setup, simulate, two_fields};
@@ -50,7 +51,7 @@ fn what_becomes_of_packets_that_are_not_simulated_is_estimated_from_the_others()
             (packets.sent, all_packets.sent, 1e-3),
             (packets.transmissions, all_packets.transmissions, 1e-3),
             (packets.not_listened, all_packets.not_listened, 0.05),
-            (packets.out_of_range, all_packets.out_of_range, 0.1),
+            (packets.out_of_range, all_packets.out_of_range, 0.25),
             (packets.assessments, all_packets.assessments, 0.02),
         ] {
             assert!(is_near(found as f64, expected as f64, share), "{found} {expected}: {packets:?} {all_packets:?}");
@@ -77,7 +78,9 @@ fn the_energy_of_packets_that_are_not_simulated_is_that_of_their_own_length() {
     let setup = || {
         let near = NodesOfGroup::Names((0..49).map(|node| format!("n{node}")).collect());
         let groups = vec![group("near", near, 20), group("far", NodesOfGroup::Others {}, 120)];
-        let mut setup = two_fields(TrafficConfig::Groups(groups), 3);
+        let setup = two_fields(periodic(), 3);
+        let plan = TrafficPlan::new(&TrafficConfig::Groups(groups), &setup.world.nodes, &Files::default());
+        let mut setup = network::with(setup, |network| network.traffic = plan.expect("good groups"));
         setup.robots = vec![network::tour(vec![Position::new(2.0, 2.5, 0.0)], 0.25, Duration::from_secs(60))];
         setup
     };
@@ -194,7 +197,8 @@ proptest! {
         for (near, all) in near.networks[0].packets.iter().zip(&all.networks[0].packets) {
             prop_assert_eq!(near.offered, all.offered);
         }
-        // Frames that were under way at the end are few.
-        prop_assert!((near.energy.tx_j - all.energy.tx_j).abs() <= 0.01 * all.energy.tx_j + 1e-4);
+        // Poisson packets that find a node busy are lost, and how many were is an estimate.
+        let share = if is_poisson { 0.1 } else { 0.01 };
+        prop_assert!((near.energy.tx_j - all.energy.tx_j).abs() <= share * all.energy.tx_j + 1e-4);
     }
 }
