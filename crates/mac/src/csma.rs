@@ -170,7 +170,9 @@ impl Csma {
         (self.wait(attempt, periods, receiver, radio), None)
     }
 
-    /// The frame was not acknowledged, and the station has been silent for `waited` after it: contends again with the same sequence number, or gives up.
+    /// The frame was not acknowledged, and the station has been silent for `waited` after it: contends again with the same
+    /// sequence number, or gives up. The next frame keeps the spacing to this one (IEEE 802.15.4-2006, 7.5.1.3): with ASK at
+    /// 868 MHz the wait for an acknowledgement has 38 symbols, and the spacing after a long frame 40.
     fn retry(&self, attempt: Attempt, waited: Duration, radio: &mut impl Radio) -> (State, Option<Report>) {
         if attempt.transmissions > u32::from(self.settings.max_retries()) {
             let state = self.space(attempt.frame, waited, None, radio);

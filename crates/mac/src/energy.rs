@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Dbm;
 use sextant_kernel::SettingError;
 
+use crate::timing::{Band, Phy};
+
 /// State of a radio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RadioState {
@@ -21,14 +23,16 @@ pub enum RadioState {
 }
 
 /// The radio whose energy is counted, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EnergyConfig {
-    /// Texas Instruments CC2420 at 3 V.
-    #[default]
+    /// Texas Instruments CC2420 at 3 V, for the 2.4 GHz band.
     Cc2420,
-    /// Microchip AT86RF233 at 3 V.
+    /// Microchip AT86RF233 at 3 V, for the 2.4 GHz band.
     At86rf233,
+    /// Microchip AT86RF212B at 3 V, for the bands at 868 and 915 MHz. It has BPSK and O-QPSK; with ASK its currents stand
+    /// for a chip of these bands.
+    At86rf212b,
     /// A 60 GHz radio with phased arrays: assumed powers, of no data sheet.
     #[serde(rename = "mmwave_60_ghz")]
     Mmwave60Ghz,
@@ -70,6 +74,40 @@ pub struct RadioStates {
     sleep_a: f64,
 }
 
+impl EnergyConfig {
+    /// The chip that is counted with this physical layer if none is named: one of its band.
+    #[must_use]
+    pub const fn usual(phy: Phy) -> Self {
+        match phy.band() {
+            Band::Mhz2450 => Self::Cc2420,
+            Band::Mhz868 | Band::Mhz915 => Self::At86rf212b,
+        }
+    }
+
+    /// The bands of the chip in words, if it is not for this physical layer; `None` if it is, or its bands are not known.
+    #[must_use]
+    pub const fn other_bands(self, phy: Phy) -> Option<&'static str> {
+        match (self, phy.band()) {
+            (Self::Cc2420 | Self::At86rf233, Band::Mhz868 | Band::Mhz915) => Some("2.4 GHz"),
+            (Self::At86rf212b, Band::Mhz2450) => Some("868 and 915 MHz"),
+            (Self::Mmwave60Ghz, _) => Some("60 GHz"),
+            _ => None,
+        }
+    }
+
+    /// Its name in scenarios.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cc2420 => "cc2420",
+            Self::At86rf233 => "at86rf233",
+            Self::At86rf212b => "at86rf212b",
+            Self::Mmwave60Ghz => "mmwave_60_ghz",
+            Self::Custom(_) => "custom",
+        }
+    }
+}
+
 impl RadioStates {
     /// Texas Instruments CC2420 (data sheet SWRS041) at 3 V.
     #[must_use]
@@ -92,6 +130,13 @@ impl RadioStates {
     pub fn at86rf233() -> Self {
         let tx = [(-17.0, 7.2), (-5.0, 9.8), (0.0, 11.8), (4.0, 13.8)];
         Self::from_milliamperes(3.0, &tx, 11.8, 0.3, 0.0002)
+    }
+
+    /// Microchip AT86RF212B at 3 V (data sheet 42002, features: transmitting at 5 dBm, receiving, sleeping; idle is its state
+    /// TRX_OFF). The current at 10 dBm is that of its predecessor AT86RF212 (data sheet 8168).
+    #[must_use]
+    pub fn at86rf212b() -> Self {
+        Self::from_milliamperes(3.0, &[(5.0, 18.0), (10.0, 25.0)], 9.2, 0.45, 0.0002)
     }
 
     /// A 60 GHz radio with phased arrays that transmits with 0.6 W, receives with 0.4 W, idles with 50 mW and sleeps
@@ -139,6 +184,7 @@ impl TryFrom<EnergyConfig> for RadioStates {
         Ok(match config {
             EnergyConfig::Cc2420 => Self::cc2420(),
             EnergyConfig::At86rf233 => Self::at86rf233(),
+            EnergyConfig::At86rf212b => Self::at86rf212b(),
             EnergyConfig::Mmwave60Ghz => Self::mmwave_60_ghz(),
             EnergyConfig::Custom(custom) => Self::try_from(custom).map_err(|error| error.within("custom"))?,
         })
@@ -221,7 +267,6 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::Phy;
 
     const PHY: Phy = Phy::Oqpsk2450;
 
@@ -278,6 +323,24 @@ mod tests {
         assert_close(sweep, 71.9, 0.05);
         let heard = SectorLayout::new(&[64]).expect("a good layout").sweep_duration();
         assert_close(microjoules(&radio, RadioState::Receive, 20.0, heard), 407.0, 0.5);
+    }
+
+    #[test]
+    fn the_usual_chip_of_each_physical_layer_is_one_of_its_band() {
+        // By the data sheets: transmitting at 0 dBm, and receiving (mA).
+        let (low, high) = (["at86rf212b", "18.0", "9.2"], ["cc2420", "17.4", "18.8"]);
+        for phy in Phy::ALL {
+            let chip = EnergyConfig::usual(phy);
+            let states = RadioStates::try_from(chip).expect("a known chip");
+            let ma = |state| format!("{:.1}", 1e3 * states.power_w(state, Dbm(0.0)) / 3.0);
+            let expected = if phy == Phy::Oqpsk2450 { high } else { low };
+            let found = [chip.name().to_owned(), ma(RadioState::Transmit), ma(RadioState::Receive)];
+            assert_eq!(found, expected, "{phy:?}");
+            assert_eq!(chip.other_bands(phy), None, "{phy:?}");
+            let is_low = phy != Phy::Oqpsk2450;
+            assert_eq!(EnergyConfig::Cc2420.other_bands(phy), is_low.then_some("2.4 GHz"));
+            assert_eq!(EnergyConfig::At86rf212b.other_bands(phy), (!is_low).then_some("868 and 915 MHz"));
+        }
     }
 
     #[test]

@@ -143,7 +143,7 @@ pub use network::Network;
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
 pub use purpose::program_seed;
-pub use region::{Reach, SimulatedRegion};
+pub use region::{MANY_NODES, Reach, SimulatedRegion};
 pub use service::delays::{DelayCount, Delays};
 pub use service::delivery::{Delivery, DriveEnd};
 pub use service::estimate::Estimate;

@@ -18,7 +18,7 @@ pub struct Survey {
     pub logs: NetworkLogs,
     /// A record of each robot.
     pub robots: Vec<RobotRecord>,
-    /// The outcomes of the packets.
+    /// The outcomes of the packets of all nodes together, with estimates for those that were not simulated.
     pub packets: Packets,
     /// Energy of the radios of all nodes together.
     pub energy: EnergySpent,

@@ -1,10 +1,15 @@
 //! Which part of the world is simulated, as asked for.
 
+mod needs;
 mod reach;
 
 use sextant_kernel::SettingError;
 
 pub use reach::Reach;
+
+/// So many nodes are many: it may take long to simulate those that nobody hears. Fewer take about as long as the maps of
+/// them, even if a survey lasts for hours.
+pub const MANY_NODES: usize = 1000;
 
 /// What is simulated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,6 +17,8 @@ pub enum SimulatedRegion {
     /// All nodes, all the time.
     #[default]
     All,
+    /// All nodes of a network that has fewer than [`MANY_NODES`]; otherwise those within the halo of a listener.
+    NearListenersIfMany,
     /// Nodes within the halo of a listener.
     Listeners {
         /// Radius of the halo (m); `None` if it follows from the reach of signals.
@@ -27,7 +34,7 @@ impl SimulatedRegion {
     pub fn halo_m(self, reach: Reach) -> Result<Option<f64>, SettingError> {
         match self {
             Self::All => Ok(None),
-            Self::Listeners { halo_m: None } => Ok(Some(reach.halo_m())),
+            Self::NearListenersIfMany | Self::Listeners { halo_m: None } => Ok(Some(reach.halo_m())),
             Self::Listeners { halo_m: Some(halo_m) } => {
                 if halo_m >= reach.reception_m {
                     return Ok(Some(halo_m));

@@ -18,7 +18,6 @@ use crate::applications::journey::{Journey, JourneyRecord};
 use crate::applications::node_traffic::NodeTraffic;
 use crate::applications::robot::RobotTask;
 use crate::applications::standard::Standard;
-use crate::applications::traffic::Traffic;
 use crate::engine::{Ended, Engine, Extras};
 use crate::halo::{AllSimulated, SimulatedPart};
 use crate::link::books::Books;
@@ -26,7 +25,7 @@ use crate::observer::{Observer, RememberingObserver};
 use crate::outcome::{RobotRecord, Survey};
 use crate::region::{Reach, SimulatedRegion};
 use crate::service::network_id::NetworkId;
-use crate::service::packets::Packets;
+use crate::service::packets::{Packets, TooFar};
 use crate::setup::Setup;
 use crate::station::{Kind, Roll};
 pub use applications::Applications;
@@ -41,6 +40,8 @@ pub struct Simulation<N: Application = NodeTraffic> {
     robots: Vec<String>,
     /// The networks that robots survey; the first one if no robot surveys.
     surveyed: Vec<SurveyedNetwork>,
+    /// What becomes of packets in each network that only stations far away could hear.
+    too_far: Vec<TooFar>,
     /// How far signals reach.
     reach: Reach,
     /// Length of the diagonal of a box round all stations at the start (m).
@@ -103,7 +104,9 @@ impl<N: Application> Simulation<N> {
     /// If the halo is smaller than the reach of a frame.
     pub fn with_region(self, region: SimulatedRegion) -> Result<Self, SettingError> {
         let Some(halo_m) = region.halo_m(self.reach)? else { return Ok(self) };
-        let no_rest = self.no_rest.or_else(|| (halo_m >= self.extent_m).then_some(AllSimulated::AllWithin));
+        let no_rest = (self.no_rest)
+            .or_else(|| (halo_m >= self.extent_m).then_some(AllSimulated::AllWithin))
+            .or_else(|| region.is_all_of(self.roll.nodes).then_some(AllSimulated::FewNodes));
         Ok(match no_rest {
             Some(reason) => Self { simulated: SimulatedPart::AllBecause(reason), ..self },
             None => Self { engine: self.engine.with_halo(halo_m), ..self },
@@ -116,7 +119,7 @@ impl<N: Application> Simulation<N> {
         stations.check_mobile_anchors()?;
         let coordinator = stations.coordinator()?;
         let (reach, extent_m) = (setup.reach(), stations.extent_m());
-        let surveyed = surveyed(&setup);
+        let (surveyed, too_far) = (surveyed(&setup), too_far(&setup));
         let names = setup.robots.iter().map(|robot| robot.body.name.clone()).collect();
         let (mut own_robots, mut own_sinks) = (own.robots.into_iter(), own.sinks.into_iter());
         let mut applications: Vec<_> = own.nodes.into_iter().map(Standard::Own).collect();
@@ -144,6 +147,7 @@ impl<N: Application> Simulation<N> {
             roll,
             robots: names,
             surveyed,
+            too_far,
             reach,
             extent_m,
             no_rest,
@@ -165,10 +169,10 @@ impl<N: Application> Simulation<N> {
     /// observer is declared.
     fn run_told(self, observer: &mut dyn Observer) -> (Survey, Applications<N>) {
         let observer = &mut RememberingObserver::new(observer);
-        let Self { engine, roll, robots: names, surveyed, simulated, .. } = self;
+        let Self { engine, roll, robots: names, surveyed, too_far, simulated, .. } = self;
         let ended = engine.run(observer);
         let simulated = ended.halo_m.map_or(simulated, |halo_m| SimulatedPart::NearListeners { halo_m });
-        Outcome { roll, names, surveyed, simulated }.of(ended)
+        Outcome { roll, names, surveyed, too_far, simulated }.of(ended)
     }
 }
 
@@ -178,13 +182,15 @@ struct Outcome {
     /// Names of the robots.
     names: Vec<String>,
     surveyed: Vec<SurveyedNetwork>,
+    /// What becomes of packets in each network that only stations far away could hear.
+    too_far: Vec<TooFar>,
     simulated: SimulatedPart,
 }
 
 impl Outcome {
     /// The result, and what is left of the own applications.
     fn of<N: Application>(self, ended: Ended<Standard<N>>) -> (Survey, Applications<N>) {
-        let Self { roll, names, surveyed, simulated } = self;
+        let Self { roll, names, surveyed, too_far, simulated } = self;
         let Ended {
             applications,
             logs,
@@ -228,9 +234,9 @@ impl Outcome {
             .collect();
         let mut energy = EnergySpent::default();
         let mut packets = Packets::default();
-        for network in &networks {
+        for (network, too_far) in networks.iter().zip(too_far) {
             network.energy[..roll.nodes].iter().for_each(|&spent| energy += spent);
-            packets += network.packets[..roll.nodes].iter().copied().sum();
+            packets += network.packets[..roll.nodes].iter().copied().sum::<Packets>().with_estimates(too_far);
         }
         let mut logs: Vec<_> = logs.into_iter().map(Some).collect();
         let mut surveyed = surveyed.into_iter().map(|SurveyedNetwork { id, name }| NetworkLog {
@@ -251,24 +257,20 @@ fn surveyed(setup: &Setup) -> Vec<SurveyedNetwork> {
     setup.surveyed().into_iter().map(|id| SurveyedNetwork { id, name: name(id) }).collect()
 }
 
+/// What becomes of packets in each network of `setup` that only stations far away could hear.
+fn too_far(setup: &Setup) -> Vec<TooFar> {
+    setup.networks.iter().map(|network| TooFar::beyond(network.channel.max_range_m())).collect()
+}
+
 /// Why the nodes of `setup` cannot rest, if they cannot.
 fn no_rest<N: Application>(setup: &Setup, applications: &[Standard<N>], roll: Roll) -> Option<AllSimulated> {
     let (nodes, others) = applications.split_at(roll.nodes);
-    if setup.networks.iter().any(|network| network.technology.has_coordinator()) {
-        return Some(AllSimulated::Superframes);
-    }
-    if nodes.iter().any(Application::hears) {
-        return Some(AllSimulated::NodeApplications);
-    }
-    if !nodes.iter().all(Application::may_rest) {
-        let is_saturated =
-            setup.networks.iter().flat_map(|network| network.traffic.kinds()).any(|kind| !kind.may_rest());
-        return Some(if is_saturated { AllSimulated::Saturated } else { AllSimulated::NodeApplications });
-    }
-    if setup.networks.iter().flat_map(|network| network.traffic.kinds()).all(Traffic::is_silent) {
-        return Some(AllSimulated::OnlyAnswers);
-    }
-    (!others.iter().any(Application::hears)).then_some(AllSimulated::NoListener)
+    let of_nodes = (nodes.iter().any(Application::hears) || !nodes.iter().all(Application::may_rest))
+        .then_some(AllSimulated::NodeApplications);
+    setup
+        .needs_all()
+        .or(of_nodes)
+        .or_else(|| (!others.iter().any(Application::hears)).then_some(AllSimulated::NoListener))
 }
 
 /// The error of a robot that nothing drives.

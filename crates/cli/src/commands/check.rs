@@ -89,7 +89,7 @@ fn check(path: &Path, arguments: &Arguments) -> Result<Valid, Vec<Report>> {
     scenario.check_grids().map_err(|errors| reports(&errors))?;
     let cells = match scenario.config().sweep {
         None => None,
-        Some(_) => Some(Sweep::read(path, set, None, None).map_err(|errors| reports(&errors))?.cells().len()),
+        Some(_) => Some(Sweep::read_replacing(path, set).map_err(|errors| reports(&errors))?.cells().len()),
     };
     Ok(Valid {
         file: path.to_string_lossy().into_owned(),

@@ -137,7 +137,7 @@ fn swept(
 
 fn print_plan(plan: &Sweep, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
     let runs = plan.runs() as usize;
-    let last_seed = plan.seed().wrapping_add(u64::from(plan.runs()) - 1);
+    let last_seed = plan.seed_of(plan.runs() - 1);
     writeln!(
         stdout,
         "{} of {} with the seeds {} to {last_seed}: {}, {} simulated",

@@ -379,16 +379,35 @@ fn after_the_interframe_spacing_a_frame_starts_at_once() {
 }
 
 #[test]
-fn a_wait_for_an_acknowledgement_that_is_shorter_than_the_spacing_is_filled_up() {
-    // ASK at 868 MHz: the wait has 38 symbols of 80 us, the long spacing 40.
-    let mut radio = Script::new(&[], &[], &[]);
-    radio.phy = Phy::Ask868;
-    let mut csma = Csma::new(CsmaSettings::default(), Phy::Ask868);
-    csma.start(UNICAST, &mut radio);
-    radio.report(&mut csma);
-    let airtime = 272 + 20 * 32;
-    let period = (8 + 12 + 40) * 80 + airtime;
-    assert_eq!(radio.instants(Step::Transmit), [0, 1, 2, 3].map(|i| 20 * 80 + i * period));
+fn an_unanswered_frame_is_followed_by_the_wait_for_its_acknowledgement_or_the_spacing_if_that_is_longer() {
+    // Length of a symbol (us), airtime of 18 and 50 octets (us), and macAckWaitDuration (symbols): one backoff period (20), one
+    // turnaround (12), preamble and delimiter, and six octets in whole symbols. The spacing after 18 octets has 12 symbols,
+    // and after 50 octets 40: with ASK at 868 MHz that is longer than the wait.
+    for (phy, symbol_us, airtimes_us, wait, silences) in [
+        (Phy::Oqpsk2450, 16, [768, 1792], 20 + 12 + 10 + 12, [54, 54]),
+        (Phy::Bpsk868, 50, [9600, 22_400], 20 + 12 + 40 + 48, [120, 120]),
+        (Phy::Bpsk915, 25, [4800, 11_200], 20 + 12 + 40 + 48, [120, 120]),
+        (Phy::Ask868, 80, [848, 1872], 20 + 12 + 3 + 3, [38, 40]),
+        (Phy::Ask915, 20, [748, 1772], 20 + 12 + 7 + 10, [49, 49]),
+        (Phy::Oqpsk868, 40, [1920, 4480], 20 + 12 + 10 + 12, [54, 54]),
+        (Phy::Oqpsk915, 16, [768, 1792], 20 + 12 + 10 + 12, [54, 54]),
+    ] {
+        assert_eq!(phy.ack_wait(), Duration::from_micros(wait * symbol_us), "{phy:?}");
+        for ((mpdu_octets, airtime_us), silence) in [18, 50].into_iter().zip(airtimes_us).zip(silences) {
+            let mut radio = Script::new(&[], &[], &[]);
+            radio.phy = phy;
+            let mut csma = Csma::new(CsmaSettings::default(), phy);
+            csma.start(OutgoingFrame { mpdu_octets, ..UNICAST }, &mut radio);
+            radio.report(&mut csma);
+            // Assessment, turnaround, frame, silence.
+            let period = (8 + 12 + silence) * symbol_us + airtime_us;
+            let expected = [0, 1, 2, 3].map(|i| 20 * symbol_us + i * period);
+            assert_eq!(radio.instants(Step::Transmit), expected, "{phy:?}, {mpdu_octets} octets");
+            // The receiver is on until the wait is over, and rests for what is left of the spacing.
+            let on_us = 4 * (8 + wait - 12) * symbol_us;
+            assert_eq!(radio.meter.span(RadioState::Receive), Duration::from_micros(on_us), "{phy:?}");
+        }
+    }
 }
 
 #[test]

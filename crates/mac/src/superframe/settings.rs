@@ -14,10 +14,10 @@ use crate::csma::{CsmaConfig, CsmaSettings};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BeaconEnabledConfig {
-    /// Beacon order (macBeaconOrder): a beacon every 15.36 ms * 2^order at 2.4 GHz; 0 to 14.
+    /// Beacon order (macBeaconOrder): a beacon every 960 symbols * 2^order, which is 15.36 ms * 2^order at 2.4 GHz; 0 to 14.
     pub beacon_order: u8,
-    /// Superframe order (macSuperframeOrder): stations are active for 15.36 ms * 2^order after the start of a beacon;
-    /// 0 to the beacon order.
+    /// Superframe order (macSuperframeOrder): stations are active for 960 symbols * 2^order after the start of a beacon; 0 to
+    /// the beacon order.
     pub superframe_order: u8,
     /// Whether nodes contend only in the six backoff periods after a beacon, with shorter backoffs (macBattLifeExt).
     pub battery_life_extension: bool,

@@ -12,7 +12,7 @@ use super::bundle::Bundle;
 use super::error::CampaignError;
 use crate::scenario::ScenarioFile;
 use crate::summary::measures::Subjects;
-use crate::sweep::{Checked, Sweep, Trial, check_runs};
+use crate::sweep::{Checked, Sweep, Trial, check_runs, check_seeds};
 
 /// The version of this program, whose plans it does.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -118,13 +118,14 @@ impl PlanFile {
         let files = folder.join(FILES);
         self.files.check(&files)?;
         let scenario = ScenarioFile::read(files.join(&self.files.scenario))?;
-        let axes = scenario.axes(&self.set)?;
+        let axes = scenario.axes_of_sweep(&self.set)?;
         let cells = axes.cells.len();
         let is_own = self.surveys.len() == cells
             && self.sha256.len() == cells
             && are_numbered(&self.surveys)
             && self.runs > 0
-            && check_runs(cells, self.runs).is_ok();
+            && check_runs(cells, self.runs).is_ok()
+            && check_seeds(self.seed, self.runs).is_ok();
         if !is_own {
             return Err(CampaignError::Changed { file: Self::path(folder) });
         }

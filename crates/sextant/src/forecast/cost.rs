@@ -72,20 +72,18 @@ const STOPS: usize = 64;
 
 /// Share of the nodes whose traffic is simulated, over the stops of the robots.
 fn simulated_share(scenario: &Scenario, setup: &Setup, ways: &[Way<'_>]) -> f64 {
-    let has_coordinator = setup.networks.iter().any(|network| network.technology.has_coordinator());
+    let (region, nodes) = (scenario.region(), &setup.world.nodes);
     // The applications of nodes answer what they hear.
-    if has_coordinator || scenario.distributed().is_some() {
+    if setup.needs_all().is_some() || region.is_all_of(nodes.len()) || scenario.distributed().is_some() {
         return 1.0;
     }
-    let Ok(Some(halo_m)) = scenario.region().halo_m(setup.reach()) else { return 1.0 };
-    let nodes = &setup.world.nodes;
+    let Ok(Some(halo_m)) = region.halo_m(setup.reach()) else { return 1.0 };
     let near = |place: Position| nodes.iter().filter(|node| node.position.distance_m(place) <= halo_m).count() as f64;
     let of_way = |way: &Way<'_>| {
         let step = way.stops().len().div_ceil(STOPS).max(1);
         let counts: Vec<f64> = way.stops().iter().step_by(step).map(|&stop| near(stop)).collect();
         counts.iter().sum::<f64>() / counts.len().max(1) as f64
     };
-    let of_sinks = setup.sinks.iter().map(|sink| near(sink.position));
-    let all: f64 = ways.iter().map(of_way).chain(of_sinks).sum();
+    let all: f64 = ways.iter().map(of_way).sum();
     (all / nodes.len().max(1) as f64).min(1.0)
 }

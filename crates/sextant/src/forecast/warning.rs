@@ -5,12 +5,13 @@ use std::fmt;
 
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
+use sextant_mac::EnergyConfig;
 use sextant_sim::{RobotTask, Setup};
 
 use super::idle_obstacles::Audience;
 use super::network::Reach;
 use super::way::{Way, is_planned};
-use crate::scenario::Scenario;
+use crate::scenario::{ForeignChip, Scenario};
 
 /// A loss at 1 m below this (dB) is none of a radio wave from its antenna: that of free space is 31 dB at 868 MHz.
 const LEAST_LOSS_DB: f64 = 20.0;
@@ -46,6 +47,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
         .collect();
     let mut warnings = Warnings { scenario, setup: &setup, found: Vec::new() };
     reaches.iter().for_each(|reach| warnings.loss_at_a_metre(reach));
+    warnings.chips();
     warnings.short_stops(&reaches);
     planned.iter().for_each(|way| warnings.way(way));
     warnings.out_of_reach(&planned);
@@ -82,6 +84,22 @@ impl Warnings<'_> {
                 format!(
                     "the loss over 1 m is {loss_db:.1} dB, so {power_dbm} dBm is the power at 1 m, as of about \
                      {at_antenna_dbm:.0} dBm at an antenna at 2.4 GHz; remove the key for the loss of free space"
+                ),
+            );
+        }
+    }
+
+    /// Chips whose energy is counted, but that have not the band of the radios.
+    fn chips(&mut self) {
+        for ForeignChip { key, chip, bands, phy } in self.scenario.foreign_chips() {
+            self.warn(
+                key,
+                format!(
+                    "`{}` is a chip for {bands}, and the radios have `phy = \"{}\"`; remove the key to count the energy of \
+                     `{}`, or give currents of your own",
+                    chip.name(),
+                    phy.name(),
+                    EnergyConfig::usual(phy).name(),
                 ),
             );
         }

@@ -73,7 +73,7 @@ fn region(survey: &Survey) -> Option<RegionSummary> {
         SimulatedPart::NearListeners { halo_m } => {
             #[expect(clippy::cast_precision_loss, reason = "far below 2^53 packets")]
             let [offered, left_out] = [survey.packets.offered as f64, survey.packets.not_simulated as f64];
-            let share = if left_out > 0.0 { offered / (offered + left_out) } else { 1.0 };
+            let share = if left_out > 0.0 { 1.0 - left_out / offered } else { 1.0 };
             Some(RegionSummary { simulated: "listeners", because: None, halo_m: Some(halo_m), share })
         }
     }

@@ -204,13 +204,14 @@ fn check_anchors(
     let anchors = errors.take("anchors", config.anchors.choose(&world.nodes, &world.obstacles, Seed(config.seed)))?;
     let first = anchors.first().map_or(0.0, |anchor| anchor.position.z_m);
     let is_planar = anchors.iter().all(|anchor| (anchor.position.z_m - first).abs() <= 1e-9);
-    for map in maps {
-        let needed = map.mapper.least_anchors(if is_planar { 2 } else { 3 });
-        if anchors.len() < needed {
-            let found = format!("{} of the {}", anchors.len(), counted(world.nodes.len(), "node"));
-            let allowed = format!("at least {needed}, for the map `{}`", map.name);
-            errors.refuse(&SettingError::new("anchors", found, allowed));
-        }
+    let needed = |map: &MapJob| map.mapper.least_anchors(if is_planar { 2 } else { 3 });
+    let lacking: Vec<&MapJob> = maps.iter().filter(|map| anchors.len() < needed(map)).collect();
+    if let Some(most) = lacking.iter().map(|map| needed(map)).max() {
+        let found = format!("{} of the {}", anchors.len(), counted(world.nodes.len(), "node"));
+        let names: Vec<String> = lacking.iter().map(|map| format!("`{}`", map.name)).collect();
+        let maps = if names.len() == 1 { "map" } else { "maps" };
+        let allowed = format!("at least {most}, for the {maps} {}", names.join(", "));
+        errors.refuse(&SettingError::new("anchors", found, allowed));
     }
     errors.take("faults", config.faults.believed(&anchors, &world.nodes, Seed(config.seed)))
 }

@@ -57,9 +57,10 @@ pub struct ScenarioConfig {
     /// The antennas of a network with sector sweeps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub antenna: Option<AntennasConfig>,
-    /// The radio chip whose energy is counted.
-    #[serde(default)]
-    pub energy: EnergyConfig,
+    /// The radio chip whose energy is counted. If absent, one of the band of the radios: `cc2420` at 2.4 GHz, `at86rf212b` at
+    /// 868 and 915 MHz, `mmwave_60_ghz` with sector sweeps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyConfig>,
     /// Several networks by name, each with tables `radio`, `channel`, `mac`, `traffic`, `reception`, `antenna` and `energy`
     /// of its own; one network with the tables of the scenario if absent.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

@@ -12,14 +12,17 @@ pub(super) struct Errors {
 }
 
 impl Errors {
+    /// Collects an error. Tables that several networks or applications share are checked for each, and a mistake in them is one.
     pub(super) fn refuse(&mut self, error: &SettingError) {
-        self.found.push(error.clone());
+        if !self.found.contains(error) {
+            self.found.push(error.clone());
+        }
     }
 
     /// The value; an error is collected as one within `table`, or of the scenario itself if that is empty.
     pub(super) fn take<T>(&mut self, table: &str, result: Result<T, SettingError>) -> Option<T> {
         let of_table = |error: SettingError| if table.is_empty() { error } else { error.within(table) };
-        result.map_err(|error| self.found.push(of_table(error))).ok()
+        result.map_err(|error| self.refuse(&of_table(error))).ok()
     }
 
     /// The errors with their places in `document`, if there are any.

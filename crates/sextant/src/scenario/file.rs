@@ -61,6 +61,16 @@ impl ScenarioFile {
         Ok(SweepAxes::of(&self.overridden(set, None)?)?)
     }
 
+    /// What its `[sweep]` varies with the settings `set`, which the sweep must not replace in each cell.
+    ///
+    /// # Errors
+    /// As for [`axes`](Self::axes), and if a setting would have no effect.
+    pub(crate) fn axes_of_sweep(&self, set: &[String]) -> Result<SweepAxes, ScenarioErrors> {
+        let axes = self.axes(set)?;
+        axes.check_settings(set)?;
+        Ok(axes)
+    }
+
     /// Its settings, overridden by `set` and `seed`.
     pub(super) fn overridden(&self, set: &[String], seed: Option<u64>) -> Result<Document, ScenarioErrors> {
         let mut document = Document::clone(&self.document);

@@ -22,7 +22,9 @@ use super::file::ScenarioFile;
 use super::grids::check_grids;
 use super::known_networks::PacketsPerStop;
 use super::maps::MapJob;
+use super::networks::{ForeignChip, NetworkTables};
 use super::plausible::check_numbers;
+use super::replaced::check_given;
 use super::survey_identity::SurveyIdentity;
 use sextant_kernel::text::counted;
 
@@ -75,6 +77,7 @@ impl Scenario {
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn load_with(path: impl AsRef<Path>, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        check_given(set, "seed", seed)?;
         ScenarioFile::read(path)?.scenario(set, seed)
     }
 
@@ -92,6 +95,7 @@ impl Scenario {
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn parse_with(text: &str, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        check_given(set, "seed", seed)?;
         ScenarioFile::of_text(text)?.scenario(set, seed)
     }
 
@@ -238,6 +242,11 @@ impl Scenario {
     #[must_use]
     pub fn warm_up(&self) -> Duration {
         self.parts.warm_up
+    }
+
+    /// The named chips whose energy is counted, though they have not the band of the radios.
+    pub(crate) fn foreign_chips(&self) -> Vec<ForeignChip> {
+        NetworkTables::all(&self.config).iter().filter_map(NetworkTables::foreign_chip).collect()
     }
 
     /// Which part of the nodes' traffic is simulated.

@@ -9,7 +9,6 @@ use serde::Deserialize;
 use sextant_apps::ControllerConfig;
 use sextant_channel::{ChannelConfig, ObstacleConfig, ObstacleField};
 use sextant_kernel::Files;
-use sextant_mac::EnergyConfig;
 use sextant_mapper::{AlgorithmConfig, AnyLog, KnowledgeKind, MapConfig};
 use sextant_sim::{AntennasConfig, MacConfig, RadioConfig, RobotConfig, Technology, TrafficConfig, WorldConfig};
 
@@ -161,7 +160,7 @@ impl MapSettingsConfig {
             antenna: self.antenna.as_ref(),
             // Maps know nothing of how packets are lost, and of energy.
             reception: None,
-            energy: &EnergyConfig::Cc2420,
+            energy: None,
         }
     }
 }

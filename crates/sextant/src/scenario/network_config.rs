@@ -31,7 +31,7 @@ pub struct NetworkConfig {
     /// The antennas, with sector sweeps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub antenna: Option<AntennasConfig>,
-    /// The radio chip whose energy is counted.
+    /// The radio chip whose energy is counted; that of the scenario, or else one of the band of the radios, if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyConfig>,
 }

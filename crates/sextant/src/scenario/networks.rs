@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use sextant_channel::{ChannelConfig, ChannelLaw};
 use sextant_kernel::{Files, SettingError};
-use sextant_mac::{EnergyConfig, RadioStates};
+use sextant_mac::{EnergyConfig, Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
     AntennasConfig, LinkConfig, LinkError, MacConfig, Network, NetworkId, NodesOfGroup, RadioConfig, ReceptionConfig,
@@ -27,7 +27,7 @@ pub(super) struct NetworkTables<'a> {
     pub(super) traffic: Keyed<Option<&'a TrafficConfig>>,
     reception: Keyed<Option<&'a ReceptionConfig>>,
     pub(super) antenna: Keyed<Option<&'a AntennasConfig>>,
-    energy: Keyed<&'a EnergyConfig>,
+    energy: Keyed<Option<&'a EnergyConfig>>,
 }
 
 /// A value and the key of its table.
@@ -36,6 +36,17 @@ pub(super) struct Keyed<T> {
     /// Whether the network has the table itself, and not the scenario for all.
     is_own: bool,
     pub(super) value: T,
+}
+
+/// A named chip whose energy is counted, though it has not the band of the radios.
+pub(crate) struct ForeignChip {
+    /// The key that names it.
+    pub(crate) key: String,
+    pub(crate) chip: EnergyConfig,
+    /// Its bands, in words.
+    pub(crate) bands: &'static str,
+    /// The physical layer of the radios.
+    pub(crate) phy: Phy,
 }
 
 /// The law of the channel of a network and the technology of the links over it, checked.
@@ -68,7 +79,7 @@ pub(super) struct ScenarioTables<'a> {
     pub(super) traffic: Option<&'a TrafficConfig>,
     pub(super) reception: Option<&'a ReceptionConfig>,
     pub(super) antenna: Option<&'a AntennasConfig>,
-    pub(super) energy: &'a EnergyConfig,
+    pub(super) energy: Option<&'a EnergyConfig>,
 }
 
 impl<'a> From<&'a ScenarioConfig> for ScenarioTables<'a> {
@@ -81,7 +92,7 @@ impl<'a> From<&'a ScenarioConfig> for ScenarioTables<'a> {
             traffic: config.traffic.as_ref(),
             reception: config.reception.as_ref(),
             antenna: config.antenna.as_ref(),
-            energy: &config.energy,
+            energy: config.energy.as_ref(),
         }
     }
 }
@@ -123,7 +134,7 @@ impl<'a> NetworkTables<'a> {
             traffic: pick!(traffic, config.traffic),
             reception: pick!(reception, config.reception),
             antenna: pick!(antenna, config.antenna),
-            energy: pick_or_default!(energy),
+            energy: pick!(energy, config.energy),
         }
     }
 
@@ -198,7 +209,7 @@ impl<'a> NetworkTables<'a> {
         files: &Files,
         errors: &mut Errors,
     ) -> Option<Network> {
-        let radio_states = errors.take(&self.energy.key, RadioStates::try_from(*self.energy.value));
+        let radio_states = errors.take(&self.energy.key, RadioStates::try_from(self.energy()));
         let silent = || nodes.map(|nodes| TrafficPlan::silent(nodes.len()));
         let traffic = match self.traffic.value {
             Some(_) if self.sweeps_sectors() && (self.is_alone || self.traffic.is_own) => {
@@ -232,6 +243,23 @@ impl<'a> NetworkTables<'a> {
             traffic: traffic?,
             members,
         })
+    }
+
+    /// The chip whose energy is counted: the one that is named, or one of the band of the radios.
+    fn energy(&self) -> EnergyConfig {
+        let usual = || match self.radio.value {
+            _ if self.sweeps_sectors() => EnergyConfig::Mmwave60Ghz,
+            radio => EnergyConfig::usual(radio.map(|radio| radio.phy).unwrap_or_default()),
+        };
+        self.energy.value.copied().unwrap_or_else(usual)
+    }
+
+    /// The named chip whose energy is counted, and its bands, if these are not the band of the radios.
+    pub(super) fn foreign_chip(&self) -> Option<ForeignChip> {
+        let phy = self.radio.value.filter(|_| !self.sweeps_sectors())?.phy;
+        let chip = *self.energy.value?;
+        let bands = chip.other_bands(phy)?;
+        Some(ForeignChip { key: self.energy.key.clone(), chip, bands, phy })
     }
 
     fn missing(&self, table: &str) -> SettingError {

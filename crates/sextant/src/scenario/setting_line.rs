@@ -1,13 +1,13 @@
 //! A setting in one line: `path.to.key=value`.
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::document::{Document, Entry, Table, Value, parse_value};
 use super::error::ScenarioError;
 use super::key_path::{KeyPath, Step};
-use super::source::{Origin, Source};
+use super::source::{Origin, SETTING, Source};
 
 impl Document {
     /// Overrides a setting by the text `path.to.key=value`; `name` is its name in messages. Paths of files in it are relative to
@@ -19,6 +19,27 @@ impl Document {
         let source = Source { name: name.to_owned(), text: Arc::from(text), folder: folder.to_owned() };
         self.sources.push(source);
         Line::read(&self.sources, self.sources.len() - 1)?.lay(&mut self.root)
+    }
+}
+
+/// A setting in one line, read.
+pub(super) struct ReadSetting {
+    pub(super) path: KeyPath,
+    pub(super) value: Entry,
+}
+
+impl ReadSetting {
+    /// Reads `path.to.key=value`.
+    ///
+    /// # Errors
+    /// If the text has another form.
+    pub(super) fn of(text: &str) -> Result<Self, ScenarioError> {
+        let source = Source { name: SETTING.to_owned(), text: Arc::from(text), folder: PathBuf::new() };
+        let sources = [source];
+        let mut line = Line::read(&sources, 0)?;
+        let value = std::mem::replace(&mut line.value, Value::Boolean(false));
+        let value = line.entry(value, 0..0);
+        Ok(Self { path: KeyPath(line.steps.into_iter().map(|(step, _)| step).collect()), value })
     }
 }
 

@@ -11,8 +11,8 @@ use sextant_sim::SimulatedRegion;
 pub struct SimulationConfig {
     /// Where nodes are simulated.
     pub region: RegionConfig,
-    /// Radius round each listener within which all nodes are simulated (m), at least as far as a frame can be received. If
-    /// absent, as far as a signal disturbs, and as far again as carrier sense reaches. With `region = "listeners"` only.
+    /// Radius round each robot that surveys within which all nodes are simulated (m), at least as far as a frame can be
+    /// received. If absent, as far as a signal disturbs, and as far again as carrier sense reaches. Not with `region = "all"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub halo_m: Option<f64>,
 }
@@ -21,12 +21,15 @@ pub struct SimulationConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RegionConfig {
-    /// Round the listeners: robots that survey, and sinks. Nodes farther away rest: their frames are counted, and not sent.
-    /// What robots hear is the same, and the cost does not grow with the area. Nodes whose frames cannot be left out are all
-    /// simulated: saturated ones, those in superframes, and those that answer what they hear.
+    /// As `listeners` if a robot surveys at least 1000 nodes, and otherwise as `all`. With `halo_m`, as `listeners`.
     #[default]
+    Auto,
+    /// Round the listeners: robots that survey. Nodes farther away rest: their frames are counted, and not sent; what became of
+    /// them is estimated. What robots hear is the same, and the cost does not grow with the area. Nodes whose frames cannot be
+    /// left out are all simulated: with sinks, with acknowledgements, saturated ones, those in superframes, and those that
+    /// answer what they hear.
     Listeners,
-    /// Everywhere, all the time: for studies of what all nodes send, wherever they are.
+    /// Everywhere, all the time.
     All,
 }
 
@@ -40,7 +43,8 @@ impl SimulationConfig {
     pub(super) fn region(self) -> Result<SimulatedRegion, SettingError> {
         let halo_m = self.halo_m.map(|halo_m| SettingError::positive("halo_m", halo_m)).transpose()?;
         match (self.region, halo_m) {
-            (RegionConfig::Listeners, halo_m) => Ok(SimulatedRegion::Listeners { halo_m }),
+            (RegionConfig::Auto, None) => Ok(SimulatedRegion::NearListenersIfMany),
+            (RegionConfig::Auto | RegionConfig::Listeners, halo_m) => Ok(SimulatedRegion::Listeners { halo_m }),
             (RegionConfig::All, None) => Ok(SimulatedRegion::All),
             (RegionConfig::All, Some(_)) => {
                 let remedy = "remove one of them, because there is no halo if all nodes are simulated";

@@ -34,7 +34,7 @@ struct SurveySettings<'a> {
     traffic: &'a Option<TrafficConfig>,
     reception: &'a Option<ReceptionConfig>,
     antenna: &'a Option<AntennasConfig>,
-    energy: &'a EnergyConfig,
+    energy: &'a Option<EnergyConfig>,
     networks: &'a BTreeMap<String, NetworkConfig>,
     duration_s: &'a Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -58,6 +58,8 @@ pub struct SweepAxes {
     pub runs: NonZeroU32,
     /// The cells. A scenario without `[sweep]` has one cell without settings.
     pub cells: Vec<Vec<Setting>>,
+    /// Where `[sweep]` has the values of each key of `product` and `zip`, as written: `sweep.product."radio.tx_power_dbm"`.
+    pub(super) places: BTreeMap<String, String>,
 }
 
 impl SweepAxes {
@@ -66,6 +68,7 @@ impl SweepAxes {
         let path = KeyPath(vec![Step::Key("sweep".to_owned())]);
         let mut runs = DEFAULT_RUNS;
         let mut groups: Vec<Vec<Vec<Setting>>> = Vec::new();
+        let mut places = BTreeMap::new();
         if let Some(entry) = document.root.child(&path.0[0]) {
             let reader = Reader { document };
             for (key, entry) in reader.table(entry, &path)? {
@@ -73,11 +76,11 @@ impl SweepAxes {
                 match key.as_str() {
                     "runs" => runs = reader.runs(entry, &path)?,
                     "product" => {
-                        let axes = reader.axes(entry, &path)?;
+                        let axes = reader.axes(entry, &path, &mut places)?;
                         check_count(document, &path, axes.iter().map(|(_, values)| values.len()))?;
                         groups.push(product(axes));
                     }
-                    "zip" => groups.push(reader.zipped(entry, &path)?),
+                    "zip" => groups.push(reader.zipped(entry, &path, &mut places)?),
                     "list" => groups.push(reader.list(entry, &path)?),
                     _ => {
                         let expected = &["runs", "product", "zip", "list"];
@@ -89,7 +92,7 @@ impl SweepAxes {
         }
         check_count(document, &path, groups.iter().map(Vec::len))?;
         let cells = groups.into_iter().fold(vec![Vec::new()], |cells, group| combined(&cells, &group));
-        let this = Self { runs, cells };
+        let this = Self { runs, cells, places };
         this.check_keys(document, &path)?;
         Ok(this)
     }
@@ -177,8 +180,13 @@ impl<'a> Reader<'a> {
         runs.ok_or_else(|| self.unfit(path, effective::inline(&entry.value), "a whole number, 1 or above"))
     }
 
-    /// The axes in a table: paths of settings, and the values of each.
-    fn axes(&self, entry: &Entry, path: &KeyPath) -> Result<Vec<(String, Vec<String>)>, ScenarioError> {
+    /// The axes in a table: paths of settings, and the values of each. Notes their `places`.
+    fn axes(
+        &self,
+        entry: &Entry,
+        path: &KeyPath,
+        places: &mut BTreeMap<String, String>,
+    ) -> Result<Vec<(String, Vec<String>)>, ScenarioError> {
         let mut axes = Vec::new();
         self.leaves(entry, path, &KeyPath::default(), &mut |path, key, value| {
             let Value::Array(items) = value else {
@@ -187,14 +195,20 @@ impl<'a> Reader<'a> {
             if items.is_empty() {
                 return Err(self.unfit(path, "an empty array", "at least one value"));
             }
+            places.insert(key.clone(), path.to_string());
             axes.push((key, items.iter().map(|item| effective::inline(&item.value)).collect()));
             Ok(())
         })?;
         Ok(axes)
     }
 
-    fn zipped(&self, entry: &Entry, path: &KeyPath) -> Result<Vec<Vec<Setting>>, ScenarioError> {
-        let axes = self.axes(entry, path)?;
+    fn zipped(
+        &self,
+        entry: &Entry,
+        path: &KeyPath,
+        places: &mut BTreeMap<String, String>,
+    ) -> Result<Vec<Vec<Setting>>, ScenarioError> {
+        let axes = self.axes(entry, path, places)?;
         let Some((first, values)) = axes.first() else {
             return Ok(vec![Vec::new()]);
         };
@@ -295,7 +309,8 @@ mod tests {
 
     #[test]
     fn a_scenario_without_a_sweep_has_one_cell() {
-        assert_eq!(sweep("seed = 1").unwrap(), SweepAxes { runs: DEFAULT_RUNS, cells: vec![Vec::new()] });
+        let none = SweepAxes { runs: DEFAULT_RUNS, cells: vec![Vec::new()], places: BTreeMap::new() };
+        assert_eq!(sweep("seed = 1").unwrap(), none);
     }
 
     #[test]

@@ -28,8 +28,8 @@ pub struct GatheringSummary {
     /// Time from the start until the last robot finished (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
-    /// Packets that were due while nobody who listens was near, and therefore not simulated; of Poisson traffic the expected
-    /// number. They are not among those offered, but the energy includes an estimate for them. Absent if all was simulated.
+    /// Packets that were due while nobody who listens was near, and therefore not simulated. They are among those offered, and
+    /// what became of them and the energy that they took are estimates. Absent if all was simulated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub packets_not_simulated: Option<u64>,
     /// Packets that nodes wanted to send.

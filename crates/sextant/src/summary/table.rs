@@ -99,8 +99,9 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     let reports = gathering.sector_reports.map(|reports| (reports.received.to_string(), reports.asked));
     let asked = reports.as_ref().map(|(_, asked)| format!("of {asked} that were asked for")).unwrap_or_default();
     row("reports of all sectors", reports.map(|(received, _)| received), &asked);
-    row("packets not simulated", count(gathering.packets_not_simulated), "nobody who listens was near");
     row("packets offered", count(gathering.packets_offered), "");
+    let estimated = "of those offered; nobody who listens was near, and what became of them is estimated";
+    row("packets not simulated", count(gathering.packets_not_simulated), estimated);
     row("packets sent", count(gathering.packets_sent), "");
     row("packets received", count(gathering.packets_received), "");
     let by_robots = count(gathering.packets_received_by_robots);

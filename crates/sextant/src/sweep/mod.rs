@@ -42,7 +42,7 @@ pub use tidy::table;
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 
-pub(crate) use plan::{Checked, check_runs};
+pub(crate) use plan::{Checked, check_runs, check_seeds};
 #[cfg(feature = "parquet")]
 pub(crate) use table_file::write_table as write_texts;
 

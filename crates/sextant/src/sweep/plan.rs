@@ -13,7 +13,7 @@ use super::statistics::Mean;
 use super::work_list::WorkList;
 use crate::hexadecimal::hexadecimal;
 use crate::scenario::{
-    NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity, SweepAxes,
+    NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity, SweepAxes, check_given,
 };
 use crate::summary::Measure;
 use crate::summary::measures::{self, Subjects};
@@ -75,6 +75,20 @@ pub(crate) fn check_runs(cells: usize, runs: u32) -> Result<(), ScenarioError> {
     )))
 }
 
+/// Refuses runs whose seeds would go beyond the greatest one.
+pub(crate) fn check_seeds(seed: u64, runs: u32) -> Result<(), ScenarioError> {
+    let others = u64::from(runs) - 1;
+    if seed.checked_add(others).is_some() {
+        return Ok(());
+    }
+    let greatest = u64::MAX;
+    Err(ScenarioError::new(format!(
+        "the seed {seed} with {runs} runs: the runs have the seeds {seed}, {seed} + 1, ..; allowed: a seed of at most {}, so \
+         that no seed is above {greatest}",
+        greatest - others
+    )))
+}
+
 impl Sweep {
     /// Reads the scenario at `path` with its `[sweep]` and the flags `set`; `seed` and `runs` override those of the
     /// file. Every cell is checked.
@@ -100,7 +114,30 @@ impl Sweep {
         seed: Option<u64>,
         runs: Option<NonZeroU32>,
     ) -> Result<Self, ScenarioErrors> {
+        check_given(set, "seed", seed)?;
+        check_given(set, "sweep.runs", runs)?;
+        let axes = file.axes_of_sweep(set)?;
+        Self::of_axes(file, axes, set, seed, runs)
+    }
+
+    /// The sweep of the scenario at `path`, whose cells may replace settings of `set`: for a check of a scenario that may also
+    /// be run without its sweep.
+    ///
+    /// # Errors
+    /// If a cell is not a valid scenario: all errors of the first such cell.
+    pub fn read_replacing(path: &Path, set: &[String]) -> Result<Self, ScenarioErrors> {
+        let file = ScenarioFile::read(path)?;
         let axes = file.axes(set)?;
+        Self::of_axes(file, axes, set, None, None)
+    }
+
+    fn of_axes(
+        file: ScenarioFile,
+        axes: SweepAxes,
+        set: &[String],
+        seed: Option<u64>,
+        runs: Option<NonZeroU32>,
+    ) -> Result<Self, ScenarioErrors> {
         check_runs(axes.cells.len(), runs.unwrap_or(axes.runs).get())?;
         let facts = facts::of_cells(&file, set, seed, &axes.cells)?;
         let mut surveys: BTreeMap<SurveyIdentity, usize> = BTreeMap::new();
@@ -124,6 +161,7 @@ impl Sweep {
         }
         let seed = facts.first().map(|cell| cell.seed).unwrap_or_default();
         let runs = runs.unwrap_or(axes.runs).get();
+        check_seeds(seed, runs)?;
         digest.update(format!("{seed} {}", env!("CARGO_PKG_VERSION")));
         for measure in &measures::all(&subjects) {
             digest.update(measure.path() + "\n");
@@ -263,7 +301,7 @@ impl Sweep {
     /// The seed of a replicate.
     #[must_use]
     pub fn seed_of(&self, replicate: u32) -> u64 {
-        self.seed.wrapping_add(u64::from(replicate))
+        self.seed.saturating_add(u64::from(replicate))
     }
 
     /// The value of each of the [`keys`](Self::keys) in a cell; empty where the cell does not set it.

@@ -9,6 +9,7 @@ use crate::event::{Event, Timer};
 use crate::model::{Course, Model, Note};
 use crate::purpose;
 use crate::service::delivery::DriveEnd;
+use crate::service::due_frames::DueFrames;
 use crate::service::estimate::Estimate;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
@@ -144,9 +145,9 @@ impl Port<'_> {
         self.model.networks[network.index()].skip(self.station, frames);
     }
 
-    /// Notes how many frames of this station were due in a network since [`counted_from`](Self::counted_from).
-    pub(crate) fn note_due(&mut self, network: NetworkId, frames: u64) {
-        self.model.networks[network.index()].note_due(self.station, frames);
+    /// Notes which frames of this station were due in a network since [`counted_from`](Self::counted_from).
+    pub(crate) fn note_due(&mut self, network: NetworkId, due: DueFrames) {
+        self.model.networks[network.index()].note_due(self.station, due);
     }
 
     /// What happens before it is not counted.

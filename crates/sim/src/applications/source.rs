@@ -155,7 +155,7 @@ impl Application for Source {
         };
         let address = (port.seed_of(self.network), node);
         let due = |time| self.traffic.due_before(address, time, |due| self.true_time(due));
-        port.note_due(self.network, due(port.now()).saturating_sub(due(port.counted_from())));
+        port.note_due(self.network, due(port.now()).without(due(port.counted_from())));
     }
 
     #[inline]

@@ -203,7 +203,10 @@ impl<A: Application> Engine<A> {
         let places = self.model.world.nodes.iter().map(|node| node.position);
         let hears = |station: StationId| !roll.is_node(station) && self.applications[station.index()].hears();
         self.model.halo = Some(Halo::new(radius_m, places, roll.stations().map(hears).collect()));
-        self.model.scene.airs.iter_mut().for_each(|air| air.limit_hearing(radius_m));
+        if roll.robots > 1 {
+            // Robots far away may be simulated apart.
+            self.model.scene.airs.iter_mut().for_each(|air| air.limit_hearing(radius_m));
+        }
         self
     }
 

@@ -1,6 +1,6 @@
 //! The part of a world that is simulated: what is near a listener.
 //!
-//! A listener is a robot that surveys, or a sink. Nobody hears a node that is farther from every listener than a signal
+//! A listener is a robot that surveys. Nobody hears a node that is farther from every listener than a signal
 //! reaches. It could still hold back nodes that are heard, by their carrier sense, and disturb them. So the halo of a listener is
 //! as wide as both reaches together. Nodes beyond it rest: the frames of their schedule are counted, and not sent.
 

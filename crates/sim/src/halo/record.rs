@@ -27,6 +27,12 @@ pub enum AllSimulated {
     Superframes,
     /// Nodes send nothing unless they are asked to, as in sector sweeps.
     OnlyAnswers,
+    /// Sinks receive: the study is of all nodes, also of those that no sink hears.
+    Sinks,
+    /// Nodes wait for acknowledgements: who is not heard sends each frame again.
+    Acknowledged,
+    /// There are so few nodes that none need rest.
+    FewNodes,
     /// All nodes are within a halo, wherever its listener is among them.
     AllWithin,
 }
@@ -41,6 +47,9 @@ impl AllSimulated {
             Self::Saturated => "nodes are saturated",
             Self::Superframes => "nodes follow the beacons of superframes",
             Self::OnlyAnswers => "nodes send only when they are asked",
+            Self::Sinks => "sinks count the packets of all nodes",
+            Self::Acknowledged => "nodes send frames again that nobody acknowledges",
+            Self::FewNodes => "there are few nodes",
             Self::AllWithin => "the halo covers all nodes",
         }
     }

@@ -1,9 +1,13 @@
 //! The books of a network at the end: what its record is worked out from.
 
+use std::time::Duration;
+
 use sextant_channel::Dbm;
+use sextant_kernel::SimTime;
 use sextant_mac::{EnergyMeter, EnergySpent, RadioState, RadioStates};
 
 use crate::service::delays::Delays;
+use crate::service::due_frames::DueFrames;
 use crate::service::packets::{NetworkRecord, Packets};
 
 /// The books of a network at the end: whole numbers, so that those of parts of a simulation can be added.
@@ -11,8 +15,8 @@ use crate::service::packets::{NetworkRecord, Packets};
 pub(crate) struct Books {
     /// What became of the packets of each station.
     pub(super) packets: Vec<Packets>,
-    /// Number of packets of each station that were due, where nodes may rest; otherwise zero.
-    pub(super) due: Vec<u64>,
+    /// The frames of each station that were due, where nodes may rest; otherwise none.
+    pub(super) due: Vec<DueFrames>,
     /// Number of frames that were delivered to each station.
     pub(super) deliveries: Vec<u64>,
     /// Time from offer to first reception of the packets of each station that were received; empty without sinks.
@@ -23,6 +27,28 @@ pub(crate) struct Books {
     pub(super) radio_states: RadioStates,
     /// How the radio of each station was used.
     pub(super) radios: Vec<RadioUse>,
+    /// What frames take that were not simulated.
+    pub(super) spans: FrameSpans,
+}
+
+/// What a frame takes that is sent once, on a channel that is not busy.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FrameSpans {
+    /// Airtime of what comes before the first octet of the MPDU.
+    pub(super) header: Duration,
+    /// Airtime of an octet.
+    pub(super) octet: Duration,
+    /// Time with the receiver on, to sense the channel, and turning around.
+    pub(super) access: Duration,
+}
+
+impl FrameSpans {
+    /// Airtime of all these frames together.
+    fn airtime(self, frames: DueFrames) -> Duration {
+        let nanos = |span: Duration, count: u64| (SimTime::ZERO + span).as_nanos().saturating_mul(count);
+        let header = nanos(self.header, frames.frames);
+        Duration::from_nanos(header.saturating_add(nanos(self.octet, frames.octets)))
+    }
 }
 
 /// How a radio was used.
@@ -58,18 +84,20 @@ impl Books {
         }
     }
 
-    /// The record of the network. Packets that were due and not offered are those that were not simulated. For each, the
-    /// energy has what a packet of the network took on average, above that of a radio at rest.
+    /// The record of the network. Packets that were due and not offered are those that were not simulated: they count as
+    /// offered, and for their energy there is an estimate.
     pub(crate) fn close(mut self) -> NetworkRecord {
-        for (packets, due) in self.packets.iter_mut().zip(&self.due) {
-            packets.not_simulated = due.saturating_sub(packets.offered);
-        }
         let states = &self.radio_states;
         let mut energy: Vec<EnergySpent> = self.radios.iter().map(|radio| radio.spent(states)).collect();
-        if let Some(each) = self.energy_of_a_packet(&energy) {
-            #[expect(clippy::cast_precision_loss, reason = "far below 2^53 packets")]
-            let missing = self.packets.iter().map(|packets| packets.not_simulated as f64);
-            energy.iter_mut().zip(missing).for_each(|(energy, missing)| *energy += each * missing);
+        if let Some(estimate) = self.estimate() {
+            let stations = energy.iter_mut().zip(&self.radios).zip(self.packets.iter().zip(&self.due));
+            for ((energy, radio), (packets, due)) in stations {
+                *energy += self.missing_energy(&estimate, radio, due.without(simulated(packets)));
+            }
+        }
+        for (packets, due) in self.packets.iter_mut().zip(&self.due) {
+            packets.not_simulated = due.without(simulated(packets)).frames;
+            packets.offered += packets.not_simulated;
         }
         if let Some(members) = &self.members {
             let others = energy.iter_mut().zip(members).filter(|(_, is_member)| !**is_member);
@@ -78,18 +106,58 @@ impl Books {
         NetworkRecord { packets: self.packets, energy, deliveries: self.deliveries, delays: self.delays }
     }
 
-    /// Mean energy of a packet that was offered, above that of a radio at rest; `None` if all were simulated, or none.
-    fn energy_of_a_packet(&self, spent: &[EnergySpent]) -> Option<EnergySpent> {
-        self.packets.iter().find(|packets| packets.not_simulated > 0)?;
-        let (mut offered, mut above) = (0, EnergySpent::default());
-        for ((packets, radio), &spent) in self.packets.iter().zip(&self.radios).zip(spent) {
-            if packets.offered > 0 {
-                offered += packets.offered;
-                above += spent - radio.at_rest(&self.radio_states);
-            }
+    /// What the packets that were simulated took on average; if there were none, what they take on a channel that is not
+    /// busy. `None` if all were simulated.
+    fn estimate(&self) -> Option<Estimate> {
+        let mut stations = self.packets.iter().zip(&self.due).zip(&self.radios);
+        let (_, radio) = stations.find(|((packets, due), _)| due.frames > packets.offered)?;
+        let (mut offered, mut sent) = (0, 0);
+        let mut access = EnergySpent::default();
+        for (packets, radio) in self.packets.iter().zip(&self.radios).filter(|(packets, _)| packets.offered > 0) {
+            offered += packets.offered;
+            sent += packets.sent;
+            access += radio.spent(&self.radio_states) - radio.at_rest(&self.radio_states);
+            access += self.above_rest(radio, RadioState::Transmit, radio.meter.span(RadioState::Transmit)) * -1.0;
+        }
+        if offered == 0 {
+            return Some(Estimate {
+                access: self.above_rest(radio, RadioState::Receive, self.spans.access),
+                sent: 1.0,
+            });
         }
         #[expect(clippy::cast_precision_loss, reason = "far below 2^53 packets")]
-        let each = 1.0 / offered as f64;
-        (offered > 0).then(|| above * each)
+        let [each, sent] = [1.0 / offered as f64, sent as f64];
+        Some(Estimate { access: access * each, sent: sent * each })
     }
+
+    /// Energy of packets of a station that were not simulated, above that of its radio at rest: that of channel access as
+    /// estimated, and that of the time that these very frames are on air.
+    fn missing_energy(&self, estimate: &Estimate, radio: &RadioUse, missing: DueFrames) -> EnergySpent {
+        #[expect(clippy::cast_precision_loss, reason = "far below 2^53 packets")]
+        let mut energy = estimate.access * missing.frames as f64;
+        energy += self.above_rest(radio, RadioState::Transmit, self.spans.airtime(missing)) * estimate.sent;
+        energy
+    }
+
+    /// Energy of a time in `state`, above that of the radio at rest.
+    fn above_rest(&self, radio: &RadioUse, state: RadioState, span: Duration) -> EnergySpent {
+        let mut meter = EnergyMeter::new(state, SimTime::ZERO);
+        let RadioUse { tx_power, rests_in, .. } = *radio;
+        meter.enter(rests_in, SimTime::ZERO + span);
+        let radio = RadioUse { meter, tx_power, rests_in };
+        radio.spent(&self.radio_states) - radio.at_rest(&self.radio_states)
+    }
+}
+
+/// The packets of a station that were offered while it was simulated.
+fn simulated(packets: &Packets) -> DueFrames {
+    DueFrames { frames: packets.offered, octets: packets.octets_offered }
+}
+
+/// What a packet took on average.
+struct Estimate {
+    /// Energy besides that of the time on air, above that of a radio at rest.
+    access: EnergySpent,
+    /// Share of the packets that were on air.
+    sent: f64,
 }

@@ -121,10 +121,10 @@ fn is_default(phy: &Phy) -> bool {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum MacConfig {
-    /// Unslotted CSMA-CA of IEEE 802.15.4 at 2.4 GHz (O-QPSK).
+    /// Unslotted CSMA-CA of IEEE 802.15.4, in symbols of the physical layer of the radios (`radio.phy`).
     CsmaUnslotted(CsmaConfig),
     /// The first robot, or the first sink if there is no robot, is the coordinator: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in
-    /// guaranteed slots (IEEE 802.15.4 at 2.4 GHz).
+    /// guaranteed slots (IEEE 802.15.4), in symbols of the physical layer of the radios (`radio.phy`).
     BeaconEnabled(BeaconEnabledConfig),
     /// Sector sweeps of IEEE 802.11ad: robots sweep their sectors, and the nodes that hear them answer. Needs a table
     /// `antenna`, and no `traffic`.

@@ -3,9 +3,10 @@
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::RadioStates;
 
-use super::books::{Books, RadioUse};
+use super::books::{Books, FrameSpans, RadioUse};
 use super::settings::Placement;
 use crate::service::delays::Delays;
+use crate::service::due_frames::DueFrames;
 use crate::service::packets::Packets;
 use crate::station::Roll;
 
@@ -13,8 +14,8 @@ use crate::station::Roll;
 pub(super) struct Ledger {
     /// What became of the packets of each station.
     pub(super) packets: Vec<Packets>,
-    /// Number of frames of each station that were due, where nodes may rest.
-    due: Vec<u64>,
+    /// The frames of each station that were due, where nodes may rest.
+    due: Vec<DueFrames>,
     /// Number of frames that were delivered to each station.
     pub(super) deliveries: Vec<u64>,
     /// Time from offer to first reception of the packets of each station that were received; empty without sinks.
@@ -32,7 +33,7 @@ impl Ledger {
     pub(super) fn new(placement: &Placement, roll: Roll) -> Self {
         Self {
             packets: vec![Packets::default(); roll.len()],
-            due: vec![0; roll.len()],
+            due: vec![DueFrames::default(); roll.len()],
             deliveries: vec![0; roll.len()],
             delays: vec![Delays::default(); if roll.sinks > 0 { roll.len() } else { 0 }],
             counted_from: SimTime::ZERO,
@@ -47,14 +48,14 @@ impl Ledger {
         self.members.as_ref().is_none_or(|members| members[station.index()])
     }
 
-    /// Notes how many frames of a station were due.
-    pub(super) fn note_due(&mut self, station: StationId, frames: u64) {
-        self.due[station.index()] += frames;
+    /// Notes which frames of a station were due.
+    pub(super) fn note_due(&mut self, station: StationId, due: DueFrames) {
+        self.due[station.index()] += due;
     }
 
-    /// The books of the network, with how each radio was used.
-    pub(super) fn close(self, radios: Vec<RadioUse>) -> Books {
+    /// The books of the network, with how each radio was used, and what frames take that were not simulated.
+    pub(super) fn close(self, radios: Vec<RadioUse>, spans: FrameSpans) -> Books {
         let Self { packets, due, deliveries, delays, members, radio_states, .. } = self;
-        Books { packets, due, deliveries, delays, members, radio_states, radios }
+        Books { packets, due, deliveries, delays, members, radio_states, radios, spans }
     }
 }

@@ -9,6 +9,7 @@ use super::books::Books;
 use super::transmitter::Transmitter;
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::service::due_frames::DueFrames;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 
@@ -77,8 +78,8 @@ pub(crate) trait NetworkLinks {
     /// Leaves out frames that were due while a station rested.
     fn skip(&mut self, _station: StationId, _frames: u64) {}
 
-    /// Notes how many frames of a station were due, since packets are counted.
-    fn note_due(&mut self, station: StationId, frames: u64);
+    /// Notes which frames of a station were due, since packets are counted.
+    fn note_due(&mut self, station: StationId, due: DueFrames);
 
     /// Whether stations sweep sectors.
     fn sweeps_sectors(&self) -> bool {

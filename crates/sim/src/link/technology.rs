@@ -19,6 +19,7 @@ use super::transmitter::Transmitter;
 use crate::event::link::LinkEvent;
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::service::due_frames::DueFrames;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 use crate::world::layout::PlacedNode;
@@ -232,8 +233,8 @@ impl Links {
         ask!(self, links => links.skip(station, frames));
     }
 
-    pub(crate) fn note_due(&mut self, station: StationId, frames: u64) {
-        ask!(self, links => links.note_due(station, frames));
+    pub(crate) fn note_due(&mut self, station: StationId, due: DueFrames) {
+        ask!(self, links => links.note_due(station, due));
     }
 
     pub(crate) fn sweeps_sectors(&self) -> bool {

@@ -2,6 +2,7 @@
 
 pub(crate) mod delays;
 pub(crate) mod delivery;
+pub(crate) mod due_frames;
 pub(crate) mod estimate;
 pub(crate) mod ideal;
 pub(crate) mod network_id;

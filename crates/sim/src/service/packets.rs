@@ -7,7 +7,7 @@ use super::outcome::{Deafness, FrameOutcome};
 
 /// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
 /// of `lost_channel_access`, `lost_queue`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and
-/// `not_listened`. A packet to one station is received by that station; a packet to all is received if any station
+/// `not_listened`; those of a station that were not simulated are in none of these. A packet to one station is received by that station; a packet to all is received if any station
 /// received it whose application hears, and the best outcome counts. With several transmissions of one packet, the
 /// best outcome counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,11 +49,14 @@ pub struct Packets {
     pub unacknowledged: u64,
     /// Octets of payload that were received. Not part of the sum.
     pub octets_received: u64,
+    /// Octets of the frames that were offered and simulated, headers included. Not part of the sum.
+    pub octets_offered: u64,
     /// Reports of all sectors that this station asked for in sector sweeps. Not part of the sum, and no packets.
     pub reports_asked: u64,
     /// Those of them that this station received; the others were lost. Not part of the sum, and no packets.
     pub reports_received: u64,
-    /// Due while nobody who listens was near, and therefore not simulated. Not part of `offered`.
+    /// Due while nobody who listens was near, and therefore not simulated. Those of a station are offered, and count as
+    /// nothing else.
     pub not_simulated: u64,
 }
 
@@ -78,6 +81,64 @@ impl Packets {
     }
 }
 
+impl Packets {
+    /// The same, with an estimate of what became of the packets that were not simulated: what became of those that were
+    /// simulated and that nobody heard. Nobody was near, so none of them was received, or lost to another signal. If somebody
+    /// listened far away, the outcome is `too_far`.
+    #[must_use]
+    pub(crate) fn with_estimates(self, too_far: TooFar) -> Self {
+        let Self { not_simulated: missing, .. } = self;
+        let simulated = self.offered - missing;
+        if missing == 0 {
+            return self;
+        }
+        let mut all = self;
+        let without_access = part(missing, self.lost_channel_access, simulated);
+        let without_place = part(missing, self.lost_queue, simulated).min(missing - without_access);
+        all.lost_channel_access += without_access;
+        all.lost_queue += without_place;
+        all.channel_access_failures += part(missing, self.channel_access_failures, simulated);
+        all.assessments += if simulated > 0 { part(missing, self.assessments, simulated) } else { missing };
+        let sent = missing - without_access - without_place;
+        all.sent += sent;
+        all.transmissions += sent;
+        let not_listened = if self.sent > 0 { part(sent, self.not_listened, self.sent) } else { sent };
+        let transmitting = part(sent, self.not_listened_transmitting, self.sent).min(not_listened);
+        let asleep = part(sent, self.not_listened_asleep, self.sent).min(not_listened - transmitting);
+        all.not_listened += not_listened;
+        all.not_listened_transmitting += transmitting;
+        all.not_listened_asleep += asleep;
+        all.not_listened_off += not_listened - transmitting - asleep;
+        *match too_far {
+            TooFar::OutOfRange => &mut all.out_of_range,
+            TooFar::Weak => &mut all.lost_signal,
+        } += sent - not_listened;
+        all
+    }
+}
+
+/// What becomes of a packet if only stations listen that are too far away.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum TooFar {
+    /// They are beyond the radius of communication.
+    OutOfRange,
+    /// The channel has no such radius: the signal is too weak.
+    Weak,
+}
+
+impl TooFar {
+    /// On a channel with this radius of communication (m).
+    pub(crate) fn beyond(max_range_m: f64) -> Self {
+        if max_range_m.is_finite() { Self::OutOfRange } else { Self::Weak }
+    }
+}
+
+/// The share `count` of `whole`, of `number`, rounded.
+fn part(number: u64, count: u64, whole: u64) -> u64 {
+    let [number, count, whole] = [number, count, whole.max(1)].map(u128::from);
+    u64::try_from((number * count + whole / 2) / whole).unwrap_or(u64::MAX)
+}
+
 impl std::ops::AddAssign for Packets {
     fn add_assign(&mut self, other: Self) {
         // Without `..`, so that no field is forgotten.
@@ -100,6 +161,7 @@ impl std::ops::AddAssign for Packets {
             assessments,
             unacknowledged,
             octets_received,
+            octets_offered,
             reports_asked,
             reports_received,
             not_simulated,
@@ -122,6 +184,7 @@ impl std::ops::AddAssign for Packets {
         self.assessments += assessments;
         self.unacknowledged += unacknowledged;
         self.octets_received += octets_received;
+        self.octets_offered += octets_offered;
         self.reports_asked += reports_asked;
         self.reports_received += reports_received;
         self.not_simulated += not_simulated;

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use sextant_channel::SectorTable;
 use sextant_kernel::{SettingError, SimTime};
 
-use super::{Outcome, Simulation, surveyed};
+use super::{Outcome, Simulation, surveyed, too_far};
 use crate::applications::node_traffic::NodeTraffic;
 use crate::applications::standard::Standard;
 use crate::engine::{Ended, Engine};
@@ -183,6 +183,7 @@ impl Team {
         ended.logs = logs.build(&node_names, &names);
         ended.interrupted = interrupted;
         let simulated = SimulatedPart::NearListeners { halo_m: self.halo_m };
-        Outcome { roll: self.setup.roll(), names, surveyed: surveyed(&self.setup), simulated }.of(ended).0
+        let (surveyed, too_far) = (surveyed(&self.setup), too_far(&self.setup));
+        Outcome { roll: self.setup.roll(), names, surveyed, too_far, simulated }.of(ended).0
     }
 }

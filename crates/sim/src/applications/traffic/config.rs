@@ -114,8 +114,8 @@ pub struct SaturatedConfig {
     pub to: Option<String>,
     /// Each node has its first frame at a random instant of the first so many seconds, to the nanosecond; 0.01 if absent,
     /// longer than any exchange of one frame at 2.4 GHz. With 0 all nodes start at once. Then, with exact clocks, all their
-    /// instants stay on one grid of 32 us for ever: frames begin at the very instant at which other nodes end their carrier
-    /// sense, which no real network does, and more of them collide.
+    /// instants stay on one grid for ever, of 32 us at 2.4 GHz: frames begin at the very instant at which other nodes end
+    /// their carrier sense, which no real network does, and more of them collide.
     #[serde(default = "default_start_spread_s")]
     pub start_spread_s: f64,
 }

@@ -2,6 +2,8 @@
 
 use sextant_kernel::{NodeId, Seed, SimTime};
 
+use crate::service::due_frames::DueFrames;
+
 use super::{Next, Schedule, Traffic, period_start, poisson_arrival, poisson_period};
 
 /// What a node goes on with after a rest.
@@ -46,22 +48,27 @@ impl Traffic {
         }
     }
 
-    /// Number of frames that `node` has before `time`; of Poisson arrivals the expected number. Nothing if a node cannot
-    /// rest.
+    /// The frames that `node` has before `time`. None if a node cannot rest.
     pub(crate) fn due_before(
         &self,
         (seed, node): (Seed, NodeId),
         time: SimTime,
         true_time: impl Fn(SimTime) -> SimTime,
-    ) -> u64 {
+    ) -> DueFrames {
+        let count = || self.after_rest((seed, node), 0, time, true_time).count.unwrap_or(0);
         match &self.schedule {
-            Schedule::Saturated { .. } => 0,
-            Schedule::Poisson { mean_interval_s } => {
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of frames")]
-                let expected = (time.saturating_since(SimTime::ZERO).as_secs_f64() / mean_interval_s).round() as u64;
-                expected
+            Schedule::Silent | Schedule::Saturated { .. } => DueFrames::default(),
+            &Schedule::Poisson { mean_interval_s } => {
+                let next = |&last: &SimTime| Some(poisson_arrival(seed, node, mean_interval_s, last));
+                let arrivals = std::iter::successors(next(&SimTime::ZERO), next);
+                DueFrames::alike(arrivals.take_while(|&arrival| arrival < time).count() as u64, self.mpdu_octets)
             }
-            _ => self.after_rest((seed, node), 0, time, true_time).count.unwrap_or(0),
+            Schedule::Periodic { .. } | Schedule::Once { .. } => DueFrames::alike(count(), self.mpdu_octets),
+            Schedule::Trace(trace) => {
+                let frames = count();
+                let octets = (0..frames).filter_map(|number| trace.frame(node, number)).map(|(_, octets)| octets);
+                DueFrames { frames, octets: octets.map(u64::from).sum() }
+            }
         }
     }
 }
@@ -125,9 +132,9 @@ mod tests {
                 };
                 let after = traffic.after_rest((seed, node), before, now, |due| due);
                 prop_assert_eq!(after.next, expected);
+                prop_assert_eq!(traffic.due_before((seed, node), now, |due| due), DueFrames::alike(count, 20));
                 if !matches!(traffic.schedule, Schedule::Poisson { .. }) {
                     prop_assert_eq!(after.count, Some(count));
-                    prop_assert_eq!(traffic.due_before((seed, node), now, |due| due), count);
                 }
             }
         }

@@ -23,7 +23,7 @@ use crate::event::Event as EngineEvent;
 use crate::event::ieee80211ad::Event;
 use crate::event::link::LinkEvent;
 use crate::link::antennas::Antennas;
-use crate::link::books::{Books, RadioUse};
+use crate::link::books::{Books, FrameSpans, RadioUse};
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
 use crate::link::payloads::Payloads;
@@ -31,6 +31,7 @@ use crate::link::settings::Placement;
 use crate::link::transmitter::Transmitter;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
+use crate::service::due_frames::DueFrames;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
@@ -310,7 +311,8 @@ impl NetworkLinks for Links {
             let ended = received + lost_collision + lost_channel_access + lost_signal + out_of_range + not_listened;
             self.ledger.packets[i].pending = offered - ended - lost_queue;
         }
-        self.ledger.close(radios)
+        // Nodes that answer do not rest.
+        self.ledger.close(radios, FrameSpans::default())
     }
 
     fn sweeps_sectors(&self) -> bool {
@@ -337,8 +339,8 @@ impl NetworkLinks for Links {
         self.take_frame(station, to, payload, scene)
     }
 
-    fn note_due(&mut self, station: StationId, frames: u64) {
-        self.ledger.note_due(station, frames);
+    fn note_due(&mut self, station: StationId, due: DueFrames) {
+        self.ledger.note_due(station, due);
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {

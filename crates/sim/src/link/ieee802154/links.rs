@@ -28,7 +28,7 @@ use crate::air::{Arrival, Interface, Transmission};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
-use crate::link::books::{Books, RadioUse};
+use crate::link::books::{Books, FrameSpans, RadioUse};
 use crate::link::clock::Clock;
 use crate::link::ledger::Ledger;
 use crate::link::links::{Cut, NetworkLinks};
@@ -37,6 +37,7 @@ use crate::link::settings::Placement;
 use crate::link::transmitter::Transmitter;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
+use crate::service::due_frames::DueFrames;
 use crate::service::outcome::FrameOutcome;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::upcall::Upcall;
@@ -258,7 +259,10 @@ impl NetworkLinks for Links {
                 }
             }
         }
-        self.ledger.close(radios)
+        let phy = self.radios.phy;
+        // To receiving, and from there to transmitting.
+        let access = 2 * phy.turnaround() + phy.cca();
+        self.ledger.close(radios, FrameSpans { header: phy.header(), octet: phy.octet(), access })
     }
 
     fn begin_schedule(&mut self, scene: &mut Scene) {
@@ -294,8 +298,8 @@ impl NetworkLinks for Links {
         is_there.then_some(Transmitter { air: self.radios.air, radio, tx_power: stack.tx_power, sectors: None })
     }
 
-    fn note_due(&mut self, station: StationId, frames: u64) {
-        self.ledger.note_due(station, frames);
+    fn note_due(&mut self, station: StationId, due: DueFrames) {
+        self.ledger.note_due(station, due);
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::SettingError;
+use sextant_kernel::text::counted;
 
 use super::placed::{PlacedNode, twin};
 
@@ -24,10 +25,18 @@ impl ExplicitConfig {
         if self.positions_m.is_empty() {
             return Err(SettingError::new("positions_m", "an empty list", "at least one place"));
         }
-        for (i, &position) in self.positions_m.iter().enumerate() {
-            if let Some((found, allowed)) = obstacles.fault(position) {
-                return Err(SettingError::new(format!("positions_m[{i}]"), found, allowed));
-            }
+        let mut faults =
+            (self.positions_m.iter().enumerate()).filter_map(|(i, &position)| Some((i, obstacles.fault(position)?)));
+        if let Some((i, (found, allowed))) = faults.next() {
+            // An obstacle in the wrong place is one mistake, however many nodes it covers.
+            return Err(match faults.count() {
+                0 => SettingError::new(format!("positions_m[{i}]"), found, allowed),
+                others => {
+                    let found =
+                        format!("a list whose entry {i} is {found}, and {} as wrong", counted(others, "other"));
+                    SettingError::new("positions_m", found, allowed)
+                }
+            });
         }
         let names = match &self.names {
             Some(names) => self.checked(names)?.to_vec(),
