@@ -9,6 +9,7 @@ mod concerns;
 mod features;
 mod grid_sizes;
 mod heights;
+mod metamorphic;
 mod ml_tm;
 mod mm_tm;
 mod own_place;
