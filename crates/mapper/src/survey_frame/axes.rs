@@ -6,7 +6,7 @@ use super::rectangle::Rectangle;
 
 /// Coordinates are multiples of about this share of the diagonal: so the places of a log that was turned are the same to the
 /// last bit.
-const GRAIN: f64 = -30.0;
+const GRAIN: f64 = -38.0;
 /// Places within this share of the diagonal follow each other by what was heard there. It suits no lattice.
 const ALIKE: f64 = 0.000_927;
 /// Where the borders lie between coordinates that are alike.

@@ -4,6 +4,7 @@
 
 mod bounds;
 mod calibration;
+mod cells;
 mod comparators;
 mod concerns;
 mod features;
