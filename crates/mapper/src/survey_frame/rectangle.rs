@@ -5,7 +5,7 @@
 const SAME_AREA: f64 = 1e-6;
 const SAME_WIDTH: f64 = 1e-3;
 /// Moments whose share is below this tell no direction.
-const NO_MOMENT: f64 = 1e-6;
+const NO_MOMENT: f64 = 1e-4;
 
 /// A place seen from above (m), and what was heard there.
 pub(super) type Weighted = ([f64; 2], f64);
@@ -85,17 +85,19 @@ impl Rectangle {
     }
 
     fn towards_the_heard(self, places: &[Weighted]) -> Self {
-        let mut axes = self.axes;
-        for (number, axis) in axes.iter_mut().enumerate() {
-            let moments = [1, 3].map(|power| self.moment(places, number, power));
-            // Without any, the axis points as the larger of its coordinates does.
-            let larger = if axis[0].abs() >= axis[1].abs() { axis[0] } else { axis[1] };
-            let way = moments.into_iter().find(|moment| moment.abs() > NO_MOMENT).unwrap_or(larger);
-            if way < 0.0 {
-                *axis = axis.map(|along| -along);
-            }
-        }
-        Self { axes, ..self }
+        let [x, y] = self.axes;
+        // Without any moment, x points as the larger of its coordinates does, and y to the left of it: on a line, nothing tells
+        // one side from the other.
+        let x = self.pointed(places, 0, if x[0].abs() >= x[1].abs() { x[0] } else { x[1] });
+        let y = self.pointed(places, 1, cross(x, y));
+        Self { axes: [x, y], ..self }
+    }
+
+    /// An axis that points to the half where more was heard, or else so that `usual` is above zero.
+    fn pointed(&self, places: &[Weighted], axis: usize, usual: f64) -> [f64; 2] {
+        let moments = [1, 3].map(|power| self.moment(places, axis, power));
+        let way = moments.into_iter().find(|moment| moment.abs() > NO_MOMENT).unwrap_or(usual);
+        if way < 0.0 { self.axes[axis].map(|along| -along) } else { self.axes[axis] }
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_mapper::TopologyMap;
 
 /// Ten packets of each node at each stop, with strengths; links have their own shadowing, and faint packets are lost.
 fn log(nodes: &[Position], stops: &[Position]) -> ReceptionLog {
@@ -89,15 +90,36 @@ pub(super) fn of_folder(folder: &Path) -> Vec<(String, ReceptionLog)> {
     folders.iter().filter_map(named).collect()
 }
 
+/// The cells of a row by the names of their columns.
+type Row = BTreeMap<String, String>;
+
+fn rows(file: &Path) -> Option<Vec<Row>> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let mut lines = text.lines();
+    let head: Vec<String> = lines.next()?.split(',').map(str::to_owned).collect();
+    let row = |line: &str| head.iter().cloned().zip(line.split(',').map(str::to_owned)).collect();
+    Some(lines.map(row).collect())
+}
+
+fn number(row: &Row, key: &str) -> Option<f64> {
+    row.get(key)?.parse().ok()
+}
+
+/// The mean error of a map of the log in a folder, seen from above (m), if the folder has the truth.
+pub(super) fn mean_error_m(folder: &Path, log: &ReceptionLog, map: &TopologyMap) -> Option<f64> {
+    let mut errors_m = Vec::new();
+    for row in rows(&folder.join("nodes.csv"))? {
+        let truth = Position::new(number(&row, "x_m")?, number(&row, "y_m")?, 0.0);
+        let node = log.names().iter().position(|name| *name == row["node"]);
+        if let Some(found) = node.and_then(|node| map.estimates[node].as_ref()) {
+            errors_m.push(truth.distance_m(Position { z_m: 0.0, ..found.position }));
+        }
+    }
+    Some(errors_m.iter().sum::<f64>() / errors_m.len() as f64)
+}
+
 fn of_files(folder: &Path) -> Option<ReceptionLog> {
-    let rows = |name: &str| -> Option<Vec<BTreeMap<String, String>>> {
-        let text = std::fs::read_to_string(folder.join(name)).ok()?;
-        let mut lines = text.lines();
-        let head: Vec<String> = lines.next()?.split(',').map(str::to_owned).collect();
-        let row = |line: &str| head.iter().cloned().zip(line.split(',').map(str::to_owned)).collect();
-        Some(lines.map(row).collect())
-    };
-    let number = |row: &BTreeMap<String, String>, key: &str| row.get(key).and_then(|text| text.parse::<f64>().ok());
+    let rows = |name: &str| rows(&folder.join(name));
     let mut number_of: BTreeMap<String, u32> = BTreeMap::new();
     let mut stops = Vec::new();
     for row in rows("stops.csv")? {
