@@ -56,11 +56,8 @@ pub fn measure(mapper: &Mapper, known: &KnownLog) -> Result<Option<Measured>, Ma
         PositionError::of(&errors)
     };
     let (Some(in_plane_m), Some(in_space_m)) = (errors_m(&flat), errors_m(&|place| place)) else { return Ok(None) };
-    let held: Vec<bool> = pairs()
-        .filter_map(|(estimate, place)| {
-            Some(Region::of_95(estimate, map.grid_step_m.unwrap_or(0.0))?.contains(place))
-        })
-        .collect();
+    let held: Vec<bool> =
+        pairs().filter_map(|(estimate, place)| Some(Region::of_95(estimate)?.contains(place))).collect();
     let chosen = learned.as_ref().and_then(EstimatorFindings::get::<Choice>).map(|choice| choice.chosen.to_owned());
     Ok(Some(Measured {
         in_plane_m,

@@ -59,6 +59,13 @@ impl Polygon {
         self.corners.iter().copied().zip(self.corners.iter().copied().cycle().skip(1))
     }
 
+    /// The polygon whose corners are where `change` puts these. The change must keep what is inside, inside: a turn, a shift, a
+    /// mirror image, a scale.
+    #[must_use]
+    pub fn moved(&self, change: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
+        Self { corners: self.corners.iter().map(|&corner| change(corner)).collect() }
+    }
+
     /// The area between the sides (m²).
     #[must_use]
     pub fn area_m2(&self) -> f64 {

@@ -225,10 +225,14 @@ impl ReceptionLog {
         seen.max(self.robots.len())
     }
 
-    /// The straight lines from each stop to the next one of the same robot, in the order of the survey.
+    /// The straight lines from each stop to the next one of the same robot, by time; stops of one time are in the order of the
+    /// log.
     pub fn drives(&self) -> impl Iterator<Item = Drive> {
         let mut last: Vec<Option<Position>> = vec![None; self.robot_count()];
-        self.stops.iter().filter_map(move |&Stop { robot, position, .. }| {
+        let mut path: Vec<usize> = (0..self.stops.len()).collect();
+        path.sort_by_key(|&stop| self.stops[stop].time);
+        path.into_iter().filter_map(move |stop| {
+            let Stop { robot, position, .. } = self.stops[stop];
             let from = last[robot.index()].replace(position)?;
             Some(Drive { robot, from, to: position })
         })

@@ -118,8 +118,7 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
 
 /// The 95 % regions of the nodes that have one.
 fn regions(map: &TopologyMap) -> Vec<Region> {
-    let step_m = map.grid_step_m.unwrap_or(0.0);
-    map.estimates.iter().flatten().filter_map(|estimate| Region::of_95(estimate, step_m)).collect()
+    map.estimates.iter().flatten().filter_map(Region::of_95).collect()
 }
 
 /// The corners of the boxes around `regions`, but no farther beyond the box around `places` than a quarter of its size, or

@@ -28,13 +28,13 @@ pub(super) fn write(
     let features: Vec<Value> = names
         .iter()
         .zip(&map.estimates)
-        .filter_map(|(name, estimate)| Some(feature(name, estimate.as_ref()?, map.grid_step_m, plane)))
+        .filter_map(|(name, estimate)| Some(feature(name, estimate.as_ref()?, plane)))
         .collect();
     let collection = json!({ "type": "FeatureCollection", "features": features });
     write_whole(path, format!("{collection:#}\n").as_bytes()).map_err(|why| RobotLogError::write(path, why))
 }
 
-fn feature(name: &str, estimate: &Estimate, grid_step_m: Option<f64>, plane: &LocalPlane) -> Value {
+fn feature(name: &str, estimate: &Estimate, plane: &LocalPlane) -> Value {
     let place = plane.to_geodetic(estimate.position).rounded();
     // RFC 7946, section 3.1.1: longitude first.
     let mut coordinates = vec![place.lon_deg, place.lat_deg];
@@ -48,7 +48,7 @@ fn feature(name: &str, estimate: &Estimate, grid_step_m: Option<f64>, plane: &Lo
     if let Some(concern) = estimate.concern {
         properties.insert("concern".to_owned(), Concern::name(concern).into());
     }
-    if let Some(ellipse) = Ellipse::of_95(estimate, grid_step_m.unwrap_or(0.0)) {
+    if let Some(ellipse) = Ellipse::of_95(estimate) {
         for (key, value) in [
             ("ellipse_95_major_m", ellipse.major_m),
             ("ellipse_95_minor_m", ellipse.minor_m),
@@ -74,12 +74,10 @@ struct Ellipse {
 }
 
 impl Ellipse {
-    /// From the covariance of east and north, with the variance within a cell of the grid as in
-    /// [`Region`](sextant_mapper::Region).
-    fn of_95(estimate: &Estimate, grid_step_m: f64) -> Option<Self> {
+    /// From the covariance of east and north, as in [`Region`](sextant_mapper::Region).
+    fn of_95(estimate: &Estimate) -> Option<Self> {
         let covariance = estimate.covariance?;
-        let cell = grid_step_m * grid_step_m / 12.0;
-        let (xx, yy, xy) = (covariance[0][0] + cell, covariance[1][1] + cell, covariance[0][1]);
+        let (xx, yy, xy) = (covariance[0][0], covariance[1][1], covariance[0][1]);
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         let spread = libm::hypot(half, xy);
         let axis = |variance: f64| (CHI_SQUARED_95 * variance.max(0.0)).sqrt();

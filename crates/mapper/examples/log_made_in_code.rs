@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let estimate = estimate.as_ref().ok_or("each node was heard")?;
         let place = estimate.position;
         let error_m = place.distance_m(Position::new(*x_m, *y_m, 0.0));
-        let area_m2 = Region::of_95(estimate, 0.0).map_or(f64::NAN, |region| region.size());
+        let area_m2 = Region::of_95(estimate).map_or(f64::NAN, |region| region.size());
         writeln!(
             out,
             "{name}: {:.2} m, {:.2} m; {error_m:.2} m off; with 95 % within {area_m2:.1} m²",

@@ -8,8 +8,9 @@ use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Unwatched, Watch};
 
 use crate::parts::map_parts;
+use crate::survey_frame;
 use crate::{
-    Comparable, EstimatorFindings, Knowledge, KnowledgeKind, LogParts, MapError, PartEstimator, PartsError,
+    Axes, Comparable, EstimatorFindings, Knowledge, KnowledgeKind, LogParts, MapError, PartEstimator, PartsError,
     PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile, Surface, TopologyMap,
 };
 
@@ -31,6 +32,11 @@ pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError>;
+
+    /// The axes in which it works.
+    fn axes(&self) -> Axes {
+        Axes::Log
+    }
 
     /// How it maps a log part by part; `None` if it needs all of the log at once.
     fn by_parts(&self) -> Option<&dyn PartEstimator> {
@@ -126,7 +132,8 @@ pub enum Landmarks {
     Sought,
 }
 
-/// An estimator, ready to map any log.
+/// An estimator, ready to map any log. It maps in the axes that suit the estimator ([`Axes`]): the map does not depend on where
+/// the origin lies, where x points and in which order rows come, as far as the grid follows from the log.
 #[derive(Clone, Debug)]
 pub struct Mapper(Arc<dyn Estimator>);
 
@@ -172,7 +179,10 @@ impl Mapper {
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let knowledge = knowledge.into();
         self.check_prior(knowledge.prior)?;
-        self.0.estimate(&knowledge, watch)
+        match self.axes() {
+            Axes::Log => self.0.estimate(&knowledge, watch),
+            Axes::Survey => survey_frame::estimate(&*self.0, &knowledge, watch),
+        }
     }
 }
 
@@ -207,7 +217,8 @@ impl Mapper {
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), PartsError> {
         self.check_prior(knowledge.prior)?;
         let estimator = self.parts_estimator()?;
-        map_parts(estimator, self.name(), parts, &Knowledge { log: parts.whole(), ..knowledge }, watch)
+        let knowledge = Knowledge { log: parts.whole(), ..knowledge };
+        map_parts(estimator, (self.name(), self.axes()), parts, &knowledge, watch)
     }
 }
 

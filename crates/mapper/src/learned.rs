@@ -7,7 +7,7 @@ use std::sync::Arc;
 use sextant_kernel::NodeId;
 use sextant_kernel::text::counted;
 
-use crate::{AbsorptionMap, Comparable, TopologyMap};
+use crate::{AbsorptionMap, Comparable, SurveyFrame, TopologyMap};
 
 /// Something that an estimator learned from a log in addition to the map.
 pub trait Finding: Any + Comparable + fmt::Debug + Send + Sync {
@@ -36,6 +36,13 @@ pub trait Finding: Any + Comparable + fmt::Debug + Send + Sync {
     /// Nodes that may be farther away than they were searched for.
     fn at_bound(&self) -> &[NodeId] {
         &[]
+    }
+
+    /// The same in the frame of the log, if it was learned in `frame`; `None` if it names no node, stop or place, so that it is
+    /// the same.
+    fn in_log(&self, frame: &SurveyFrame) -> Option<EstimatorFindings> {
+        let _ = frame;
+        None
     }
 }
 

@@ -56,6 +56,7 @@ mod rss_grid;
 mod self_calibrated;
 mod stitch;
 mod surface;
+mod survey_frame;
 mod topology_map;
 
 pub use absorption::{AbsorptionMap, ObstacleClaim};
@@ -115,4 +116,5 @@ pub use stitch::{
     StitchConfig, StitchRules, Stitched, Stitching, stitch,
 };
 pub use surface::Surface;
+pub use survey_frame::{Axes, SurveyFrame};
 pub use topology_map::{CoordinateFrame, TopologyMap};

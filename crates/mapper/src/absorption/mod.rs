@@ -4,6 +4,7 @@ pub(crate) mod claims;
 
 use sextant_channel::Position;
 
+use crate::SurveyFrame;
 use claims::NEGLIGIBLE;
 pub use claims::ObstacleClaim;
 
@@ -31,6 +32,33 @@ impl AbsorptionMap {
         let [columns, rows] = counts;
         let absorbing = vec![0; (columns + 1) * (rows + 1)];
         Self { low, cell_m, counts, cells: vec![0.0; columns * rows], absorbing, claims: Vec::new() }
+    }
+
+    /// The same in the axes of the log, if it was made in `frame`: cells as wide, each with what absorbs at its middle.
+    pub(crate) fn of_log(&self, frame: &SurveyFrame) -> Self {
+        let ends = [0, 1].map(|axis| [self.low[axis], self.low[axis] + self.cell_m * self.counts[axis] as f64]);
+        let corner = |k: usize| frame.place(Position::new(ends[0][k % 2], ends[1][k / 2], 0.0));
+        let along = |pick: fn(f64, f64) -> f64| {
+            let corners = (0..4).map(corner).map(|corner| [corner.x_m, corner.y_m]);
+            corners.reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])]).unwrap_or_default()
+        };
+        let mut of_log = Self::new(along(f64::min), along(f64::max), self.cell_m, f64::INFINITY);
+        let mut claim_of = vec![None; self.cells.len()];
+        for (number, claim) in self.claims.iter().enumerate() {
+            claim.cells.iter().for_each(|&[i, j]| claim_of[j * self.counts[0] + i] = Some(number));
+        }
+        let mut claims: Vec<ObstacleClaim> =
+            self.claims.iter().map(|claim| ObstacleClaim { cells: Vec::new(), ..claim.clone() }).collect();
+        let [columns, rows] = of_log.counts;
+        for [i, j] in (0..rows).flat_map(|j| (0..columns).map(move |i| [i, j])) {
+            if let Some(cell) = self.cell(frame.in_survey(of_log.centre([i, j]))) {
+                of_log.cells[j * columns + i] = self.cells[cell];
+                claim_of[cell].iter().for_each(|&number: &usize| claims[number].cells.push([i, j]));
+            }
+        }
+        of_log.claims = claims;
+        of_log.count();
+        of_log
     }
 
     /// Width of a cell (m).

@@ -20,9 +20,9 @@ pub use self::score::{ChoiceReason, Score};
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::pattern::PatternMap;
 use crate::{
-    AnyLog, Calibration, CountRule, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit, FittedConfig,
-    FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper, MlTmConfig,
-    PacketCentroid, PacketCentroidConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated,
+    AnyLog, Axes, Calibration, CountRule, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
+    FittedConfig, FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper,
+    MlTmConfig, PacketCentroid, PacketCentroidConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated,
     SelfCalibratedConfig, SoughtHeights, TopologyMap,
 };
 
@@ -332,6 +332,10 @@ impl TryFrom<AutoConfig> for Auto {
 impl Estimator for Auto {
     fn name(&self) -> &'static str {
         Self::NAME
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::Survey
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use sextant_kernel::NodeId;
 
 use super::{Choice, ChoiceReason, EstimatorFit};
-use crate::{AbsorptionMap, CurveFinding, Finding, Line, Section, TopologyMap};
+use crate::{AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, SurveyFrame, TopologyMap};
 
 #[cfg(feature = "config")]
 /// The keys of a choice.
@@ -118,6 +118,15 @@ impl Finding for Choice {
 
     fn at_bound(&self) -> &[NodeId] {
         self.finding().map(Finding::at_bound).unwrap_or_default()
+    }
+
+    fn in_log(&self, frame: &SurveyFrame) -> Option<EstimatorFindings> {
+        let fit = self.fit.as_ref().map(|fit| match fit {
+            EstimatorFit::Profile(fit) => EstimatorFit::Profile(fit.of_log(frame)),
+            EstimatorFit::Calibration(calibration) => EstimatorFit::Calibration(calibration.of_log(frame)),
+            EstimatorFit::Links(_) | EstimatorFit::Pattern(_) => fit.clone(),
+        });
+        Some(EstimatorFindings::new(Self { fit, ..self.clone() }))
     }
 }
 

@@ -92,7 +92,8 @@ fn error(own: &Predicted, other: &Predicted) -> f64 {
 ///
 /// Estimators of independent packets are taken if they predict as well as the link model does, within a standard error: where
 /// packets are independent, they place nodes better than it; where they are not, they are refuted. Predictions by one law depend little on
-/// the places, so that one with places only must be better than the link model by [`CLEARLY`].
+/// the places, so that one with places only must be better than the link model by [`CLEARLY`], and surely so: by two standard
+/// errors more.
 pub(super) fn best(
     predicted: &[Predicted],
     links: usize,
@@ -104,15 +105,16 @@ pub(super) fn best(
         numbers.iter().max_by(by_mean).copied()
     };
     let gain = |number: usize, over: usize| predicted[number].mean() - predicted[over].mean();
-    let is_surely_better =
-        |number: usize, over: usize| gain(number, over) > 2.0 * error(&predicted[number], &predicted[over]);
+    let is_surely_better = |number: usize, over: usize, by: f64| {
+        gain(number, over) - 2.0 * error(&predicted[number], &predicted[over]) > by
+    };
     let trusted =
-        independent.iter().copied().reduce(|best, next| if is_surely_better(next, best) { next } else { best });
+        independent.iter().copied().reduce(|best, next| if is_surely_better(next, best, 0.0) { next } else { best });
     match trusted {
         Some(number) if gain(number, links) >= -error(&predicted[number], &predicted[links]) => {
             (number, ChoiceReason::IndependentPackets)
         }
-        _ => match highest(places).filter(|&number| gain(number, links) > CLEARLY) {
+        _ => match highest(places).filter(|&number| is_surely_better(number, links, CLEARLY)) {
             Some(number) => (number, ChoiceReason::BetterPlaces),
             None => (links, ChoiceReason::DependentPackets),
         },
@@ -156,7 +158,11 @@ mod tests {
         let hardly = predicted(&[0.55; 4]);
         let clearly = predicted(&[0.6; 4]);
         assert_eq!(best(&[links.clone(), hardly.clone()], 0, &[], &[1]).0, 0);
-        assert_eq!(best(&[links, hardly, clearly], 0, &[], &[1, 2]).0, 2);
+        assert_eq!(best(&[links.clone(), hardly, clearly], 0, &[], &[1, 2]).0, 2);
+        // A gain as large that comes from one node of four may be by chance.
+        let by_one_node = predicted(&[0.99, 0.5, 0.5, 0.52]);
+        assert!(by_one_node.mean() - links.mean() > CLEARLY);
+        assert_eq!(best(&[links, by_one_node], 0, &[], &[1]).0, 0);
     }
 
     #[test]

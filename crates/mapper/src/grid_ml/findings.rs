@@ -3,6 +3,7 @@
 use sextant_channel::Position;
 
 use crate::grid_ml::solver::{Moments, Peak, Sink};
+use crate::posterior::Cell;
 use crate::{Estimate, EstimateKind, Lattice, TieRule};
 
 /// The vertices of highest likelihood, and the moments if the mean is wanted.
@@ -39,7 +40,7 @@ impl Findings {
             },
             log_likelihood: Some(peak.highest()),
             ties: u32::try_from(peak.vertices().len()).unwrap_or(u32::MAX),
-            covariance: moments.as_ref().map(Moments::covariance),
+            covariance: moments.as_ref().map(|moments| Cell::of(lattice).spread(moments.covariance())),
             infeasible,
             concern: None,
         })

@@ -10,8 +10,8 @@ use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::sectors::SectorSettings;
 use crate::posterior::FitState;
 use crate::{
-    CoordinateFrame, Estimator, EstimatorFindings, Fit, Fitted, FittedConfig, Knowledge, KnowledgeKind, MapError,
-    MlTm, MlTmConfig, NodeOfLog, PartEstimator, ProfileConfig, Surface, TopologyMap, TrapezoidConfig,
+    Axes, CoordinateFrame, Estimator, EstimatorFindings, Fit, Fitted, FittedConfig, Knowledge, KnowledgeKind,
+    MapError, MlTm, MlTmConfig, NodeOfLog, PartEstimator, ProfileConfig, Surface, TopologyMap, TrapezoidConfig,
 };
 
 /// ML-TM under a profile that is first estimated from the log, for logs whose channel is unknown.
@@ -171,6 +171,10 @@ pub(super) fn map_evidence(
 impl Estimator for FittedMlTm {
     fn name(&self) -> &'static str {
         MlTm::NAME
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::Survey
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {

@@ -2,10 +2,8 @@
 
 use sextant_channel::Position;
 
+use super::geometry::{NEIGHBOURS, keep_nearest};
 use super::law::Law;
-
-/// A link is compared with at most so many others.
-const NEIGHBOURS: usize = 8;
 
 /// A margin that is expected of a link.
 #[derive(Clone, Copy, Debug)]
@@ -32,12 +30,7 @@ pub(super) struct Known {
 pub(super) fn conditioned(law: &Law, told: Expected, number: usize, place: Position, known: &[Known]) -> Expected {
     let others = known.iter().enumerate().filter(|(_, link)| link.number != number);
     let mut near: Vec<(f64, usize)> = others.map(|(at, link)| (link.place.distance_m(place), at)).collect();
-    let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-    if near.len() > NEIGHBOURS {
-        near.select_nth_unstable_by(NEIGHBOURS, by_distance);
-        near.truncate(NEIGHBOURS);
-    }
-    near.sort_unstable_by(by_distance);
+    keep_nearest(&mut near);
     let shadowing = law.shadowing * law.shadowing;
     let common = law.offset * law.offset;
     let covariance = |distance_m: f64| common + law.shared * shadowing * libm::exp(-distance_m / law.correlation_m);

@@ -44,11 +44,7 @@ impl Arrangement {
             near.extend(
                 order[..position].iter().enumerate().map(|(before, &other)| (at[link].distance_m(at[other]), before)),
             );
-            if near.len() > NEIGHBOURS {
-                near.select_nth_unstable_by(NEIGHBOURS, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-                near.truncate(NEIGHBOURS);
-            }
-            near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            keep_nearest(&mut near);
             let mut distances_m: Vec<f64> = near.iter().map(|&(distance_m, _)| distance_m).collect();
             for (row, &(_, first)) in near.iter().enumerate() {
                 let between = near[..row].iter().map(|&(_, second)| at[order[first]].distance_m(at[order[second]]));
@@ -58,6 +54,26 @@ impl Arrangement {
         });
         Self { neighbours: neighbours.collect(), order }
     }
+}
+
+/// Keeps the [`NEIGHBOURS`] nearest of places, which are given by their distances and ranks (m), the nearest first. Where
+/// distances are alike, as on a lattice, the ranks count, and not how the distances were rounded.
+pub(super) fn keep_nearest(near: &mut Vec<(f64, usize)>) {
+    let key = |&(distance_m, rank): &(f64, usize)| (about(distance_m), rank);
+    if near.len() > NEIGHBOURS {
+        near.select_nth_unstable_by_key(NEIGHBOURS, key);
+        near.truncate(NEIGHBOURS);
+    }
+    near.sort_unstable_by_key(key);
+}
+
+/// Distances within this share of each other are alike.
+const ALIKE: f64 = 1e-3;
+
+/// A number that grows with a distance, and is the same for distances that are alike: its exponent and ten binary digits. Round
+/// distances are not at the border between two numbers.
+fn about(distance_m: f64) -> u32 {
+    single(distance_m * 1.000_37).to_bits() >> 13
 }
 
 /// `value` in single precision, which has enough digits for logarithms, directions and margins.
@@ -73,18 +89,21 @@ fn farthest_first(at: &[Position]) -> Vec<usize> {
     let middle = at.iter().fold(Position::ORIGIN, |sum, &place| sum + place) * share;
     let mut nearest_m = vec![f64::INFINITY; at.len()];
     let mut is_left = vec![true; at.len()];
-    let first = (0..at.len()).min_by(|&a, &b| at[a].distance_m(middle).total_cmp(&at[b].distance_m(middle)));
+    // Of places that are alike, the first counts, whatever rounding says.
+    let from_middle = |place: usize| at[place].distance_m(middle);
+    let first = (0..at.len())
+        .reduce(|best, other| if from_middle(other) < from_middle(best) * (1.0 - ALIKE) { other } else { best });
     let mut next = first;
     let mut order = Vec::with_capacity(at.len());
     while let Some(link) = next {
         order.push(link);
         is_left[link] = false;
         next = None;
-        let mut farthest_m = f64::NEG_INFINITY;
+        let mut farthest_m = 0.0;
         for other in 0..at.len() {
             if is_left[other] {
                 nearest_m[other] = nearest_m[other].min(at[other].distance_m(at[link]));
-                if nearest_m[other] > farthest_m {
+                if nearest_m[other] > farthest_m * (1.0 + ALIKE) || next.is_none() {
                     (farthest_m, next) = (nearest_m[other], Some(other));
                 }
             }

@@ -13,6 +13,8 @@ const PLACES_PER_NODE: f64 = 220.0;
 const STRONGEST: usize = 24;
 /// At most so many.
 const FINE_PLACES: usize = 90;
+/// Where the borders of cells lie relative to the origin, in cells: rows of stops are not on them.
+const PHASE: f64 = 0.381_966;
 /// Places are taken into account up to this multiple of the reach from the middle of those that heard the node.
 const HORIZON: f64 = 2.0;
 
@@ -163,7 +165,7 @@ fn merged(log: &ReceptionLog, cell_m: f64) -> (Vec<Place>, Vec<usize>) {
     let mut places: Vec<Place> = Vec::new();
     let place_of = log.stops().iter().map(|stop| {
         let at: [f64; 3] = stop.position.into();
-        let cell = if cell_m > 0.0 { at.map(|along| (along / cell_m).floor()) } else { at };
+        let cell = if cell_m > 0.0 { at.map(|along| (along / cell_m + PHASE).floor()) } else { at };
         // Both zeros are one cell.
         let key = cell.map(|along| (along + 0.0).to_bits());
         let place = *cells.entry(key).or_insert_with(|| {

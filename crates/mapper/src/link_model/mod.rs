@@ -31,7 +31,7 @@ use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::below;
 use crate::posterior::{FitState, Verdict};
 use crate::{
-    AnyLog, Concern, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
+    AnyLog, Axes, Concern, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
     KnowledgeKind, MapError, Mapper, PartEstimator, PlacePrior, SoughtHeights, TopologyMap,
 };
 use fit::Found;
@@ -339,6 +339,10 @@ impl TryFrom<LinkModelConfig> for LinkModel {
 impl Estimator for LinkModel {
     fn name(&self) -> &'static str {
         Self::NAME
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::Survey
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {

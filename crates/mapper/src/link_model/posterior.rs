@@ -11,6 +11,7 @@ use super::links::{Link, Links, NodeLinks};
 use super::outages::{Outages, Pair};
 use super::site::{Site, silence_of_living};
 use super::window::{Bounds, Window};
+use crate::posterior::Cell;
 
 /// Distances are at least this share of the step of the grid, because a vertex stands for its cell.
 const NEAREST: f64 = 0.35;
@@ -271,10 +272,6 @@ fn moments(vertices: &[Position], shares: &[f64], step_m: f64) -> (Position, [[f
             }
         }
     }
-    for (axis, extent_m) in extent.into_iter().enumerate() {
-        if extent_m > 0.0 {
-            covariance[axis][axis] += step_m * step_m / 12.0;
-        }
-    }
-    (mean, covariance)
+    let cell = Cell::new(extent.map(|extent_m| if extent_m > 0.0 { step_m } else { 0.0 }));
+    (mean, cell.spread(covariance))
 }

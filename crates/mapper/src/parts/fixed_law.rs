@@ -6,7 +6,8 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Unreported, Watch, Work};
 
 use super::{LogParts, PartsError};
-use crate::{CoordinateFrame, EstimatorFindings, Knowledge, MapError, SoughtHeights, TopologyMap};
+use crate::survey_frame::{SurveyParts, in_survey};
+use crate::{Axes, CoordinateFrame, EstimatorFindings, Knowledge, MapError, SoughtHeights, TopologyMap};
 
 /// An estimator that can map a log part by part.
 pub trait PartEstimator {
@@ -37,15 +38,28 @@ pub trait FixedLaw: fmt::Debug {
     }
 }
 
-/// The map of all parts by `estimator`, which is called `name`, with what was learned from the whole log.
+/// The map of all parts by `estimator`, which is called `name` and works in these axes, with what was learned from the whole log.
 pub(crate) fn map_parts(
     estimator: &dyn PartEstimator,
-    name: &'static str,
+    (name, axes): (&'static str, Axes),
     parts: &dyn LogParts,
     knowledge: &Knowledge<'_>,
     watch: &dyn Watch,
 ) -> Result<(TopologyMap, Option<EstimatorFindings>), PartsError> {
-    let law = estimator.fix(parts, knowledge, watch)?;
+    let survey = match axes {
+        Axes::Log => None,
+        Axes::Survey => SurveyParts::of(parts, watch)?,
+    };
+    let prior = survey.as_ref().zip(knowledge.prior).map(|(survey, prior)| survey.prior(prior));
+    let knowledge = match &survey {
+        Some(survey) => in_survey(knowledge, survey.whole(), prior.as_ref()),
+        None => *knowledge,
+    };
+    let turned: &dyn LogParts = match &survey {
+        Some(survey) => survey,
+        None => parts,
+    };
+    let law = estimator.fix(turned, &knowledge, watch)?;
     let nodes = parts.whole().node_count();
     let mut map = TopologyMap {
         estimates: vec![None; nodes],
@@ -59,7 +73,11 @@ pub(crate) fn map_parts(
         let of_part = match parts.made(part)? {
             Some(made) => made,
             None => {
-                let made = law.map_part(parts.nodes(part), &parts.read(part)?, &Unreported(watch))?;
+                let made = law.map_part(turned.nodes(part), &turned.read(part)?, &Unreported(watch))?;
+                let made = match &survey {
+                    Some(survey) => survey.map_in_log(part, made),
+                    None => made,
+                };
                 parts.keep(part, &made)?;
                 made
             }
@@ -72,7 +90,12 @@ pub(crate) fn map_parts(
         map.heights = joined(map.heights, of_part.heights);
         watch.advance(1);
     }
-    Ok((map, law.learned()))
+    let learned = law.learned();
+    let in_log = |learned| match &survey {
+        Some(survey) => survey.learned_in_log(learned),
+        None => learned,
+    };
+    Ok((map, learned.map(in_log)))
 }
 
 /// The heights of two parts of a map.

@@ -11,7 +11,7 @@ use super::scene::Scene;
 use super::{PatternFit, PatternMap};
 use crate::log_facts::reach::HeardNode;
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::FitState;
+use crate::posterior::{Cell, FitState};
 use crate::{CoordinateFrame, Estimate, MapError, TopologyMap};
 
 /// The law of a log, with all that the map of a node depends on beside what was heard of it.
@@ -71,15 +71,10 @@ impl Settled {
     }
 
     fn estimate(&self, places: &Places, within: &SearchBox) -> Estimate {
+        let step_m = places.step_m;
+        let cell = Cell::new([step_m, step_m, if within.is_level() { 0.0 } else { step_m }]);
         let mut estimate =
-            Estimate::of_places(self.settings.estimate, &places.places, places.mean(), places.likeliest);
-        if let Some(covariance) = &mut estimate.covariance {
-            // A node is somewhere in its cell.
-            let within_cell = places.step_m * places.step_m / 12.0;
-            for (axis, row) in covariance.iter_mut().enumerate() {
-                row[axis] += if axis == 2 && within.is_level() { 0.0 } else { within_cell };
-            }
-        }
+            Estimate::of_places(self.settings.estimate, (&places.places, cell), places.mean(), places.likeliest);
         let state = FitState { is_reach_known: self.scene.is_reach_known, is_settled: self.found.is_settled };
         estimate.concern = state.concern(places.verdict.concern(places.edge_below));
         estimate

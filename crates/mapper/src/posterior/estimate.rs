@@ -2,6 +2,7 @@
 
 use sextant_channel::Position;
 
+use super::cell::Cell;
 use super::covariance::covariance;
 use crate::{Concern, EstimateKind};
 
@@ -15,7 +16,8 @@ pub struct Estimate {
     /// Number of vertices with the highest likelihood (within 10⁻⁹ in its logarithm), 1 if there is only one. Always
     /// 1 for an algorithm without a common grid.
     pub ties: u32,
-    /// Posterior covariance of x, y, z (m²): present for a posterior mean.
+    /// Posterior covariance of x, y, z (m²): present for a posterior mean. It includes where in its cell of the grid a node may
+    /// be. In a plane, the height has no variance.
     pub covariance: Option<[[f64; 3]; 3]>,
     /// Whether no vertex explains all receptions, so that some were treated as outliers.
     pub infeasible: bool,
@@ -24,11 +26,11 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The estimate from places with probabilities that sum to 1, their mean (m), and the likeliest place with its
-    /// log-likelihood. It has no concern.
+    /// The estimate from places with probabilities that sum to 1, which stand for cells, their mean (m), and the likeliest place
+    /// with its log-likelihood. It has no concern.
     pub(crate) fn of_places(
         kind: EstimateKind,
-        places: &[(Position, f64)],
+        (places, cell): (&[(Position, f64)], Cell),
         mean: Position,
         likeliest: (Position, f64),
     ) -> Self {
@@ -36,7 +38,7 @@ impl Estimate {
             EstimateKind::Argmax => (likeliest.0, None),
             EstimateKind::PosteriorMean => {
                 let apart = places.iter().map(|&(place, probability)| (place - mean, probability));
-                (mean, Some(covariance(apart)))
+                (mean, Some(cell.spread(covariance(apart))))
             }
         };
         let log_likelihood = Some(likeliest.1);

@@ -2,6 +2,7 @@
 
 use sextant_channel::Position;
 
+use super::Cell;
 use crate::log_facts::heights::Heights;
 use crate::{Estimate, EstimateKind};
 
@@ -14,6 +15,8 @@ pub(crate) struct LocalPosterior {
     pub(crate) mean: Position,
     /// Standard deviation along each axis (m).
     pub(crate) spread_m: [f64; 3],
+    /// What each place stands for.
+    cell: Cell,
 }
 
 impl LocalPosterior {
@@ -24,7 +27,7 @@ impl LocalPosterior {
 
     /// The estimate, where the likeliest place has this log-likelihood.
     pub(crate) fn estimate(&self, kind: EstimateKind, likeliest: (Position, f64)) -> Estimate {
-        Estimate::of_places(kind, &self.places, self.mean, likeliest)
+        Estimate::of_places(kind, (&self.places, self.cell), self.mean, likeliest)
     }
 }
 
@@ -141,7 +144,9 @@ impl Grid {
         places.retain(|&(_, weight)| weight > 1e-6);
         let mean = self.centre + Position::new(sum[0], sum[1], sum[2]);
         let spread_m = [0, 1, 2].map(|axis| (squares[axis] - sum[axis] * sum[axis]).max(0.0).sqrt());
-        Some((LocalPosterior { places, mean, spread_m }, edge))
+        let [x_m, y_m, z_m] = self.steps;
+        let cell = Cell::new([x_m, y_m, if matches!(self.heights, Heights::Level(_)) { 0.0 } else { z_m }]);
+        Some((LocalPosterior { places, mean, spread_m, cell }, edge))
     }
 }
 

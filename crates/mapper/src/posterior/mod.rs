@@ -2,6 +2,7 @@
 //! is not reliable.
 
 mod bound;
+mod cell;
 mod concern;
 mod covariance;
 mod estimate;
@@ -13,6 +14,7 @@ mod region;
 mod verdict;
 
 pub use bound::{TrueModel, posterior_bound_m};
+pub(crate) use cell::Cell;
 pub use concern::Concern;
 pub(crate) use covariance::covariance;
 pub use estimate::Estimate;

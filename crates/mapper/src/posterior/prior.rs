@@ -70,14 +70,18 @@ impl Area {
             let allowed = format!("coordinates from {:e} to {:e} m", -Position::FARTHEST_M, Position::FARTHEST_M);
             return Err(SettingError::new(format!("corners_m[{i}]"), format!("[{x}, {y}]"), allowed));
         }
-        let polygon = Polygon::new(corners)?;
+        Ok(Self::of(Polygon::new(corners)?))
+    }
+
+    fn of(polygon: Polygon) -> Self {
+        let corners = polygon.corners();
         let fold = |from: f64, pick: fn(f64, f64) -> f64| {
             [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).fold(from, pick))
         };
         let (low, high) = (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max));
         // Far from the origin, coordinates themselves are rounded.
         let extent_m = [low, high].concat().into_iter().map(f64::abs).fold(high[0] - low[0], f64::max);
-        Ok(Self { polygon, low, high, on_border_m: ON_BORDER * extent_m.max(high[1] - low[1]) })
+        Self { low, high, on_border_m: ON_BORDER * extent_m.max(high[1] - low[1]), polygon }
     }
 
     /// The rectangle between two corners (m), the lower left one first.
@@ -116,6 +120,11 @@ impl Area {
     #[must_use]
     pub fn bounds(&self) -> [[f64; 2]; 2] {
         [self.low, self.high]
+    }
+
+    /// The same area in other axes, in which a point has the place that `change` says. Lengths must be the same.
+    pub(crate) fn moved(&self, change: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
+        Self::of(self.polygon.moved(change))
     }
 
     /// The corners of the area (m), in order.

@@ -11,8 +11,8 @@ const FLAT_M2: f64 = 1e-12;
 const CHI_SQUARED_95: [f64; 2] = [5.991_464_547_107_982, 7.814_727_903_251_178];
 
 /// An ellipse (an ellipsoid, if the heights are uncertain as well) that holds a node with a probability of 95 %: all
-/// places x with `(x − m)ᵀ (C + I h²/12)⁻¹ (x − m) ≤ χ²₀.₉₅`, where m and C are the posterior mean and covariance and h
-/// is the step of the grid, whose cells a node is somewhere in. In a plane the height does not count.
+/// places x with `(x − m)ᵀ C⁻¹ (x − m) ≤ χ²₀.₉₅`, where m and C are the posterior mean and covariance. In a plane the height does
+/// not count.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     mean: Position,
@@ -25,16 +25,12 @@ pub struct Region {
 }
 
 impl Region {
-    /// The region that holds the node with 95 %; `None` for an estimate without a covariance. `grid_step_m` is the step
-    /// of the grid on which it was computed (m), 0 if there was none.
+    /// The region that holds the node with 95 %; `None` for an estimate without a covariance.
     #[must_use]
-    pub fn of_95(estimate: &Estimate, grid_step_m: f64) -> Option<Self> {
+    pub fn of_95(estimate: &Estimate) -> Option<Self> {
         let covariance = estimate.covariance?;
         let dimensions = if covariance[2][2] > FLAT_M2 { 3 } else { 2 };
-        let within_cell = grid_step_m * grid_step_m / 12.0;
-        let matrix = DMatrix::from_fn(dimensions, dimensions, |row, column| {
-            covariance[row][column] + if row == column { within_cell } else { 0.0 }
-        });
+        let matrix = DMatrix::from_fn(dimensions, dimensions, |row, column| covariance[row][column]);
         let volume = matrix.determinant().max(0.0).sqrt();
         let precision = matrix.clone().try_inverse()?;
         Some(Self { mean: estimate.position, covariance: matrix, precision, volume })
@@ -101,7 +97,7 @@ mod tests {
 
     #[test]
     fn the_ellipse_has_its_half_axes_where_the_chi_squared_law_puts_them() {
-        let region = Region::of_95(&estimate([[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]]), 0.0).unwrap();
+        let region = Region::of_95(&estimate([[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]])).unwrap();
         let half = 5.991_464_547_107_982_f64.sqrt();
         for (x_m, y_m, is_in) in [
             (2.0 * half - 1e-9, 0.0, true),
@@ -117,24 +113,23 @@ mod tests {
 
     #[test]
     fn the_outline_is_where_the_region_ends() {
-        let region = Region::of_95(&estimate([[4.0, 1.2, 0.0], [1.2, 1.0, 0.0], [0.0; 3]]), 0.5).unwrap();
+        let region = Region::of_95(&estimate([[4.0, 1.2, 0.0], [1.2, 1.0, 0.0], [0.0; 3]])).unwrap();
         for [x_m, y_m] in region.outline([0, 1], 60) {
             let at = |share: f64| Position::new(1.0 + share * (x_m - 1.0), 2.0 + share * (y_m - 2.0), 0.0);
             assert!(region.contains(at(0.999)) && !region.contains(at(1.001)));
         }
         assert!(region.outline([0, 2], 60).iter().all(|corner| corner[1].abs() < 1e-12), "it is flat");
         // Seen along an axis, the half-axes of an ellipsoid with its axes along x, y and z are the other two.
-        let space = Region::of_95(&estimate([[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 9.0]]), 0.0).unwrap();
+        let space = Region::of_95(&estimate([[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 9.0]])).unwrap();
         let highest = space.outline([0, 2], 360).iter().map(|corner| corner[1]).fold(0.0, f64::max);
         assert!((highest - 3.0 * 7.814_727_903_251_178_f64.sqrt()).abs() < 1e-3, "{highest} m");
     }
 
     #[test]
-    fn a_node_that_one_vertex_explains_is_somewhere_in_its_cell() {
-        let region = Region::of_95(&estimate([[0.0; 3]; 3]), 0.6).unwrap();
-        assert!(region.contains(Position::new(1.29, 2.29, 0.0)) && !region.contains(Position::new(1.5, 2.0, 0.0)));
-        assert_eq!(Region::of_95(&Estimate { covariance: None, ..estimate([[0.0; 3]; 3]) }, 0.6), None);
+    fn a_region_has_as_many_dimensions_as_the_covariance_and_none_without_one() {
+        assert_eq!(Region::of_95(&Estimate { covariance: None, ..estimate([[0.0; 3]; 3]) }), None);
+        assert_eq!(Region::of_95(&estimate([[0.0; 3]; 3])), None);
         let space = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        assert_eq!(Region::of_95(&estimate(space), 0.0).unwrap().dimensions(), 3);
+        assert_eq!(Region::of_95(&estimate(space)).unwrap().dimensions(), 3);
     }
 }

@@ -32,8 +32,8 @@ use crate::numerics::whole;
 use crate::posterior::FitState;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    AnyLog, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
-    KnowledgeKind, Lattice, MapError, Mapper, Messages, ReceiverSetting, SoughtHeights, TopologyMap,
+    AnyLog, Axes, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings,
+    Knowledge, KnowledgeKind, Lattice, MapError, Mapper, Messages, ReceiverSetting, SoughtHeights, TopologyMap,
 };
 
 /// The Bayesian grid as written in a scenario.
@@ -352,6 +352,13 @@ fn longest_m(log: &ReceptionLog, nodes: &[(Links, SearchBox)]) -> f64 {
 impl Estimator for RssGrid {
     fn name(&self) -> &'static str {
         Self::NAME
+    }
+
+    fn axes(&self) -> Axes {
+        match self.channel {
+            Channel::Known { .. } => Axes::Log,
+            Channel::Fitted(_) => Axes::Survey,
+        }
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {

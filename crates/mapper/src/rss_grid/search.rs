@@ -9,7 +9,7 @@ use super::curves::Curves;
 use super::tiles::{Part, Silence, Tiles};
 use crate::grid_ml::solver::Peak;
 use crate::log_facts::strengths::Strength;
-use crate::posterior::covariance;
+use crate::posterior::{Cell, covariance};
 use crate::{Estimate, EstimateKind, Lattice};
 
 /// A vertex this far below the highest log-likelihood is left out of the mean: even 10⁹ such vertices have a weight
@@ -263,7 +263,7 @@ impl Found {
                 let total: f64 = weights().map(|(_, weight)| weight).sum();
                 let mean = weights().fold(Position::ORIGIN, |sum, (offset, weight)| sum + offset * (weight / total));
                 let apart = weights().map(|(offset, weight)| (offset - mean, weight / total));
-                (best + mean, Some(covariance(apart)))
+                (best + mean, Some(Cell::of(lattice).spread(covariance(apart))))
             }
         };
         let ties = self.vertices.iter().filter(|&&(_, value)| value >= highest - Peak::TOLERANCE).count();

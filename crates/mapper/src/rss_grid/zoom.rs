@@ -4,7 +4,7 @@ use sextant_channel::Position;
 
 use super::evidence::{Evidence, Links};
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::Verdict;
+use crate::posterior::{Cell, Verdict};
 use crate::{Concern, Estimate, EstimateKind};
 
 /// Vertices along each axis, in the plane and in space.
@@ -33,6 +33,7 @@ pub(super) struct Posterior {
     /// The likeliest place, and its log-likelihood.
     best: (Position, f64),
     concern: Option<Concern>,
+    cell: Cell,
     pub(super) vertices: u64,
 }
 
@@ -72,12 +73,13 @@ impl Posterior {
                     continue;
                 }
             }
-            return Self::on(&found, best, concern, vertices);
+            return Self { concern, vertices, ..Self::on(&found, best, Cell::new(steps)) };
         }
         unreachable!("the last grid returns")
     }
 
-    fn on(found: &[(Position, f64)], best: (Position, f64), concern: Option<Concern>, vertices: u64) -> Self {
+    /// The posterior of places that stand for such cells.
+    fn on(found: &[(Position, f64)], best: (Position, f64), cell: Cell) -> Self {
         let total: f64 = found.iter().map(|(_, value)| libm::exp(value - best.1)).sum();
         let mut places: Vec<(Position, f64)> = found
             .iter()
@@ -91,12 +93,13 @@ impl Posterior {
         places.iter_mut().for_each(|(_, probability)| *probability /= kept);
         let offset = |sum: Position, &(place, probability): &(Position, f64)| sum + (place - best.0) * probability;
         let mean = best.0 + places.iter().fold(Position::ORIGIN, offset);
-        Self { places, mean, best, concern, vertices }
+        Self { places, mean, best, concern: None, cell, vertices: 0 }
     }
 
     /// The estimate.
     pub(super) fn estimate(&self, kind: EstimateKind) -> Estimate {
-        Estimate { concern: self.concern, ..Estimate::of_places(kind, &self.places, self.mean, self.best) }
+        let places = (&self.places[..], self.cell);
+        Estimate { concern: self.concern, ..Estimate::of_places(kind, places, self.mean, self.best) }
     }
 }
 

@@ -17,8 +17,8 @@ use crate::log_facts::search_box::Limits;
 use crate::log_facts::sectors::SectorSettings;
 use crate::posterior::FitState;
 use crate::{
-    AnyLog, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind,
-    MapError, Mapper, SoughtHeights, TopologyMap,
+    AnyLog, Axes, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
+    KnowledgeKind, MapError, Mapper, SoughtHeights, TopologyMap,
 };
 
 /// Number of grid steps over the range seen in the log, if no step is set, in the plane and in space.
@@ -131,7 +131,7 @@ impl SelfCalibrated {
                 position: belief.mean,
                 log_likelihood: Some(belief.highest),
                 ties: 1,
-                covariance: Some(belief.covariance),
+                covariance: Some(belief.cell.spread(belief.covariance)),
                 infeasible: false,
                 concern: concern(belief),
             });
@@ -204,6 +204,10 @@ impl TryFrom<SelfCalibratedConfig> for SelfCalibrated {
 impl Estimator for SelfCalibrated {
     fn name(&self) -> &'static str {
         Self::NAME
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::Survey
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {

@@ -4,6 +4,7 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
 use crate::Concern;
+use crate::posterior::Cell;
 
 /// The current estimate of the place of one node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,8 +14,10 @@ pub(super) struct Belief {
     pub(super) mean: Position,
     /// Log-likelihood of the likeliest vertex.
     pub(super) highest: f64,
-    /// Posterior covariance (m²).
+    /// Covariance of the vertices (m²).
     pub(super) covariance: [[f64; 3]; 3],
+    /// What a vertex stands for.
+    pub(super) cell: Cell,
     /// What the bounds of the node say of the posterior.
     pub(super) concern: Option<Concern>,
     /// Whether the window does not hold the posterior: there is probability at its edge, but within the bounds.

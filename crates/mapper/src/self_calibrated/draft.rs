@@ -14,6 +14,7 @@ use super::tomography::{Division, Tomography};
 use super::window::Detail;
 use crate::absorption::AbsorptionMap;
 use crate::log_facts::search_box::Limits;
+use crate::posterior::Cell;
 
 /// Number of rounds in which all stops have the same efficiency, because the first curves are too rough to compare
 /// stops.
@@ -55,6 +56,7 @@ impl<'a> Draft<'a> {
             mean: bounds.nearest(heard.middle),
             highest: f64::NEG_INFINITY,
             covariance: [[0.0; 3]; 3],
+            cell: Cell::default(),
             concern: None,
             is_cramped: false,
             shift_m: 0.0,

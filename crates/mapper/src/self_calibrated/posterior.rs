@@ -248,7 +248,8 @@ impl Scratch {
         let weight = |vertex: usize| libm::exp(self.likelihood.logarithms()[vertex] - highest) / sum;
         let is_cramped = at_open_end.map(weight).sum::<f64>() > CRAMPED;
         let concern = self.concern(bounds);
-        Belief { node, mean, highest, covariance, concern, is_cramped, shift_m: 0.0 }
+        let cell = self.window.cell();
+        Belief { node, mean, highest, covariance, cell, concern, is_cramped, shift_m: 0.0 }
     }
 
     /// What the window says of the posterior in the bounds of the node.

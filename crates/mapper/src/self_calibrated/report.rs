@@ -7,7 +7,7 @@ use sextant_kernel::text::counted;
 
 use super::{CalibratedCurve, Calibration, ObstacleKnowledge};
 use crate::learned::Unconverged;
-use crate::{AbsorptionMap, CurveFinding, Finding, Line, Section, TopologyMap};
+use crate::{AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, SurveyFrame, TopologyMap};
 
 #[cfg(feature = "config")]
 /// What was estimated with a self-calibrated map, and from which knowledge.
@@ -65,6 +65,20 @@ impl From<(bool, Vec<[f64; 4]>)> for ObstacleKeys {
 }
 
 impl Calibration {
+    /// The same with the stops and nodes of the log, if it was estimated in `frame`. A stop that is not in the survey is like the
+    /// others.
+    pub(crate) fn of_log(&self, frame: &SurveyFrame) -> Self {
+        let usual = self.efficiency.iter().sum::<f64>() / self.efficiency.len().max(1) as f64;
+        let mut efficiency = vec![usual; frame.stops_in_log()];
+        for (stop, &own) in (0..).zip(&self.efficiency) {
+            efficiency[frame.stop(stop) as usize] = own;
+        }
+        let mut at_bound: Vec<NodeId> = self.at_bound.iter().map(|&node| frame.node(node)).collect();
+        at_bound.sort_unstable();
+        let obstacles = self.obstacles.as_ref().map(|obstacles| obstacles.of_log(frame));
+        Self { efficiency, at_bound, obstacles, ..self.clone() }
+    }
+
     /// Area of the obstacles for which the evidence is weak (m²), if there are any.
     fn unsure_m2(&self) -> Option<f64> {
         self.obstacles.as_ref().map(AbsorptionMap::unsure_m2).filter(|&area_m2| area_m2 > 0.0)
@@ -158,5 +172,9 @@ impl Finding for Calibration {
 
     fn at_bound(&self) -> &[NodeId] {
         &self.at_bound
+    }
+
+    fn in_log(&self, frame: &SurveyFrame) -> Option<EstimatorFindings> {
+        Some(EstimatorFindings::new(self.of_log(frame)))
     }
 }

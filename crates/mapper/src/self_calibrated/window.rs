@@ -4,6 +4,7 @@ use sextant_channel::Position;
 
 use super::belief::Belief;
 use crate::log_facts::search_box::SearchBox;
+use crate::posterior::Cell;
 
 /// Least number of steps from the middle of a window to its edge.
 const REACH: usize = 4;
@@ -61,6 +62,11 @@ impl Window {
     /// Number of vertices.
     pub(super) fn len(&self) -> usize {
         self.axes.iter().map(|axis| axis.coordinates.len()).product()
+    }
+
+    /// What each vertex stands for.
+    pub(super) fn cell(&self) -> Cell {
+        Cell::new([0, 1, 2].map(|axis| self.axes[axis].step_m()))
     }
 
     /// Number of vertices with which a box would be filled, at least that of the window: one that does not reach an end of
@@ -153,6 +159,14 @@ impl Axis {
         }
         if self.coordinates.is_empty() {
             self.coordinates.push(mean_m.clamp(low, high));
+        }
+    }
+
+    /// Distance of neighbouring vertices; 0 if there is one (m).
+    fn step_m(&self) -> f64 {
+        match self.coordinates[..] {
+            [first, second, ..] => second - first,
+            _ => 0.0,
         }
     }
 

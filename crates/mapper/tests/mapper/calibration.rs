@@ -74,7 +74,7 @@ fn coverage(seeds: u64, tall_m: f64, grid_step_m: f64) -> (f64, f64) {
         let map = mapper.map(&log, &Unwatched).expect("a small grid");
         for (estimate, truth) in map.estimates.iter().zip(truth) {
             let estimate = estimate.as_ref().expect("every node is heard");
-            let region = Region::of_95(estimate, grid_step_m).expect("a posterior mean has a covariance");
+            let region = Region::of_95(estimate).expect("a posterior mean has a covariance");
             inside += f64::from(u8::from(region.contains(truth)));
             error_m += estimate.position.distance_m(truth);
             count += 1.0;

@@ -4,11 +4,13 @@
 
 mod bounds;
 mod calibration;
+mod cells;
 mod comparators;
 mod concerns;
 mod features;
 mod grid_sizes;
 mod heights;
+mod metamorphic;
 mod ml_tm;
 mod mm_tm;
 mod own_place;

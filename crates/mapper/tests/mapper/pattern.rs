@@ -162,7 +162,7 @@ fn score(map: &TopologyMap, truth: &[Position]) -> (f64, f64) {
     let placed: Vec<_> = map.estimates.iter().zip(truth).filter_map(|(e, &t)| Some((e.as_ref()?, t))).collect();
     let count = placed.len() as f64;
     let error: f64 = placed.iter().map(|(estimate, truth)| estimate.position.distance_m(*truth)).sum();
-    let held = placed.iter().filter(|(e, truth)| Region::of_95(e, 0.2).is_some_and(|region| region.contains(*truth)));
+    let held = placed.iter().filter(|(e, truth)| Region::of_95(e).is_some_and(|region| region.contains(*truth)));
     (error / count, held.count() as f64 / count)
 }
 

@@ -92,7 +92,7 @@ fn mean_error_m(map: &TopologyMap, truth: &[Position]) -> f64 {
 
 fn coverage(map: &TopologyMap, truth: &[Position]) -> f64 {
     let regions = map.estimates.iter().zip(truth).filter_map(|(estimate, &place)| {
-        let region = Region::of_95(estimate.as_ref()?, 1e-6)?;
+        let region = Region::of_95(estimate.as_ref()?)?;
         Some(f64::from(u8::from(region.contains(place))))
     });
     let within: Vec<f64> = regions.collect();

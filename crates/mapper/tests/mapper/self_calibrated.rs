@@ -165,10 +165,9 @@ fn mean_error_m(map: &TopologyMap, truth: &[Position]) -> f64 {
 }
 
 fn coverage(map: &TopologyMap, truth: &[Position]) -> f64 {
-    let step_m = map.grid_step_m.expect("there is a grid");
     let inside = map.estimates.iter().zip(truth).filter(|(estimate, truth)| {
         let estimate = estimate.as_ref().expect("every node was heard");
-        Region::of_95(estimate, step_m).expect("there is a covariance").contains(**truth)
+        Region::of_95(estimate).expect("there is a covariance").contains(**truth)
     });
     inside.count() as f64 / truth.len() as f64
 }

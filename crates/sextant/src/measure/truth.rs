@@ -111,7 +111,7 @@ pub fn measure(
         measured: (known.len() < places.len()).then(|| mapped.iter().flatten().count()),
         position_error_m: PositionError::between(truth, &found).map(ErrorSummary::from),
         position_error_cdf: position_error_cdf(truth, &found, sought),
-        coverage_95: coverage_95(truth, &estimates, map.grid_step_m),
+        coverage_95: coverage_95(truth, &estimates),
         aligned_error_m: aligned(truth, &found, Reflection::Allowed).map(ErrorSummary::from),
         aligned_error_without_reflection_m: aligned(truth, &found, Reflection::Forbidden).map(ErrorSummary::from),
         connectivity_error: first.connectivity_error,
@@ -173,9 +173,8 @@ pub fn displacement(
 }
 
 /// Share of the nodes with a 95 % region whose true position is inside it.
-fn coverage_95(truth: &[Position], estimates: &[Option<&Estimate>], grid_step_m: Option<f64>) -> Option<f64> {
-    let step_m = grid_step_m.unwrap_or(0.0);
-    let regions = estimates.iter().map(|&estimate| Region::of_95(estimate?, step_m));
+fn coverage_95(truth: &[Position], estimates: &[Option<&Estimate>]) -> Option<f64> {
+    let regions = estimates.iter().map(|&estimate| Region::of_95(estimate?));
     let inside: Vec<bool> =
         regions.zip(truth).filter_map(|(region, &truth)| region.map(|region| region.contains(truth))).collect();
     let count = inside.iter().filter(|&&inside| inside).count();

@@ -12,8 +12,8 @@ use sextant_kernel::{SettingError, Watch, Work};
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::{
-    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError,
-    Mapper, Messages, SoughtHeights, TopologyMap,
+    AnyLog, Axes, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind,
+    MapError, Mapper, Messages, SoughtHeights, TopologyMap,
 };
 
 /// The Gaussian process as written in a scenario. It has no settings.
@@ -184,6 +184,10 @@ fn kernel(a: Position, b: Position, length_m: f64) -> f64 {
 impl Estimator for GaussianProcess {
     fn name(&self) -> &'static str {
         Self::NAME
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::Survey
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {

@@ -18,8 +18,8 @@ use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::{
-    AnyLog, Concern, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind,
-    MapError, Mapper, Messages, SoughtHeights, TopologyMap,
+    AnyLog, Axes, Concern, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
+    KnowledgeKind, MapError, Mapper, Messages, SoughtHeights, TopologyMap,
 };
 
 /// The least-squares fit as written in a scenario.
@@ -274,6 +274,10 @@ impl LeastSquares for Fit<'_> {
 impl Estimator for LogDistance {
     fn name(&self) -> &'static str {
         Self::NAME
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::Survey
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {

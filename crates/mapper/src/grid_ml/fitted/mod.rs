@@ -20,7 +20,7 @@ use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::SearchBox;
 use crate::log_facts::sectors::SectorSettings;
 use crate::profile::averaged_over_cell;
-use crate::{FittedConfig, MapError, ReceptionProfile, TableProfile};
+use crate::{FittedConfig, MapError, ReceptionProfile, SurveyFrame, TableProfile};
 use belief::Belief;
 use curve::{Counts, FittedCurve};
 pub(crate) use dead_stops::add_heard;
@@ -197,6 +197,16 @@ impl Fit {
     #[must_use]
     pub fn is_settled(&self) -> bool {
         self.converged || self.moved.is_some_and(|moved| moved < SETTLED)
+    }
+
+    /// The same with the stops and nodes of the log, if it was fitted in `frame`.
+    pub(crate) fn of_log(&self, frame: &SurveyFrame) -> Self {
+        let mut dead_stops: Vec<u32> = self.dead_stops.iter().map(|&stop| frame.stop(stop)).collect();
+        let far = |&(node, stop): &(NodeId, u32)| (frame.node(node), frame.stop(stop));
+        let mut outliers: Vec<(NodeId, u32)> = self.outliers.iter().map(far).collect();
+        dead_stops.sort_unstable();
+        outliers.sort_unstable();
+        Self { dead_stops, outliers, ..self.clone() }
     }
 
     /// The profile for the vertices of a grid of `grid_step_m`: the mean of the curve over the cell of each.

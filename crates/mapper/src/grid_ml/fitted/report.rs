@@ -6,7 +6,7 @@ use sextant_kernel::text::counted;
 
 use super::Fit;
 use crate::learned::Unconverged;
-use crate::{CurveFinding, Finding, Line, Section, TopologyMap};
+use crate::{CurveFinding, EstimatorFindings, Finding, Line, Section, SurveyFrame, TopologyMap};
 
 #[cfg(feature = "config")]
 /// A reception profile that was estimated from the log.
@@ -115,6 +115,10 @@ impl Finding for Fit {
 
     fn curves(&self) -> Vec<CurveFinding<'_>> {
         vec![self.learned_curve(None)]
+    }
+
+    fn in_log(&self, frame: &SurveyFrame) -> Option<EstimatorFindings> {
+        Some(EstimatorFindings::new(self.of_log(frame)))
     }
 }
 

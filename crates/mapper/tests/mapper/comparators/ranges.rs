@@ -206,7 +206,7 @@ fn the_bayesian_grid_finds_nodes_and_covers_them() {
         .iter()
         .flatten()
         .zip(&nodes)
-        .filter(|(estimate, node)| sextant_mapper::Region::of_95(estimate, 0.2).expect("a region").contains(**node))
+        .filter(|(estimate, node)| sextant_mapper::Region::of_95(estimate).expect("a region").contains(**node))
         .count();
     // The model is the truth: 190 of 200 expected, with a standard deviation of 3.1; 4.5 of them are a false alarm in
     // 150 000 seeds.

@@ -148,6 +148,7 @@ impl Oracle<'_> {
         (highest, likelihoods.iter().filter(equal).map(|&(i, _)| i).collect())
     }
 
+    /// Mean and covariance of a node that is somewhere in the cell of a vertex.
     pub(super) fn mean_and_covariance(&self, likelihoods: &[(u64, f64)]) -> (Position, [[f64; 3]; 3]) {
         let place = |index| self.lattice.position(self.lattice.vertex(index));
         let total: f64 = likelihoods.iter().map(|&(_, p)| p).sum();
@@ -160,6 +161,9 @@ impl Oracle<'_> {
                     *entry += a * b * p / total;
                 }
             }
+        }
+        for axis in (0..3).filter(|&axis| self.lattice.counts()[axis] > 1) {
+            covariance[axis][axis] += self.lattice.step_m().powi(2) / 12.0;
         }
         (mean, covariance)
     }
