@@ -82,7 +82,7 @@ impl fmt::Display for PairFault {
 
 impl PairFit {
     /// Compares the maps of two robots.
-    pub(super) fn of(robots: [usize; 2], maps: [&OwnMap; 2], rules: StitchRules, seed: Seed) -> Self {
+    pub(super) fn of(robots: [usize; 2], maps: [&OwnMap; 2], rules: &StitchRules, seed: Seed) -> Self {
         // The second map is brought onto the first.
         let nodes = maps[1].shared_with(maps[0]);
         Self { robots, shared: nodes.len(), state: compare(&nodes, rules, seed) }
@@ -90,7 +90,7 @@ impl PairFit {
 }
 
 /// What the `nodes` on two maps tell.
-fn compare(nodes: &[SharedNode], rules: StitchRules, seed: Seed) -> PairState {
+fn compare(nodes: &[SharedNode], rules: &StitchRules, seed: Seed) -> PairState {
     let undecided = PairState::Undecided;
     if nodes.len() < LEAST_SHARED {
         return undecided(PairFault::TooFew { found: nodes.len() });
