@@ -27,8 +27,8 @@ pub struct MapConfig {
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub network: Option<String>,
     /// Joins the logs of robots whose frames of coordinates differ: each is mapped in its own frame, the nodes that two of
-    /// these maps have in common tell how their frames differ, and the map is made from all logs in the frame of the first
-    /// robot. If absent, all robots are taken to have one frame.
+    /// these maps have in common tell how their frames differ, and the map is made from all logs in one frame. Robots whose
+    /// frames are known keep them. If absent, all robots are taken to have one frame.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub stitch: Option<StitchConfig>,
     /// How the map is computed.

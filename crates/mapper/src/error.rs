@@ -125,6 +125,14 @@ pub enum MapError {
         /// Its name.
         robot: String,
     },
+    /// The settings name a robot that is not in the log.
+    #[error("`stitch.known` has `{name}`, which is no robot of the log; its robots: {known}")]
+    NoRobot {
+        /// The name.
+        name: String,
+        /// The robots of the log.
+        known: String,
+    },
     /// Stitched maps cannot use antenna sectors.
     #[error(
         "the log has antenna sectors, whose directions are those of the world; a map whose robots have frames of their own \

@@ -28,8 +28,26 @@ pub struct Knowledge<'a> {
     pub obstacles: Option<&'a ObstacleField>,
     /// Where nodes can be, if somebody knows it.
     pub prior: Option<&'a PlacePrior>,
+    /// What is known of the frames of coordinates in which the robots wrote their logs.
+    pub frames: FrameKnowledge<'a>,
     /// Seed of the algorithm's own choices, such as the nodes from which hops are counted.
     pub seed: Seed,
+}
+
+/// What is known of the frames of coordinates in which robots wrote their logs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameKnowledge<'a> {
+    /// The robots of these names share one; nobody knows those of the others.
+    Shared(&'a [String]),
+    /// All robots share one, such as that of the earth.
+    SharedByAll,
+}
+
+impl Default for FrameKnowledge<'_> {
+    /// Nothing is known.
+    fn default() -> Self {
+        Self::Shared(&[])
+    }
 }
 
 impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
@@ -44,6 +62,7 @@ impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
             #[cfg(feature = "obstacles")]
             obstacles: None,
             prior: None,
+            frames: FrameKnowledge::default(),
             seed: Seed(1),
         }
     }

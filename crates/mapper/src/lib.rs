@@ -81,7 +81,7 @@ pub use grid_ml::ObstacleMlTm;
 pub use grid_ml::{
     Fit, Fitted, FittedMlTm, JointConfig, JointMlTm, JointNetworkConfig, MlTm, MlTmConfig, MmTm, NetworkFits,
 };
-pub use knowledge::{Knowledge, KnowledgeKind};
+pub use knowledge::{FrameKnowledge, Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
 pub use learned::{CurveFinding, EstimatorFindings, Finding, Line, Section};
 pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Losses, Receiver};
@@ -112,8 +112,8 @@ pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use self_calibrated::{CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig};
 pub use stitch::{
-    FrameChange, Handedness, OwnMap, PairFault, PairFit, PairState, PlacedNode, RobotFrame, RobotOutcome,
-    StitchConfig, StitchRules, Stitched, Stitching, stitch,
+    FrameAgreement, FrameChange, FrameCovariance, Frames, Handedness, JoinedFrame, OwnMap, PairFault, PairFit, PairState,
+    PlacedNode, RobotFrame, RobotOutcome, StitchConfig, StitchRules, Stitched, Stitching, stitch,
 };
 pub use surface::Surface;
 pub use survey_frame::{Axes, SurveyFrame};

@@ -50,8 +50,8 @@ pub(crate) struct Arguments {
     /// Compute one map with this algorithm and its default settings, instead of the maps of the recorded scenario
     #[arg(long, value_parser = algorithms(), value_name = "ALGORITHM")]
     pub(crate) algorithm: Option<AlgorithmName>,
-    /// Join the logs of robots whose frames of coordinates differ, by the nodes that they have in common: the maps are in
-    /// the frame of the first robot
+    /// Join the logs of robots whose frames of coordinates differ, by the nodes that they have in common. The maps are in
+    /// the frame of the robots whose frames are known, otherwise in that of the first robot
     #[arg(long)]
     pub(crate) stitch: bool,
     /// Compare the maps with the true positions in this CSV file, with columns node,x_m,y_m,z_m, or node,lat,lon,alt_m if

@@ -1,5 +1,6 @@
 //! How places in one frame of coordinates become places in another one.
 
+use nalgebra::{Matrix3, Vector3};
 use sextant_channel::Position;
 
 /// Whether two frames are mirror images of each other, seen from above.
@@ -43,6 +44,21 @@ pub(super) enum Lengths {
     Scaled,
 }
 
+impl Lengths {
+    /// Number of unknowns of a frame: its shift, its turn, and its scale if it has one.
+    pub(super) fn unknowns(self) -> usize {
+        match self {
+            Self::Kept => 4,
+            Self::Scaled => 5,
+        }
+    }
+
+    /// Where the unknowns of the frame of `robot` begin among those of all; `None` for the first robot, whose frame is known.
+    pub(super) fn first_of(self, robot: usize) -> Option<usize> {
+        robot.checked_sub(1).map(|robot| robot * self.unknowns())
+    }
+}
+
 impl FrameChange {
     /// The one that changes nothing.
     pub const NONE: Self = Self { handedness: Handedness::Same, turn_rad: 0.0, scale: 1.0, offset: Position::ORIGIN };
@@ -61,6 +77,22 @@ impl FrameChange {
         };
         let (sin, cos) = (libm::sin(self.turn_rad), libm::cos(self.turn_rad));
         Position::new(cos * step.x_m - sin * y_m, sin * step.x_m + cos * y_m, step.z_m) * self.scale
+    }
+
+    /// How it changes displacements, as a matrix.
+    pub(super) fn linear(&self) -> Matrix3<f64> {
+        let axes = [Position::new(1.0, 0.0, 0.0), Position::new(0.0, 1.0, 0.0), Position::new(0.0, 0.0, 1.0)];
+        Matrix3::from_columns(&axes.map(|axis| vector(self.turned(axis))))
+    }
+
+    /// How an image `at` changes with the shift along x, y and z, the turn, and the logarithm of the scale if that is unknown.
+    pub(super) fn slopes(&self, at: Vector3<f64>, lengths: Lengths) -> Vec<Vector3<f64>> {
+        let arm = at - vector(self.offset);
+        let mut slopes = vec![Vector3::x(), Vector3::y(), Vector3::z(), Vector3::new(-arm.y, arm.x, 0.0)];
+        if lengths == Lengths::Scaled {
+            slopes.push(arm);
+        }
+        slopes
     }
 
     /// The change that does `first` and then this one.
@@ -129,6 +161,11 @@ impl Handedness {
             Self::Mirrored => Self::Same,
         }
     }
+}
+
+/// A place as a vector (m).
+pub(super) fn vector(place: Position) -> Vector3<f64> {
+    Vector3::new(place.x_m, place.y_m, place.z_m)
 }
 
 /// The same angle from −π to π.

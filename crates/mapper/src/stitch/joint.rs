@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
 use super::consensus::level_m;
-use super::frame_change::{FrameChange, Lengths};
+use super::frame_change::{FrameChange, Lengths, vector};
 use super::shared::OwnMap;
 use super::tukey;
 
@@ -20,40 +20,39 @@ const ROUNDING: f64 = 1e-9;
 
 /// How the map of a robot agrees with those of the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Agreement {
+pub struct FrameAgreement {
     /// Nodes that are on the map of another robot too.
-    pub(super) shared: usize,
+    pub shared: usize,
     /// Those that agree.
-    pub(super) agreeing: usize,
+    pub agreeing: usize,
     /// Root of the mean square distance of these from where all maps together have them (m).
-    pub(super) residual_m: f64,
+    pub residual_m: f64,
 }
 
 /// The place of a node on the map of one robot.
-struct Observation {
-    robot: usize,
+pub(super) struct Observation {
+    pub(super) robot: usize,
     place: Position,
     variance: f64,
+    /// Covariance in the frame of the robot (m²), if the map claims one.
+    covariance: Option<Matrix3<f64>>,
     /// Weight of its residual, 0 to 1.
     trust: f64,
 }
 
 /// The frames of robots, and the nodes that tell them.
-struct PoseGraph {
+pub(super) struct PoseGraph {
     /// The observations of each node that several robots have.
-    nodes: Vec<Vec<Observation>>,
-    frames: Vec<Option<FrameChange>>,
-    lengths: Lengths,
+    pub(super) nodes: Vec<Vec<Observation>>,
+    pub(super) frames: Vec<Option<FrameChange>>,
+    pub(super) lengths: Lengths,
     extent_m: f64,
 }
 
-/// The frames near `frames` with the least sum of squares over all robots and shared nodes, with outliers left out by Tukey's
-/// biweight. The frame of the first robot stays. Returns also how each robot's map agrees with it.
-pub(super) fn refine(
-    maps: &[OwnMap],
-    frames: Vec<Option<FrameChange>>,
-    lengths: Lengths,
-) -> (Vec<Option<FrameChange>>, Vec<Agreement>) {
+/// The frames near `frames` with the least sum of squares over all robots and shared nodes. Outliers are found with Tukey's
+/// biweight, and then do not count at all, and the others fully (Rousseeuw and Leroy 1987, section 1.2): so the errors of the
+/// frames are those of least squares. The frame of the first robot stays.
+pub(super) fn refined(maps: &[OwnMap], frames: Vec<Option<FrameChange>>, lengths: Lengths) -> PoseGraph {
     let mut graph = PoseGraph::new(maps, frames, lengths);
     let mut deviation = 0.0;
     for round in 0..ROUNDS {
@@ -61,14 +60,18 @@ pub(super) fn refine(
             deviation = graph.deviation();
         }
         graph.trust(deviation);
-        let Some(step) = graph.step() else { break };
-        if graph.advance(&step) <= 1e-12 * graph.extent_m {
+        if graph.is_settled_by_step() {
             break;
         }
     }
     graph.trust(deviation);
-    let agreements = graph.agreements(maps.len());
-    (graph.frames, agreements)
+    graph.nodes.iter_mut().flatten().for_each(|seen| seen.trust = if seen.trust > 0.0 { 1.0 } else { 0.0 });
+    for _ in 0..ROUNDS {
+        if graph.is_settled_by_step() {
+            break;
+        }
+    }
+    graph
 }
 
 impl PoseGraph {
@@ -76,7 +79,9 @@ impl PoseGraph {
         let mut nodes: BTreeMap<NodeId, Vec<Observation>> = BTreeMap::new();
         for (robot, (map, _)) in maps.iter().zip(&frames).enumerate().filter(|(_, (_, frame))| frame.is_some()) {
             for node in &map.nodes {
-                let seen = Observation { robot, place: node.place, variance: node.variance, trust: 1.0 };
+                let covariance = node.covariance.map(|rows| Matrix3::from_fn(|row, column| rows[row][column]));
+                let seen =
+                    Observation { robot, place: node.place, variance: node.variance, covariance, trust: 1.0 };
                 nodes.entry(node.node).or_default().push(seen);
             }
         }
@@ -86,14 +91,29 @@ impl PoseGraph {
         Self { nodes, frames, lengths, extent_m }
     }
 
+    fn frame_of(&self, seen: &Observation) -> FrameChange {
+        self.frames[seen.robot].unwrap_or(FrameChange::NONE)
+    }
+
     /// Where an observation is in the common frame.
-    fn seen_at(&self, seen: &Observation) -> Vector3<f64> {
-        let frame = self.frames[seen.robot].unwrap_or(FrameChange::NONE);
-        vector(frame.apply(seen.place))
+    pub(super) fn seen_at(&self, seen: &Observation) -> Vector3<f64> {
+        vector(self.frame_of(seen).apply(seen.place))
+    }
+
+    /// The covariance of an observation in the common frame (m²). Of a map that claims none, relative to those of others.
+    pub(super) fn covariance_of(&self, seen: &Observation) -> Matrix3<f64> {
+        let linear = self.frame_of(seen).linear();
+        let plain = Matrix3::from_diagonal(&Vector3::new(seen.variance, seen.variance, 0.0));
+        linear * seen.covariance.unwrap_or(plain) * linear.transpose()
+    }
+
+    /// Whether all maps claim how exact they are.
+    pub(super) fn has_claims(&self) -> bool {
+        self.nodes.iter().flatten().all(|seen| seen.covariance.is_some())
     }
 
     /// Where all observations of a node together have it, and the sum of their weights; `None` if none is trusted.
-    fn middle(&self, node: &[Observation]) -> Option<(Vector3<f64>, f64)> {
+    pub(super) fn middle(&self, node: &[Observation]) -> Option<(Vector3<f64>, f64)> {
         let total: f64 = node.iter().map(weight).sum();
         let sum = node.iter().fold(Vector3::zeros(), |sum, seen| sum + self.seen_at(seen) * weight(seen));
         (total > 0.0).then(|| (sum / total, total))
@@ -129,71 +149,86 @@ impl PoseGraph {
         }
     }
 
-    /// Number of unknowns of a frame: its shift, its turn, and its scale if it has one.
-    fn unknowns(&self) -> usize {
-        match self.lengths {
-            Lengths::Kept => 4,
-            Lengths::Scaled => 5,
-        }
-    }
-
     /// How the place of an observation changes with each unknown of its frame.
-    fn slopes(&self, seen: &Observation) -> Vec<Vector3<f64>> {
-        let offset = self.frames[seen.robot].map_or(Position::ORIGIN, |frame| frame.offset);
-        let arm = self.seen_at(seen) - vector(offset);
-        let mut slopes = vec![Vector3::x(), Vector3::y(), Vector3::z(), Vector3::new(-arm.y, arm.x, 0.0)];
-        if self.lengths == Lengths::Scaled {
-            slopes.push(arm);
-        }
-        slopes
+    pub(super) fn slopes(&self, seen: &Observation) -> Vec<Vector3<f64>> {
+        self.frame_of(seen).slopes(self.seen_at(seen), self.lengths)
     }
 
-    /// The step of Gauss and Newton for all frames but the first, with the places of the nodes eliminated (Schur's
-    /// complement); `None` if the nodes do not tell all frames.
-    fn step(&self) -> Option<DVector<f64>> {
-        let unknowns = self.unknowns();
-        let size = unknowns * self.frames.len().saturating_sub(1);
-        let mut normal = DMatrix::zeros(size, size);
-        let mut gradient = DVector::zeros(size);
-        let first = |robot: usize| robot.checked_sub(1).map(|robot| robot * unknowns);
-        for node in &self.nodes {
-            let Some((middle, total)) = self.middle(node) else { continue };
-            let slopes: Vec<Vec<Vector3<f64>>> = node.iter().map(|seen| self.slopes(seen)).collect();
-            for (a, seen) in node.iter().enumerate() {
-                let Some(row) = first(seen.robot) else { continue };
-                let apart = self.seen_at(seen) - middle;
+    /// Adds `entry(a, b)` to `matrix` for the frames of each two observations of a node, as it acts on their places.
+    pub(super) fn add(
+        &self,
+        matrix: &mut DMatrix<f64>,
+        node: &[Observation],
+        entry: impl Fn(usize, usize) -> Matrix3<f64>,
+    ) {
+        let slopes: Vec<Vec<Vector3<f64>>> = node.iter().map(|seen| self.slopes(seen)).collect();
+        for (a, seen) in node.iter().enumerate() {
+            let Some(row) = self.lengths.first_of(seen.robot) else { continue };
+            for (b, other) in node.iter().enumerate() {
+                let Some(column) = self.lengths.first_of(other.robot) else { continue };
+                let entry = entry(a, b);
                 for (i, slope) in slopes[a].iter().enumerate() {
-                    gradient[row + i] += weight(seen) * slope.dot(&apart);
-                }
-                for (b, other) in node.iter().enumerate() {
-                    let Some(column) = first(other.robot) else { continue };
-                    let own = if a == b { weight(seen) } else { 0.0 };
-                    let share = own - weight(seen) * weight(other) / total;
-                    for (i, slope) in slopes[a].iter().enumerate() {
-                        for (j, other) in slopes[b].iter().enumerate() {
-                            normal[(row + i, column + j)] += share * slope.dot(other);
-                        }
+                    for (j, other) in slopes[b].iter().enumerate() {
+                        matrix[(row + i, column + j)] += slope.dot(&(entry * other));
                     }
                 }
             }
         }
-        for robot in (1..self.frames.len()).filter(|&robot| self.frames[robot].is_none()) {
-            let row = (robot - 1) * unknowns;
-            (row..row + unknowns).for_each(|at| normal[(at, at)] = 1.0);
+    }
+
+    /// Number of unknowns of all frames but the first.
+    pub(super) fn size(&self) -> usize {
+        self.lengths.unknowns() * self.frames.len().saturating_sub(1)
+    }
+
+    /// The normal matrix of all frames but the first, with the places of the nodes eliminated (Schur's complement). Robots
+    /// without a frame have ones.
+    pub(super) fn normal_matrix(&self) -> DMatrix<f64> {
+        let mut normal = DMatrix::zeros(self.size(), self.size());
+        for node in &self.nodes {
+            let Some((_, total)) = self.middle(node) else { continue };
+            self.add(&mut normal, node, |a, b| {
+                let own = if a == b { weight(&node[a]) } else { 0.0 };
+                Matrix3::from_diagonal_element(own - weight(&node[a]) * weight(&node[b]) / total)
+            });
         }
-        normal.cholesky().map(|solver| solver.solve(&gradient))
+        for robot in (1..self.frames.len()).filter(|&robot| self.frames[robot].is_none()) {
+            let Some(row) = self.lengths.first_of(robot) else { continue };
+            (row..row + self.lengths.unknowns()).for_each(|at| normal[(at, at)] = 1.0);
+        }
+        normal
+    }
+
+    /// The step of Gauss and Newton for all frames but the first; `None` if the nodes do not tell all frames.
+    fn step(&self) -> Option<DVector<f64>> {
+        let mut gradient = DVector::zeros(self.size());
+        for node in &self.nodes {
+            let Some((middle, _)) = self.middle(node) else { continue };
+            for seen in node {
+                let Some(row) = self.lengths.first_of(seen.robot) else { continue };
+                let apart = self.seen_at(seen) - middle;
+                for (i, slope) in self.slopes(seen).iter().enumerate() {
+                    gradient[row + i] += weight(seen) * slope.dot(&apart);
+                }
+            }
+        }
+        self.normal_matrix().cholesky().map(|solver| solver.solve(&gradient))
+    }
+
+    /// Takes a step. Returns whether it was the last one: no observation moves any more, or the nodes do not tell the frames.
+    fn is_settled_by_step(&mut self) -> bool {
+        let Some(step) = self.step() else { return true };
+        self.advance(&step) <= 1e-12 * self.extent_m
     }
 
     /// Goes against `step`. Returns how far an observation moves at most (m).
     fn advance(&mut self, step: &DVector<f64>) -> f64 {
         let before: Vec<Vector3<f64>> = self.nodes.iter().flatten().map(|seen| self.seen_at(seen)).collect();
-        let unknowns = self.unknowns();
-        for (robot, frame) in self.frames.iter_mut().enumerate().skip(1) {
-            let Some(frame) = frame else { continue };
-            let at = (robot - 1) * unknowns;
+        for (robot, frame) in self.frames.iter_mut().enumerate() {
+            let (Some(frame), Some(at)) = (frame, self.lengths.first_of(robot)) else { continue };
             frame.offset = frame.offset - Position::new(step[at], step[at + 1], step[at + 2]);
             frame.turn_rad -= step[at + 3];
-            if unknowns > 4 {
+            if self.lengths == Lengths::Scaled {
                 frame.scale *= libm::exp(-step[at + 4]);
             }
         }
@@ -202,8 +237,8 @@ impl PoseGraph {
     }
 
     /// How the map of each robot agrees with those of the others.
-    fn agreements(&self, robots: usize) -> Vec<Agreement> {
-        let mut agreements = vec![Agreement::default(); robots];
+    pub(super) fn agreements(&self) -> Vec<FrameAgreement> {
+        let mut agreements = vec![FrameAgreement::default(); self.frames.len()];
         for node in &self.nodes {
             let middle = self.middle(node);
             for seen in node {
@@ -223,10 +258,7 @@ impl PoseGraph {
     }
 }
 
-fn weight(seen: &Observation) -> f64 {
+/// How much an observation counts (1/m²).
+pub(super) fn weight(seen: &Observation) -> f64 {
     seen.trust / seen.variance
-}
-
-fn vector(place: Position) -> Vector3<f64> {
-    Vector3::new(place.x_m, place.y_m, place.z_m)
 }

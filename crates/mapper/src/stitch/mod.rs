@@ -5,8 +5,11 @@
 
 mod consensus;
 mod frame_change;
+mod frame_covariance;
+mod frames;
 mod joint;
 mod logs;
+mod members;
 mod pair;
 mod report;
 mod settings;
@@ -16,8 +19,11 @@ mod tree;
 mod tukey;
 
 pub use frame_change::{FrameChange, Handedness};
+pub use frame_covariance::FrameCovariance;
+pub use frames::{Frames, stitch};
+pub use joint::FrameAgreement;
 pub use pair::{PairFault, PairFit, PairState};
-pub use report::{RobotFrame, RobotOutcome, Stitching};
+pub use report::{JoinedFrame, RobotFrame, RobotOutcome, Stitching};
 pub use settings::{StitchConfig, StitchRules};
 pub use shared::{OwnMap, PlacedNode};
-pub use stitched::{Stitched, stitch};
+pub use stitched::Stitched;

@@ -17,8 +17,12 @@ const LEAST_SHARED: usize = 4;
 /// A handedness is taken if the other one is less likely by this much, in twice the logarithm of the likelihood: odds of 400
 /// to 1.
 const DECISIVE: f64 = 12.0;
-/// Maps agree if the residual is at most this share of the spread of their common nodes.
-const MOST_RESIDUAL: f64 = 0.3;
+/// Maps agree if the residual is at most this share of the spread of their common nodes, however few these are.
+const PLAIN_RESIDUAL: f64 = 0.3;
+/// Inexact maps agree up to this share if so many nodes agree that chance is out of the question.
+const MOST_RESIDUAL: f64 = 0.6;
+/// A probability that is out of the question, also for the best of thousands of tries.
+const NO_CHANCE: f64 = 1e-9;
 
 /// How the frames of two robots differ.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,7 +86,7 @@ impl fmt::Display for PairFault {
 
 impl PairFit {
     /// Compares the maps of two robots.
-    pub(super) fn of(robots: [usize; 2], maps: [&OwnMap; 2], rules: StitchRules, seed: Seed) -> Self {
+    pub(super) fn of(robots: [usize; 2], maps: [&OwnMap; 2], rules: &StitchRules, seed: Seed) -> Self {
         // The second map is brought onto the first.
         let nodes = maps[1].shared_with(maps[0]);
         Self { robots, shared: nodes.len(), state: compare(&nodes, rules, seed) }
@@ -90,7 +94,7 @@ impl PairFit {
 }
 
 /// What the `nodes` on two maps tell.
-fn compare(nodes: &[SharedNode], rules: StitchRules, seed: Seed) -> PairState {
+fn compare(nodes: &[SharedNode], rules: &StitchRules, seed: Seed) -> PairState {
     let undecided = PairState::Undecided;
     if nodes.len() < LEAST_SHARED {
         return undecided(PairFault::TooFew { found: nodes.len() });
@@ -116,10 +120,21 @@ fn compare(nodes: &[SharedNode], rules: StitchRules, seed: Seed) -> PairState {
     let agreeing: Vec<&SharedNode> = nodes.iter().filter(agrees).collect();
     let squares: f64 = agreeing.iter().map(|node| level_m(best.change.apply(node.from) - node.onto).powi(2)).sum();
     let residual_m = (squares / agreeing.len().max(1) as f64).sqrt();
-    if agreeing.len() < LEAST_SHARED || residual_m > MOST_RESIDUAL * spread_m(&agreeing) {
+    if agreeing.len() < LEAST_SHARED || !is_agreement(residual_m / spread_m(&agreeing), agreeing.len()) {
         return undecided(PairFault::Disagree { residual_m });
     }
     PairState::Fitted { change: best.change, agreeing: agreeing.len(), residual_m }
+}
+
+/// Whether `nodes` agree whose residual is this share of their spread.
+///
+/// A residual of the share ρ is a correlation r = 1 − ρ²/2 of the places on both maps as complex numbers. Unrelated places have at
+/// least that with the probability (1 − r²)ⁿ⁻². So maps of a few nodes must be exact, but many nodes tell the frame of a map
+/// that is not: its error falls with the root of their number.
+fn is_agreement(share: f64, nodes: usize) -> bool {
+    let correlation = 1.0 - 0.5 * share * share;
+    let by_chance = libm::pow(1.0 - correlation * correlation, nodes.saturating_sub(2) as f64);
+    share <= PLAIN_RESIDUAL || (share <= MOST_RESIDUAL && by_chance <= NO_CHANCE)
 }
 
 /// Root of the mean square distance of nodes from their middle on the first map (m).
@@ -128,4 +143,26 @@ fn spread_m(nodes: &[&SharedNode]) -> f64 {
     let middle = nodes.iter().fold(Position::ORIGIN, |sum, node| sum + node.from * share);
     let squares: f64 = nodes.iter().map(|node| level_m(node.from - middle).powi(2)).sum();
     (squares * share).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inexact_maps_agree_only_if_they_share_many_nodes() {
+        for (share, nodes, agrees) in [
+            (0.3, 4, true),
+            (0.35, 4, false),
+            (0.35, 10, false),
+            (0.35, 20, true),
+            (0.59, 12, false),
+            (0.59, 40, true),
+            (0.61, 4_000, false),
+            (1.4, 4_000, false),
+            (f64::NAN, 40, false),
+        ] {
+            assert_eq!(is_agreement(share, nodes), agrees, "{share} of the spread, {nodes} nodes");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use crate::{Estimate, TopologyMap};
+use crate::{Concern, Estimate, TopologyMap};
 
 /// A node must be heard at this many stops for its place to count.
 const LEAST_STOPS: usize = 3;
@@ -21,6 +21,8 @@ pub struct PlacedNode {
     pub place: Position,
     /// Its variance along an axis of the plane, relative to that of other nodes on the maps of a team.
     pub variance: f64,
+    /// Covariance of x, y and z in that frame (m²), if the map claims one.
+    pub covariance: Option<[[f64; 3]; 3]>,
 }
 
 /// The map of one robot in its own frame: the nodes with reliable places, in the order of their numbers.
@@ -48,12 +50,16 @@ impl OwnMap {
         let placed = |(node, estimate): (usize, &Option<Estimate>)| {
             let (node, estimate) = (NodeId::from_index(node), estimate.as_ref()?);
             let stops = heard(node);
-            let is_reliable = estimate.concern.is_none() && !estimate.infeasible && stops >= LEAST_STOPS;
+            // A fit that did not settle moves all nodes a little in further rounds. That is no reason to leave them all out: how
+            // well they fit, their residuals tell.
+            let is_placed = matches!(estimate.concern, None | Some(Concern::Unsettled));
+            let is_reliable = is_placed && !estimate.infeasible && stops >= LEAST_STOPS;
             let variance = match estimate.covariance {
                 Some(covariance) => 0.5 * (covariance[0][0] + covariance[1][1]),
                 None => PLAIN_VARIANCE / stops as f64,
             };
-            is_reliable.then_some(PlacedNode { node, place: estimate.position, variance })
+            let covariance = estimate.covariance;
+            is_reliable.then_some(PlacedNode { node, place: estimate.position, variance, covariance })
         };
         let mut nodes: Vec<PlacedNode> = map.estimates.iter().enumerate().filter_map(placed).collect();
         let mut variances: Vec<f64> = nodes.iter().map(|node| node.variance).collect();

@@ -1,24 +1,23 @@
 //! An estimator whose log is that of robots with frames of their own.
 
 use sextant_channel::{ReceptionLog, Stop};
-use sextant_kernel::{RobotId, Seed, SettingError, Watch};
+use sextant_kernel::{NodeId, RobotId, SettingError, Watch};
 
 use super::frame_change::FrameChange;
-use super::joint::{self, Agreement};
+use super::frames::{Frames, as_shares, stitch};
 use super::logs;
+use super::members::Members;
 use super::pair::{PairFit, PairState};
-use super::report::{RobotFrame, RobotOutcome, Stitching};
+use super::report::{JoinedFrame, RobotFrame, RobotOutcome, Stitching};
 use super::settings::{StitchConfig, StitchRules};
 use super::shared::OwnMap;
-use super::tree;
 use crate::{
-    Estimator, EstimatorFindings, Knowledge, KnowledgeKind, MapError, Mapper, Messages, ReceptionProfile, TopologyMap,
+    Estimate, Estimator, EstimatorFindings, Knowledge, KnowledgeKind, MapError, Mapper, Messages, ReceptionProfile,
+    TopologyMap,
 };
 
-/// A robot is left out if fewer nodes agree with the maps of the others.
-const LEAST_AGREEING: usize = 3;
-
-/// An estimator that maps the log of each robot in its own frame first, and then the log of all in that of the first robot.
+/// An estimator that maps the log of each robot in its own frame first, and then the log of all in the frame of the map. Robots
+/// that are known to have that frame are mapped together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stitched {
     inner: Mapper,
@@ -52,22 +51,22 @@ impl Stitched {
         Ok(Mapper::new(Self { inner, rules: config.into() }))
     }
 
-    /// The maps of each robot in its own frame; why there is none, in words.
+    /// The maps of each member in its own frame; why there is none, in words.
     fn own_maps(
         &self,
         knowledge: &Knowledge<'_>,
-        robots: &[RobotId],
+        members: &Members<'_>,
         watch: &dyn Watch,
     ) -> Result<Vec<Result<OwnMap, String>>, MapError> {
-        let map = |&robot: &RobotId| {
-            let log = logs::moved(knowledge.log, |other| (other == robot).then_some(FrameChange::NONE));
+        let map = |member: usize| {
+            let log = logs::moved(knowledge.log, |robot| members.has(member, robot).then_some(FrameChange::NONE));
             match self.inner.map_and_learn(Knowledge { log: &log, ..*knowledge }, watch) {
                 Ok((map, _)) => Ok(Ok(OwnMap::of(&map, &log))),
                 Err(MapError::Interrupted(interrupted)) => Err(MapError::Interrupted(interrupted)),
                 Err(error) => Ok(Err(error.to_string())),
             }
         };
-        robots.iter().map(map).collect()
+        (0..members.count()).map(map).collect()
     }
 }
 
@@ -93,35 +92,53 @@ impl Estimator for Stitched {
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let log = knowledge.log;
-        if log.sectors().is_some() {
-            return Err(MapError::StitchedSectors);
-        }
         if log.robot_count() < 2 {
             return Err(MapError::OneRobot { robot: log.robot_name(RobotId(0)).into_owned() });
         }
-        let robots = logs::robots(log);
-        let own = self.own_maps(knowledge, &robots, watch)?;
+        let members = Members::of(knowledge, &self.rules)?;
+        if members.count() == 1 {
+            let (map, learned) = self.inner.map_and_learn(*knowledge, watch)?;
+            let stitching = Stitching::nothing(members.names(0), &map, learned);
+            return Ok((map, Some(EstimatorFindings::new(stitching))));
+        }
+        if log.sectors().is_some() {
+            return Err(MapError::StitchedSectors);
+        }
+        let own = self.own_maps(knowledge, &members, watch)?;
         let maps: Vec<OwnMap> = own.iter().map(|own| own.as_ref().cloned().unwrap_or_default()).collect();
-        let (frames, agreements, pairs) = frames_of(&maps, self.rules, knowledge.seed);
-        let frame_of = |robot: RobotId| -> Option<FrameChange> {
-            let at = robots.iter().position(|&other| other == robot)?;
-            frames.get(at).copied().unwrap_or(Some(FrameChange::NONE))
+        let frames = stitch(&maps, &self.rules, knowledge.seed);
+        let of_robots = members.of_robots();
+        let joined = logs::moved(log, |robot| frames.changes[of_robots[robot.index()]?]);
+        let (mut map, learned) = self.inner.map_and_learn(Knowledge { log: &joined, ..*knowledge }, watch)?;
+        let errors = FrameErrors { frames: &frames, maps: &maps, log, of_robots: &of_robots };
+        for (node, estimate) in map.estimates.iter_mut().enumerate() {
+            *estimate = estimate.take().map(|estimate| errors.added_to(NodeId::from_index(node), estimate));
+        }
+        let why = |member: usize| match &own[member] {
+            Err(why) => why.clone(),
+            Ok(_) => why_left_out(member, &members, &frames),
         };
-        let joined = logs::moved(log, frame_of);
-        let (map, learned) = self.inner.map_and_learn(Knowledge { log: &joined, ..*knowledge }, watch)?;
-        let names = Names { log, robots: &robots };
-        let robots = (0..robots.len()).map(|robot| RobotFrame {
-            name: names.of(robot),
-            placed: maps.get(robot).map_or(map.mapped(), |own| own.nodes.len()),
-            outcome: match (own.get(robot), frames.get(robot)) {
-                (None, _) | (_, None) => joined_as(FrameChange::NONE, Agreement::default()),
-                (_, Some(Some(change))) => joined_as(*change, agreements[robot]),
-                (Some(Err(why)), _) => RobotOutcome::LeftOut { why: why.clone() },
-                (Some(Ok(_)), Some(None)) => RobotOutcome::LeftOut { why: names.why(robot, &frames, &pairs) },
+        let robots = members.robots().into_iter().map(|(robot, member)| RobotFrame {
+            name: log.robot_name(robot).into_owned(),
+            placed: maps[member].nodes.len(),
+            outcome: match frames.changes[member] {
+                Some(_) if member == 0 => RobotOutcome::Known(frames.agreements[0]),
+                Some(change) => RobotOutcome::Joined(JoinedFrame {
+                    change,
+                    agreement: frames.agreements[member],
+                    deviation_m: frames.deviation_m(member, &maps[member]),
+                }),
+                None => RobotOutcome::LeftOut { why: why(member) },
             },
         });
-        let robots = robots.collect();
-        Ok((map, Some(EstimatorFindings::new(Stitching { robots, pairs, learned }))))
+        let stitching = Stitching {
+            robots: robots.collect(),
+            members: (0..members.count()).map(|member| members.names(member)).collect(),
+            groups: frames.groups(),
+            pairs: frames.pairs,
+            learned,
+        };
+        Ok((map, Some(EstimatorFindings::new(stitching))))
     }
 
     fn counts_packets(&self) -> bool {
@@ -137,64 +154,58 @@ impl Estimator for Stitched {
     }
 }
 
-fn joined_as(change: FrameChange, agreement: Agreement) -> RobotOutcome {
-    let Agreement { shared, agreeing, residual_m } = agreement;
-    RobotOutcome::Joined { change, shared, agreeing, residual_m }
-}
-
-/// How the frame of each robot becomes that of the first one, from `maps` in these frames: `None` for a robot whose frame they
-/// do not tell. `seed` is that of random pairs of nodes that are tried. Returns also what each pair of maps tells.
-///
-/// The same maps give the same frames.
-#[must_use]
-pub fn stitch(maps: &[OwnMap], rules: StitchRules, seed: Seed) -> (Vec<Option<FrameChange>>, Vec<PairFit>) {
-    let (frames, _, pairs) = frames_of(maps, rules, seed);
-    (frames, pairs)
-}
-
-fn frames_of(
-    maps: &[OwnMap],
-    rules: StitchRules,
-    seed: Seed,
-) -> (Vec<Option<FrameChange>>, Vec<Agreement>, Vec<PairFit>) {
-    let pairs: Vec<PairFit> = (0..maps.len())
-        .flat_map(|a| (a + 1..maps.len()).map(move |b| [a, b]))
-        .map(|robots| PairFit::of(robots, robots.map(|robot| &maps[robot]), rules, seed))
-        .collect();
-    let mut known = pairs.clone();
-    loop {
-        let start = tree::frames(maps.len(), &known);
-        let (frames, agreements) = joint::refine(maps, start, rules.lengths);
-        let disagrees =
-            |robot: &usize| *robot > 0 && frames[*robot].is_some() && agreements[*robot].agreeing < LEAST_AGREEING;
-        let Some(robot) = (0..maps.len()).filter(disagrees).min_by_key(|&robot| agreements[robot].agreeing) else {
-            return (frames, agreements, pairs);
-        };
-        known.retain(|pair| !pair.robots.contains(&robot));
-    }
-}
-
-/// The names of robots, by number among those that listened.
-struct Names<'a> {
+/// What the errors of frames do to the places on the map of all.
+struct FrameErrors<'a> {
+    frames: &'a Frames,
+    maps: &'a [OwnMap],
     log: &'a ReceptionLog,
-    robots: &'a [RobotId],
+    /// The member of each robot.
+    of_robots: &'a [Option<usize>],
 }
 
-impl Names<'_> {
-    fn of(&self, robot: usize) -> String {
-        self.log.robot_name(self.robots[robot]).into_owned()
+impl FrameErrors<'_> {
+    /// The estimate of `node` with the errors of the frames in its covariance; without one if the frames have none.
+    fn added_to(&self, node: NodeId, estimate: Estimate) -> Estimate {
+        let Some(mut covariance) = estimate.covariance else { return estimate };
+        let Some(frames) = &self.frames.covariance else { return Estimate { covariance: None, ..estimate } };
+        let mut shares = self.frames.shares(self.maps, node);
+        if shares.is_empty() {
+            shares = self.shares_heard(node);
+        }
+        let added = frames.of_place(estimate.position, &shares);
+        // A map in the plane stays one.
+        let axes = if covariance[2][2] > 0.0 { 3 } else { 2 };
+        for row in 0..axes {
+            for column in 0..axes {
+                covariance[row][column] += added[row][column];
+            }
+        }
+        Estimate { covariance: Some(covariance), ..estimate }
     }
 
-    /// Why a robot is left out: what its map and that of a joined robot with which it shares most nodes tell.
-    fn why(&self, robot: usize, frames: &[Option<FrameChange>], pairs: &[PairFit]) -> String {
-        let other = |pair: &PairFit| pair.robots[usize::from(pair.robots[0] == robot)];
-        let of_robot = pairs.iter().filter(|pair| pair.robots.contains(&robot) && frames[other(pair)].is_some());
-        match of_robot.max_by_key(|pair| pair.shared) {
-            Some(pair) => match &pair.state {
-                PairState::Undecided(fault) => format!("with {}, {fault}", self.of(other(pair))),
-                PairState::Fitted { .. } => "its map does not agree with those of the others".to_owned(),
-            },
-            None => "no robot with a known frame has a map".to_owned(),
+    /// The share of the stops that heard `node` of each member with a frame: of nodes that are on no map of a member.
+    fn shares_heard(&self, node: NodeId) -> Vec<(usize, f64)> {
+        let mut heard = vec![0.0; self.maps.len()];
+        for reception in self.log.of(node).iter().filter(|reception| reception.received > 0) {
+            let robot = self.log.stops()[reception.stop as usize].robot;
+            if let Some(member) = self.of_robots[robot.index()] {
+                heard[member] += 1.0;
+            }
         }
+        let is_told = |&(member, heard): &(usize, f64)| heard > 0.0 && self.frames.changes[member].is_some();
+        as_shares(heard.into_iter().enumerate().filter(is_told).collect())
+    }
+}
+
+/// Why a member is left out: what its map and that of a joined one with which it shares most nodes tell.
+fn why_left_out(member: usize, members: &Members<'_>, frames: &Frames) -> String {
+    let other = |pair: &PairFit| pair.robots[usize::from(pair.robots[0] == member)];
+    let is_joined = |pair: &&PairFit| pair.robots.contains(&member) && frames.changes[other(pair)].is_some();
+    match frames.pairs.iter().filter(is_joined).max_by_key(|pair| pair.shared) {
+        Some(pair) => match &pair.state {
+            PairState::Undecided(fault) => format!("with {}, {fault}", members.name(other(pair))),
+            PairState::Fitted { .. } => "its map does not agree with those of the others".to_owned(),
+        },
+        None => "no robot with a known frame has a map".to_owned(),
     }
 }

@@ -20,5 +20,6 @@ mod profiles;
 mod real_links;
 mod sectored;
 mod self_calibrated;
+mod stitched_regions;
 mod stitching;
 mod watched;

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use sextant_channel::{Position, Reception, ReceptionLog, SectorTable, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{
-    FrameChange, Handedness, MapError, Mapper, MlTm, MlTmConfig, OwnMap, PairFault, PairState, PlacedNode,
+    FrameChange, FrameKnowledge, Frames, Handedness, Knowledge, MapError, Mapper, MlTm, MlTmConfig, OwnMap, PairFault, PairState, PlacedNode,
     ProfileConfig, RobotOutcome, StitchConfig, StitchRules, Stitched, Stitching, TrapezoidConfig, stitch,
 };
 
@@ -45,6 +45,7 @@ fn maps(
             node: NodeId::from_index(node),
             place: frame.inverse().apply(moved(robot, node, place)),
             variance: 1.0,
+            covariance: None,
         });
         OwnMap { nodes: own.collect() }
     };
@@ -52,7 +53,7 @@ fn maps(
 }
 
 fn rules(mirrored: bool, scaled: bool) -> StitchRules {
-    StitchConfig { mirrored, scaled }.into()
+    StitchConfig { mirrored, scaled, known: None }.into()
 }
 
 /// How far the frames found are from the true ones over the area (m); infinite if one is not found.
@@ -72,7 +73,7 @@ proptest! {
     fn exact_maps_give_exact_frames(seed in 0_u64..1_000_000, robots in 2_usize..6, scaled: bool) {
         let frames: Vec<FrameChange> = (0..robots).map(|robot| frame(seed, robot, scaled)).collect();
         let maps = maps(&nodes(seed, 180), &frames, |_, _, place| place);
-        let (found, _) = stitch(&maps, rules(true, scaled), Seed(seed));
+        let found = stitch(&maps, &rules(true, scaled), Seed(seed)).changes;
         let worst_m = worst_m(&found, &maps, &frames);
         prop_assert!(worst_m < 1e-6, "{worst_m} m");
     }
@@ -93,7 +94,7 @@ proptest! {
             let wild = shared.iter().filter(|&&node| is_wild(robot, node) || is_wild(robot + 1, node)).count();
             prop_assume!(3 * wild < shared.len());
         }
-        let (found, _) = stitch(&maps, rules(true, false), Seed(seed));
+        let found = stitch(&maps, &rules(true, false), Seed(seed)).changes;
         let worst_m = worst_m(&found, &maps, &frames);
         prop_assert!(worst_m < 1e-6, "{worst_m} m");
     }
@@ -107,7 +108,8 @@ fn noise_is_averaged_and_the_same_maps_give_the_same_frames() {
         place + Position::new(0.5 * draw(0), 0.5 * draw(1), 0.0)
     };
     let maps = maps(&nodes(3, 400), &frames, noisy);
-    let (found, pairs) = stitch(&maps, rules(true, false), Seed(1));
+    let frames_found = stitch(&maps, &rules(true, false), Seed(1));
+    let found = &frames_found.changes;
     let off = |robot: usize| {
         let middle = Position::new(15.0 * robot as f64 + 7.5, 15.0, 0.0);
         let own = frames[robot].inverse().apply(middle);
@@ -117,7 +119,7 @@ fn noise_is_averaged_and_the_same_maps_give_the_same_frames() {
     for robot in 0..4 {
         assert!(off(robot) < 0.5, "{robot}: {} m", off(robot));
     }
-    assert_eq!(stitch(&maps, rules(true, false), Seed(1)), (found, pairs));
+    assert_eq!(stitch(&maps, &rules(true, false), Seed(1)), frames_found);
 }
 
 #[test]
@@ -126,22 +128,22 @@ fn nodes_on_a_line_do_not_tell_the_handedness() {
         (0..12_u8).map(|i| Position::new(27.0 + 0.5 * f64::from(i), f64::from(i), 0.0)).collect();
     let frames: Vec<FrameChange> = (0..2).map(|robot| frame(5, robot, false)).collect();
     let maps = maps(&line, &frames, |_, _, place| place);
-    let (found, pairs) = stitch(&maps, rules(true, false), Seed(1));
+    let Frames { changes: found, pairs, .. } = stitch(&maps, &rules(true, false), Seed(1));
     assert_eq!(found[1], None);
     assert_eq!(pairs[0].state, PairState::Undecided(PairFault::Handedness));
     // A node well off the line tells it, but only one: that may be an error.
     let mut off = line.clone();
     off.push(Position::new(33.0, 2.0, 0.0));
-    let pairs = stitch(&self::maps(&off, &frames, |_, _, place| place), rules(true, false), Seed(1)).1;
+    let pairs = stitch(&self::maps(&off, &frames, |_, _, place| place), &rules(true, false), Seed(1)).pairs;
     assert_eq!(pairs[0].state, PairState::Undecided(PairFault::Handedness));
     off.extend([Position::new(31.0, 12.0, 0.0), Position::new(26.0, 7.0, 0.0)]);
-    let found = stitch(&self::maps(&off, &frames, |_, _, place| place), rules(true, false), Seed(1)).0;
+    let found = stitch(&self::maps(&off, &frames, |_, _, place| place), &rules(true, false), Seed(1)).changes;
     assert!(found[1].is_some());
     // Robots of the same handedness need nothing off the line.
     let same: Vec<FrameChange> =
         frames.iter().map(|frame| FrameChange { handedness: Handedness::Same, ..*frame }).collect();
     let maps = self::maps(&line, &same, |_, _, place| place);
-    let (found, _) = stitch(&maps, rules(false, false), Seed(1));
+    let found = stitch(&maps, &rules(false, false), Seed(1)).changes;
     assert!(worst_m(&found, &maps, &same) < 1e-6);
 }
 
@@ -151,14 +153,14 @@ fn robots_that_share_too_little_or_disagree_stay_out() {
     let places = nodes(8, 200);
     let mut maps = maps(&places, &frames, |_, _, place| place);
     maps[2].nodes.retain(|node| places[node.node.index()].x_m > 46.0);
-    let (found, pairs) = stitch(&maps, rules(true, false), Seed(1));
+    let Frames { changes: found, pairs, .. } = stitch(&maps, &rules(true, false), Seed(1));
     assert!(found[1].is_some() && found[2].is_none());
     assert_eq!(pairs[1].state, PairState::Undecided(PairFault::TooFew { found: 0 }));
     // A map of random places fits nothing.
     for (i, node) in (0..).zip(&mut maps[1].nodes) {
         node.place = Position::new(30.0 * draw(4, [i, 3, 3]), 30.0 * draw(4, [i, 4, 4]), 0.0);
     }
-    let (found, pairs) = stitch(&maps, rules(true, false), Seed(1));
+    let Frames { changes: found, pairs, .. } = stitch(&maps, &rules(true, false), Seed(1));
     assert_eq!(found[1], None);
     assert!(matches!(pairs[0].state, PairState::Undecided(_)), "{:?}", pairs[0]);
 }
@@ -264,4 +266,95 @@ fn logs_that_cannot_be_stitched_are_refused() {
     let sectors = SectorTable::default();
     let with_sectors = log.clone().with_sectors(sectors).expect("no sector is named");
     assert_eq!(stitched.map(&with_sectors).expect_err("sectors"), MapError::StitchedSectors);
+}
+
+/// The names of two robots.
+fn names() -> [String; 2] {
+    ["a".to_owned(), "b".to_owned()]
+}
+
+#[test]
+fn robots_whose_frames_are_known_are_not_stitched() {
+    let truth = field();
+    let shared = log(&truth, &[FrameChange::NONE; 2], 6.0);
+    let plain = ml_tm().map(&shared).expect("a map");
+    let stitched = |known: Option<&[&str]>| {
+        let known = known.map(|known| known.iter().map(|&name| name.to_owned()).collect());
+        Stitched::mapper(ml_tm(), StitchConfig { known, ..StitchConfig::default() }).expect("a map of what robots hear")
+    };
+    let names = names();
+    let (nobody, both) = (FrameKnowledge::Shared(&[]), FrameKnowledge::Shared(&names));
+    // What the settings say goes before what else is known.
+    for (known, frames, is_stitched) in [
+        (None, nobody, true),
+        (None, both, false),
+        (None, FrameKnowledge::SharedByAll, false),
+        (Some(&["b", "a"][..]), nobody, false),
+        (Some(&[]), both, true),
+        (Some(&["a"]), FrameKnowledge::SharedByAll, true),
+    ] {
+        let knowledge = Knowledge { frames, ..Knowledge::from(&shared) };
+        let (map, learned) = stitched(known).map_and_learn(knowledge, &sextant_kernel::Unwatched).expect("a map");
+        let learned = learned.expect("frames");
+        let stitching: &Stitching = learned.get().expect("frames");
+        assert_eq!((stitching.joined(), map == plain), (2, !is_stitched), "{known:?} {frames:?}");
+        let says = learned.lines("m", &map).iter().any(|line| line.text.contains("nothing was stitched"));
+        assert_eq!(says, !is_stitched, "{known:?} {frames:?}");
+    }
+    let refused = stitched(Some(&["a", "c"])).map(&shared).expect_err("no such robot");
+    assert_eq!(refused, MapError::NoRobot { name: "c".to_owned(), known: "a, b".to_owned() });
+}
+
+#[test]
+fn a_stitched_map_has_the_frame_of_the_robots_whose_frames_are_known() {
+    let truth = field();
+    let frames = [frame(17, 3, false), FrameChange::NONE];
+    let apart = log(&truth, &frames, 6.0);
+    let names = names();
+    let stitched = Stitched::mapper(ml_tm(), StitchConfig::default()).expect("a map of what robots hear");
+    // The first robot has a frame of its own, the second that of the world.
+    let knowledge = Knowledge { frames: FrameKnowledge::Shared(&names[1..]), ..Knowledge::from(&apart) };
+    let map = stitched.map(knowledge).expect("a map");
+    let errors = map.positions().into_iter().zip(&truth).filter_map(|(place, truth)| Some(place?.distance_m(*truth)));
+    let worst_m = errors.fold(0.0, f64::max);
+    assert!(worst_m < 1.5, "{worst_m} m");
+}
+
+#[test]
+fn groups_that_cannot_be_joined_are_named() {
+    // Robots a and b hear nodes in the west, c and d others in the east.
+    let truth = field();
+    let moved = |robot: u32| Stop {
+        robot: RobotId(robot),
+        time: SimTime::ZERO,
+        position: Position::ORIGIN,
+        heading_rad: None,
+    };
+    let west = log(&truth, &[FrameChange::NONE, frame(17, 3, false)], 6.0);
+    let (mut stops, mut receptions) = (Vec::new(), Vec::new());
+    let nodes = u32::try_from(truth.len()).expect("few nodes");
+    for half in 0..2_u32 {
+        let first = u32::try_from(stops.len()).expect("few stops");
+        stops.extend(west.stops().iter().map(|stop| Stop {
+            position: stop.position,
+            ..moved(2 * half + u32::try_from(stop.robot.index()).expect("two robots"))
+        }));
+        receptions.extend(west.receptions().iter().map(|reception| Reception {
+            node: NodeId(u32::try_from(reception.node.index()).expect("few nodes") + half * nodes),
+            stop: reception.stop + first,
+            ..reception
+        }));
+    }
+    let all = (0..2 * truth.len()).map(|node| format!("n{node}")).collect();
+    let log = ReceptionLog::new(all, stops, receptions, Vec::new()).expect("a log");
+    let log = log.with_robots(["a", "b", "c", "d"].map(str::to_owned).to_vec()).expect("four robots");
+    let stitched = Stitched::mapper(ml_tm(), StitchConfig::default()).expect("a map of what robots hear");
+    let (map, learned) = stitched.map_and_learn(&log, &sextant_kernel::Unwatched).expect("a map");
+    let learned = learned.expect("frames");
+    let stitching: &Stitching = learned.get().expect("frames");
+    assert_eq!(stitching.groups, [vec![0, 1], vec![2, 3]]);
+    let lines: Vec<String> = learned.lines("m", &map).into_iter().map(|line| line.text).collect();
+    let has = |part: &str| lines.iter().any(|line| line.contains(part));
+    assert!(has("c, d fit together, but not to a, b; `stitch.known = [\"c\"]`"), "{lines:#?}");
+    assert!(has("c is not in the map: with ") && has("d is not in the map: with "), "{lines:#?}");
 }

@@ -1,7 +1,7 @@
 //! The logs of the networks that robots surveyed.
 
 use sextant_channel::{NetworkLog, NetworkLogs, ReceptionLog};
-use sextant_mapper::Knowledge;
+use sextant_mapper::{FrameKnowledge, Knowledge};
 
 use crate::scenario::MapJob;
 
@@ -39,7 +39,8 @@ impl<'a> MapLogs<'a> {
 
     /// What `map` may know of the logs.
     #[must_use]
-    pub fn knowledge<'b>(&'b self, map: &MapJob) -> Knowledge<'b> {
-        Knowledge { logs: &self.logs, ..Knowledge::from(self.of(map)) }
+    pub fn knowledge<'b>(&'b self, map: &'b MapJob) -> Knowledge<'b> {
+        let frames = FrameKnowledge::Shared(&map.robots_in_world);
+        Knowledge { logs: &self.logs, frames, ..Knowledge::from(self.of(map)) }
     }
 }

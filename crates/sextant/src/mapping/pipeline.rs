@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use sextant_kernel::Watch;
-use sextant_mapper::{EstimatorFindings, Knowledge, TopologyMap};
+use sextant_mapper::{EstimatorFindings, FrameKnowledge, Knowledge, TopologyMap};
 
 use super::error::MapLogError;
 use super::input::Input;
@@ -48,6 +48,8 @@ pub fn map<'a>(
 /// What a map may know: of its `logs`, and with them.
 pub(super) fn knowledge<'a>(input: &'a Input, settings: &'a MapSettings, logs: Knowledge<'a>) -> Knowledge<'a> {
     Knowledge {
+        // Latitudes and longitudes are those of all robots.
+        frames: if input.plane.is_some() { FrameKnowledge::SharedByAll } else { logs.frames },
         neighbours: input.known.neighbours.as_ref(),
         beacons: input.known.beacons.as_ref(),
         anchors: &input.known.anchors,

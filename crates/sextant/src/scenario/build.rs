@@ -79,7 +79,7 @@ pub(super) fn check(config: &mut ScenarioConfig, files: &Files, errors: &mut Err
     }
     let warm_up = check_warm_up(config, errors);
     let region = errors.take("simulation", config.simulation.region());
-    let maps = check_maps(&config.maps, &known, errors);
+    let maps = check_maps(&config.maps, &config.robots, &known, errors);
     check_log_of_maps(config, &maps, &known, errors);
     check_target_names(&config.robots, world.as_ref(), errors);
     errors.take("metrics", config.metrics.check());

@@ -199,12 +199,13 @@ impl MapSettings {
         }
         let mut errors = Errors::default();
         team::stitch_no_lone_robot(config.team.as_ref(), 1 + config.robots.len(), &mut config.maps);
-        config.robots.extend(config.team.as_ref().map(TeamConfig::any_robot));
+        config.robots.extend(config.team.iter().flat_map(TeamConfig::robots_in_world));
         let tables = NetworkTables::all(config.tables());
         let none = Files::Attached(Arc::default());
         let files = scenario.map_or(&none, |scenario| scenario.files);
         let links: Vec<_> = tables.iter().map(|table| known_links(table, files, &mut errors)).collect();
-        let maps = check_maps(&config.maps, &KnownNetworks::new(&tables, &links, &config.robots), &mut errors);
+        let networks = KnownNetworks::new(&tables, &links, &config.robots);
+        let maps = check_maps(&config.maps, &config.robots, &networks, &mut errors);
         errors.take("metrics", config.metrics.check());
         let knows = |map: &MapJob| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {

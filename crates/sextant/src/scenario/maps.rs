@@ -1,8 +1,10 @@
 //! The maps of a scenario.
 
+use sextant_apps::ControllerConfig;
+use sextant_kernel::text::choices;
 use sextant_kernel::{SettingError, SettingProblem};
 use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig, Mapper, Stitched};
-use sextant_sim::RoleConfig;
+use sextant_sim::{RobotConfig, RoleConfig};
 
 use super::config::ScenarioConfig;
 use super::errors::Errors;
@@ -17,10 +19,20 @@ pub struct MapJob {
     pub network: Option<String>,
     /// The algorithm with its settings.
     pub mapper: Mapper,
+    /// Names of the robots that write their logs in the frame of the world, as far as it is known.
+    pub robots_in_world: Vec<String>,
 }
 
-/// The maps to compute; absent channel settings are taken from the networks of the maps, where they are known.
-pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors: &mut Errors) -> Vec<MapJob> {
+/// The maps to compute of what `robots` hear; absent channel settings are taken from the networks of the maps, where they are
+/// known.
+pub(super) fn check_maps(
+    configs: &[MapConfig],
+    robots: &[RobotConfig<ControllerConfig>],
+    networks: &KnownNetworks,
+    errors: &mut Errors,
+) -> Vec<MapJob> {
+    let in_world = |robot: &&RobotConfig<ControllerConfig>| robot.role == RoleConfig::Survey && robot.frame.is_world();
+    let robots_in_world: Vec<String> = robots.iter().filter(in_world).map(|robot| robot.name.clone()).collect();
     let mut maps: Vec<MapJob> = Vec::new();
     for (i, config) in configs.iter().enumerate() {
         let table = format!("maps[{i}]");
@@ -43,7 +55,7 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
         };
         let name = config.name.clone().unwrap_or_else(|| mapper.name().to_owned());
         check_name(&name, &table, &maps, errors);
-        maps.push(MapJob { name, network: config.network, mapper });
+        maps.push(MapJob { name, network: config.network, mapper, robots_in_world: robots_in_world.clone() });
     }
     maps
 }
@@ -63,8 +75,15 @@ pub(super) fn check_log_of_maps(
             errors.refuse(&SettingError::conflict(key, with, "use `ml_tm`, which maps without sectors"));
         }
     }
-    let surveying = config.robots.iter().filter(|robot| robot.role == RoleConfig::Survey).count();
-    for i in (0..config.maps.len()).filter(|&i| surveying == 1 && config.maps[i].stitch.is_some()) {
+    let surveying: Vec<&str> =
+        config.robots.iter().filter(|robot| robot.role == RoleConfig::Survey).map(|robot| &*robot.name).collect();
+    for (i, stitch) in config.maps.iter().enumerate().filter_map(|(i, map)| Some((i, map.stitch.as_ref()?))) {
+        for name in stitch.known.iter().flatten().filter(|name| !surveying.contains(&name.as_str())) {
+            let allowed = format!("names of robots that survey: {}", choices(&surveying));
+            errors.refuse(&SettingError::new(format!("maps[{i}].stitch.known"), format!("`{name}`"), allowed));
+        }
+    }
+    for i in (0..config.maps.len()).filter(|&i| surveying.len() == 1 && config.maps[i].stitch.is_some()) {
         let remedy = "leave out `stitch`, which joins the logs of two or more robots";
         errors.refuse(&SettingError::conflict(format!("maps[{i}].stitch"), "one robot that surveys", remedy));
     }

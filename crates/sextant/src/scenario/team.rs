@@ -7,10 +7,8 @@ use sextant_mapper::MapConfig;
 use sextant_sim::layout::{Region, RegionConfig};
 use sextant_sim::{OwnFrameConfig, RobotBody, RobotConfig, World};
 
-use super::team_config::{FramesConfig, TeamConfig};
+use super::team_config::{FramesConfig, MOST_ROBOTS, TeamConfig};
 
-/// Largest number of robots.
-const MOST_ROBOTS: u32 = 256;
 /// Frames of the robots of a team.
 const FRAMES: Purpose = Purpose::new(32);
 

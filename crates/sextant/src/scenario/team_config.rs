@@ -6,6 +6,9 @@ use sextant_apps::{ControllerConfig, PartitionConfig};
 use sextant_channel::Position;
 use sextant_sim::{OdometryConfig, OwnFrameConfig, RobotConfig};
 
+/// Largest number of robots.
+pub(super) const MOST_ROBOTS: u32 = 256;
+
 /// A team of robots that divide a region among them, as written in a scenario. They are alike, and share nothing on the way:
 /// their receptions go into one log. What is not said here is as in `[[robots]]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -98,9 +101,23 @@ impl TeamConfig {
         }
     }
 
-    /// A robot of the team that surveys all of its region: what maps may know of the team.
+    /// A robot of the team that surveys all of its region.
     pub(super) fn any_robot(&self) -> RobotConfig<ControllerConfig> {
+        self.surveying_all(0)
+    }
+
+    /// The robots of the team that know where they are in the world, each as if it surveyed all of the region: what maps may
+    /// know of the team.
+    pub(super) fn robots_in_world(&self) -> Vec<RobotConfig<ControllerConfig>> {
+        let last = match self.frames {
+            FramesConfig::Shared => self.robots.clamp(1, MOST_ROBOTS),
+            FramesConfig::Unknown => 1,
+        };
+        (0..last).map(|number| self.surveying_all(number)).collect()
+    }
+
+    fn surveying_all(&self, number: u32) -> RobotConfig<ControllerConfig> {
         let start_m = self.start_m.unwrap_or(Position::ORIGIN);
-        self.robot(0, start_m, self.controller.clone(), OwnFrameConfig::default())
+        self.robot(number, start_m, self.controller.clone(), OwnFrameConfig::default())
     }
 }
