@@ -1,5 +1,6 @@
 //! `sextant map`: computes maps from a reception log.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -258,8 +259,7 @@ impl Arguments {
 
 /// Submits this very map in so many tiles.
 fn submit(invocation: &Invocation, folder: &Path, tiles: usize, slurm: &SlurmFlags) -> Result<(), Failure> {
-    let words = invocation.words().iter().map(|word| word.to_string_lossy().into_owned());
-    let words = words_of_tasks(words, tiles);
+    let words = words_of_tasks(invocation.words(), tiles);
     let jobs = submit_map(&own_program(invocation)?, &words, folder, tiles, &slurm.settings())?;
     let (tasks, of_tiles) = (counted(jobs.tasks, "task"), jobs.tiles.join(", "));
     writeln!(stdout(), "submitted {} in {tasks}: job {of_tiles}", counted(tiles, "tile"))?;
@@ -267,22 +267,26 @@ fn submit(invocation: &Invocation, folder: &Path, tiles: usize, slurm: &SlurmFla
 }
 
 /// The command line of the tasks: this one without what is for the submission, and with the number of `tiles`, which must not
-/// depend on the memory of a machine.
-fn words_of_tasks(words: impl Iterator<Item = String>, tiles: usize) -> Vec<String> {
+/// depend on the memory of a machine. Names after `--` stay there.
+fn words_of_tasks(words: &[OsString], tiles: usize) -> Vec<OsString> {
     let of_submission = ["--submit", "--tiles", "--threads", "--format"];
+    let end_of_flags = words.iter().position(|word| word == "--").unwrap_or(words.len());
+    let (flags, names) = words.split_at(end_of_flags);
     let mut kept = Vec::new();
-    let mut words = words.peekable();
-    while let Some(word) = words.next() {
-        let (flag, has_value) = word.split_once('=').map_or((word.as_str(), false), |(flag, _)| (flag, true));
+    let mut flags = flags.iter();
+    while let Some(word) = flags.next() {
+        let text = word.to_string_lossy();
+        let (flag, has_value) = text.split_once('=').map_or((&*text, false), |(flag, _)| (flag, true));
         if of_submission.contains(&flag) || SlurmFlags::NAMES.contains(&flag) {
             if !has_value {
-                words.next();
+                flags.next();
             }
         } else if flag != "--quiet" {
-            kept.push(word);
+            kept.push(word.clone());
         }
     }
-    kept.extend(["--tiles".to_owned(), tiles.to_string()]);
+    kept.extend(["--tiles".into(), tiles.to_string().into()]);
+    kept.extend_from_slice(names);
     kept
 }
 
@@ -328,7 +332,11 @@ mod tests {
     #[test]
     fn tasks_get_the_words_of_the_map_alone() {
         let line = "map log --tiles auto:500 --keep-tiles kept --out m.csv --submit slurm --chunk=2 --time 1:00:00 --quiet --set a=b";
-        let words = words_of_tasks(line.split(' ').map(str::to_owned), 8);
-        assert_eq!(words.join(" "), "map log --keep-tiles kept --out m.csv --set a=b --tiles 8");
+        let words = |line: &str| {
+            let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+            words_of_tasks(&words, 8).join(" ".as_ref()).into_string().unwrap()
+        };
+        assert_eq!(words(line), "map log --keep-tiles kept --out m.csv --set a=b --tiles 8");
+        assert_eq!(words("map --submit slurm -- --quiet"), "map --tiles 8 -- --quiet");
     }
 }

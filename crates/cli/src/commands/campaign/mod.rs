@@ -44,10 +44,11 @@ pub(super) fn execute(
         ));
     }
     refuse_flags_of_scenarios(arguments)?;
-    let campaign = Campaign::open(source)?;
     if let Some(range) = action.cells {
-        part::execute(&campaign, range, arguments, interrupt)
-    } else if action.submit.is_some() {
+        return part::execute(&Campaign::open_part(source, range)?, range, arguments, interrupt);
+    }
+    let campaign = Campaign::open(source)?;
+    if action.submit.is_some() {
         cluster::submit(&campaign, &own_program(invocation)?, &flags.slurm.settings())
     } else if arguments.resume {
         cluster::resume(&campaign, &own_program(invocation)?, &flags.slurm.settings(), flags.attempts)
