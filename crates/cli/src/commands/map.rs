@@ -8,7 +8,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::options::{Format, Overrides, PictureFormat, Results, Work};
-use super::outputs::{Replacing, admit, reads_given};
+use super::outputs::{Replacing, admit, keep_logs, reads_given};
 use super::reading::Reading;
 use super::slurm_flags::{Scheduler, SlurmFlags, own_program};
 use super::with_flags;
@@ -141,6 +141,8 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     }
     arguments.results.among(&mut outputs);
     outputs.keep_inputs()?;
+    let named = [("--out", arguments.out.as_deref()), ("--summary", arguments.results.summary.as_deref())];
+    keep_logs(Some(&arguments.log), named.into_iter().filter_map(|(flag, path)| Some((flag, path?))))?;
     let network = arguments.network.as_deref();
     let options = arguments.reading.options();
     // Reading a large log takes so long that it has to end in order.
@@ -173,10 +175,12 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     let settings = settings_of_maps;
     let mut outputs = arguments.inputs();
     let maps = arguments.out.iter().flat_map(|out| mapping::map_files(out, &settings));
-    maps.for_each(|map| {
-        outputs.writes("--out", &map, OutputKind::Map);
+    let maps: Vec<PathBuf> = maps.collect();
+    maps.iter().for_each(|map| {
+        outputs.writes("--out", map, OutputKind::Map);
     });
     arguments.results.among(&mut outputs);
+    keep_logs(Some(&arguments.log), maps.iter().map(|map| ("--out", map.as_path())))?;
     admit(&outputs, Some(arguments.work))?;
     if let Some(name) = network
         && input.logs.names().next().is_none()

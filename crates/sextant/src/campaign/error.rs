@@ -63,8 +63,8 @@ pub enum CampaignError {
         /// What is wrong.
         why: String,
     },
-    /// A value in a file of the plan is invalid.
-    #[error("`{}`: {error}", .file.display())]
+    /// A value in a file of the plan is none that this program writes there.
+    #[error("`{}` was changed since the plan was made: {error}", .file.display())]
     Invalid {
         /// The file.
         file: PathBuf,

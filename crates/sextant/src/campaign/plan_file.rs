@@ -14,7 +14,7 @@ use super::bundle::Bundle;
 use super::error::CampaignError;
 use super::json_object::JsonObject;
 use crate::foreign_folder::ForeignFolder;
-use crate::scenario::{ScenarioErrors, ScenarioFile};
+use crate::scenario::ScenarioFile;
 use crate::summary::measures::Subjects;
 use crate::sweep::{Checked, Sweep, Trial, check_runs};
 
@@ -145,11 +145,12 @@ impl PlanFile {
         let scenario = ScenarioFile::read_foreign(of_files, &files.join(&self.files.scenario))?;
         let axes = scenario.axes(&self.set)?;
         let cells = axes.cells.len();
-        check_runs(cells, self.runs).map_err(ScenarioErrors::from)?;
+        check_runs(cells, self.runs)
+            .map_err(|error| invalid(SettingError::new("runs", self.runs, format!("fewer, because {error}"))))?;
         for (key, found) in [("surveys", self.surveys.len()), ("sha256", self.sha256.len())] {
             if found != cells {
                 let allowed = format!("{cells}: one for each cell of the scenario");
-                return Err(invalid(SettingError::new(key, counted(found, "entry"), allowed)));
+                return Err(invalid(SettingError::new(key, counted(found, "item"), allowed)));
             }
         }
         if !are_numbered(&self.surveys) {

@@ -228,7 +228,8 @@ impl<'a> Writing<'a> {
         if below.file_name().is_none() {
             return Err("its name is that of no file".to_owned());
         }
-        let extension = below.extension().map(|extension| extension.to_string_lossy().into_owned()).unwrap_or_default();
+        let extension =
+            below.extension().map(|extension| extension.to_string_lossy().into_owned()).unwrap_or_default();
         if below.components().count() == 1 && extension.eq_ignore_ascii_case(self.format.extension()) {
             below = Path::new(FILES).join(below);
         }

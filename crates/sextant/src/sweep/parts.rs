@@ -156,7 +156,10 @@ mod tests {
         assert!(matches!(Parts::open(&out, "other", true), Err(SweepError::OtherParts { .. })));
         assert!(matches!(parts.read(&unit, 4), Err(SweepError::Part { .. })), "a row of another length is invalid");
         for other in [Unit { cells: vec![3, 2], ..unit.clone() }, Unit { replicate: 0, ..unit.clone() }] {
-            assert!(matches!(parts.read(&other, 3), Err(SweepError::Part { .. })), "rows of another unit are invalid");
+            assert!(
+                matches!(parts.read(&other, 3), Err(SweepError::Part { .. })),
+                "rows of another unit are invalid"
+            );
         }
         drop(parts);
         assert!(matches!(Parts::open(&out, "this", false), Err(SweepError::Unfinished { .. })));

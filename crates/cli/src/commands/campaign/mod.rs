@@ -7,7 +7,7 @@ mod status;
 
 use std::path::{Path, PathBuf};
 
-use super::outputs::admit;
+use super::outputs::{admit, keep_logs};
 use super::slurm_flags::own_program;
 use super::sweep::{self, Results};
 use crate::diagnostic::Failure;
@@ -87,6 +87,7 @@ fn collect(campaign: &Campaign, arguments: &sweep::Arguments) -> Result<(), Fail
     TableFormat::of(&out)?;
     let mut outputs = Outputs::new(if arguments.force { Replace::Any } else { Replace::Ours });
     outputs.reads_closed(campaign.folder()).writes("--out", &out, OutputKind::Table);
+    keep_logs(None, [("--out", out.as_path())])?;
     admit(&outputs, Some(arguments.work))?;
     let rows = campaign.collect()?;
     write_table(&out, campaign.sweep(), &rows)?;
