@@ -40,7 +40,7 @@ impl Plan {
         let (_, after) = rest.split_once("[[world.obstacles]]").expect("obstacles follow");
         let base = format!("{before}[world.nodes.csv]\nfile = \"nodes.csv\"\n\n[[world.obstacles]]{after}");
         fs::write(plan.file("base.toml"), base).expect("there is room");
-        fs::write(plan.file("nodes.csv"), "node,x_m,y_m,z_m\na,3,4,0\nb,5,6,0\n").expect("there is room");
+        fs::write(plan.file("nodes.csv"), "node,x_m,y_m,z_m\nn1,3,4,0\nn12,5,6,0\n").expect("there is room");
         fs::write(plan.file("s.toml"), format!("extends = \"base.toml\"\n{SWEEP}")).expect("there is room");
         fs::write(plan.file("secret.txt"), "password = hunter2\n").expect("there is room");
         fs::create_dir(plan.file("bin")).expect("there is room");

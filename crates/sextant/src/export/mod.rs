@@ -199,8 +199,8 @@ impl<'a> Writing<'a> {
     fn row(&mut self, row: &TableRow<'_>) -> Result<(), ExportError> {
         if !self.tables.contains_key(row.table) {
             let named = Named::Table(row.table.to_owned());
-            let path = self.place(PathBuf::from(plain(row.table)), self.format.extension(), named);
-            open_folder(self.folder)?;
+            let path = self.place(&below(row.table), self.format.extension(), named);
+            path.parent().map_or(Ok(()), open_folder)?;
             if FileIdentity::of(&path) == self.recording {
                 return Err(ExportError::Input { path });
             }
@@ -222,9 +222,7 @@ impl<'a> Writing<'a> {
     }
 
     fn written(&mut self, name: &str, data: &[u8]) -> Result<PathBuf, String> {
-        // Steps out of the folder are none.
-        let parts = name.split(['/', '\\']).filter(|part| !matches!(*part, "" | "." | ".."));
-        let mut below: PathBuf = parts.map(plain).collect();
+        let mut below = below(name);
         if below.file_name().is_none() {
             return Err("its name is that of no file".to_owned());
         }
@@ -233,7 +231,7 @@ impl<'a> Writing<'a> {
         if below.components().count() == 1 && extension.eq_ignore_ascii_case(self.format.extension()) {
             below = Path::new(FILES).join(below);
         }
-        let path = self.place(below.with_extension(""), &extension, Named::File(name.to_owned()));
+        let path = self.place(&below.with_extension(""), &extension, Named::File(name.to_owned()));
         if FileIdentity::of(&path) == self.recording {
             return Err(ExportError::Input { path }.to_string());
         }
@@ -242,10 +240,10 @@ impl<'a> Writing<'a> {
     }
 
     /// The path in the folder of what is `named`, by its way without the extension. One that is taken gets a number.
-    fn place(&mut self, stem: PathBuf, extension: &str, named: Named) -> PathBuf {
+    fn place(&mut self, stem: &Path, extension: &str, named: Named) -> PathBuf {
         let mut number = 1;
         loop {
-            let mut below = stem.clone().into_os_string();
+            let mut below = stem.as_os_str().to_owned();
             if number > 1 {
                 below.push(format!("-{number}"));
             }
@@ -286,10 +284,12 @@ impl<'a> Writing<'a> {
     }
 }
 
-/// A name with letters that each file system takes.
-fn plain(name: &str) -> String {
+/// The path below the folder of a table or file called `name`. Steps out of the folder are none, and letters that a file
+/// system may reject are replaced.
+fn below(name: &str) -> PathBuf {
     let plain = |letter: char| if letter.is_alphanumeric() || "-_.+ ".contains(letter) { letter } else { '_' };
-    name.chars().map(plain).collect()
+    let parts = name.split(['/', '\\']).filter(|part| !matches!(*part, "" | "." | ".."));
+    parts.map(|part| part.chars().map(plain).collect::<String>()).collect()
 }
 
 #[cfg(test)]

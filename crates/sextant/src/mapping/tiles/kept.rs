@@ -189,7 +189,8 @@ impl LogParts for KeptLog<'_> {
 
     fn made(&self, part: usize) -> Result<Option<TopologyMap>, PartsError> {
         let path = self.path(part);
-        let text = match ForeignFolder::new(&self.folder).read_text(&path, LARGEST_TILE) {
+        let kept = ForeignFolder::new(self.folder.parent().unwrap_or(&self.folder));
+        let text = match kept.read_text(&path, LARGEST_TILE) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             other => other.map_err(|error| TilesError::Kept { path: path.clone(), why: error.to_string() }),
         };
