@@ -62,16 +62,12 @@ pub(super) fn keep_logs<'p>(
     read: Option<&Path>,
     outputs: impl IntoIterator<Item = (&'p str, &'p Path)>,
 ) -> Result<(), Failure> {
-    match outputs.into_iter().find(|(_, path)| is_part_of_log(path, read)) {
-        None => Ok(()),
-        Some((flag, path)) => Err(Failure::bad_input_with_help(
-            format!(
-                "`{}` would be a part of the log in its folder",
-                [flag, &path.to_string_lossy()].join(" ").trim_start()
-            ),
-            "the parts of a log are known by their names: give the file another name, or put it into another folder",
-        )),
-    }
+    let Some((flag, path)) = outputs.into_iter().find(|(_, path)| is_part_of_log(path, read)) else { return Ok(()) };
+    let output = if flag.is_empty() { path.display().to_string() } else { format!("{flag} {}", path.display()) };
+    Err(Failure::bad_input_with_help(
+        format!("`{output}` would be a part of the log in its folder"),
+        "the parts of a log are known by their names: give the file another name, or put it into another folder",
+    ))
 }
 
 /// Decides whether the command may write, and tells the user what it replaces, unless `work` is to be quiet.
