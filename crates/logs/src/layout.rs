@@ -54,6 +54,24 @@ struct Holding {
     packets: Vec<PacketPart>,
 }
 
+/// Whether a folder has a log for certain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FolderLog {
+    /// It has stops, or packets: its other tables are no parts of it.
+    Some,
+    /// It may have a log: each table in it could be one, or have the packets.
+    None,
+}
+
+impl FolderLog {
+    pub(super) fn of(folder: &Path) -> Self {
+        match Holding::of_folder(folder) {
+            Ok(holding) if holding.stops.is_some() || !holding.packets.is_empty() => Self::Some,
+            Ok(_) | Err(_) => Self::None,
+        }
+    }
+}
+
 impl Layout {
     /// The parts of the log `path`, or those that flags name.
     ///

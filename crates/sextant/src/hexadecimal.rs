@@ -10,3 +10,8 @@ pub(crate) fn hexadecimal(octets: &[u8]) -> String {
         text
     })
 }
+
+/// Whether a text is the SHA-256 hash of something, as [`hexadecimal`] writes it.
+pub(crate) fn is_sha256(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|octet| matches!(octet, b'0'..=b'9' | b'a'..=b'f'))
+}

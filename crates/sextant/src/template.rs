@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use crate::shell;
+
 /// A scenario to begin with, or a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Template {
@@ -85,8 +87,14 @@ impl TemplateFile {
     pub fn text_at(&self, path: &Path) -> String {
         let Some((stem, _)) = self.name.rsplit_once('.') else { return self.text.to_owned() };
         let (Some(file), Some(new_stem)) = (path.file_name(), path.file_stem()) else { return self.text.to_owned() };
-        let (file, new_stem) = (file.to_string_lossy(), new_stem.to_string_lossy());
-        self.text.replace(self.name, &file).replace(&format!("{stem}.mcap"), &format!("{new_stem}.mcap"))
+        // A name could end the comment that it stands in.
+        if shell::has_controls(&file.to_string_lossy()) {
+            return self.text.to_owned();
+        }
+        let recording = Path::new(new_stem).with_added_extension("mcap");
+        self.text
+            .replace(self.name, &shell::path(Path::new(file)))
+            .replace(&format!("{stem}.mcap"), &shell::path(&recording))
     }
 }
 
@@ -108,6 +116,11 @@ mod tests {
         let text = survey.text_at(Path::new("some/where/mine.toml"));
         assert!(text.contains("sextant run mine.toml --out mine.mcap") && !text.contains("survey.toml"));
         assert_eq!(survey.text_at(Path::new("survey.toml")), survey.text);
+        let quoted = survey.text_at(Path::new("my $(id).toml"));
+        assert!(quoted.contains("sextant run 'my $(id).toml' --out 'my $(id).mcap'"), "{quoted}");
+        for name in ["a\nb.toml", "a\rb.toml", "a\u{2028}b.toml"] {
+            assert_eq!(survey.text_at(Path::new(name)), survey.text, "{name:?}");
+        }
         assert!(Template::named("log").unwrap().scenario().is_none());
         assert_eq!(Template::named("nothing"), None);
     }

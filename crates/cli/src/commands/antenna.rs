@@ -14,7 +14,7 @@ use sextant_recording::disk;
 use sextant_recording::output::write_file;
 
 use super::options::{Overrides, PictureFormat, Printing};
-use super::outputs::{Replacing, admit};
+use super::outputs::{Replacing, admit, keep_logs};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{stdout, warn};
@@ -214,6 +214,7 @@ fn convert_file(arguments: &ConvertArguments) -> Result<(), Failure> {
     let ConvertArguments { source, out, .. } = arguments;
     let mut outputs = arguments.replacing.outputs();
     outputs.reads(source).writes("", out, OutputKind::Table);
+    keep_logs(None, [("", out.as_path())])?;
     admit(&outputs, None)?;
     let names = SourceNames {
         sector: arguments.sector.clone(),

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use sextant::columns::{Align, columns};
-use sextant::export::{ExportFormat, ExportedTable, export};
+use sextant::export::{ExportFormat, ExportedTable, FailedFile, export};
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{Replace, admit_folder};
 
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::stdout;
+use crate::terminal::{stdout, warn};
 
 /// Arguments of `sextant export`.
 #[derive(Clone, Debug, Args)]
@@ -65,9 +65,19 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     for file in &exported.files {
         writeln!(stdout, "{}", file.display())?;
     }
+    for FailedFile { name, why } in &exported.failed {
+        warn(&format!("the file `{}` of the recording cannot be written: {why}", name.escape_debug()));
+    }
     if !exported.left_out.is_empty() {
         let topics: Vec<_> = exported.left_out.iter().map(String::as_str).collect();
         writeln!(stdout, "no tables: {}", topics.join(", "))?;
     }
-    Ok(())
+    if exported.failed.is_empty() {
+        return Ok(());
+    }
+    let (failed, all) = (exported.failed.len(), exported.failed.len() + exported.files.len());
+    Err(Failure::failed(format!(
+        "{failed} of {} of the recording cannot be written; all else is",
+        counted(all, "file")
+    )))
 }

@@ -8,6 +8,7 @@ use clap::builder::PossibleValuesParser;
 
 use crate::diagnostic::Failure;
 use crate::terminal::stdout;
+use sextant::shell;
 use sextant::template::{Template, TemplateFile};
 use sextant_recording::output::{open_folder, write_file};
 
@@ -48,19 +49,18 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
 fn write_scenario(scenario: TemplateFile, path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
-        let help = format!("name a file in it: --out {}", path.join(scenario.name).display());
+        let help = format!("name a file in it: --out {}", shell::path(&path.join(scenario.name)));
         return Err(Failure::bad_input_with_help(format!("`{}` is a folder, not a file", path.display()), help));
     }
     if path.symlink_metadata().is_ok() {
         return Err(exists(path));
     }
     write_file(path, scenario.text_at(path).as_bytes())?;
-    let file = path.display();
-    let stem = path.with_extension("");
-    let stem = stem.display();
+    let (shown, file) = (path.display(), shell::path(path));
+    let recording = shell::path(&path.with_extension("mcap"));
     writeln!(
         stdout(),
-        "wrote {file}\n\nGo on with:\n  sextant check {file}\n  sextant run {file} --out {stem}.mcap\n  sextant figure {stem}.mcap \
+        "wrote {shown}\n\nGo on with:\n  sextant check {file}\n  sextant run {file} --out {recording}\n  sextant figure {recording} \
          --out pictures\n\nThe file explains each of its tables, and `sextant explain KEY` any key."
     )?;
     Ok(())
@@ -75,13 +75,12 @@ fn write_folder(template: &Template, path: &Path) -> Result<(), Failure> {
     for file in template.files {
         write_file(&path.join(file.name), file.text.as_bytes())?;
     }
-    let (folder, truth) = (path.display(), path.join("nodes.csv"));
+    let (shown, folder, truth) = (path.display(), shell::path(path), shell::path(&path.join("nodes.csv")));
     let names: Vec<&str> = template.files.iter().map(|file| file.name).collect();
     writeln!(
         stdout(),
-        "wrote {folder}: {}\n\nGo on with:\n  sextant map {folder}\n  sextant map {folder} --truth {}\n  sextant inspect {folder}",
-        names.join(", "),
-        truth.display()
+        "wrote {shown}: {}\n\nGo on with:\n  sextant map {folder}\n  sextant map {folder} --truth {truth}\n  sextant inspect {folder}",
+        names.join(", ")
     )?;
     Ok(())
 }

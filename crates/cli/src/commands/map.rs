@@ -1,5 +1,6 @@
 //! `sextant map`: computes maps from a reception log.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -7,7 +8,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::options::{Format, Overrides, PictureFormat, Results, Work};
-use super::outputs::{Replacing, admit, reads_given};
+use super::outputs::{Replacing, admit, keep_logs, reads_given};
 use super::reading::Reading;
 use super::slurm_flags::{Scheduler, SlurmFlags, own_program};
 use super::with_flags;
@@ -140,6 +141,8 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     }
     arguments.results.among(&mut outputs);
     outputs.keep_inputs()?;
+    let named = [("--out", arguments.out.as_deref()), ("--summary", arguments.results.summary.as_deref())];
+    keep_logs(Some(&arguments.log), named.into_iter().filter_map(|(flag, path)| Some((flag, path?))))?;
     let network = arguments.network.as_deref();
     let options = arguments.reading.options();
     // Reading a large log takes so long that it has to end in order.
@@ -172,10 +175,12 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     let settings = settings_of_maps;
     let mut outputs = arguments.inputs();
     let maps = arguments.out.iter().flat_map(|out| mapping::map_files(out, &settings));
-    maps.for_each(|map| {
-        outputs.writes("--out", &map, OutputKind::Map);
+    let maps: Vec<PathBuf> = maps.collect();
+    maps.iter().for_each(|map| {
+        outputs.writes("--out", map, OutputKind::Map);
     });
     arguments.results.among(&mut outputs);
+    keep_logs(Some(&arguments.log), maps.iter().map(|map| ("--out", map.as_path())))?;
     admit(&outputs, Some(arguments.work))?;
     if let Some(name) = network
         && input.logs.names().next().is_none()
@@ -258,8 +263,7 @@ impl Arguments {
 
 /// Submits this very map in so many tiles.
 fn submit(invocation: &Invocation, folder: &Path, tiles: usize, slurm: &SlurmFlags) -> Result<(), Failure> {
-    let words = invocation.words().iter().map(|word| word.to_string_lossy().into_owned());
-    let words = words_of_tasks(words, tiles);
+    let words = words_of_tasks(invocation.words(), tiles);
     let jobs = submit_map(&own_program(invocation)?, &words, folder, tiles, &slurm.settings())?;
     let (tasks, of_tiles) = (counted(jobs.tasks, "task"), jobs.tiles.join(", "));
     writeln!(stdout(), "submitted {} in {tasks}: job {of_tiles}", counted(tiles, "tile"))?;
@@ -267,22 +271,26 @@ fn submit(invocation: &Invocation, folder: &Path, tiles: usize, slurm: &SlurmFla
 }
 
 /// The command line of the tasks: this one without what is for the submission, and with the number of `tiles`, which must not
-/// depend on the memory of a machine.
-fn words_of_tasks(words: impl Iterator<Item = String>, tiles: usize) -> Vec<String> {
+/// depend on the memory of a machine. Names after `--` stay there.
+fn words_of_tasks(words: &[OsString], tiles: usize) -> Vec<OsString> {
     let of_submission = ["--submit", "--tiles", "--threads", "--format"];
+    let end_of_flags = words.iter().position(|word| word == "--").unwrap_or(words.len());
+    let (flags, names) = words.split_at(end_of_flags);
     let mut kept = Vec::new();
-    let mut words = words.peekable();
-    while let Some(word) = words.next() {
-        let (flag, has_value) = word.split_once('=').map_or((word.as_str(), false), |(flag, _)| (flag, true));
+    let mut flags = flags.iter();
+    while let Some(word) = flags.next() {
+        let text = word.to_string_lossy();
+        let (flag, has_value) = text.split_once('=').map_or((&*text, false), |(flag, _)| (flag, true));
         if of_submission.contains(&flag) || SlurmFlags::NAMES.contains(&flag) {
             if !has_value {
-                words.next();
+                flags.next();
             }
         } else if flag != "--quiet" {
-            kept.push(word);
+            kept.push(word.clone());
         }
     }
-    kept.extend(["--tiles".to_owned(), tiles.to_string()]);
+    kept.extend(["--tiles".into(), tiles.to_string().into()]);
+    kept.extend_from_slice(names);
     kept
 }
 
@@ -328,7 +336,11 @@ mod tests {
     #[test]
     fn tasks_get_the_words_of_the_map_alone() {
         let line = "map log --tiles auto:500 --keep-tiles kept --out m.csv --submit slurm --chunk=2 --time 1:00:00 --quiet --set a=b";
-        let words = words_of_tasks(line.split(' ').map(str::to_owned), 8);
-        assert_eq!(words.join(" "), "map log --keep-tiles kept --out m.csv --set a=b --tiles 8");
+        let words = |line: &str| {
+            let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+            words_of_tasks(&words, 8).join(" ".as_ref()).into_string().unwrap()
+        };
+        assert_eq!(words(line), "map log --keep-tiles kept --out m.csv --set a=b --tiles 8");
+        assert_eq!(words("map --submit slurm -- --quiet"), "map --tiles 8 -- --quiet");
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::Args;
 use sextant::scenario::Scenario;
 use sextant::sweep::Sweep;
+use sextant_logs::is_part_of_log;
 use sextant_recording::admission::{OutputNote, Outputs, Replace};
 
 use super::options::Work;
@@ -50,6 +51,23 @@ pub(super) fn reads_given<'p>(outputs: &mut Outputs<'_>, paths: impl IntoIterato
     paths.into_iter().flatten().for_each(|path| {
         outputs.reads(path);
     });
+}
+
+/// Refuses outputs that a later command would read as parts of the log in their folder, or that would keep it from being read.
+/// Each has the name of its flag. `read` is a log that this command reads, if it reads one.
+///
+/// # Errors
+/// The first such output.
+pub(super) fn keep_logs<'p>(
+    read: Option<&Path>,
+    outputs: impl IntoIterator<Item = (&'p str, &'p Path)>,
+) -> Result<(), Failure> {
+    let Some((flag, path)) = outputs.into_iter().find(|(_, path)| is_part_of_log(path, read)) else { return Ok(()) };
+    let output = if flag.is_empty() { path.display().to_string() } else { format!("{flag} {}", path.display()) };
+    Err(Failure::bad_input_with_help(
+        format!("`{output}` would be a part of the log in its folder"),
+        "the parts of a log are known by their names: give the file another name, or put it into another folder",
+    ))
 }
 
 /// Decides whether the command may write, and tells the user what it replaces, unless `work` is to be quiet.

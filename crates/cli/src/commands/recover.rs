@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::options::Printing;
-use super::outputs::{Replacing, admit};
+use super::outputs::{Replacing, admit, keep_logs};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use sextant_recording::admission::OutputKind;
@@ -32,6 +32,7 @@ pub(crate) struct Arguments {
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let mut outputs = arguments.replacing.outputs();
     outputs.reads(&arguments.broken).writes("--out", &arguments.out, OutputKind::RecoveredRecording);
+    keep_logs(None, [("--out", arguments.out.as_path())])?;
     admit(&outputs, None)?;
     let _temporary = interrupt.temporary(&unfinished_copy(&arguments.out));
     let recovery = recover(&arguments.broken, &arguments.out, interrupt)?;

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::map::algorithms;
 use super::options::Work;
-use super::outputs::{Replacing, admit, reads_given};
+use super::outputs::{Replacing, admit, keep_logs, reads_given};
 use super::reading::Reading;
 use super::with_flags;
 use crate::diagnostic::Failure;
@@ -59,6 +59,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let given = [Some(arguments.input.as_path()), arguments.truth.as_deref()];
     reads_given(&mut outputs, given.into_iter().chain(arguments.reading.files()));
     outputs.writes("--out", &out, OutputKind::Report);
+    keep_logs(Some(&arguments.input), [("--out", out.as_path())])?;
     admit(&outputs, Some(arguments.work))?;
     arguments.work.start_threads()?;
     let report = report(arguments, interrupt)?;

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::live::LiveOptions;
 use super::options::{Results, ScenarioSource, Work};
-use super::outputs::{Replacing, admit, reads_scenario};
+use super::outputs::{Replacing, admit, keep_logs, reads_scenario};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 #[cfg(feature = "live")]
@@ -67,6 +67,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         outputs.writes("--pcap", pcap, OutputKind::Capture);
     }
     arguments.results.among(&mut outputs);
+    let given = [("--pcap", arguments.pcap.as_deref()), ("--summary", arguments.results.summary.as_deref())];
+    let given = given.into_iter().filter_map(|(flag, path)| Some((flag, path?)));
+    keep_logs(None, given.chain([("--out", recording.as_path())]))?;
     admit(&outputs, Some(arguments.work))?;
     if !arguments.work.quiet {
         warnings(&scenario).iter().for_each(|warning| warn(&warning.to_string()));

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use crate::diagnostic::Failure;
 use crate::invocation::Invocation;
-use sextant::campaign::slurm::{Chunk, SlurmSettings};
+use sextant::campaign::slurm::{Chunk, Memory, SlurmName, SlurmOption, SlurmSettings, TimeLimit};
 
 /// A scheduler of a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -26,13 +26,13 @@ pub(crate) struct SlurmFlags {
     chunk: Option<Chunk>,
     /// Time limit of a task, for example 1:00:00
     #[arg(long, value_name = "TIME")]
-    time: Option<String>,
+    time: Option<TimeLimit>,
     /// Partition
     #[arg(long, value_name = "NAME")]
-    partition: Option<String>,
+    partition: Option<SlurmName>,
     /// Account that pays
     #[arg(long, value_name = "NAME")]
-    account: Option<String>,
+    account: Option<SlurmName>,
     /// Tasks that run at the same time, at most
     #[arg(long, value_name = "N")]
     max_running: Option<NonZeroU32>,
@@ -41,10 +41,10 @@ pub(crate) struct SlurmFlags {
     cpus: Option<NonZeroU32>,
     /// Memory of a task, for example 4G
     #[arg(long, value_name = "SIZE")]
-    memory: Option<String>,
+    memory: Option<Memory>,
     /// Another option of sbatch, for example --option=--qos=long. May be repeated
     #[arg(long = "option", value_name = "OPTION", allow_hyphen_values = true)]
-    options: Vec<String>,
+    options: Vec<SlurmOption>,
 }
 
 impl SlurmFlags {

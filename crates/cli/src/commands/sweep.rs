@@ -12,7 +12,7 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 
 use super::options::{Format, Overrides, Printing, Work};
-use super::outputs::reads_sweep;
+use super::outputs::{keep_logs, reads_sweep};
 use super::plan_flags::PlanFlags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
@@ -104,6 +104,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let mut outputs = Outputs::new(Replace::Any);
     reads_sweep(&mut outputs, &plan);
     outputs.writes("--out", &out, OutputKind::Table).keep_inputs()?;
+    keep_logs(None, [("--out", out.as_path())])?;
     let rows = match existing::start(arguments, &plan, &out)? {
         Start::Finished(rows) => rows,
         Start::Run(known) => swept(arguments, &plan, known, &out, interrupt)?,

@@ -21,6 +21,8 @@ mod export;
 mod failing_disk;
 mod faults;
 mod figure;
+#[cfg(unix)]
+mod foreign_plans;
 mod forms;
 mod grid_sizes;
 mod guide;
@@ -29,6 +31,7 @@ mod init;
 mod interrupt;
 #[cfg(all(unix, feature = "live"))]
 mod live;
+mod log_folders;
 mod map;
 mod map_figure;
 mod metrics_page;
@@ -53,8 +56,8 @@ mod schema;
 mod sector_reports;
 mod sector_sweeps;
 mod sensing;
-mod standing_obstacles;
 mod silent_settings;
+mod standing_obstacles;
 mod sweep;
 mod teams;
 mod tiles;

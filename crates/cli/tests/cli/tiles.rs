@@ -254,3 +254,43 @@ fn tiles_of_other_settings_are_refused() {
     let output = recorded.map("c.csv", &words);
     assert!(!output.status.success() && !recorded.file("c.csv").exists());
 }
+
+#[cfg(unix)]
+#[test]
+fn a_tile_of_another_place_and_one_that_is_no_file_are_refused() {
+    use std::fs;
+    use std::os::unix::fs::symlink;
+
+    let recorded = Recorded::of("smoke.toml");
+    let kept = recorded.folder.path().join("kept");
+    let words = ["--algorithm", "ml-tm", "--tiles", "2", "--keep-tiles", kept.to_str().expect("UTF-8")];
+    assert!(recorded.map("a.csv", &words).status.success());
+    let [first, second] = ["000000.csv", "000001.csv"].map(|name| kept.join("ml-tm").join(name));
+    let honest = fs::read_to_string(&second).expect("a tile");
+    let row = honest.lines().nth(1).expect("a node").to_owned();
+    let place = row.split(',').nth(1).expect("a place").to_owned();
+    let write = |text: String| fs::write(&second, text).expect("there is room");
+    let changes: [(&str, &dyn Fn()); 6] = [
+        ("it is another tile", &|| drop(fs::copy(&first, &second).expect("there is room"))),
+        ("of a node that it has before", &|| write(format!("{honest}{row}\n"))),
+        ("is broken", &|| write(honest.replacen(&place, "nan", 1))),
+        ("is a link", &|| symlink("000000.csv", &second).expect("there is room")),
+        ("is a link", &|| symlink("/dev/zero", &second).expect("there is room")),
+        ("is not a file", &|| {
+            let made = std::process::Command::new("mkfifo").arg(&second).status().expect("it starts");
+            assert!(made.success());
+        }),
+    ];
+    for (expected, change) in changes {
+        fs::remove_file(&second).expect("it is there");
+        change();
+        let output = recorded.map("b.csv", &words);
+        let message = String::from_utf8_lossy(&output.stderr).replace('│', "");
+        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(expected), "{expected}: {message}");
+    }
+    fs::remove_file(&second).expect("it is there");
+    assert!(recorded.map("b.csv", &words).status.success());
+    assert_eq!(fs::read(recorded.file("a.csv")).expect("a map"), fs::read(recorded.file("b.csv")).expect("a map"));
+}

@@ -4,19 +4,21 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use sextant_kernel::{LARGEST_FILE, SettingError};
 use sextant_recording::disk;
 use sextant_recording::output::{self, OutputError, write_file};
 use sha2::{Digest, Sha256};
 
 use super::error::CampaignError;
-use crate::hexadecimal::hexadecimal;
+use super::json_object::JsonObject;
+use crate::foreign_folder::ForeignFolder;
+use crate::hexadecimal::{hexadecimal, is_sha256};
 use crate::scenario::NamedFile;
 use crate::sweep::Sweep;
 
 /// The files of a plan.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub(super) struct Bundle {
     /// The scenario, as its path among the files.
     pub(super) scenario: String,
@@ -59,6 +61,40 @@ pub(super) fn write(sweep: &Sweep, folder: &Path) -> Result<Bundle, CampaignErro
 }
 
 impl Bundle {
+    /// The files in a file that somebody else may have written: each name is one in the folder, and each file that is named is
+    /// among them.
+    pub(super) fn parse(mut object: JsonObject) -> Result<Self, SettingError> {
+        let this = Self {
+            scenario: object.take("scenario", "the path of a file")?,
+            sha256: object.take("sha256", "the hash of each file by its path")?,
+            named: object.take("named", "the path of each file by how it is written")?,
+        };
+        let is_listed = |key: &str, name: &String| {
+            let allowed = || format!("one of the files in `{}`", object.path("sha256"));
+            let error = || SettingError::new(object.path(key), format!("`{}`", name.escape_debug()), allowed());
+            this.sha256.contains_key(name).then_some(()).ok_or_else(error)
+        };
+        is_listed("scenario", &this.scenario)?;
+        this.named.values().try_for_each(|name| is_listed("named", name))?;
+        for (name, sha256) in &this.sha256 {
+            let key = || object.path(&format!("sha256.\"{}\"", name.escape_debug()));
+            if !is_portable(name) {
+                let allowed = "paths in the folder, with `/` between folders and without `..`";
+                return Err(SettingError::new(
+                    object.path("sha256"),
+                    format!("a file `{}`", name.escape_debug()),
+                    allowed,
+                ));
+            }
+            if !is_sha256(sha256) {
+                let found = format!("`{}`", sha256.escape_debug());
+                return Err(SettingError::new(key(), found, "64 hexadecimal digits"));
+            }
+        }
+        object.finish()?;
+        Ok(this)
+    }
+
     /// The files in `folder` that the cells name.
     pub(super) fn named_files(&self, folder: &Path) -> Vec<NamedFile> {
         let file =
@@ -66,17 +102,22 @@ impl Bundle {
         self.named.iter().map(file).collect()
     }
 
-    /// Rejects files in `folder` that are no longer what they were.
-    pub(super) fn check(&self, folder: &Path) -> Result<(), CampaignError> {
+    /// Rejects files in `folder`, which is in `plan`, that are no longer what they were.
+    pub(super) fn check(&self, plan: &ForeignFolder, folder: &Path) -> Result<(), CampaignError> {
         for (name, sha256) in &self.sha256 {
             let file = folder.join(name);
-            let bytes = fs::read(&file).map_err(|error| CampaignError::unreadable(&file, &error))?;
+            let bytes = plan.read(&file, LARGEST_FILE).map_err(|error| CampaignError::unreadable(&file, &error))?;
             if hexadecimal(&Sha256::digest(bytes)) != *sha256 {
                 return Err(CampaignError::Changed { file });
             }
         }
         Ok(())
     }
+}
+
+/// Whether a path has names alone, with `/` between them.
+fn is_portable(name: &str) -> bool {
+    !name.contains(['\\', '\0']) && name.split('/').all(|part| !matches!(part, "" | "." | ".."))
 }
 
 /// The absolute path of `file` without `.` and `..`. Links are kept: paths in a file are relative to where it is named.

@@ -1,9 +1,10 @@
 //! Errors of plans.
 
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
-use sextant_kernel::Interrupted;
 use sextant_kernel::text::{counted, listed};
+use sextant_kernel::{Interrupted, SettingError};
 use sextant_recording::output::OutputError;
 
 use crate::number_range::NumberRange;
@@ -53,6 +54,46 @@ pub enum CampaignError {
     Changed {
         /// The file.
         file: PathBuf,
+    },
+    /// A file of the plan is not what it should be.
+    #[error("`{}` is no file of a plan: {why}", .path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// A value in a file of the plan is none that this program writes there.
+    #[error("`{}` was changed since the plan was made: {error}", .file.display())]
+    Invalid {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        error: SettingError,
+    },
+    /// An option of `sbatch` in a file of the plan is one that only a user may choose.
+    #[error(
+        "`{}`: `settings.options` has `{}`; allowed in a plan, which somebody else may have written: {allowed}",
+        .file.display(),
+        .option.escape_debug()
+    )]
+    OptionOfUser {
+        /// The file.
+        file: PathBuf,
+        /// The option.
+        option: String,
+        /// What is allowed, in words.
+        allowed: String,
+    },
+    /// A job script cannot have this word.
+    #[error("{what} is {found}, which a job script cannot have; allowed: {allowed}")]
+    NoScript {
+        /// What it is.
+        what: &'static str,
+        /// The word.
+        found: String,
+        /// What is allowed, in words.
+        allowed: &'static str,
     },
     /// A file that is named by an absolute path cannot move with the plan.
     #[error("the scenario names `{}`; allowed in a plan: paths relative to the scenario", .file.display())]
@@ -149,8 +190,19 @@ pub enum CampaignError {
 
 impl CampaignError {
     /// The file at `path` cannot be read.
-    pub(super) fn unreadable(path: impl Into<PathBuf>, error: &std::io::Error) -> Self {
-        Self::Read { path: path.into(), why: error.to_string() }
+    pub(super) fn unreadable(path: impl Into<PathBuf>, error: &io::Error) -> Self {
+        let (path, why) = (path.into(), error.to_string());
+        match error.kind() {
+            io::ErrorKind::InvalidInput | io::ErrorKind::FileTooLarge | io::ErrorKind::InvalidData => {
+                Self::Foreign { path, why }
+            }
+            _ => Self::Read { path, why },
+        }
+    }
+
+    /// A value in `file` is invalid.
+    pub(super) fn invalid(file: &Path, error: SettingError) -> Self {
+        Self::Invalid { file: file.to_owned(), error }
     }
 
     /// Whether the disk, the system or the cluster caused the error, not the input.
@@ -166,6 +218,10 @@ impl CampaignError {
             | Self::NoPlan { .. }
             | Self::OtherVersion { .. }
             | Self::Changed { .. }
+            | Self::Foreign { .. }
+            | Self::Invalid { .. }
+            | Self::OptionOfUser { .. }
+            | Self::NoScript { .. }
             | Self::Absolute { .. }
             | Self::Range { .. }
             | Self::OtherPart { .. }
@@ -184,6 +240,11 @@ impl CampaignError {
             Self::NotEmpty { .. } => Some("choose a new folder"),
             Self::OtherVersion { .. } => Some("use the program that made the plan, or make the plan again"),
             Self::Changed { .. } => Some("bring the file back, or make the plan again"),
+            Self::Foreign { .. } | Self::Invalid { .. } => {
+                Some("the plan was damaged or changed: bring the file back, or make the plan again")
+            }
+            Self::OptionOfUser { .. } => Some("give all options again with the command"),
+            Self::NoScript { .. } => Some("move or rename the folder, or leave the word out"),
             Self::OtherPart { .. } | Self::Part { .. } => Some("move the file away; its runs will be done again"),
             Self::Missing { .. } => Some("submit what is missing, or do these runs here"),
             Self::Submitted { .. } => Some("resume it, which submits what is missing or failed"),

@@ -4,6 +4,9 @@
 //! renames it when it is whole: there are no locks, and no file has two writers. The rows of a run do not depend on where it
 //! was done, so it is harmless to do one twice.
 //!
+//! A plan that was moved may have been made by somebody else. So each value in its files has a type with bounds, files outside
+//! of its folder are not read, and what decides a row is worked out again.
+//!
 //! | in the folder | what |
 //! | --- | --- |
 //! | `plan.json` | what the plan is of: the version, the seeds, hashes of all files |
@@ -15,6 +18,7 @@
 
 mod bundle;
 mod error;
+mod json_object;
 mod part;
 mod plan_file;
 mod progress;
@@ -26,6 +30,7 @@ pub use error::CampaignError;
 pub use plan_file::Estimate;
 pub use progress::{FailedRun, Pace, Progress};
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -34,9 +39,10 @@ use sextant_kernel::{Interrupted, Watch, Work};
 use sextant_recording::disk;
 use sextant_recording::output::OutputError;
 
+use crate::foreign_folder::ForeignFolder;
 use crate::number_range::NumberRange;
 use crate::summary::Stopwatch;
-use crate::sweep::{Row, Sweep, Trial, unit};
+use crate::sweep::{CellCheckError, Row, Sweep, Trial, check_cells, unit};
 use part::Parts;
 use plan_file::PlanFile;
 
@@ -71,7 +77,7 @@ impl Campaign {
         disk::create_folders(&parts).map_err(|error| OutputError::new(&parts, &error))?;
         // Without this file the folder is no plan, so it comes last.
         PlanFile::of(&sweep, files, estimate).write(folder)?;
-        let campaign = Self::open(folder)?;
+        let campaign = Self::read(folder)?;
         room.complete()?;
         Ok(campaign)
     }
@@ -84,15 +90,56 @@ impl Campaign {
         room::check(folder, replace)
     }
 
-    /// Opens the plan in `folder`.
+    /// Opens the plan in `folder`. Somebody else may have made it: all of its cells are worked out again, and compared with
+    /// what it says of them.
     ///
     /// # Errors
-    /// If there is none, it is of another version, or one of its files was changed.
+    /// If there is none, it is of another version, it was changed, or it names files outside of its folder.
     pub fn open(folder: &Path) -> Result<Self, CampaignError> {
-        let plan = PlanFile::read(folder)?;
+        let this = Self::read(folder)?;
+        this.check(&(0..this.sweep.cells().len()).collect::<Vec<_>>())?;
+        work_file::check(&this.sweep, &this.foreign())?;
+        Ok(this)
+    }
+
+    /// Opens the plan in `folder` to do the runs of `range`: only the cells of these are worked out again.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open), and if the range has runs that the plan has not.
+    pub fn open_part(folder: &Path, range: NumberRange) -> Result<Self, CampaignError> {
+        let this = Self::read(folder)?;
+        this.check_range(range)?;
+        let work = this.sweep.work();
+        let cells: BTreeSet<usize> = (range.start..range.end).map(|number| work.get(number).cell).collect();
+        this.check(&cells.into_iter().collect::<Vec<_>>())?;
+        Ok(this)
+    }
+
+    /// The plan in `folder` as its files say.
+    fn read(folder: &Path) -> Result<Self, CampaignError> {
+        let foreign = ForeignFolder::new(folder);
+        let plan = PlanFile::read(&foreign)?;
         let estimate = plan.estimate;
-        let sweep = plan.sweep(folder)?;
+        let sweep = plan.sweep(&foreign)?;
         Ok(Self { folder: folder.to_owned(), sweep, estimate })
+    }
+
+    /// Refuses the plan if what it says of these cells is not true.
+    fn check(&self, cells: &[usize]) -> Result<(), CampaignError> {
+        check_cells(&self.sweep, cells).map_err(|error| match error {
+            CellCheckError::Scenario(errors) => errors.into(),
+            CellCheckError::Untrue(error) => CampaignError::invalid(&PlanFile::path(&self.folder), error),
+        })
+    }
+
+    fn check_range(&self, range: NumberRange) -> Result<(), CampaignError> {
+        let runs = self.sweep.work().len();
+        if range.end > runs { Err(CampaignError::Range { found: range, runs }) } else { Ok(()) }
+    }
+
+    /// Its folder, whose files somebody else may have written.
+    fn foreign(&self) -> ForeignFolder {
+        ForeignFolder::new(&self.folder)
     }
 
     /// Whether there is a plan in `folder`.
@@ -127,10 +174,8 @@ impl Campaign {
     /// If the range has runs that the plan has not, a part cannot be read or written or is of another plan, or the work is
     /// stopped. A run that fails is a row with its error.
     pub fn run(&self, range: NumberRange, watch: &dyn Watch) -> Result<usize, CampaignError> {
+        self.check_range(range)?;
         let work = self.sweep.work();
-        if range.end > work.len() {
-            return Err(CampaignError::Range { found: range, runs: work.len() });
-        }
         let parts = self.parts();
         let before = parts.read_within(range)?;
         let todo: Vec<usize> = (range.start..range.end).filter(|number| !before.is_done(*number)).collect();
@@ -197,7 +242,7 @@ impl Campaign {
     }
 
     fn parts(&self) -> Parts<'_> {
-        Parts::of(&self.sweep, self.folder.join(PARTS))
+        Parts::of(&self.sweep, self.foreign(), self.folder.join(PARTS))
     }
 }
 

@@ -3,7 +3,7 @@
 //! A part `A-B.csv` has the rows of the runs A to B - 1. What is done of a part that is not finished is in
 //! `A-B.unfinished-N.csv`; N is another one for each process that does the part, so that no file has two writers.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -13,16 +13,22 @@ use sextant_recording::disk::{self, DiskFile};
 use sextant_recording::output::{CsvFile, EmptyCell, OutputError, PartFile};
 
 use super::error::CampaignError;
+use crate::foreign_folder::ForeignFolder;
 use crate::number_range::NumberRange;
 use crate::sweep::{CellRun, Row, Sweep};
 
 /// Begins the first line of a part.
 const MARK: &str = "sextant-part-1";
 
+/// The most that is read of a part (octets): that of a table.
+const LARGEST_PART: u64 = 1 << 30;
+
 /// The folder of the parts of a plan.
 #[derive(Debug)]
 pub(super) struct Parts<'a> {
     sweep: &'a Sweep,
+    /// The plan, whose files somebody else may have written.
+    plan: ForeignFolder,
     folder: PathBuf,
 }
 
@@ -83,8 +89,8 @@ impl Name {
 }
 
 impl<'a> Parts<'a> {
-    pub(super) fn of(sweep: &'a Sweep, folder: PathBuf) -> Self {
-        Self { sweep, folder }
+    pub(super) fn of(sweep: &'a Sweep, plan: ForeignFolder, folder: PathBuf) -> Self {
+        Self { sweep, plan, folder }
     }
 
     /// All that is done.
@@ -103,8 +109,7 @@ impl<'a> Parts<'a> {
     fn read_where(&self, wanted: impl Fn(NumberRange) -> bool) -> Result<Done, CampaignError> {
         let unreadable = |error: io::Error| CampaignError::unreadable(&self.folder, &error);
         let mut done = Done { rows: BTreeMap::new(), whole: Vec::new(), unfinished: Vec::new(), written: Vec::new() };
-        for entry in fs::read_dir(&self.folder).map_err(unreadable)? {
-            let path = entry.map_err(unreadable)?.path();
+        for path in self.plan.entries(&self.folder).map_err(unreadable)? {
             match name_of(&path) {
                 Some(name) if wanted(name.range) => self.read_part(&path, name, &mut done)?,
                 // Another process writes it now.
@@ -121,7 +126,7 @@ impl<'a> Parts<'a> {
 
     fn read_part(&self, path: &Path, name: Name, done: &mut Done) -> Result<(), CampaignError> {
         let invalid = |why: String| CampaignError::Part { path: path.to_owned(), why };
-        let text = match fs::read_to_string(path) {
+        let text = match self.plan.read_text(path, LARGEST_PART) {
             // Its process has just finished it.
             Err(error) if error.kind() == io::ErrorKind::NotFound && name.unfinished.is_some() => return Ok(()),
             other => other.map_err(|error| CampaignError::unreadable(path, &error))?,
@@ -142,24 +147,34 @@ impl<'a> Parts<'a> {
             return Err(CampaignError::OtherPart { path: path.to_owned() });
         }
         let measures = self.sweep.measures().len();
-        let mut count = 0;
+        let mut numbers = BTreeSet::new();
         for record in records {
             let row = record.ok().and_then(|record| Row::parse(&record, measures));
-            let row = row.ok_or_else(|| invalid(format!("line {} is no row of the plan", count + 2)))?;
+            let row = row.ok_or_else(|| invalid(format!("line {} is no row of the plan", numbers.len() + 2)))?;
             let run = CellRun { cell: row.cell, replicate: row.replicate };
             let number = self.sweep.work().number_of(run).filter(|number| name.range.has(*number));
-            let number = number.ok_or_else(|| invalid(format!("line {} is of a run outside it", count + 2)))?;
+            let number =
+                number.ok_or_else(|| invalid(format!("line {} is of a run outside it", numbers.len() + 2)))?;
+            if !numbers.insert(number) {
+                return Err(invalid(format!("line {} is of a run that it has before", numbers.len() + 2)));
+            }
             done.add(number, row);
-            count += 1;
         }
         if name.unfinished.is_none() {
-            if count != name.range.len() {
-                return Err(invalid(format!("it has {count} rows, not {}", name.range.len())));
+            if numbers.len() != name.range.len() {
+                return Err(invalid(format!("it has {} rows, not {}", numbers.len(), name.range.len())));
             }
             done.whole.push(name.range);
         }
         if let Ok(at) = fs::metadata(path).and_then(|data| data.modified()) {
-            done.written.push(Written { at, wall_s: wall_s.parse().unwrap_or(0.0) });
+            done.written.push(Written {
+                at,
+                wall_s: wall_s
+                    .parse()
+                    .ok()
+                    .filter(|wall_s: &f64| wall_s.is_finite() && *wall_s >= 0.0)
+                    .unwrap_or(0.0),
+            });
         }
         Ok(())
     }

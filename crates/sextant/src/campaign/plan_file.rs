@@ -1,15 +1,19 @@
 //! The file of a plan.
 
-use std::fs;
 use std::io;
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sextant_kernel::text::{counted, shortened};
+use sextant_kernel::{LARGEST_FILE, SettingError};
 use sextant_recording::output::{OutputError, write_file};
 
 use super::FILES;
 use super::bundle::Bundle;
 use super::error::CampaignError;
+use super::json_object::JsonObject;
+use crate::foreign_folder::ForeignFolder;
 use crate::scenario::ScenarioFile;
 use crate::summary::measures::Subjects;
 use crate::sweep::{Checked, Sweep, Trial, check_runs, check_seeds};
@@ -18,8 +22,7 @@ use crate::sweep::{Checked, Sweep, Trial, check_runs, check_seeds};
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What `plan.json` has.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct PlanFile {
     /// The version of the program that made it.
     version: String,
@@ -39,12 +42,6 @@ pub(super) struct PlanFile {
     surveys: Vec<usize>,
     /// Hash of the scenario of each cell and of the files that it names.
     sha256: Vec<String>,
-}
-
-/// The part of the file that each version understands.
-#[derive(Deserialize)]
-struct VersionOnly {
-    version: String,
 }
 
 /// How long all runs of a plan take, by one of them that was tried on one core.
@@ -98,36 +95,69 @@ impl PlanFile {
         Ok(write_file(&path, &json)?)
     }
 
-    pub(super) fn read(folder: &Path) -> Result<Self, CampaignError> {
-        let path = Self::path(folder);
-        let no_plan = |why: String| CampaignError::NoPlan { folder: folder.to_owned(), why };
-        let bytes = fs::read(&path).map_err(|error| match error.kind() {
+    /// The file in the folder of a plan. Somebody else may have written it.
+    pub(super) fn read(plan: &ForeignFolder) -> Result<Self, CampaignError> {
+        let path = Self::path(plan.root());
+        let no_plan = |why: String| CampaignError::NoPlan { folder: plan.root().to_owned(), why };
+        let json = plan.read(&path, LARGEST_FILE).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => no_plan(format!("there is no file `{}`", Self::NAME)),
             _ => CampaignError::unreadable(&path, &error),
         })?;
-        let invalid = |error: serde_json::Error| no_plan(format!("`{}`: {error}", Self::NAME));
-        let VersionOnly { version } = serde_json::from_slice(&bytes).map_err(invalid)?;
+        let mut object = JsonObject::parse(&json).map_err(|error| no_plan(format!("`{}`: {error}", Self::NAME)))?;
+        let invalid = |error: SettingError| CampaignError::invalid(&path, error);
+        // Each version understands this key.
+        let version: String = object.take("version", "a text").map_err(invalid)?;
         if version != VERSION {
-            return Err(CampaignError::OtherVersion { folder: folder.to_owned(), found: version, own: VERSION });
+            let found = shortened(&version.escape_debug().to_string()).into_owned();
+            return Err(CampaignError::OtherVersion { folder: plan.root().to_owned(), found, own: VERSION });
         }
-        serde_json::from_slice(&bytes).map_err(invalid)
+        Self::parse(version, object).map_err(invalid)
     }
 
-    /// The sweep, with the files in `folder`. Its cells are not checked again: the files are those that were checked.
-    pub(super) fn sweep(self, folder: &Path) -> Result<Sweep, CampaignError> {
-        let files = folder.join(FILES);
-        self.files.check(&files)?;
-        let scenario = ScenarioFile::read(files.join(&self.files.scenario))?;
+    fn parse(version: String, mut object: JsonObject) -> Result<Self, SettingError> {
+        let this = Self {
+            version,
+            identity: object.take("identity", "64 hexadecimal digits")?,
+            seed: object.take("seed", "a whole number, 0 to 18446744073709551615")?,
+            runs: object.take::<NonZeroU32>("runs", "a whole number, 1 to 4294967295")?.get(),
+            set: object.take("set", "an array of texts path.to.key=value")?,
+            files: Bundle::parse(object.object("files")?)?,
+            subjects: object.take("subjects", "the names of maps and applications")?,
+            estimate: object.take("estimate", "the times of a run and of all, or null")?,
+            surveys: object.take("surveys", "an array of whole numbers")?,
+            sha256: object.take("sha256", "an array of texts")?,
+        };
+        if let Some(Estimate { trial_run: _, trial_s, total_s }) = this.estimate {
+            SettingError::not_negative("estimate.trial_s", trial_s)?;
+            SettingError::not_negative("estimate.total_s", total_s)?;
+        }
+        object.finish()?;
+        Ok(this)
+    }
+
+    /// The sweep, with the files in the folder `plan`. Its cells are not worked out again.
+    pub(super) fn sweep(self, plan: &ForeignFolder) -> Result<Sweep, CampaignError> {
+        let path = Self::path(plan.root());
+        let invalid = |error: SettingError| CampaignError::invalid(&path, error);
+        let files = plan.root().join(FILES);
+        self.files.check(plan, &files)?;
+        let of_files = ForeignFolder::new(&files);
+        let scenario = ScenarioFile::read_foreign(of_files, &files.join(&self.files.scenario))?;
         let axes = scenario.axes_of_sweep(&self.set)?;
         let cells = axes.cells.len();
-        let is_own = self.surveys.len() == cells
-            && self.sha256.len() == cells
-            && are_numbered(&self.surveys)
-            && self.runs > 0
-            && check_runs(cells, self.runs).is_ok()
-            && check_seeds(self.seed, self.runs).is_ok();
-        if !is_own {
-            return Err(CampaignError::Changed { file: Self::path(folder) });
+        check_runs(cells, self.runs)
+            .map_err(|error| invalid(SettingError::new("runs", self.runs, format!("fewer, because {error}"))))?;
+        check_seeds(self.seed, self.runs)
+            .map_err(|error| invalid(SettingError::new("seed", self.seed, format!("another, because {error}"))))?;
+        for (key, found) in [("surveys", self.surveys.len()), ("sha256", self.sha256.len())] {
+            if found != cells {
+                let allowed = format!("{cells}: one for each cell of the scenario");
+                return Err(invalid(SettingError::new(key, counted(found, "item"), allowed)));
+            }
+        }
+        if !are_numbered(&self.surveys) {
+            let allowed = "numbers from 0 in the order in which they appear first";
+            return Err(invalid(SettingError::new("surveys", "a list in another order", allowed)));
         }
         let checked = Checked {
             set: self.set,
@@ -136,9 +166,14 @@ impl PlanFile {
             cells: self.surveys.into_iter().zip(self.sha256).collect(),
             subjects: self.subjects,
             named_files: self.files.named_files(&files),
-            identity: self.identity,
         };
-        Ok(Sweep::checked(scenario, axes, checked))
+        let sweep = Sweep::checked(scenario, axes, checked);
+        if sweep.identity() != self.identity {
+            let found = format!("`{}`", shortened(&self.identity.escape_debug().to_string()));
+            let allowed = format!("`{}`, which is that of the cells, the seed and the measures", sweep.identity());
+            return Err(invalid(SettingError::new("identity", found, allowed)));
+        }
+        Ok(sweep)
     }
 }
 

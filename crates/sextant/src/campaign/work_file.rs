@@ -1,6 +1,6 @@
 //! The work list of a plan, for people and for other programs.
 
-use std::io::Write;
+use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 use serde::Serialize;
@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use sextant_recording::output::{OutputError, PartFile};
 
 use super::error::CampaignError;
+use crate::foreign_folder::ForeignFolder;
 use crate::sweep::{CellRun, Kind, Sweep};
 #[cfg(feature = "parquet")]
 use crate::sweep::{Column, write_texts};
@@ -50,6 +51,28 @@ pub(super) fn write(sweep: &Sweep, folder: &Path) -> Result<(), CampaignError> {
         &lines(sweep).map(|line| texts(sweep, &line)).collect::<Vec<_>>(),
     )?;
     Ok(())
+}
+
+/// Rejects a list in the folder of a plan that is not the one of `sweep`. The list in Apache Parquet is for others only.
+pub(super) fn check(sweep: &Sweep, plan: &ForeignFolder) -> Result<(), CampaignError> {
+    let path = plan.root().join(LINES);
+    let unreadable = |error: &io::Error| CampaignError::unreadable(&path, error);
+    let mut found = plan.open(&path).map(BufReader::new).map_err(|error| unreadable(&error))?;
+    let mut octets = Vec::new();
+    for line in lines(sweep) {
+        let mut line = serde_json::to_vec(&line).map_err(|error| unreadable(&error.into()))?;
+        line.push(b'\n');
+        octets.resize(line.len(), 0);
+        match found.read_exact(&mut octets) {
+            Ok(()) if octets == line => {}
+            Err(error) if error.kind() != io::ErrorKind::UnexpectedEof => return Err(unreadable(&error)),
+            Ok(()) | Err(_) => return Err(CampaignError::Changed { file: path }),
+        }
+    }
+    match found.read(&mut [0]).map_err(|error| unreadable(&error))? {
+        0 => Ok(()),
+        _ => Err(CampaignError::Changed { file: path }),
+    }
 }
 
 /// The lines, in the order of their numbers.

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sextant_kernel::Watch;
+use sextant_recording::disk;
 use sextant_recording::output::{FileIdentity, open_folder, write_file};
 use sextant_recording::{RecordingError, SCENARIO_ATTACHMENT, TablePiece, TableRow, read_tables, station};
 
@@ -36,6 +37,8 @@ pub struct Exported {
     pub tables: Vec<ExportedTable>,
     /// The files of the recording, as they are.
     pub files: Vec<PathBuf>,
+    /// The files of the recording that could not be written.
+    pub failed: Vec<FailedFile>,
     /// Topics that are no tables, such as meshes of obstacles.
     pub left_out: BTreeSet<String>,
 }
@@ -51,6 +54,15 @@ pub struct ExportedTable {
     pub file: PathBuf,
 }
 
+/// A file of a recording that could not be written.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FailedFile {
+    /// Its name in the recording.
+    pub name: String,
+    /// Why not.
+    pub why: String,
+}
+
 /// A table that is being written.
 trait TableFile {
     /// Adds a row.
@@ -61,18 +73,17 @@ trait TableFile {
 }
 
 /// Writes every table of the recording `path` into `folder`, one file each, and the files in it. A table without a row has
-/// no file. Memory does not grow with the recording. Once `watch` stops the work, tables that are not complete are
-/// removed.
+/// no file. Memory does not grow with the recording. A file of the recording that cannot be written is named in the result,
+/// and the others are written. If the work fails or `watch` stops it, what was written is removed.
 ///
 /// # Errors
-/// If the recording cannot be read or is damaged, a file cannot be written, the format is not built in, or the work was
+/// If the recording cannot be read or is damaged, a table cannot be written, the format is not built in, or the work was
 /// stopped.
 pub fn export(path: &Path, folder: &Path, format: ExportFormat, watch: &dyn Watch) -> Result<Exported, ExportError> {
     format.check()?;
     open_folder(folder)?;
     let recording = FileIdentity::of(path);
-    let mut writing =
-        Writing { recording, folder, format, tables: BTreeMap::new(), files: Vec::new(), collectors: Vec::new() };
+    let mut writing = Writing::new(recording, folder, format);
     let mut failure = None;
     let mut rows: u64 = 0;
     let read = read_tables(path, &mut |piece| {
@@ -86,10 +97,16 @@ pub fn export(path: &Path, folder: &Path, format: ExportFormat, watch: &dyn Watc
             RecordingError::Interrupted(sextant_kernel::Interrupted)
         })
     });
-    match (failure, read) {
+    let read = match (failure, read) {
         (Some(failure), _) => Err(failure),
-        (None, Err(error)) => Err(error.into()),
-        (None, Ok(left_out)) => writing.finish(left_out.topics),
+        (None, read) => read.map_err(ExportError::from),
+    };
+    match read {
+        Ok(left_out) => writing.finish(left_out.topics),
+        Err(error) => {
+            writing.remove();
+            Err(error)
+        }
     }
 }
 
@@ -128,8 +145,19 @@ struct Writing<'a> {
     format: ExportFormat,
     tables: BTreeMap<String, OpenTable>,
     files: Vec<PathBuf>,
+    failed: Vec<FailedFile>,
+    /// What each path in the folder is of, in small letters, because some file systems do not distinguish them from capital
+    /// ones.
+    taken: BTreeMap<String, Named>,
     /// The robots and sinks of the scenario: kind and name.
     collectors: Vec<(&'static str, String)>,
+}
+
+/// What a file in the folder is of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Named {
+    Table(String),
+    File(String),
 }
 
 struct OpenTable {
@@ -138,7 +166,23 @@ struct OpenTable {
     rows: u64,
 }
 
-impl Writing<'_> {
+/// The folder of files of a recording whose names could be those of tables.
+const FILES: &str = "files";
+
+impl<'a> Writing<'a> {
+    fn new(recording: FileIdentity, folder: &'a Path, format: ExportFormat) -> Self {
+        Self {
+            recording,
+            folder,
+            format,
+            tables: BTreeMap::new(),
+            files: Vec::new(),
+            failed: Vec::new(),
+            taken: BTreeMap::new(),
+            collectors: Vec::new(),
+        }
+    }
+
     fn take(&mut self, piece: &TablePiece<'_>) -> Result<(), ExportError> {
         match piece {
             TablePiece::Row(row) => self.row(row),
@@ -146,14 +190,20 @@ impl Writing<'_> {
                 if *name == SCENARIO_ATTACHMENT {
                     self.collectors = stations::of_scenario(data);
                 }
-                self.file(name, data)
+                self.file(name, data);
+                Ok(())
             }
         }
     }
 
     fn row(&mut self, row: &TableRow<'_>) -> Result<(), ExportError> {
         if !self.tables.contains_key(row.table) {
-            let path = self.place(&format!("{}.{}", row.table, self.format.extension()))?;
+            let named = Named::Table(row.table.to_owned());
+            let path = self.place(&below(row.table), self.format.extension(), named);
+            path.parent().map_or(Ok(()), open_folder)?;
+            if FileIdentity::of(&path) == self.recording {
+                return Err(ExportError::Input { path });
+            }
             let file = self.format.create(&path, row)?;
             self.tables.insert(row.table.to_owned(), OpenTable { file, path, rows: 0 });
         }
@@ -162,27 +212,60 @@ impl Writing<'_> {
         table.file.row(row)
     }
 
-    fn file(&mut self, name: &str, data: &[u8]) -> Result<(), ExportError> {
-        let path = self.place(name)?;
-        write_file(&path, data)?;
-        self.files.push(path);
-        Ok(())
+    /// Writes a file of the recording, or remembers why not.
+    fn file(&mut self, name: &str, data: &[u8]) {
+        match self.written(name, data) {
+            Ok(path) if self.files.contains(&path) => {}
+            Ok(path) => self.files.push(path),
+            Err(why) => self.failed.push(FailedFile { name: name.to_owned(), why }),
+        }
     }
 
-    /// The path in the folder of a table or file called `name`. Steps out of the folder are none, and letters that a file
-    /// system may reject are replaced.
-    fn place(&self, name: &str) -> Result<PathBuf, ExportError> {
-        let plain = |letter: char| if letter.is_alphanumeric() || "-_.+ ".contains(letter) { letter } else { '_' };
-        let parts = name.split(['/', '\\']).filter(|part| !matches!(*part, "" | "." | ".."));
-        let parts: PathBuf = parts.map(|part| part.chars().map(plain).collect::<String>()).collect();
-        let path = self.folder.join(parts);
-        if let Some(folder) = path.parent() {
-            open_folder(folder)?;
+    fn written(&mut self, name: &str, data: &[u8]) -> Result<PathBuf, String> {
+        let mut below = below(name);
+        if below.file_name().is_none() {
+            return Err("its name is that of no file".to_owned());
         }
+        let extension =
+            below.extension().map(|extension| extension.to_string_lossy().into_owned()).unwrap_or_default();
+        if below.components().count() == 1 && extension.eq_ignore_ascii_case(self.format.extension()) {
+            below = Path::new(FILES).join(below);
+        }
+        let path = self.place(&below.with_extension(""), &extension, Named::File(name.to_owned()));
         if FileIdentity::of(&path) == self.recording {
-            return Err(ExportError::Input { path });
+            return Err(ExportError::Input { path }.to_string());
         }
-        Ok(path)
+        let written = path.parent().map_or(Ok(()), open_folder).and_then(|()| write_file(&path, data));
+        written.map(|()| path).map_err(|error| error.to_string())
+    }
+
+    /// The path in the folder of what is `named`, by its way without the extension. One that is taken gets a number.
+    fn place(&mut self, stem: &Path, extension: &str, named: Named) -> PathBuf {
+        let mut number = 1;
+        loop {
+            let mut below = stem.as_os_str().to_owned();
+            if number > 1 {
+                below.push(format!("-{number}"));
+            }
+            if !extension.is_empty() {
+                below.push(format!(".{extension}"));
+            }
+            let key = below.to_string_lossy().to_lowercase();
+            // The last of several files of one name counts, as for whoever reads the recording.
+            if self.taken.get(&key).is_none_or(|other| *other == named) {
+                self.taken.insert(key, named);
+                return self.folder.join(below);
+            }
+            number += 1;
+        }
+    }
+
+    /// Removes what was written. The tables have no final names yet, and go when they are dropped.
+    fn remove(self) {
+        for file in self.files {
+            // The error that ended the work is the one that is told.
+            let _ = disk::remove_file(&file);
+        }
     }
 
     fn finish(mut self, left_out: BTreeSet<String>) -> Result<Exported, ExportError> {
@@ -192,7 +275,7 @@ impl Writing<'_> {
             let (table, columns, cells) = station(index, kind, &name);
             self.row(&TableRow { table: &table, columns: &columns, cells: &cells })?;
         }
-        let mut exported = Exported { tables: Vec::new(), files: self.files, left_out };
+        let mut exported = Exported { tables: Vec::new(), files: self.files, failed: self.failed, left_out };
         for (table, OpenTable { file, path, rows }) in self.tables {
             file.finish()?;
             exported.tables.push(ExportedTable { table, rows, file: path });
@@ -201,24 +284,45 @@ impl Writing<'_> {
     }
 }
 
+/// The path below the folder of a table or file called `name`. Steps out of the folder are none, and letters that a file
+/// system may reject are replaced.
+fn below(name: &str) -> PathBuf {
+    let plain = |letter: char| if letter.is_alphanumeric() || "-_.+ ".contains(letter) { letter } else { '_' };
+    let parts = name.split(['/', '\\']).filter(|part| !matches!(*part, "" | "." | ".."));
+    parts.map(|part| part.chars().map(plain).collect::<String>()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn names_of_tables_stay_in_the_folder() {
+    /// Writes files with these names into an empty folder, and returns their places below it, then the names that failed.
+    fn placed(names: &[&str]) -> (Vec<String>, Vec<String>) {
         let folder = tempfile::tempdir().unwrap();
-        let writing = Writing {
-            recording: FileIdentity::of(&folder.path().join("run.csv")),
-            folder: folder.path(),
-            format: ExportFormat::Csv,
-            tables: BTreeMap::new(),
-            files: Vec::new(),
-            collectors: Vec::new(),
+        let recording = FileIdentity::of(&folder.path().join("run.mcap"));
+        let mut writing = Writing::new(recording, folder.path(), ExportFormat::Csv);
+        names.iter().for_each(|name| writing.file(name, name.as_bytes()));
+        let below = |path: &PathBuf| {
+            assert!(path.is_file(), "{path:?}");
+            path.strip_prefix(folder.path()).unwrap().to_string_lossy().into_owned()
         };
-        assert_eq!(writing.place("map-a:b.csv").unwrap(), folder.path().join("map-a_b.csv"));
-        assert!(matches!(writing.place("run.csv"), Err(ExportError::Input { .. })));
-        assert_eq!(writing.place("files/../../x.csv").unwrap(), folder.path().join("files/x.csv"));
+        (writing.files.iter().map(below).collect(), writing.failed.into_iter().map(|failed| failed.name).collect())
+    }
+
+    #[test]
+    fn files_stay_in_the_folder_and_one_without_a_place_does_not_stop_the_others() {
+        let long = "a".repeat(300);
+        let names = ["a:b.toml", "files/../../x.csv", "", "..", "/", &long, "run.mcap", "x", "x/y", "last.txt"];
+        let (files, failed) = placed(&names);
+        assert_eq!(files, ["a_b.toml", "files/x.csv", "x", "last.txt"]);
+        assert_eq!(failed, ["", "..", "/", &long, "run.mcap", "x/y"]);
+    }
+
+    #[test]
+    fn no_file_takes_the_name_of_a_table_or_of_another_file() {
+        let (files, failed) = placed(&["stops.csv", "a:b.toml", "a?b.toml", "A_B.toml", "a:b.toml", "note", "NOTE"]);
+        assert_eq!(files, ["files/stops.csv", "a_b.toml", "a_b-2.toml", "A_B-3.toml", "note", "NOTE-2"]);
+        assert_eq!(failed, [""; 0]);
     }
 
     #[test]

@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use sextant_kernel::LARGEST_FILE;
+
 use super::document::Document;
-use super::error::ScenarioErrors;
+use super::error::{ScenarioError, ScenarioErrors};
 use super::layers;
 use super::sweep::SweepAxes;
+use crate::foreign_folder::ForeignFolder;
 
 /// A scenario file with those that it extends, read but not checked: the settings that override it may make it valid.
 #[derive(Clone, Debug)]
@@ -16,6 +19,8 @@ pub struct ScenarioFile {
     path: PathBuf,
     /// Paths in it are relative to this folder.
     folder: PathBuf,
+    /// Of other files, none outside of this folder is read, if there is one.
+    root: Option<ForeignFolder>,
 }
 
 impl ScenarioFile {
@@ -26,13 +31,23 @@ impl ScenarioFile {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ScenarioErrors> {
         let path = path.as_ref();
         let document = Arc::new(layers::read(path)?);
-        Ok(Self { document, path: path.to_owned(), folder: layers::folder_of(path) })
+        Ok(Self { document, path: path.to_owned(), folder: layers::folder_of(path), root: None })
+    }
+
+    /// The same of a file in a folder that somebody else may have made: all files that it extends or names are in the folder
+    /// too.
+    ///
+    /// # Errors
+    /// If one cannot be read, is not TOML, or is not a file in the folder.
+    pub(crate) fn read_foreign(root: ForeignFolder, path: &Path) -> Result<Self, ScenarioErrors> {
+        let document = Arc::new(layers::read_foreign(&root, path)?);
+        Ok(Self { document, path: path.to_owned(), folder: layers::folder_of(path), root: Some(root) })
     }
 
     /// A text that is from no file. Files that it names are relative to the working folder.
     pub(super) fn of_text(text: &str) -> Result<Self, ScenarioErrors> {
         let document = Arc::new(layers::parse(text, Path::new(""))?);
-        Ok(Self { document, path: PathBuf::new(), folder: PathBuf::new() })
+        Ok(Self { document, path: PathBuf::new(), folder: PathBuf::new(), root: None })
     }
 
     /// Where the file is.
@@ -45,6 +60,12 @@ impl ScenarioFile {
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// Rejects the path of a file that its settings name, if all of them are to be in a folder, and this one is not.
+    pub(super) fn check_named(&self, path: &Path) -> Result<(), ScenarioError> {
+        let Some(root) = &self.root else { return Ok(()) };
+        root.check(path, LARGEST_FILE).map_err(|error| ScenarioError::unreadable(path, &error))
     }
 
     /// Where the files are that it was read from: those that it extends, then itself.

@@ -7,6 +7,7 @@ use super::document::{self, Document, Entry, Value};
 use super::effective;
 use super::error::ScenarioError;
 use super::source::{SETTING, Source};
+use crate::foreign_folder::ForeignFolder;
 use sextant_kernel::{is_within, read_at_most};
 
 /// The most that is read of a scenario (octets).
@@ -15,8 +16,17 @@ const LARGEST_SCENARIO: u64 = 1 << 26;
 /// Reads `path` and the files that it extends. Tables are merged key by key. A later layer replaces all other values, also
 /// arrays.
 pub(crate) fn read(path: &Path) -> Result<Document, ScenarioError> {
+    read_from(path, Chain::default())
+}
+
+/// The same of files that are all in a folder which somebody else may have made.
+pub(crate) fn read_foreign(root: &ForeignFolder, path: &Path) -> Result<Document, ScenarioError> {
+    read_from(path, Chain { root: Some(root), ..Chain::default() })
+}
+
+fn read_from(path: &Path, mut chain: Chain<'_>) -> Result<Document, ScenarioError> {
     let mut sources = Vec::new();
-    let root = read_file(path, &mut sources, &mut Vec::new(), None)?;
+    let root = read_file(path, &mut sources, &mut chain, None)?;
     Ok(Document { root, sources, text: String::new() })
 }
 
@@ -31,7 +41,7 @@ pub(crate) fn parse(text: &str, folder: &Path) -> Result<Document, ScenarioError
     };
     let Some(base) = base else { return Ok(Document { root: own, sources, text: String::new() }) };
     let source = sources.remove(0);
-    let root = read_base(&source, base, own, &mut sources, &mut Vec::new())?;
+    let root = read_base(&source, base, own, &mut sources, &mut Chain::default())?;
     Ok(Document { root, sources, text: String::new() })
 }
 
@@ -72,10 +82,28 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
 /// The place where a file names another file.
 type Mention<'a> = (&'a Source, std::ops::Range<usize>);
 
+/// The files that extend each other.
+#[derive(Debug, Default)]
+struct Chain<'a> {
+    /// No file outside of this folder is read, if there is one.
+    root: Option<&'a ForeignFolder>,
+    /// Those that were read, by the only path of each and by its name.
+    files: Vec<(PathBuf, String)>,
+}
+
+impl Chain<'_> {
+    fn read(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        match self.root {
+            Some(root) => root.read(path, LARGEST_SCENARIO),
+            None => read_at_most(path, LARGEST_SCENARIO),
+        }
+    }
+}
+
 fn read_file(
     path: &Path,
     sources: &mut Vec<Source>,
-    chain: &mut Vec<(PathBuf, String)>,
+    chain: &mut Chain<'_>,
     mention: Option<Mention<'_>>,
 ) -> Result<Entry, ScenarioError> {
     let placed = |error: ScenarioError| match &mention {
@@ -85,20 +113,20 @@ fn read_file(
     let unreadable = |error: &std::io::Error| placed(ScenarioError::unreadable(path, error));
     let identity = path.canonicalize().map_err(|error| unreadable(&error))?;
     let name = path.display().to_string();
-    if let Some(first) = chain.iter().position(|(seen, _)| *seen == identity) {
-        let mut ring: Vec<_> = chain[first..].iter().map(|(_, name)| name.as_str()).collect();
+    if let Some(first) = chain.files.iter().position(|(seen, _)| *seen == identity) {
+        let mut ring: Vec<_> = chain.files[first..].iter().map(|(_, name)| name.as_str()).collect();
         ring.push(&name);
         return Err(placed(ScenarioError::new(format!("`extends` forms a circle: {}", ring.join(" -> ")))));
     }
-    let bytes = read_at_most(path, LARGEST_SCENARIO).map_err(|error| unreadable(&error))?;
+    let bytes = chain.read(path).map_err(|error| unreadable(&error))?;
     let text = String::from_utf8(bytes)
         .map_err(|error| unreadable(&std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())))?;
-    chain.push((identity, name.clone()));
+    chain.files.push((identity, name.clone()));
     let source = Source { name, text: Arc::from(text), folder: folder_of(path) };
     let index = sources.len();
     sources.push(source.clone());
     // What is in a file that is no scenario is not shown, if a scenario of another folder names it.
-    let is_foreign = mention.is_some() && !is_within(path, &folder_of(&chain[0].0));
+    let is_foreign = mention.is_some() && !is_within(path, &folder_of(&chain.files[0].0));
     let mut own =
         document::parse(sources, index).map_err(|error| if is_foreign { error.discreet() } else { error })?;
     let base = match &mut own.value {
@@ -117,7 +145,7 @@ fn read_base(
     base: Entry,
     mut own: Entry,
     sources: &mut Vec<Source>,
-    chain: &mut Vec<(PathBuf, String)>,
+    chain: &mut Chain<'_>,
 ) -> Result<Entry, ScenarioError> {
     let Value::String(file) = &base.value else {
         return Err(ScenarioError::new("`extends` is not a text; allowed: the path of one scenario file").at(

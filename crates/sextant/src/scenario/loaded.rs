@@ -130,6 +130,7 @@ impl Scenario {
         let files = Files::of_folder(file.folder());
         let whole = deserialize(&document).map_err(ScenarioErrors::from).and_then(|mut config: ScenarioConfig| {
             let named_files = named_files(&mut config, &document, file.folder());
+            named_files.iter().try_for_each(|named| file.check_named(&named.path))?;
             let mut errors = Errors::default();
             check_numbers(&document, &mut errors);
             errors.placed(&document)?;
@@ -139,10 +140,11 @@ impl Scenario {
         });
         let (config, named_files, parts, maps) = whole.map_err(|first| {
             let check = |document: &Document, mut config: ScenarioConfig| {
-                named_files(&mut config, document, file.folder());
+                let named_files = named_files(&mut config, document, file.folder());
+                let may_be_read = named_files.iter().all(|named| file.check_named(&named.path).is_ok());
                 let mut errors = Errors::default();
                 check_numbers(document, &mut errors);
-                if errors.found.is_empty() {
+                if may_be_read && errors.found.is_empty() {
                     check(&mut config, &files, &mut errors);
                 }
                 errors.found

@@ -6,6 +6,7 @@
 //! reception log share their surveys. The table depends on scenario, seeds and version alone: the number of threads and
 //! shards does not change its rows.
 
+mod cell_check;
 mod column;
 mod described;
 mod error;
@@ -42,6 +43,7 @@ pub use tidy::table;
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 
+pub(crate) use cell_check::{CellCheckError, check_cells};
 pub(crate) use plan::{Checked, check_runs, check_seeds};
 #[cfg(feature = "parquet")]
 pub(crate) use table_file::write_table as write_texts;
@@ -85,7 +87,7 @@ pub fn extend(
     let is_missing = |unit: &Unit| unit.cells.iter().any(|&cell| !is_known(cell, unit.replicate));
     let units = plan.work().units().filter(|unit| shard.has(unit.index) && is_missing(unit)).collect();
     let (rows, outcome) = each(units, "sweeping", watch, |unit| {
-        if let Some(rows) = parts.read(unit.index, measures)? {
+        if let Some(rows) = parts.read(unit, measures)? {
             return Ok(rows);
         }
         let rows = unit::run(plan, unit, watch).ok_or(Interrupted)?;

@@ -1,6 +1,6 @@
 //! Finished units of a sweep on disk, so that an interrupted sweep can be resumed.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -8,6 +8,8 @@ use sha2::{Digest, Sha256};
 
 use super::error::SweepError;
 use super::row::Row;
+use super::work_list::Unit;
+use crate::foreign_folder::ForeignFolder;
 use crate::hexadecimal::hexadecimal;
 use sextant_recording::disk;
 use sextant_recording::output::{CsvFile, EmptyCell, FileIdentity, OutputError, write_file, write_unsynced};
@@ -23,12 +25,17 @@ pub(super) struct Parts {
 /// The file in the folder that identifies the sweep.
 const FINGERPRINT: &str = "fingerprint";
 
+/// The most that is read of it, and of a unit (octets).
+const LARGEST_MARK: u64 = 1 << 20;
+const LARGEST_UNIT: u64 = 1 << 28;
+
 impl Parts {
     /// Opens the folder beside `out` for the sweep with this `fingerprint`.
     pub(super) fn open(out: &Path, fingerprint: &str, resume: bool) -> Result<Self, SweepError> {
         let folder = folder(out);
         let mark = folder.join(FINGERPRINT);
-        match fs::read_to_string(&mark) {
+        // Somebody else may have made the folder.
+        match ForeignFolder::new(&folder).read_text(&mark, LARGEST_MARK) {
             Ok(found) if found != fingerprint => Err(SweepError::OtherParts { folder }),
             Ok(_) => {
                 let locked = Self::lock(&mark, folder)?;
@@ -76,9 +83,9 @@ impl Parts {
 
     /// The rows of a unit, each with this many `measures`; `None` if the unit is not finished, or the power failed before all of
     /// it was on the disk.
-    pub(super) fn read(&self, unit: usize, measures: usize) -> Result<Option<Vec<Row>>, SweepError> {
-        let path = self.path(unit);
-        let text = match fs::read_to_string(&path) {
+    pub(super) fn read(&self, unit: &Unit, measures: usize) -> Result<Option<Vec<Row>>, SweepError> {
+        let path = self.path(unit.index);
+        let text = match ForeignFolder::new(&self.folder).read_text(&path, LARGEST_UNIT) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(SweepError::Read { path, why: error.to_string() }),
@@ -86,7 +93,11 @@ impl Parts {
         let Some(text) = checked(&text) else { return Ok(None) };
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
         let rows: Option<Vec<Row>> = reader.records().map(|record| Row::parse(&record.ok()?, measures)).collect();
-        rows.map(Some).ok_or(SweepError::Part { path })
+        let is_of_unit = |rows: &Vec<Row>| {
+            rows.iter().map(|row| row.cell).eq(unit.cells.iter().copied())
+                && rows.iter().all(|row| row.replicate == unit.replicate)
+        };
+        rows.filter(is_of_unit).map(Some).ok_or(SweepError::Part { path })
     }
 
     /// Writes the rows of a finished unit. It does not wait for the disk, which would take longer than many units.
@@ -137,15 +148,22 @@ mod tests {
             Row { cell: 2, replicate: 1, outcome: Ok(vec![Some(0.1 + 0.2), None, Some(12.0)]) },
             Row { cell: 3, replicate: 1, outcome: Err("a \"b\",\nc".into()) },
         ];
+        let unit = Unit { index: 7, replicate: 1, cells: vec![2, 3] };
         let parts = Parts::open(&out, "this", false).unwrap();
-        assert_eq!(parts.read(7, 3).unwrap(), None);
+        assert_eq!(parts.read(&unit, 3).unwrap(), None);
         parts.write(7, &rows).unwrap();
         assert!(matches!(Parts::open(&out, "this", true), Err(SweepError::Busy { .. })), "another process has it");
         assert!(matches!(Parts::open(&out, "other", true), Err(SweepError::OtherParts { .. })));
-        assert!(matches!(parts.read(7, 4), Err(SweepError::Part { .. })), "a row of another length is invalid");
+        assert!(matches!(parts.read(&unit, 4), Err(SweepError::Part { .. })), "a row of another length is invalid");
+        for other in [Unit { cells: vec![3, 2], ..unit.clone() }, Unit { replicate: 0, ..unit.clone() }] {
+            assert!(
+                matches!(parts.read(&other, 3), Err(SweepError::Part { .. })),
+                "rows of another unit are invalid"
+            );
+        }
         drop(parts);
         assert!(matches!(Parts::open(&out, "this", false), Err(SweepError::Unfinished { .. })));
-        assert_eq!(Parts::open(&out, "this", true).unwrap().read(7, 3).unwrap(), Some(rows));
+        assert_eq!(Parts::open(&out, "this", true).unwrap().read(&unit, 3).unwrap(), Some(rows));
         remove(&out).unwrap();
         assert!(!super::folder(&out).exists());
     }

@@ -57,8 +57,6 @@ pub(crate) struct Checked {
     pub(crate) subjects: Subjects,
     /// The files that any cell names.
     pub(crate) named_files: Vec<NamedFile>,
-    /// Hash of all that decides a row.
-    pub(crate) identity: String,
 }
 
 /// Maximum number of runs of a sweep; more are surely a mistake.
@@ -145,12 +143,10 @@ impl Sweep {
         let mut contents = Contents::default();
         let mut named_files = Vec::new();
         let mut cells = Vec::with_capacity(facts.len());
-        let mut digest = Sha256::new();
         for cell in &facts {
             let next = surveys.len();
             let survey = *surveys.entry(cell.survey).or_insert(next);
             let sha256 = contents.sha256(cell)?;
-            digest.update(&sha256);
             subjects.extend(&cell.subjects);
             for file in &cell.files {
                 if !named_files.contains(file) {
@@ -162,18 +158,15 @@ impl Sweep {
         let seed = facts.first().map(|cell| cell.seed).unwrap_or_default();
         let runs = runs.unwrap_or(axes.runs).get();
         check_seeds(seed, runs)?;
-        digest.update(format!("{seed} {}", env!("CARGO_PKG_VERSION")));
-        for measure in &measures::all(&subjects) {
-            digest.update(measure.path() + "\n");
-        }
-        let identity = hexadecimal(&digest.finalize());
-        let checked = Checked { set: set.to_vec(), seed, runs, cells, subjects, named_files, identity };
+        let checked = Checked { set: set.to_vec(), seed, runs, cells, subjects, named_files };
         Ok(Self::checked(file, axes, checked))
     }
 
     /// The sweep of a scenario file whose `axes` have as many cells as were `checked`.
     pub(crate) fn checked(file: ScenarioFile, axes: SweepAxes, checked: Checked) -> Self {
-        let Checked { set, seed, runs, cells, subjects, named_files, identity } = checked;
+        let Checked { set, seed, runs, cells, subjects, named_files } = checked;
+        let measures = measures::all(&subjects);
+        let identity = identity(cells.iter().map(|(_, sha256)| sha256.as_str()), seed, &measures);
         let fingerprint = hexadecimal(&Sha256::digest(format!("{identity} {runs} runs")));
         let keys = keys(&axes.cells);
         let cells: Vec<Cell> = axes
@@ -184,7 +177,6 @@ impl Sweep {
             .collect();
         let surveys: Vec<usize> = cells.iter().map(|cell| cell.survey).collect();
         let work = WorkList::of(&surveys, runs);
-        let measures = measures::all(&subjects);
         Self { file, set, seed, runs, cells, work, keys, subjects, measures, named_files, identity, fingerprint }
     }
 
@@ -317,6 +309,17 @@ impl Sweep {
         };
         self.keys.iter().map(value).collect()
     }
+}
+
+/// Hash of all that decides a row: the hash of each cell, the first seed, the version, and what is measured.
+fn identity<'a>(cells: impl Iterator<Item = &'a str>, seed: u64, measures: &[Measure]) -> String {
+    let mut digest = Sha256::new();
+    cells.for_each(|sha256| digest.update(sha256));
+    digest.update(format!("{seed} {}", env!("CARGO_PKG_VERSION")));
+    for measure in measures {
+        digest.update(measure.path() + "\n");
+    }
+    hexadecimal(&digest.finalize())
 }
 
 /// The rows of a cell, of rows in the order of their cells.

@@ -7,7 +7,7 @@ mod status;
 
 use std::path::{Path, PathBuf};
 
-use super::outputs::admit;
+use super::outputs::{admit, keep_logs};
 use super::slurm_flags::own_program;
 use super::sweep::{self, Results};
 use crate::diagnostic::Failure;
@@ -44,10 +44,11 @@ pub(super) fn execute(
         ));
     }
     refuse_flags_of_scenarios(arguments)?;
-    let campaign = Campaign::open(source)?;
     if let Some(range) = action.cells {
-        part::execute(&campaign, range, arguments, interrupt)
-    } else if action.submit.is_some() {
+        return part::execute(&Campaign::open_part(source, range)?, range, arguments, interrupt);
+    }
+    let campaign = Campaign::open(source)?;
+    if action.submit.is_some() {
         cluster::submit(&campaign, &own_program(invocation)?, &flags.slurm.settings())
     } else if arguments.resume {
         cluster::resume(&campaign, &own_program(invocation)?, &flags.slurm.settings(), flags.attempts)
@@ -86,6 +87,7 @@ fn collect(campaign: &Campaign, arguments: &sweep::Arguments) -> Result<(), Fail
     TableFormat::of(&out)?;
     let mut outputs = Outputs::new(if arguments.force { Replace::Any } else { Replace::Ours });
     outputs.reads_closed(campaign.folder()).writes("--out", &out, OutputKind::Table);
+    keep_logs(None, [("--out", out.as_path())])?;
     admit(&outputs, Some(arguments.work))?;
     let rows = campaign.collect()?;
     write_table(&out, campaign.sweep(), &rows)?;

@@ -9,6 +9,7 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{Watcher, stdout, warn};
 use sextant::campaign::{Campaign, Replace};
+use sextant::shell;
 use sextant::sweep::{Sweep, Trial, TrialError, trial};
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{self, Outputs};
@@ -64,6 +65,7 @@ fn print(campaign: &Campaign, stdout: &mut impl Write) -> io::Result<()> {
             duration(all.total_s)
         )?;
     }
+    let folder = shell::path(campaign.folder());
     writeln!(stdout, "do some here:        sextant sweep {folder} --cells 0..{runs}")?;
     writeln!(stdout, "do all on a cluster: sextant sweep {folder} --submit slurm")?;
     writeln!(stdout, "look and join:       sextant sweep {folder} --status; sextant sweep {folder} --collect")

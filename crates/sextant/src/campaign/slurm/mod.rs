@@ -8,14 +8,18 @@ mod chunks;
 mod scheduler;
 mod script;
 mod settings;
+mod slurm_option;
 mod submission;
 mod tiles;
+mod value;
 
 pub use settings::{Chunk, SlurmSettings};
+pub use slurm_option::SlurmOption;
 pub use submission::{Attempts, Submitted};
 pub use tiles::{SubmittedMap, submit_map};
+pub use value::{Grammar, JobId, Memory, SlurmName, TimeLimit, Value};
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sextant_kernel::text::counted;
 use sextant_recording::disk;
@@ -24,7 +28,7 @@ use super::error::CampaignError;
 use super::{Campaign, Progress};
 use crate::number_range::NumberRange;
 use scheduler::Task;
-use script::{EACH_TASK, Script, each_chunk, quoted};
+use script::{EACH_TASK, Script, ScriptFolder, each_chunk, line_word};
 use submission::{Array, Record, Submission};
 
 /// The folder of submissions in that of a plan.
@@ -37,7 +41,7 @@ impl Campaign {
     /// If it was submitted before, nothing is missing, a file cannot be written, or Slurm refuses.
     pub fn submit(&self, program: &Path, settings: &SlurmSettings) -> Result<Submitted, CampaignError> {
         let before = self.submissions()?;
-        let jobs: Vec<String> = before.iter().flat_map(Submission::jobs).collect();
+        let jobs: Vec<String> = before.iter().flat_map(Submission::jobs).map(|job| job.to_string()).collect();
         if !jobs.is_empty() {
             return Err(CampaignError::Submitted { jobs });
         }
@@ -45,10 +49,11 @@ impl Campaign {
     }
 
     /// Submits all runs that are missing or failed, that no task of an earlier submission still waits for or does, and that
-    /// were submitted fewer than `attempts` times before. What `settings` lack is that of the last submission.
+    /// were submitted fewer than `attempts` times before. What `settings` lack is that of the last submission: of its options
+    /// only those that ask for resources, because somebody else may have written the file that has them.
     ///
     /// # Errors
-    /// If it was never submitted, another process submits it at this moment, nothing is left to submit, a file cannot be
+    /// If it was never submitted, the last submission has other options and `settings` have none, another process submits it at this moment, nothing is left to submit, a file cannot be
     /// written, or Slurm refuses.
     pub fn resume(
         &self,
@@ -60,6 +65,9 @@ impl Campaign {
         let Some(last) = before.last() else {
             return Err(CampaignError::NeverSubmitted { folder: self.folder.clone() });
         };
+        if settings.options.is_empty() {
+            last.check_options()?;
+        }
         self.submit_open(program, &settings.or(&last.record.settings), &before, attempts)
     }
 
@@ -67,9 +75,9 @@ impl Campaign {
     ///
     /// # Errors
     /// If it was never submitted, or Slurm refuses.
-    pub fn cancel(&self) -> Result<Vec<String>, CampaignError> {
+    pub fn cancel(&self) -> Result<Vec<JobId>, CampaignError> {
         let submissions = self.submissions()?;
-        let jobs: Vec<String> = submissions.iter().flat_map(Submission::jobs).collect();
+        let jobs: Vec<JobId> = submissions.iter().flat_map(Submission::jobs).collect();
         if jobs.is_empty() {
             return Err(CampaignError::NeverSubmitted { folder: self.folder.clone() });
         }
@@ -82,7 +90,7 @@ impl Campaign {
     /// # Errors
     /// If their files cannot be read.
     pub fn submitted(&self) -> Result<Vec<Submitted>, CampaignError> {
-        let (made, begun) = Submission::all(&self.folder.join(FOLDER))?;
+        let (made, begun) = self.all_submissions()?;
         Ok(made
             .iter()
             .map(Submission::submitted)
@@ -90,9 +98,14 @@ impl Campaign {
             .collect())
     }
 
+    /// The submissions, and the folders of those that have no job yet.
+    fn all_submissions(&self) -> Result<(Vec<Submission>, Vec<PathBuf>), CampaignError> {
+        Submission::all(&self.foreign(), &self.folder.join(FOLDER), self.sweep.work().len())
+    }
+
     /// The submissions, if none is under way.
     fn submissions(&self) -> Result<Vec<Submission>, CampaignError> {
-        let (made, begun) = Submission::all(&self.folder.join(FOLDER))?;
+        let (made, begun) = self.all_submissions()?;
         match begun.into_iter().next() {
             None => Ok(made),
             Some(folder) => Err(CampaignError::Submitting { folder }),
@@ -129,7 +142,8 @@ impl Campaign {
             // A submission without a job would stand in the way of the next one.
             let _ = disk::remove_folder(&folder);
         })?;
-        let submission = Submission::read(&folder)?.ok_or(CampaignError::Submitting { folder })?;
+        let submission = Submission::read(&self.foreign(), &folder, self.sweep.work().len())?
+            .ok_or(CampaignError::Submitting { folder })?;
         let refused = refused.map(|error| error.to_string());
         Ok(Submitted { left_to_queue: waiting, given_up: exhausted, refused, ..submission.submitted() })
     }
@@ -146,14 +160,15 @@ impl Campaign {
     ) -> Result<Option<CampaignError>, CampaignError> {
         let plan =
             std::path::absolute(&self.folder).map_err(|error| CampaignError::unreadable(&self.folder, &error))?;
-        let folder_of_plan = plan.join(FOLDER).join(folder.file_name().unwrap_or_default());
+        let own = ScriptFolder::new(&plan.join(FOLDER).join(folder.file_name().unwrap_or_default()))?;
+        let program = line_word("the path of this program", program.as_os_str())?;
+        let call = line_word("the path of the plan", plan.as_os_str())?;
+        let call = format!("{program} sweep {call} --cells \"$part\" --threads \"$SLURM_CPUS_PER_TASK\" --quiet");
         submission::write_chunks(folder, chunks)?;
         let name = plan.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let script = Script { name: &name, folder: &folder_of_plan, settings, output: EACH_TASK };
-        let [program, plan] = [program, plan.as_path()].map(|path| quoted(&path.display().to_string()));
-        let call = format!("{program} sweep {plan} --cells \"$part\" --threads \"$SLURM_CPUS_PER_TASK\" --quiet");
-        let path = folder_of_plan.join(submission::SCRIPT);
-        submission::write_script(&path, &script.text(&each_chunk(&folder_of_plan.join(submission::CHUNKS), &call)))?;
+        let script = Script { name: &name, folder: &own, settings, output: EACH_TASK };
+        let path = own.file(submission::SCRIPT);
+        submission::write_script(&path, &script.text(&each_chunk(&own, &call)))?;
         let (jobs, refused) = submit_chunks(&path, chunks.len(), settings, greatest_array);
         let refused = match refused {
             Some(error) if jobs.is_empty() => return Err(error),
@@ -181,7 +196,7 @@ impl Campaign {
     /// Which runs a task still waits for or does.
     fn queued(&self, before: &[Submission]) -> Result<Vec<bool>, CampaignError> {
         let mut queued = vec![false; self.sweep.work().len()];
-        let jobs: Vec<String> = before.iter().flat_map(Submission::jobs).collect();
+        let jobs: Vec<JobId> = before.iter().flat_map(Submission::jobs).collect();
         for Task { job, index } in scheduler::queued(&jobs)? {
             for submission in before {
                 if let Some(chunk) = submission.chunk_of(&job, index) {

@@ -5,6 +5,8 @@ use std::path::Path;
 use std::process::Command;
 
 use super::super::error::CampaignError;
+use super::value::JobId;
+use crate::shell;
 
 /// Tasks of an array, if the cluster does not tell: what Slurm allows unless it is told otherwise.
 const USUAL_GREATEST_ARRAY: usize = 1001;
@@ -12,7 +14,7 @@ const USUAL_GREATEST_ARRAY: usize = 1001;
 /// A task of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Task {
-    pub(super) job: String,
+    pub(super) job: JobId,
     pub(super) index: usize,
 }
 
@@ -23,34 +25,31 @@ pub(super) fn submit(
     tasks: usize,
     max_running: Option<NonZeroU32>,
     first: usize,
-) -> Result<String, CampaignError> {
+) -> Result<JobId, CampaignError> {
     let at_once = max_running.map_or_else(String::new, |count| format!("%{count}"));
     let array = format!("--array=0-{}{at_once}", tasks - 1);
     let mut command = Command::new("sbatch");
-    command.args(["--parsable", &array]).arg(script).arg(first.to_string());
+    command.args(["--parsable", &array, "--"]).arg(script).arg(first.to_string());
     job(&mut command)
 }
 
 /// Submits a script that runs when all of `jobs` have ended, however they ended, and returns the identity of the job.
-pub(super) fn submit_after(script: &Path, jobs: &[String]) -> Result<String, CampaignError> {
+pub(super) fn submit_after(script: &Path, jobs: &[JobId]) -> Result<JobId, CampaignError> {
     let mut command = Command::new("sbatch");
-    command.args(["--parsable", &format!("--dependency=afterany:{}", jobs.join(":"))]).arg(script);
+    command.args(["--parsable", &format!("--dependency=afterany:{}", jobs.join(":")), "--"]).arg(script);
     job(&mut command)
 }
 
 /// The identity of the job that a call of `sbatch` made.
-fn job(command: &mut Command) -> Result<String, CampaignError> {
+fn job(command: &mut Command) -> Result<JobId, CampaignError> {
     let answer = answer(command)?;
     // With several clusters: JOB;CLUSTER.
     let job = answer.trim().split(';').next().unwrap_or_default();
-    if job.is_empty() || !job.bytes().all(|byte| byte.is_ascii_digit()) {
-        return Err(failed(command, format!("its answer is no job: `{}`", answer.trim())));
-    }
-    Ok(job.to_owned())
+    job.parse().map_err(|_| failed(command, format!("its answer is no job: `{}`", answer.trim())))
 }
 
 /// The tasks of `jobs` that wait or run.
-pub(super) fn queued(jobs: &[String]) -> Result<Vec<Task>, CampaignError> {
+pub(super) fn queued(jobs: &[JobId]) -> Result<Vec<Task>, CampaignError> {
     if jobs.is_empty() {
         return Ok(Vec::new());
     }
@@ -67,12 +66,15 @@ fn task(line: &str) -> Option<Task> {
     let is_queued =
         ["PENDING", "RUNNING", "SUSPENDED", "CONFIGURING", "REQUEUED", "REQUEUE_HOLD", "RESIZING", "SIGNALING"]
             .contains(&state);
-    is_queued.then_some(Task { job: job.to_owned(), index: index.parse().ok()? })
+    if !is_queued {
+        return None;
+    }
+    Some(Task { job: job.parse().ok()?, index: index.parse().ok()? })
 }
 
 /// Cancels jobs.
-pub(super) fn cancel(jobs: &[String]) -> Result<(), CampaignError> {
-    answer(Command::new("scancel").args(jobs)).map(|_| ())
+pub(super) fn cancel(jobs: &[JobId]) -> Result<(), CampaignError> {
+    answer(Command::new("scancel").arg("--").args(jobs.iter().map(JobId::as_ref))).map(|_| ())
 }
 
 /// Tasks of an array, at most.
@@ -102,7 +104,7 @@ fn answer(command: &mut Command) -> Result<String, CampaignError> {
 
 fn failed(command: &Command, why: impl Into<String>) -> CampaignError {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
-    let words: Vec<_> = words.map(|word| word.to_string_lossy()).collect();
+    let words: Vec<_> = words.map(|word| shell::word(&word.to_string_lossy()).into_owned()).collect();
     CampaignError::Scheduler { command: words.join(" "), why: why.into() }
 }
 
@@ -112,7 +114,7 @@ mod tests {
 
     #[test]
     fn only_tasks_that_wait_or_run_are_queued() {
-        let running = Some(Task { job: "12".to_owned(), index: 3 });
+        let running = Some(Task { job: "12".parse().unwrap(), index: 3 });
         assert_eq!(task("12 3 RUNNING"), running);
         assert_eq!(task("12 3 PENDING"), running);
         for other in ["12 3 COMPLETED", "12 3 TIMEOUT", "12 3 NODE_FAIL", "12 N/A RUNNING", ""] {

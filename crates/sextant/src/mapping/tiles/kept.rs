@@ -1,6 +1,5 @@
 //! Tiles that are kept in a folder, so that a map can be made in pieces, by several machines, or go on after an interruption.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -14,18 +13,22 @@ use sextant_recording::output::{CsvFile, EmptyCell, write_file};
 use sha2::{Digest, Sha256};
 
 use super::tiled_log::TiledLog;
+use crate::foreign_folder::ForeignFolder;
 use crate::hexadecimal::hexadecimal;
 use crate::mapping::{Input, TilesError};
 use crate::number_range::NumberRange;
 use crate::scenario::{MapJob, MapSettings};
 
 /// Begins the first line of a tile.
-const MARK: &str = "sextant-tile-1";
+const MARK: &str = "sextant-tile-2";
+
+/// The most that is read of a tile (octets).
+const LARGEST_TILE: u64 = 1 << 30;
 
 /// A folder with finished tiles, and which tiles are to be made.
 #[derive(Clone, Debug)]
 pub struct KeptTiles {
-    /// The folder.
+    /// The folder. Somebody else may have made the tiles in it.
     pub folder: PathBuf,
     /// The tiles to make, from 0; all if absent.
     pub only: Option<NumberRange>,
@@ -82,8 +85,14 @@ impl KeptLog<'_> {
         self.folder.join(format!("{tile:06}.csv"))
     }
 
+    /// What a tile is of: its nodes are those of no other one.
+    fn identity(&self, tile: usize) -> String {
+        let nodes: Vec<String> = self.log.nodes(tile).iter().map(|node| node.0.to_string()).collect();
+        hexadecimal(&Sha256::digest(format!("{} {tile} {}", self.identity, nodes.join(" "))))
+    }
+
     /// The map of a tile as text.
-    fn written(&self, map: &TopologyMap) -> CsvFile {
+    fn written(&self, tile: usize, map: &TopologyMap) -> CsvFile {
         let mut file = CsvFile::headless(EmptyCell::Bare);
         let number = |number: Option<f64>| number.map_or_else(String::new, |number| format!("{number:?}"));
         let (reason, span_m) = match map.heights.map(|heights| heights.reason) {
@@ -96,7 +105,7 @@ impl KeptLog<'_> {
         let (low_m, high_m) = (map.heights.map(|heights| heights.low_m), map.heights.map(|heights| heights.high_m));
         file.row([
             MARK.to_owned(),
-            self.identity.clone(),
+            self.identity(tile),
             map.estimates.len().to_string(),
             map.vertices_evaluated.to_string(),
             number(map.grid_step_m),
@@ -121,16 +130,17 @@ impl KeptLog<'_> {
         file
     }
 
-    /// The map in a text; why it is none.
-    fn read_text(&self, text: &str, nodes: usize) -> Result<TopologyMap, String> {
+    /// The map in the text of a tile; why it is none.
+    fn read_text(&self, tile: usize, text: &str) -> Result<TopologyMap, String> {
+        let nodes = self.nodes(tile).len();
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
         let mut records = reader.records().map(|record| record.map_err(|error| error.to_string()));
         let head = records.next().ok_or("it is empty")??;
         if head.get(0) != Some(MARK) {
             return Err(format!("its first line is not `{MARK}`"));
         }
-        if head.get(1) != Some(&self.identity) {
-            return Err("it is of another log, of other settings or of another version".to_owned());
+        if head.get(1) != Some(&self.identity(tile)) {
+            return Err("it is another tile, or of another log, of other settings or of another version".to_owned());
         }
         let misfit = || "its first line is broken".to_owned();
         let count: usize = head.get(2).and_then(|text| text.parse().ok()).ok_or_else(misfit)?;
@@ -148,7 +158,9 @@ impl KeptLog<'_> {
             let (node, estimate) = estimate(&record?)
                 .filter(|(node, _)| *node < nodes)
                 .ok_or_else(|| format!("line {} is broken", i + 2))?;
-            map.estimates[node] = Some(estimate);
+            if map.estimates[node].replace(estimate).is_some() {
+                return Err(format!("line {} is of a node that it has before", i + 2));
+            }
         }
         Ok(map)
     }
@@ -177,11 +189,12 @@ impl LogParts for KeptLog<'_> {
 
     fn made(&self, part: usize) -> Result<Option<TopologyMap>, PartsError> {
         let path = self.path(part);
-        let text = match fs::read_to_string(&path) {
+        let kept = ForeignFolder::new(self.folder.parent().unwrap_or(&self.folder));
+        let text = match kept.read_text(&path, LARGEST_TILE) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             other => other.map_err(|error| TilesError::Kept { path: path.clone(), why: error.to_string() }),
         };
-        let read = |text: String| self.read_text(&text, self.nodes(part).len());
+        let read = |text: String| self.read_text(part, &text);
         let map = text.and_then(|text| read(text).map_err(|why| TilesError::Kept { path, why }));
         map.map(Some).map_err(|error| PartsError::Read(error.into()))
     }
@@ -189,7 +202,7 @@ impl LogParts for KeptLog<'_> {
     fn keep(&self, part: usize, map: &TopologyMap) -> Result<(), PartsError> {
         let path = self.path(part);
         // Two processes may make the same tile; both files have the same octets.
-        write_file(&path, self.written(map).bytes())
+        write_file(&path, self.written(part, map).bytes())
             .map_err(|error| PartsError::Read(TilesError::Kept { path: error.path, why: error.why }.into()))
     }
 }
@@ -202,8 +215,13 @@ fn unwritten(path: &Path, why: &io::Error) -> TilesError {
 fn optional(record: &csv::StringRecord, at: usize) -> Option<Option<f64>> {
     match record.get(at)? {
         "" => Some(None),
-        text => text.parse().ok().map(Some),
+        text => finite(text).map(Some),
     }
+}
+
+/// A number that a place may have.
+fn finite(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
 fn heights(head: &csv::StringRecord) -> Option<Option<SoughtHeights>> {
@@ -221,7 +239,7 @@ fn heights(head: &csv::StringRecord) -> Option<Option<SoughtHeights>> {
 
 /// The number of a node in its tile, and where it is.
 fn estimate(record: &csv::StringRecord) -> Option<(usize, Estimate)> {
-    let number = |at: usize| record.get(at)?.parse::<f64>().ok();
+    let number = |at: usize| finite(record.get(at)?);
     let concern = match record.get(7)? {
         "" => None,
         name => Some(
@@ -241,9 +259,16 @@ fn estimate(record: &csv::StringRecord) -> Option<(usize, Estimate)> {
     };
     let estimate = Estimate {
         position: Position::new(number(1)?, number(2)?, number(3)?),
-        log_likelihood: optional(record, 4)?,
+        log_likelihood: match record.get(4)? {
+            "" => None,
+            text => Some(text.parse().ok().filter(|number: &f64| !number.is_nan())?),
+        },
         ties: record.get(5)?.parse().ok()?,
-        infeasible: record.get(6)? == "1",
+        infeasible: match record.get(6)? {
+            "0" => false,
+            "1" => true,
+            _ => return None,
+        },
         concern,
         covariance,
     };

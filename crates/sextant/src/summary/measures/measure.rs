@@ -60,6 +60,13 @@ impl Subjects {
             }
         }
     }
+
+    /// Whether it has all of these others.
+    pub(crate) fn has(&self, others: &Self) -> bool {
+        let mut all = self.clone();
+        all.extend(others);
+        all == *self
+    }
 }
 
 impl Measure {
