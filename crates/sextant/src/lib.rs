@@ -53,6 +53,7 @@ pub mod scenario;
 pub mod summary;
 pub mod sweep;
 pub mod template;
+mod threads;
 
 pub use campaign::{Campaign, CampaignError};
 pub use export::{ExportError, export};
@@ -72,3 +73,4 @@ pub use sextant_recording as recording;
 pub use sextant_sim as sim;
 pub use summary::Summary;
 pub use sweep::{Sweep, SweepError};
+pub use threads::MOST_THREADS;
