@@ -1,12 +1,9 @@
 //! Arrays of Arrow that other libraries hand over in capsules.
 
-use std::ffi::CStr;
-
 use arrow_array::ArrayRef;
 use arrow_array::ffi::FFI_ArrowSchema;
-use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_schema::DataType;
-use pyo3::exceptions::{PyImportError, PyTypeError, PyValueError};
+use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyTuple};
 use pyo3_arrow::{PyArray, PyChunkedArray};
@@ -75,8 +72,13 @@ fn shallow(schema: &FFI_ArrowSchema) -> PyResult<()> {
 /// deep it is, so this looks before they do.
 #[expect(unsafe_code, reason = "capsules hold pointers, and the names of capsules say to what")]
 mod capsules {
-    use super::{Bound, CStr, FFI_ArrowArrayStream, FFI_ArrowSchema, PyCapsule, PyResult, PyTypeError, PyValueError};
-    use pyo3::types::PyCapsuleMethods as _;
+    use std::ffi::CStr;
+
+    use arrow_array::ffi::FFI_ArrowSchema;
+    use arrow_array::ffi_stream::FFI_ArrowArrayStream;
+    use pyo3::exceptions::{PyTypeError, PyValueError};
+    use pyo3::prelude::*;
+    use pyo3::types::PyCapsule;
 
     const SCHEMA: &CStr = c"arrow_schema";
     const STREAM: &CStr = c"arrow_array_stream";

@@ -158,9 +158,9 @@ fn of_columns(columns: &Bound<'_, PyDict>) -> PyResult<RecordBatch> {
 /// The same exception with the name of the column, if its words are all that it has.
 fn of_column(py: Python<'_>, name: &str, why: PyErr) -> PyErr {
     let words = format!("column `{name}`: {}", why.value(py));
-    if why.get_type(py).is(py.get_type::<PyTypeError>()) {
+    if why.get_type(py).is(&py.get_type::<PyTypeError>()) {
         PyTypeError::new_err(words)
-    } else if why.get_type(py).is(py.get_type::<PyValueError>()) {
+    } else if why.get_type(py).is(&py.get_type::<PyValueError>()) {
         PyValueError::new_err(words)
     } else {
         why
@@ -187,21 +187,23 @@ pub(crate) fn of_list(values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {
     }
     let items: Vec<Bound<'_, PyAny>> = values.try_iter()?.collect::<PyResult<_>>()?;
     if items.iter().any(|item| item.is_instance_of::<PyString>()) {
-        let text = |item: &Bound<'_, PyAny>| {
+        let text = |item: &Bound<'_, PyAny>| -> PyResult<Option<String>> {
             if is_empty(item) { Ok(None) } else { item.str()?.extract::<String>().map(Some) }
         };
         return Ok(Arc::new(items.iter().map(text).collect::<PyResult<StringArray>>()?));
     }
-    let whole = |item: &Bound<'_, PyAny>| if is_empty(item) { Ok(None) } else { item.extract().map(Some) };
+    let whole = |item: &Bound<'_, PyAny>| if is_empty(item) { Ok(None) } else { item.extract::<i64>().map(Some) };
     if let Ok(whole) = items.iter().map(whole).collect::<PyResult<Int64Array>>() {
         return Ok(Arc::new(whole));
     }
     // Larger whole numbers are addresses, of which a float would make several one.
     if items.iter().all(|item| item.is_instance_of::<PyInt>() || is_empty(item)) {
-        let digits = |item: &Bound<'_, PyAny>| if is_empty(item) { Ok(None) } else { Ok(Some(item.str()?.to_string())) };
+        let digits = |item: &Bound<'_, PyAny>| -> PyResult<Option<String>> {
+            if is_empty(item) { Ok(None) } else { item.str()?.extract::<String>().map(Some) }
+        };
         return Ok(Arc::new(items.iter().map(digits).collect::<PyResult<StringArray>>()?));
     }
-    let number = |item: &Bound<'_, PyAny>| if is_empty(item) { Ok(None) } else { item.extract().map(Some) };
+    let number = |item: &Bound<'_, PyAny>| if is_empty(item) { Ok(None) } else { item.extract::<f64>().map(Some) };
     Ok(Arc::new(items.iter().map(number).collect::<PyResult<Float64Array>>()?))
 }
 

@@ -25,7 +25,7 @@ pub(crate) fn of_numpy(values: &Bound<'_, PyAny>) -> PyResult<Option<ArrayRef>> 
         return Err(PyTypeError::new_err(format!("an array has {dimensions} dimensions; allowed: 1")));
     }
     let column = Column::of(values)?;
-    Ok(Some(match kind {
+    let array: ArrayRef = match kind {
         'f' => Arc::new(column.cells::<f64>("float64")?.collect::<Float64Array>()),
         'u' => {
             // Addresses of 64 bits are larger than whole numbers with a sign.
@@ -40,7 +40,8 @@ pub(crate) fn of_numpy(values: &Bound<'_, PyAny>) -> PyResult<Option<ArrayRef>> 
         'M' => Arc::new(column.times("datetime64[ns]")?.collect::<TimestampNanosecondArray>()),
         'm' => Arc::new(column.times("timedelta64[ns]")?.collect::<DurationNanosecondArray>()),
         _ => return of_list(&values.call_method0("tolist")?).map(Some),
-    }))
+    };
+    Ok(Some(array))
 }
 
 /// Values, and which of them are gaps.
@@ -83,7 +84,7 @@ impl<'a, 'py> Column<'a, 'py> {
     }
 
     /// The cells as numbers of this type.
-    fn cells<T: Element + Copy>(&self, kind: &str) -> PyResult<impl Iterator<Item = Option<T>>> {
+    fn cells<T: Element + Copy + 'static>(&self, kind: &str) -> PyResult<impl Iterator<Item = Option<T>>> {
         let array = self.values.py().import("numpy")?.call_method1("ascontiguousarray", (self.array(kind)?,))?;
         let values = array.extract::<PyReadonlyArray1<'_, T>>()?.as_slice()?.to_vec();
         let gaps = self.gaps.clone().unwrap_or_default();
