@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Any
 
 from . import _native
 from ._native import Table
 from ._progress import Progress, shown
+
+
+def _values(axis: str, values: Any) -> list[Any]:
+    """Give the values of an axis in their order."""
+    if isinstance(values, (str, bytes, bytearray, Mapping, Set)) or not isinstance(values, Iterable):
+        raise TypeError(f"the values of the axis {axis!r} are a {type(values).__name__}; allowed: a list, or what has an order")
+    return list(values)
 
 
 def sweep(
@@ -56,7 +63,7 @@ def sweep(
         return _native.sweep(
             os.fspath(scenario),
             settings,
-            {key: list(values) for key, values in (axes or {}).items()},
+            {key: _values(key, values) for key, values in (axes or {}).items()},
             runs,
             None if out is None else os.fspath(out),
             resume,

@@ -7,11 +7,12 @@ use std::process::{ExitCode, Termination};
 use pyo3::prelude::*;
 use sextant_cli::Invocation;
 
+use crate::work::guarded;
+
 /// Runs the command line: `program` is the path of the script that was called, `words` follow it. Returns the exit code.
 #[pyfunction]
-pub(crate) fn main(py: Python<'_>, program: PathBuf, words: Vec<OsString>) -> u8 {
-    let code = py.detach(|| sextant_cli::main(&Invocation::of_script(program, words)));
-    code_of(code)
+pub(crate) fn main(py: Python<'_>, program: PathBuf, words: Vec<OsString>) -> PyResult<u8> {
+    guarded(py, || sextant_cli::main(&Invocation::of_script(program, words))).map(code_of)
 }
 
 /// The number of an exit code, of which the standard library compares but does not tell it.

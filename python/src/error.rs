@@ -212,9 +212,26 @@ impl IntoException for OutputRefusal {
 
 /// The exception that the library itself failed, which is an error of ours.
 pub(crate) fn failed_inside(panic: &(dyn std::any::Any + Send)) -> PyErr {
-    let words = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
-    let words = words.unwrap_or("no reason is known");
+    let words = panic_words(panic);
     PyRuntimeError::new_err(format!("Sextant has failed inside, which is an error of Sextant: {words}"))
+}
+
+/// What a library said when it gave up.
+pub(crate) fn panic_words(panic: &(dyn std::any::Any + Send)) -> &str {
+    let words = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
+    words.unwrap_or("no reason is known")
+}
+
+/// The exception that a cell of a table, or the whole column if no row is known, is not what is allowed.
+pub(crate) fn of_cell(py: Python<'_>, column: &str, row: Option<usize>, found: &str, allowed: &str) -> PyErr {
+    let at = row.map_or_else(String::new, |row| format!(" in row {row}"));
+    let error = LogError::new_err(format!("column `{column}` has {found}{at}; allowed: {allowed}"));
+    Attributes::of(py, error)
+        .with("row", row)
+        .with("column", column)
+        .with("found", found)
+        .with("allowed", allowed)
+        .done()
 }
 
 /// The exception that a file cannot be read or written.

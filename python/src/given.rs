@@ -7,16 +7,21 @@ use arrow_array::types::{
     Decimal128Type, Float16Type, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type,
     UInt16Type, UInt32Type, UInt64Type,
 };
-use arrow_array::{Array, ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
-use arrow_schema::{DataType, Field, Schema};
-use numpy::PyReadonlyArray1;
-use pyo3::exceptions::{PyImportError, PyTypeError};
+use arrow_array::{
+    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchOptions, StringArray, new_empty_array,
+};
+use arrow_buffer::NullBuffer;
+use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
-use pyo3_arrow::PyChunkedArray;
-use pyo3_arrow::input::AnyRecordBatch;
+use pyo3::types::{PyDict, PyInt, PyString};
 
+use crate::arrow_check::checked;
+use crate::arrow_input::{Chunks, chunks_of};
+use crate::entries::each_entry_of_dict;
+use crate::numpy_column::of_numpy;
 use crate::table::Table;
+use crate::work::caught;
 
 /// Make a :class:`Table` of anything that is a table.
 ///
@@ -39,26 +44,68 @@ pub(crate) fn batch_of(data: &Bound<'_, PyAny>) -> PyResult<RecordBatch> {
     if let Ok(table) = data.cast::<Table>() {
         return Ok(table.get().batch().clone());
     }
-    if data.hasattr("__arrow_c_stream__")? || data.hasattr("__arrow_c_array__")? {
-        // A data frame of pandas gives a stream only if pyarrow is installed.
-        match data.extract::<AnyRecordBatch>() {
-            Ok(stream) => return collected(stream),
-            Err(error) if !error.is_instance_of::<PyImportError>(data.py()) => return Err(error),
-            Err(_) => {}
-        }
-    }
-    of_columns(&columns_of(data)?)
+    caught(|| match chunks_of(data)? {
+        Some(chunks) => of_chunks(data.py(), &chunks),
+        None => of_columns(&columns_of(data)?),
+    })
 }
 
-fn collected(stream: AnyRecordBatch) -> PyResult<RecordBatch> {
-    let reader = stream.into_reader()?;
-    let schema = reader.schema();
-    let wrong = |why: arrow_schema::ArrowError| PyTypeError::new_err(why.to_string());
-    let batches: Vec<RecordBatch> = reader.collect::<Result<_, _>>().map_err(wrong)?;
-    match <[RecordBatch; 1]>::try_from(batches) {
-        Ok([batch]) => Ok(batch),
-        Err(batches) => arrow_select::concat::concat_batches(&schema, &batches).map_err(wrong),
+/// The rows of a table of Arrow.
+fn of_chunks(py: Python<'_>, chunks: &Chunks) -> PyResult<RecordBatch> {
+    let DataType::Struct(fields) = &chunks.kind else {
+        let words = format!("a table is an array of the type {}; allowed: one with columns", chunks.kind);
+        return Err(PyTypeError::new_err(words));
+    };
+    let column = |index: usize, field: &FieldRef| {
+        let parts = chunks.parts.iter().map(|part| {
+            let rows = part.as_struct();
+            (Arc::clone(rows.column(index)), rows.nulls().cloned())
+        });
+        whole_column(py, field.name(), field.data_type(), parts)
+    };
+    let arrays: Vec<ArrayRef> =
+        fields.iter().enumerate().map(|(index, field)| column(index, field)).collect::<PyResult<_>>()?;
+    let fields = fields.iter().zip(&arrays).map(|(field, array)| Field::new(field.name(), array.data_type().clone(), true));
+    let rows = chunks.parts.iter().map(|part| part.len()).sum();
+    let options = RecordBatchOptions::new().with_row_count(Some(rows));
+    let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
+    RecordBatch::try_new_with_options(schema, arrays, &options).map_err(unsound)
+}
+
+/// A column of parts, each with the rows that are there if not all are: what is in it is checked.
+fn whole_column(
+    py: Python<'_>,
+    name: &str,
+    kind: &DataType,
+    parts: impl Iterator<Item = (ArrayRef, Option<NullBuffer>)>,
+) -> PyResult<ArrayRef> {
+    let mut first = 0;
+    let mut sound: Vec<ArrayRef> = Vec::new();
+    for (part, rows) in parts {
+        let part = checked(py, name, &part, first)?;
+        first += part.len();
+        sound.push(match rows {
+            None => part,
+            Some(rows) => {
+                let missing = BooleanArray::new(!rows.inner(), None);
+                arrow_select::nullif::nullif(&part, &missing).map_err(unsound)?
+            }
+        });
     }
+    match &sound[..] {
+        [] => Ok(new_empty_array(kind)),
+        [only] => Ok(Arc::clone(only)),
+        several => {
+            let several: Vec<&dyn Array> = several.iter().map(AsRef::as_ref).collect();
+            arrow_select::concat::concat(&several).map_err(unsound)
+        }
+    }
+}
+
+/// The exception that columns of Arrow do not go together.
+#[expect(clippy::needless_pass_by_value, reason = "it is what `map_err` gives")]
+fn unsound(why: ArrowError) -> PyErr {
+    PyTypeError::new_err(why.to_string())
 }
 
 /// The columns of `data` by name.
@@ -90,10 +137,8 @@ fn columns_of<'py>(data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
 fn of_columns(columns: &Bound<'_, PyDict>) -> PyResult<RecordBatch> {
     let mut fields = Vec::new();
     let mut arrays: Vec<ArrayRef> = Vec::new();
-    for (name, values) in columns {
-        let name: String = name.extract().map_err(|_| PyTypeError::new_err("the name of a column must be a str"))?;
-        let array = array_of(&values)
-            .map_err(|why| PyTypeError::new_err(format!("column `{name}`: {}", why.value(columns.py()))))?;
+    each_entry_of_dict(columns, "a column", |name, values| {
+        let array = array_of(&name, &values).map_err(|why| of_column(columns.py(), &name, why))?;
         if let Some(first) = arrays.first()
             && first.len() != array.len()
         {
@@ -104,66 +149,77 @@ fn of_columns(columns: &Bound<'_, PyDict>) -> PyResult<RecordBatch> {
         }
         fields.push(Field::new(name, array.data_type().clone(), true));
         arrays.push(array);
+        Ok(())
+    })?;
+    let options = RecordBatchOptions::new().with_row_count(Some(arrays.first().map_or(0, |array| array.len())));
+    RecordBatch::try_new_with_options(Arc::new(Schema::new(fields)), arrays, &options).map_err(unsound)
+}
+
+/// The same exception with the name of the column, if its words are all that it has.
+fn of_column(py: Python<'_>, name: &str, why: PyErr) -> PyErr {
+    let words = format!("column `{name}`: {}", why.value(py));
+    if why.get_type(py).is(&py.get_type::<PyTypeError>()) {
+        PyTypeError::new_err(words)
+    } else if why.get_type(py).is(&py.get_type::<PyValueError>()) {
+        PyValueError::new_err(words)
+    } else {
+        why
     }
-    let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays);
-    batch.map_err(|why| PyTypeError::new_err(why.to_string()))
 }
 
 /// A column: of Arrow, of NumPy, or a list.
-fn array_of(values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {
-    if values.hasattr("__arrow_c_array__")? || values.hasattr("__arrow_c_stream__")? {
-        match values.extract::<PyChunkedArray>() {
-            Ok(chunks) => {
-                let chunks: Vec<&dyn Array> = chunks.chunks().iter().map(AsRef::as_ref).collect();
-                let whole = arrow_select::concat::concat(&chunks);
-                return whole.map_err(|why| PyTypeError::new_err(why.to_string()));
-            }
-            Err(error) if !error.is_instance_of::<PyImportError>(values.py()) => return Err(error),
-            Err(_) => {}
-        }
+fn array_of(name: &str, values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {
+    if let Some(chunks) = chunks_of(values)? {
+        let parts = chunks.parts.into_iter().map(|part| (part, None));
+        return whole_column(values.py(), name, &chunks.kind, parts);
     }
-    let kind = values.getattr("dtype").and_then(|kind| kind.getattr("kind")).and_then(|kind| kind.extract::<char>());
-    let py = values.py();
-    let Ok(kind) = kind else { return of_list(values) };
-    let numpy = py.import("numpy")?;
-    let array = |kind: &str| {
-        let keywords = PyDict::new(py);
-        keywords.set_item("dtype", kind)?;
-        numpy.call_method("ascontiguousarray", (values,), Some(&keywords))
-    };
-    match kind {
-        'f' => Ok(Arc::new(Float64Array::from(
-            array("float64")?.extract::<PyReadonlyArray1<'_, f64>>()?.as_slice()?.to_vec(),
-        ))),
-        'i' | 'u' | 'b' => Ok(Arc::new(Int64Array::from(
-            array("int64")?.extract::<PyReadonlyArray1<'_, i64>>()?.as_slice()?.to_vec(),
-        ))),
-        'M' => {
-            let instants = array("datetime64[ns]")?.call_method1("view", ("int64",))?;
-            let instants = instants.extract::<PyReadonlyArray1<'_, i64>>()?.as_slice()?.to_vec();
-            let instants = instants.into_iter().map(|instant| (instant != i64::MIN).then_some(instant));
-            Ok(Arc::new(instants.collect::<arrow_array::TimestampNanosecondArray>()))
-        }
-        _ => of_list(&values.call_method0("tolist")?),
+    match of_numpy(values)? {
+        Some(column) => Ok(column),
+        None => of_list(values),
     }
 }
 
-/// A list: of numbers, or of texts if any item is one. None and NaN are empty cells.
-fn of_list(values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {
+/// A list: of numbers, or of texts if any item is one. None, NaN and NA of pandas are empty cells.
+pub(crate) fn of_list(values: &Bound<'_, PyAny>) -> PyResult<ArrayRef> {
+    if ["str", "bytes", "bytearray", "dict", "set", "frozenset"].contains(&&*values.get_type().name()?.to_string()) {
+        let kind = values.get_type().name()?;
+        return Err(PyTypeError::new_err(format!("a column is a {kind}; allowed: a list, an array or a series")));
+    }
     let items: Vec<Bound<'_, PyAny>> = values.try_iter()?.collect::<PyResult<_>>()?;
-    let is_empty = |item: &Bound<'_, PyAny>| item.is_none() || item.extract::<f64>().is_ok_and(f64::is_nan);
     if items.iter().any(|item| item.is_instance_of::<PyString>()) {
-        let text = |item: &Bound<'_, PyAny>| {
-            let text = || item.str().and_then(|text| text.extract::<String>());
-            if is_empty(item) { Ok(None) } else { text().map(Some) }
+        let text = |item: &Bound<'_, PyAny>| -> PyResult<Option<String>> {
+            if is_empty(item) { Ok(None) } else { item.str()?.extract::<String>().map(Some) }
         };
         return Ok(Arc::new(items.iter().map(text).collect::<PyResult<StringArray>>()?));
     }
-    if let Ok(whole) = items.iter().map(|item| item.extract::<Option<i64>>()).collect::<PyResult<Int64Array>>() {
+    let whole = |item: &Bound<'_, PyAny>| if is_empty(item) { Ok(None) } else { item.extract::<i64>().map(Some) };
+    if let Ok(whole) = items.iter().map(whole).collect::<PyResult<Int64Array>>() {
         return Ok(Arc::new(whole));
+    }
+    // Larger whole numbers are addresses, of which a float would make several one.
+    if items.iter().all(|item| item.is_instance_of::<PyInt>() || is_empty(item)) {
+        let digits = |item: &Bound<'_, PyAny>| -> PyResult<Option<String>> {
+            if is_empty(item) { Ok(None) } else { item.str()?.extract::<String>().map(Some) }
+        };
+        return Ok(Arc::new(items.iter().map(digits).collect::<PyResult<StringArray>>()?));
     }
     let number = |item: &Bound<'_, PyAny>| if is_empty(item) { Ok(None) } else { item.extract::<f64>().map(Some) };
     Ok(Arc::new(items.iter().map(number).collect::<PyResult<Float64Array>>()?))
+}
+
+/// Whether an item of a list is an empty cell.
+fn is_empty(item: &Bound<'_, PyAny>) -> bool {
+    if item.is_none() {
+        return true;
+    }
+    if item.is_instance_of::<PyString>() || item.is_instance_of::<PyInt>() {
+        return false;
+    }
+    match item.extract::<f64>() {
+        Ok(number) => number.is_nan(),
+        // Of pandas, which need not be there.
+        Err(_) => item.get_type().name().is_ok_and(|name| name == "NAType"),
+    }
 }
 
 /// Texts of a column, each once, and the number of each row's.

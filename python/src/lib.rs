@@ -4,12 +4,17 @@
 //! values of Python into those of the library and back, keeps the interpreter free while the library works, and lets programs
 //! of the user be called by a simulation.
 
+mod arrow_check;
+mod arrow_input;
 mod command;
+mod depth;
+mod entries;
 mod error;
 mod given;
 mod log;
 mod map;
 mod names;
+mod numpy_column;
 mod options;
 mod picture;
 mod programs;
@@ -20,6 +25,7 @@ mod sweep;
 mod table;
 mod table_log;
 mod values;
+mod whole;
 mod work;
 
 use pyo3::prelude::*;

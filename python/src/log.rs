@@ -15,6 +15,7 @@ use sextant::recording::SCENARIO_ATTACHMENT;
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
 
+use crate::entries::each_entry_of_dict;
 use crate::error::OrException;
 use crate::given::batch_of;
 use crate::map::{Map, Origin};
@@ -23,6 +24,7 @@ use crate::run::tables_of;
 use crate::table::{Columns, Table};
 use crate::table_log::{self, Given};
 use crate::values::setting;
+use crate::whole::threads;
 use crate::work::supervised;
 
 /// A log of receptions, with what is known with it.
@@ -38,13 +40,13 @@ pub(crate) struct Log {
 /// How a log is mapped, as Python says it.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Mapping {
+struct Mapping<'py> {
     algorithm: Option<String>,
     profile: Option<String>,
     network: Option<String>,
     area: Option<String>,
     near_stops: Option<f64>,
-    threads: Option<usize>,
+    threads: Option<Bound<'py, PyAny>>,
 }
 
 impl Log {
@@ -106,13 +108,17 @@ impl Log {
     fn map(
         &self,
         py: Python<'_>,
-        mapping: Mapping,
+        mapping: Mapping<'_>,
         set: &Bound<'_, PyDict>,
         truth: Option<&Bound<'_, PyAny>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Vec<Map>> {
-        let set = set.iter().map(|(key, value)| setting(key.extract()?, &value));
-        let set: Vec<String> = set.collect::<PyResult<_>>()?;
+        let threads = self::threads(mapping.threads.as_ref())?;
+        let mut given = Vec::new();
+        each_entry_of_dict(set, "a setting", |key, value| {
+            given.push(setting(&key, &value)?);
+            Ok(())
+        })?;
         let algorithm = mapping.algorithm.as_deref().map(str::parse::<AlgorithmName>).transpose();
         let algorithm = algorithm.map_err(|why| PyValueError::new_err(why.to_string()))?;
         let mut input = self.origin.input.clone();
@@ -134,13 +140,13 @@ impl Log {
                 if known.is_empty() { "it is of one network without a name".to_owned() } else { known.join(", ") };
             return Err(PyValueError::new_err(format!("the log has no network `{network}`; networks: {known}")));
         }
-        let settings = MapSettings::new(scenario, algorithm, (mapping.profile.as_deref(), network), &set);
+        let settings = MapSettings::new(scenario, algorithm, (mapping.profile.as_deref(), network), &given);
         let settings = settings.or_exception(py)?;
         let prior =
             mapping::place_prior(mapping.area.as_deref(), mapping.near_stops, input.plane.as_ref(), &settings.maps);
         input.prior = prior.or_exception(py)?;
         let known_notes = input.notes.len();
-        let done = supervised(py, mapping.threads, progress.as_ref(), |supervisor| {
+        let done = supervised(py, threads, progress.as_ref(), |supervisor| {
             mapping::map(&mut input, &settings, None, Stopwatch::start(), supervisor)
         })?;
         let (summary, computed) = done.or_exception(py)?;

@@ -15,6 +15,7 @@ use sextant::summary::MapSummary;
 use crate::picture::{self, Drawn};
 use crate::table::{Columns, Table};
 use crate::values::of_serialized;
+use crate::work::guarded;
 
 /// The log that maps are of, and its title in pictures.
 pub(crate) struct Origin {
@@ -140,7 +141,7 @@ impl Map {
 
     /// All figures of the map, each with its name, as SVG.
     fn figures(&self, py: Python<'_>) -> PyResult<Vec<Drawn>> {
-        py.detach(|| picture::of_map(&self.origin, self.computed().as_ref()))
+        guarded(py, || picture::of_map(&self.origin, self.computed().as_ref()))?
     }
 
     fn __repr__(&self) -> String {

@@ -8,6 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
 use sextant::logs::{BagClock, FieldNames, ReadOptions};
 
+use crate::entries::each_entry_of_dict;
+use crate::whole::whole_u32;
+
 /// The keywords that are known.
 const KNOWN: &str = "stop_every, packet_interval, path, packets, packet_fields, path_fields, missing, node_columns, reciprocal, \
                      transmitter, noise_floor, lora, packet_delay, skip_no_fix, rssi_missing, pose_topic, child_frame, \
@@ -16,10 +19,9 @@ const KNOWN: &str = "stop_every, packet_interval, path, packets, packet_fields, 
 /// The options of keywords, which are those of the flags of `sextant map` with `_` for `-`.
 pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions> {
     let mut options = ReadOptions::default();
-    for (name, value) in keywords {
-        let name: String = name.extract()?;
+    each_entry_of_dict(keywords, "an option", |name, value| {
         if value.is_none() {
-            continue;
+            return Ok(());
         }
         let given = Keyword { name: &name, value };
         let ReadOptions { stop_every, packet_interval_s, form, repair, bag, sniffer } = &mut options;
@@ -53,12 +55,13 @@ pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions
                     _ => return Err(given.refused("\"stamp\" or \"log\"")),
                 });
             }
-            "pan" => sniffer.pan = Some(given.value.extract()?),
+            "pan" => sniffer.pan = u16::try_from(whole_u32("pan", &given.value, 0..=u32::from(u16::MAX))?).ok(),
             _ => {
                 return Err(PyTypeError::new_err(format!("there is no option `{name}`; options: {KNOWN}")));
             }
         }
-    }
+        Ok(())
+    })?;
     Ok(options)
 }
 
@@ -87,7 +90,8 @@ impl Keyword<'_, '_> {
     }
 
     fn number(&self, is_allowed: impl Fn(f64) -> bool, allowed: &str) -> PyResult<f64> {
-        self.value.extract().ok().filter(|&number| is_allowed(number)).ok_or_else(|| self.refused(allowed))
+        let number = if self.value.is_instance_of::<PyBool>() { None } else { self.value.extract().ok() };
+        number.filter(|&number| is_allowed(number)).ok_or_else(|| self.refused(allowed))
     }
 
     fn parsed<T: FromStr<Err: Display>>(&self) -> PyResult<T> {
@@ -107,8 +111,12 @@ impl Keyword<'_, '_> {
     fn fields<E: Display>(&self, parse: impl Fn(&str) -> Result<FieldNames, E>) -> PyResult<FieldNames> {
         let text = match self.value.cast::<PyDict>() {
             Ok(names) => {
-                let pair = |(key, name): (Bound<'_, PyAny>, Bound<'_, PyAny>)| Ok(format!("{key}={name}"));
-                names.iter().map(pair).collect::<PyResult<Vec<_>>>()?.join(",")
+                let mut pairs = Vec::new();
+                each_entry_of_dict(names, "a field", |key, name| {
+                    pairs.push(format!("{key}={}", name.str()?.to_str()?));
+                    Ok(())
+                })?;
+                pairs.join(",")
             }
             Err(_) => self.text()?,
         };

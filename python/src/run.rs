@@ -21,7 +21,7 @@ use crate::programs::Given;
 use crate::scenario::Scenario;
 use crate::table::{Columns, Table};
 use crate::values::of_serialized;
-use crate::work::Supervisor;
+use crate::work::{Supervisor, guarded};
 
 /// A run that is over.
 #[pyclass(frozen, module = "sextant._native")]
@@ -183,12 +183,12 @@ impl Run {
 /// All tables of a recording, by name.
 pub(crate) fn tables_of(py: Python<'_>, recording: &Path) -> PyResult<Vec<(String, Table)>> {
     let mut made: Vec<(String, crate::recorded::Growing)> = Vec::new();
-    py.detach(|| {
+    let read = guarded(py, || {
         read_tables(recording, &mut |piece| {
             crate::recorded::take(&mut made, &piece);
             Ok(())
         })
-    })
-    .or_exception(py)?;
+    });
+    read?.or_exception(py)?;
     made.into_iter().map(|(name, table)| Ok((name, table.finish()?))).collect()
 }

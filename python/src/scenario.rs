@@ -10,11 +10,13 @@ use sextant::recording::admission::{OutputKind, Outputs, Replace};
 use sextant::sim::RoleConfig;
 use sextant::template::Template;
 
+use crate::entries::each_entry_of_dict;
 use crate::error::OrException;
 use crate::programs::Given;
 use crate::run::{Run, simulate};
 use crate::values::{document, setting};
-use crate::work::supervised;
+use crate::whole::{threads, whole};
+use crate::work::{guarded, supervised};
 
 /// A scenario, checked.
 #[pyclass(frozen, module = "sextant._native")]
@@ -24,14 +26,14 @@ pub(crate) struct Scenario(pub(crate) sextant::Scenario);
 /// Settings of Python as those of the library: each `key=value`, and the seed.
 pub(crate) fn settings(settings: &Bound<'_, PyDict>) -> PyResult<(Vec<String>, Option<u64>)> {
     let (mut set, mut seed) = (Vec::new(), None);
-    for (key, value) in settings {
-        let key: String = key.extract()?;
+    each_entry_of_dict(settings, "a setting", |key, value| {
         if key == "seed" {
-            seed = Some(value.extract()?);
+            seed = Some(whole("seed", &value, 0..=u64::MAX)?);
         } else {
-            set.push(setting(key, &value)?);
+            set.push(setting(&key, &value)?);
         }
-    }
+        Ok(())
+    })?;
     Ok((set, seed))
 }
 
@@ -41,7 +43,7 @@ impl Scenario {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
         let (set, seed) = self::settings(settings)?;
-        let read = py.detach(|| sextant::Scenario::load_with(path, &set, seed));
+        let read = guarded(py, || sextant::Scenario::load_with(path, &set, seed))?;
         Ok(Self(read.or_exception(py)?))
     }
 
@@ -55,7 +57,7 @@ impl Scenario {
     #[staticmethod]
     fn parse(py: Python<'_>, text: &str, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
         let (set, seed) = self::settings(settings)?;
-        let read = py.detach(|| sextant::Scenario::parse_with(text, &set, seed));
+        let read = guarded(py, || sextant::Scenario::parse_with(text, &set, seed))?;
         Ok(Self(read.or_exception(py)?))
     }
 
@@ -88,7 +90,7 @@ impl Scenario {
 
     fn with_settings(&self, py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
         let (set, seed) = self::settings(settings)?;
-        Ok(Self(py.detach(|| self.0.with_all(&set, seed)).or_exception(py)?))
+        Ok(Self(guarded(py, || self.0.with_all(&set, seed))?.or_exception(py)?))
     }
 
     #[getter]
@@ -122,8 +124,8 @@ impl Scenario {
     }
 
     #[getter]
-    fn warnings(&self, py: Python<'_>) -> Vec<String> {
-        py.detach(|| warnings(&self.0).iter().map(ToString::to_string).collect())
+    fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        guarded(py, || warnings(&self.0).iter().map(ToString::to_string).collect())
     }
 
     #[pyo3(signature = (record=None, progress=None, controllers=None, applications=None, threads=None, force=false))]
@@ -135,9 +137,10 @@ impl Scenario {
         progress: Option<Py<PyAny>>,
         controllers: Option<&Bound<'_, PyDict>>,
         applications: Option<&Bound<'_, PyDict>>,
-        threads: Option<usize>,
+        threads: Option<&Bound<'_, PyAny>>,
         force: bool,
     ) -> PyResult<Run> {
+        let threads = self::threads(threads)?;
         self.0.check_grids().or_exception(py)?;
         if let Some(record) = &record {
             let mut outputs = Outputs::new(if force { Replace::Any } else { Replace::Ours });

@@ -9,11 +9,13 @@ use pyo3::types::PyDict;
 use sextant::recording::admission::{OutputKind, Outputs, Replace};
 use sextant::sweep::{self as sweeps, Kind, Shard, Sweep, TableError};
 
+use crate::entries::each_entry_of_dict;
 use crate::error::{OrException, RunError};
 use crate::scenario::settings as settings_of;
 use crate::table::{Columns, Table};
 use crate::values::toml;
-use crate::work::supervised;
+use crate::whole::{threads, whole_u32};
+use crate::work::{guarded, supervised};
 
 /// Runs a scenario with many settings and seeds. Returns the table of all runs.
 #[pyfunction]
@@ -24,18 +26,21 @@ pub(crate) fn sweep(
     path: PathBuf,
     settings: &Bound<'_, PyDict>,
     axes: &Bound<'_, PyDict>,
-    runs: Option<NonZeroU32>,
+    runs: Option<&Bound<'_, PyAny>>,
     out: Option<PathBuf>,
     resume: bool,
     force: bool,
     progress: Option<Py<PyAny>>,
-    threads: Option<usize>,
+    threads: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Table> {
+    let threads = self::threads(threads)?;
+    let runs = runs.map(|runs| whole_u32("runs", runs, 1..=u32::MAX)).transpose()?.and_then(NonZeroU32::new);
     let (mut set, seed) = settings_of(settings)?;
-    for (key, values) in axes {
-        set.push(format!("sweep.product.{}={}", serde_json::Value::from(key.extract::<String>()?), toml(&values)?));
-    }
-    let plan = py.detach(|| Sweep::read(&path, &set, seed, runs)).or_exception(py)?;
+    each_entry_of_dict(axes, "an axis", |key, values| {
+        set.push(format!("sweep.product.{}={}", serde_json::Value::from(key), toml(&values)?));
+        Ok(())
+    })?;
+    let plan = guarded(py, || Sweep::read(&path, &set, seed, runs))?.or_exception(py)?;
     if let Some(out) = &out {
         let mut outputs = Outputs::new(if force { Replace::Any } else { Replace::Ours });
         let named = plan.named_files().iter().map(|file| file.path.as_path());

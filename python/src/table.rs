@@ -5,7 +5,7 @@ use std::sync::Arc;
 use arrow_array::cast::AsArray;
 use arrow_array::ffi::FFI_ArrowSchema;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::types::{Float64Type, Int64Type, UInt64Type};
 use arrow_array::{
     Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator, StringArray,
 };
@@ -15,6 +15,7 @@ use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList};
 use sextant::channel::Position;
+use sextant::kernel::text::{printable, shortened};
 
 /// Rows of a table that `repr` shows.
 const SHOWN: usize = 10;
@@ -101,8 +102,8 @@ impl Table {
         &self.batch
     }
 
-    fn array(&self, name: &str) -> PyResult<&ArrayRef> {
-        self.batch.column_by_name(name).ok_or_else(|| {
+    fn array(&self, name: &str) -> PyResult<ArrayRef> {
+        self.batch.column_by_name(name).map(plain).ok_or_else(|| {
             let known: Vec<String> = self.column_names().iter().map(|name| format!("`{name}`")).collect();
             PyKeyError::new_err(format!("there is no column `{name}`; columns: {}", known.join(", ")))
         })
@@ -110,7 +111,7 @@ impl Table {
 
     /// The cells of a row as texts.
     fn texts(&self, row: usize) -> Vec<String> {
-        self.batch.columns().iter().map(|array| text(array, row)).collect()
+        self.batch.columns().iter().map(|array| text(&plain(&array.slice(row, 1)), 0)).collect()
     }
 }
 
@@ -132,7 +133,7 @@ impl Table {
 
     /// The values of a column as a list; an empty cell is None.
     fn to_list<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyList>> {
-        list(py, self.array(name)?)
+        list(py, &self.array(name)?)
     }
 
     /// The values of a column as an array of NumPy. An empty cell is NaN, or None among texts.
@@ -156,7 +157,7 @@ impl Table {
             _ => {
                 let keywords = PyDict::new(py);
                 keywords.set_item("dtype", "object")?;
-                py.import("numpy")?.call_method("array", (list(py, array)?,), Some(&keywords))
+                py.import("numpy")?.call_method("array", (list(py, &array)?,), Some(&keywords))
             }
         }
     }
@@ -165,7 +166,7 @@ impl Table {
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         for (name, array) in self.column_names().iter().zip(self.batch.columns()) {
-            dict.set_item(name, list(py, array)?)?;
+            dict.set_item(name, list(py, &plain(array))?)?;
         }
         Ok(dict)
     }
@@ -192,7 +193,8 @@ impl Table {
         let names = self.column_names();
         let rows = self.batch.num_rows();
         let shown = (0..rows.min(SHOWN)).map(|row| self.texts(row));
-        let lines: Vec<Vec<String>> = [names.clone()].into_iter().chain(shown).collect();
+        let line = |cells: Vec<String>| cells.iter().map(|cell| on_one_line(cell)).collect();
+        let lines: Vec<Vec<String>> = [names.clone()].into_iter().chain(shown).map(line).collect();
         let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
         let widths: Vec<usize> = (0..names.len()).map(width).collect();
         let mut text = format!("sextant.Table: {rows} rows\n");
@@ -226,6 +228,22 @@ impl Table {
     }
 }
 
+/// A column in the types of our tables, as far as it means the same in one of them.
+fn plain(array: &ArrayRef) -> ArrayRef {
+    let kind = match array.data_type() {
+        DataType::Int8 | DataType::Int16 | DataType::Int32 => DataType::Int64,
+        DataType::UInt8 | DataType::UInt16 | DataType::UInt32 => DataType::Int64,
+        DataType::Float16 | DataType::Float32 => DataType::Float64,
+        DataType::LargeUtf8 | DataType::Utf8View | DataType::Null => DataType::Utf8,
+        DataType::Dictionary(_, values) => match arrow_cast::cast(array, values) {
+            Ok(values) => return plain(&values),
+            Err(_) => return Arc::clone(array),
+        },
+        _ => return Arc::clone(array),
+    };
+    arrow_cast::cast(array, &kind).unwrap_or_else(|_| Arc::clone(array))
+}
+
 /// The text of a cell of a table of ours.
 fn text(array: &ArrayRef, row: usize) -> String {
     if array.is_null(row) {
@@ -245,9 +263,14 @@ fn with_nan<N>(numbers: impl Iterator<Item = Option<N>>, number: fn(N) -> f64) -
     numbers.map(|found| found.map_or(f64::NAN, number)).collect()
 }
 
-/// A text inside of HTML.
-pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+/// A cell in a line of text: not too long, and without characters that a terminal would obey.
+fn on_one_line(cell: &str) -> String {
+    printable(&shortened(cell)).replace('\n', "\\n").replace('\t', "\\t")
+}
+
+/// A text inside of HTML. What would change how the text around it is shown is written as `\u{202e}`.
+fn escaped(text: &str) -> String {
+    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// The values of an array as a list.
@@ -255,6 +278,7 @@ fn list<'py>(py: Python<'py>, array: &ArrayRef) -> PyResult<Bound<'py, PyList>> 
     match array.data_type() {
         DataType::Float64 => PyList::new(py, array.as_primitive::<Float64Type>().iter()),
         DataType::Int64 => PyList::new(py, array.as_primitive::<Int64Type>().iter()),
+        DataType::UInt64 => PyList::new(py, array.as_primitive::<UInt64Type>().iter()),
         DataType::Boolean => PyList::new(py, array.as_boolean().iter()),
         DataType::Utf8 => PyList::new(py, array.as_string::<i32>().iter()),
         other => Err(PyTypeError::new_err(format!("a column of {other} cannot be a list"))),

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
     Float64Type, Int64Type, TimestampMicrosecondType, TimestampMillisecondType, TimestampNanosecondType,
-    TimestampSecondType,
+    TimestampSecondType, UInt64Type,
 };
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_schema::{DataType, TimeUnit};
@@ -48,7 +48,7 @@ fn memory_table<'a>(name: &str, batch: &'a RecordBatch) -> Result<MemoryTable<'a
 }
 
 /// A column. What is already in the form of the library is not copied.
-fn column<'a>(array: &'a ArrayRef) -> MemoryColumn<'a> {
+fn column(array: &ArrayRef) -> MemoryColumn<'_> {
     match array.data_type() {
         DataType::Float64 if array.null_count() == 0 => {
             MemoryColumn::Floats(Cow::Borrowed(array.as_primitive::<Float64Type>().values()))
@@ -57,10 +57,20 @@ fn column<'a>(array: &'a ArrayRef) -> MemoryColumn<'a> {
             let values = Cow::Borrowed(array.as_primitive::<Int64Type>().values().as_ref());
             MemoryColumn::Whole { values, empty: None }
         }
+        DataType::Dictionary(_, values) => match dictionary(array) {
+            Some(names) => names,
+            None => written_out(array, values),
+        },
+        _ => owned(array),
+    }
+}
+
+/// A column that is written in another form.
+fn owned(array: &ArrayRef) -> MemoryColumn<'static> {
+    match array.data_type() {
         DataType::Utf8 => names(array.as_string::<i32>().iter()),
         DataType::LargeUtf8 => names(array.as_string::<i64>().iter()),
         DataType::Utf8View => names(array.as_string_view().iter()),
-        DataType::Dictionary(..) => dictionary(array).unwrap_or_else(|| unknown(array)),
         DataType::Timestamp(unit, _) => instants(array, *unit),
         _ => match (whole_of(array), numbers_of(array)) {
             (Some(whole), _) => {
@@ -68,19 +78,31 @@ fn column<'a>(array: &'a ArrayRef) -> MemoryColumn<'a> {
                 MemoryColumn::Whole { values: whole.into_iter().map(Option::unwrap_or_default).collect(), empty }
             }
             (None, Some(numbers)) => MemoryColumn::Floats(numbers.into()),
-            (None, None) => unknown(array),
+            (None, None) => others(array),
         },
     }
 }
 
-/// A column of another type: it is an error only if it is needed, and the error names the type.
-fn unknown<'a>(array: &ArrayRef) -> MemoryColumn<'a> {
-    let kind = array.data_type().to_string();
-    names((0..array.len()).map(|row| (!array.is_null(row)).then_some(kind.as_str())))
+/// A column of a dictionary with other values than texts, each value where it is meant.
+fn written_out(array: &ArrayRef, values: &DataType) -> MemoryColumn<'static> {
+    arrow_cast::cast(array, values).map_or_else(|_| others(array), |plain| owned(&plain))
+}
+
+/// A column of a type that means nothing in a log, or of whole numbers that are too large to be counted with: addresses.
+fn others(array: &ArrayRef) -> MemoryColumn<'static> {
+    if let DataType::UInt64 = array.data_type() {
+        let numbers: Vec<Option<String>> =
+            array.as_primitive::<UInt64Type>().iter().map(|number| number.map(|number| number.to_string())).collect();
+        return names(numbers.iter().map(Option::as_deref));
+    }
+    // A column of nothing has no mask.
+    let missing = array.logical_nulls();
+    let is_empty = |row| missing.as_ref().is_some_and(|missing| missing.is_null(row));
+    MemoryColumn::Other { kind: array.data_type().to_string(), empty: (0..array.len()).map(is_empty).collect() }
 }
 
 /// Times, in any unit. Their zone is left out: the instants are the same.
-fn instants<'a>(array: &ArrayRef, unit: TimeUnit) -> MemoryColumn<'a> {
+fn instants(array: &ArrayRef, unit: TimeUnit) -> MemoryColumn<'static> {
     /// The times of one unit, and how many nanoseconds it has.
     macro_rules! instants {
         ($kind:ty, $nanos:expr) => {
@@ -100,33 +122,37 @@ fn instants<'a>(array: &ArrayRef, unit: TimeUnit) -> MemoryColumn<'a> {
     MemoryColumn::Instants(instants.into_iter().map(|time| time.unwrap_or(MemoryColumn::NO_INSTANT)).collect())
 }
 
-fn names<'a, 'b>(texts: impl Iterator<Item = Option<&'b str>>) -> MemoryColumn<'a> {
+fn names<'a>(texts: impl Iterator<Item = Option<&'a str>>) -> MemoryColumn<'static> {
     let (codes, names) = coded(texts);
     MemoryColumn::Names { codes: codes.into(), names }
 }
 
 /// A column of texts of which each is there once: the codes are used as they are. `None` if it has no texts.
-fn dictionary<'a>(array: &'a ArrayRef) -> Option<MemoryColumn<'a>> {
+fn dictionary(array: &ArrayRef) -> Option<MemoryColumn<'static>> {
     let dictionary = array.as_any_dictionary();
-    let values: Vec<String> = match dictionary.values().data_type() {
+    let values: Vec<Option<String>> = match dictionary.values().data_type() {
         DataType::Utf8 => texts(dictionary.values().as_string::<i32>().iter()),
         DataType::LargeUtf8 => texts(dictionary.values().as_string::<i64>().iter()),
         DataType::Utf8View => texts(dictionary.values().as_string_view().iter()),
         _ => return None,
     };
-    let code = |key: Option<usize>| key.and_then(|key| u32::try_from(key).ok()).unwrap_or(MemoryColumn::NO_NAME);
-    let keys = dictionary.normalized_keys();
-    let keys = keys.iter().enumerate().map(|(row, &key)| (!array.is_null(row)).then_some(key));
-    let mut known: Vec<&String> = values.iter().collect();
+    // Of a dictionary without entries all cells are empty, and it has no keys that could be asked for.
+    let keys = if values.is_empty() { vec![0; array.len()] } else { dictionary.normalized_keys() };
+    let keys = keys.iter().enumerate().map(|(row, &key)| {
+        let is_there = !array.is_null(row) && values.get(key).is_some_and(Option::is_some);
+        is_there.then_some(key)
+    });
+    let mut known: Vec<&String> = values.iter().flatten().collect();
     known.sort_unstable();
     known.dedup();
     if known.len() == values.len() {
-        return Some(MemoryColumn::Names { codes: keys.map(code).collect(), names: values });
+        let code = |key: Option<usize>| key.and_then(|key| u32::try_from(key).ok()).unwrap_or(MemoryColumn::NO_NAME);
+        return Some(MemoryColumn::Names { codes: keys.map(code).collect(), names: values.into_iter().flatten().collect() });
     }
-    let texts: Vec<Option<&str>> = keys.map(|key| key.and_then(|key| values.get(key)).map(String::as_str)).collect();
+    let texts: Vec<Option<&str>> = keys.map(|key| values.get(key?)?.as_deref()).collect();
     Some(names(texts.into_iter()))
 }
 
-fn texts<'a>(texts: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
-    texts.map(|text| text.unwrap_or_default().to_owned()).collect()
+fn texts<'a>(texts: impl Iterator<Item = Option<&'a str>>) -> Vec<Option<String>> {
+    texts.map(|text| text.map(str::to_owned)).collect()
 }

@@ -1,52 +1,98 @@
 //! Values of Python as settings of a scenario and back.
 
-use std::fmt::Write as _;
-
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PySequence, PyString};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::depth::Depth;
+use crate::entries::{each_entry, unchanged};
+
+/// A longer text is refused: it would be of a list without an end, or of one that is many times in itself (octets).
+const LONGEST: usize = 1 << 28;
+
+/// What settings are called in errors.
+const SETTING: &str = "a setting";
+
+/// A text of TOML that grows.
+#[derive(Default)]
+struct Toml(String);
+
+impl Toml {
+    fn push(&mut self, text: &str) -> PyResult<()> {
+        if self.0.len() + text.len() > LONGEST {
+            let words = format!("the settings are longer than {} MiB of text, or a list has no end", LONGEST >> 20);
+            return Err(PyValueError::new_err(words));
+        }
+        self.0.push_str(text);
+        Ok(())
+    }
+
+    fn value(&mut self, value: &Bound<'_, PyAny>, depth: Depth) -> PyResult<()> {
+        if value.is_instance_of::<PyBool>() {
+            return self.push(&value.is_truthy()?.to_string());
+        }
+        if let Ok(text) = value.cast::<PyString>() {
+            return self.push(&quoted(text.to_str()?));
+        }
+        if value.is_instance_of::<PyInt>() {
+            // Not `str`, which an enumeration has of its own.
+            let digits = value.py().get_type::<PyInt>().call_method1("__repr__", (value,))?;
+            return self.push(digits.cast::<PyString>()?.to_str()?);
+        }
+        if value.is_instance_of::<PyFloat>() {
+            return self.push(&float(value.extract()?));
+        }
+        let depth = depth.inner(SETTING)?;
+        if let Ok(mapping) = value.cast::<PyMapping>() {
+            return self.table(mapping, depth);
+        }
+        if let Ok(sequence) = value.cast::<PySequence>() {
+            return self.array(sequence, depth);
+        }
+        // Numbers and arrays of NumPy, and paths.
+        for form in ["tolist", "__fspath__"] {
+            if value.hasattr(form)? {
+                return self.value(&value.call_method0(form)?, depth);
+            }
+        }
+        let kind = value.get_type().name()?;
+        Err(PyTypeError::new_err(format!(
+            "a setting is a {kind}; allowed: bool, int, float, str, a path, and lists and dicts of these"
+        )))
+    }
+
+    fn table(&mut self, mapping: &Bound<'_, PyMapping>, depth: Depth) -> PyResult<()> {
+        let mut before = "{ ";
+        each_entry(mapping, SETTING, |key, value| {
+            self.push(before)?;
+            before = ", ";
+            self.push(&quoted(&key))?;
+            self.push(" = ")?;
+            self.value(&value, depth)
+        })?;
+        self.push(if before == ", " { " }" } else { "{ }" })
+    }
+
+    fn array(&mut self, sequence: &Bound<'_, PySequence>, depth: Depth) -> PyResult<()> {
+        let count = sequence.len()?;
+        let mut before = "[";
+        for item in sequence.try_iter()? {
+            self.push(before)?;
+            before = ", ";
+            self.value(&item?, depth)?;
+            unchanged(count, sequence.len()?, "list")?;
+        }
+        self.push(if before == "[" { "[]" } else { "]" })
+    }
+}
+
 /// A value as TOML writes it.
 pub(crate) fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
-    if value.is_instance_of::<PyBool>() {
-        return Ok(value.is_truthy()?.to_string());
-    }
-    if let Ok(text) = value.cast::<PyString>() {
-        return Ok(quoted(text.to_str()?));
-    }
-    if value.is_instance_of::<PyInt>() {
-        return Ok(value.str()?.to_str()?.to_owned());
-    }
-    if value.is_instance_of::<PyFloat>() {
-        return Ok(float(value.extract()?));
-    }
-    if let Ok(mapping) = value.cast::<PyMapping>() {
-        let mut text = "{ ".to_owned();
-        for (i, item) in mapping.items()?.iter().enumerate() {
-            let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
-            let comma = if i > 0 { ", " } else { "" };
-            // Writing to a text cannot fail.
-            let _ = write!(text, "{comma}{} = {}", quoted(&key), toml(&value)?);
-        }
-        return Ok(text + " }");
-    }
-    if let Ok(sequence) = value.cast::<PySequence>() {
-        let items: Vec<String> = sequence.try_iter()?.map(|item| toml(&item?)).collect::<PyResult<_>>()?;
-        return Ok(format!("[{}]", items.join(", ")));
-    }
-    // Numbers and arrays of NumPy, and paths.
-    if let Ok(item) = value.call_method0("tolist") {
-        return toml(&item);
-    }
-    if let Ok(path) = value.call_method0("__fspath__") {
-        return toml(&path);
-    }
-    let kind = value.get_type().name()?;
-    Err(PyTypeError::new_err(format!(
-        "a setting is a {kind}; allowed: bool, int, float, str, a path, and lists and dicts of these"
-    )))
+    let mut text = Toml::default();
+    text.value(value, Depth::default())?;
+    Ok(text.0)
 }
 
 /// A text in quotes, as JSON and TOML write it.
@@ -65,20 +111,21 @@ fn float(number: f64) -> String {
 
 /// A mapping as the text of a TOML document.
 pub(crate) fn document(mapping: &Bound<'_, PyMapping>) -> PyResult<String> {
-    let mut text = String::new();
-    for item in mapping.items()?.iter() {
-        let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
+    let mut text = Toml::default();
+    each_entry(mapping, SETTING, |key, value| {
         if value.is_none() {
             return Err(PyValueError::new_err(format!("the setting `{key}` is None; leave it out")));
         }
-        // Writing to a text cannot fail.
-        let _ = writeln!(text, "{} = {}", quoted(&key), toml(&value)?);
-    }
-    Ok(text)
+        text.push(&quoted(&key))?;
+        text.push(" = ")?;
+        text.value(&value, Depth::default())?;
+        text.push("\n")
+    })?;
+    Ok(text.0)
 }
 
 /// A setting of a scenario, as `key=value` with the value as TOML writes it.
-pub(crate) fn setting(key: String, value: &Bound<'_, PyAny>) -> PyResult<String> {
+pub(crate) fn setting(key: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     Ok(format!("{key}={}", toml(value)?))
 }
 

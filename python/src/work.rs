@@ -1,5 +1,6 @@
 //! Long work beside the interpreter: it goes on without it, is seen and can be stopped.
 
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -111,6 +112,24 @@ pub(crate) fn supervised<T: Send>(
         return Err(error);
     }
     done.map_err(|panic| failed_inside(panic.as_ref()))
+}
+
+/// Does `work` without the interpreter. That it fails inside is an exception.
+pub(crate) fn guarded<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    caught(|| Ok(py.detach(work)))
+}
+
+/// Does `work` with the interpreter. That it fails inside is an exception.
+pub(crate) fn caught<T>(work: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
+    caught_as(work, failed_inside)
+}
+
+/// The same with an exception of its own.
+pub(crate) fn caught_as<T>(
+    work: impl FnOnce() -> PyResult<T>,
+    exception: impl FnOnce(&(dyn Any + Send)) -> PyErr,
+) -> PyResult<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(exception(panic.as_ref())))
 }
 
 /// Lets signals be handled, and tells the progress if it has changed.

@@ -32,7 +32,7 @@ impl Row<'_> {
             }
             Cell::Float(value) => Some(Some(value)),
             Cell::Whole(value) => Some(Some(value as f64)),
-            Cell::Instant(_) => Some(None),
+            Cell::Instant(_) | Cell::Other(_) => Some(None),
         }
     }
 
@@ -52,7 +52,7 @@ impl Row<'_> {
             },
             Cell::Float(value) => whole(value).and_then(|value| value.try_into().ok()),
             Cell::Whole(value) => value.try_into().ok(),
-            Cell::Instant(_) => None,
+            Cell::Instant(_) | Cell::Other(_) => None,
         };
         let number = number.filter(|&number| number <= max);
         number.map(Some).ok_or_else(|| self.wrong(column, format!("a whole number from 0 to {max}")))
@@ -84,7 +84,7 @@ impl Row<'_> {
     /// A time.
     pub(super) fn instant(&self, times: Times) -> Result<SimTime, RobotLogError> {
         let time = match self.cell(times.column) {
-            Cell::Empty => None,
+            Cell::Empty | Cell::Other(_) => None,
             Cell::Text(text) => times.parse(&self.decimal(text.trim())),
             Cell::Whole(value) => times.of_whole(value),
             // As the shortest decimal that is this number.
@@ -97,8 +97,19 @@ impl Row<'_> {
     /// The name of a node.
     pub(super) fn node(&self, column: Column) -> Result<Cow<'_, str>, RobotLogError> {
         Some(self.text(column))
-            .filter(|name| !name.is_empty())
+            .filter(|name| !name.is_empty() && self.may_be_name(column))
             .ok_or_else(|| self.wrong(column, "the name of a node"))
+    }
+
+    /// A name, without the spaces around it: a text, or a number as it is written.
+    pub(super) fn name(&self, column: Column, allowed: &str) -> Result<Cow<'_, str>, RobotLogError> {
+        let name = self.filled(column).filter(|_| self.may_be_name(column));
+        name.ok_or_else(|| self.wrong(column, allowed))
+    }
+
+    /// Whether the cell is of a type that names can have.
+    fn may_be_name(&self, column: Column) -> bool {
+        !matches!(self.cell(column), Cell::Other(_))
     }
 
     /// The robot that the cell names. If the file has a column for robots, each cell must name one; otherwise it is
@@ -107,7 +118,7 @@ impl Row<'_> {
         if !column.exists() {
             return Ok(RobotId(0));
         }
-        let name = self.filled(column).ok_or_else(|| self.wrong(column, "the name of a robot"))?;
+        let name = self.name(column, "the name of a robot")?;
         Ok(robots.id(&name))
     }
 

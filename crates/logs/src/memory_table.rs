@@ -50,6 +50,14 @@ pub enum MemoryColumn<'a> {
     },
     /// Times: nanoseconds since 1970; [`MemoryColumn::NO_INSTANT`] is an empty cell.
     Instants(Cow<'a, [i64]>),
+    /// Values of a type that means nothing in a log: neither numbers nor names. A cell that is needed is an error that says
+    /// the type.
+    Other {
+        /// The type, in words.
+        kind: String,
+        /// Which cells are empty.
+        empty: Vec<bool>,
+    },
 }
 
 impl<'a> MemoryTable<'a> {
@@ -160,6 +168,7 @@ impl<'a> MemoryColumn<'a> {
             Self::Floats(values) => values.len(),
             Self::Whole { values, .. } | Self::Instants(values) => values.len(),
             Self::Names { codes, .. } => codes.len(),
+            Self::Other { empty, .. } => empty.len(),
         }
     }
 
@@ -186,6 +195,8 @@ impl<'a> MemoryColumn<'a> {
             Self::Names { codes, names } => Cell::Text(&names[codes[row] as usize]),
             Self::Instants(values) if values[row] == Self::NO_INSTANT => Cell::Empty,
             Self::Instants(values) => Cell::Instant(values[row]),
+            Self::Other { empty, .. } if empty[row] => Cell::Empty,
+            Self::Other { kind, .. } => Cell::Other(kind),
         }
     }
 
@@ -197,7 +208,7 @@ impl<'a> MemoryColumn<'a> {
             (Self::Names { codes, .. }, _) => Some(codes[row].into()),
             (_, Cell::Whole(value)) => u64::try_from(value).ok(),
             (_, Cell::Float(value)) => whole(value),
-            (_, Cell::Text(_) | Cell::Instant(_)) => None,
+            (_, Cell::Text(_) | Cell::Instant(_) | Cell::Other(_)) => None,
         }
     }
 }
@@ -213,6 +224,8 @@ pub(super) enum Cell<'a> {
     Whole(i64),
     /// Nanoseconds since 1970.
     Instant(i64),
+    /// A value of this type, which is neither a number nor a name.
+    Other(&'a str),
 }
 
 impl<'a> Cell<'a> {
@@ -220,7 +233,7 @@ impl<'a> Cell<'a> {
     pub(super) fn text(self) -> Cow<'a, str> {
         match self {
             Self::Empty => "".into(),
-            Self::Text(text) => text.into(),
+            Self::Text(text) | Self::Other(text) => text.into(),
             Self::Float(value) => value.to_string().into(),
             Self::Whole(value) => value.to_string().into(),
             Self::Instant(nanos) => instant::format_date(nanos).into(),

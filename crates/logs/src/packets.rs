@@ -110,7 +110,7 @@ impl Robots<'_> {
         if !mover.exists() {
             return Ok(Some(RobotId(0)));
         }
-        let name = row.filled(mover).ok_or_else(|| row.wrong(mover, "the name of a transmitter"))?;
+        let name = row.name(mover, "the name of a transmitter")?;
         if self.names.is_empty() {
             let is_wanted = transmitter.is_the_one(&name);
             let is_wanted = is_wanted.map_err(|problem| row.head.wrong_row(row.offset, problem))?;

@@ -72,7 +72,7 @@ pub(super) fn read(
     let mut listed: Vec<Listed> = Vec::new();
     let mut names = BTreeSet::new();
     table.rows(|row| {
-        let name = row.filled(id).ok_or_else(|| row.wrong(id, "a number or a name that is not used above"))?;
+        let name = row.name(id, "a number or a name that is not used above")?;
         if !names.insert(name.clone().into_owned()) {
             return Err(row.wrong(id, "each stop once; this stop is already given above"));
         }

@@ -1,10 +1,12 @@
 //! The contents of a recording.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
 use serde::Serialize;
+use sextant_kernel::text::shortened;
 
 use super::error::RecordingError;
 use crate::mcap_file::{Damage, Piece, scan};
@@ -130,9 +132,11 @@ impl fmt::Display for Inspection {
             let kind = if self.is_simulated { "simulated time" } else { "recorded time" };
             writeln!(f, "{} messages from {start_s:.3} s to {end_s:.3} s of {kind}", self.messages)?;
         }
-        let width = self.topics.iter().map(|topic| topic.topic.chars().count()).max().unwrap_or(0).max(5);
-        let schema_width = self.topics.iter().map(|topic| topic.schema.chars().count()).max().unwrap_or(0);
-        for Topic { topic, schema, messages, .. } in &self.topics {
+        let shown = self.topics.iter().map(|topic| (shortened(&topic.topic), shortened(&topic.schema), topic.messages));
+        let topics: Vec<(Cow<'_, str>, Cow<'_, str>, u64)> = shown.collect();
+        let width = topics.iter().map(|(topic, ..)| topic.chars().count()).max().unwrap_or(0).max(5);
+        let schema_width = topics.iter().map(|(_, schema, _)| schema.chars().count()).max().unwrap_or(0);
+        for (topic, schema, messages) in &topics {
             writeln!(f, "  {topic:<width$}  {schema:<schema_width$}  {messages:>9}")?;
         }
         for AttachmentInfo { name, media_type, size_bytes } in &self.attachments {
@@ -143,5 +147,32 @@ impl fmt::Display for Inspection {
             writeln!(f, "metadata {name}: {}", values.join(", "))?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_topic_with_a_very_long_name_is_shown_by_its_start() {
+        let topic = |topic: String| Topic { topic, schema: "s".repeat(70_000), encoding: "cdr".to_owned(), messages: 3 };
+        let inspection = Inspection {
+            is_simulated: false,
+            library: "another".to_owned(),
+            size_bytes: 9,
+            damage: None,
+            topics: vec![topic("é".repeat(70_000)), topic("/pose".to_owned())],
+            messages: 6,
+            start_s: None,
+            end_s: None,
+            attachments: Vec::new(),
+            metadata: BTreeMap::new(),
+        };
+        let text = inspection.to_string();
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[1].starts_with(&format!("  {}.. (140000 octets)  sss", "é".repeat(200))), "{text}");
+        assert!(lines[2].starts_with("  /pose   ") && lines[2].ends_with("  (70000 octets)          3"), "{text}");
+        assert!(text.len() < 2000);
     }
 }

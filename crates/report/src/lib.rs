@@ -21,11 +21,13 @@ mod log;
 mod map;
 mod page;
 mod plane;
+mod policy;
 mod reproduction;
 mod run;
 mod survey;
 mod sweep;
 mod tables;
+mod text;
 mod world;
 
 pub use applications::{Application, Captures, Predictions, TimeSeries};

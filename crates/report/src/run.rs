@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde::de::IgnoredAny;
+use serde_json::Value;
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{
@@ -68,7 +68,7 @@ impl Report {
 /// The text of the summary in the recording, if there is one.
 fn summary(run: &RecordedRun) -> Option<String> {
     let text = String::from_utf8_lossy(&run.attachment(SUMMARY_ATTACHMENT)?.data).into_owned();
-    serde_json::from_str::<IgnoredAny>(&text).is_ok().then_some(text)
+    serde_json::from_str::<Value>(&text).is_ok().then_some(text)
 }
 
 /// The zero of the recording.

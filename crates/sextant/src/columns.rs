@@ -11,13 +11,16 @@ pub enum Align {
     Right,
 }
 
+/// The widest column (characters). A longer text, which only others write, moves the columns after it in its row.
+const WIDEST: usize = 200;
+
 /// Writes `rows` in columns as wide as their longest text, with two spaces between columns.
 ///
 /// # Errors
 /// If `out` cannot be written.
 pub fn columns(rows: &[Vec<String>], align: &[Align], out: &mut impl Write) -> io::Result<()> {
     let width = |column: usize| {
-        rows.iter().filter_map(|row| row.get(column)).map(|text| text.chars().count()).max().unwrap_or(0)
+        rows.iter().filter_map(|row| row.get(column)).map(|text| text.chars().count()).max().unwrap_or(0).min(WIDEST)
     };
     let widths: Vec<_> = (0..align.len()).map(width).collect();
     for row in rows {
@@ -43,5 +46,14 @@ mod tests {
         let mut out = Vec::new();
         columns(&rows, &[Align::Left, Align::Right], &mut out).unwrap();
         assert_eq!(String::from_utf8(out).unwrap(), "node    error\na         0.5\nbeacon     12\n");
+    }
+
+    #[test]
+    fn a_very_long_text_is_written_too() {
+        let long = "n".repeat(70_000);
+        let rows = [vec![long.clone(), "1".to_owned()], vec!["a".to_owned(), "2".to_owned()]];
+        let mut out = Vec::new();
+        columns(&rows, &[Align::Left, Align::Right], &mut out).unwrap();
+        assert_eq!(String::from_utf8(out).unwrap(), format!("{long}  1\n{:<200}  2\n", "a"));
     }
 }

@@ -55,6 +55,7 @@ pub mod shell;
 pub mod summary;
 pub mod sweep;
 pub mod template;
+mod threads;
 
 pub use campaign::{Campaign, CampaignError};
 pub use export::{ExportError, export};
@@ -74,3 +75,4 @@ pub use sextant_recording as recording;
 pub use sextant_sim as sim;
 pub use summary::Summary;
 pub use sweep::{Sweep, SweepError};
+pub use threads::MOST_THREADS;

@@ -16,6 +16,7 @@ use sextant::run::Programs;
 use sextant::scenario::Scenario;
 use sextant::{Run, RunError, RunObserver, run_with};
 
+use crate::entries::each_entry_of_dict;
 use crate::names::{Kind, Names};
 use crate::work::Supervisor;
 use application::PyApplication;
@@ -54,11 +55,13 @@ impl Given {
     ) -> PyResult<Self> {
         let names = Names::of(scenario);
         let mut given = Self::default();
-        for (robot, controller) in controllers.into_iter().flatten() {
-            given.controllers.push((robot.extract()?, controller.unbind()));
+        if let Some(controllers) = controllers {
+            each_entry_of_dict(controllers, "a robot", |robot, controller| {
+                given.controllers.push((robot, controller.unbind()));
+                Ok(())
+            })?;
         }
-        for (station, application) in applications.into_iter().flatten() {
-            let station: String = station.extract()?;
+        let take = |station: String, application: Bound<'_, PyAny>| {
             let Some(id) = names.station(&station) else {
                 let known = |names: &[String]| if names.len() > 4 { &names[..4] } else { names }.join(", ");
                 return Err(PyKeyError::new_err(format!(
@@ -69,6 +72,10 @@ impl Given {
                 )));
             };
             given.applications.push((names.kind(id), station, application.unbind()));
+            Ok(())
+        };
+        if let Some(applications) = applications {
+            each_entry_of_dict(applications, "a station", take)?;
         }
         given.names = Arc::new(names);
         Ok(given)

@@ -1,11 +1,11 @@
 //! The port of an application: what it can know and do.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use scoped_tls_hkt::scoped_thread_local;
 use sextant::channel::{Position, Reception};
 use sextant::kernel::{EventKey, NodeId, SimTime, StationId};
@@ -15,6 +15,7 @@ use sextant::sim::{self, Destination, Driving, NetworkId, Payload, SweepKind, Ti
 use super::events::{DriveEnd, Pose, checked_place};
 use super::robot::{checked_arc, direction};
 use super::seeded::Seeded;
+use crate::entries::each_entry_of_dict;
 use crate::error::RunError;
 use crate::names::{Kind, Names};
 
@@ -115,6 +116,15 @@ fn span(seconds: f64) -> PyResult<Duration> {
         Ok(Duration::from_secs_f64(seconds))
     } else {
         Err(PyValueError::new_err(format!("the time is {seconds} s; allowed: 0 to 1e9 s")))
+    }
+}
+
+/// A distance from the robot or the node (m).
+fn reach(reach_m: f64) -> PyResult<f64> {
+    if reach_m >= 0.0 {
+        Ok(reach_m)
+    } else {
+        Err(PyValueError::new_err(format!("the reach is {reach_m} m; allowed: a number from 0")))
     }
 }
 
@@ -293,23 +303,27 @@ impl Port {
     }
 
     fn targets_within(&self, reach_m: f64) -> PyResult<Vec<u16>> {
+        let reach_m = reach(reach_m)?;
         self.ask(|port| port.targets_within(reach_m).into_iter().map(|target| target.0).collect())
     }
 
     fn capture(&self, reach_m: f64) -> PyResult<Vec<u16>> {
+        let reach_m = reach(reach_m)?;
         self.ask_robot(|port| port.capture(reach_m).into_iter().map(|target| target.0).collect())
     }
 
     fn remove_sources(&self, reach_m: f64) -> PyResult<usize> {
+        let reach_m = reach(reach_m)?;
         self.ask(|port| port.remove_sources(reach_m))
     }
 
     /// Writes a stop: what was heard since `since_s` of each node, as received, sent and mean strength (dBm).
     #[pyo3(signature = (heard, since_s, network=0))]
-    fn log_stop(&self, heard: BTreeMap<String, (u32, u32, Option<f64>)>, since_s: f64, network: u8) -> PyResult<()> {
+    fn log_stop(&self, heard: &Bound<'_, PyDict>, since_s: f64, network: u8) -> PyResult<()> {
         let (since, network) = (SimTime::ZERO + span(since_s)?, self.network(network)?);
         let mut receptions = Vec::new();
-        for (name, (received, sent, rssi_dbm)) in heard {
+        each_entry_of_dict(heard, "a node", |name, heard| {
+            let (received, sent, rssi_dbm): (u32, u32, Option<f64>) = heard.extract()?;
             let node = self.names.station(&name).filter(|station| self.names.kind(*station) == Kind::Node);
             let node = node.ok_or_else(|| PyKeyError::new_err(format!("there is no node `{name}`")))?;
             if received > sent || rssi_dbm.is_some_and(|rssi_dbm| !rssi_dbm.is_finite()) {
@@ -319,7 +333,8 @@ impl Port {
             }
             let node = NodeId::from_index(node.index());
             receptions.push(Reception { node, stop: 0, received, sent, sector: None, rssi_dbm, snr_db: None });
-        }
+            Ok(())
+        })?;
         receptions.sort_by_key(|reception| reception.node);
         let is_past = self.ask_robot(|port| {
             let is_past = since <= port.now();

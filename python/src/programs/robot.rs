@@ -13,6 +13,10 @@ use sextant::sim::{CommandOutcome, Ending, RobotCommand, Situation};
 use super::events::{Pose, checked_place};
 use super::seeded::Seeded;
 use crate::names::Names;
+use crate::whole::whole_u32;
+
+/// The most directions that a robot can be asked for at once.
+const MOST_RANGES: u32 = 100_000;
 
 scoped_thread_local!(static SITUATION: for<'a> &'a Situation<'a>);
 
@@ -161,8 +165,9 @@ impl Robot {
         known(|situation| situation.clearance_m(direction, range_m))
     }
 
-    #[pyo3(signature = (count=8, range_m=10.0))]
-    fn ranges(&self, count: u32, range_m: f64) -> PyResult<Vec<f64>> {
+    #[pyo3(signature = (count=None, range_m=10.0))]
+    fn ranges(&self, count: Option<&Bound<'_, PyAny>>, range_m: f64) -> PyResult<Vec<f64>> {
+        let count = count.map_or(Ok(8), |count| whole_u32("count", count, 1..=MOST_RANGES))?;
         (0..count).map(|i| self.clearance(TAU * f64::from(i) / f64::from(count), range_m)).collect()
     }
 

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::terminal::{Stdout, say, stdout};
+use sextant::MOST_THREADS;
 use sextant::scenario::{Scenario, ScenarioErrors};
 use sextant::summary::{self, Summary};
 use sextant_figure::FileFormat;
@@ -101,9 +102,6 @@ impl Results {
         Ok(self.printing.print(summary, |stdout| summary::write(summary, stdout))?)
     }
 }
-
-/// More threads are surely a mistake.
-const MOST_THREADS: usize = 1024;
 
 fn threads(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|number| (1..=MOST_THREADS).contains(number));

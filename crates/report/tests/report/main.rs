@@ -1,5 +1,6 @@
 //! The document of a report holds what its input holds, and its page is a sound file.
 
+mod names;
 mod page;
 mod recording;
 mod tables;

@@ -5,6 +5,7 @@ import { element, section } from "./element.js";
 import { withUnit, wordsOf } from "./format.js";
 import { pairsOf } from "./summary.js";
 import { behind, dataTable, facts } from "./table.js";
+import { isolated } from "./text.js";
 
 /** Time series of one kind, on common instants. */
 function together(application, what) {
@@ -25,7 +26,7 @@ function charts(application) {
     const { x, series } = together(application, what);
     if (x.length < 2) return null;
     const { words, unit } = wordsOf(what);
-    return chart(`${application.name}: ${words}`, x, series, { across: "time (s)", up: unit ? `${words} (${unit})` : words, points: x.length < 30 });
+    return chart(`${isolated(application.name)}: ${words}`, x, series, { across: "time (s)", up: unit ? `${words} (${unit})` : words, points: x.length < 30 });
   });
 }
 
@@ -56,7 +57,7 @@ export function applicationsSection(report) {
   return section("applications", "Applications",
     summaries.length ? dataTable("Results of the applications", columns, summaries.length) : null,
     recorded.map((application, i) => {
-      const details = element("details", { class: "application", open: i === 0 }, element("summary", {}, `${application.name} on the map ${application.map}`));
+      const details = element("details", { class: "application", open: i === 0 }, element("summary", {}, `${isolated(application.name)} on the map ${isolated(application.map)}`));
       const fill = () => {
         if (!details.open || details.children.length > 1) return;
         const summary = summaries.find((one) => one.name === application.name);

@@ -5,6 +5,7 @@ import { element } from "./element.js";
 import { number } from "./format.js";
 import { category, ink, onTheme } from "./palette.js";
 import { behind, dataTable } from "./table.js";
+import { isolated } from "./text.js";
 
 const PATTERNS = [[], [9, 4], [2, 3], [9, 3, 2, 3]];
 
@@ -54,7 +55,7 @@ export function chart(title, x, series, options) {
       read.textContent = "\u00a0";
       return;
     }
-    const values = series.filter((one) => one.values[at] !== null && one.values[at] === one.values[at]).slice(0, 6).map((one) => `${one.name} ${number(one.values[at])}`);
+    const values = series.filter((one) => one.values[at] !== null && one.values[at] === one.values[at]).slice(0, 6).map((one) => `${isolated(one.name)} ${number(one.values[at])}`);
     read.textContent = `${number(x[at])}: ${values.join(", ")}`;
   }
   new ResizeObserver(([entry]) => {
@@ -70,7 +71,7 @@ export function chart(title, x, series, options) {
   colorLegend();
   const columns = [{ title: options.across, of: (row) => x[row] }, ...series.flatMap((one) => [
     { title: one.name, of: (row) => one.values[row] },
-    ...(one.low ? [{ title: `${one.name}, low`, of: (row) => one.low[row] }, { title: `${one.name}, high`, of: (row) => one.high[row] }] : []),
+    ...(one.low ? [{ title: `${isolated(one.name)}, low`, of: (row) => one.low[row] }, { title: `${isolated(one.name)}, high`, of: (row) => one.high[row] }] : []),
   ])];
   return element("figure", { class: "chart" }, element("figcaption", {}, title), box, read,
     series.length > 1 ? element("ul", { class: "legend" }, keys) : null,
@@ -98,9 +99,9 @@ function faded(color) {
 function spoken(title, x, series, options) {
   const parts = series.slice(0, 8).map((one) => {
     const known = Array.from(one.values).filter((value) => value !== null && Number.isFinite(value));
-    if (known.length === 0) return `${one.name}: no values`;
+    if (known.length === 0) return `${isolated(one.name)}: no values`;
     const [low, high] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
-    return `${one.name} from ${number(low)} to ${number(high)}`;
+    return `${isolated(one.name)} from ${number(low)} to ${number(high)}`;
   });
   return `${title}. ${options.up} against ${options.across}, from ${number(x[0])} to ${number(x[x.length - 1])}. ${parts.join("; ")}.`;
 }

@@ -1,11 +1,15 @@
 // Elements of the page.
 
-/** An element with attributes and children. A function as `onNAME` listens to the event NAME. */
+/**
+ * An element with attributes and children. A function as `onNAME` listens to the event NAME. A style is set by its properties, because
+ * the policy of the page allows none in attributes.
+ */
 export function element(tag, attributes = {}, ...children) {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (value === undefined || value === null || value === false) continue;
     if (typeof value === "function") made.addEventListener(name.slice(2), value);
+    else if (name === "style") made.style.cssText = value;
     else if (value === true) made.setAttribute(name, "");
     else made.setAttribute(name, String(value));
   }

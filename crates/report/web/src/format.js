@@ -67,8 +67,3 @@ export function niceStep(span, most) {
   const factor = [1, 2, 5, 10].find((f) => f * power >= raw) ?? 10;
   return factor * power;
 }
-
-/** A name that is not longer than a label may be. */
-export function short(name) {
-  return name.length > 24 ? `${name.slice(0, 23)}…` : name;
-}

@@ -3,6 +3,7 @@
 import { element } from "./element.js";
 import { number } from "./format.js";
 import { category, ramp, robotColor } from "./palette.js";
+import { isolated } from "./text.js";
 
 const mark = (kind, color, text) =>
   element("li", {}, element("span", { class: `mark ${kind}`, style: color ? `--mark:${color}` : undefined, "aria-hidden": "true" }), text);
@@ -12,13 +13,13 @@ export function legend(model, show, wayName) {
   if (model.truth && show.layers.truth) entries.push(mark("ring", null, "true place"));
   show.maps.forEach((shown, k) => {
     if (show.maps.length > 1) entries.push(mark(k === 0 ? "disc" : "square", category(k), shown.map.name));
-    else if (!shown.colors.scale) entries.push(mark("disc", category(0), `place on ${shown.map.name}`));
+    else if (!shown.colors.scale) entries.push(mark("disc", category(0), `place on ${isolated(shown.map.name)}`));
   });
   if (model.truth && show.maps.length > 0 && show.layers.errors) entries.push(mark("line", null, "error"));
   if (model.world.anchors && show.layers.truth) entries.push(mark("triangle", null, "anchor"));
   if (model.world.sinks) entries.push(mark("square", "var(--accent)", "sink"));
   if (show.layers.path) {
-    model.robots.slice(0, 8).forEach((robot, i) => entries.push(mark("disc", robotColor(i), `robot ${robot.name}`)));
+    model.robots.slice(0, 8).forEach((robot, i) => entries.push(mark("disc", robotColor(i), `robot ${isolated(robot.name)}`)));
     if (model.world.contacts) entries.push(mark("cross", "var(--accent)", "contact with an obstacle"));
   }
   if (show.targets.length > 0) entries.push(mark("diamond", "var(--accent)", "target"));

@@ -5,6 +5,7 @@ import { element, section } from "./element.js";
 import { percent } from "./format.js";
 import { pairsOf } from "./summary.js";
 import { behind, dataTable, facts } from "./table.js";
+import { isolated } from "./text.js";
 
 const LOSSES = [
   ["delivered", "delivered"], ["lost_collision", "lost to collisions"], ["lost_channel_access", "lost to a busy channel"], ["lost_queue", "lost to a full queue"],
@@ -50,13 +51,13 @@ function trafficTable(caption, list) {
 }
 
 function networkPart(mac) {
-  const title = mac.network ? element("h3", {}, `Network ${mac.network}`) : null;
+  const title = mac.network ? element("h3", {}, `Network ${isolated(mac.network)}`) : null;
   const bins = (mac.delay_histogram ?? []).filter((bin) => bin.packets > 0);
   const curve = bins.length > 1 ? delayCurve(bins) : null;
   const { nodes, groups, sinks, delay_histogram: _bins, ...totals } = mac;
   return [title,
     outcomes(mac),
-    curve ? chart(`Delay of packets${mac.network ? ` of ${mac.network}` : ""}`, curve.x, [{ name: "share of the delivered packets", values: curve.y }], { across: "delay (ms)", up: "share of the packets", top: 1, logarithmic: curve.x[0] > 0 && curve.x[curve.x.length - 1] > 100 * curve.x[0] }) : null,
+    curve ? chart(`Delay of packets${mac.network ? ` of ${isolated(mac.network)}` : ""}`, curve.x, [{ name: "share of the delivered packets", values: curve.y }], { across: "delay (ms)", up: "share of the packets", top: 1, logarithmic: curve.x[0] > 0 && curve.x[curve.x.length - 1] > 100 * curve.x[0] }) : null,
     groups?.length ? trafficTable("Groups of nodes", groups) : null,
     sinks?.length > 1 ? dataTable("Sinks", [{ title: "Sink", of: (row) => sinks[row].name, words: true }, { title: "Frames received", of: (row) => sinks[row].received }], sinks.length) : null,
     nodes?.length ? behind("Each node", () => trafficTable("Nodes", nodes)) : null,

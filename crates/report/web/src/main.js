@@ -1,7 +1,7 @@
 // Puts the page together.
 
 import { applicationsSection } from "./applications.js";
-import { element } from "./element.js";
+import { element, section } from "./element.js";
 import { errorsSection } from "./errors.js";
 import { macSection } from "./mac.js";
 import { MapView } from "./mapview.js";
@@ -11,6 +11,7 @@ import { reproductionSection } from "./reproduction.js";
 import { scenarioSection } from "./scenario.js";
 import { summarySection } from "./summary.js";
 import { sweepSection } from "./sweep.js";
+import { visible } from "./text.js";
 import { themeButton } from "./theme.js";
 
 /** Whether there is something to draw on a map. */
@@ -18,17 +19,33 @@ function hasPlaces(world) {
   return Boolean(world && (world.truth_m || world.maps || world.surveys || world.sinks || world.targets));
 }
 
+/** A section, or why it cannot be shown: a summary of another version or program may hold something else than ours. */
+function attempt(id, title, make) {
+  try {
+    return make();
+  } catch (error) {
+    console.error(error);
+    return section(id, title, element("p", { class: "why", role: "alert" }, `This part cannot be shown: ${visible(error.message)}.`));
+  }
+}
+
 async function start() {
   const main = document.getElementById("main");
   const top = document.querySelector("header.top");
   try {
     const report = await readDocument();
-    const view = hasPlaces(report.world) ? new MapView(new Model(report)) : null;
+    let view = null;
+    const map = attempt("map", "Map", () => {
+      view = hasPlaces(report.world) ? new MapView(new Model(report)) : null;
+      return view?.section;
+    });
     const isTraffic = !report.summary?.maps?.length && report.summary?.mac;
-    const traffic = macSection(report);
+    const traffic = attempt("traffic", "Traffic", () => macSection(report));
     const sections = [
-      summarySection(report), isTraffic ? traffic : null, view?.section, view ? errorsSection(view.model) : null, isTraffic ? null : traffic,
-      applicationsSection(report), sweepSection(report), reproductionSection(report), scenarioSection(report),
+      attempt("summary", "Summary", () => summarySection(report)), isTraffic ? traffic : null,
+      map, attempt("errors", "Errors", () => view && errorsSection(view.model)), isTraffic ? null : traffic,
+      attempt("applications", "Applications", () => applicationsSection(report)), attempt("sweep", "Sweep", () => sweepSection(report)),
+      attempt("reproduction", "Reproduction", () => reproductionSection(report)), attempt("origin", "Origin", () => scenarioSection(report)),
     ].filter(Boolean);
     const links = sections.map((one) => element("a", { href: `#${one.id}` }, one.querySelector("h2").textContent));
     top.append(element("div", { class: "bar-right" }, element("nav", { "aria-label": "Sections" }, links), themeButton()));
@@ -38,7 +55,7 @@ async function start() {
     globalThis.sextantReport = { report, view };
     document.documentElement.dataset.ready = "true";
   } catch (error) {
-    main.replaceChildren(element("p", { class: "why", role: "alert" }, `This report cannot be shown: ${error.message}. It needs a browser of 2023 or later.`));
+    main.replaceChildren(element("p", { class: "why", role: "alert" }, `This report cannot be shown: ${visible(error.message)}. It needs a browser of 2023 or later.`));
     throw error;
   }
 }

@@ -1,11 +1,11 @@
 // The map from above or from the side, on a canvas.
 
 import { Camera } from "./camera.js";
-import { short } from "./format.js";
 import { drawHighlight } from "./highlight.js";
 import { drawNodes } from "./marks.js";
 import { category, ink } from "./palette.js";
 import { planeImage } from "./planeimage.js";
+import { short } from "./text.js";
 import { drawListening, drawMarks, drawMovers, drawPaths, drawStops } from "./walk.js";
 
 /** With more nodes in sight than this, lines of errors are left out: they would cover everything. */

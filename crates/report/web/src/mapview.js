@@ -3,7 +3,7 @@
 import { Clock } from "./clock.js";
 import { coloring, waysOf } from "./coloring.js";
 import { choice, element, section, tick } from "./element.js";
-import { counted, number, short, withUnit } from "./format.js";
+import { counted, number, withUnit } from "./format.js";
 import { KEY_HELP, pressed } from "./keys.js";
 import { legend } from "./legend.js";
 import { Map2d } from "./map2d.js";
@@ -14,6 +14,7 @@ import { onTheme } from "./palette.js";
 import { player } from "./player.js";
 import { listenToPointer } from "./pointer.js";
 import { behind } from "./table.js";
+import { isolated, short } from "./text.js";
 
 /** The layers, and their names. */
 const LAYERS = { truth: "True places", errors: "Errors", path: "Robots", stops: "Stops", listening: "Receptions", obstacles: "Obstacles", surface: "Field", labels: "Names" };
@@ -330,7 +331,7 @@ export class MapView {
     this.#card();
     if (node >= 0) {
       const texts = aboutNode(this.model, this.show(), node).map(([name, text]) => `${name} ${text}`);
-      this.live.textContent = `${this.model.names[node]}: ${texts.join("; ")}`;
+      this.live.textContent = `${isolated(this.model.names[node])}: ${texts.join("; ")}`;
     }
     this.redraw();
   }
@@ -344,7 +345,7 @@ export class MapView {
     const facts = [counted(model.count, "node")];
     if (this.mapA) {
       const errors = model.summaryOf(this.mapA).position_error_m;
-      facts.push(`${number(model.finished(this.mapA).filter((x, i) => i % 3 === 0 && x === x).length)} on ${this.mapA.name}`);
+      facts.push(`${number(model.finished(this.mapA).filter((x, i) => i % 3 === 0 && x === x).length)} on ${isolated(this.mapA.name)}`);
       if (errors) facts.push(`mean error ${withUnit(errors.mean, "m")}`);
     }
     this.card.replaceChildren(element("h3", {}, "No node selected"), element("p", {}, `${facts.join(", ")}. Point at a node, or click it.`));

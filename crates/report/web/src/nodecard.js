@@ -2,6 +2,7 @@
 
 import { element } from "./element.js";
 import { number, withUnit } from "./format.js";
+import { isolated } from "./text.js";
 
 /** Pairs of a name and a text about `node`. */
 export function aboutNode(model, show, node) {
@@ -10,7 +11,7 @@ export function aboutNode(model, show, node) {
   const has = (column) => column && Number.isFinite(column[3 * node]);
   if (has(model.truth)) pairs.push(["True place", `${place(model.truth)} m`]);
   for (const { map, places } of show.maps) {
-    const called = (word) => (show.maps.length > 1 ? `${map.name}: ${word}` : word[0].toUpperCase() + word.slice(1));
+    const called = (word) => (show.maps.length > 1 ? `${isolated(map.name)}: ${word}` : word[0].toUpperCase() + word.slice(1));
     const concern = model.summaryOf(map).concerns?.find?.((one) => one.node === model.names[node])?.concern;
     if (!has(places)) {
       pairs.push([called("place"), "not mapped"]);

@@ -1,6 +1,7 @@
 // The nodes as a table: the data behind the map.
 
 import { dataTable } from "./table.js";
+import { isolated } from "./text.js";
 
 export function nodeTable(model, show, onrow) {
   const columns = [{ title: "Node", of: (node) => model.names[node], words: true }];
@@ -9,10 +10,11 @@ export function nodeTable(model, show, onrow) {
   if (model.truth) axes.forEach((axis, k) => add(`True ${axis} (m)`, (node) => model.truth[3 * node + k] + model.origin[k]));
   for (const { map } of show.maps) {
     const places = model.finished(map);
-    axes.forEach((axis, k) => add(`${map.name} ${axis} (m)`, (node) => places[3 * node + k] + model.origin[k]));
-    if (map.errors_m) add(`${map.name} error (m)`, (node) => map.errors_m[node]);
-    if (map.details?.covariance_m2) add(`${map.name} deviation (m)`, (node) => model.deviation(map, node));
-    if (map.details?.log_likelihood) add(`${map.name} log-likelihood`, (node) => map.details.log_likelihood[node]);
+    const name = isolated(map.name);
+    axes.forEach((axis, k) => add(`${name} ${axis} (m)`, (node) => places[3 * node + k] + model.origin[k]));
+    if (map.errors_m) add(`${name} error (m)`, (node) => map.errors_m[node]);
+    if (map.details?.covariance_m2) add(`${name} deviation (m)`, (node) => model.deviation(map, node));
+    if (map.details?.log_likelihood) add(`${name} log-likelihood`, (node) => map.details.log_likelihood[node]);
   }
   if (show.survey >= 0) {
     add("Packets received", (node) => model.heard[show.survey].packets[node]);

@@ -1,4 +1,6 @@
-// Reads the document out of the page.
+// Reads the document out of the page. Its texts are those of others: all of them pass here, and are harmless from here on.
+
+import { visible } from "./text.js";
 
 const KINDS = { f32: Float32Array, f64: Float64Array, u32: Uint32Array, u8: Uint8Array };
 
@@ -9,21 +11,26 @@ function octets(text) {
   return made;
 }
 
-/** Turns `{"f32": BASE64}` into a typed array. */
+/** Makes texts harmless, keys too, and turns `{"f32": BASE64}` into a typed array. */
 function revive(_key, value) {
-  if (value === null || typeof value !== "object") return value;
-  for (const kind in value) {
-    if (kind in KINDS && typeof value[kind] === "string") return new KINDS[kind](octets(value[kind]).buffer);
-    return value;
-  }
-  return value;
+  if (typeof value === "string") return visible(value);
+  if (value === null || typeof value !== "object" || Array.isArray(value)) return value;
+  const entries = Object.entries(value);
+  const [kind, text] = entries[0] ?? [];
+  if (Object.hasOwn(KINDS, kind) && typeof text === "string") return new KINDS[kind](octets(text).buffer);
+  return entries.every(([key]) => visible(key) === key) ? value : Object.fromEntries(entries.map(([key, one]) => [visible(key), one]));
+}
+
+/** The document of a text of JSON. */
+export function documentOf(text) {
+  // The summary is a text of JSON within the JSON, so that no program on the way rounds its numbers. It becomes harmless when it is read itself.
+  const report = JSON.parse(text, (key, value) => (key === "summary" ? value : revive(key, value)));
+  return { ...report, summary: report.summary ? JSON.parse(report.summary, revive) : null };
 }
 
 /** The document, with typed arrays for its columns. */
 export async function readDocument() {
   const packed = octets(document.getElementById("data").textContent.trim());
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  const report = JSON.parse(await new Response(stream).text(), revive);
-  // A text within the text, so that no program on the way rounds its numbers.
-  return { ...report, summary: report.summary ? JSON.parse(report.summary) : null };
+  return documentOf(await new Response(stream).text());
 }

@@ -2,6 +2,7 @@
 
 import { choice, element, identity } from "./element.js";
 import { clockTime, number } from "./format.js";
+import { isolated } from "./text.js";
 
 export function player(clock, model) {
   const { from, to } = clock.span;
@@ -23,7 +24,7 @@ export function player(clock, model) {
     if (document.activeElement !== slider || clock.playing) slider.value = String(Math.round((1000 * (clock.time - from)) / (to - from)));
     const phase = model.phases.find((one) => clock.time >= one.start_s && clock.time <= one.end_s);
     const text = unit ? clockTime(clock.time + model.start) : `stop ${number(Math.floor(clock.time))}`;
-    const all = phase && model.phases.length > 1 ? `${text}, ${phase.name}` : text;
+    const all = phase && model.phases.length > 1 ? `${text}, ${isolated(phase.name)}` : text;
     shown.textContent = all;
     slider.setAttribute("aria-valuetext", all);
   }

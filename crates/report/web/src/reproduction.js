@@ -2,6 +2,7 @@
 
 import { element, section } from "./element.js";
 import { counted, number } from "./format.js";
+import { isolated } from "./text.js";
 
 /** Words of a verdict, and how it is marked. */
 const GOOD = /^(holds|within interval|in interval|yes|agrees)/i;
@@ -41,12 +42,12 @@ function experiment(claims, isOpen) {
       element("td", {}, mark(verdictOf(cells))), element("td", { class: "number" }, cells.runs ?? ""), element("td", {}, cells.source ?? ""));
   });
   const head = ["Claim", "Published", "Ours (mean, 95 % interval)", "Verdict", "Runs", "Where"].map((name, i) => element("th", { scope: "col", class: i === 2 || i === 4 ? "number" : "" }, name));
-  const caption = claims.title ? `${claims.id}: ${claims.title}` : claims.id;
-  const words = [...counts].map(([verdict, count]) => `${verdict}: ${count}`).join(" · ");
+  const caption = claims.title ? `${isolated(claims.id)}: ${claims.title}` : claims.id;
+  const words = [...counts].map(([verdict, count]) => `${isolated(verdict)}: ${count}`).join(" · ");
   const table = () => element("div", { class: "scroller", tabindex: "0", role: "region", "aria-label": caption },
     element("table", { class: "claims" }, element("caption", { class: "hidden" }, caption), element("thead", {}, element("tr", {}, head)), element("tbody", {}, body())));
   const details = element("details", { class: "experiment", open: isOpen, id: `experiment-${claims.id}` },
-    element("summary", {}, element("strong", {}, claims.id), ` ${claims.title ?? ""}`, element("span", { class: "count" }, words)));
+    element("summary", {}, element("strong", {}, claims.id), ` ${isolated(claims.title ?? "")}`, element("span", { class: "count" }, words)));
   // Of many tables, each is made when it is opened.
   const fill = () => { if (details.open && details.children.length === 1) details.append(table()); };
   details.addEventListener("toggle", fill);

@@ -3,6 +3,7 @@
 import { element, section } from "./element.js";
 import { number, percent, withUnit, wordsOf } from "./format.js";
 import { behind, dataTable, facts } from "./table.js";
+import { isolated } from "./text.js";
 
 /** The most important numbers of a run or a log: pairs of a name and a text. */
 function tiles(summary, world) {
@@ -13,10 +14,10 @@ function tiles(summary, world) {
   const maps = (summary.maps ?? []).filter((map) => map.position_error_m);
   if (maps.length > 0) {
     const best = maps.reduce((a, b) => (b.position_error_m.mean < a.position_error_m.mean ? b : a));
-    const name = best.name ?? best.algorithm;
+    const name = isolated(best.name ?? best.algorithm);
     add(maps.length > 1 ? `least mean error (${name})` : `mean error of ${name}`, withUnit(best.position_error_m.mean, "m"));
   } else if (summary.maps?.length) {
-    add(`mapped by ${summary.maps[0].name ?? summary.maps[0].algorithm}`, number(summary.maps[0].mapped));
+    add(`mapped by ${isolated(summary.maps[0].name ?? summary.maps[0].algorithm)}`, number(summary.maps[0].mapped));
   }
   const { gathering, mac } = summary;
   if (gathering?.stops) add("stops", number(gathering.stops));
@@ -28,7 +29,7 @@ function tiles(summary, world) {
   for (const application of (summary.applications ?? []).slice(0, 4)) {
     const done = application.captured ?? application.arrived;
     const what = application.captured !== undefined ? "captured" : "arrived";
-    add(`${application.name} ${done ? what : `has not ${what}`}`, done ? withUnit(application.time_s, "s") : "–");
+    add(`${isolated(application.name)} ${done ? what : `has not ${what}`}`, done ? withUnit(application.time_s, "s") : "–");
   }
   return found.slice(0, 8);
 }
@@ -87,5 +88,3 @@ export function summarySection(report) {
     ], robots.length) : null,
     details.length ? behind("All numbers of the survey and the simulation", () => element("div", { class: "columns" }, details.map(([name, object]) => facts(name, pairsOf(object))))) : null);
 }
-
-

@@ -4,6 +4,7 @@ import { chart } from "./chart.js";
 import { choice, element, section } from "./element.js";
 import { counted, number } from "./format.js";
 import { dataTable } from "./table.js";
+import { isolated } from "./text.js";
 
 const textOf = (column, row) => (column.values.numbers ? number(column.values.numbers[row]) : column.values.texts.words[column.values.texts.rows[row]]);
 const last = (name) => name.split(".").pop();
@@ -28,7 +29,7 @@ export function curvesOf(sweep, across, measure) {
   for (let row = 0; row < sweep.rows; row++) {
     const value = measure.values.numbers[row];
     if (!Number.isFinite(value)) continue;
-    const name = others.map((column) => `${last(column.name)} ${textOf(column, row)}`).join(", ") || "mean";
+    const name = others.map((column) => `${isolated(last(column.name))} ${isolated(textOf(column, row))}`).join(", ") || "mean";
     if (!groups.has(name)) groups.set(name, xs.map(() => []));
     groups.get(name)[across ? xs.indexOf(across.values.numbers[row]) : 0].push(value);
   }
@@ -52,7 +53,7 @@ export function sweepSection(report) {
 
   function picture(measure) {
     const { xs, curves } = curvesOf(sweep, across, measure);
-    const name = measure.label ?? measure.name;
+    const name = isolated(measure.label ?? measure.name);
     if (!across) {
       return dataTable(name, [{ title: "Settings", of: (row) => curves[row].name, words: true }, { title: "Mean", of: (row) => curves[row].means[0].mean },
         { title: "± (95 %)", of: (row) => curves[row].means[0].half }, { title: "Runs", of: (row) => curves[row].means[0].n }], curves.length);
@@ -71,7 +72,7 @@ export function sweepSection(report) {
 
   const fill = () => place.replaceChildren(...shown.map(picture));
   if (axes.length > 0) fields.append(choice("Across", axes.map((column) => [column.name, column.name]), across.name, (name) => { across = axes.find((column) => column.name === name); fill(); }));
-  fields.append(choice("Measure", [["", usual.length ? "the usual ones" : "the first ones"], ...measures.map((column) => [column.name, column.label ? `${column.label} – ${column.name}` : column.name])], "",
+  fields.append(choice("Measure", [["", usual.length ? "the usual ones" : "the first ones"], ...measures.map((column) => [column.name, column.label ? `${column.label} – ${isolated(column.name)}` : column.name])], "",
     (name) => { shown = name ? [measures.find((column) => column.name === name)] : usual.length ? usual.slice(0, 6) : measures.slice(0, 4); fill(); }));
   fill();
   const all = [...sweep.settings, ...sweep.measures];

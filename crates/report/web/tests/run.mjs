@@ -6,6 +6,7 @@ import { existsSync, mkdtempSync, readFileSync, readdirSync, writeFileSync } fro
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { installed, open, settled, start } from "./browser.mjs";
+import { namesInNode, namesInPage } from "./names.mjs";
 import { difference, reduced } from "./picture.mjs";
 import { page as pageOf, synthetic } from "./synthetic.mjs";
 
@@ -13,7 +14,7 @@ const folder = process.argv.slice(2).find((word) => !word.startsWith("--"));
 const isKeeping = process.argv.includes("--keep");
 const kept = new URL("./kept/", import.meta.url).pathname;
 const axe = readFileSync(new URL("../node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
-const reports = readdirSync(folder).filter((name) => name.endsWith(".html")).sort();
+const reports = readdirSync(folder).filter((name) => name.endsWith(".html") && name !== "names.html").sort();
 const made = mkdtempSync(join(tmpdir(), "sextant-report-"));
 /** Of a picture, at most this share of the squares may differ. */
 const MOST_DIFFERENT = 0.03;
@@ -244,12 +245,14 @@ async function withoutWebgl() {
   await browser.close();
 }
 
+await namesInNode(test);
 for (const name of Object.keys(installed)) {
   const browser = await start(name);
   console.log(await browser.version());
   await looks(name, browser);
   await uses(name, browser);
   await compares(name, browser);
+  await namesInPage(test, name, browser, join(folder, "names.html"));
   if (name === "chromium") await limits(browser);
   await browser.close();
 }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use sextant::Forecast;
 use sextant::forecast::{CostForecast, NetworkForecast, WayForecast};
-use sextant_kernel::text::counted;
+use sextant_kernel::text::{counted, shortened};
 
 /// Writes a forecast, one line for each thing that follows.
 pub(super) fn write(forecast: &Forecast, out: &mut impl Write) -> io::Result<()> {
@@ -14,8 +14,9 @@ pub(super) fn write(forecast: &Forecast, out: &mut impl Write) -> io::Result<()>
     if let Some(cost) = &forecast.cost {
         lines.push(("simulation".to_owned(), of_cost(cost)));
     }
-    let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    for (name, text) in lines {
+    let names: Vec<_> = lines.iter().map(|(name, text)| (shortened(name), text)).collect();
+    let width = names.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    for (name, text) in &names {
         writeln!(out, "  {name:width$}  {text}")?;
     }
     Ok(())
