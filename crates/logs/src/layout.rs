@@ -2,12 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use sextant_kernel::{FileForm, root_of_xml};
+
 use super::error::RobotLogError;
+use super::field_names::FieldNames;
 use super::form::{Form, PacketKind, PathKind};
 use super::form_options::FormOptions;
 use super::header::{Known, Others};
 use super::table::Table;
-use super::{bag, field_names::FieldNames, file_names, nmea, sniffer, tum};
+use super::stop_files::StopFiles;
+use super::{bag, file_names, nmea, sniffer, tum};
 
 /// The parts of a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +20,8 @@ pub(super) enum Layout {
     Stops(PathBuf),
     /// A table with a row a stop and a column a node, and the folder with what belongs to it.
     Wide { table: PathBuf, folder: Option<PathBuf> },
+    /// A folder with a file a stop: lists of what was heard, or tables with a column a node.
+    StopFiles { folder: PathBuf, files: StopFiles, are_wide: bool },
     /// A path and packets.
     Drive(Drive),
 }
@@ -50,8 +56,12 @@ struct Holding {
     folder: Option<PathBuf>,
     stops: Option<&'static str>,
     tables: Vec<PathBuf>,
+    /// The name of a table of ranges, which are not read.
+    ranges: Option<String>,
     paths: Vec<PathPart>,
     packets: Vec<PacketPart>,
+    /// Names of files that are none of these.
+    others: Vec<String>,
 }
 
 impl Layout {
@@ -61,8 +71,13 @@ impl Layout {
     /// If a part is missing, or there are several and no flag chooses.
     pub(super) fn of(path: &Path, form: &FormOptions) -> Result<Self, RobotLogError> {
         let owned = || path.to_owned();
-        let holding = if path.is_dir() { Holding::of_folder(path)? } else { Holding::of_file(path, form) };
-        let Holding { folder, stops, tables, paths, packets } = holding;
+        if let Some(template) = form.stop_files.as_ref().filter(|_| path.is_dir()) {
+            let files = StopFiles::of(path, template)?;
+            let are_wide = !files.files.first().is_some_and(|file| names_nodes(&file.path, form));
+            return Ok(Self::StopFiles { folder: owned(), files, are_wide });
+        }
+        let holding = if path.is_dir() { Holding::of_folder(path)? } else { Holding::of_file(path, form)? };
+        let Holding { folder, stops, tables, ranges, paths, packets, others } = holding;
         if let (Some(stops), None) = (stops, &form.packets) {
             let mut others: Vec<String> = packets.iter().map(PacketPart::name).collect();
             let alone = paths.iter().filter(|path| path.kind != PathKind::Bag).map(PathPart::name);
@@ -87,14 +102,14 @@ impl Layout {
                 }
                 return match tables.as_slice() {
                     [table] if is_table => Ok(Self::Wide { table: table.clone(), folder }),
-                    [] if is_table => Err(RobotLogError::NoLog { path: owned() }),
+                    [] if is_table => Err(RobotLogError::NoLog { path: owned(), found: ranges.into_iter().chain(others).collect() }),
                     several if is_table => {
                         let found = several.iter().map(|table| file_name(table)).collect();
                         Err(RobotLogError::SeveralTables { path: owned(), found })
                     }
                     _ => {
                         let found = paths.first().map_or_else(|| "a path".to_owned(), PathPart::name);
-                        Err(RobotLogError::NoPacketFile { path: owned(), found })
+                        Err(RobotLogError::NoPacketFile { path: owned(), found, ranges })
                     }
                 };
             }
@@ -121,7 +136,13 @@ impl Layout {
             }
             (Some(file), _) => PathPart::of(file)?,
             (None, [only]) => only.clone(),
-            (None, []) => return Err(RobotLogError::NoPath { path: owned() }),
+            (None, []) => {
+                if packets.kind == PacketKind::Captures {
+                    // Of other frames than those of a network it is no use to ask for the path.
+                    packets.files.iter().try_for_each(|capture| sniffer::check_link(capture))?;
+                }
+                return Err(RobotLogError::NoPath { path: owned() });
+            }
             (None, several) => {
                 let found = several.iter().map(PathPart::name).collect();
                 return Err(RobotLogError::Several { path: owned(), what: "path", found, flag: "path" });
@@ -135,6 +156,7 @@ impl Layout {
         match self {
             Self::Stops(_) => Form::Stops,
             Self::Wide { .. } => Form::Wide,
+            Self::StopFiles { .. } => Form::StopFiles,
             Self::Drive(Drive { path, packets, .. }) => Form::Drive(path.kind, packets.kind),
         }
     }
@@ -171,9 +193,10 @@ impl Holding {
                 (_, Some("gpx")) => holding.paths.push(PathPart { kind: PathKind::Gpx, file }),
                 (_, Some("nmea")) => holding.paths.push(PathPart { kind: PathKind::Nmea, file }),
                 (_, Some("tum")) => holding.paths.push(PathPart { kind: PathKind::Tum, file }),
+                (_, Some("csv" | "tsv")) if are_ranges(&file) => holding.ranges = Some(name),
                 (_, Some("csv" | "tsv")) => holding.tables.push(file),
                 _ if sniffer::is_capture(&file) => captures.push(file),
-                _ => {}
+                _ => holding.others.push(name),
             }
         }
         if !captures.is_empty() {
@@ -189,13 +212,17 @@ impl Holding {
 
     /// What a file is. A CSV file has packets if it names nodes or a flag names the path, a path if a flag names the packets,
     /// else it is a wide table.
-    fn of_file(file: &Path, form: &FormOptions) -> Self {
+    ///
+    /// # Errors
+    /// If it is none of these.
+    fn of_file(file: &Path, form: &FormOptions) -> Result<Self, RobotLogError> {
         let mut holding = Self::default();
         if bag::is_bag(file) {
             holding.add_bag(file);
         } else if sniffer::is_capture(file) {
             holding.packets.push(PacketPart { kind: PacketKind::Captures, files: vec![file.to_owned()] });
         } else {
+            refuse_foreign(file)?;
             let kind = path_kind(file);
             if kind != PathKind::Csv || form.packets.is_some() && !names_nodes(file, form) {
                 holding.paths.push(PathPart { kind, file: file.to_owned() });
@@ -205,7 +232,7 @@ impl Holding {
                 holding.tables.push(file.to_owned());
             }
         }
-        holding
+        Ok(holding)
     }
 
     /// A bag has both, as far as it is known without reading it.
@@ -219,8 +246,11 @@ impl PathPart {
     /// What the file that a flag names is.
     fn of(file: &Path) -> Result<Self, RobotLogError> {
         readable(file)?;
-        let kind = if bag::is_bag(file) { PathKind::Bag } else { path_kind(file) };
-        Ok(Self { kind, file: file.to_owned() })
+        if bag::is_bag(file) {
+            return Ok(Self { kind: PathKind::Bag, file: file.to_owned() });
+        }
+        refuse_foreign(file)?;
+        Ok(Self { kind: path_kind(file), file: file.to_owned() })
     }
 
     /// For errors.
@@ -252,6 +282,7 @@ impl PacketPart {
         } else if sniffer::is_capture(file) {
             (PacketKind::Captures, vec![file.to_owned()])
         } else {
+            refuse_foreign(file)?;
             (PacketKind::Csv, vec![file.to_owned()])
         };
         Ok(Self { kind, files })
@@ -271,7 +302,52 @@ impl PacketPart {
 pub(super) fn is_part(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     let is_table = || ["csv", "tsv", "txt"].iter().any(|&known| extension.as_deref() == Some(known));
-    path.is_file() && (is_table() || path_kind(path) != PathKind::Csv)
+    path.is_file() && (is_table() || path_kind(path) != PathKind::Csv || begins_as_table(path))
+}
+
+/// Whether a text with any name begins as a table does: its first two lines have equally many cells, more than one.
+fn begins_as_table(path: &Path) -> bool {
+    if FileForm::of_file(path).is_some() {
+        return false;
+    }
+    let start = start(path);
+    let mut lines = start.lines().filter(|line| !line.trim().is_empty());
+    let (Some(header), Some(row)) = (lines.next(), lines.next()) else { return false };
+    let is_text = !start.contains(|c: char| c == '\0' || c == char::REPLACEMENT_CHARACTER);
+    let cells = |line: &str, separator: char| line.matches(separator).count();
+    is_text && [',', ';', '\t'].iter().any(|&sign| cells(header, sign) > 0 && cells(header, sign) == cells(row, sign))
+}
+
+/// Refuses a file that no reader of logs reads, and says what it is.
+pub(super) fn refuse_foreign(file: &Path) -> Result<(), RobotLogError> {
+    match FileForm::of_file(file) {
+        Some(form) => Err(RobotLogError::Foreign { path: file.to_owned(), told: form.told(file) }),
+        None => Ok(()),
+    }
+}
+
+/// The name of a table of ranges in the folder of a log.
+pub(super) fn unread_ranges(log: &Path) -> Option<String> {
+    log.is_dir().then(|| Holding::of_folder(log).ok()?.ranges).flatten()
+}
+
+/// Whether a table in a folder has distances to nodes, and not packets: its name or its columns say so.
+fn are_ranges(file: &Path) -> bool {
+    /// What columns of distances are called.
+    const RANGES: [&str; 8] =
+        ["range", "range_m", "ranges", "range_mm", "range_cm", "distance", "distance_m", "distance_mm"];
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+    if ["range", "ranges", "ranging"].contains(&stem.as_str()) {
+        return true;
+    }
+    let none = FieldNames::default();
+    let known = Known { required: &[], optional: &[], names: &none, others: Others::Ignored };
+    let table = Table::open_known(file, known);
+    table.is_ok_and(|table| {
+        let names: Vec<String> = table.unknown().map(|(_, name)| name.to_lowercase()).collect();
+        let has = |wanted: &[&str]| names.iter().any(|name| wanted.contains(&name.as_str()));
+        has(&RANGES) && has(&["node", "anchor", "beacon", "tag"]) && !has(&["rssi_dbm", "rssi"])
+    })
 }
 
 fn readable(file: &Path) -> Result<(), RobotLogError> {
@@ -287,7 +363,7 @@ fn file_name(file: &Path) -> String {
 fn path_kind(file: &Path) -> PathKind {
     let start = start(file);
     let text = start.trim_start_matches('\u{feff}').trim_start();
-    if text.starts_with('<') && text.contains("<gpx") {
+    if root_of_xml(text).is_some_and(|root| root == "gpx") {
         return PathKind::Gpx;
     }
     if text.lines().any(nmea::is_sentence) {
@@ -319,6 +395,9 @@ fn names_nodes(file: &Path, form: &FormOptions) -> bool {
     let none = FieldNames::default();
     let known = Known { required: &[], optional: &[], names: &none, others: Others::Ignored };
     let given = |key: &str| form.packet_fields.as_ref().and_then(|names| names.name(key));
+    if form.packet_fields.as_ref().is_some_and(FieldNames::has_numbers) {
+        return given("node").or_else(|| given("receiver")).is_some();
+    }
     let is_node = |name: &str| ["node", "receiver"].iter().any(|&key| name == given(key).unwrap_or(key));
     Table::open_known(file, known).is_ok_and(|table| table.unknown().any(|(_, name)| is_node(name)))
 }

@@ -1,19 +1,22 @@
-//! A table with columns by name, read row by row: a CSV file, or a table in memory. Errors name the line or row, and the
-//! column.
+//! A table with columns by name, read row by row: a CSV file or several of them, or a table in memory. Errors name the line or
+//! row, and the column.
 
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use sextant_kernel::text::of_cell;
+use csv::StringRecord;
+use sextant_kernel::text::{of_cell, shortened};
+
+use super::csv_file::{CsvFile, CsvStyle, Heading};
 
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
 use super::header::{self, Header, Known, Others};
-use super::lines::LinesOf;
 use super::log_part::{LogPart, RowAddress};
 use super::memory_table::{Cell, MemoryTable};
+use super::table_file::TableFile;
 use super::table_source::TableSource;
 
 /// A table whose header was read.
@@ -24,20 +27,20 @@ pub(super) struct Table<'a> {
 
 /// The rows of a table.
 enum Body<'a> {
-    File(Box<CsvReader>),
+    Files {
+        files: Vec<TableFile>,
+        heading: Heading,
+        /// The first file, which is open already: it may be a pipe.
+        first: Option<CsvFile>,
+    },
     Memory(&'a MemoryTable<'a>),
 }
-
-type CsvReader = csv::Reader<BufReader<LinesOf<File>>>;
 
 /// What is known of a table besides its rows.
 pub(super) struct Head {
     pub(super) part: LogPart,
     header: Header,
-    /// Octets before the header of a file: a byte order mark.
-    skipped: u64,
-    /// Whether a comma in a number is its decimal mark, because another character separates cells.
-    pub(super) decimal_comma: bool,
+    style: CsvStyle,
 }
 
 /// A column by name, and its index in a row if the table has it.
@@ -64,11 +67,9 @@ pub(super) struct Row<'a> {
 
 /// The cells of a row.
 enum Cells<'a> {
-    File(&'a csv::StringRecord),
+    File(&'a StringRecord),
     Memory { table: &'a MemoryTable<'a>, row: usize },
 }
-
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 impl<'a> Table<'a> {
     /// Opens a table. It must have all `required` columns and may have the `optional` ones; others are ignored, unless one
@@ -85,10 +86,11 @@ impl<'a> Table<'a> {
     /// The same with names of the user for columns.
     pub(super) fn open_known(source: impl Into<TableSource<'a>>, known: Known<'_>) -> Result<Self, RobotLogError> {
         match source.into() {
-            TableSource::File(path) => Self::open_file(&path, known),
+            TableSource::File(path) => Self::open_files(vec![TableFile::alone(&path)], known),
+            TableSource::Files(files) => Self::open_files(files, known),
             TableSource::Memory(table) => {
                 let part = LogPart::Table(table.name().to_owned());
-                let mut head = Head { part, header: Header::default(), skipped: 0, decimal_comma: false };
+                let mut head = Head { part, header: Header::default(), style: CsvStyle::default() };
                 let header = Header::new(table.column_names(), known, &head.part);
                 head.header = header.map_err(|problem| head.wrong_header(problem))?;
                 Ok(Self { head, body: Body::Memory(table) })
@@ -96,27 +98,43 @@ impl<'a> Table<'a> {
         }
     }
 
-    fn open_file(path: &Path, known: Known<'_>) -> Result<Self, RobotLogError> {
-        let file = File::open(path).map_err(|why| RobotLogError::read(path, why))?;
-        let mut input = BufReader::with_capacity(1 << 16, LinesOf::new(file));
-        let start = input.fill_buf().map_err(|why| RobotLogError::read(path, why))?;
-        let wrong = |problem: String| RobotLogError::line(path, 1, problem);
-        if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
-            return Err(wrong("the file is UTF-16 text; save it as UTF-8".to_owned()));
+    /// Files that are one table: it has all columns that any of them has, and the cells that their names give.
+    fn open_files(files: Vec<TableFile>, known: Known<'_>) -> Result<Self, RobotLogError> {
+        let heading = if known.names.has_numbers() { Heading::Numbered } else { Heading::Named };
+        let mut names: Vec<String> = Vec::new();
+        let mut whole: Option<Head> = None;
+        let mut first = None;
+        for file in &files {
+            let (of_file, csv) = file.open(heading)?;
+            let is_known = |name: &String| {
+                known.names.gives(name) || known.required.iter().chain(known.optional).any(|known| known == name)
+            };
+            if let Some(values) = csv.values_for_names()
+                && !csv.names.iter().any(is_known)
+            {
+                let hint = known.names.numbers_hint(&[known.required, known.optional].concat());
+                return Err(of_file.wrong_header(format!(
+                    "the first line is `{}`: values, and no names of columns{hint}",
+                    shortened(&values)
+                )));
+            }
+            if let Some(of_name) = file.cells.iter().find(|(name, _)| csv.names.contains(name)) {
+                let problem = format!("the column `{}` is in the file, and in its name too; allowed: one of them", of_name.0);
+                return Err(of_file.wrong_header(problem));
+            }
+            let of_file_names = csv.names.iter().chain(file.cells.iter().map(|(name, _)| name));
+            if whole.is_none() {
+                names = of_file_names.cloned().collect();
+                (whole, first) = (Some(of_file), Some(csv));
+            } else {
+                let more: Vec<String> = of_file_names.filter(|name| !names.contains(name)).cloned().collect();
+                names.extend(more);
+            }
         }
-        let skipped = if start.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
-        let delimiter = delimiter(&start[skipped..]);
-        input.consume(skipped);
-        let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).from_reader(input);
-        let mut head = Head {
-            part: path.into(),
-            header: Header::default(),
-            skipped: skipped as u64,
-            decimal_comma: delimiter != b',',
-        };
-        let names = reader.headers().cloned().map_err(|why| head.malformed(&why))?;
-        head.header = Header::new(names.iter(), known, &head.part).map_err(wrong)?;
-        Ok(Self { head, body: Body::File(Box::new(reader)) })
+        let mut head = whole.unwrap_or_else(|| Head::of_file(Path::new(""), CsvStyle::default()));
+        let header = Header::new(names.iter().map(String::as_str), known, &head.part);
+        head.header = header.map_err(|problem| head.wrong_header(problem))?;
+        Ok(Self { head, body: Body::Files { files, heading, first } })
     }
 
     /// The column `name`.
@@ -168,11 +186,13 @@ impl<'a> Table<'a> {
     ) -> Result<Head, RobotLogError> {
         let Self { head, body } = self;
         match body {
-            Body::File(mut reader) => {
-                let mut record = csv::StringRecord::new();
-                while reader.read_record(&mut record).map_err(|why| head.malformed(&why))? {
-                    let offset = record.position().map_or(0, csv::Position::byte);
-                    visit(&Row { head: &head, cells: Cells::File(&record), offset })?;
+            Body::Files { files, heading, mut first } => {
+                for file in &files {
+                    let csv = match first.take() {
+                        Some(csv) => csv,
+                        None => file.open(heading)?.1,
+                    };
+                    file.rows(csv, &head, &mut visit)?;
                 }
             }
             Body::Memory(table) => {
@@ -186,6 +206,26 @@ impl<'a> Table<'a> {
 }
 
 impl Head {
+    /// That of a file whose columns are not known yet.
+    pub(super) fn of_file(path: &Path, style: CsvStyle) -> Self {
+        Self { part: path.into(), header: Header::default(), style }
+    }
+
+    /// That of a file whose rows have the columns of this table.
+    pub(super) fn for_file(&self, path: &Path, style: CsvStyle) -> Self {
+        Self { part: path.into(), header: self.header.clone(), style }
+    }
+
+    /// The names of the columns as written.
+    pub(super) fn all_written(&self) -> &[String] {
+        self.header.all_written()
+    }
+
+    /// Whether a comma in a number is its decimal mark.
+    pub(super) const fn has_decimal_comma(&self) -> bool {
+        self.style.decimal_comma
+    }
+
     /// The name of the column `known` as the file has it.
     pub(super) fn written<'a>(&'a self, known: &'a str) -> &'a str {
         self.header.written(known)
@@ -224,7 +264,7 @@ impl Head {
         let lines = || -> std::io::Result<usize> {
             let mut input = BufReader::new(File::open(path)?);
             let mut line = 1;
-            let mut before = (&mut input).take(self.skipped + offset);
+            let mut before = (&mut input).take(self.style.skipped + offset);
             loop {
                 let octets = before.fill_buf()?;
                 if octets.is_empty() {
@@ -252,11 +292,11 @@ impl Head {
         RobotLogError::Row { at: self.address(offset), problem: problem.into() }
     }
 
-    fn malformed(&self, why: &csv::Error) -> RobotLogError {
+    pub(super) fn malformed(&self, why: &csv::Error) -> RobotLogError {
         let offset = why.position().map_or(0, csv::Position::byte);
         let problem = match why.kind() {
             csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                let hint = if *len > *expected_len && !self.decimal_comma {
+                let hint = if *len > *expected_len && !self.style.decimal_comma {
                     "; a decimal comma needs `;` or a tab between the cells"
                 } else {
                     ""
@@ -267,6 +307,13 @@ impl Head {
             _ => why.to_string(),
         };
         self.wrong_row(offset, problem)
+    }
+}
+
+impl<'a> Row<'a> {
+    /// The row of a file with these cells, which begins at `offset`.
+    pub(super) const fn of_file(head: &'a Head, record: &'a StringRecord, offset: u64) -> Self {
+        Self { head, cells: Cells::File(record), offset }
     }
 }
 
@@ -288,7 +335,10 @@ impl Row<'_> {
 
     fn cell_at(&self, at: usize) -> Cell<'_> {
         match self.cells {
-            Cells::File(record) => Cell::Text(of_cell(record.get(at).unwrap_or(""))),
+            Cells::File(record) => {
+                let text = record.get(at).unwrap_or("");
+                Cell::Text(of_cell(if self.head.style.has_blanks { without_blanks(text) } else { text }))
+            }
             Cells::Memory { table, row } => table.cell(at, row),
         }
     }
@@ -303,19 +353,9 @@ impl Row<'_> {
     }
 }
 
-/// The character between the cells: the one of `,`, `;` and tab that the header has most often outside of quotes.
-fn delimiter(text: &[u8]) -> u8 {
-    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
-    let mut quoted = false;
-    let line = text.iter().skip_while(|octet| matches!(octet, b'\r' | b'\n'));
-    for &octet in line {
-        match octet {
-            b'"' => quoted = !quoted,
-            b'\n' | b'\r' if !quoted => break,
-            _ if quoted => {}
-            _ => counts.iter_mut().filter(|(character, _)| *character == octet).for_each(|(_, count)| *count += 1),
-        }
-    }
-    // Of equal counts the first.
-    counts.into_iter().rev().max_by_key(|&(_, count)| count).map_or(b',', |(character, _)| character)
+/// The text of a cell with blanks around it, and with quotes if these are within the blanks.
+fn without_blanks(text: &str) -> &str {
+    let text = text.trim();
+    let unquoted = text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
+    unquoted.unwrap_or(text)
 }
