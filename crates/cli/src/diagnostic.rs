@@ -132,7 +132,9 @@ impl From<ConvertError> for Failure {
     fn from(error: ConvertError) -> Self {
         let advice = match &error {
             ConvertError::Missing { .. } => "name it: --sector, --azimuth, --elevation or --gain NAME".to_owned(),
-            ConvertError::Shape { .. } => "the order of the axes in the file: --order sector,elevation,azimuth".to_owned(),
+            ConvertError::Shape { .. } => {
+                "the order of the axes in the file: --order sector,elevation,azimuth".to_owned()
+            }
             ConvertError::UnknownUnit { .. } => "the unit: --unit linear, --unit db or --unit dbi".to_owned(),
             ConvertError::UnknownAngles { .. } => "angles in radians: --radians; in degrees: --degrees".to_owned(),
             ConvertError::AngleUnits { .. } => "leave out --radians or --degrees, or rename the column".to_owned(),

@@ -91,7 +91,8 @@ impl CsvFile {
 
     /// The first line, if it has values and no names: it is no header.
     pub(super) fn values_for_names(&self) -> Option<String> {
-        let is_value = |name: &&String| name.parse::<f64>().is_ok() || instant::parse_date(name, Some(TimeZone::UTC)).is_some();
+        let is_value =
+            |name: &&String| name.parse::<f64>().is_ok() || instant::parse_date(name, Some(TimeZone::UTC)).is_some();
         let values = self.names.iter().filter(is_value).count();
         (values > 0 && 2 * values >= self.names.len()).then(|| self.names.join(","))
     }

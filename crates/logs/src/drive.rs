@@ -6,7 +6,7 @@ use super::companions::Companions;
 use super::error::RobotLogError;
 use super::form::{PacketKind, PathKind};
 use super::gatherer::Gatherer;
-use super::layout::{self, Drive, PacketPart};
+use super::layout::{Drive, PacketPart};
 use super::log::RobotLog;
 use super::options::ReadOptions;
 use super::packets::Robots;
@@ -14,7 +14,7 @@ use super::paths::Paths;
 use super::reciprocal::Roles;
 use super::table_source::TableSource;
 use super::written::Written;
-use super::{gpx, nmea, packets, path_file, sniffer, tum};
+use super::{gpx, nmea, packets, path_file, recognition, sniffer, tum};
 
 /// Reads the log. Times of all files are in one clock: seconds since 1970, or any other start that is the same in both files.
 pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
@@ -38,7 +38,7 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
 
     let skips_no_fix = options.repair.skip_no_fix;
     if path.kind != PathKind::Bag {
-        layout::refuse_foreign(&path.file)?;
+        recognition::refuse_foreign(&path.file)?;
     }
     let paths = match &bag_path {
         Some(bag) => Paths::of_one(bag.path(clock, &mut notes)?, bag.plane()),

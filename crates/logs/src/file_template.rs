@@ -19,15 +19,8 @@ enum Part {
 }
 
 /// What a field can be, and the column that it is.
-const FIELDS: [(&str, &str); 7] = [
-    ("x", "x_m"),
-    ("y", "y_m"),
-    ("z", "z_m"),
-    ("lat", "lat"),
-    ("lon", "lon"),
-    ("stop", "stop"),
-    ("robot", "robot"),
-];
+const FIELDS: [(&str, &str); 7] =
+    [("x", "x_m"), ("y", "y_m"), ("z", "z_m"), ("lat", "lat"), ("lon", "lon"), ("stop", "stop"), ("robot", "robot")];
 
 /// What the fields of a name are: the column and the text of each.
 pub(super) type NameCells = Vec<(&'static str, String)>;
@@ -131,13 +124,17 @@ impl FromStr for FileTemplate {
                 rest = after;
                 continue;
             }
-            let Some((inner, after)) = field[1..].split_once('}') else { return refused("a brace that is not closed") };
+            let Some((inner, after)) = field[1..].split_once('}') else {
+                return refused("a brace that is not closed");
+            };
             let (name, width) = inner.split_once(':').map_or((inner, None), |(name, width)| (name, Some(width)));
             let Some((_, key)) = FIELDS.iter().find(|(known, _)| *known == name.trim()) else {
                 return refused(&format!("`{{{inner}}}`"));
             };
             let width = match width.map(|width| width.trim().parse().ok().filter(|width| (1..=64).contains(width))) {
-                Some(None) => return refused(&format!("`{{{inner}}}`, whose number of characters is none from 1 to 64")),
+                Some(None) => {
+                    return refused(&format!("`{{{inner}}}`, whose number of characters is none from 1 to 64"));
+                }
                 Some(width) => width,
                 None => None,
             };
@@ -206,7 +203,9 @@ mod tests {
             let found = read(template, name);
             match (expected, found) {
                 (None, Ok(None) | Err(_)) => {}
-                (expected, found) => assert_eq!(found.as_ref().map(Option::as_deref), Ok(expected), "{template} {name}"),
+                (expected, found) => {
+                    assert_eq!(found.as_ref().map(Option::as_deref), Ok(expected), "{template} {name}")
+                }
             }
         }
     }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use super::field_names::FieldNames;
-use super::missing::{ColumnPattern, Missing};
 use super::file_template::FileTemplate;
+use super::missing::{ColumnPattern, Missing};
 use super::noise_floor::NoiseFloor;
 use super::time_zone::TimeZone;
 

@@ -59,7 +59,8 @@ pub(super) fn parse_date(text: &str, zone: Option<TimeZone>) -> Option<SimTime> 
         return None;
     }
     let [hour, minute, second] = <[&str; 3]>::try_from(clock.splitn(3, ':').collect::<Vec<_>>()).ok()?;
-    let (second, fraction) = second.split_once(['.', ',']).map_or((second, "0"), |(second, fraction)| (second, fraction));
+    let (second, fraction) =
+        second.split_once(['.', ',']).map_or((second, "0"), |(second, fraction)| (second, fraction));
     // A leap second is taken as the first one of the next minute.
     let of_day_s = 3600 * two_digits(hour, 23)? + 60 * two_digits(minute, 59)? + two_digits(second, 60)?;
     let whole_s = u64::try_from(days_since_1970(year, month, day) * 86_400 + of_day_s - zone.ahead_s).ok()?;
@@ -213,7 +214,9 @@ mod tests {
         }
         assert_eq!(parse_date("2023-11-14T22:13:20", Some(TimeZone::UTC)), parse("1700000000"));
         let summer = "+02:00".parse().ok();
-        for text in ["2023-11-15 00:13:20", "2023/11/15 00:13:20,0", "2023-11-14T22:13:20Z", "2023-11-14 22:13:20 UTC"] {
+        for text in
+            ["2023-11-15 00:13:20", "2023/11/15 00:13:20,0", "2023-11-14T22:13:20Z", "2023-11-14 22:13:20 UTC"]
+        {
             assert_eq!(parse_date(text, summer), parse("1700000000"), "{text}");
         }
         for text in ["2023-11-14 22:13:20+00", "2023-11-14 17:43:20 -0430", "2023-11-14T23:13:20.0+01:00"] {

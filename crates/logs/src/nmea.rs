@@ -69,7 +69,8 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
     let (mut track, mut lost) = (Track::new(skips_no_fix), 0_u64);
     let first = sentences.iter().find_map(Sentence::date);
     if !PLACES.iter().any(has) {
-        let problem = format!("no sentence has a place (GGA, GNS, RMC or GLL); {damaged} sentences have a wrong checksum");
+        let problem =
+            format!("no sentence has a place (GGA, GNS, RMC or GLL); {damaged} sentences have a wrong checksum");
         return Err(wrong(1, problem));
     }
     let Some(mut date_ns) = first else {
@@ -119,7 +120,11 @@ struct Damaged;
 
 /// Whether `line` holds a sentence, whatever it gives: two letters of the talker, three of its kind, and fields.
 pub(super) fn is_sentence(line: &str) -> bool {
-    let is_name = |name: &str| name.len() == 5 && name.starts_with(['G', 'B', 'Q', 'N']) && name.bytes().all(|octet| octet.is_ascii_uppercase());
+    let is_name = |name: &str| {
+        name.len() == 5
+            && name.starts_with(['G', 'B', 'Q', 'N'])
+            && name.bytes().all(|octet| octet.is_ascii_uppercase())
+    };
     let has_name = |body: &str| body.split_once(',').is_some_and(|(name, _)| is_name(name));
     body(line).is_ok_and(|body| body.is_some_and(has_name))
 }

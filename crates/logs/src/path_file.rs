@@ -22,8 +22,10 @@ pub(super) fn read<'a>(
     notes: &mut Vec<String>,
 ) -> Result<Paths, RobotLogError> {
     let optional = [&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat();
-    let table =
-        Table::open_known(source, Known { required: &[], optional: &optional, names: &written.names, others: Others::Ignored })?;
+    let table = Table::open_known(
+        source,
+        Known { required: &[], optional: &optional, names: &written.names, others: Others::Ignored },
+    )?;
     notes.extend(table.ignored());
     let time = Times::of(&table, written.time_zone, notes)?;
     let places = Places::of(&table, Frame::Any, notes)?;

@@ -212,8 +212,11 @@ mod tests {
             let folder = tempfile::tempdir().expect("there is room");
             std::fs::write(folder.path().join("stops.csv"), stops).expect("there is room");
             std::fs::write(folder.path().join("receptions.csv"), receptions).expect("there is room");
-            let whole = super::super::folder::read(StopLog::of_folder(folder.path(), &FormOptions::default()), &ReadOptions::default())
-                .expect("a good log");
+            let whole = super::super::folder::read(
+                StopLog::of_folder(folder.path(), &FormOptions::default()),
+                &ReadOptions::default(),
+            )
+            .expect("a good log");
             let (found, notes) = in_halves(folder.path());
             assert_eq!(found, whole.log.receptions().to_vec(), "{receptions}");
             let sorted = |mut notes: Vec<String>| {

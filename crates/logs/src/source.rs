@@ -19,7 +19,7 @@ use super::packet_delay::PacketDelay;
 use super::repair_options::RepairOptions;
 use super::sniffer::CaptureContents;
 use super::sniffer_options::SnifferOptions;
-use super::{bag, drive, reciprocal, sniffer};
+use super::{bag, drive, reciprocal, recognition, sniffer};
 
 /// The kinds of logs of robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,7 @@ impl Source {
         if sniffer::is_capture(path) {
             return Some(Self::Captures);
         }
-        (path.is_dir() || layout::is_part(path)).then_some(Self::Tables)
+        (path.is_dir() || recognition::is_part(path)).then_some(Self::Tables)
     }
 }
 
@@ -186,7 +186,9 @@ fn read_once(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLo
         Layout::Drive(parts) => drive::read(parts, options),
     }?;
     let mut log = noted(log, options);
-    log.notes.extend(layout::unread_ranges(path).map(|name| format!("`{name}` is not read: it has ranges, and no packets")));
+    log.notes.extend(
+        layout::unread_ranges(path).map(|name| format!("`{name}` is not read: it has ranges, and no packets")),
+    );
     Ok(log)
 }
 

@@ -30,7 +30,8 @@ impl StopFiles {
     pub(super) fn of(folder: &Path, template: &FileTemplate) -> Result<Self, RobotLogError> {
         let entries = std::fs::read_dir(folder).and_then(|entries| entries.collect::<Result<Vec<_>, _>>());
         let entries = entries.map_err(|why| RobotLogError::read(folder, why))?;
-        let mut paths: Vec<PathBuf> = entries.iter().map(std::fs::DirEntry::path).filter(|path| path.is_file()).collect();
+        let mut paths: Vec<PathBuf> =
+            entries.iter().map(std::fs::DirEntry::path).filter(|path| path.is_file()).collect();
         paths.sort();
         let refused = |problem: String| RobotLogError::Form { problem };
         let (mut found, mut others) = (Vec::new(), Vec::new());
@@ -103,7 +104,8 @@ impl StopFiles {
         ];
         let unread: Vec<&String> = others.iter().filter(|name| !known.contains(&name.as_str())).collect();
         if !unread.is_empty() {
-            note += &format!("; {} with other names are not read: {}", counted(unread.len(), "file"), listed(&unread));
+            note +=
+                &format!("; {} with other names are not read: {}", counted(unread.len(), "file"), listed(&unread));
         }
         Self { files, places: template.has_places().then_some(rows), note }
     }

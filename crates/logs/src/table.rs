@@ -119,7 +119,8 @@ impl<'a> Table<'a> {
                 )));
             }
             if let Some(of_name) = file.cells.iter().find(|(name, _)| csv.names.contains(name)) {
-                let problem = format!("the column `{}` is in the file, and in its name too; allowed: one of them", of_name.0);
+                let problem =
+                    format!("the column `{}` is in the file, and in its name too; allowed: one of them", of_name.0);
                 return Err(of_file.wrong_header(problem));
             }
             let of_file_names = csv.names.iter().chain(file.cells.iter().map(|(name, _)| name));

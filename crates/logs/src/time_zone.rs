@@ -69,7 +69,8 @@ mod tests {
         ] {
             assert_eq!(ahead(text), Ok(expected), "{text}");
         }
-        for text in ["", "2", "+2", "02:00", "+02:60", "+15:00", "+14:30", "Europe/Berlin", "CEST", "+aa:00", "+é0"] {
+        for text in ["", "2", "+2", "02:00", "+02:60", "+15:00", "+14:30", "Europe/Berlin", "CEST", "+aa:00", "+é0"]
+        {
             assert!(ahead(text).unwrap_err().contains("as +02:00"), "{text}");
         }
     }

@@ -93,8 +93,11 @@ pub(super) fn read(
     let places = Places::of(&table, Frame::Any, notes)?;
     let time = Times::find(&table, written.time_zone, notes);
     let robot = table.column("robot");
-    let strengthless =
-        if form.node_columns.is_empty() { strengthless(Table::open_known(again, known)?, form)? } else { BTreeSet::new() };
+    let strengthless = if form.node_columns.is_empty() {
+        strengthless(Table::open_known(again, known)?, form)?
+    } else {
+        BTreeSet::new()
+    };
     let (nodes, node_names) = nodes(&table, &strengthless, form, notes)?;
     if table.column("stop").exists() {
         notes.push(format!("{file}: `stop` is ignored: rows at one place are one stop"));

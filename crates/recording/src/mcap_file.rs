@@ -6,11 +6,11 @@ use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use sextant_kernel::seen;
 use mcap::records::{MessageHeader, Metadata, Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{Channel, McapError, Schema, parse_record};
 use serde::Serialize;
+use sextant_kernel::seen;
 
 /// Maximum length of a record or chunk (octets). A damaged length is detected before memory is allocated.
 const LONGEST_RECORD: usize = 1 << 29;

@@ -17,6 +17,7 @@ use crate::terminal::{Watcher, stdout};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
+use sextant_kernel::FileForm;
 use sextant_logs::{self as robot_log, FieldNames, Source};
 use sextant_recording::SCENARIO_ATTACHMENT;
 use sextant_recording::admission::OutputKind;
@@ -82,7 +83,8 @@ fn report(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failur
     if Report::is_reproduction(input) {
         return Ok(Report::of_reproduction(input, &titles())?);
     }
-    if input.extension().is_some_and(|extension| extension == "csv") {
+    // A file of another form is told by the reader of logs.
+    if input.extension().is_some_and(|extension| extension == "csv") && FileForm::of_file(input).is_none() {
         match Report::of_table(input, &titles()) {
             Err(ReportError::NotATable { columns, .. }) if columns.iter().any(|column| is_of_log(column)) => {}
             report => return Ok(report?),

@@ -180,7 +180,11 @@ fn a_measurement_becomes_a_code_book_that_is_never_its_own_input() {
     let table = format!("phi,S4,S60\n{}", wide.collect::<String>());
     std::fs::write(folder.path().join("tool.csv"), &table).unwrap();
     let unknown = run(folder.path(), &["antenna", "convert", "tool.csv", "book.csv"]);
-    assert!(unknown.status.code() == Some(2) && text(&unknown.stderr).contains("--unit dbi"), "{}", text(&unknown.stderr));
+    assert!(
+        unknown.status.code() == Some(2) && text(&unknown.stderr).contains("--unit dbi"),
+        "{}",
+        text(&unknown.stderr)
+    );
     let converted = run(folder.path(), &["antenna", "convert", "tool.csv", "book.csv", "--unit", "db"]);
     assert!(converted.status.success(), "{}", text(&converted.stderr));
     let told = text(&converted.stdout);
@@ -223,7 +227,9 @@ fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() 
     assert!(converted.status.success(), "{}", text(&converted.stderr));
     let book = std::fs::read_to_string(folder.path().join("book.csv")).unwrap();
     assert!(book.contains("\n0,40,0,9\n") && book.matches(",9\n").count() == 1, "{book}");
-    for (file, words) in [("half.csv", ["--zenith", "--elevation 'theta'"]), ("radians.csv", ["--radians", "--degrees"])] {
+    for (file, words) in
+        [("half.csv", ["--zenith", "--elevation 'theta'"]), ("radians.csv", ["--radians", "--degrees"])]
+    {
         let refused = convert(&[file, "no.csv"]);
         assert_eq!(refused.status.code(), Some(2));
         let message = text(&refused.stderr);

@@ -119,7 +119,10 @@ fn a_bad_capture_is_an_error() {
     let mut wrong_length = mixed;
     wrong_length[packet + 4] += 4;
     for (octets, expected) in [
-        (changed(20, &[1, 0]), "has frames of link type 1 (Ethernet), which do not say which node was heard; allowed: 195 and 230"),
+        (
+            changed(20, &[1, 0]),
+            "has frames of link type 1 (Ethernet), which do not say which node was heard; allowed: 195 and 230",
+        ),
         (changed(32, &[0, 0, 0, 0x7F]), "is damaged before byte 40: it has a packet of 2130706432 octets"),
         (unknown_interface, "it has a packet of interface 7, which is not described"),
         (wrong_length, "that ends with the length"),
@@ -174,7 +177,8 @@ fn the_rssi_in_the_place_of_the_check_sequence_is_that_of_the_chip() {
     let tap = octets("tap.pcap");
     let usual = read(&tap, untouched).unwrap().log;
     assert_eq!(read(&tap, |options| options.sniffer.fcs = "ti".parse().ok()).unwrap().log, usual);
-    let problem = read(&with_ends(|_, _| [0xF9, 0x6B]), |options| options.sniffer.fcs = "ti".parse().ok()).unwrap_err();
+    let problem =
+        read(&with_ends(|_, _| [0xF9, 0x6B]), |options| options.sniffer.fcs = "ti".parse().ok()).unwrap_err();
     assert!(problem.contains("the sniffer has another chip"), "{problem}");
 }
 

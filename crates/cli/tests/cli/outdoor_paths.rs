@@ -28,10 +28,13 @@ fn gpx(prefix: &str, seconds: u32, change: impl Fn(u32, String) -> String) -> St
         let (lat, time) = (48.0 + f64::from(second) * 1e-5, 1_700_000_000 + second);
         let clock = format!("2023-11-14T22:{:02}:{:02}Z", 13 + (20 + second) / 60, (20 + second) % 60);
         assert!(time < 1_700_002_000);
-        let point = format!("<{prefix}trkpt lat=\"{lat:.5}\" lon=\"7.0\"><{prefix}time>{clock}</{prefix}time></{prefix}trkpt>");
+        let point = format!(
+            "<{prefix}trkpt lat=\"{lat:.5}\" lon=\"7.0\"><{prefix}time>{clock}</{prefix}time></{prefix}trkpt>"
+        );
         writeln!(points, "{}", change(second, point)).unwrap();
     }
-    let namespace = if prefix.is_empty() { "xmlns".to_owned() } else { format!("xmlns:{}", prefix.trim_end_matches(':')) };
+    let namespace =
+        if prefix.is_empty() { "xmlns".to_owned() } else { format!("xmlns:{}", prefix.trim_end_matches(':')) };
     format!(
         "<?xml version=\"1.0\"?>\n<!-- made by hand -->\n<{prefix}gpx {namespace}=\"http://www.topografix.com/GPX/1/1\" version=\"1.1\">\
          <{prefix}trk><{prefix}trkseg>\n{points}</{prefix}trkseg></{prefix}trk></{prefix}gpx>\n"
@@ -64,7 +67,11 @@ fn one_bad_point_of_a_track_is_skipped_and_named() {
     ] {
         let change = |second: u32, point: String| if second == 7 { point.replace(from, to) } else { point };
         let log = read("walk.gpx", &gpx("", 1000, change)).unwrap();
-        let note = log.notes.iter().find(|note| note.contains("1 of 1000 points are skipped; the first one, line 11: ")).unwrap();
+        let note = log
+            .notes
+            .iter()
+            .find(|note| note.contains("1 of 1000 points are skipped; the first one, line 11: "))
+            .unwrap();
         assert!(note.contains(problem), "{note}");
         assert_eq!(log.log.stops().len(), whole.log.stops().len(), "{to}");
     }
@@ -93,7 +100,10 @@ fn sentences_of_several_systems_of_satellites_are_places() {
     let minutes = |second: u32| format!("{:07.4}", f64::from(second) * 6e-4);
     let gga = |talker: &'static str| {
         move |second: u32, clock: String| {
-            sentence(&format!("{talker}GGA,2213{clock}.00,48{},N,00700.0000,E,1,08,0.9,150.0,M,46.9,M,,", minutes(second)))
+            sentence(&format!(
+                "{talker}GGA,2213{clock}.00,48{},N,00700.0000,E,1,08,0.9,150.0,M,46.9,M,,",
+                minutes(second)
+            ))
         }
     };
     let expected = read("walk.nmea", &walk(&gga("GP"))).unwrap().log;
@@ -133,5 +143,9 @@ fn times_of_a_tum_path_may_be_nanoseconds() {
         let note = format!("walk.txt: times are {unit} since 1970, by the number of their digits");
         assert!(log.notes.contains(&note), "{:?}", log.notes);
     }
-    assert!(!expected.notes.iter().any(|note| note.contains("by the number of their digits")), "{:?}", expected.notes);
+    assert!(
+        !expected.notes.iter().any(|note| note.contains("by the number of their digits")),
+        "{:?}",
+        expected.notes
+    );
 }

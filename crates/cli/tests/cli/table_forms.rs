@@ -82,12 +82,20 @@ fn columns_of_a_table_without_a_header_are_named_by_their_numbers() {
          columns by their numbers: `path_fields=t_s=#1,x_m=#2,y_m=#3`, for example"
     );
     let problem = read(&[("path.csv", PATH), ("packets.csv", &packets)], FormOptions::default()).unwrap_err();
-    assert!(problem.contains("packets.csv, line 1: the first line is `1.5,lamp,-70`") && problem.contains("`packet_fields=node=#1"), "{problem}");
-    let wrong = FormOptions { path_fields: Some(FieldNames::parse_places("t_s=#1,x_m=#2,y_m=#9").unwrap()), ..form.clone() };
+    assert!(
+        problem.contains("packets.csv, line 1: the first line is `1.5,lamp,-70`")
+            && problem.contains("`packet_fields=node=#1"),
+        "{problem}"
+    );
+    let wrong =
+        FormOptions { path_fields: Some(FieldNames::parse_places("t_s=#1,x_m=#2,y_m=#9").unwrap()), ..form.clone() };
     let problem = read(&[("path.csv", &path), ("packets.csv", &packets)], wrong).unwrap_err();
     assert!(problem.contains("there is no column `#9`; the columns are: #1, #2, #3"), "{problem}");
     // A wide table: the other columns are nodes with their numbers as names.
-    let wide = FormOptions { path_fields: Some(FieldNames::parse_places("x_m=#1,y_m=#2").unwrap()), ..FormOptions::default() };
+    let wide = FormOptions {
+        path_fields: Some(FieldNames::parse_places("x_m=#1,y_m=#2").unwrap()),
+        ..FormOptions::default()
+    };
     let log = read(&[("survey.csv", "0;0;-50;-60\n4;0;-55;\n")], wide).unwrap();
     assert_eq!((log.log.names(), places(&log).len()), (&["#3".to_owned(), "#4".to_owned()][..], 2));
     assert_eq!(rows(&log, 0), [(0, 1, 1, Some(-50.0)), (1, 1, 1, Some(-55.0))]);
@@ -172,7 +180,10 @@ fn true_positions_have_the_columns_that_a_flag_names() {
     let (code, found, stderr) = run("bare.txt", &["--truth-fields", "node=#1,x_m=#2,y_m=#3"]);
     assert_eq!((code, &found), (0, &expected), "{stderr}");
     let (code, _, stderr) = run("named.csv", &[]);
-    assert!(code == 2 && stderr.contains("column `node` is missing") && stderr.contains("`--truth-fields node=NAME`"), "{stderr}");
+    assert!(
+        code == 2 && stderr.contains("column `node` is missing") && stderr.contains("`--truth-fields node=NAME`"),
+        "{stderr}"
+    );
     let (code, _, stderr) = run("bare.txt", &[]);
     assert!(code == 2 && stderr.contains("`--truth-fields node=#1,x_m=#2,y_m=#3`"), "{stderr}");
 }
@@ -210,10 +221,8 @@ fn files_of_packets_have_their_stop_in_their_name() {
 
 #[test]
 fn files_of_scans_and_of_named_stops_are_logs_too() {
-    let scans = [
-        ("scan_1_2.csv", "lamp,door,FloorID\n-50,,1\n-52,-70,1\n"),
-        ("scan_3_2.csv", "lamp,hall,FloorID\n,-61,1\n"),
-    ];
+    let scans =
+        [("scan_1_2.csv", "lamp,door,FloorID\n-50,,1\n-52,-70,1\n"), ("scan_3_2.csv", "lamp,hall,FloorID\n,-61,1\n")];
     let log = read(&scans, stop_files("scan_{x}_{y}.csv")).unwrap();
     assert_eq!(places(&log), [Position::new(1.0, 2.0, 0.0), Position::new(3.0, 2.0, 0.0)]);
     assert_eq!(log.log.names(), ["lamp", "door", "hall"]);
@@ -247,17 +256,29 @@ fn names_of_files_that_say_no_stop_are_errors() {
         ),
         (&[("a.csv", rows)], "{x}_{y}.csv", "no file of"),
         (&[("1_2.csv", "node,rssi_dbm,x_m\nlamp,-50,3\n"), ("3_2.csv", rows)], "{x}_{y}.csv", ""),
-        (&[("1_2.csv", rows), ("3_2.csv", "node,rssi_dbm\nlamp,loud\n")], "{x}_{y}.csv", "3_2.csv, line 2, column `rssi_dbm`: found `loud`"),
-        (&[("1_2.csv", "stop,node,rssi_dbm\n1,lamp,-50\n")], "{x}_{y}.csv", "the column `stop` is in the file, and in its name too"),
+        (
+            &[("1_2.csv", rows), ("3_2.csv", "node,rssi_dbm\nlamp,loud\n")],
+            "{x}_{y}.csv",
+            "3_2.csv, line 2, column `rssi_dbm`: found `loud`",
+        ),
+        (
+            &[("1_2.csv", "stop,node,rssi_dbm\n1,lamp,-50\n")],
+            "{x}_{y}.csv",
+            "the column `stop` is in the file, and in its name too",
+        ),
     ] {
         match read(files, stop_files(template)) {
             Err(problem) => assert!(problem.contains(expected), "{problem}\nshould say: {expected}"),
             Ok(log) => assert!(expected.is_empty(), "{:?}", log.notes),
         }
     }
-    let folder = folder(&[("stops.csv", "stop,x_m,y_m\nA,0,0\n"), ("receptions.csv", "node,stop,received\nlamp,A,1\n")]);
+    let folder =
+        folder(&[("stops.csv", "stop,x_m,y_m\nA,0,0\n"), ("receptions.csv", "node,stop,received\nlamp,A,1\n")]);
     let file = folder.path().join("stops.csv").display().to_string();
     let output = sextant().args(["map", &file, "--stop-files", "{x}_{y}.csv"]).output().unwrap();
     let stderr = unwrapped(&String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.code() == Some(2) && stderr.contains("`--stop-files` is for folders with a file a stop"), "{stderr}");
+    assert!(
+        output.status.code() == Some(2) && stderr.contains("`--stop-files` is for folders with a file a stop"),
+        "{stderr}"
+    );
 }

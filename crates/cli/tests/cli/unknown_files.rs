@@ -35,27 +35,59 @@ fn files_that_are_no_log_are_told_by_all_commands_that_read_logs() {
     for (name, octets, expected) in [
         ("sniff.pcap.gz", &b"\x1f\x8b\x08\0\0\0\0\0"[..], "is compressed with gzip; unpack it: `gunzip -k"),
         ("sniff.pcap", &modified, "is a modified pcap capture (magic number a1b2cd34); make a plain capture"),
-        ("walk.csv", b"version https://git-lfs.github.com/spec/v1\noid sha256:1\nsize 3\n", "is a pointer of Git LFS"),
-        ("zigbee.dcf", b"#Format=4\r\n# SNA v2.2.0.4 SUS:20090709 ACT:819705\r\n1 0 5 01 2\r\n", "is a capture of a Daintree SNA"),
-        ("a.datalog", b"\x01\x02\x03\x04\xff\xfe", "is neither the log of a robot nor a recording of `run`, but binary data that begin with the octets 01 02 03 04 ff fe"),
+        (
+            "walk.csv",
+            b"version https://git-lfs.github.com/spec/v1\noid sha256:1\nsize 3\n",
+            "is a pointer of Git LFS",
+        ),
+        (
+            "zigbee.dcf",
+            b"#Format=4\r\n# SNA v2.2.0.4 SUS:20090709 ACT:819705\r\n1 0 5 01 2\r\n",
+            "is a capture of a Daintree SNA",
+        ),
+        (
+            "a.datalog",
+            b"\x01\x02\x03\x04\xff\xfe",
+            "is neither the log of a robot nor a recording of `run`, but binary data that begin with the octets 01 02 03 04 ff fe",
+        ),
         ("readme.md", b"# A survey\nof our house\n", "but a text that begins with `# A survey`"),
         ("empty.csv", b"", "is empty; record or copy it again"),
         ("page.csv", b"<!DOCTYPE html>\n<html></html>\n", "is a web page"),
-        ("table.xlsx", b"PK\x03\x04\x14\0\0\0[Content_Types].xml xl/workbook.xml", "is a table of a spreadsheet program"),
+        (
+            "table.xlsx",
+            b"PK\x03\x04\x14\0\0\0[Content_Types].xml xl/workbook.xml",
+            "is a table of a spreadsheet program",
+        ),
         ("table.parquet", b"PAR1\x15\0", "is a Parquet table"),
-        ("walk.kml", b"<?xml version=\"1.0\"?><kml xmlns=\"http://www.opengis.net/kml/2.2\"/>", "is a track of Google Earth"),
-        ("map.geojson", b"{\"type\": \"FeatureCollection\", \"features\": []}", "is GeoJSON, which has places without times"),
+        (
+            "walk.kml",
+            b"<?xml version=\"1.0\"?><kml xmlns=\"http://www.opengis.net/kml/2.2\"/>",
+            "is a track of Google Earth",
+        ),
+        (
+            "map.geojson",
+            b"{\"type\": \"FeatureCollection\", \"features\": []}",
+            "is GeoJSON, which has places without times",
+        ),
         ("notes.json", b"{\"a\": 1}", "is JSON"),
         ("utf16.csv", b"\xff\xfes\0t\0o\0p\0", "is text in UTF-16; save it as UTF-8"),
     ] {
         let file = folder.path().join(name).display().to_string();
         std::fs::write(&file, octets).unwrap();
         // Flags for logs of robots do not make a recording of it.
-        for words in [&["map", &file][..], &["inspect", &file], &["map", &file, "--pan", "0xabcd"], &["map", &file, "--tiles", "2"]] {
+        for words in [
+            &["map", &file][..],
+            &["inspect", &file],
+            &["map", &file, "--pan", "0xabcd"],
+            &["map", &file, "--tiles", "2"],
+        ] {
             let (code, _, stderr) = run(words);
             assert_eq!(code, 2, "{words:?}: {stderr}");
             assert!(stderr.contains(expected), "{words:?}: {stderr}\nshould say: {expected}");
-            assert!(!stderr.contains("is a recording of `run`") && !stderr.contains("MCAP file"), "{words:?}: {stderr}");
+            assert!(
+                !stderr.contains("is a recording of `run`") && !stderr.contains("MCAP file"),
+                "{words:?}: {stderr}"
+            );
         }
     }
 }
@@ -82,7 +114,9 @@ fn parts_of_logs_and_true_positions_that_are_other_files_are_told_too() {
         assert!(code == 2 && stderr.contains("is a web page"), "{words:?}: {stderr}");
     }
     // Commands for recordings say the same.
-    for words in [&["export", &page, "--out", "none"][..], &["recover", &page, "--out", "none.mcap"], &["figure", &page]] {
+    for words in
+        [&["export", &page, "--out", "none"][..], &["recover", &page, "--out", "none.mcap"], &["figure", &page]]
+    {
         let (code, _, stderr) = run(words);
         assert!(code == 2 && stderr.contains("is not an MCAP file, but a web page"), "{words:?}: {stderr}");
     }
@@ -113,10 +147,16 @@ fn a_capture_of_a_network_of_cables_does_not_ask_for_a_path() {
     let file = file.display().to_string();
     let (code, _, stderr) = run(&["map", &file]);
     assert_eq!(code, 2);
-    assert!(stderr.contains("has frames of link type 1 (Ethernet), which do not say which node was heard"), "{stderr}");
+    assert!(
+        stderr.contains("has frames of link type 1 (Ethernet), which do not say which node was heard"),
+        "{stderr}"
+    );
     let (code, stdout, stderr) = run(&["inspect", &file]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stdout.contains("a capture of 2 frames") && stdout.contains("link type 1 (Ethernet): 2 frames"), "{stdout}");
+    assert!(
+        stdout.contains("a capture of 2 frames") && stdout.contains("link type 1 (Ethernet): 2 frames"),
+        "{stdout}"
+    );
     assert!(stdout.contains("it cannot be mapped as it is") && !stdout.contains("--path"), "{stdout}");
 }
 
@@ -143,7 +183,8 @@ fn a_capture_without_a_path_has_contents() {
     let (_, stdout, _) = run(&["inspect", &file, "--format", "json"]);
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let senders = json["capture"]["senders"].as_array().unwrap();
-    let found: Vec<_> = senders.iter().map(|at| (at["node"].as_str().unwrap(), at["frames"].as_u64().unwrap())).collect();
+    let found: Vec<_> =
+        senders.iter().map(|at| (at["node"].as_str().unwrap(), at["frames"].as_u64().unwrap())).collect();
     assert_eq!(found, [("0x0001", 2), ("0x0002", 1)]);
     let (_, stdout, _) = run(&["inspect", &kept("captures/tap.pcap").display().to_string()]);
     assert!(stdout.contains("dBm") && stdout.contains("283 (IEEE 802.15.4 TAP)"), "{stdout}");
@@ -159,7 +200,10 @@ fn ranges_are_not_taken_for_packets() {
     let drive = folder(&files);
     let (code, _, stderr) = run(&["map", &drive.path().display().to_string()]);
     assert_eq!(code, 2, "{stderr}");
-    assert!(stderr.contains("`ranges.csv` has ranges, and no packets") && stderr.contains("`--packets ranges.csv`"), "{stderr}");
+    assert!(
+        stderr.contains("`ranges.csv` has ranges, and no packets") && stderr.contains("`--packets ranges.csv`"),
+        "{stderr}"
+    );
     // By its columns, whatever its name is.
     let named = folder(&[files[0], ("uwb.csv", files[1].1)]);
     let (code, _, stderr) = run(&["map", &named.path().display().to_string()]);
@@ -178,7 +222,10 @@ fn ranges_are_not_taken_for_packets() {
 fn a_folder_without_a_log_says_what_it_has() {
     let folder = folder(&[("walk.gpx.gz", "\u{1f}"), ("photo.jpg", "x")]);
     let (code, _, stderr) = run(&["map", &folder.path().display().to_string()]);
-    assert!(code == 2 && stderr.contains("has no log") && stderr.contains("its other files: photo.jpg, walk.gpx.gz"), "{stderr}");
+    assert!(
+        code == 2 && stderr.contains("has no log") && stderr.contains("its other files: photo.jpg, walk.gpx.gz"),
+        "{stderr}"
+    );
     let missing = Path::new("/nonexistent/log").display().to_string();
     let (code, _, stderr) = run(&["map", &missing]);
     assert!(code == 2 && stderr.contains("cannot read"), "{stderr}");

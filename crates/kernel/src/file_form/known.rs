@@ -17,7 +17,8 @@ const fn mark(at: usize, octets: &'static [u8], what: &'static str, helps: &'sta
 const EDITCAP: &str = "make a plain capture of it: `editcap -F pcap FILE NEW.pcap` (of Wireshark)";
 const PICTURE: &str = "give the file with the numbers of which it was drawn";
 const SPREADSHEET: &str = "save each sheet as CSV (UTF-8)";
-const DATA_FRAME: &str = "write it as CSV, in Python: `pandas.read_parquet(\"FILE\").to_csv(\"NEW.csv\", index=False)`";
+const DATA_FRAME: &str =
+    "write it as CSV, in Python: `pandas.read_parquet(\"FILE\").to_csv(\"NEW.csv\", index=False)`";
 const UTF_16: &str = "save it as UTF-8: `iconv -f UTF-16 -t UTF-8 FILE > NEW.csv`";
 
 /// The marks, of which the first one that fits counts.
@@ -38,7 +39,12 @@ const MARKS: &[Mark] = &[
     mark(0, b"\x34\xcd\xb2\xa1", "a modified pcap capture (magic number a1b2cd34)", EDITCAP),
     mark(0, b"\xa1\xb2\xcd\x34", "a modified pcap capture (magic number a1b2cd34)", EDITCAP),
     mark(0, b"snoop\0\0\0", "a capture of snoop", EDITCAP),
-    mark(0, b"btsnoop\0", "a capture of Bluetooth (btsnoop), which has no frames of IEEE 802.15.4 or 802.11", "give a capture of the nodes"),
+    mark(
+        0,
+        b"btsnoop\0",
+        "a capture of Bluetooth (btsnoop), which has no frames of IEEE 802.15.4 or 802.11",
+        "give a capture of the nodes",
+    ),
     mark(0, b"GMBU", "a capture of Microsoft Network Monitor", EDITCAP),
     mark(0, b"\x7fver", "a capture of OmniPeek", EDITCAP),
     mark(0, b"#Format=4", "a capture of a Daintree SNA, as KillerBee writes it (.dcf, .dump)", EDITCAP),
@@ -48,7 +54,12 @@ const MARKS: &[Mark] = &[
         "a pointer of Git LFS, not the file itself",
         "fetch the file: `git lfs pull` in its repository",
     ),
-    mark(0, b"/annex/objects/", "a pointer of git-annex, not the file itself", "fetch the file: `git annex get FILE`"),
+    mark(
+        0,
+        b"/annex/objects/",
+        "a pointer of git-annex, not the file itself",
+        "fetch the file: `git annex get FILE`",
+    ),
     mark(
         0,
         b"#ROSBAG V",
@@ -61,7 +72,12 @@ const MARKS: &[Mark] = &[
         "the metadata of a ROS 2 bag",
         "give the folder of the bag, which has the messages",
     ),
-    mark(0, b"SQLite format 3\0", "a database of SQLite", "of a ROS 2 bag, give the folder that has its metadata.yaml"),
+    mark(
+        0,
+        b"SQLite format 3\0",
+        "a database of SQLite",
+        "of a ROS 2 bag, give the folder that has its metadata.yaml",
+    ),
     mark(0, b"ULog\x01\x12\x35", "a flight log of PX4 (ULog)", "make CSV files of it: `ulog2csv FILE` (pyulog)"),
     mark(0, b"\xa3\x95\x80", "a flight log of ArduPilot", "make CSV files of it: `mavlogdump.py --format csv FILE`"),
     mark(
@@ -71,11 +87,21 @@ const MARKS: &[Mark] = &[
         "make GPX of it: `gpsbabel -i garmin_fit -f FILE -o gpx -F NEW.gpx`",
     ),
     mark(0, b"PAR1", "a Parquet table", DATA_FRAME),
-    mark(0, b"ARROW1", "an Arrow table", "write it as CSV, in Python: `pandas.read_feather(\"FILE\").to_csv(\"NEW.csv\")`"),
+    mark(
+        0,
+        b"ARROW1",
+        "an Arrow table",
+        "write it as CSV, in Python: `pandas.read_feather(\"FILE\").to_csv(\"NEW.csv\")`",
+    ),
     mark(0, b"\x89HDF\r\n\x1a\n", "an HDF5 file (so are MATLAB files of version 7.3)", "write its arrays as CSV"),
     mark(0, b"MATLAB ", "a MATLAB file", "write its variables as CSV: `writetable`, or scipy.io.loadmat in Python"),
     mark(0, b"\x93NUMPY", "an array of NumPy", "write it as CSV: `numpy.savetxt`"),
-    mark(0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a file of an old Office program (an Excel table .xls, say)", SPREADSHEET),
+    mark(
+        0,
+        b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
+        "a file of an old Office program (an Excel table .xls, say)",
+        SPREADSHEET,
+    ),
     mark(0, b"%PDF", "a PDF document", "give the table as CSV; a printed one is not read"),
     mark(0, b"{\\rtf", "a text of a word processor (RTF)", "save it as plain text in UTF-8"),
     mark(0, b"\x89PNG\r\n\x1a\n", "a picture (PNG)", PICTURE),
@@ -89,7 +115,12 @@ const MARKS: &[Mark] = &[
     mark(4, b"ftyp", "a film (MP4)", "give a log, not a film"),
     mark(0, b"\x7fELF", "a program", "give the file that it writes"),
     mark(0, b"MZ\x90\0", "a program", "give the file that it writes"),
-    mark(0, b"// CST Farfield Source File", "a far field of CST (.ffs), which has field strengths", "export the gain as text"),
+    mark(
+        0,
+        b"// CST Farfield Source File",
+        "a far field of CST (.ffs), which has field strengths",
+        "export the gain as text",
+    ),
     mark(0, b"<<<<<<< ", "a text with conflicts of a merge", "settle the conflicts first"),
     mark(0, b"-----BEGIN ", "a key, a certificate or an encrypted message", "give the file itself"),
 ];
@@ -116,7 +147,10 @@ fn archive(head: &[u8]) -> FileForm {
     } else if has(b"word/") || has(b"application/vnd.oasis.opendocument.text") {
         ("a text of a word processor (.docx, .odt)", "save its table as CSV (UTF-8)")
     } else if has(b".kml") {
-        ("a track of Google Earth (.kmz)", "make GPX of it: `gpsbabel -i kml -f FILE -o gpx -F NEW.gpx`, after `unzip FILE`")
+        (
+            "a track of Google Earth (.kmz)",
+            "make GPX of it: `gpsbabel -i kml -f FILE -o gpx -F NEW.gpx`, after `unzip FILE`",
+        )
     } else if has(b"[Content_Types].xml") {
         ("a file of an Office program (an Excel table .xlsx, say)", SPREADSHEET)
     } else {

@@ -53,7 +53,9 @@ pub(super) fn root(text: &str) -> Option<String> {
             _ if markup.starts_with("!--") => "-->",
             _ if markup.starts_with('?') => "?>",
             _ if markup.get(..8).is_some_and(|word| word.eq_ignore_ascii_case("!doctype")) => {
-                let named = markup[8..].split(|c: char| c.is_whitespace() || c == '>' || c == '[').find(|word| !word.is_empty());
+                let named = markup[8..]
+                    .split(|c: char| c.is_whitespace() || c == '>' || c == '[')
+                    .find(|word| !word.is_empty());
                 return named.map(local);
             }
             _ => {

@@ -20,7 +20,10 @@ fn files_of_other_programs_are_called_by_their_names_with_what_helps() {
         (b"7z\xbc\xaf\x27\x1c\0", "an archive of 7-Zip"),
         (&tar, "an archive of tar"),
         (&zip("data.csv"), "a zip archive; unpack it: `unzip a.bin`"),
-        (&zip("[Content_Types].xml .. xl/workbook.xml"), "a table of a spreadsheet program (.xlsx, .ods); save each sheet"),
+        (
+            &zip("[Content_Types].xml .. xl/workbook.xml"),
+            "a table of a spreadsheet program (.xlsx, .ods); save each sheet",
+        ),
         (b"\x34\xcd\xb2\xa1\x02\0\x04\0", "a modified pcap capture (magic number a1b2cd34); make a plain"),
         (b"\xa1\xb2\xcd\x34\0\x02\0\x04", "a modified pcap capture"),
         (b"#Format=4\r\n# SNA v2.2.0.4 SUS:20090709 ACT:819705\r\n", "a capture of a Daintree SNA, as KillerBee"),
@@ -35,7 +38,10 @@ fn files_of_other_programs_are_called_by_their_names_with_what_helps() {
         (&utf_16, "text in UTF-16"),
         (b"\xef\xbb\xbf<!DOCTYPE html>\n<html lang=\"en\">", "a web page"),
         (b"\n<HTML><body>", "a web page"),
-        (b"<?xml version=\"1.0\"?>\n<!-- a -->\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">", "a track of Google Earth"),
+        (
+            b"<?xml version=\"1.0\"?>\n<!-- a -->\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">",
+            "a track of Google Earth",
+        ),
         (b"<?xml version=\"1.0\"?><ns3:TrainingCenterDatabase>", "a track of a sports watch (TCX)"),
         (b"<robot name=\"r\">", "a document in XML of an unknown kind"),
         (b"{\"type\": \"FeatureCollection\", \"features\": []}", "GeoJSON, which has places without times"),

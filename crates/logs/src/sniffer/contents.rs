@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
+use serde::Serialize;
 use sextant_kernel::SimTime;
 use sextant_kernel::text::{counted, printable};
-use serde::Serialize;
 
 use super::super::instant;
 use super::super::sniffer_error::SnifferError;
@@ -87,7 +87,8 @@ pub(in super::super) fn contents(path: &Path, options: &SnifferOptions) -> Resul
         }
         let Some(frame) = sender::heard(link, octets, is_cut, fcs) else { return Ok(()) };
         let is_wanted = |pan: Option<u16>| options.pan.is_none() || pan == options.pan;
-        let frame = frame.and_then(|heard| if is_wanted(heard.sender.pan) { Ok(heard) } else { Err(Skipped::OtherPan) });
+        let frame =
+            frame.and_then(|heard| if is_wanted(heard.sender.pan) { Ok(heard) } else { Err(Skipped::OtherPan) });
         count.take(&frame);
         let Ok(heard) = frame else { return Ok(()) };
         // Short addresses are unique within their network.

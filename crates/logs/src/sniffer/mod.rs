@@ -32,8 +32,8 @@ use super::reciprocal::Roles;
 use super::sniffer_error::SnifferError;
 use super::sniffer_options::{FcsField, SnifferOptions};
 
-pub use self::contents::{CaptureContents, CapturedLink, CapturedSender};
 pub(super) use self::contents::contents;
+pub use self::contents::{CaptureContents, CapturedLink, CapturedSender};
 
 /// Whether the file `path` is a capture.
 #[must_use]
@@ -174,8 +174,11 @@ fn frames<E: From<SnifferError>>(
 ) -> Result<End, E> {
     let (pan, fcs) = (options.pan, options.fcs.unwrap_or(FcsField::Checked));
     container::frames::<E>(capture, &mut |Captured { time, link, octets, is_cut }| {
-        let frame = sender::heard(link, octets, is_cut, fcs)
-            .ok_or_else(|| SnifferError::UnknownLink { path: capture.to_owned(), link, name: links::name(link) })?;
+        let frame = sender::heard(link, octets, is_cut, fcs).ok_or_else(|| SnifferError::UnknownLink {
+            path: capture.to_owned(),
+            link,
+            name: links::name(link),
+        })?;
         let is_wanted = |heard: &Heard| pan.is_none() || heard.sender.pan == pan;
         let frame = frame.and_then(|heard| if is_wanted(&heard) { Ok(heard) } else { Err(Skipped::OtherPan) });
         match time {

@@ -232,6 +232,9 @@ mod tests {
         let ack = [0x02, 0x00, 0x6A, 0xE4, 0x79];
         assert_eq!(heard(link::WITH_FCS, &ack, false, FcsField::Checked), Some(Err(Skipped::NoSource)));
         assert_eq!(heard(link::WITHOUT_FCS, &DATA[..7], false, FcsField::Checked), Some(Err(Skipped::TooShort)));
-        assert_eq!(heard(link::WITHOUT_FCS, &[0x04, 0x00, 0x01], false, FcsField::Checked), Some(Err(Skipped::Invalid)));
+        assert_eq!(
+            heard(link::WITHOUT_FCS, &[0x04, 0x00, 0x01], false, FcsField::Checked),
+            Some(Err(Skipped::Invalid))
+        );
     }
 }

@@ -57,7 +57,11 @@ impl Measured {
             return flaw(format!("one azimuth, {}", azimuths.first_deg), "two or more azimuths".into());
         }
         if azimuths.is_turn_of_radians() {
-            let found = format!("azimuths from {} to {}, which is once around in radians", azimuths.first_deg, azimuths.last_deg());
+            let found = format!(
+                "azimuths from {} to {}, which is once around in radians",
+                azimuths.first_deg,
+                azimuths.last_deg()
+            );
             return flaw(found, "degrees".into());
         }
         if azimuths.last_deg() - azimuths.first_deg > 360.0 - 0.5 * azimuths.step_deg {

@@ -99,11 +99,9 @@ fn degrees(rad: f64) -> f64 {
 fn unit(name: &str, span: Span, given: Option<AngleUnit>) -> Result<AngleUnit, ConvertError> {
     let named = ColumnName::of(name).angle_unit();
     match (given, named) {
-        (Some(given), Some(named)) if given != named => Err(ConvertError::AngleUnits {
-            name: name.to_owned(),
-            named: named.word(),
-            given: given.word(),
-        }),
+        (Some(given), Some(named)) if given != named => {
+            Err(ConvertError::AngleUnits { name: name.to_owned(), named: named.word(), given: given.word() })
+        }
         (Some(unit), _) => Ok(unit),
         (None, Some(AngleUnit::Degrees)) if span.is_turn_of_radians() => Err(doubtful(name, span)),
         (None, Some(unit)) => Ok(unit),
@@ -123,7 +121,9 @@ fn origin(name: &str, span: Span, names: &SourceNames) -> Result<Origin, Convert
     match ColumnName::of(name).plain.as_str() {
         _ if names.from_zenith => Ok(Origin::Zenith),
         _ if by_user => Ok(Origin::Horizon),
-        "zenith" | "zenithangle" | "zenithangles" | "polar" | "polarangle" | "inclination" | "colatitude" => Ok(Origin::Zenith),
+        "zenith" | "zenithangle" | "zenithangles" | "polar" | "polarangle" | "inclination" | "colatitude" => {
+            Ok(Origin::Zenith)
+        }
         "theta" | "thetas" | "thetaangle" => {
             if span.least >= 0.0 && span.greatest > 90.0 {
                 Ok(Origin::Zenith)

@@ -21,7 +21,8 @@ pub(super) fn rows(variables: &BTreeMap<String, Array>, names: &SourceNames) -> 
         found: format!("the variables `{}`", known.join("`, `")),
         allowed: format!("a variable called `{}`, or its name", usual.join("`, `")),
     };
-    let (azimuth_name, azimuths) = take(names.azimuth.as_deref(), &AZIMUTH).ok_or_else(|| missing("azimuths", &AZIMUTH))?;
+    let (azimuth_name, azimuths) =
+        take(names.azimuth.as_deref(), &AZIMUTH).ok_or_else(|| missing("azimuths", &AZIMUTH))?;
     let (gain_name, gains) = take(names.gain.as_deref(), &GAIN).ok_or_else(|| missing("gains", &GAIN))?;
     let elevations = take(names.elevation.as_deref(), &ELEVATION);
     if names.elevation.is_some() && elevations.is_none() {

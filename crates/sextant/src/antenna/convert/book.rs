@@ -109,7 +109,10 @@ impl Rows {
         } else {
             ""
         };
-        ConvertError::UnknownUnit { name: name.to_owned(), found: format!("values from {least} to {greatest}{as_what}") }
+        ConvertError::UnknownUnit {
+            name: name.to_owned(),
+            found: format!("values from {least} to {greatest}{as_what}"),
+        }
     }
 
     /// The code book of these gains, in this unit.

@@ -53,7 +53,9 @@ pub enum ConvertError {
         allowed: String,
     },
     /// Nothing says the unit of the gains.
-    #[error("the unit of the gains `{name}` is not known: found {found}; allowed: a given unit, `linear`, `db` or `dbi`")]
+    #[error(
+        "the unit of the gains `{name}` is not known: found {found}; allowed: a given unit, `linear`, `db` or `dbi`"
+    )]
     UnknownUnit {
         /// What they are called.
         name: String,
@@ -61,7 +63,9 @@ pub enum ConvertError {
         found: String,
     },
     /// Nothing says whether angles are degrees or radians.
-    #[error("the unit of the angles `{name}` is not known: found {found}, as angles in radians are; allowed: a given unit, radians or degrees")]
+    #[error(
+        "the unit of the angles `{name}` is not known: found {found}, as angles in radians are; allowed: a given unit, radians or degrees"
+    )]
     UnknownAngles {
         /// What they are called.
         name: String,

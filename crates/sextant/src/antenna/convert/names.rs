@@ -147,9 +147,9 @@ impl ColumnName {
         let bracketed = last.rfind('[').and_then(|at| Some((&last[..at], last[at + 1..].split_once(']')?.0)));
         let (base, bracket) = bracketed.map_or((last, None), |(base, unit)| (base, Some(unit)));
         let mut plain = letters(base);
-        let decibels = ["db", "db10", "db20"].into_iter().find(|word| {
-            base.trim().to_lowercase().starts_with(&format!("{word}("))
-        });
+        let decibels = ["db", "db10", "db20"]
+            .into_iter()
+            .find(|word| base.trim().to_lowercase().starts_with(&format!("{word}(")));
         if let Some(word) = decibels {
             plain = plain.trim_start_matches(word).to_owned();
         }

@@ -35,12 +35,14 @@ pub(super) fn rows(text: &str, names: &SourceNames) -> Result<Source, ConvertErr
     if names.sector.is_some() && sector.is_none() {
         return Err(missing("column of sectors", &SECTOR));
     }
-    let gains = Gains::of(&known, [Some(azimuth), elevation, sector], names, &mut notes).ok_or_else(|| match sector {
-        Some(_) => missing("column of gains", &GAIN),
-        None => missing("column of gains, and no column for each sector", &GAIN),
-    })??;
-    let used =
-        |i: usize| i == azimuth || Some(i) == elevation || Some(i) == sector || gains.columns.iter().any(|&(at, _)| at == i);
+    let gains =
+        Gains::of(&known, [Some(azimuth), elevation, sector], names, &mut notes).ok_or_else(|| match sector {
+            Some(_) => missing("column of gains", &GAIN),
+            None => missing("column of gains, and no column for each sector", &GAIN),
+        })??;
+    let used = |i: usize| {
+        i == azimuth || Some(i) == elevation || Some(i) == sector || gains.columns.iter().any(|&(at, _)| at == i)
+    };
     let unused: Vec<&str> = (0..known.len()).filter(|&i| !used(i)).map(|i| known[i]).collect();
     if !unused.is_empty() {
         notes.push(format!("not used: the columns `{}`", unused.join("`, `")));
@@ -112,14 +114,19 @@ impl Gains {
         if sector.is_none() && names.gain.is_none() {
             let columns: Vec<_> = free().filter_map(|(at, name)| Some((at, Some(owner_of(name)?)))).collect();
             if let (Some(&(first, _)), Some(&(last, _))) = (columns.first(), columns.last()) {
-                let mut units: Vec<_> = columns.iter().map(|&(at, _)| ColumnName::of(known[at]).gain_unit()).collect();
+                let mut units: Vec<_> =
+                    columns.iter().map(|&(at, _)| ColumnName::of(known[at]).gain_unit()).collect();
                 units.dedup();
                 let is_snr = columns.iter().all(|&(at, _)| plain(known[at]).starts_with("snr"));
                 let unit = match units[..] {
                     [Some(unit)] => Some(unit),
                     _ => is_snr.then_some(GainUnit::Relative),
                 };
-                let name = if first == last { known[first].to_owned() } else { format!("{}` to `{}", known[first], known[last]) };
+                let name = if first == last {
+                    known[first].to_owned()
+                } else {
+                    format!("{}` to `{}", known[first], known[last])
+                };
                 return Some(Ok(Self { columns, unit, name }));
             }
         }
@@ -130,7 +137,8 @@ impl Gains {
             }
             return Some(of_one(at));
         }
-        let found: Vec<usize> = free().filter(|(_, name)| GAIN.contains(&plain(name).as_str())).map(|(at, _)| at).collect();
+        let found: Vec<usize> =
+            free().filter(|(_, name)| GAIN.contains(&plain(name).as_str())).map(|(at, _)| at).collect();
         match found[..] {
             [] => None,
             [only] => {
@@ -140,7 +148,9 @@ impl Gains {
                 Some(of_one(only))
             }
             // Of several in one table, it must be said which.
-            _ => Some(Err(ConvertError::SeveralGains { found: found.iter().map(|&at| known[at].to_owned()).collect() })),
+            _ => Some(Err(ConvertError::SeveralGains {
+                found: found.iter().map(|&at| known[at].to_owned()).collect(),
+            })),
         }
     }
 }

@@ -72,7 +72,9 @@ fn theta_is_the_angle_from_the_zenith_where_it_can_be_nothing_else_and_asked_for
     let spherical = |azimuth: i32, elevation: i32| (f64::from(azimuth), f64::from(90 - elevation));
     let level = |azimuth: i32, elevation: i32| (f64::from(azimuth), f64::from(elevation));
     let none = SourceNames::default();
-    for header in ["phi,theta,gain", "Phi [deg.],Theta [deg.],gain", "φ,θ,gain", "azimuth,zenith,gain", "phi,polar angle,gain"] {
+    for header in
+        ["phi,theta,gain", "Phi [deg.],Theta [deg.],gain", "φ,θ,gain", "azimuth,zenith,gain", "phi,polar angle,gain"]
+    {
         let book = converted(&beam(header, spherical), &none).unwrap();
         assert_eq!(peak(&book), (90.0, 0.0), "{header}");
     }
@@ -96,15 +98,26 @@ fn theta_is_the_angle_from_the_zenith_where_it_can_be_nothing_else_and_asked_for
 
 #[test]
 fn angles_that_cannot_be_degrees_are_asked_for() {
-    let radians = |azimuth: i32, elevation: i32| (f64::from(azimuth).to_radians(), f64::from(90 - elevation).to_radians());
+    let radians =
+        |azimuth: i32, elevation: i32| (f64::from(azimuth).to_radians(), f64::from(90 - elevation).to_radians());
     let none = SourceNames::default();
     let of = |unit| SourceNames { angles: Some(unit), ..SourceNames::default() };
     let around = |azimuth: i32, elevation: i32| (f64::from(azimuth + 180).to_radians(), f64::from(elevation));
     for (text, name) in [
         (beam("phi,theta,gain", radians), "phi"),
         (beam("azimuth,elevation,gain", around), "azimuth"),
-        (beam("azimuth,theta,gain", |azimuth, elevation| (f64::from(azimuth), f64::from(90 - elevation).to_radians())), "theta"),
-        (beam("azimuth,elevation,gain", |azimuth, elevation| (f64::from(azimuth), f64::from(elevation).to_radians())), "elevation"),
+        (
+            beam("azimuth,theta,gain", |azimuth, elevation| {
+                (f64::from(azimuth), f64::from(90 - elevation).to_radians())
+            }),
+            "theta",
+        ),
+        (
+            beam("azimuth,elevation,gain", |azimuth, elevation| {
+                (f64::from(azimuth), f64::from(elevation).to_radians())
+            }),
+            "elevation",
+        ),
         // The name says degrees, but they go once around.
         (beam("phi_deg,el,gain", around), "phi_deg"),
         ("phi,gain\n0,1\n1.5708,2\n3.1416,3\n4.7124,2\n".to_owned(), "phi"),
@@ -124,7 +137,10 @@ fn angles_that_cannot_be_degrees_are_asked_for() {
     assert!(converted("azimuth,gain\n-1,1\n0,2\n1,1\n", &none).is_ok());
     assert!(converted("azimuth_deg,gain\n-1.5,1\n0,2\n1.5,1\n", &none).is_ok());
     let problem = converted("phi_deg,gain\n0,1\n90,2\n", &of(AngleUnit::Radians)).unwrap_err();
-    assert!(problem.contains("the angles `phi_deg` are in degrees by their name, but radians are given"), "{problem}");
+    assert!(
+        problem.contains("the angles `phi_deg` are in degrees by their name, but radians are given"),
+        "{problem}"
+    );
 }
 
 #[test]
@@ -177,14 +193,19 @@ fn patterns_of_antenna_programs_are_read_as_they_write_them() {
     );
     // FEKO: the names are in the last comment.
     let feko = rows.iter().fold(
-        "##File Type: Far field\n#No. of Theta Samples: 3\n#   \"Theta\"  \"Phi\"  \"Re(Etheta)\"  \"Gain(Total)\"\n".to_owned(),
+        "##File Type: Far field\n#No. of Theta Samples: 3\n#   \"Theta\"  \"Phi\"  \"Re(Etheta)\"  \"Gain(Total)\"\n"
+            .to_owned(),
         |text, (theta, phi, gain)| text + &format!("   {theta}.0E+00 {phi}.0E+00 1.0E-02 {gain}\n"),
     );
     let none = SourceNames::default();
     let [cst, hfss, feko] = [(cst, None), (hfss, None), (feko, Some(GainUnit::Dbi))].map(|(text, unit)| {
         let book = table(&text, &none, unit).unwrap();
         assert_eq!((book.sectors, book.directions, book.unit), (1, 6, GainUnit::Dbi), "{text}");
-        assert!(book.notes.iter().any(|note| note.contains("the table is one pattern, that of sector 0")), "{:?}", book.notes);
+        assert!(
+            book.notes.iter().any(|note| note.contains("the table is one pattern, that of sector 0")),
+            "{:?}",
+            book.notes
+        );
         book.text
     });
     assert_eq!((&cst, &cst), (&hfss, &feko));
@@ -197,7 +218,11 @@ fn files_that_are_no_tables_of_gains_are_named() {
     let folder = std::env::temp_dir().join(format!("sextant-convert-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     for (name, octets, expected) in [
-        ("a.msi", &b"NAME a\nFREQUENCY 2400\nGAIN 15 dBd\nHORIZONTAL 360\n0 0.0\n1 0.1\n"[..], "a pattern in the format of MSI and Planet"),
+        (
+            "a.msi",
+            &b"NAME a\nFREQUENCY 2400\nGAIN 15 dBd\nHORIZONTAL 360\n0 0.0\n1 0.1\n"[..],
+            "a pattern in the format of MSI and Planet",
+        ),
         ("a.out", b"   - - - RADIATION PATTERNS - - -\n  THETA PHI VERT. HOR. TOTAL\n", "an output of NEC"),
         ("a.ffs", b"// CST Farfield Source File \n\n// Version:\n3.0\n", "a far field of CST (.ffs)"),
         ("a.ffd", b"0 180 19\n-180 180 37\nFrequencies 1\nFrequency 2.4e9\n", "a far field of HFSS (.ffd)"),
