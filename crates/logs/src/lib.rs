@@ -96,6 +96,7 @@ mod stops;
 mod strengths;
 mod table;
 mod table_file;
+mod table_head;
 mod table_source;
 mod time_zone;
 mod times;

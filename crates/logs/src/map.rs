@@ -7,6 +7,7 @@ use sextant_channel::Position;
 use sextant_mapper::{Concern, CoordinateFrame, TopologyMap};
 
 use super::error::RobotLogError;
+use super::field_names::FieldNames;
 use super::geojson;
 use super::local_plane::LocalPlane;
 use super::output::Output;

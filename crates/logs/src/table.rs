@@ -2,21 +2,19 @@
 //! row, and the column.
 
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use csv::StringRecord;
 use sextant_kernel::text::{of_cell, shortened};
 
 use super::csv_file::{CsvFile, CsvStyle, Heading};
-
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
-use super::header::{self, Header, Known, Others};
-use super::log_part::{LogPart, RowAddress};
+use super::header::{self, Known, Others};
+use super::log_part::LogPart;
 use super::memory_table::{Cell, MemoryTable};
 use super::table_file::TableFile;
+use super::table_head::Head;
 use super::table_source::TableSource;
 
 /// A table whose header was read.
@@ -34,13 +32,6 @@ enum Body<'a> {
         first: Option<CsvFile>,
     },
     Memory(&'a MemoryTable<'a>),
-}
-
-/// What is known of a table besides its rows.
-pub(super) struct Head {
-    pub(super) part: LogPart,
-    header: Header,
-    style: CsvStyle,
 }
 
 /// A column by name, and its index in a row if the table has it.
@@ -90,9 +81,7 @@ impl<'a> Table<'a> {
             TableSource::Files(files) => Self::open_files(files, known),
             TableSource::Memory(table) => {
                 let part = LogPart::Table(table.name().to_owned());
-                let mut head = Head { part, header: Header::default(), style: CsvStyle::default() };
-                let header = Header::new(table.column_names(), known, &head.part);
-                head.header = header.map_err(|problem| head.wrong_header(problem))?;
+                let head = Head::of(part, CsvStyle::default()).with_columns(table.column_names(), known)?;
                 Ok(Self { head, body: Body::Memory(table) })
             }
         }
@@ -105,7 +94,7 @@ impl<'a> Table<'a> {
         let mut whole: Option<Head> = None;
         let mut first = None;
         for file in &files {
-            let (of_file, csv) = file.open(heading)?;
+            let (of_file, csv) = open_file(file, heading)?;
             let is_known = |name: &String| {
                 known.names.gives(name) || known.required.iter().chain(known.optional).any(|known| known == name)
             };
@@ -132,26 +121,25 @@ impl<'a> Table<'a> {
                 names.extend(more);
             }
         }
-        let mut head = whole.unwrap_or_else(|| Head::of_file(Path::new(""), CsvStyle::default()));
-        let header = Header::new(names.iter().map(String::as_str), known, &head.part);
-        head.header = header.map_err(|problem| head.wrong_header(problem))?;
+        let head = whole.unwrap_or_else(|| Head::of_file(Path::new(""), CsvStyle::default()));
+        let head = head.with_columns(names.iter().map(String::as_str), known)?;
         Ok(Self { head, body: Body::Files { files, heading, first } })
     }
 
     /// The column `name`.
     pub(super) fn column(&self, name: &'static str) -> Column {
-        Column { name, at: self.head.header.find(name) }
+        Column { name, at: self.head.header().find(name) }
     }
 
     /// The indices and names of the columns that are not known.
     pub(super) fn unknown(&self) -> impl Iterator<Item = (usize, &str)> {
-        let header = &self.head.header;
+        let header = self.head.header();
         header.unknown().map(|at| (at, header.all_written()[at].as_str()))
     }
 
     /// A note on the columns that are ignored, if there are any.
     pub(super) fn ignored(&self) -> Option<String> {
-        let names = self.head.header.ignored_names()?;
+        let names = self.head.header().ignored_names()?;
         Some(format!("{}: ignored columns: {names}", self.head.name()))
     }
 
@@ -162,7 +150,7 @@ impl<'a> Table<'a> {
 
     /// How the user can say that a column with another name is the known one `key`, for an error.
     pub(super) fn hint(&self, key: &str) -> String {
-        self.head.header.hint(key)
+        self.head.header().hint(key)
     }
 
     /// Name of the file without its folder, or of the table in memory.
@@ -191,9 +179,9 @@ impl<'a> Table<'a> {
                 for file in &files {
                     let csv = match first.take() {
                         Some(csv) => csv,
-                        None => file.open(heading)?.1,
+                        None => open_file(file, heading)?.1,
                     };
-                    file.rows(csv, &head, &mut visit)?;
+                    rows_of_file((file, csv), &head, &mut visit)?;
                 }
             }
             Body::Memory(table) => {
@@ -203,118 +191,6 @@ impl<'a> Table<'a> {
             }
         }
         Ok(head)
-    }
-}
-
-impl Head {
-    /// That of a file whose columns are not known yet.
-    pub(super) fn of_file(path: &Path, style: CsvStyle) -> Self {
-        Self { part: path.into(), header: Header::default(), style }
-    }
-
-    /// That of a file whose rows have the columns of this table.
-    pub(super) fn for_file(&self, path: &Path, style: CsvStyle) -> Self {
-        Self { part: path.into(), header: self.header.clone(), style }
-    }
-
-    /// The names of the columns as written.
-    pub(super) fn all_written(&self) -> &[String] {
-        self.header.all_written()
-    }
-
-    /// Whether a comma in a number is its decimal mark.
-    pub(super) const fn has_decimal_comma(&self) -> bool {
-        self.style.decimal_comma
-    }
-
-    /// The name of the column `known` as the file has it.
-    pub(super) fn written<'a>(&'a self, known: &'a str) -> &'a str {
-        self.header.written(known)
-    }
-
-    /// The name of the column with this index.
-    pub(super) fn written_at(&self, at: usize) -> &str {
-        &self.header.all_written()[at]
-    }
-
-    /// Name of the file without its folder, or of the table in memory.
-    pub(super) fn name(&self) -> String {
-        self.part.name()
-    }
-
-    /// The address of the row at `offset`.
-    pub(super) fn address(&self, offset: u64) -> RowAddress {
-        match &self.part {
-            LogPart::File(path) => RowAddress::File { path: path.clone(), line: self.line(path, offset) },
-            LogPart::Table(name) => RowAddress::Table { name: name.clone(), row: usize::try_from(offset).ok() },
-        }
-    }
-
-    /// The error that the header is wrong.
-    pub(super) fn wrong_header(&self, problem: impl Into<String>) -> RobotLogError {
-        let at = match &self.part {
-            LogPart::File(path) => RowAddress::File { path: path.clone(), line: 1 },
-            LogPart::Table(name) => RowAddress::Table { name: name.clone(), row: None },
-        };
-        RobotLogError::Row { at, problem: problem.into() }
-    }
-
-    /// Line of the row of the file `path` that begins at `offset`, counted from 1. The reader's own count is wrong after a
-    /// blank line and after a line that ends in two characters, so the file is read once more, up to the row.
-    fn line(&self, path: &Path, offset: u64) -> usize {
-        let lines = || -> std::io::Result<usize> {
-            let mut input = BufReader::new(File::open(path)?);
-            let mut line = 1;
-            let mut before = (&mut input).take(self.style.skipped + offset);
-            loop {
-                let octets = before.fill_buf()?;
-                if octets.is_empty() {
-                    break;
-                }
-                line += octets.iter().filter(|&&octet| octet == b'\n').count();
-                let length = octets.len();
-                before.consume(length);
-            }
-            // Blank lines before a row belong to it.
-            for octet in input.bytes() {
-                match octet? {
-                    b'\n' => line += 1,
-                    b'\r' => {}
-                    _ => break,
-                }
-            }
-            Ok(line)
-        };
-        lines().unwrap_or(1)
-    }
-
-    /// The error that the row at `offset` is wrong as a whole.
-    pub(super) fn wrong_row(&self, offset: u64, problem: impl Into<String>) -> RobotLogError {
-        RobotLogError::Row { at: self.address(offset), problem: problem.into() }
-    }
-
-    pub(super) fn malformed(&self, why: &csv::Error) -> RobotLogError {
-        let offset = why.position().map_or(0, csv::Position::byte);
-        let problem = match why.kind() {
-            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                let hint = if *len > *expected_len && !self.style.decimal_comma {
-                    "; a decimal comma needs `;` or a tab between the cells"
-                } else {
-                    ""
-                };
-                format!("{len} cells, but the header has {expected_len} columns{hint}")
-            }
-            csv::ErrorKind::Utf8 { .. } => "not UTF-8 text".to_owned(),
-            _ => why.to_string(),
-        };
-        self.wrong_row(offset, problem)
-    }
-}
-
-impl<'a> Row<'a> {
-    /// The row of a file with these cells, which begins at `offset`.
-    pub(super) const fn of_file(head: &'a Head, record: &'a StringRecord, offset: u64) -> Self {
-        Self { head, cells: Cells::File(record), offset }
     }
 }
 
@@ -338,7 +214,7 @@ impl Row<'_> {
         match self.cells {
             Cells::File(record) => {
                 let text = record.get(at).unwrap_or("");
-                Cell::Text(of_cell(if self.head.style.has_blanks { without_blanks(text) } else { text }))
+                Cell::Text(of_cell(if self.head.has_blanks() { without_blanks(text) } else { text }))
             }
             Cells::Memory { table, row } => table.cell(at, row),
         }
@@ -359,4 +235,41 @@ fn without_blanks(text: &str) -> &str {
     let text = text.trim();
     let unquoted = text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
     unquoted.unwrap_or(text)
+}
+
+/// Opens a file of a table.
+fn open_file(file: &TableFile, heading: Heading) -> Result<(Head, CsvFile), RobotLogError> {
+    let csv = CsvFile::open(&file.path, heading)?;
+    let csv = csv.map_err(|why| Head::of_file(&file.path, CsvStyle::default()).malformed(&why))?;
+    Ok((Head::of_file(&file.path, csv.style), csv))
+}
+
+/// Calls `visit` with each row of the open `file`, whose cells are those of the columns of the table with the head `whole`.
+fn rows_of_file(
+    (file, mut csv): (&TableFile, CsvFile),
+    whole: &Head,
+    visit: &mut impl FnMut(&Row<'_>) -> Result<(), RobotLogError>,
+) -> Result<(), RobotLogError> {
+    let head = whole.for_file(&file.path, csv.style);
+    let is_whole = file.cells.is_empty() && csv.names == whole.all_written();
+    let places: Vec<Option<usize>> = if is_whole {
+        Vec::new()
+    } else {
+        whole.all_written().iter().map(|name| csv.names.iter().position(|other| other == name)).collect()
+    };
+    let given: Vec<&str> = whole.all_written().iter().map(|name| file.cell(name)).collect();
+    let (mut record, mut row) = (StringRecord::new(), StringRecord::new());
+    while csv.read(&mut record).map_err(|why| head.malformed(&why))? {
+        let offset = record.position().map_or(0, csv::Position::byte);
+        if is_whole {
+            visit(&Row { head: &head, cells: Cells::File(&record), offset })?;
+            continue;
+        }
+        row.clear();
+        for (place, given) in places.iter().zip(&given) {
+            row.push_field(place.map_or(*given, |place| record.get(place).unwrap_or_default()));
+        }
+        visit(&Row { head: &head, cells: Cells::File(&row), offset })?;
+    }
+    Ok(())
 }

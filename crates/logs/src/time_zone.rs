@@ -25,9 +25,9 @@ impl TimeZone {
             4 => digits.split_at_checked(2)?,
             _ => digits.split_once(':')?,
         };
-        let number = |text: &str, most: i64| {
+        let number = |text: &str, most: i64| -> Option<i64> {
             let is_plain = text.len() == 2 && text.bytes().all(|octet| octet.is_ascii_digit());
-            text.parse().ok().filter(|&number| is_plain && number <= most)
+            text.parse().ok().filter(|&number: &i64| is_plain && number <= most)
         };
         let ahead_s = 3600 * number(hours, 14)? + 60 * number(minutes, 59)?;
         (ahead_s <= LARGEST_S).then_some(Self { ahead_s: sign * ahead_s })

@@ -5,6 +5,7 @@ mod arrays;
 mod book;
 mod error;
 mod foreign;
+mod gain_unit;
 mod mat;
 mod names;
 mod table;
@@ -15,8 +16,9 @@ use std::path::Path;
 
 use sextant_kernel::{LARGEST_FILE, read_at_most};
 
-pub use book::{ConvertedBook, GainUnit};
+pub use book::ConvertedBook;
 pub use error::ConvertError;
+pub use gain_unit::GainUnit;
 pub use names::{AngleUnit, ArrayOrder, SourceNames};
 
 use angles::AngleNames;

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::book::GainUnit;
+use super::gain_unit::GainUnit;
 
 /// What a measurement calls its columns or variables, where the usual names do not fit, and what its names do not say.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

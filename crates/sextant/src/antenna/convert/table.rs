@@ -1,6 +1,7 @@
 //! Tables of tools: a row for each sector and direction, a column for each sector, or one pattern.
 
-use super::book::{GainUnit, Owner, Row, Rows};
+use super::book::{Owner, Row, Rows};
+use super::gain_unit::GainUnit;
 use super::names::{AZIMUTH, ColumnName, ELEVATION, GAIN, SECTOR, find, plain};
 use super::{AngleNames, ConvertError, Source, SourceNames, angles};
 
