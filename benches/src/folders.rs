@@ -31,7 +31,7 @@ pub fn logs_in(named: &[PathBuf]) -> std::io::Result<Vec<PathBuf>> {
 /// If a file is invalid.
 pub fn read(folder: &Path) -> Result<KnownLog, RobotLogError> {
     let read = robot_log::read(folder, &ReadOptions::default())?;
-    let truth = robot_log::read_truth(&folder.join("nodes.csv"), read.plane.as_ref(), &mut Vec::new())?;
+    let truth = robot_log::read_truth(&folder.join("nodes.csv"), None, read.plane.as_ref(), &mut Vec::new())?;
     let truth = read.log.names().iter().map(|name| truth.places.get(name).copied()).collect();
     let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
     Ok(KnownLog { family: "real".to_owned(), name, log: read.log, truth })

@@ -12,9 +12,9 @@ use crate::entries::each_entry_of_dict;
 use crate::whole::whole_u32;
 
 /// The keywords that are known.
-const KNOWN: &str = "stop_every, packet_interval, path, packets, packet_fields, path_fields, missing, node_columns, reciprocal, \
-                     transmitter, noise_floor, lora, packet_delay, skip_no_fix, rssi_missing, pose_topic, child_frame, \
-                     fixed_frame, packet_topic, bag_clock, pan";
+const KNOWN: &str = "stop_every, packet_interval, path, packets, packet_fields, path_fields, stop_files, time_zone, missing, \
+                     node_columns, reciprocal, transmitter, noise_floor, lora, packet_delay, skip_no_fix, rssi_missing, pose_topic, child_frame, \
+                     fixed_frame, packet_topic, bag_clock, pan, fcs";
 
 /// The options of keywords, which are those of the flags of `sextant map` with `_` for `-`.
 pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions> {
@@ -35,6 +35,8 @@ pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions
             "packets" => form.packets = Some(given.value.extract()?),
             "packet_fields" => form.packet_fields = Some(given.fields(FieldNames::parse_packets)?),
             "path_fields" => form.path_fields = Some(given.fields(FieldNames::parse_places)?),
+            "stop_files" => form.stop_files = Some(given.parsed()?),
+            "time_zone" => form.time_zone = Some(given.parsed()?),
             "missing" => form.missing = given.list()?,
             "node_columns" => form.node_columns = given.list()?,
             "reciprocal" => form.reciprocal = given.flag()?,
@@ -55,6 +57,7 @@ pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions
                     _ => return Err(given.refused("\"stamp\" or \"log\"")),
                 });
             }
+            "fcs" => sniffer.fcs = Some(given.parsed()?),
             "pan" => sniffer.pan = u16::try_from(whole_u32("pan", &given.value, 0..=u32::from(u16::MAX))?).ok(),
             _ => {
                 return Err(PyTypeError::new_err(format!("there is no option `{name}`; options: {KNOWN}")));

@@ -38,7 +38,7 @@ pub(crate) fn truth(
     plane: Option<&LocalPlane>,
     notes: &mut Vec<String>,
 ) -> Result<TrueNodes, RobotLogError> {
-    read_truth_table(&memory_table("truth", table)?, plane, notes)
+    read_truth_table(&memory_table("truth", table)?, None, plane, notes)
 }
 
 /// A table of Arrow as the library reads tables.

@@ -131,15 +131,25 @@ impl From<BookError> for Failure {
 impl From<ConvertError> for Failure {
     fn from(error: ConvertError) -> Self {
         let advice = match &error {
-            ConvertError::Missing { .. } => Some("name it: --sector, --azimuth, --elevation or --gain NAME"),
-            ConvertError::Shape { .. } => Some("the order of the axes in the file: --order sector,elevation,azimuth"),
-            ConvertError::UnknownUnit { .. } => Some("the unit: --unit linear, --unit db or --unit dbi"),
-            ConvertError::Invalid { .. } => {
-                Some("angles from the zenith: --zenith; a sector that is the listening pattern: --quasi-omni ID")
+            ConvertError::Missing { .. } => "name it: --sector, --azimuth, --elevation or --gain NAME".to_owned(),
+            ConvertError::Shape { .. } => {
+                "the order of the axes in the file: --order sector,elevation,azimuth".to_owned()
             }
-            ConvertError::Unreadable { .. } | ConvertError::NotText(_) | ConvertError::Mat(_) => None,
+            ConvertError::UnknownUnit { .. } => "the unit: --unit linear, --unit db or --unit dbi".to_owned(),
+            ConvertError::UnknownAngles { .. } => "angles in radians: --radians; in degrees: --degrees".to_owned(),
+            ConvertError::AngleUnits { .. } => "leave out --radians or --degrees, or rename the column".to_owned(),
+            ConvertError::UnknownOrigin { name, .. } => {
+                format!("angles from the zenith: --zenith; from the horizontal plane: --elevation '{name}'")
+            }
+            ConvertError::SeveralGains { .. } => "the one to take: --gain NAME".to_owned(),
+            ConvertError::Invalid { .. } => {
+                "angles from the zenith: --zenith; a sector that is the listening pattern: --quasi-omni ID".to_owned()
+            }
+            ConvertError::Unreadable { .. } | ConvertError::Foreign { .. } | ConvertError::Mat(_) => {
+                return Self::of(&error, None, false);
+            }
         };
-        Self::of(&error, advice, false)
+        Self::of(&error, Some(&advice), false)
     }
 }
 

@@ -14,6 +14,7 @@
 //! assert_eq!(queue.pop(), Some((instant, "end of transmission")));
 //! ```
 
+mod file_form;
 mod files;
 mod node;
 mod queue;
@@ -25,6 +26,7 @@ pub mod text;
 mod time;
 mod watch;
 
+pub use file_form::{FileForm, root_of_xml, seen};
 pub use files::{Files, LARGEST_FILE, is_within, read_at_most, read_text_at_most};
 pub use node::NodeId;
 pub use queue::{EventKey, EventQueue, Rank};

@@ -16,10 +16,12 @@ pub enum BagError {
         why: String,
     },
     /// The file is of another format.
-    #[error("`{}` is not an MCAP file: the first eight bytes differ", .path.display())]
+    #[error("`{}` is not an MCAP file, but {seen}", .path.display())]
     NotMcap {
         /// The file.
         path: PathBuf,
+        /// What it is.
+        seen: String,
     },
     /// The bag is of ROS 1.
     #[error(
@@ -94,7 +96,7 @@ impl From<McapFileError> for BagError {
     fn from(error: McapFileError) -> Self {
         match error {
             McapFileError::Read { path, why } => Self::Read { path, why },
-            McapFileError::NotMcap { path } => Self::NotMcap { path },
+            McapFileError::NotMcap { path, seen } => Self::NotMcap { path, seen },
         }
     }
 }

@@ -38,7 +38,7 @@ impl Row<'_> {
 
     /// A number as it is written in a program: with a decimal point.
     pub(super) fn decimal<'t>(&self, text: &'t str) -> Cow<'t, str> {
-        let is_decimal = self.head.decimal_comma && !text.contains('.') && text.matches(',').count() == 1;
+        let is_decimal = self.head.has_decimal_comma() && !text.contains('.') && text.matches(',').count() == 1;
         if is_decimal { text.replace(',', ".").into() } else { text.into() }
     }
 
@@ -91,7 +91,7 @@ impl Row<'_> {
             Cell::Float(value) => times.parse(&value.to_string()),
             Cell::Instant(nanos) => times.of_instant(nanos),
         };
-        time.ok_or_else(|| self.wrong(times.column, times.allowed()))
+        time.ok_or_else(|| self.wrong(times.column, times.allowed(self.text(times.column).trim())))
     }
 
     /// The name of a node.

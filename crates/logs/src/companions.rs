@@ -11,6 +11,7 @@ use super::local_plane::LocalPlane;
 use super::log_part::{LogPart, RowAddress};
 use super::sector_snrs::{self, Known};
 use super::table_source::TableSource;
+use super::time_zone::TimeZone;
 use super::{antenna_file, sectors, stops};
 
 /// What a log may have besides the places of its robots and what they heard.
@@ -26,11 +27,13 @@ pub(super) struct Companions<'a> {
     pub(super) antenna: Option<PathBuf>,
     /// The signal-to-noise ratios of all sectors.
     pub(super) sector_snrs: Option<TableSource<'a>>,
+    /// The zone of times that do not say theirs.
+    pub(super) time_zone: Option<TimeZone>,
 }
 
 impl Companions<'_> {
-    /// The files of a folder.
-    pub(super) fn of_folder(folder: &Path) -> Self {
+    /// The files of a folder, with times in `time_zone` if they do not say theirs.
+    pub(super) fn of_folder(folder: &Path, time_zone: Option<TimeZone>) -> Self {
         let file = |name: &str| Some(folder.join(name)).filter(|file| file.exists());
         Self {
             log: folder.into(),
@@ -38,12 +41,13 @@ impl Companions<'_> {
             sectors: file(SECTORS).map(TableSource::from),
             antenna: file(ANTENNA),
             sector_snrs: file(SECTOR_SNRS).map(TableSource::from),
+            time_zone,
         }
     }
 
     /// None of a log.
     pub(super) const fn none(log: LogPart) -> Self {
-        Self { log, contacts: None, sectors: None, antenna: None, sector_snrs: None }
+        Self { log, contacts: None, sectors: None, antenna: None, sector_snrs: None, time_zone: None }
     }
 
     /// The contacts. The places of the log are in `plane`.
@@ -54,7 +58,7 @@ impl Companions<'_> {
         notes: &mut Vec<String>,
     ) -> Result<Vec<Contact>, RobotLogError> {
         match &self.contacts {
-            Some(contacts) => stops::read_contacts(contacts.clone(), plane, robots, notes),
+            Some(contacts) => stops::read_contacts(contacts.clone(), self.time_zone, plane, robots, notes),
             None => Ok(Vec::new()),
         }
     }

@@ -4,7 +4,6 @@ use super::bag::{Bag, BagPackets, BagPath};
 use super::bag_options::BagClock;
 use super::companions::Companions;
 use super::error::RobotLogError;
-use super::field_names::FieldNames;
 use super::form::{PacketKind, PathKind};
 use super::gatherer::Gatherer;
 use super::layout::{Drive, PacketPart};
@@ -14,7 +13,8 @@ use super::packets::Robots;
 use super::paths::Paths;
 use super::reciprocal::Roles;
 use super::table_source::TableSource;
-use super::{gpx, nmea, packets, path_file, sniffer, tum};
+use super::written::Written;
+use super::{gpx, nmea, packets, path_file, recognition, sniffer, tum};
 
 /// Reads the log. Times of all files are in one clock: seconds since 1970, or any other start that is the same in both files.
 pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
@@ -37,6 +37,9 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
     tell_bags(drive, (bag_path.as_ref(), bag_packets.as_ref()), clock, &mut notes);
 
     let skips_no_fix = options.repair.skip_no_fix;
+    if path.kind != PathKind::Bag {
+        recognition::refuse_foreign(&path.file)?;
+    }
     let paths = match &bag_path {
         Some(bag) => Paths::of_one(bag.path(clock, &mut notes)?, bag.plane()),
         None => match path.kind {
@@ -44,8 +47,8 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
             PathKind::Gpx => gpx::read(&path.file, skips_no_fix, &mut notes)?,
             PathKind::Nmea => nmea::read(&path.file, skips_no_fix, &mut notes)?,
             PathKind::Csv | PathKind::Bag => {
-                let names = FieldNames::of_places(options.form.path_fields.as_ref());
-                path_file::read(path.file.as_path(), &names, skips_no_fix, &mut notes)?
+                let written = Written::of_places(&options.form);
+                path_file::read(path.file.as_path(), &written, skips_no_fix, &mut notes)?
             }
         },
     };
@@ -55,7 +58,7 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
         return Err(RobotLogError::line(&path.file, 1, problem));
     }
     let companions = match folder {
-        Some(folder) => Companions::of_folder(folder),
+        Some(folder) => Companions::of_folder(folder, options.form.time_zone),
         None => Companions::none(path.file.as_path().into()),
     };
     gather((paths, &companions), options, notes, |known, roles, gatherer, notes| match (&bag_packets, packets) {
@@ -70,9 +73,9 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
             sniffer::read(files, &options.sniffer, roles, gatherer, notes)
         }
         (None, PacketPart { files, .. }) => {
-            let fields = FieldNames::of_packets(options.form.packet_fields.as_ref());
+            let written = Written::of_packets(&options.form);
             let robots = Robots { names: known, path: &path.name() };
-            files.iter().try_for_each(|file| packets::read(file.as_path(), &fields, robots, roles, gatherer, notes))
+            files.iter().try_for_each(|file| packets::read(file.as_path(), &written, robots, roles, gatherer, notes))
         }
     })
 }
@@ -85,11 +88,11 @@ pub(super) fn read_tables(
 ) -> Result<RobotLog, RobotLogError> {
     let mut notes = Vec::new();
     let name = path.part().name();
-    let names = FieldNames::of_places(options.form.path_fields.as_ref());
-    let paths = path_file::read(path, &names, options.repair.skip_no_fix, &mut notes)?;
+    let written = Written::of_places(&options.form);
+    let paths = path_file::read(path, &written, options.repair.skip_no_fix, &mut notes)?;
     gather((paths, companions), options, notes, |known, roles, gatherer, notes| {
-        let fields = FieldNames::of_packets(options.form.packet_fields.as_ref());
-        packets::read(packets, &fields, Robots { names: known, path: &name }, roles, gatherer, notes)
+        let written = Written::of_packets(&options.form);
+        packets::read(packets, &written, Robots { names: known, path: &name }, roles, gatherer, notes)
     })
 }
 

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use sextant_channel::LogError;
 use sextant_kernel::SimTime;
+use sextant_kernel::text::choices;
 
 use super::bag_error::BagError;
 use super::instant;
@@ -121,14 +122,16 @@ pub enum RobotLogError {
     },
     /// There is a path and nothing that was heard.
     #[error(
-        "`{}` has {found}, but no packets.csv with what was heard on it; `packets=FILE` takes the packets from another file",
-        .path.display()
+        "`{}` has {found}, but no packets.csv with what was heard on it; `packets=FILE` takes the packets from another file{}",
+        .path.display(), ranges_note(.ranges.as_deref())
     )]
     NoPacketFile {
         /// The file or folder.
         path: PathBuf,
         /// What it has.
         found: String,
+        /// The name of a table of ranges in it.
+        ranges: Option<String>,
     },
     /// There are packets and no path.
     #[error(
@@ -153,11 +156,13 @@ pub enum RobotLogError {
     /// A folder has no log.
     #[error(
         "`{}` has no log: neither stops.csv and receptions.csv, nor path.csv and packets.csv, nor a table with a column a node, a \
-         ROS 2 bag or a capture", .path.display()
+         ROS 2 bag or a capture; its other files: {}", .path.display(), choices(.found)
     )]
     NoLog {
         /// The folder.
         path: PathBuf,
+        /// The names of the files that it has.
+        found: Vec<String>,
     },
     /// A map is to be written as GeoJSON, but its places on the earth are unknown.
     #[error(
@@ -228,11 +233,24 @@ pub enum RobotLogError {
     /// The capture of a sniffer cannot be read.
     #[error(transparent)]
     Sniffer(#[from] SnifferError),
-    /// The file is of another format.
-    #[error("`{}` is not the log of a robot: neither a folder of CSV files nor a ROS bag nor a capture", .path.display())]
+    /// The file is of a form that is known, and that is not read.
+    #[error("`{}` is {told}", .path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What it is, and what helps.
+        told: String,
+    },
+    /// Nothing is known of the file.
+    #[error(
+        "`{}` is neither the log of a robot nor a recording of `run`, but {seen}; logs are folders of CSV files, tables (.csv, \
+         .tsv, .txt), ROS 2 bags, captures (pcap, pcapng), and paths in GPX, NMEA 0183 or TUM", .path.display()
+    )]
     Unknown {
         /// The file.
         path: PathBuf,
+        /// How it begins.
+        seen: String,
     },
     /// The log is not of the form that flags say.
     #[error("{problem}")]
@@ -252,6 +270,16 @@ pub enum RobotLogError {
         /// What the log is.
         found: String,
     },
+}
+
+/// What is said of a table of ranges in a folder without packets.
+fn ranges_note(ranges: Option<&str>) -> String {
+    ranges.map_or_else(String::new, |name| {
+        format!(
+            ". `{name}` has ranges, and no packets: distances that were measured are not read. If each row is a packet too, \
+             give `packets={name}`"
+        )
+    })
 }
 
 impl RobotLogError {

@@ -39,6 +39,9 @@ const OF_PLACES: [&str; 15] = [
     "heading_deg",
 ];
 
+/// What a list of true positions can hold.
+const OF_TRUTH: [&str; 7] = ["node", "x_m", "y_m", "z_m", "lat", "lon", "alt_m"];
+
 impl FieldNames {
     /// The names of the user for what packets have, or none.
     pub(super) fn of_packets(given: Option<&Self>) -> Self {
@@ -56,6 +59,19 @@ impl FieldNames {
     /// If a key is unknown or given twice, or a name is missing.
     pub fn parse_packets(text: &str) -> Result<Self, String> {
         Self::parse(text, PACKET_FIELDS, &OF_PACKETS)
+    }
+
+    /// The names of the user for what the table of true positions has, or none.
+    pub(super) fn of_truth(given: Option<&Self>) -> Self {
+        given.cloned().unwrap_or(Self { flag: Some(TRUTH_FIELDS), pairs: Vec::new() })
+    }
+
+    /// Reads the value of option `truth_fields`.
+    ///
+    /// # Errors
+    /// If a key is unknown or given twice, or a name is missing.
+    pub fn parse_truth(text: &str) -> Result<Self, String> {
+        Self::parse(text, TRUTH_FIELDS, &OF_TRUTH)
     }
 
     /// Reads the value of option `path_fields`.
@@ -90,6 +106,28 @@ impl FieldNames {
     /// The name of `key`, if the user gave one.
     pub(super) fn name(&self, key: &str) -> Option<&str> {
         self.pairs.iter().find(|(known, _)| *known == key).map(|(_, name)| name.as_str())
+    }
+
+    /// Whether the user gives this name to a column.
+    pub(super) fn gives(&self, name: &str) -> bool {
+        self.pairs.iter().any(|(_, given)| given == name)
+    }
+
+    /// Whether some column is named by its number, `#2`: the file has no header.
+    pub(super) fn has_numbers(&self) -> bool {
+        self.pairs.iter().any(|(_, name)| is_number(name))
+    }
+
+    /// How to name the columns of a file without a header, for an error; nothing if there is no option for it. `wanted` are
+    /// columns that the file may have.
+    pub(super) fn numbers_hint(&self, wanted: &[&'static str]) -> String {
+        let Some(flag) = self.flag else { return "; allowed: a first line with the names of the columns".to_owned() };
+        let shown = ["stop", "node", "t_s", "x_m", "y_m", "rssi_dbm"].into_iter().filter(|key| wanted.contains(key));
+        let pairs: Vec<String> = shown.enumerate().map(|(at, key)| format!("{key}=#{}", at + 1)).collect();
+        format!(
+            "; if the file has no header, name its columns by their numbers: `{flag}={}`, for example",
+            pairs.join(",")
+        )
     }
 
     /// The keys for which the user gave names.
@@ -142,8 +180,16 @@ impl fmt::Display for FieldNames {
     }
 }
 
+/// Whether a name is that of a column by its number: `#2`.
+fn is_number(name: &str) -> bool {
+    let digits = name.strip_prefix('#').unwrap_or_default();
+    !digits.is_empty() && digits.bytes().all(|octet| octet.is_ascii_digit())
+}
+
 /// The flag that names what packets have.
 const PACKET_FIELDS: &str = "packet_fields";
+/// The flag that names what true positions have.
+const TRUTH_FIELDS: &str = "truth_fields";
 /// The flag that names what places have.
 const PATH_FIELDS: &str = "path_fields";
 

@@ -38,8 +38,17 @@ pub(super) struct Track {
     /// The line of each pose in the file.
     lines: Vec<usize>,
     left_out: u64,
+    refused: Refused,
     /// Of the last fix that has one (m).
     height_m: Option<f64>,
+}
+
+/// Points that are none.
+#[derive(Default)]
+struct Refused {
+    count: usize,
+    /// The line of the first one, and what is wrong with it.
+    first: Option<(usize, String)>,
 }
 
 impl Track {
@@ -47,11 +56,21 @@ impl Track {
         Self { skips_no_fix, ..Self::default() }
     }
 
-    /// Adds the fix in a line. One without a height is as high as the one before it.
-    ///
-    /// # Errors
-    /// If it is no place on the earth, near a pole or far from the first one.
-    pub(super) fn add(&mut self, fix: Fix, line: usize) -> Result<(), String> {
+    /// Adds the fix in a line. One without a height is as high as the one before it. One that is no place on the earth, near a
+    /// pole or far from the first one is refused.
+    pub(super) fn add(&mut self, fix: Fix, line: usize) {
+        if let Err(problem) = self.try_add(fix, line) {
+            self.refuse(line, problem);
+        }
+    }
+
+    /// Refuses the point in a line.
+    pub(super) fn refuse(&mut self, line: usize, problem: String) {
+        self.refused.count += 1;
+        self.refused.first.get_or_insert((line, problem));
+    }
+
+    fn try_add(&mut self, fix: Fix, line: usize) -> Result<(), String> {
         if self.skips_no_fix && fix.is_none() {
             self.left_out += 1;
             return Ok(());
@@ -84,12 +103,20 @@ impl Track {
         Ok(())
     }
 
-    /// The path of these fixes, which are those of `file`.
+    /// The path of these fixes, which are those of `file`. A few that were refused are skipped and counted.
     ///
     /// # Errors
-    /// If they are no path.
+    /// If they are no path, or more than one in ten was refused.
     pub(super) fn finish(self, file: &FilePath, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
-        let Self { plane, poses, lines, left_out, .. } = self;
+        let Self { plane, poses, lines, left_out, refused, .. } = self;
+        if let Some((line, problem)) = refused.first {
+            if refused.count > 1 && poses.len() < 9 * refused.count || poses.is_empty() {
+                return Err(RobotLogError::line(file, line, problem));
+            }
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            let (count, all) = (refused.count, refused.count + poses.len());
+            notes.push(format!("{name}: {count} of {all} points are skipped; the first one, line {line}: {problem}"));
+        }
         if left_out > 0 {
             let name = file.file_name().unwrap_or_default().to_string_lossy();
             notes.push(format!("{name}: {left_out} places without a fix are left out (option `skip_no_fix`)"));

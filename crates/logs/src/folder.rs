@@ -7,12 +7,14 @@ use sextant_channel::ReceptionLog;
 use super::companions::Companions;
 use super::doctor::{self, Finding};
 use super::error::RobotLogError;
-use super::field_names::FieldNames;
 use super::file_names::{RECEPTIONS, STOPS};
+use super::form_options::FormOptions;
 use super::log::RobotLog;
 use super::options::ReadOptions;
 use super::rssi_check::RssiCheck;
+use super::stop_files::StopFiles;
 use super::table_source::TableSource;
+use super::written::Written;
 use super::{receptions, sector_snrs, stops, wide};
 use sextant_kernel::text::counted;
 use sextant_recording::RobotNames;
@@ -27,11 +29,11 @@ pub(super) struct StopLog<'a> {
 impl StopLog<'_> {
     /// The files of a folder: `stops.csv` and `receptions.csv`, and `contacts.csv`, `sectors.csv`, `antenna.toml` and
     /// `sector_snrs.csv` if they exist.
-    pub(super) fn of_folder(folder: &Path) -> Self {
+    pub(super) fn of_folder(folder: &Path, form: &FormOptions) -> Self {
         Self {
             stops: folder.join(STOPS).into(),
             receptions: folder.join(RECEPTIONS).into(),
-            companions: Companions::of_folder(folder),
+            companions: Companions::of_folder(folder, form.time_zone),
         }
     }
 }
@@ -44,9 +46,9 @@ pub(super) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
     let StopLog { stops, receptions, companions } = log;
     let mut notes = Vec::new();
     let mut robots = RobotNames::default();
-    let names = FieldNames::of_places(options.form.path_fields.as_ref());
+    let written = Written::of_places(&options.form);
     let skips_no_fix = options.repair.skip_no_fix;
-    let mut stops = stops::read(stops, &names, skips_no_fix, &mut robots, &mut notes)?;
+    let mut stops = stops::read(stops, &written, skips_no_fix, &mut robots, &mut notes)?;
     if stops.stops.is_empty() {
         return Err(RobotLogError::NoStops { part: companions.log });
     }
@@ -84,22 +86,44 @@ fn findings(log: &ReceptionLog, of_rssi: Vec<Finding>) -> Vec<Finding> {
     findings
 }
 
-/// Reads a wide table, and `contacts.csv`, `sectors.csv` and `antenna.toml` of its folder if they exist.
+/// Reads a log of one file a stop in the folder `folder`: lists of what was heard, or tables with a column a node.
+///
+/// # Errors
+/// If a file cannot be read or has an invalid row.
+pub(super) fn read_stop_files(
+    folder: &Path,
+    files: &StopFiles,
+    are_wide: bool,
+    options: &ReadOptions,
+) -> Result<RobotLog, RobotLogError> {
+    let companions = Companions::of_folder(folder, options.form.time_zone);
+    let mut log = if are_wide {
+        read_wide(TableSource::Files(files.of_scans()), &companions, options)
+    } else {
+        let stops = files.stops()?;
+        let stops = stops.as_ref().map_or_else(|| folder.join(STOPS).into(), TableSource::from);
+        read(StopLog { stops, receptions: TableSource::Files(files.of_receptions()), companions }, options)
+    }?;
+    log.notes.insert(0, files.note.clone());
+    Ok(log)
+}
+
+/// Reads a wide table, and the contacts and the antenna beside it if they exist.
 ///
 /// # Errors
 /// If a file cannot be read or has an invalid row.
 pub(super) fn read_wide(
-    table: &Path,
-    folder: Option<&Path>,
+    table: TableSource<'_>,
+    companions: &Companions<'_>,
     options: &ReadOptions,
 ) -> Result<RobotLog, RobotLogError> {
     let mut notes = Vec::new();
+    let part = table.part();
     let mut wide = wide::read(table, options, &mut notes)?;
     let of_rssi = std::mem::take(&mut wide.findings);
     let plane = wide.plane;
-    let companions = folder.map_or_else(|| Companions::none(table.into()), Companions::of_folder);
     let contacts = companions.contacts(plane, &mut wide.robots, &mut notes)?;
-    let log = wide.build(contacts).map_err(|why| RobotLogError::Log { part: table.into(), why })?;
+    let log = wide.build(contacts).map_err(|why| RobotLogError::Log { part, why })?;
     companions.refuse_sector_snrs()?;
     let log = companions.with_sectors(log, &mut notes)?;
     Ok(RobotLog { findings: findings(&log, of_rssi), log, plane, notes, clock: None })

@@ -30,6 +30,10 @@ pub(super) enum PacketKind {
 pub(super) enum Form {
     /// A recording of `run`.
     Recording,
+    /// An MCAP file of another program, which is no ROS bag.
+    Mcap,
+    /// A folder with a file a stop.
+    StopFiles,
     /// Stops and receptions.
     Stops,
     /// A row a stop, a column a node.
@@ -53,6 +57,8 @@ impl fmt::Display for Form {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (path, packets) = match self {
             Self::Recording => return f.write_str("a recording of `run`"),
+            Self::Mcap => return f.write_str("an MCAP file that is no ROS bag"),
+            Self::StopFiles => return f.write_str("a folder with a file a stop"),
             Self::Stops => return f.write_str("a folder with stops"),
             Self::Wide => return f.write_str("a table with a column a node"),
             Self::Drive(PathKind::Bag, PacketKind::Bag) => return f.write_str("a ROS bag"),
@@ -85,6 +91,8 @@ enum Use {
     Bag,
     Captures,
     CsvPlaces,
+    CsvTimes,
+    Folder,
     PacketFields,
     Lora,
 }
@@ -92,15 +100,17 @@ enum Use {
 impl Use {
     fn is_for(self, form: Form) -> bool {
         match (self, form) {
-            (Self::RobotLog, form) => form != Form::Recording,
-            (Self::Drive, Form::Drive(..)) | (Self::Wide, Form::Wide) => true,
+            (Self::RobotLog, form) => !matches!(form, Form::Recording | Form::Mcap),
+            (Self::Drive, Form::Drive(..)) | (Self::Wide, Form::Wide | Form::StopFiles) => true,
             (Self::BagPath, Form::Drive(path, _)) => path == PathKind::Bag,
             (Self::BagPackets, Form::Drive(_, packets)) => packets == PacketKind::Bag,
             (Self::Bag, Form::Drive(path, packets)) => path == PathKind::Bag || packets == PacketKind::Bag,
             (Self::Captures, Form::Drive(_, packets)) => packets == PacketKind::Captures,
-            (Self::CsvPlaces, Form::Stops | Form::Wide) => true,
+            (Self::CsvPlaces | Self::CsvTimes, Form::Stops | Form::Wide | Form::StopFiles) => true,
+            (Self::CsvTimes, Form::Drive(path, packets)) => path == PathKind::Csv || packets == PacketKind::Csv,
+            (Self::Folder, Form::StopFiles) => true,
             (Self::CsvPlaces, Form::Drive(path, _)) => path == PathKind::Csv,
-            (Self::PacketFields | Self::Lora, Form::Stops) => true,
+            (Self::PacketFields | Self::Lora, Form::Stops | Form::StopFiles) => true,
             (Self::PacketFields | Self::Lora, Form::Drive(_, packets)) => packets != PacketKind::Captures,
             _ => false,
         }
@@ -114,6 +124,8 @@ impl Use {
             Self::BagPath | Self::BagPackets | Self::Bag => "ROS bags",
             Self::Captures => "captures of sniffers",
             Self::CsvPlaces => "paths and stops in CSV files",
+            Self::CsvTimes => "times in CSV files",
+            Self::Folder => "folders with a file a stop",
             Self::PacketFields => "packets in CSV files and ROS bags",
             Self::Lora => "packets with RSSI and SNR, in CSV files and ROS bags",
         }
@@ -137,7 +149,10 @@ pub(super) fn refuse(part: &LogPart, form: Form, options: &ReadOptions) -> Resul
         ("packet_topic", bag.packet_topic.is_some(), Use::BagPackets),
         ("bag_clock", bag.bag_clock.is_some(), Use::Bag),
         ("pan", sniffer.pan.is_some(), Use::Captures),
+        ("fcs", sniffer.fcs.is_some(), Use::Captures),
         ("packet_fields", of_form.packet_fields.is_some(), Use::PacketFields),
+        ("stop_files", of_form.stop_files.is_some(), Use::Folder),
+        ("time_zone", of_form.time_zone.is_some(), Use::CsvTimes),
         ("path_fields", of_form.path_fields.is_some(), Use::CsvPlaces),
         ("missing", !of_form.missing.is_empty(), Use::Wide),
         ("node_columns", !of_form.node_columns.is_empty(), Use::Wide),

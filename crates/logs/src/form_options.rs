@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use super::field_names::FieldNames;
+use super::file_template::FileTemplate;
 use super::missing::{ColumnPattern, Missing};
 use super::noise_floor::NoiseFloor;
+use super::time_zone::TimeZone;
 
 /// Where the parts of a log are, and how they are written.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,8 +22,13 @@ pub struct FormOptions {
     /// (or t_ms, t_us, t_ns), in CSV files also robot, stop, received and sent
     pub packet_fields: Option<FieldNames>,
     /// The columns of a CSV file with a path or stops, if they have other names: KEY=NAME,.. where KEY is t_s (or t_ms, t_us,
-    /// t_ns), x_m, y_m, z_m, lat, lon, alt_m, robot, stop or sent
+    /// t_ns), x_m, y_m, z_m, lat, lon, alt_m, robot, stop or sent. In a file without a header NAME is the number of the
+    /// column: x_m=#1
     pub path_fields: Option<FieldNames>,
+    /// One file a stop, with the place of the stop in its name: {x}_{y}.csv for example
+    pub stop_files: Option<FileTemplate>,
+    /// The zone of dates in CSV files that do not say theirs: UTC, or the offset from it as +02:00
+    pub time_zone: Option<TimeZone>,
     /// In a table with a row a stop and a column a node: what a cell holds if the node was not heard, 100 or -100,-200 for
     /// example. Then empty cells mean that nothing is known; the default is `empty`
     pub missing: Vec<Missing>,

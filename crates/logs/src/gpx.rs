@@ -8,6 +8,7 @@ use super::error::RobotLogError;
 use super::fix::{Fix, Track};
 use super::instant;
 use super::paths::Paths;
+use super::time_zone::TimeZone;
 
 /// Reads the path in the file `path`: the track points in their order. Points without a time are skipped, and
 /// those without a fix if `skips_no_fix`.
@@ -27,11 +28,14 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
     for point in points {
         match fix(point) {
             Ok(Some(fix)) => {
-                track.add(fix, line(point)).map_err(|problem| wrong(line(point), problem))?;
+                track.add(fix, line(point));
                 placed += 1;
             }
             Ok(None) => timeless += 1,
-            Err(problem) => return Err(wrong(line(point), problem)),
+            Err(problem) => {
+                track.refuse(line(point), problem);
+                placed += 1;
+            }
         }
     }
     let file = path.file_name().unwrap_or_default().to_string_lossy();
@@ -95,7 +99,7 @@ fn fix(point: Node<'_, '_>) -> Result<Option<Fix>, String> {
     };
     let Some(time) = child("time") else { return Ok(None) };
     // GPX: times are UTC, also where the zone is left out.
-    let time = instant::parse_date(time, true)
+    let time = instant::parse_date(time, Some(TimeZone::UTC))
         .ok_or_else(|| format!("`time` is `{time}`; allowed: a time as 2026-11-22T15:04:05Z"))?;
     let height_m = child("ele").map(|text| number("ele", Some(text))).transpose()?;
     // A receiver without a fix may write an empty angle or NaN.

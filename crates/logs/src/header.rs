@@ -9,7 +9,7 @@ use super::instant;
 use super::log_part::LogPart;
 
 /// The columns of a file.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Header {
     /// What each column is: its name, or the known name that the user gives it.
     columns: Vec<String>,

@@ -4,9 +4,19 @@ use std::time::Duration;
 
 use sextant_kernel::SimTime;
 
+use super::time_zone::TimeZone;
+
 /// The allowed values of a cell with seconds.
 pub(super) const ALLOWED: &str =
     "seconds as a decimal number, at least 0 and below 18446744073, or a time as 2026-11-22T15:04:05Z";
+
+/// The same for a cell whose time does not say its zone.
+pub(super) const ALLOWED_ZONED: &str = "a time with its zone, as 2026-11-22T15:04:05Z or 2026-11-22T15:04:05+02:00; the zone of \
+     times that do not say theirs is given by `time_zone=UTC`, or by their offset from it as `time_zone=+02:00`";
+
+/// The same for a cell that has so many digits that they are parts of a second.
+pub(super) const ALLOWED_SCALED: &str = "seconds, below 18446744073; milliseconds (13 digits since 1970), microseconds (16) and \
+     nanoseconds (19) have the columns t_ms, t_us and t_ns: `path_fields=t_ns=NAME` or `packet_fields=t_ns=NAME`";
 
 /// The columns that a file may have for times: seconds, or parts of a second.
 pub(super) const COLUMNS: [&str; 4] = ["t_s", "t_ms", "t_us", "t_ns"];
@@ -29,33 +39,31 @@ pub(super) fn parse(text: &str) -> Option<SimTime> {
     seconds.checked_mul(SECOND_NS)?.checked_add(nanos).map(SimTime::from_nanos)
 }
 
-/// The time of a date and time of day as RFC 3339 writes it, in time since 1970: `2026-11-22T15:04:05.5+01:00`. Without an
-/// offset it is in UTC if `is_utc` says so, and none otherwise.
-pub(super) fn parse_date(text: &str, is_utc: bool) -> Option<SimTime> {
+/// The time of a date and time of day as RFC 3339 writes it, in time since 1970: `2026-11-22T15:04:05.5+01:00`, and as other
+/// programs do: `2026/11/22 15:04:05,5`. Without an offset it is in `zone`, and none if there is no zone.
+pub(super) fn parse_date(text: &str, zone: Option<TimeZone>) -> Option<SimTime> {
     let (date, clock) = text.split_once(['T', 't', ' '])?;
-    let (clock, offset_s) = match clock.strip_suffix(['Z', 'z']) {
-        Some(clock) => (clock, 0),
-        None => match clock.rfind(['+', '-']) {
-            Some(at) => {
-                let (hours, minutes) = clock[at + 1..].split_once(':')?;
-                let span_s = 3600 * two_digits(hours, 23)? + 60 * two_digits(minutes, 59)?;
-                (&clock[..at], if clock.as_bytes()[at] == b'-' { -span_s } else { span_s })
-            }
-            None if is_utc => (clock, 0),
-            None => return None,
+    let clock = clock.strip_suffix(" UTC").map_or_else(|| clock.to_owned(), |clock| format!("{clock}Z"));
+    let (clock, zone) = match clock.strip_suffix(['Z', 'z']) {
+        Some(clock) => (clock, TimeZone::UTC),
+        None => match clock.find(['+', '-']) {
+            Some(at) => (clock[..at].trim_end(), TimeZone::of_offset(&clock[at..])?),
+            None => (clock.as_str(), zone?),
         },
     };
-    let [year, month, day] = <[&str; 3]>::try_from(date.split('-').collect::<Vec<_>>()).ok()?;
+    let separator = if date.contains('/') { '/' } else { '-' };
+    let [year, month, day] = <[&str; 3]>::try_from(date.split(separator).collect::<Vec<_>>()).ok()?;
     let (year, month) = (four_digits(year)?, two_digits(month, 12)?);
     let day = two_digits(day, days_of(year, month)?)?;
     if day == 0 {
         return None;
     }
     let [hour, minute, second] = <[&str; 3]>::try_from(clock.splitn(3, ':').collect::<Vec<_>>()).ok()?;
-    let (second, fraction) = second.split_once('.').map_or((second, "0"), |(second, fraction)| (second, fraction));
+    let (second, fraction) =
+        second.split_once(['.', ',']).map_or((second, "0"), |(second, fraction)| (second, fraction));
     // A leap second is taken as the first one of the next minute.
     let of_day_s = 3600 * two_digits(hour, 23)? + 60 * two_digits(minute, 59)? + two_digits(second, 60)?;
-    let whole_s = u64::try_from(days_since_1970(year, month, day) * 86_400 + of_day_s - offset_s).ok()?;
+    let whole_s = u64::try_from(days_since_1970(year, month, day) * 86_400 + of_day_s - zone.ahead_s).ok()?;
     let fraction = parse(&format!("0.{fraction}"))?;
     whole_s.checked_mul(SECOND_NS)?.checked_add(fraction.as_nanos()).map(SimTime::from_nanos)
 }
@@ -181,7 +189,7 @@ mod tests {
 
     #[test]
     fn dates_are_times_since_1970() {
-        let at = |text| parse_date(text, false).map(format);
+        let at = |text| parse_date(text, None).map(format);
         for (text, expected) in [
             ("1970-01-01T00:00:00Z", "0"),
             ("2023-11-14T22:13:20Z", "1700000000"),
@@ -204,9 +212,18 @@ mod tests {
         ] {
             assert_eq!(at(text), None, "{text}");
         }
-        assert_eq!(parse_date("2023-11-14T22:13:20", true), parse("1700000000"));
+        assert_eq!(parse_date("2023-11-14T22:13:20", Some(TimeZone::UTC)), parse("1700000000"));
+        let summer = "+02:00".parse().ok();
+        for text in
+            ["2023-11-15 00:13:20", "2023/11/15 00:13:20,0", "2023-11-14T22:13:20Z", "2023-11-14 22:13:20 UTC"]
+        {
+            assert_eq!(parse_date(text, summer), parse("1700000000"), "{text}");
+        }
+        for text in ["2023-11-14 22:13:20+00", "2023-11-14 17:43:20 -0430", "2023-11-14T23:13:20.0+01:00"] {
+            assert_eq!(parse_date(text, None), parse("1700000000"), "{text}");
+        }
         for text in ["1970-01-01T00:00:00Z", "2024-02-29T23:59:59.25Z", "2100-03-01T00:00:00.000000001Z"] {
-            let nanos = parse_date(text, false).unwrap().as_nanos();
+            let nanos = parse_date(text, None).unwrap().as_nanos();
             assert_eq!(format_date(nanos.try_into().unwrap()), text);
         }
         assert_eq!(format_date(-1), "1969-12-31T23:59:59.999999999Z");

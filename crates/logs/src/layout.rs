@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use super::error::RobotLogError;
 use super::form::{Form, PacketKind, PathKind};
 use super::form_options::FormOptions;
-use super::header::{Known, Others};
-use super::table::Table;
-use super::{bag, field_names::FieldNames, file_names, nmea, sniffer, tum};
+use super::recognition::{are_ranges, names_nodes, path_kind, refuse_foreign};
+use super::stop_files::StopFiles;
+use super::{bag, file_names, sniffer};
 
 /// The parts of a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +16,8 @@ pub(super) enum Layout {
     Stops(PathBuf),
     /// A table with a row a stop and a column a node, and the folder with what belongs to it.
     Wide { table: PathBuf, folder: Option<PathBuf> },
+    /// A folder with a file a stop: lists of what was heard, or tables with a column a node.
+    StopFiles { folder: PathBuf, files: StopFiles, are_wide: bool },
     /// A path and packets.
     Drive(Drive),
 }
@@ -50,8 +52,12 @@ struct Holding {
     folder: Option<PathBuf>,
     stops: Option<&'static str>,
     tables: Vec<PathBuf>,
+    /// The name of a table of ranges, which are not read.
+    ranges: Option<String>,
     paths: Vec<PathPart>,
     packets: Vec<PacketPart>,
+    /// Names of files that are none of these.
+    others: Vec<String>,
 }
 
 /// Whether a folder has a log for certain.
@@ -79,8 +85,13 @@ impl Layout {
     /// If a part is missing, or there are several and no flag chooses.
     pub(super) fn of(path: &Path, form: &FormOptions) -> Result<Self, RobotLogError> {
         let owned = || path.to_owned();
-        let holding = if path.is_dir() { Holding::of_folder(path)? } else { Holding::of_file(path, form) };
-        let Holding { folder, stops, tables, paths, packets } = holding;
+        if let Some(template) = form.stop_files.as_ref().filter(|_| path.is_dir()) {
+            let files = StopFiles::of(path, template)?;
+            let are_wide = !files.files.first().is_some_and(|file| names_nodes(&file.path, form));
+            return Ok(Self::StopFiles { folder: owned(), files, are_wide });
+        }
+        let holding = if path.is_dir() { Holding::of_folder(path)? } else { Holding::of_file(path, form)? };
+        let Holding { folder, stops, tables, ranges, paths, packets, others } = holding;
         if let (Some(stops), None) = (stops, &form.packets) {
             let mut others: Vec<String> = packets.iter().map(PacketPart::name).collect();
             let alone = paths.iter().filter(|path| path.kind != PathKind::Bag).map(PathPart::name);
@@ -105,14 +116,16 @@ impl Layout {
                 }
                 return match tables.as_slice() {
                     [table] if is_table => Ok(Self::Wide { table: table.clone(), folder }),
-                    [] if is_table => Err(RobotLogError::NoLog { path: owned() }),
+                    [] if is_table => {
+                        Err(RobotLogError::NoLog { path: owned(), found: ranges.into_iter().chain(others).collect() })
+                    }
                     several if is_table => {
                         let found = several.iter().map(|table| file_name(table)).collect();
                         Err(RobotLogError::SeveralTables { path: owned(), found })
                     }
                     _ => {
                         let found = paths.first().map_or_else(|| "a path".to_owned(), PathPart::name);
-                        Err(RobotLogError::NoPacketFile { path: owned(), found })
+                        Err(RobotLogError::NoPacketFile { path: owned(), found, ranges })
                     }
                 };
             }
@@ -139,7 +152,13 @@ impl Layout {
             }
             (Some(file), _) => PathPart::of(file)?,
             (None, [only]) => only.clone(),
-            (None, []) => return Err(RobotLogError::NoPath { path: owned() }),
+            (None, []) => {
+                if packets.kind == PacketKind::Captures {
+                    // Of other frames than those of a network it is no use to ask for the path.
+                    packets.files.iter().try_for_each(|capture| sniffer::check_link(capture))?;
+                }
+                return Err(RobotLogError::NoPath { path: owned() });
+            }
             (None, several) => {
                 let found = several.iter().map(PathPart::name).collect();
                 return Err(RobotLogError::Several { path: owned(), what: "path", found, flag: "path" });
@@ -153,6 +172,7 @@ impl Layout {
         match self {
             Self::Stops(_) => Form::Stops,
             Self::Wide { .. } => Form::Wide,
+            Self::StopFiles { .. } => Form::StopFiles,
             Self::Drive(Drive { path, packets, .. }) => Form::Drive(path.kind, packets.kind),
         }
     }
@@ -189,9 +209,10 @@ impl Holding {
                 (_, Some("gpx")) => holding.paths.push(PathPart { kind: PathKind::Gpx, file }),
                 (_, Some("nmea")) => holding.paths.push(PathPart { kind: PathKind::Nmea, file }),
                 (_, Some("tum")) => holding.paths.push(PathPart { kind: PathKind::Tum, file }),
+                (_, Some("csv" | "tsv")) if are_ranges(&file) => holding.ranges = Some(name),
                 (_, Some("csv" | "tsv")) => holding.tables.push(file),
                 _ if sniffer::is_capture(&file) => captures.push(file),
-                _ => {}
+                _ => holding.others.push(name),
             }
         }
         if !captures.is_empty() {
@@ -207,13 +228,17 @@ impl Holding {
 
     /// What a file is. A CSV file has packets if it names nodes or a flag names the path, a path if a flag names the packets,
     /// else it is a wide table.
-    fn of_file(file: &Path, form: &FormOptions) -> Self {
+    ///
+    /// # Errors
+    /// If it is none of these.
+    fn of_file(file: &Path, form: &FormOptions) -> Result<Self, RobotLogError> {
         let mut holding = Self::default();
         if bag::is_bag(file) {
             holding.add_bag(file);
         } else if sniffer::is_capture(file) {
             holding.packets.push(PacketPart { kind: PacketKind::Captures, files: vec![file.to_owned()] });
         } else {
+            refuse_foreign(file)?;
             let kind = path_kind(file);
             if kind != PathKind::Csv || form.packets.is_some() && !names_nodes(file, form) {
                 holding.paths.push(PathPart { kind, file: file.to_owned() });
@@ -223,7 +248,7 @@ impl Holding {
                 holding.tables.push(file.to_owned());
             }
         }
-        holding
+        Ok(holding)
     }
 
     /// A bag has both, as far as it is known without reading it.
@@ -237,8 +262,11 @@ impl PathPart {
     /// What the file that a flag names is.
     fn of(file: &Path) -> Result<Self, RobotLogError> {
         readable(file)?;
-        let kind = if bag::is_bag(file) { PathKind::Bag } else { path_kind(file) };
-        Ok(Self { kind, file: file.to_owned() })
+        if bag::is_bag(file) {
+            return Ok(Self { kind: PathKind::Bag, file: file.to_owned() });
+        }
+        refuse_foreign(file)?;
+        Ok(Self { kind: path_kind(file), file: file.to_owned() })
     }
 
     /// For errors.
@@ -270,6 +298,7 @@ impl PacketPart {
         } else if sniffer::is_capture(file) {
             (PacketKind::Captures, vec![file.to_owned()])
         } else {
+            refuse_foreign(file)?;
             (PacketKind::Csv, vec![file.to_owned()])
         };
         Ok(Self { kind, files })
@@ -285,11 +314,9 @@ impl PacketPart {
     }
 }
 
-/// Whether the file `path` can be part of a log: a table, or a path.
-pub(super) fn is_part(path: &Path) -> bool {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    let is_table = || ["csv", "tsv", "txt"].iter().any(|&known| extension.as_deref() == Some(known));
-    path.is_file() && (is_table() || path_kind(path) != PathKind::Csv)
+/// The name of a table of ranges in the folder of a log.
+pub(super) fn unread_ranges(log: &Path) -> Option<String> {
+    log.is_dir().then(|| Holding::of_folder(log).ok()?.ranges).flatten()
 }
 
 fn readable(file: &Path) -> Result<(), RobotLogError> {
@@ -299,44 +326,4 @@ fn readable(file: &Path) -> Result<(), RobotLogError> {
 /// The name of a file without its folder.
 fn file_name(file: &Path) -> String {
     file.file_name().map_or_else(|| file.display().to_string(), |name| name.to_string_lossy().into_owned())
-}
-
-/// What the file is by its first lines, if it is no bag.
-fn path_kind(file: &Path) -> PathKind {
-    let start = start(file);
-    let text = start.trim_start_matches('\u{feff}').trim_start();
-    if text.starts_with('<') && text.contains("<gpx") {
-        return PathKind::Gpx;
-    }
-    if text.lines().any(nmea::is_sentence) {
-        return PathKind::Nmea;
-    }
-    match text.lines().find(|line| !tum::is_blank(line)) {
-        Some(line) if tum::is_pose(line) => PathKind::Tum,
-        _ => PathKind::Csv,
-    }
-}
-
-/// The first octets of a file as text, up to the last whole line of these; empty if it cannot be read.
-fn start(file: &Path) -> String {
-    use std::io::Read;
-    const LONGEST: u64 = 1 << 14;
-    let mut octets = Vec::new();
-    let read = std::fs::File::open(file).and_then(|file| file.take(LONGEST).read_to_end(&mut octets));
-    if read.is_err() {
-        return String::new();
-    }
-    if octets.len() as u64 == LONGEST {
-        octets.truncate(octets.iter().rposition(|&octet| octet == b'\n').unwrap_or(octets.len()));
-    }
-    String::from_utf8_lossy(&octets).into_owned()
-}
-
-/// Whether a CSV file has a column with the names of nodes.
-fn names_nodes(file: &Path, form: &FormOptions) -> bool {
-    let none = FieldNames::default();
-    let known = Known { required: &[], optional: &[], names: &none, others: Others::Ignored };
-    let given = |key: &str| form.packet_fields.as_ref().and_then(|names| names.name(key));
-    let is_node = |name: &str| ["node", "receiver"].iter().any(|&key| name == given(key).unwrap_or(key));
-    Table::open_known(file, known).is_ok_and(|table| table.unknown().any(|(_, name)| is_node(name)))
 }

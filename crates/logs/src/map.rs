@@ -7,6 +7,7 @@ use sextant_channel::Position;
 use sextant_mapper::{Concern, CoordinateFrame, TopologyMap};
 
 use super::error::RobotLogError;
+use super::field_names::FieldNames;
 use super::geojson;
 use super::local_plane::LocalPlane;
 use super::output::Output;
@@ -30,7 +31,7 @@ pub fn read_map(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogError
     let covariance = COVARIANCE.map(|(_, _, name)| name);
     let other = ["ties", "infeasible", "concern"].into_iter().chain(covariance);
     // A map has both kinds of places if its log has; that is no news.
-    Ok(read_places(path, None, &other.collect::<Vec<_>>(), &mut Vec::new())?.places)
+    Ok(read_places(path, &FieldNames::default(), None, &other.collect::<Vec<_>>(), &mut Vec::new())?.places)
 }
 
 /// Writes the mapped nodes to the file `path`, with the columns `node,x_m,y_m,z_m,ties,infeasible,concern` and the

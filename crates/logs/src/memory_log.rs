@@ -5,6 +5,7 @@ use super::drive;
 use super::error::RobotLogError;
 use super::folder::{self, StopLog};
 use super::form::{self, Form, PacketKind, PathKind};
+use super::form_options::FormOptions;
 use super::log::RobotLog;
 use super::log_part::LogPart;
 use super::memory_table::MemoryTable;
@@ -36,9 +37,10 @@ impl<'a> MemoryLog<'a> {
     /// Reads the log.
     pub(super) fn read(&self, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
         let Self { places, heard, contacts, sectors, sector_snrs } = self;
-        let files = [("path", &options.form.path), ("packets", &options.form.packets)];
-        if let Some((flag, _)) = files.into_iter().find(|(_, file)| file.is_some()) {
-            let problem = format!("option `{flag}` names a file, but the log is in memory: leave the option out");
+        let FormOptions { path, packets, stop_files, .. } = &options.form;
+        let files = [("path", path.is_some()), ("packets", packets.is_some()), ("stop_files", stop_files.is_some())];
+        if let Some((flag, _)) = files.into_iter().find(|(_, is_given)| *is_given) {
+            let problem = format!("option `{flag}` names files, but the log is in memory: leave the option out");
             return Err(RobotLogError::Form { problem });
         }
         let log = LogPart::Table(places.name().to_owned());
@@ -49,6 +51,7 @@ impl<'a> MemoryLog<'a> {
             contacts: contacts.as_ref().map(TableSource::from),
             sectors: sectors.as_ref().map(TableSource::from),
             sector_snrs: sector_snrs.as_ref().map(TableSource::from),
+            time_zone: options.form.time_zone,
             ..Companions::none(log)
         };
         if has_stops {

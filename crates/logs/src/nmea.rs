@@ -1,7 +1,8 @@
 //! Paths in NMEA 0183: the sentences of a satellite receiver.
 //!
-//! GGA has the place with its height and the time of the day, RMC the place and the date, ZDA the date. So the places are those
-//! of GGA, if the file has any, and the day is that of the nearest RMC or ZDA before.
+//! GGA and GNS have the place with its height and the time of the day, RMC the place and the date, GLL the place and the time of
+//! the day, ZDA the date. So the places are those of GGA, if the file has any, else of GNS, RMC or GLL, and the day is that of
+//! the nearest RMC or ZDA before.
 
 use std::path::Path as FilePath;
 
@@ -39,9 +40,15 @@ struct Sentence {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Gga,
+    /// Of several systems of satellites together.
+    Gns,
     Rmc,
+    Gll,
     Zda,
 }
+
+/// What gives places, the best first.
+const PLACES: [Kind; 4] = [Kind::Gga, Kind::Gns, Kind::Rmc, Kind::Gll];
 
 /// Reads the path in the file `path`. Sentences with a wrong checksum, and those without a fix, are skipped; those at
 /// 0, 0 only if `skips_no_fix`, because their receiver says that it has one.
@@ -57,9 +64,15 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
             Err(Damaged) => damaged += 1,
         }
     }
-    let kind = if sentences.iter().any(|at| at.kind == Kind::Gga) { Kind::Gga } else { Kind::Rmc };
+    let has = |kind: &Kind| sentences.iter().any(|at| at.kind == *kind);
+    let kind = PLACES.into_iter().find(|kind| has(kind)).unwrap_or(Kind::Rmc);
     let (mut track, mut lost) = (Track::new(skips_no_fix), 0_u64);
     let first = sentences.iter().find_map(Sentence::date);
+    if !PLACES.iter().any(has) {
+        let problem =
+            format!("no sentence has a place (GGA, GNS, RMC or GLL); {damaged} sentences have a wrong checksum");
+        return Err(wrong(1, problem));
+    }
     let Some(mut date_ns) = first else {
         let problem = format!(
             "no sentence has a date (RMC or ZDA), so the times of the packets cannot be told; {damaged} sentences have a wrong \
@@ -79,10 +92,10 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
         // The day that is nearest to the last date: midnight may be between them.
         let days = (date_ns - at.of_day_ns + DAY_NS / 2).div_euclid(DAY_NS);
         let Ok(time_ns) = u64::try_from(days * DAY_NS + at.of_day_ns) else {
-            return Err(wrong(at.line, "its date is before 1970".to_owned()));
+            track.refuse(at.line, "its date is before 1970".to_owned());
+            continue;
         };
-        let fix = Fix { time: SimTime::from_nanos(time_ns), lat_deg, lon_deg, height_m };
-        track.add(fix, at.line).map_err(|problem| wrong(at.line, problem))?;
+        track.add(Fix { time: SimTime::from_nanos(time_ns), lat_deg, lon_deg, height_m }, at.line);
     }
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     if damaged > 0 {
@@ -105,9 +118,15 @@ impl Sentence {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Damaged;
 
-/// Whether `line` holds a sentence that gives a place.
+/// Whether `line` holds a sentence, whatever it gives: two letters of the talker, three of its kind, and fields.
 pub(super) fn is_sentence(line: &str) -> bool {
-    body(line).is_ok_and(|body| body.is_some_and(|body| kind(body).is_some()))
+    let is_name = |name: &str| {
+        name.len() == 5
+            && name.starts_with(['G', 'B', 'Q', 'N'])
+            && name.bytes().all(|octet| octet.is_ascii_uppercase())
+    };
+    let has_name = |body: &str| body.split_once(',').is_some_and(|(name, _)| is_name(name));
+    body(line).is_ok_and(|body| body.is_some_and(has_name))
 }
 
 /// What stands between `$` and the checksum; `None` if there is no sentence in the line.
@@ -125,6 +144,8 @@ fn body(line: &str) -> Result<Option<&str>, Damaged> {
 fn kind(body: &str) -> Option<Kind> {
     match body.split(',').next()?.get(2..)? {
         "GGA" => Some(Kind::Gga),
+        "GNS" => Some(Kind::Gns),
+        "GLL" => Some(Kind::Gll),
         "RMC" => Some(Kind::Rmc),
         "ZDA" => Some(Kind::Zda),
         _ => None,
@@ -138,7 +159,8 @@ fn sentence(line: usize, text: &str) -> Result<Option<Sentence>, Damaged> {
     let fields: Vec<&str> = body.split(',').collect();
     let field = |at: usize| fields.get(at).copied().unwrap_or("");
     // A receiver that has no time yet leaves it out.
-    let Some(of_day_ns) = time_of_day(field(1)) else { return Ok(None) };
+    let time = if kind == Kind::Gll { 5 } else { 1 };
+    let Some(of_day_ns) = time_of_day(field(time)) else { return Ok(None) };
     let place = |at: usize, height_m: Option<f64>| {
         let lat_deg = angle(field(at), field(at + 1), ["N", "S"])?;
         let lon_deg = angle(field(at + 2), field(at + 3), ["E", "W"])?;
@@ -146,6 +168,9 @@ fn sentence(line: usize, text: &str) -> Result<Option<Sentence>, Damaged> {
     };
     let (day, place) = match kind {
         Kind::Gga => (None, place(2, field(9).parse().ok()).filter(|_| !["", "0"].contains(&field(6)))),
+        // A letter for each system of satellites: N if it gives no fix.
+        Kind::Gns => (None, place(2, field(9).parse().ok()).filter(|_| field(6).contains(|mode| mode != 'N'))),
+        Kind::Gll => (None, place(1, None).filter(|_| field(6) == "A")),
         Kind::Rmc => (date(field(9)), place(3, None).filter(|_| field(2) == "A")),
         Kind::Zda => (date_of(field(2), field(3), field(4).parse().ok()), None),
     };
@@ -210,6 +235,19 @@ mod tests {
         assert_eq!(sentence(1, &GGA.replace("*47", "*zz")), Err(Damaged));
         assert!(sentence(1, GGA.trim_end_matches("*47")).unwrap().is_some());
         assert_eq!(sentence(1, "hello"), Ok(None));
+        // The example of a receiver of two systems, and one of them without a fix.
+        let gns = "$GNGNS,014035.00,4332.69262,S,17235.48549,E,RR,13,0.9,25.63,11.24,,*70";
+        let found = sentence(1, gns).unwrap().unwrap();
+        let place = found.place.unwrap();
+        assert!((place.lat_deg + 43.544_877).abs() < 1e-6 && (place.lon_deg - 172.591_424_8).abs() < 1e-6);
+        assert_eq!((place.height_m, found.of_day_ns), (Some(25.63), ((60 + 40) * 60 + 35) * SECOND_NS));
+        for (mode, has_place) in [("AN", true), ("NN", false), ("", false)] {
+            let text = gns.split('*').next().unwrap().replace("RR", mode);
+            assert_eq!(sentence(1, &text).unwrap().unwrap().place.is_some(), has_place, "{mode}");
+        }
+        let gll = sentence(1, "$GNGLL,4807.038,N,01131.000,E,123519,A,A").unwrap().unwrap();
+        assert_eq!(gll.of_day_ns, ((12 * 60 + 35) * 60 + 19) * SECOND_NS);
+        assert!((gll.place.unwrap().lat_deg - 48.1173).abs() < 1e-9);
         // Without a fix there is no place.
         let lost = "$GPGGA,123519,,,,,0,00,,,M,,M,,";
         assert_eq!(sentence(1, lost).unwrap().unwrap().place, None);

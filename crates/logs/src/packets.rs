@@ -4,7 +4,6 @@ use sextant_kernel::RobotId;
 use sextant_kernel::text::choices;
 
 use super::error::RobotLogError;
-use super::field_names::FieldNames;
 use super::gatherer::Gatherer;
 use super::header::{Known, Others};
 use super::instant;
@@ -13,6 +12,7 @@ use super::reciprocal::{Roles, Transmitter};
 use super::table::{Column, Row, Table};
 use super::table_source::TableSource;
 use super::times::Times;
+use super::written::Written;
 
 /// The robots of a log.
 #[derive(Clone, Copy)]
@@ -23,10 +23,10 @@ pub(super) struct Robots<'a> {
     pub(super) path: &'a str,
 }
 
-/// Reads the packets of a table row by row into `gatherer`, with the `names` of the user for columns.
+/// Reads the packets of a table row by row into `gatherer`, as it is `written`.
 pub(super) fn read<'a>(
     source: impl Into<TableSource<'a>>,
-    names: &FieldNames,
+    written: &Written,
     robots: Robots<'_>,
     roles: &mut Roles,
     gatherer: &mut Gatherer,
@@ -37,10 +37,10 @@ pub(super) fn read<'a>(
         Roles::Turned(_) => ("receiver", ["node"].as_slice()),
     };
     let optional = [&instant::COLUMNS[..], &["rssi_dbm", "snr_db", "sector"], ends].concat();
-    let known = Known { required: &[required], optional: &optional, names, others: Others::Ignored };
+    let known = Known { required: &[required], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;
     notes.extend(table.ignored());
-    let time = Times::of(&table, notes)?;
+    let time = Times::of(&table, written.time_zone, notes)?;
     let [node, mover] = [required, ends[0]].map(|name| table.column(name));
     let [rssi, snr, sector] = ["rssi_dbm", "snr_db", "sector"].map(|name| table.column(name));
     robots.check(&table, mover, roles)?;

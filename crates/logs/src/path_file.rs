@@ -2,7 +2,6 @@
 
 use super::doctor::origin;
 use super::error::RobotLogError;
-use super::field_names::FieldNames;
 use super::header::{Known, Others};
 use super::instant;
 use super::path::{Path, Pose};
@@ -11,21 +10,24 @@ use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
 use super::table_source::TableSource;
 use super::times::Times;
+use super::written::Written;
 use sextant_recording::RobotNames;
 
-/// Reads the paths in a table: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`, or with the `names` of
-/// the user. If `skips_no_fix`, rows without a fix are left out.
+/// Reads the paths in a table: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`, or as it
+/// is `written`. If `skips_no_fix`, rows without a fix are left out.
 pub(super) fn read<'a>(
     source: impl Into<TableSource<'a>>,
-    names: &FieldNames,
+    written: &Written,
     skips_no_fix: bool,
     notes: &mut Vec<String>,
 ) -> Result<Paths, RobotLogError> {
     let optional = [&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat();
-    let table =
-        Table::open_known(source, Known { required: &[], optional: &optional, names, others: Others::Ignored })?;
+    let table = Table::open_known(
+        source,
+        Known { required: &[], optional: &optional, names: &written.names, others: Others::Ignored },
+    )?;
     notes.extend(table.ignored());
-    let time = Times::of(&table, notes)?;
+    let time = Times::of(&table, written.time_zone, notes)?;
     let places = Places::of(&table, Frame::Any, notes)?;
     let robot = table.column("robot");
     let mut robots = RobotNames::default();

@@ -8,10 +8,11 @@ use sextant_recording::RobotNames;
 
 use super::companions::Companions;
 use super::error::RobotLogError;
-use super::field_names::FieldNames;
 use super::file_names::{RECEPTIONS, STOPS};
 use super::folder::{left_out_note, unused_sector_snrs};
 use super::form;
+#[cfg(test)]
+use super::form_options::FormOptions;
 use super::layout::Layout;
 use super::options::ReadOptions;
 use super::pair_notes::{Listing, PartNames};
@@ -21,6 +22,7 @@ use super::rssi_check::RssiCheck;
 use super::signal::{Signal, Strength};
 use super::stops::{self, Stops};
 use super::strengths::Strengths;
+use super::written::Written;
 use super::{LocalPlane, reciprocal};
 
 /// No row states the packets sent.
@@ -62,15 +64,15 @@ impl RowLog {
         let layout = Layout::of(path, &options.form)?;
         form::refuse(&path.into(), layout.form(), options)?;
         let Layout::Stops(folder) = &layout else { return Ok(None) };
-        let companions = Companions::of_folder(folder);
+        let companions = Companions::of_folder(folder, options.form.time_zone);
         let mut notes = Vec::new();
         if options.form.reciprocal {
             notes.push(reciprocal::NOTE.to_owned());
         }
         let mut robots = RobotNames::default();
-        let names = FieldNames::of_places(options.form.path_fields.as_ref());
+        let written = Written::of_places(&options.form);
         let skips = options.repair.skip_no_fix;
-        let stops = stops::read(folder.join(STOPS).into(), &names, skips, &mut robots, &mut notes)?;
+        let stops = stops::read(folder.join(STOPS).into(), &written, skips, &mut robots, &mut notes)?;
         if stops.stops.is_empty() {
             return Err(RobotLogError::NoStops { part: folder.as_path().into() });
         }
@@ -210,8 +212,11 @@ mod tests {
             let folder = tempfile::tempdir().expect("there is room");
             std::fs::write(folder.path().join("stops.csv"), stops).expect("there is room");
             std::fs::write(folder.path().join("receptions.csv"), receptions).expect("there is room");
-            let whole = super::super::folder::read(StopLog::of_folder(folder.path()), &ReadOptions::default())
-                .expect("a good log");
+            let whole = super::super::folder::read(
+                StopLog::of_folder(folder.path(), &FormOptions::default()),
+                &ReadOptions::default(),
+            )
+            .expect("a good log");
             let (found, notes) = in_halves(folder.path());
             assert_eq!(found, whole.log.receptions().to_vec(), "{receptions}");
             let sorted = |mut notes: Vec<String>| {

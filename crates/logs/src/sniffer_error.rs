@@ -14,10 +14,12 @@ pub enum SnifferError {
         why: String,
     },
     /// The file is of another format.
-    #[error("`{}` is not a capture: it begins neither as pcap nor as pcapng", .path.display())]
+    #[error("`{}` is not a capture (pcap, pcapng), but {seen}", .path.display())]
     NotCapture {
         /// The file.
         path: PathBuf,
+        /// What it is.
+        seen: String,
     },
     /// The file is damaged.
     #[error("`{}` is damaged before byte {at_byte}: it has {problem}", .path.display())]
@@ -31,14 +33,16 @@ pub enum SnifferError {
     },
     /// The frames are of another technology.
     #[error(
-        "`{}` has frames of link type {link}; allowed: 195 and 230 (IEEE 802.15.4), 283 (IEEE 802.15.4 TAP), 127 (IEEE \
-         802.11 radiotap)", .path.display()
+        "`{}` has frames of link type {link} ({name}), which do not say which node was heard; allowed: 195 and 230 (IEEE \
+         802.15.4), 283 (IEEE 802.15.4 TAP), 127 (IEEE 802.11 radiotap)", .path.display()
     )]
     UnknownLink {
         /// The file.
         path: PathBuf,
         /// The type of their link-layer header.
         link: u16,
+        /// What it is.
+        name: &'static str,
     },
     /// No frame names its sender.
     #[error("`{}` has no frame from which a node was heard{skipped}", .path.display())]

@@ -2,6 +2,11 @@
 
 use std::path::Path as FilePath;
 
+use sextant_kernel::{FileForm, seen};
+use sextant_recording::admission::OutputKind;
+use sextant_recording::mcap_file::is_mcap;
+
+use super::companions::Companions;
 use super::doctor;
 use super::error::RobotLogError;
 use super::folder::{self, StopLog};
@@ -12,7 +17,9 @@ use super::memory_log::MemoryLog;
 use super::options::ReadOptions;
 use super::packet_delay::PacketDelay;
 use super::repair_options::RepairOptions;
-use super::{bag, drive, reciprocal, sniffer};
+use super::sniffer::CaptureContents;
+use super::sniffer_options::SnifferOptions;
+use super::{bag, drive, reciprocal, recognition, sniffer};
 
 /// The kinds of logs of robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,16 +42,31 @@ impl Source {
         if sniffer::is_capture(path) {
             return Some(Self::Captures);
         }
-        (path.is_dir() || layout::is_part(path)).then_some(Self::Tables)
+        (path.is_dir() || recognition::is_part(path)).then_some(Self::Tables)
     }
 }
 
-/// Refuses what `options` say for a recording of `run`: they are for logs of robots.
+/// Refuses a file that is neither the log of a robot nor in MCAP, as recordings of `run` are, and says what it is; and what
+/// `options` say for a recording: they are for logs of robots.
 ///
 /// # Errors
-/// If there is such an option.
+/// If the file is another one, or there is such an option.
 pub fn refuse_options(path: &FilePath, options: &ReadOptions) -> Result<(), RobotLogError> {
-    form::refuse(&path.into(), Form::Recording, options)
+    std::fs::metadata(path).map_err(|why| RobotLogError::read(path, why))?;
+    if !is_mcap(path) {
+        return Err(unknown(path));
+    }
+    let is_ours = OutputKind::Recording.is_ours(path).unwrap_or(false);
+    form::refuse(&path.into(), if is_ours { Form::Recording } else { Form::Mcap }, options)
+}
+
+/// The error that a file is no log.
+fn unknown(path: &FilePath) -> RobotLogError {
+    let path = path.to_owned();
+    match FileForm::of_file(&path) {
+        Some(form) => RobotLogError::Foreign { told: form.told(&path), path },
+        None => RobotLogError::Unknown { seen: seen(&path), path },
+    }
 }
 
 /// Reads the log of a robot: a folder of CSV files, a ROS bag, captures of a sniffer, or parts of these; and looks for what is
@@ -104,6 +126,14 @@ pub fn examine(mut read: RobotLog) -> RobotLog {
     read
 }
 
+/// What the capture of a sniffer has, whatever of it can be mapped.
+///
+/// # Errors
+/// If it cannot be read, or is damaged.
+pub fn inspect_capture(path: &FilePath, options: &SnifferOptions) -> Result<CaptureContents, RobotLogError> {
+    Ok(sniffer::contents(path, options)?)
+}
+
 /// Reads a log by `read_once`, twice to estimate the delay of the packets.
 fn read_with(
     options: &ReadOptions,
@@ -138,17 +168,28 @@ fn read_once(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLo
     if Source::of(path).is_none() {
         return Err(match std::fs::metadata(path) {
             Err(why) => RobotLogError::read(path, why),
-            Ok(_) => RobotLogError::Unknown { path: path.to_owned() },
+            Ok(_) => unknown(path),
         });
     }
     let layout = Layout::of(path, &options.form)?;
     form::refuse(&path.into(), layout.form(), options)?;
     let log = match &layout {
-        Layout::Stops(folder) => folder::read(StopLog::of_folder(folder), options),
-        Layout::Wide { table, folder } => folder::read_wide(table, folder.as_deref(), options),
+        Layout::Stops(folder) => folder::read(StopLog::of_folder(folder, &options.form), options),
+        Layout::Wide { table, folder } => {
+            let companions = match folder {
+                Some(folder) => Companions::of_folder(folder, options.form.time_zone),
+                None => Companions::none(table.as_path().into()),
+            };
+            folder::read_wide(table.as_path().into(), &companions, options)
+        }
+        Layout::StopFiles { folder, files, are_wide } => folder::read_stop_files(folder, files, *are_wide, options),
         Layout::Drive(parts) => drive::read(parts, options),
     }?;
-    Ok(noted(log, options))
+    let mut log = noted(log, options);
+    log.notes.extend(
+        layout::unread_ranges(path).map(|name| format!("`{name}` is not read: it has ranges, and no packets")),
+    );
+    Ok(log)
 }
 
 /// The log with what the user should know of the options.

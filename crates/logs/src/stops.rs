@@ -7,7 +7,6 @@ use sextant_kernel::SimTime;
 
 use super::doctor::origin;
 use super::error::RobotLogError;
-use super::field_names::FieldNames;
 use super::header::{Known, Others};
 use super::heading::{self, Headings};
 use super::instant;
@@ -15,7 +14,9 @@ use super::local_plane::LocalPlane;
 use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
 use super::table_source::TableSource;
+use super::time_zone::TimeZone;
 use super::times::Times;
+use super::written::Written;
 use sextant_recording::RobotNames;
 
 /// The stops of a log.
@@ -41,21 +42,21 @@ struct Listed {
     stop: Stop,
 }
 
-/// Reads the stops in a table, with the `names` of the user for columns. If `skips_no_fix`, rows without a fix are
+/// Reads the stops in a table, as it is `written`. If `skips_no_fix`, rows without a fix are
 /// left out.
 pub(super) fn read(
     source: TableSource<'_>,
-    names: &FieldNames,
+    written: &Written,
     skips_no_fix: bool,
     robots: &mut RobotNames,
     notes: &mut Vec<String>,
 ) -> Result<Stops, RobotLogError> {
     let optional = [&COLUMNS[..], &instant::COLUMNS, &heading::COLUMNS, &["robot", "sent"]].concat();
-    let known = Known { required: &["stop"], optional: &optional, names, others: Others::Ignored };
+    let known = Known { required: &["stop"], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::Any, notes)?;
-    let time = Times::find(&table, notes);
+    let time = Times::find(&table, written.time_zone, notes);
     let mut headings = Headings::find(&table, notes);
     let [id, robot, sent] = ["stop", "robot", "sent"].map(|name| table.column(name));
     if time.is_none() {
@@ -107,16 +108,17 @@ pub(super) fn read(
 /// Most packets that a node can have sent at a stop.
 pub(super) const MOST_SENT: u32 = u32::MAX - 1;
 
-/// Reads the contacts in a table. The places of the log are in `plane`.
+/// Reads the contacts in a table. The places of the log are in `plane`, dates that do not say their zone in `zone`.
 pub(super) fn read_contacts(
     source: TableSource<'_>,
+    zone: Option<TimeZone>,
     plane: Option<LocalPlane>,
     robots: &mut RobotNames,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Contact>, RobotLogError> {
     let table = Table::open(source, &[], &[&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat())?;
     notes.extend(table.ignored());
-    let time = Times::of(&table, notes)?;
+    let time = Times::of(&table, zone, notes)?;
     let places = Places::of(&table, Frame::of(plane.as_ref()), notes)?;
     let robot = table.column("robot");
     let mut plane = plane;

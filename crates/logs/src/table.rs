@@ -1,19 +1,20 @@
-//! A table with columns by name, read row by row: a CSV file, or a table in memory. Errors name the line or row, and the
-//! column.
+//! A table with columns by name, read row by row: a CSV file or several of them, or a table in memory. Errors name the line or
+//! row, and the column.
 
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use sextant_kernel::text::of_cell;
+use csv::StringRecord;
+use sextant_kernel::text::{of_cell, shortened};
 
+use super::csv_file::{CsvFile, CsvStyle, Heading};
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
-use super::header::{self, Header, Known, Others};
-use super::lines::LinesOf;
-use super::log_part::{LogPart, RowAddress};
+use super::header::{self, Known, Others};
+use super::log_part::LogPart;
 use super::memory_table::{Cell, MemoryTable};
+use super::table_file::TableFile;
+use super::table_head::Head;
 use super::table_source::TableSource;
 
 /// A table whose header was read.
@@ -24,20 +25,13 @@ pub(super) struct Table<'a> {
 
 /// The rows of a table.
 enum Body<'a> {
-    File(Box<CsvReader>),
+    Files {
+        files: Vec<TableFile>,
+        heading: Heading,
+        /// The first file, which is open already: it may be a pipe.
+        first: Option<CsvFile>,
+    },
     Memory(&'a MemoryTable<'a>),
-}
-
-type CsvReader = csv::Reader<BufReader<LinesOf<File>>>;
-
-/// What is known of a table besides its rows.
-pub(super) struct Head {
-    pub(super) part: LogPart,
-    header: Header,
-    /// Octets before the header of a file: a byte order mark.
-    skipped: u64,
-    /// Whether a comma in a number is its decimal mark, because another character separates cells.
-    pub(super) decimal_comma: bool,
 }
 
 /// A column by name, and its index in a row if the table has it.
@@ -64,11 +58,9 @@ pub(super) struct Row<'a> {
 
 /// The cells of a row.
 enum Cells<'a> {
-    File(&'a csv::StringRecord),
+    File(&'a StringRecord),
     Memory { table: &'a MemoryTable<'a>, row: usize },
 }
-
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 impl<'a> Table<'a> {
     /// Opens a table. It must have all `required` columns and may have the `optional` ones; others are ignored, unless one
@@ -85,54 +77,69 @@ impl<'a> Table<'a> {
     /// The same with names of the user for columns.
     pub(super) fn open_known(source: impl Into<TableSource<'a>>, known: Known<'_>) -> Result<Self, RobotLogError> {
         match source.into() {
-            TableSource::File(path) => Self::open_file(&path, known),
+            TableSource::File(path) => Self::open_files(vec![TableFile::alone(&path)], known),
+            TableSource::Files(files) => Self::open_files(files, known),
             TableSource::Memory(table) => {
                 let part = LogPart::Table(table.name().to_owned());
-                let mut head = Head { part, header: Header::default(), skipped: 0, decimal_comma: false };
-                let header = Header::new(table.column_names(), known, &head.part);
-                head.header = header.map_err(|problem| head.wrong_header(problem))?;
+                let head = Head::of(part, CsvStyle::default()).with_columns(table.column_names(), known)?;
                 Ok(Self { head, body: Body::Memory(table) })
             }
         }
     }
 
-    fn open_file(path: &Path, known: Known<'_>) -> Result<Self, RobotLogError> {
-        let file = File::open(path).map_err(|why| RobotLogError::read(path, why))?;
-        let mut input = BufReader::with_capacity(1 << 16, LinesOf::new(file));
-        let start = input.fill_buf().map_err(|why| RobotLogError::read(path, why))?;
-        let wrong = |problem: String| RobotLogError::line(path, 1, problem);
-        if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
-            return Err(wrong("the file is UTF-16 text; save it as UTF-8".to_owned()));
+    /// Files that are one table: it has all columns that any of them has, and the cells that their names give.
+    fn open_files(files: Vec<TableFile>, known: Known<'_>) -> Result<Self, RobotLogError> {
+        let heading = if known.names.has_numbers() { Heading::Numbered } else { Heading::Named };
+        let mut names: Vec<String> = Vec::new();
+        let mut whole: Option<Head> = None;
+        let mut first = None;
+        for file in &files {
+            let (of_file, csv) = open_file(file, heading)?;
+            let is_known = |name: &String| {
+                known.names.gives(name) || known.required.iter().chain(known.optional).any(|known| known == name)
+            };
+            if let Some(values) = csv.values_for_names()
+                && !csv.names.iter().any(is_known)
+            {
+                let hint = known.names.numbers_hint(&[known.required, known.optional].concat());
+                return Err(of_file.wrong_header(format!(
+                    "the first line is `{}`: values, and no names of columns{hint}",
+                    shortened(&values)
+                )));
+            }
+            if let Some(of_name) = file.cells.iter().find(|(name, _)| csv.names.contains(name)) {
+                let problem =
+                    format!("the column `{}` is in the file, and in its name too; allowed: one of them", of_name.0);
+                return Err(of_file.wrong_header(problem));
+            }
+            let of_file_names = csv.names.iter().chain(file.cells.iter().map(|(name, _)| name));
+            if whole.is_none() {
+                names = of_file_names.cloned().collect();
+                (whole, first) = (Some(of_file), Some(csv));
+            } else {
+                let more: Vec<String> = of_file_names.filter(|name| !names.contains(name)).cloned().collect();
+                names.extend(more);
+            }
         }
-        let skipped = if start.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
-        let delimiter = delimiter(&start[skipped..]);
-        input.consume(skipped);
-        let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).from_reader(input);
-        let mut head = Head {
-            part: path.into(),
-            header: Header::default(),
-            skipped: skipped as u64,
-            decimal_comma: delimiter != b',',
-        };
-        let names = reader.headers().cloned().map_err(|why| head.malformed(&why))?;
-        head.header = Header::new(names.iter(), known, &head.part).map_err(wrong)?;
-        Ok(Self { head, body: Body::File(Box::new(reader)) })
+        let head = whole.unwrap_or_else(|| Head::of_file(Path::new(""), CsvStyle::default()));
+        let head = head.with_columns(names.iter().map(String::as_str), known)?;
+        Ok(Self { head, body: Body::Files { files, heading, first } })
     }
 
     /// The column `name`.
     pub(super) fn column(&self, name: &'static str) -> Column {
-        Column { name, at: self.head.header.find(name) }
+        Column { name, at: self.head.header().find(name) }
     }
 
     /// The indices and names of the columns that are not known.
     pub(super) fn unknown(&self) -> impl Iterator<Item = (usize, &str)> {
-        let header = &self.head.header;
+        let header = self.head.header();
         header.unknown().map(|at| (at, header.all_written()[at].as_str()))
     }
 
     /// A note on the columns that are ignored, if there are any.
     pub(super) fn ignored(&self) -> Option<String> {
-        let names = self.head.header.ignored_names()?;
+        let names = self.head.header().ignored_names()?;
         Some(format!("{}: ignored columns: {names}", self.head.name()))
     }
 
@@ -143,7 +150,7 @@ impl<'a> Table<'a> {
 
     /// How the user can say that a column with another name is the known one `key`, for an error.
     pub(super) fn hint(&self, key: &str) -> String {
-        self.head.header.hint(key)
+        self.head.header().hint(key)
     }
 
     /// Name of the file without its folder, or of the table in memory.
@@ -168,11 +175,13 @@ impl<'a> Table<'a> {
     ) -> Result<Head, RobotLogError> {
         let Self { head, body } = self;
         match body {
-            Body::File(mut reader) => {
-                let mut record = csv::StringRecord::new();
-                while reader.read_record(&mut record).map_err(|why| head.malformed(&why))? {
-                    let offset = record.position().map_or(0, csv::Position::byte);
-                    visit(&Row { head: &head, cells: Cells::File(&record), offset })?;
+            Body::Files { files, heading, mut first } => {
+                for file in &files {
+                    let csv = match first.take() {
+                        Some(csv) => csv,
+                        None => open_file(file, heading)?.1,
+                    };
+                    rows_of_file((file, csv), &head, &mut visit)?;
                 }
             }
             Body::Memory(table) => {
@@ -182,91 +191,6 @@ impl<'a> Table<'a> {
             }
         }
         Ok(head)
-    }
-}
-
-impl Head {
-    /// The name of the column `known` as the file has it.
-    pub(super) fn written<'a>(&'a self, known: &'a str) -> &'a str {
-        self.header.written(known)
-    }
-
-    /// The name of the column with this index.
-    pub(super) fn written_at(&self, at: usize) -> &str {
-        &self.header.all_written()[at]
-    }
-
-    /// Name of the file without its folder, or of the table in memory.
-    pub(super) fn name(&self) -> String {
-        self.part.name()
-    }
-
-    /// The address of the row at `offset`.
-    pub(super) fn address(&self, offset: u64) -> RowAddress {
-        match &self.part {
-            LogPart::File(path) => RowAddress::File { path: path.clone(), line: self.line(path, offset) },
-            LogPart::Table(name) => RowAddress::Table { name: name.clone(), row: usize::try_from(offset).ok() },
-        }
-    }
-
-    /// The error that the header is wrong.
-    pub(super) fn wrong_header(&self, problem: impl Into<String>) -> RobotLogError {
-        let at = match &self.part {
-            LogPart::File(path) => RowAddress::File { path: path.clone(), line: 1 },
-            LogPart::Table(name) => RowAddress::Table { name: name.clone(), row: None },
-        };
-        RobotLogError::Row { at, problem: problem.into() }
-    }
-
-    /// Line of the row of the file `path` that begins at `offset`, counted from 1. The reader's own count is wrong after a
-    /// blank line and after a line that ends in two characters, so the file is read once more, up to the row.
-    fn line(&self, path: &Path, offset: u64) -> usize {
-        let lines = || -> std::io::Result<usize> {
-            let mut input = BufReader::new(File::open(path)?);
-            let mut line = 1;
-            let mut before = (&mut input).take(self.skipped + offset);
-            loop {
-                let octets = before.fill_buf()?;
-                if octets.is_empty() {
-                    break;
-                }
-                line += octets.iter().filter(|&&octet| octet == b'\n').count();
-                let length = octets.len();
-                before.consume(length);
-            }
-            // Blank lines before a row belong to it.
-            for octet in input.bytes() {
-                match octet? {
-                    b'\n' => line += 1,
-                    b'\r' => {}
-                    _ => break,
-                }
-            }
-            Ok(line)
-        };
-        lines().unwrap_or(1)
-    }
-
-    /// The error that the row at `offset` is wrong as a whole.
-    pub(super) fn wrong_row(&self, offset: u64, problem: impl Into<String>) -> RobotLogError {
-        RobotLogError::Row { at: self.address(offset), problem: problem.into() }
-    }
-
-    fn malformed(&self, why: &csv::Error) -> RobotLogError {
-        let offset = why.position().map_or(0, csv::Position::byte);
-        let problem = match why.kind() {
-            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                let hint = if *len > *expected_len && !self.decimal_comma {
-                    "; a decimal comma needs `;` or a tab between the cells"
-                } else {
-                    ""
-                };
-                format!("{len} cells, but the header has {expected_len} columns{hint}")
-            }
-            csv::ErrorKind::Utf8 { .. } => "not UTF-8 text".to_owned(),
-            _ => why.to_string(),
-        };
-        self.wrong_row(offset, problem)
     }
 }
 
@@ -288,7 +212,10 @@ impl Row<'_> {
 
     fn cell_at(&self, at: usize) -> Cell<'_> {
         match self.cells {
-            Cells::File(record) => Cell::Text(of_cell(record.get(at).unwrap_or(""))),
+            Cells::File(record) => {
+                let text = record.get(at).unwrap_or("");
+                Cell::Text(of_cell(if self.head.has_blanks() { without_blanks(text) } else { text }))
+            }
             Cells::Memory { table, row } => table.cell(at, row),
         }
     }
@@ -303,19 +230,46 @@ impl Row<'_> {
     }
 }
 
-/// The character between the cells: the one of `,`, `;` and tab that the header has most often outside of quotes.
-fn delimiter(text: &[u8]) -> u8 {
-    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
-    let mut quoted = false;
-    let line = text.iter().skip_while(|octet| matches!(octet, b'\r' | b'\n'));
-    for &octet in line {
-        match octet {
-            b'"' => quoted = !quoted,
-            b'\n' | b'\r' if !quoted => break,
-            _ if quoted => {}
-            _ => counts.iter_mut().filter(|(character, _)| *character == octet).for_each(|(_, count)| *count += 1),
+/// The text of a cell with blanks around it, and with quotes if these are within the blanks.
+fn without_blanks(text: &str) -> &str {
+    let text = text.trim();
+    let unquoted = text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
+    unquoted.unwrap_or(text)
+}
+
+/// Opens a file of a table.
+fn open_file(file: &TableFile, heading: Heading) -> Result<(Head, CsvFile), RobotLogError> {
+    let csv = CsvFile::open(&file.path, heading)?;
+    let csv = csv.map_err(|why| Head::of_file(&file.path, CsvStyle::default()).malformed(&why))?;
+    Ok((Head::of_file(&file.path, csv.style), csv))
+}
+
+/// Calls `visit` with each row of the open `file`, whose cells are those of the columns of the table with the head `whole`.
+fn rows_of_file(
+    (file, mut csv): (&TableFile, CsvFile),
+    whole: &Head,
+    visit: &mut impl FnMut(&Row<'_>) -> Result<(), RobotLogError>,
+) -> Result<(), RobotLogError> {
+    let head = whole.for_file(&file.path, csv.style);
+    let is_whole = file.cells.is_empty() && csv.names == whole.all_written();
+    let places: Vec<Option<usize>> = if is_whole {
+        Vec::new()
+    } else {
+        whole.all_written().iter().map(|name| csv.names.iter().position(|other| other == name)).collect()
+    };
+    let given: Vec<&str> = whole.all_written().iter().map(|name| file.cell(name)).collect();
+    let (mut record, mut row) = (StringRecord::new(), StringRecord::new());
+    while csv.read(&mut record).map_err(|why| head.malformed(&why))? {
+        let offset = record.position().map_or(0, csv::Position::byte);
+        if is_whole {
+            visit(&Row { head: &head, cells: Cells::File(&record), offset })?;
+            continue;
         }
+        row.clear();
+        for (place, given) in places.iter().zip(&given) {
+            row.push_field(place.map_or(*given, |place| record.get(place).unwrap_or_default()));
+        }
+        visit(&Row { head: &head, cells: Cells::File(&row), offset })?;
     }
-    // Of equal counts the first.
-    counts.into_iter().rev().max_by_key(|&(_, count)| count).map_or(b',', |(character, _)| character)
+    Ok(())
 }

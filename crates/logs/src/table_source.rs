@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 
 use super::log_part::LogPart;
 use super::memory_table::MemoryTable;
+use super::table_file::TableFile;
 
 /// What a table is read from.
 #[derive(Clone, Debug)]
 pub(super) enum TableSource<'a> {
     /// A CSV file.
     File(Cow<'a, Path>),
+    /// CSV files that are one table.
+    Files(Vec<TableFile>),
     /// A table in memory.
     Memory(&'a MemoryTable<'a>),
 }
@@ -20,6 +23,7 @@ impl TableSource<'_> {
     pub(super) fn part(&self) -> LogPart {
         match self {
             Self::File(path) => LogPart::File(path.clone().into_owned()),
+            Self::Files(files) => LogPart::File(files.first().map(|file| file.path.clone()).unwrap_or_default()),
             Self::Memory(table) => LogPart::Table(table.name().to_owned()),
         }
     }

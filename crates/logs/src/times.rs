@@ -5,6 +5,7 @@ use sextant_kernel::SimTime;
 use super::error::RobotLogError;
 use super::instant::{self, COLUMNS};
 use super::table::{Column, Table};
+use super::time_zone::TimeZone;
 
 /// The column of times of a file.
 #[derive(Clone, Copy)]
@@ -12,12 +13,14 @@ pub(super) struct Times {
     pub(super) column: Column,
     /// How many of its units are a second, as a power of ten.
     places: usize,
+    /// The zone of dates that do not say theirs.
+    zone: Option<TimeZone>,
 }
 
 impl Times {
     /// The column of times of `table`, if it has one. Of several, the one in seconds counts, or that in the greater unit;
-    /// `notes` say so.
-    pub(super) fn find(table: &Table<'_>, notes: &mut Vec<String>) -> Option<Self> {
+    /// `notes` say so. Dates that do not say their zone are in `zone`.
+    pub(super) fn find(table: &Table<'_>, zone: Option<TimeZone>, notes: &mut Vec<String>) -> Option<Self> {
         let mut found = COLUMNS.into_iter().zip([0, 3, 6, 9]).map(|(name, places)| (table.column(name), places));
         let (column, places) = found.by_ref().find(|(column, _)| column.exists())?;
         let unused: Vec<String> =
@@ -25,12 +28,16 @@ impl Times {
         if !unused.is_empty() {
             notes.push(table.ignored_beside(&unused.join(", "), "the times", column.name));
         }
-        Some(Self { column, places })
+        Some(Self { column, places, zone })
     }
 
     /// The same, for a file that must have it.
-    pub(super) fn of(table: &Table<'_>, notes: &mut Vec<String>) -> Result<Self, RobotLogError> {
-        Self::find(table, notes).ok_or_else(|| {
+    pub(super) fn of(
+        table: &Table<'_>,
+        zone: Option<TimeZone>,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, RobotLogError> {
+        Self::find(table, zone, notes).ok_or_else(|| {
             table.wrong_header(format!(
                 "column `t_s` is missing; times need the column t_s (or t_ms, t_us, t_ns){}",
                 table.hint("t_s")
@@ -41,7 +48,7 @@ impl Times {
     /// The time `text`.
     pub(super) fn parse(self, text: &str) -> Option<SimTime> {
         match self.places {
-            0 => instant::parse(text).or_else(|| instant::parse_date(text, false)),
+            0 => instant::parse(text).or_else(|| instant::parse_date(text, self.zone)),
             places => instant::parse_scaled(text, places),
         }
     }
@@ -58,9 +65,15 @@ impl Times {
         u64::try_from(nanos).ok().filter(|_| self.places == 0).map(SimTime::from_nanos)
     }
 
-    /// The allowed values of a cell.
-    pub(super) const fn allowed(self) -> &'static str {
+    /// The allowed values of a cell that holds `text`.
+    pub(super) fn allowed(self, text: &str) -> &'static str {
+        /// Seconds since 1970 have fewer digits until the year 5138.
+        const DIGITS_OF_PARTS: usize = 12;
+        let digits = text.split('.').next().unwrap_or_default();
+        let is_scaled = digits.len() >= DIGITS_OF_PARTS && digits.bytes().all(|octet| octet.is_ascii_digit());
         match self.places {
+            0 if instant::parse_date(text, Some(TimeZone::UTC)).is_some() => instant::ALLOWED_ZONED,
+            0 if is_scaled => instant::ALLOWED_SCALED,
             0 => instant::ALLOWED,
             3 => "milliseconds as a decimal number, at least 0",
             6 => "microseconds as a decimal number, at least 0",

@@ -6,6 +6,8 @@ use std::path::Path;
 use sextant_channel::Position;
 
 use super::error::RobotLogError;
+use super::field_names::FieldNames;
+use super::header::{Known, Others};
 use super::local_plane::LocalPlane;
 use super::memory_table::MemoryTable;
 use super::place::{COLUMNS, Frame, Places};
@@ -22,16 +24,17 @@ pub struct TrueNodes {
 }
 
 /// Reads the positions (m) in the file `path`, by name of node: `node,x_m,y_m[,z_m]`, or `node,lat,lon[,alt_m]` if the log
-/// has its places in `plane`. `notes` get what the user should know.
+/// has its places in `plane`; `fields` are other names of these columns. `notes` get what the user should know.
 ///
 /// # Errors
 /// If the file cannot be read or has an invalid row; the error names file, line and column.
 pub fn read_truth(
     path: &Path,
+    fields: Option<&FieldNames>,
     plane: Option<&LocalPlane>,
     notes: &mut Vec<String>,
 ) -> Result<TrueNodes, RobotLogError> {
-    read_places(path, plane, &[], notes)
+    read_places(path, &FieldNames::of_truth(fields), plane, &[], notes)
 }
 
 /// The same of a table in memory.
@@ -40,20 +43,25 @@ pub fn read_truth(
 /// If the table has an invalid row; the error names table, row and column.
 pub fn read_truth_table(
     table: &MemoryTable<'_>,
+    fields: Option<&FieldNames>,
     plane: Option<&LocalPlane>,
     notes: &mut Vec<String>,
 ) -> Result<TrueNodes, RobotLogError> {
-    read_places(table, plane, &[], notes)
+    read_places(table, &FieldNames::of_truth(fields), plane, &[], notes)
 }
 
-/// Reads the positions (m) in a table, by name of node; the columns `other` are known and not read.
+/// Reads the positions (m) in a table, by name of node, with `names` of the user for columns; the columns `other` are known and
+/// not read.
 pub(super) fn read_places<'a>(
     source: impl Into<TableSource<'a>>,
+    names: &FieldNames,
     plane: Option<&LocalPlane>,
     other: &[&'static str],
     notes: &mut Vec<String>,
 ) -> Result<TrueNodes, RobotLogError> {
-    let table = Table::open(source, &["node"], &[&COLUMNS, other].concat())?;
+    let optional = [&COLUMNS, other].concat();
+    let known = Known { required: &["node"], optional: &optional, names, others: Others::Ignored };
+    let table = Table::open_known(source, known)?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::of(plane), notes)?;
     let node = table.column("node");

@@ -1,14 +1,12 @@
 //! Wide tables: a row a scan, with the place of the robot, and a column a node with the strength that was measured there.
 
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
 
 use sextant_channel::{Contact, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::doctor::{Finding, origin};
 use super::error::RobotLogError;
-use super::field_names::FieldNames;
 use super::form_options::FormOptions;
 use super::header::{Known, Others};
 use super::instant;
@@ -20,7 +18,9 @@ use super::rssi_check::RssiCheck;
 use super::signal::Signal;
 use super::strengths::{Report, Strengths};
 use super::table::{Row, Table};
+use super::table_source::TableSource;
 use super::times::Times;
+use super::written::Written;
 use sextant_kernel::text::{choices, counted};
 use sextant_recording::RobotNames;
 
@@ -75,19 +75,30 @@ struct Reading<'a> {
     unknown: u64,
 }
 
-/// Reads the wide table in the file `path`. Rows at one place are scans of one stop.
-pub(super) fn read(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) -> Result<Wide, RobotLogError> {
+/// Reads a wide table. Rows at one place are scans of one stop.
+pub(super) fn read(
+    source: TableSource<'_>,
+    options: &ReadOptions,
+    notes: &mut Vec<String>,
+) -> Result<Wide, RobotLogError> {
     let ReadOptions { form, repair, .. } = options;
-    let names = FieldNames::of_places(form.path_fields.as_ref());
+    let written = Written::of_places(form);
+    let part = source.part();
     let optional = [&COLUMNS[..], &instant::COLUMNS, &["robot", "stop"]].concat();
     let others = if form.node_columns.is_empty() { Others::Read } else { Others::Named };
-    let known = Known { required: &[], optional: &optional, names: &names, others };
-    let table = Table::open_known(path, known)?;
+    let known = Known { required: &[], optional: &optional, names: &written.names, others };
+    let again = source.clone();
+    let table = Table::open_known(source, known)?;
     let file = table.name();
     let places = Places::of(&table, Frame::Any, notes)?;
-    let time = Times::find(&table, notes);
+    let time = Times::find(&table, written.time_zone, notes);
     let robot = table.column("robot");
-    let (nodes, node_names) = nodes(&table, form, notes)?;
+    let strengthless = if form.node_columns.is_empty() {
+        strengthless(Table::open_known(again, known)?, form)?
+    } else {
+        BTreeSet::new()
+    };
+    let (nodes, node_names) = nodes(&table, &strengthless, form, notes)?;
     if table.column("stop").exists() {
         notes.push(format!("{file}: `stop` is ignored: rows at one place are one stop"));
     }
@@ -134,7 +145,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) 
         notes.push(format!("{file}: {left_out} rows without a fix are left out (option `skip_no_fix`)"));
     }
     if reading.stops.is_empty() {
-        return Err(RobotLogError::NoStops { part: path.into() });
+        return Err(RobotLogError::NoStops { part });
     }
     reading.tell(&file, notes);
     reading.strengths.finish(notes)?;
@@ -146,9 +157,44 @@ pub(super) fn read(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) 
     Ok(Wide { names: node_names, stops: reading.stops, receptions, robots, plane, findings: reading.rssi.findings() })
 }
 
-/// The columns that are nodes, and their names.
+/// The columns without any strength, which is negative in dBm, though they hold something: the number of a floor, say.
+///
+/// # Errors
+/// If that is so of all columns.
+fn strengthless(table: Table<'_>, form: &FormOptions) -> Result<BTreeSet<usize>, RobotLogError> {
+    let others: Vec<usize> = table.unknown().filter(|(_, name)| !name.is_empty()).map(|(at, _)| at).collect();
+    let (mut holding, mut negative, mut is_beyond) = (BTreeSet::new(), BTreeSet::new(), false);
+    let head = table.rows(|row| {
+        for &at in &others {
+            let text = row.text_at(at);
+            let text = text.trim();
+            let number = row.decimal(text);
+            if is_empty(text) || form.missing.iter().any(|missing| missing.is(text, &number)) {
+                continue;
+            }
+            holding.insert(at);
+            let number: Option<f64> = number.parse().ok();
+            is_beyond |= number.is_none_or(|number| number > LARGEST_DBM);
+            if number.is_some_and(|number| number < 0.0) {
+                negative.insert(at);
+            }
+        }
+        Ok(())
+    })?;
+    // A value beyond all strengths has an error of its own.
+    if negative.is_empty() && !holding.is_empty() && !is_beyond {
+        return Err(head.wrong_header(
+            "no column has a negative value, so none has strengths in dBm; if some are nodes all the same, name them with option \
+             `node_columns`",
+        ));
+    }
+    Ok(if negative.is_empty() { BTreeSet::new() } else { holding.difference(&negative).copied().collect() })
+}
+
+/// The columns that are nodes, and their names; those `strengthless` are none.
 fn nodes(
     table: &Table<'_>,
+    strengthless: &BTreeSet<usize>,
     form: &FormOptions,
     notes: &mut Vec<String>,
 ) -> Result<(Vec<usize>, Vec<String>), RobotLogError> {
@@ -163,6 +209,7 @@ fn nodes(
         return Err(table.wrong_header(problem));
     }
     let is_node = |name: &str| patterns.is_empty() || patterns.iter().any(|pattern| pattern.holds(name));
+    let (odd, others): (Vec<_>, Vec<_>) = others.into_iter().partition(|(at, _)| strengthless.contains(at));
     let (nodes, ignored): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, name)| is_node(name));
     let (Some((_, first)), Some((_, last))) = (nodes.first(), nodes.last()) else {
         return Err(table.wrong_header(
@@ -174,6 +221,14 @@ fn nodes(
     notes.push(format!(
         "{file}: {columns} from `{first}` to `{last}` hold the strengths of nodes (option `node_columns` chooses them)"
     ));
+    if !odd.is_empty() {
+        let names: Vec<String> = odd.iter().map(|(_, name)| format!("`{name}`")).collect();
+        notes.push(format!(
+            "{file}: without a negative value, and so without strengths in dBm, no nodes are: {} (option `node_columns` \
+             chooses nodes)",
+            choices(&names)
+        ));
+    }
     if !ignored.is_empty() {
         let names: Vec<String> = ignored.iter().map(|(_, name)| format!("`{name}`")).collect();
         notes.push(format!("{file}: ignored columns: {}", choices(&names)));

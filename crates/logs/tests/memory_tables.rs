@@ -274,11 +274,11 @@ fn places_on_the_earth_and_rows_without_a_fix_mean_the_same() {
     let file = tempfile::tempdir().unwrap().path().with_extension("csv");
     std::fs::write(&file, csv(&truth)).unwrap();
     let (mut of_file, mut of_table) = (Vec::new(), Vec::new());
-    let expected = read_truth(&file, read.plane.as_ref(), &mut of_file).unwrap();
-    assert_eq!(read_truth_table(&table("truth", &truth), read.plane.as_ref(), &mut of_table), Ok(expected));
+    let expected = read_truth(&file, None, read.plane.as_ref(), &mut of_file).unwrap();
+    assert_eq!(read_truth_table(&table("truth", &truth), None, read.plane.as_ref(), &mut of_table), Ok(expected));
     std::fs::remove_file(file).unwrap();
     let metres = vec![("node", texts("lamp")), ("x_m", floats(&[1.0])), ("y_m", floats(&[1.0]))];
-    let refused = read_truth_table(&table("truth", &metres), read.plane.as_ref(), &mut of_table).unwrap_err();
+    let refused = read_truth_table(&table("truth", &metres), None, read.plane.as_ref(), &mut of_table).unwrap_err();
     assert!(refused.to_string().starts_with("truth: column `lat` is missing"), "{refused}");
 }
 

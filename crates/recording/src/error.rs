@@ -70,10 +70,12 @@ pub enum RecordingError {
         why: String,
     },
     /// The file is of another format.
-    #[error("`{}` is not an MCAP file: the first eight bytes differ", .path.display())]
+    #[error("`{}` is not an MCAP file, but {seen}", .path.display())]
     NotMcap {
         /// The file.
         path: PathBuf,
+        /// What it is.
+        seen: String,
     },
     /// The file is damaged or incomplete.
     #[error("`{}` is broken at byte {at_byte}, after {messages} messages: {why}; `sextant recover` copies everything before", .path.display())]
@@ -155,7 +157,7 @@ impl From<McapFileError> for RecordingError {
     fn from(error: McapFileError) -> Self {
         match error {
             McapFileError::Read { path, why } => Self::Read { path, why },
-            McapFileError::NotMcap { path } => Self::NotMcap { path },
+            McapFileError::NotMcap { path, seen } => Self::NotMcap { path, seen },
         }
     }
 }

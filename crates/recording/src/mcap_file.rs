@@ -10,6 +10,7 @@ use mcap::records::{MessageHeader, Metadata, Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{Channel, McapError, Schema, parse_record};
 use serde::Serialize;
+use sextant_kernel::seen;
 
 /// Maximum length of a record or chunk (octets). A damaged length is detected before memory is allocated.
 const LONGEST_RECORD: usize = 1 << 29;
@@ -29,10 +30,12 @@ pub enum McapFileError {
         why: String,
     },
     /// The file is of another format.
-    #[error("`{}` is not an MCAP file: the first eight bytes differ", .path.display())]
+    #[error("`{}` is not an MCAP file, but {seen}", .path.display())]
     NotMcap {
         /// The file.
         path: PathBuf,
+        /// What it is.
+        seen: String,
     },
 }
 
@@ -90,6 +93,13 @@ pub enum Piece<'a> {
     Metadata(&'a Metadata),
 }
 
+/// Whether the file `path` begins as an MCAP file does.
+#[must_use]
+pub fn is_mcap(path: &Path) -> bool {
+    let mut magic = [0; mcap::MAGIC.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == *mcap::MAGIC
+}
+
 /// Calls `visit` with each piece of the file `path`, in order. Messages of a chunk that is incomplete or has a wrong
 /// checksum are skipped. Returns the damage that ended the reading, if any.
 ///
@@ -136,7 +146,7 @@ pub fn scan<E: From<McapFileError>>(
                 Err(why) => Err(why),
             },
             Err(McapError::BadMagic) if state.messages == 0 && !state.begun => {
-                return Err(McapFileError::NotMcap { path: path.to_owned() }.into());
+                return Err(McapFileError::NotMcap { path: path.to_owned(), seen: seen(path) }.into());
             }
             Err(why) => Err(why),
         };

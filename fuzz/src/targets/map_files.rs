@@ -10,12 +10,12 @@ pub(crate) fn check(octets: &[u8]) {
     let path = scratch::file("map.csv", octets);
     if let Ok(places) = read_map(&path) {
         assert!(places.values().all(|place| place.is_finite()), "a place that is no number");
-        let truth = read_truth(&path, None, &mut Vec::new());
+        let truth = read_truth(&path, None, None, &mut Vec::new());
         assert!(truth.is_err() || truth.is_ok_and(|truth| truth.places == places), "a map as true positions");
     }
     let plane = LocalPlane::new(50.0, 3.0, 20.0);
     for plane in [None, Some(&plane)] {
-        if let Ok(truth) = read_truth(&path, plane, &mut Vec::new()) {
+        if let Ok(truth) = read_truth(&path, None, plane, &mut Vec::new()) {
             assert!(truth.places.values().all(|place| place.is_finite()), "a true position that is no number");
         }
         if let Ok(area) = read_area(&path, plane) {

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
-use sextant::antenna::{AntennaCoverage, ArrayOrder, GainUnit, SourceNames, convert, read_book};
+use sextant::antenna::{AngleUnit, AntennaCoverage, ArrayOrder, GainUnit, SourceNames, convert, read_book};
 use sextant::scenario::Scenario;
 use sextant_channel::Antenna;
 use sextant_figure::of_antenna;
@@ -78,8 +78,8 @@ pub(crate) enum Owner {
 /// Arguments of `sextant antenna convert`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ConvertArguments {
-    /// A MATLAB file of version 5 to 7.2 (.mat), or a table with a row for each sector and direction or a column for each
-    /// sector (.csv, .tsv, .txt)
+    /// A MATLAB file of version 5 to 7.2 (.mat), or a table with a row for each sector and direction, a column for each
+    /// sector, or one pattern (.csv, .tsv, .txt, .ffe)
     #[arg(value_name = "IN")]
     pub(crate) source: PathBuf,
     /// The code book
@@ -88,24 +88,30 @@ pub(crate) struct ConvertArguments {
     /// The column or variable with the identities of sectors
     #[arg(long, value_name = "NAME")]
     pub(crate) sector: Option<String>,
-    /// The column or variable with the azimuths in degrees
+    /// The column or variable with the azimuths
     #[arg(long, value_name = "NAME")]
     pub(crate) azimuth: Option<String>,
-    /// The column or variable with the elevations in degrees
+    /// The column or variable with the elevations: angles from the horizontal plane, whatever its name
     #[arg(long, value_name = "NAME")]
     pub(crate) elevation: Option<String>,
     /// The column or variable with the gains
     #[arg(long, value_name = "NAME")]
     pub(crate) gain: Option<String>,
-    /// The unit of the gains [default: what the name of the column says, or relative decibels]
+    /// The unit of the gains [default: what the name of the column says]
     #[arg(long, value_enum)]
     pub(crate) unit: Option<Unit>,
     /// The sector whose gains are those of the pattern with which the antenna listens
     #[arg(long, value_name = "ID")]
     pub(crate) quasi_omni: Option<u8>,
-    /// Elevations are angles from the zenith
+    /// Elevations are angles from the zenith [default: what the name of the column says]
     #[arg(long)]
     pub(crate) zenith: bool,
+    /// Angles are in radians [default: what the names of the columns say]
+    #[arg(long, conflicts_with = "degrees")]
+    pub(crate) radians: bool,
+    /// Angles are in degrees, though they look like radians
+    #[arg(long)]
+    pub(crate) degrees: bool,
     /// The axes of an array of gains, in the order of the file: sector,elevation,azimuth for example [default: as their
     /// lengths tell]
     #[arg(long, value_name = "AXES")]
@@ -223,6 +229,11 @@ fn convert_file(arguments: &ConvertArguments) -> Result<(), Failure> {
         gain: arguments.gain.clone(),
         quasi_omni: arguments.quasi_omni,
         from_zenith: arguments.zenith,
+        angles: match (arguments.radians, arguments.degrees) {
+            (true, _) => Some(AngleUnit::Radians),
+            (false, true) => Some(AngleUnit::Degrees),
+            (false, false) => None,
+        },
         order: arguments.order,
     };
     let book = convert(source, &names, arguments.unit.map(GainUnit::from))?;

@@ -11,7 +11,7 @@ use super::reading::Reading;
 use super::with_flags;
 use crate::diagnostic::Failure;
 use sextant::mapping::Contents;
-use sextant_logs::{self as robot_log, Source};
+use sextant_logs::{self as robot_log, CaptureContents, Source};
 use sextant_recording::{self as recording, Inspection};
 
 /// Arguments of `sextant inspect`.
@@ -35,6 +35,9 @@ struct Inside {
     /// The file itself, if the log is a single bag.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     file: Option<Inspection>,
+    /// The capture, if the log is one that cannot be mapped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    capture: Option<CaptureContents>,
     /// The log; absent if the file is no log that can be mapped.
     #[serde(skip_serializing_if = "Option::is_none")]
     log: Option<Contents>,
@@ -52,16 +55,24 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     };
     let file = if source == Source::Bag && path.is_file() { recording::inspect(path).ok() } else { None };
     let file = file.map(|file| Inspection { is_simulated: false, ..file });
-    let (log, no_log) = match (robot_log::read(path, &options), &file) {
-        (Ok(read), _) => (Some(spoken(Contents::of(&read))), None),
-        // A bag that cannot be mapped has contents all the same.
-        (Err(why), Some(_)) => (None, Some(with_flags(&why.to_string()))),
-        (Err(why), None) => return Err(why.into()),
+    let read = robot_log::read(path, &options);
+    // Without a path a capture is no log, and has contents all the same.
+    let capture = (source == Source::Captures && read.is_err())
+        .then(|| robot_log::inspect_capture(path, &options.sniffer).ok())
+        .flatten();
+    let (log, no_log) = match read {
+        Ok(read) => (Some(spoken(Contents::of(&read))), None),
+        // So has a bag that cannot be mapped.
+        Err(why) if file.is_some() || capture.is_some() => (None, Some(with_flags(&why.to_string()))),
+        Err(why) => return Err(why.into()),
     };
-    let inside = Inside { file, log, no_log };
+    let inside = Inside { file, capture, log, no_log };
     Ok(arguments.printing.print(&inside, |stdout| {
         if let Some(file) = &inside.file {
             write!(stdout, "{file}")?;
+        }
+        if let Some(capture) = &inside.capture {
+            write!(stdout, "{capture}")?;
         }
         if let Some(log) = &inside.log {
             write!(stdout, "{log}")?;

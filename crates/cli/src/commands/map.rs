@@ -24,7 +24,7 @@ use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
 use sextant_figure::Figure;
 use sextant_kernel::text::counted;
-use sextant_logs::{self as robot_log, Names};
+use sextant_logs::{self as robot_log, FieldNames, Names};
 use sextant_recording::SCENARIO_ATTACHMENT;
 use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::output::{open_folder, write_file};
@@ -59,6 +59,10 @@ pub(crate) struct Arguments {
     /// the log has lat,lon. The default for a recording are the true positions in it
     #[arg(long, value_name = "nodes.csv")]
     pub(crate) truth: Option<PathBuf>,
+    /// The columns of the file of true positions, if they have other names: KEY=NAME,.. where KEY is node, x_m, y_m, z_m, lat,
+    /// lon or alt_m. In a file without a header NAME is the number of the column: node=#1
+    #[arg(long, value_name = "FIELDS", requires = "truth", value_parser = FieldNames::parse_truth)]
+    pub(crate) truth_fields: Option<FieldNames>,
     /// Nodes have other names in the log or among the true positions: a CSV file with columns name,alias (a row 0x1005,4101 says
     /// that 4101 is 0x1005). The maps have the names
     #[arg(long, value_name = "names.csv")]
@@ -189,8 +193,9 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
         let problem = format!("`--network` is `{name}`, but the log is of one network without a name");
         return Err(Failure::bad_input_with_help(problem, "leave out `--network`"));
     }
+    let fields = arguments.truth_fields.as_ref();
     let truth = match &arguments.truth {
-        Some(path) => Some(robot_log::read_truth(path, input.plane.as_ref(), &mut input.notes)?),
+        Some(path) => Some(robot_log::read_truth(path, fields, input.plane.as_ref(), &mut input.notes)?),
         None => None,
     };
     let truth = match &arguments.names {

@@ -17,7 +17,8 @@ use crate::terminal::{Watcher, stdout};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
-use sextant_logs::{self as robot_log, Source};
+use sextant_kernel::FileForm;
+use sextant_logs::{self as robot_log, FieldNames, Source};
 use sextant_recording::SCENARIO_ATTACHMENT;
 use sextant_recording::admission::OutputKind;
 use sextant_recording::output::write_file;
@@ -42,6 +43,9 @@ pub(crate) struct Arguments {
     /// the log has lat,lon
     #[arg(long, value_name = "nodes.csv")]
     pub(crate) truth: Option<PathBuf>,
+    /// The columns of the file of true positions, if they have other names, as for `map`
+    #[arg(long, value_name = "FIELDS", requires = "truth", value_parser = FieldNames::parse_truth)]
+    pub(crate) truth_fields: Option<FieldNames>,
     /// What may be replaced.
     #[command(flatten)]
     pub(crate) replacing: Replacing,
@@ -80,7 +84,8 @@ fn report(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failur
     if Report::is_reproduction(input) {
         return Ok(Report::of_reproduction(input, &titles())?);
     }
-    if input.extension().is_some_and(|extension| extension == "csv") {
+    // A file of another form is told by the reader of logs.
+    if input.extension().is_some_and(|extension| extension == "csv") && FileForm::of_file(input).is_none() {
         match Report::of_table(input, &titles()) {
             Err(ReportError::NotATable { columns, .. }) if columns.iter().any(|column| is_of_log(column)) => {}
             report => return Ok(report?),
@@ -115,7 +120,8 @@ fn of_log(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failur
     let scenario = input.scenario.as_deref().map(|text| RecordedScenario { name: &name, text, files: &input.files });
     let settings = MapSettings::new(scenario, arguments.algorithm, (None, None), &[])?;
     if let Some(path) = &arguments.truth {
-        let truth = robot_log::read_truth(path, input.plane.as_ref(), &mut input.notes)?;
+        let fields = arguments.truth_fields.as_ref();
+        let truth = robot_log::read_truth(path, fields, input.plane.as_ref(), &mut input.notes)?;
         input.take_truth(truth);
     }
     let drawn = mapping::drawn(&input)?;

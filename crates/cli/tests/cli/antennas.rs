@@ -179,7 +179,13 @@ fn a_measurement_becomes_a_code_book_that_is_never_its_own_input() {
     let wide = (0..36).map(|step| format!("{},{},{}\n", 10 * step, step % 7 - 3, -(step % 5)));
     let table = format!("phi,S4,S60\n{}", wide.collect::<String>());
     std::fs::write(folder.path().join("tool.csv"), &table).unwrap();
-    let converted = run(folder.path(), &["antenna", "convert", "tool.csv", "book.csv"]);
+    let unknown = run(folder.path(), &["antenna", "convert", "tool.csv", "book.csv"]);
+    assert!(
+        unknown.status.code() == Some(2) && text(&unknown.stderr).contains("--unit dbi"),
+        "{}",
+        text(&unknown.stderr)
+    );
+    let converted = run(folder.path(), &["antenna", "convert", "tool.csv", "book.csv", "--unit", "db"]);
     assert!(converted.status.success(), "{}", text(&converted.stderr));
     let told = text(&converted.stdout);
     assert!(told.contains("book.csv: 2 sectors, 36 directions, 0 gaps in `gain_db`"), "{told}");
@@ -188,11 +194,64 @@ fn a_measurement_becomes_a_code_book_that_is_never_its_own_input() {
     let shown = run(folder.path(), &["antenna", "show", "book.csv", "--set", "boresight_gain_dbi=12"]);
     assert!(shown.status.success() && text(&shown.stdout).contains("60  "), "{}", text(&shown.stderr));
     let code = |words: &[&str]| run(folder.path(), &[&["antenna", "convert"], words].concat()).status.code();
-    assert_eq!(code(&["tool.csv", "tool.csv", "--force"]), Some(2));
-    assert_eq!(code(&["tool.csv", "book.csv"]), Some(2), "it exists");
+    assert_eq!(code(&["tool.csv", "tool.csv", "--unit", "db", "--force"]), Some(2));
+    assert_eq!(code(&["tool.csv", "book.csv", "--unit", "db"]), Some(2), "it exists");
     assert_eq!(code(&["tool.csv", "book.csv", "--force", "--unit", "dbi"]), Some(0));
     assert_eq!(std::fs::read_to_string(folder.path().join("tool.csv")).unwrap(), table);
     let unknown = run(folder.path(), &["antenna", "convert", "tool.csv", "b.csv", "--azimuth", "angle"]);
     let message = text(&unknown.stderr);
     assert!(message.contains("found the columns `phi`, `S4`, `S60`") && message.contains("--azimuth"), "{message}");
+}
+
+#[test]
+fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() {
+    let folder = TempDir::new().unwrap();
+    let mut spherical = "Theta [deg.],Phi [deg.],Abs(Gain)[dBi]\n".to_owned();
+    let mut radians = "azimuth,gain_dbi\n".to_owned();
+    let mut half = "phi,theta,gain_dbi\n".to_owned();
+    for phi in (0..360).step_by(10) {
+        for theta in (0..=180).step_by(10) {
+            let gain = if (phi, theta) == (40, 90) { 9 } else { -4 };
+            spherical += &format!("{theta},{phi},{gain}\n");
+            if theta <= 90 {
+                half += &format!("{phi},{theta},{gain}\n");
+            }
+        }
+        radians += &format!("{:.4},{}\n", f64::from(phi - 180).to_radians(), phi % 7 - 3);
+    }
+    for (name, table) in [("spherical.csv", &spherical), ("radians.csv", &radians), ("half.csv", &half)] {
+        std::fs::write(folder.path().join(name), table).unwrap();
+    }
+    let convert = |words: &[&str]| run(folder.path(), &[&["antenna", "convert"], words].concat());
+    let converted = convert(&["spherical.csv", "book.csv"]);
+    assert!(converted.status.success(), "{}", text(&converted.stderr));
+    let book = std::fs::read_to_string(folder.path().join("book.csv")).unwrap();
+    assert!(book.contains("\n0,40,0,9\n") && book.matches(",9\n").count() == 1, "{book}");
+    for (file, words) in
+        [("half.csv", ["--zenith", "--elevation 'theta'"]), ("radians.csv", ["--radians", "--degrees"])]
+    {
+        let refused = convert(&[file, "no.csv"]);
+        assert_eq!(refused.status.code(), Some(2));
+        let message = text(&refused.stderr);
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+    assert!(convert(&["half.csv", "zenith.csv", "--zenith"]).status.success());
+    assert!(convert(&["half.csv", "level.csv", "--elevation", "theta"]).status.success());
+    assert!(convert(&["radians.csv", "turned.csv", "--radians"]).status.success());
+    let turned = std::fs::read_to_string(folder.path().join("turned.csv")).unwrap();
+    assert!(turned.contains("\n0,-180,0,-3\n") && turned.contains("\n0,170,0,"), "{turned}");
+    // A code book has degrees; once around in radians is refused, also where directions outside have a gain.
+    let mut book = "sector,azimuth_deg,elevation_deg,gain_dbi\n".to_owned();
+    for step in 0..36 {
+        book += &format!("0,{:.5},0,{}\n", f64::from(10 * step - 180).to_radians(), step % 7 - 3);
+    }
+    std::fs::write(folder.path().join("rad.csv"), book).unwrap();
+    let shown = run(folder.path(), &["antenna", "show", "rad.csv", "--set", "outside_gain_dbi=-20"]);
+    let message = text(&shown.stderr);
+    assert!(shown.status.code() == Some(2) && message.contains("once around in radians"), "{message}");
+    let scenario = SCENARIO.replace("router.csv", "rad.csv").replace("gaps = \"interpolate\"\n", "");
+    std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
+    let checked = run(folder.path(), &["check", "a.toml"]);
+    let message = text(&checked.stderr);
+    assert!(checked.status.code() == Some(2) && message.contains("once around in radians"), "{message}");
 }

@@ -119,7 +119,10 @@ fn a_bad_capture_is_an_error() {
     let mut wrong_length = mixed;
     wrong_length[packet + 4] += 4;
     for (octets, expected) in [
-        (changed(20, &[1, 0]), "has frames of link type 1; allowed: 195 and 230"),
+        (
+            changed(20, &[1, 0]),
+            "has frames of link type 1 (Ethernet), which do not say which node was heard; allowed: 195 and 230",
+        ),
         (changed(32, &[0, 0, 0, 0x7F]), "is damaged before byte 40: it has a packet of 2130706432 octets"),
         (unknown_interface, "it has a packet of interface 7, which is not described"),
         (wrong_length, "that ends with the length"),
@@ -129,15 +132,54 @@ fn a_bad_capture_is_an_error() {
         assert!(problem.contains(expected), "{problem}");
     }
     // All check sequences are wrong, as those of sniffers that put other values in their place.
-    let mut wrong = octets("fcs.pcap");
-    let mut at = 24;
-    while at < wrong.len() {
-        let length = u32::from_be_bytes([wrong[at + 8], wrong[at + 9], wrong[at + 10], wrong[at + 11]]) as usize;
-        at += 16 + length;
-        wrong[at - 1] ^= 0x21;
-    }
+    let wrong = with_ends(|_, end| [end[0], end[1] ^ 0x21]);
     let problem = read(&wrong, untouched).unwrap_err();
     assert!(problem.contains("31 with a wrong FCS") && problem.contains("link type 230"), "{problem}");
+    assert!(problem.contains("`fcs=ti`") && problem.contains("`fcs=none`"), "{problem}");
+}
+
+/// The capture with check sequences, with what `end` makes of them by the number of the frame.
+fn with_ends(end: impl Fn(usize, [u8; 2]) -> [u8; 2]) -> Vec<u8> {
+    let mut octets = octets("fcs.pcap");
+    let (mut at, mut number) = (24, 0);
+    while at < octets.len() {
+        let length = u32::from_be_bytes([octets[at + 8], octets[at + 9], octets[at + 10], octets[at + 11]]) as usize;
+        at += 16 + length;
+        let made = end(number, [octets[at - 2], octets[at - 1]]);
+        octets[at - 2..at].copy_from_slice(&made);
+        number += 1;
+    }
+    octets
+}
+
+#[test]
+fn the_rssi_in_the_place_of_the_check_sequence_is_that_of_the_chip() {
+    let right = read(&octets("fcs.pcap"), untouched).unwrap();
+    // Every frame with an RSSI of -7 (two's complement), and with the bit of a right check sequence.
+    let ti = with_ends(|_, _| [0xF9, 0xEB]);
+    for (text, expected_dbm) in [("ti", -80.0), ("ti:-45", -52.0), ("ti:-76", -83.0), ("ti:0", -7.0)] {
+        let log = read(&ti, |options| options.sniffer.fcs = text.parse().ok()).unwrap();
+        let levels: Vec<_> = log.log.receptions().iter().filter(|at| at.received > 0).map(|at| at.rssi_dbm).collect();
+        assert!(!levels.is_empty() && levels.iter().all(|level| *level == Some(expected_dbm)), "{text}: {levels:?}");
+        assert_eq!(log.log.names(), NAMES);
+        assert!(log.notes.iter().any(|note| note.contains("a chip of Texas Instruments wrote")), "{:?}", log.notes);
+    }
+    // Without the bit the frame was damaged: here each second one.
+    let half = with_ends(|number, _| [0xF9, if number % 2 == 0 { 0x80 } else { 0x6B }]);
+    let log = read(&half, |options| options.sniffer.fcs = "ti".parse().ok()).unwrap();
+    assert!(log.notes[0].contains("15 with a wrong FCS"), "{}", log.notes[0]);
+    // Values of no use: the frames count, and have no strengths. One frame had a wrong check sequence.
+    let log = read(&ti, |options| options.sniffer.fcs = "none".parse().ok()).unwrap();
+    assert_eq!(log.log.names(), right.log.names());
+    assert!(log.log.receptions().iter().all(|at| at.rssi_dbm.is_none()));
+    assert!(log.notes[0].contains("23 frames are packets"), "{}", log.notes[0]);
+    // Frames that say themselves what stands at their end are read as they say.
+    let tap = octets("tap.pcap");
+    let usual = read(&tap, untouched).unwrap().log;
+    assert_eq!(read(&tap, |options| options.sniffer.fcs = "ti".parse().ok()).unwrap().log, usual);
+    let problem =
+        read(&with_ends(|_, _| [0xF9, 0x6B]), |options| options.sniffer.fcs = "ti".parse().ok()).unwrap_err();
+    assert!(problem.contains("the sniffer has another chip"), "{problem}");
 }
 
 #[test]

@@ -111,9 +111,16 @@ fn a_path_in_gpx_belongs_to_a_capture() {
     let log = read(&kept("captures/tap.pcap"), Some(path.clone()), None).unwrap();
     assert_in_plane(&log, 1e-6);
     assert_eq!(log.notes[0], "walk.gpx: 1 points without a time are skipped");
+    // One bad point is skipped, and the note says what is wrong with it.
     for (from, to, expected) in [
-        ("lat=\"48.5", "lat=\"north", "walk.gpx, line 3: `lat` is `north"),
-        ("22:13:20.1", "22:13:99.1", "walk.gpx, line 3: `time` is `2023-11-14T22:13:99"),
+        ("lat=\"48.5", "lat=\"north", "walk.gpx: 1 of 13 points are skipped; the first one, line 3: `lat` is `north"),
+        ("22:13:20.1", "22:13:99.1", "the first one, line 3: `time` is `2023-11-14T22:13:99"),
+    ] {
+        std::fs::write(&path, gpx(&points.replacen(from, to, 1))).unwrap();
+        let log = read(&kept("captures/tap.pcap"), Some(path.clone()), None).unwrap();
+        assert!(log.notes.iter().any(|note| note.contains(expected)), "{:?}", log.notes);
+    }
+    for (from, to, expected) in [
         ("lon=\"7.7", "lon=\"9.7", "line 4: found latitude 48.5"),
         ("<time>", "<date>", "opening and ending tag"),
     ] {

@@ -62,7 +62,7 @@ fn what_is_not_an_input_is_refused() {
     for (name, content, said) in [
         ("other.csv", "a,b\n1,2\n", "is no table that a report can show"),
         ("table.parquet", "PAR1", "is a Parquet table"),
-        ("text.mcap", "no recording at all", "is not an MCAP file"),
+        ("text.mcap", "no recording at all", "but a text that begins with `no recording at all`"),
     ] {
         fs::write(folder.path().join(name), content).expect("room");
         let refused = run(folder.path(), &["report", name]);

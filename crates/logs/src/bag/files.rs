@@ -22,7 +22,12 @@ pub(super) fn is_foreign_bag(path: &Path) -> bool {
         return path.join(METADATA).is_file() || ["mcap", "db3", "bag"].iter().any(|&kind| has_file(path, kind));
     }
     let head = head(path).unwrap_or_default();
-    [ROS1_MAGIC, SQLITE_MAGIC, ZSTD_MAGIC].iter().any(|magic| head.starts_with(magic))
+    // What else is compressed may be anything.
+    let is_packed_bag = || {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        head.starts_with(ZSTD_MAGIC) && [".mcap.zstd", ".db3.zstd"].iter().any(|end| name.ends_with(end))
+    };
+    [ROS1_MAGIC, SQLITE_MAGIC].iter().any(|magic| head.starts_with(magic)) || is_packed_bag()
 }
 
 /// The MCAP files in a folder; none if it cannot be read.

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use sextant_kernel::SimTime;
+use sextant_kernel::{SimTime, seen};
 
 use super::super::sniffer_error::SnifferError;
 use super::captured::{Captured, End};
@@ -34,7 +34,7 @@ pub(super) fn frames<E: From<SnifferError>>(
     visit: &mut dyn FnMut(Captured<'_>) -> Result<(), E>,
 ) -> Result<End, E> {
     let mut source = Parts::open(path)?;
-    let not_capture = || SnifferError::NotCapture { path: path.to_owned() };
+    let not_capture = || SnifferError::NotCapture { path: path.to_owned(), seen: seen(path) };
     if !source.fill(4)? {
         return Err(not_capture().into());
     }

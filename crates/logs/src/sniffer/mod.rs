@@ -6,7 +6,9 @@
 
 mod captured;
 mod container;
+mod contents;
 mod ieee80211;
+mod links;
 mod parts;
 mod pcapng;
 mod radiotap;
@@ -28,7 +30,10 @@ use super::gatherer::Gatherer;
 use super::packet::Packet;
 use super::reciprocal::Roles;
 use super::sniffer_error::SnifferError;
-use super::sniffer_options::SnifferOptions;
+use super::sniffer_options::{FcsField, SnifferOptions};
+
+pub(super) use self::contents::contents;
+pub use self::contents::{CaptureContents, CapturedLink, CapturedSender};
 
 /// Whether the file `path` is a capture.
 #[must_use]
@@ -50,7 +55,7 @@ pub(super) fn read(
 ) -> Result<(), RobotLogError> {
     let mut pans = BTreeSet::new();
     for capture in captures {
-        frames::<SnifferError>(capture, options.pan, &mut |_, frame| {
+        frames::<SnifferError>(capture, options, &mut |_, frame| {
             if let Ok(Heard { sender: Sender { pan, address: SenderAddress::Short(_) }, .. }) = frame {
                 pans.insert(pan);
             }
@@ -91,7 +96,7 @@ fn gather(
 ) -> Result<Vec<String>, RobotLogError> {
     let mut count = Count::default();
     let mut name = String::new();
-    let end = frames::<RobotLogError>(capture, options.pan, &mut |time, frame| {
+    let end = frames::<RobotLogError>(capture, options, &mut |time, frame| {
         count.take(&frame);
         let Ok(Heard { sender, rssi_dbm }) = frame else { return Ok(()) };
         name.clear();
@@ -113,31 +118,67 @@ fn gather(
     let reasons = count.reasons();
     let mut skipped = if reasons.is_empty() { String::new() } else { format!("; skipped: {reasons}") };
     if count.is_mostly_wrong() {
-        skipped.push_str(
-            ". Some sniffers put other values in the place of the FCS: if so, save the frames without it (link type 230) or \
-             with TAP headers (283)",
-        );
+        skipped.push_str(". ");
+        skipped.push_str(match options.fcs {
+            Some(FcsField::Ti { .. }) => {
+                "With `fcs=ti` the last octet of a frame must say that its check sequence was right: the sniffer has another chip"
+            }
+            _ => OTHER_VALUES,
+        });
     }
     if count.used() == 0 {
         return Err(SnifferError::NoFrames { path: capture.to_owned(), skipped }.into());
     }
     let shown = capture.display();
     let mut notes = vec![format!("`{shown}`: {} frames are packets{skipped}", count.used())];
+    if let Some(FcsField::Ti { offset_db }) = options.fcs {
+        notes.push(format!(
+            "`{shown}`: strengths are the RSSI that a chip of Texas Instruments wrote in the place of the FCS, {offset_db:+} dB \
+             (a CC2530, CC2531 or CC2538 has -73, a CC2420 -45, a CC2520 -76: `fcs=ti:-45`)"
+        ));
+    }
     if end == End::Truncated {
         notes.push(format!("`{shown}` ends in the middle of a packet, as after a crash of the sniffer"));
     }
     Ok(notes)
 }
 
-/// Calls `visit` with the time and the sender of each frame, of the PAN `pan` only if it is given.
+/// What helps if most check sequences are wrong.
+const OTHER_VALUES: &str = "Some sniffers put other values in the place of the FCS. Those with a chip of Texas Instruments write \
+     the RSSI there: `fcs=ti`. Of others the frames can be used without strengths: `fcs=none`. Or save the frames without FCS \
+     (link type 230) or with TAP headers (283)";
+
+/// Refuses a capture whose first frame is of another technology.
+pub(super) fn check_link(capture: &FilePath) -> Result<(), SnifferError> {
+    /// The first frame, or an error.
+    enum First {
+        Seen,
+        Refused(SnifferError),
+    }
+    impl From<SnifferError> for First {
+        fn from(why: SnifferError) -> Self {
+            Self::Refused(why)
+        }
+    }
+    match frames::<First>(capture, &SnifferOptions::default(), &mut |_, _| Err(First::Seen)) {
+        Err(First::Refused(why)) => Err(why),
+        Err(First::Seen) | Ok(_) => Ok(()),
+    }
+}
+
+/// Calls `visit` with the time and the sender of each frame, of the PAN of `options` only if it is given.
 fn frames<E: From<SnifferError>>(
     capture: &FilePath,
-    pan: Option<u16>,
+    options: &SnifferOptions,
     visit: &mut dyn FnMut(SimTime, Result<Heard, Skipped>) -> Result<(), E>,
 ) -> Result<End, E> {
+    let (pan, fcs) = (options.pan, options.fcs.unwrap_or(FcsField::Checked));
     container::frames::<E>(capture, &mut |Captured { time, link, octets, is_cut }| {
-        let frame = sender::heard(link, octets, is_cut)
-            .ok_or_else(|| SnifferError::UnknownLink { path: capture.to_owned(), link })?;
+        let frame = sender::heard(link, octets, is_cut, fcs).ok_or_else(|| SnifferError::UnknownLink {
+            path: capture.to_owned(),
+            link,
+            name: links::name(link),
+        })?;
         let is_wanted = |heard: &Heard| pan.is_none() || heard.sender.pan == pan;
         let frame = frame.and_then(|heard| if is_wanted(&heard) { Ok(heard) } else { Err(Skipped::OtherPan) });
         match time {

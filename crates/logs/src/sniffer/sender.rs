@@ -5,6 +5,7 @@ use std::fmt;
 use sextant_mac::fcs;
 use sextant_mac::frame::{Address, Header};
 
+use super::super::sniffer_options::FcsField;
 use super::ieee80211::{MacAddress, transmitter};
 use super::radiotap;
 use super::skipped::Skipped;
@@ -72,18 +73,33 @@ pub(super) struct Heard {
     pub(super) rssi_dbm: Option<f64>,
 }
 
-/// The sender of a frame with a header of type `link`; `None` if the type is not known. If the frame is cut, its check
-/// sequence is missing.
-pub(super) fn heard(link: u16, octets: &[u8], is_cut: bool) -> Option<Result<Heard, Skipped>> {
+/// The sender of a frame with a header of type `link`; `None` if the type is not known. At the end of frames of link type 195
+/// is `fcs`; if the frame is cut, it is missing.
+pub(super) fn heard(link: u16, octets: &[u8], is_cut: bool, fcs: FcsField) -> Option<Result<Heard, Skipped>> {
     let without_level = |sender| Heard { sender, rssi_dbm: None };
     Some(match link {
         link::WITH_FCS if is_cut => ieee802154(octets).map(without_level),
-        link::WITH_FCS => checked_16(octets).and_then(ieee802154).map(without_level),
+        link::WITH_FCS => match fcs {
+            FcsField::Checked => checked_16(octets).and_then(ieee802154).map(without_level),
+            FcsField::None => ieee802154(octets).map(without_level),
+            FcsField::Ti { offset_db } => with_rssi(octets, offset_db),
+        },
         link::WITHOUT_FCS => ieee802154(octets).map(without_level),
         link::TAP => from_tap(octets, is_cut),
         link::RADIOTAP => from_radiotap(octets),
         _ => return None,
     })
+}
+
+/// A frame in whose last two octets a chip of Texas Instruments wrote its RSSI, and whether the check sequence was right:
+/// table 23 of the data sheet of the CC2420 (SWRS041), figure 23-15 of the manual of the CC2530 (SWRU191).
+fn with_rssi(frame: &[u8], offset_db: f64) -> Result<Heard, Skipped> {
+    const CRC_OK: u8 = 0x80;
+    let (frame, &[rssi, correlation]) = frame.split_last_chunk().ok_or(Skipped::TooShort)?;
+    if correlation & CRC_OK == 0 {
+        return Err(Skipped::BadFcs);
+    }
+    Ok(Heard { sender: ieee802154(frame)?, rssi_dbm: Some(f64::from(rssi.cast_signed()) + offset_db) })
 }
 
 fn from_tap(octets: &[u8], is_cut: bool) -> Result<Heard, Skipped> {
@@ -168,12 +184,31 @@ mod tests {
         let good = [&DATA[..], &fcs(&DATA).to_le_bytes()].concat();
         let mut bad = good.clone();
         bad[9] ^= 1;
-        assert_eq!(heard(link::WITH_FCS, &good, false), expected);
-        assert_eq!(heard(link::WITH_FCS, &bad, false), Some(Err(Skipped::BadFcs)));
-        assert_eq!(heard(link::WITHOUT_FCS, &DATA, false), expected);
+        assert_eq!(heard(link::WITH_FCS, &good, false, FcsField::Checked), expected);
+        assert_eq!(heard(link::WITH_FCS, &bad, false, FcsField::Checked), Some(Err(Skipped::BadFcs)));
+        assert_eq!(heard(link::WITHOUT_FCS, &DATA, false, FcsField::Checked), expected);
         // A cut frame has lost it.
-        assert_eq!(heard(link::WITH_FCS, &good[..9], true), expected);
-        assert_eq!(heard(1, &good, false), None);
+        assert_eq!(heard(link::WITH_FCS, &good[..9], true, FcsField::Checked), expected);
+        assert_eq!(heard(1, &good, false, FcsField::Checked), None);
+    }
+
+    #[test]
+    fn a_chip_of_texas_instruments_writes_its_rssi_in_the_place_of_the_check_sequence() {
+        let ti = FcsField::Ti { offset_db: -73.0 };
+        // An RSSI of -12 (two's complement), a right check sequence and a correlation of 107.
+        let good = [&DATA[..], &[0xF4, 0x80 | 107]].concat();
+        let bad = [&DATA[..], &[0xF4, 107]].concat();
+        assert_eq!(
+            heard(link::WITH_FCS, &good, false, ti),
+            Some(Ok(Heard { sender: SENDER, rssi_dbm: Some(-85.0) }))
+        );
+        assert_eq!(heard(link::WITH_FCS, &bad, false, ti), Some(Err(Skipped::BadFcs)));
+        assert_eq!(heard(link::WITH_FCS, &[0x80], false, ti), Some(Err(Skipped::TooShort)));
+        // Frames of other link types have no such octets.
+        let without = Some(Ok(Heard { sender: SENDER, rssi_dbm: None }));
+        assert_eq!(heard(link::WITHOUT_FCS, &DATA, false, ti), without);
+        assert_eq!(heard(link::WITH_FCS, &DATA, false, FcsField::None), without);
+        assert_eq!(heard(link::WITH_FCS, &bad, false, FcsField::None), without);
     }
 
     #[test]
@@ -183,20 +218,23 @@ mod tests {
             [&[0, 0, 20, 0, 0, 0, 1, 0, fcs_type, 0, 0, 0, 1, 0, 4, 0][..], &(-70.5_f32).to_le_bytes()].concat()
         };
         let expected = Some(Ok(Heard { sender: SENDER, rssi_dbm: Some(-70.5) }));
-        assert_eq!(heard(link::TAP, &[&tap(0), &DATA[..]].concat(), false), expected);
+        assert_eq!(heard(link::TAP, &[&tap(0), &DATA[..]].concat(), false, FcsField::Checked), expected);
         let short = [&tap(1), &DATA[..], &fcs(&DATA).to_le_bytes()].concat();
-        assert_eq!(heard(link::TAP, &short, false), expected);
-        assert_eq!(heard(link::TAP, &short[..short.len() - 1], false), Some(Err(Skipped::BadFcs)));
+        assert_eq!(heard(link::TAP, &short, false, FcsField::Checked), expected);
+        assert_eq!(heard(link::TAP, &short[..short.len() - 1], false, FcsField::Checked), Some(Err(Skipped::BadFcs)));
         let long = [&tap(2), &DATA[..], &crc32fast::hash(&DATA).to_le_bytes()].concat();
-        assert_eq!(heard(link::TAP, &long, false), expected);
-        assert_eq!(heard(link::TAP, &[0, 0, 9], false), Some(Err(Skipped::Invalid)));
+        assert_eq!(heard(link::TAP, &long, false, FcsField::Checked), expected);
+        assert_eq!(heard(link::TAP, &[0, 0, 9], false, FcsField::Checked), Some(Err(Skipped::Invalid)));
     }
 
     #[test]
     fn acknowledgements_and_invalid_frames_are_skipped_with_a_reason() {
         let ack = [0x02, 0x00, 0x6A, 0xE4, 0x79];
-        assert_eq!(heard(link::WITH_FCS, &ack, false), Some(Err(Skipped::NoSource)));
-        assert_eq!(heard(link::WITHOUT_FCS, &DATA[..7], false), Some(Err(Skipped::TooShort)));
-        assert_eq!(heard(link::WITHOUT_FCS, &[0x04, 0x00, 0x01], false), Some(Err(Skipped::Invalid)));
+        assert_eq!(heard(link::WITH_FCS, &ack, false, FcsField::Checked), Some(Err(Skipped::NoSource)));
+        assert_eq!(heard(link::WITHOUT_FCS, &DATA[..7], false, FcsField::Checked), Some(Err(Skipped::TooShort)));
+        assert_eq!(
+            heard(link::WITHOUT_FCS, &[0x04, 0x00, 0x01], false, FcsField::Checked),
+            Some(Err(Skipped::Invalid))
+        );
     }
 }

@@ -56,6 +56,14 @@ impl Measured {
         if azimuths.count == 1 {
             return flaw(format!("one azimuth, {}", azimuths.first_deg), "two or more azimuths".into());
         }
+        if azimuths.is_turn_of_radians() {
+            let found = format!(
+                "azimuths from {} to {}, which is once around in radians",
+                azimuths.first_deg,
+                azimuths.last_deg()
+            );
+            return flaw(found, "degrees".into());
+        }
         if azimuths.last_deg() - azimuths.first_deg > 360.0 - 0.5 * azimuths.step_deg {
             let found = format!("azimuths from {} to {}", azimuths.first_deg, azimuths.last_deg());
             return flaw(found, "each direction once: less than a full circle from the first to the last".into());

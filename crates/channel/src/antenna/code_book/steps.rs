@@ -1,5 +1,7 @@
 //! Equal steps of an angle: an axis of a grid of directions.
 
+use std::f64::consts::TAU;
+
 /// Equal steps of an angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Steps {
@@ -72,6 +74,13 @@ impl Steps {
     /// Whether a step after the last angle is the first one again.
     pub(super) fn is_circle(&self) -> bool {
         self.count > 1 && (self.step_deg * self.count as f64 - 360.0).abs() < 0.5 * self.step_deg
+    }
+
+    /// Whether the angles go once around if they are radians, to a hundredth: of degrees that is no chance.
+    pub(super) fn is_turn_of_radians(&self) -> bool {
+        let is_near = |span: f64| (span - TAU).abs() <= 0.01 * TAU;
+        let span = self.last_deg() - self.first_deg;
+        self.count >= 8 && (is_near(span) || is_near(span + self.step_deg))
     }
 
     /// The axis in words: `-60 to 60 in steps of 5`.

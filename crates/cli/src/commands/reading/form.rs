@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use sextant_logs::{ColumnPattern, FieldNames, FormOptions, Missing, NoiseFloor};
+use sextant_logs::{ColumnPattern, FieldNames, FileTemplate, FormOptions, Missing, NoiseFloor, TimeZone};
 
 /// Where the parts of a log are, and how they are written.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
@@ -19,13 +19,24 @@ pub(crate) struct FormFlags {
     pub(crate) packets: Option<PathBuf>,
     /// How packets are written: KEY=NAME,.. where NAME is the column of a CSV file, or the field of a bag's messages
     /// (`radio.src`, or `beacons[].address` for each value of a list). KEY is node, rssi_dbm, snr_db, sector, receiver, t_s
-    /// (or t_ms, t_us, t_ns), in CSV files also robot, stop, received and sent
+    /// (or t_ms, t_us, t_ns), in CSV files also robot, stop, received and sent. In a file without a header NAME is the
+    /// number of the column: node=#1,rssi_dbm=#2
     #[arg(long, value_name = "FIELDS", value_parser = FieldNames::parse_packets)]
     pub(crate) packet_fields: Option<FieldNames>,
     /// The columns of a CSV file with a path or stops, if they have other names: KEY=NAME,.. where KEY is t_s (or t_ms, t_us,
-    /// t_ns), x_m, y_m, z_m, lat, lon, alt_m, robot, stop or sent
+    /// t_ns), x_m, y_m, z_m, lat, lon, alt_m, robot, stop or sent. In a file without a header NAME is the number of the column:
+    /// x_m=#1,y_m=#2
     #[arg(long, value_name = "FIELDS", value_parser = FieldNames::parse_places)]
     pub(crate) path_fields: Option<FieldNames>,
+    /// LOG is a folder with a file for each stop, and the names of the files say where it is: {x}_{y}.csv. Fields are x, y, z
+    /// (metres), lat, lon (degrees), stop and robot, {x:2} has two characters, and * is any text. With {stop} alone, places
+    /// are in stops.csv. A file has rows of packets (node,rssi_dbm) or scans with a column a node
+    #[arg(long, value_name = "NAMES")]
+    pub(crate) stop_files: Option<FileTemplate>,
+    /// The zone of dates in CSV files that do not say theirs: UTC, or how far it is ahead, as +02:00 or -05:00. Names of zones
+    /// are not known, because most change their offset twice a year
+    #[arg(long, value_name = "UTC|+HH:MM", allow_hyphen_values = true)]
+    pub(crate) time_zone: Option<TimeZone>,
     /// In a table with a row a stop and a column a node: what a cell holds if the node was not heard, 100 or -100,-200 for
     /// example. Then empty cells mean that nothing is known; the default is `empty`
     #[arg(long, value_name = "VALUES", value_delimiter = ',', allow_hyphen_values = true)]
@@ -58,6 +69,8 @@ impl From<FormFlags> for FormOptions {
             packets,
             packet_fields,
             path_fields,
+            stop_files,
+            time_zone,
             missing,
             node_columns,
             reciprocal,
@@ -70,6 +83,8 @@ impl From<FormFlags> for FormOptions {
             packets,
             packet_fields,
             path_fields,
+            stop_files,
+            time_zone,
             missing,
             node_columns,
             reciprocal,

@@ -1,7 +1,7 @@
 //! Flags: what the user says of a capture.
 
 use clap::Args;
-use sextant_logs::SnifferOptions;
+use sextant_logs::{FcsField, SnifferOptions};
 
 /// What belongs to the capture of a sniffer.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
@@ -11,12 +11,17 @@ pub(crate) struct SnifferFlags {
     /// named with their PAN if the capture has several
     #[arg(long, value_name = "PAN", value_parser = pan)]
     pub(crate) pan: Option<u16>,
+    /// What stands at the end of frames of link type 195, in the place of their check sequence. `ti`: the RSSI of a chip of
+    /// Texas Instruments (a CC2531; of others with what makes it dBm: ti:-45 for a CC2420, ti:-76 for a CC2520, ti:0). `none`:
+    /// nothing that can be checked. The default is `checked`, the check sequence
+    #[arg(long, value_name = "checked|none|ti[:DB]")]
+    pub(crate) fcs: Option<FcsField>,
 }
 
 impl From<SnifferFlags> for SnifferOptions {
     fn from(flags: SnifferFlags) -> Self {
-        let SnifferFlags { pan } = flags;
-        Self { pan }
+        let SnifferFlags { pan, fcs } = flags;
+        Self { pan, fcs }
     }
 }
 

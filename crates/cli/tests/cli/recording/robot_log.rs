@@ -276,14 +276,14 @@ fn true_positions_are_read_exactly_and_once_per_node() {
         (" c".to_owned(), Position::new(1.0 / 3.0, 0.0, 0.0)),
     ]);
     std::fs::write(&path, "node,x_m,y_m,z_m\n\"a,b\",0.1,-2.5e-7,1e6\n\" c\",0.3333333333333333,0,0\n").unwrap();
-    let read = robot_log::read_truth(&path, None, &mut Vec::new()).unwrap();
+    let read = robot_log::read_truth(&path, None, None, &mut Vec::new()).unwrap();
     assert_eq!(read.places, truth);
     std::fs::write(&path, "node,x_m,y_m\na,1,2\na,1,2\n").unwrap();
-    let message = robot_log::read_truth(&path, None, &mut Vec::new()).unwrap_err().to_string();
+    let message = robot_log::read_truth(&path, None, None, &mut Vec::new()).unwrap_err().to_string();
     assert!(
         message
             .ends_with("line 3, column `node`: found `a`; allowed: each node once; this node is already given above"),
         "{message}"
     );
-    assert!(robot_log::read_truth(Path::new("/nonexistent/nodes.csv"), None, &mut Vec::new()).is_err());
+    assert!(robot_log::read_truth(Path::new("/nonexistent/nodes.csv"), None, None, &mut Vec::new()).is_err());
 }

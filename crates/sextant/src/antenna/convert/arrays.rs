@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 
 use super::book::{Owner, Row, Rows};
 use super::mat::Array;
-use super::names::{AZIMUTH, ArrayOrder, Axis, ELEVATION, GAIN, SECTOR, find};
-use super::table::{level, unit_of};
-use super::{ConvertError, Source, SourceNames};
+use super::names::{AZIMUTH, ArrayOrder, Axis, ColumnName, ELEVATION, GAIN, SECTOR, find};
+use super::{AngleNames, ConvertError, Source, SourceNames, angles};
 
 /// The gains in these variables.
 ///
@@ -22,19 +21,24 @@ pub(super) fn rows(variables: &BTreeMap<String, Array>, names: &SourceNames) -> 
         found: format!("the variables `{}`", known.join("`, `")),
         allowed: format!("a variable called `{}`, or its name", usual.join("`, `")),
     };
-    let (_, azimuths) = take(names.azimuth.as_deref(), &AZIMUTH).ok_or_else(|| missing("azimuths", &AZIMUTH))?;
+    let (azimuth_name, azimuths) =
+        take(names.azimuth.as_deref(), &AZIMUTH).ok_or_else(|| missing("azimuths", &AZIMUTH))?;
     let (gain_name, gains) = take(names.gain.as_deref(), &GAIN).ok_or_else(|| missing("gains", &GAIN))?;
-    let elevations = take(names.elevation.as_deref(), &ELEVATION).map(|(_, array)| array);
+    let elevations = take(names.elevation.as_deref(), &ELEVATION);
+    if names.elevation.is_some() && elevations.is_none() {
+        return Err(missing("elevations", &ELEVATION));
+    }
     let sectors = take(names.sector.as_deref(), &SECTOR).map(|(_, array)| array);
     let mut notes = Vec::new();
     if elevations.is_none() {
         notes.push("there are no elevations: the array is a planar cut at elevation 0".to_owned());
     }
-    let flat = Array { dimensions: vec![1, 1], values: vec![level(names)] };
-    let elevations = elevations.unwrap_or(&flat);
+    let flat = Array { dimensions: vec![1, 1], values: vec![0.0] };
+    let of = AngleNames { azimuth: azimuth_name, elevation: elevations.map(|(name, _)| name) };
+    let elevations = elevations.map_or(&flat, |(_, array)| array);
     let count = gains.values.len();
     let is_list = |array: &Array| array.values.len() == count;
-    let rows = match sectors {
+    let mut rows = match sectors {
         Some(sectors)
             if is_list(sectors) && is_list(azimuths) && (is_list(elevations) || elevations.values.len() == 1) =>
         {
@@ -42,7 +46,8 @@ pub(super) fn rows(variables: &BTreeMap<String, Array>, names: &SourceNames) -> 
         }
         _ => on_axes(sectors, azimuths, elevations, gains, names.order, &mut notes)?,
     };
-    Ok(Source { rows, named_unit: unit_of(gain_name), notes })
+    angles::settle(&mut rows, &of, names)?;
+    Ok(Source { rows, named_unit: ColumnName::of(gain_name).gain_unit(), gains: gain_name.to_owned(), notes })
 }
 
 /// One gain for each place of vectors of equal length.

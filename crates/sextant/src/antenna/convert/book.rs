@@ -5,30 +5,8 @@ use std::fmt::Write as _;
 
 use sextant_channel::look_like_factors;
 
+use super::gain_unit::GainUnit;
 use super::{ConvertError, SourceNames};
-
-/// The unit of measured gains.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GainUnit {
-    /// Decibels over an isotropic antenna.
-    Dbi,
-    /// Decibels in relative units: signal-to-noise ratios, powers.
-    Relative,
-    /// Power as a factor.
-    Linear,
-}
-
-impl GainUnit {
-    /// The column of a code book with gains of this unit.
-    #[must_use]
-    pub fn column(self) -> &'static str {
-        match self {
-            Self::Dbi => "gain_dbi",
-            Self::Relative => "gain_db",
-            Self::Linear => "gain_linear",
-        }
-    }
-}
 
 /// Which pattern a gain belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,12 +31,12 @@ impl Owner {
     }
 }
 
-/// One gain of a measurement.
+/// One gain of a measurement. Its angles are as written until [`settle`](super::angles::settle) makes degrees and elevations of
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Row {
     pub(super) owner: Owner,
     pub(super) azimuth_deg: f64,
-    /// As written: from the horizontal plane, or from the zenith.
     pub(super) elevation_deg: f64,
     /// Not a number for a gap.
     pub(super) gain: f64,
@@ -98,21 +76,30 @@ fn degrees(angle: Angle) -> f64 {
 }
 
 impl Rows {
-    /// The code book of these gains, in this unit or, if it is not known, in relative decibels.
+    /// The error that nothing says the unit of these gains, which are called `name`.
+    pub(super) fn without_unit(&self, name: &str) -> ConvertError {
+        let gains = || self.0.iter().map(|row| row.gain).filter(|gain| !gain.is_nan());
+        let (least, greatest) = (gains().fold(f64::INFINITY, f64::min), gains().fold(f64::NEG_INFINITY, f64::max));
+        let as_what = if look_like_factors(gains()) {
+            ", most far below the greatest, as factors are"
+        } else if least < 0.0 {
+            ", as decibels are, over an isotropic antenna (`dbi`) or over something else (`db`)"
+        } else {
+            ""
+        };
+        ConvertError::UnknownUnit {
+            name: name.to_owned(),
+            found: format!("values from {least} to {greatest}{as_what}"),
+        }
+    }
+
+    /// The code book of these gains, in this unit.
     pub(super) fn book(
         self,
         names: &SourceNames,
-        unit: Option<GainUnit>,
+        unit: GainUnit,
         mut notes: Vec<String>,
     ) -> Result<ConvertedBook, ConvertError> {
-        if unit.is_none() && look_like_factors(self.0.iter().map(|row| row.gain)) {
-            let greatest = self.0.iter().map(|row| row.gain).fold(f64::NEG_INFINITY, f64::max);
-            return Err(ConvertError::UnknownUnit { greatest: greatest.to_string() });
-        }
-        let unit = unit.unwrap_or_else(|| {
-            notes.push("the unit is taken as relative decibels, because nothing says another".into());
-            GainUnit::Relative
-        });
         let mut cells: BTreeMap<(Owner, Angle, Angle), (f64, u32)> = BTreeMap::new();
         let mut several = 0_u32;
         for (i, row) in self.0.iter().enumerate() {
@@ -121,7 +108,7 @@ impl Rows {
                 Owner::Sector(sector) if names.quasi_omni == Some(sector) => Owner::QuasiOmni,
                 owner => owner,
             };
-            let (azimuth, elevation) = directed(row, names.from_zenith, place)?;
+            let (azimuth, elevation) = directed(row, place)?;
             if row.gain.is_nan() {
                 continue;
             }
@@ -162,21 +149,19 @@ impl Rows {
 }
 
 /// Azimuth from −180 to below 180 degrees, and elevation from the horizontal plane.
-fn directed(row: &Row, from_zenith: bool, place: impl Fn() -> String) -> Result<(Angle, Angle), ConvertError> {
-    let elevation_deg = if from_zenith { 90.0 - row.elevation_deg } else { row.elevation_deg };
+fn directed(row: &Row, place: impl Fn() -> String) -> Result<(Angle, Angle), ConvertError> {
     let invalid = |found: String, allowed: &str| {
         Err(ConvertError::Invalid { place: place(), found, allowed: allowed.to_owned() })
     };
-    if !(-90.0..=90.0).contains(&elevation_deg) {
-        let allowed =
-            if from_zenith { "0 to 180 from the zenith" } else { "-90 to 90; angles from the zenith need a word" };
+    if !(-90.0..=90.0).contains(&row.elevation_deg) {
+        let allowed = "-90 to 90 degrees from the horizontal plane; angles from the zenith need a word";
         return invalid(format!("elevation {}", row.elevation_deg), allowed);
     }
     if !(-720.0..=720.0).contains(&row.azimuth_deg) {
         return invalid(format!("azimuth {}", row.azimuth_deg), "degrees, -720 to 720");
     }
     let turned = angle(row.azimuth_deg).rem_euclid(360_000);
-    Ok((if turned >= 180_000 { turned - 360_000 } else { turned }, angle(elevation_deg)))
+    Ok((if turned >= 180_000 { turned - 360_000 } else { turned }, angle(row.elevation_deg)))
 }
 
 /// Six significant digits.

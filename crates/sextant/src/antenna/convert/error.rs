@@ -13,9 +13,14 @@ pub enum ConvertError {
         /// Why.
         cause: String,
     },
-    /// The file is neither a MATLAB file nor text.
-    #[error("`{path}` is neither a MATLAB file (version 5 to 7.2) nor a table in text", path = .0.display())]
-    NotText(PathBuf),
+    /// The file is neither a MATLAB file nor a table.
+    #[error("`{path}` is neither a MATLAB file (version 5 to 7.2) nor a table in text, but {seen}", path = .path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        seen: String,
+    },
     /// The MATLAB file is damaged, or of a version that is not read.
     #[error("the MATLAB file {0}")]
     Mat(String),
@@ -47,12 +52,51 @@ pub enum ConvertError {
         /// What is allowed.
         allowed: String,
     },
-    /// The gains look like factors, and nothing says that they are.
+    /// Nothing says the unit of the gains.
     #[error(
-        "the unit of the gains is not known: no value is negative, and most are far below the greatest, {greatest}, as factors are; allowed: a given unit, `linear`, `db` or `dbi`"
+        "the unit of the gains `{name}` is not known: found {found}; allowed: a given unit, `linear`, `db` or `dbi`"
     )]
     UnknownUnit {
-        /// The greatest value.
-        greatest: String,
+        /// What they are called.
+        name: String,
+        /// Their values.
+        found: String,
+    },
+    /// Nothing says whether angles are degrees or radians.
+    #[error(
+        "the unit of the angles `{name}` is not known: found {found}, as angles in radians are; allowed: a given unit, radians or degrees"
+    )]
+    UnknownAngles {
+        /// What they are called.
+        name: String,
+        /// Their values.
+        found: String,
+    },
+    /// The name of angles has another unit than the user gives.
+    #[error("the angles `{name}` are in {named} by their name, but {given} are given; allowed: one of them")]
+    AngleUnits {
+        /// What they are called.
+        name: String,
+        /// The unit in the name.
+        named: &'static str,
+        /// The unit that is given.
+        given: &'static str,
+    },
+    /// Nothing says what angles are measured from.
+    #[error(
+        "the angles `{name}` may be measured from the zenith, as in spherical coordinates, or from the horizontal plane: found \
+         {found}; allowed: one of the two, given"
+    )]
+    UnknownOrigin {
+        /// What they are called.
+        name: String,
+        /// Their values.
+        found: String,
+    },
+    /// Several columns or variables may be the gains.
+    #[error("several columns may be the gains: `{}`; allowed: the name of one of them", .found.join("`, `"))]
+    SeveralGains {
+        /// They.
+        found: Vec<String>,
     },
 }

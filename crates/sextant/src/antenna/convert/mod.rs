@@ -1,8 +1,11 @@
 //! Measurements of antennas in other formats, as code books.
 
+mod angles;
 mod arrays;
 mod book;
 mod error;
+mod foreign;
+mod gain_unit;
 mod mat;
 mod names;
 mod table;
@@ -13,17 +16,19 @@ use std::path::Path;
 
 use sextant_kernel::{LARGEST_FILE, read_at_most};
 
-pub use book::{ConvertedBook, GainUnit};
+pub use book::ConvertedBook;
 pub use error::ConvertError;
-pub use names::{ArrayOrder, SourceNames};
+pub use gain_unit::GainUnit;
+pub use names::{AngleUnit, ArrayOrder, SourceNames};
 
+use angles::AngleNames;
 use book::Rows;
 
 /// Reads the measurement in the file `path` and makes a code book of it: a MATLAB file (`.mat`, version 5 to 7.2) with
-/// vectors and an array of gains, or a table (`.csv`, `.tsv`, `.txt`) with a row for each sector and direction, or with a
-/// column for each sector.
+/// vectors and an array of gains, or a table (`.csv`, `.tsv`, `.txt`) with a row for each sector and direction, with a
+/// column for each sector, or of one pattern.
 ///
-/// Azimuths are turned into −180 to 180 degrees. Several gains of one direction become their mean in decibels. Gaps stay
+/// What the angles are measured in and from, and the unit of the gains, must follow from their names or be given. Azimuths are turned into −180 to 180 degrees. Several gains of one direction become their mean in decibels. Gaps stay
 /// gaps.
 ///
 /// # Errors
@@ -34,22 +39,27 @@ pub fn convert(path: &Path, names: &SourceNames, unit: Option<GainUnit>) -> Resu
     let source = if octets.starts_with(b"MATLAB") {
         arrays::rows(&mat::read(&octets)?, names)?
     } else {
-        let text = String::from_utf8(octets).map_err(|_| ConvertError::NotText(path.to_owned()))?;
-        table::rows(&text, names)?
+        if let Some(seen) = foreign::seen(path, &octets) {
+            return Err(ConvertError::Foreign { path: path.to_owned(), seen });
+        }
+        table::rows(&String::from_utf8_lossy(&octets), names)?
     };
     source.book(names, unit)
 }
 
-/// The rows of a measurement, and the unit that the name of its gains says.
+/// The rows of a measurement, in degrees and from the horizontal plane, and the unit that the name of its gains says.
 struct Source {
     rows: Rows,
     named_unit: Option<GainUnit>,
+    /// What the gains are called.
+    gains: String,
     notes: Vec<String>,
 }
 
 impl Source {
     fn book(self, names: &SourceNames, unit: Option<GainUnit>) -> Result<ConvertedBook, ConvertError> {
-        let Self { rows, named_unit, notes } = self;
-        rows.book(names, unit.or(named_unit), notes)
+        let Self { rows, named_unit, gains, notes } = self;
+        let unit = unit.or(named_unit).ok_or_else(|| rows.without_unit(&gains))?;
+        rows.book(names, unit, notes)
     }
 }

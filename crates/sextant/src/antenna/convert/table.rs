@@ -1,28 +1,22 @@
-//! Tables of tools: a row for each sector and direction, or a column for each sector.
+//! Tables of tools: a row for each sector and direction, a column for each sector, or one pattern.
 
-use super::book::{GainUnit, Owner, Row, Rows};
-use super::names::{AZIMUTH, ELEVATION, GAIN, SECTOR, find, plain};
-use super::{ConvertError, Source, SourceNames};
+use super::book::{Owner, Row, Rows};
+use super::gain_unit::GainUnit;
+use super::names::{AZIMUTH, ColumnName, ELEVATION, GAIN, SECTOR, find, plain};
+use super::{AngleNames, ConvertError, Source, SourceNames, angles};
 
-/// The signs between fields, in the order in which they are tried.
+/// The signs between fields, in the order in which they are tried; without any of them, fields are separated by blanks.
 const SEPARATORS: [char; 3] = ['\t', ';', ','];
 /// What may stand before the number of a sector in the name of its column.
 const PREFIXES: [&str; 9] = ["", "s", "sec", "sector", "b", "beam", "gain", "snr", "sectorid"];
 
-/// The gains of the table `text`. Empty lines, and lines that begin with `#` or `%`, are skipped.
+/// The gains of the table `text`. Empty lines, lines that begin with `#` or `%`, and lines that are drawn are skipped.
 ///
 /// # Errors
 /// If a column is missing, or a field is no number.
 pub(super) fn rows(text: &str, names: &SourceNames) -> Result<Source, ConvertError> {
-    let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
-    let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with(['#', '%']));
-    let header = lines.next().map_or("", |(_, line)| line.trim_start_matches('\u{feff}'));
-    let separator = SEPARATORS.into_iter().find(|&sign| header.contains(sign)).unwrap_or(',');
-    let split = |line: &str| -> Vec<String> {
-        line.split(separator).map(|field| field.trim().trim_matches('"').to_owned()).collect()
-    };
-    let columns = split(header);
-    let known: Vec<&str> = columns.iter().map(String::as_str).collect();
+    let Lines { header, separator, lines } = Lines::of(text);
+    let known: Vec<&str> = header.iter().map(String::as_str).collect();
     let missing = |what: &'static str, usual: &[&str]| ConvertError::Missing {
         what,
         found: format!("the columns `{}`", known.join("`, `")),
@@ -39,30 +33,24 @@ pub(super) fn rows(text: &str, names: &SourceNames) -> Result<Source, ConvertErr
         notes.push("there is no column of elevations: the table is a planar cut at elevation 0".to_owned());
     }
     let sector = find(&known, names.sector.as_deref(), &SECTOR);
-    // The columns with gains, each with its sector if it is not in the row.
-    let (gains, named_unit): (Vec<(usize, Option<Owner>)>, _) = match sector {
-        Some(_) => {
-            let gain = find(&known, names.gain.as_deref(), &GAIN).ok_or_else(|| missing("column of gains", &GAIN))?;
-            (vec![(gain, None)], unit_of(known[gain]))
-        }
-        None => {
-            let columns = known.iter().enumerate().filter(|&(i, _)| i != azimuth && Some(i) != elevation);
-            let gains: Vec<_> = columns.filter_map(|(i, name)| Some((i, Some(owner_of(name)?)))).collect();
-            if gains.is_empty() {
-                return Err(missing("column of sectors, and no column for each sector", &SECTOR));
-            }
-            (gains, None)
-        }
+    if names.sector.is_some() && sector.is_none() {
+        return Err(missing("column of sectors", &SECTOR));
+    }
+    let gains =
+        Gains::of(&known, [Some(azimuth), elevation, sector], names, &mut notes).ok_or_else(|| match sector {
+            Some(_) => missing("column of gains", &GAIN),
+            None => missing("column of gains, and no column for each sector", &GAIN),
+        })??;
+    let used = |i: usize| {
+        i == azimuth || Some(i) == elevation || Some(i) == sector || gains.columns.iter().any(|&(at, _)| at == i)
     };
-    let used =
-        |i: usize| i == azimuth || Some(i) == elevation || Some(i) == sector || gains.iter().any(|&(at, _)| at == i);
     let unused: Vec<&str> = (0..known.len()).filter(|&i| !used(i)).map(|i| known[i]).collect();
     if !unused.is_empty() {
         notes.push(format!("not used: the columns `{}`", unused.join("`, `")));
     }
     let mut rows = Vec::new();
     for (number, line) in lines {
-        let fields = split(line);
+        let fields = split(line, separator);
         let value = |column: usize| {
             let text = fields.get(column).map_or("", String::as_str);
             let gap =
@@ -74,35 +62,171 @@ pub(super) fn rows(text: &str, names: &SourceNames) -> Result<Source, ConvertErr
                 allowed: "a number, or `nan` for a gap".into(),
             })
         };
-        let (azimuth_deg, elevation_deg) = (value(azimuth)?, elevation.map_or(Ok(level(names)), value)?);
-        for &(column, owner) in &gains {
+        let (azimuth_deg, elevation_deg) = (value(azimuth)?, elevation.map_or(Ok(0.0), value)?);
+        for &(column, owner) in &gains.columns {
             let owner = match (owner, sector) {
                 (Some(owner), _) => owner,
                 (None, Some(column)) if is_quasi_omni(fields.get(column).map_or("", String::as_str)) => {
                     Owner::QuasiOmni
                 }
-                (None, column) => Owner::of(value(column.unwrap_or(0))?, || format!("line {number}"))?,
+                (None, Some(column)) => Owner::of(value(column)?, || format!("line {number}"))?,
+                (None, None) => Owner::Sector(0),
             };
             rows.push(Row { owner, azimuth_deg, elevation_deg, gain: value(column)? });
         }
     }
-    Ok(Source { rows: Rows(rows), named_unit, notes })
+    let mut rows = Rows(rows);
+    let of = AngleNames { azimuth: known[azimuth], elevation: elevation.map(|at| known[at]) };
+    angles::settle(&mut rows, &of, names)?;
+    Ok(Source { rows, named_unit: gains.unit, gains: gains.name, notes })
 }
 
-/// The elevation of a planar cut as it would be written.
-pub(super) fn level(names: &SourceNames) -> f64 {
-    if names.from_zenith { 90.0 } else { 0.0 }
+/// The columns with gains.
+struct Gains {
+    /// Each with its pattern, if that is not in the row.
+    columns: Vec<(usize, Option<Owner>)>,
+    /// What their names say of their unit.
+    unit: Option<GainUnit>,
+    /// What they are called.
+    name: String,
 }
 
-/// The unit that the name of a column or a variable says.
-pub(super) fn unit_of(name: &str) -> Option<GainUnit> {
-    let letters: String = name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_lowercase();
-    match () {
-        () if letters.ends_with("dbi") => Some(GainUnit::Dbi),
-        () if letters.ends_with("db") || letters.ends_with("dbm") => Some(GainUnit::Relative),
-        () if letters.contains("linear") => Some(GainUnit::Linear),
-        () => None,
+impl Gains {
+    /// The gains among the columns `known`, beside those of the azimuth, the elevation and the sector; `None` if there are none.
+    fn of(
+        known: &[&str],
+        others: [Option<usize>; 3],
+        names: &SourceNames,
+        notes: &mut Vec<String>,
+    ) -> Option<Result<Self, ConvertError>> {
+        let [.., sector] = others;
+        let of_one = |at: usize| {
+            let name = ColumnName::of(known[at]);
+            if let (None, Some(unit)) = (name.gain_unit(), name.other_unit()) {
+                return Err(ConvertError::Invalid {
+                    place: format!("column `{}`", known[at]),
+                    found: format!("the unit `{unit}`"),
+                    allowed: "gains in dBi or dB, or factors of power".to_owned(),
+                });
+            }
+            Ok(Self { columns: vec![(at, None)], unit: name.gain_unit(), name: known[at].to_owned() })
+        };
+        let free = || known.iter().enumerate().filter(|(at, _)| !others.contains(&Some(*at)));
+        if sector.is_none() && names.gain.is_none() {
+            let columns: Vec<_> = free().filter_map(|(at, name)| Some((at, Some(owner_of(name)?)))).collect();
+            if let (Some(&(first, _)), Some(&(last, _))) = (columns.first(), columns.last()) {
+                let mut units: Vec<_> =
+                    columns.iter().map(|&(at, _)| ColumnName::of(known[at]).gain_unit()).collect();
+                units.dedup();
+                let is_snr = columns.iter().all(|&(at, _)| plain(known[at]).starts_with("snr"));
+                let unit = match units[..] {
+                    [Some(unit)] => Some(unit),
+                    _ => is_snr.then_some(GainUnit::Relative),
+                };
+                let name = if first == last {
+                    known[first].to_owned()
+                } else {
+                    format!("{}` to `{}", known[first], known[last])
+                };
+                return Some(Ok(Self { columns, unit, name }));
+            }
+        }
+        if names.gain.is_some() {
+            let at = find(known, names.gain.as_deref(), &GAIN)?;
+            if sector.is_none() {
+                notes.push(ONE_PATTERN.to_owned());
+            }
+            return Some(of_one(at));
+        }
+        let found: Vec<usize> =
+            free().filter(|(_, name)| GAIN.contains(&plain(name).as_str())).map(|(at, _)| at).collect();
+        match found[..] {
+            [] => None,
+            [only] => {
+                if sector.is_none() {
+                    notes.push(ONE_PATTERN.to_owned());
+                }
+                Some(of_one(only))
+            }
+            // Of several in one table, it must be said which.
+            _ => Some(Err(ConvertError::SeveralGains {
+                found: found.iter().map(|&at| known[at].to_owned()).collect(),
+            })),
+        }
     }
+}
+
+/// What is said of a table without sectors.
+const ONE_PATTERN: &str = "there is no column of sectors: the table is one pattern, that of sector 0";
+
+/// The header of a table, and its lines with their numbers.
+struct Lines<'a> {
+    header: Vec<String>,
+    /// What separates fields; `None` for blanks.
+    separator: Option<char>,
+    lines: Vec<(usize, &'a str)>,
+}
+
+impl<'a> Lines<'a> {
+    fn of(text: &'a str) -> Self {
+        let all = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim().trim_start_matches('\u{feff}')));
+        let is_comment = |line: &str| line.starts_with(['#', '%', '!']);
+        let is_drawn = |line: &str| line.chars().all(|c| matches!(c, '-' | '=' | '_' | ' ' | '+' | '|'));
+        let mut lines: Vec<(usize, &str)> =
+            all.clone().filter(|(_, line)| !line.is_empty() && !is_comment(line) && !is_drawn(line)).collect();
+        let first = lines.first().copied().unwrap_or_default();
+        let separator_of = |line: &str| SEPARATORS.into_iter().find(|&sign| line.contains(sign));
+        let is_number = |field: &String| field.parse::<f64>().is_ok();
+        // FEKO has the names of its columns in the last comment before the numbers.
+        let separator = separator_of(first.1);
+        let fields = split(first.1, separator);
+        if !fields.is_empty() && fields.iter().all(is_number) {
+            let comment = all.take_while(|(number, _)| *number < first.0).filter(|(_, line)| is_comment(line)).last();
+            let header = comment.map(|(_, line)| line.trim_start_matches(['#', '%', '!', '*']).trim());
+            let header = header.map(|line| split(line, separator)).filter(|header| header.len() == fields.len());
+            if let Some(header) = header {
+                return Self { header, separator, lines };
+            }
+        }
+        if !lines.is_empty() {
+            lines.remove(0);
+        }
+        Self { header: fields, separator, lines }
+    }
+}
+
+/// The fields of a line. A blank is part of a field within quotes or brackets, and before the bracket of a unit.
+fn split(line: &str, separator: Option<char>) -> Vec<String> {
+    let plain = |field: &str| field.trim().trim_matches('"').to_owned();
+    if let Some(separator) = separator {
+        return line.split(separator).map(plain).collect();
+    }
+    let (mut fields, mut field, mut depth, mut is_quoted) = (Vec::new(), String::new(), 0_u32, false);
+    let mut rest = line.chars().peekable();
+    while let Some(c) = rest.next() {
+        match c {
+            '"' => is_quoted = !is_quoted,
+            '(' | '[' => depth += 1,
+            ')' | ']' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if !c.is_whitespace() || is_quoted || depth > 0 {
+            field.push(c);
+            continue;
+        }
+        while rest.peek().is_some_and(|next| next.is_whitespace()) {
+            rest.next();
+        }
+        if rest.peek() == Some(&'[') && !field.is_empty() {
+            field.push(' ');
+        } else if !field.is_empty() {
+            fields.push(plain(&std::mem::take(&mut field)));
+        }
+    }
+    if !field.is_empty() {
+        fields.push(plain(&field));
+    }
+    fields
 }
 
 /// The pattern whose gains a column has, by its name: `sector_5`, `s5`, `5`, `quasi_omni`.
