@@ -109,7 +109,7 @@ fn gather(
     let contacts = companions.contacts(plane, &mut robots, &mut notes)?;
     let names = robots.into_vec();
     let known = if is_named { &names[..with_path] } else { &[] };
-    let mut gatherer = Gatherer::of_robots(paths, names.clone(), options)?.with_contacts(contacts);
+    let mut gatherer = Gatherer::of_robots(paths, names.clone(), options)?.with_contacts(contacts).with_plane(plane);
     let mut roles = Roles::of(&options.form);
     hear(known, &mut roles, &mut gatherer, &mut notes)?;
     roles.tell(&mut notes)?;
@@ -117,7 +117,7 @@ fn gather(
     companions.refuse_sector_snrs()?;
     let log = companions.with_sectors(gathered.log, &mut notes)?;
     notes.extend(gathered.notes);
-    Ok(RobotLog { log, plane, notes, findings: gathered.findings, clock: gathered.clock })
+    Ok(RobotLog { log, plane: gathered.plane, notes, findings: gathered.findings, clock: gathered.clock })
 }
 
 /// Notes what is read from bags.

@@ -9,6 +9,7 @@ use super::doctor::{self, Finding};
 use super::error::RobotLogError;
 use super::file_names::{RECEPTIONS, STOPS};
 use super::form_options::FormOptions;
+use super::local_plane::LocalPlane;
 use super::log::RobotLog;
 use super::options::ReadOptions;
 use super::rssi_check::RssiCheck;
@@ -65,7 +66,7 @@ pub(super) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
     let log = companions.with_sectors(log, &mut notes)?;
     let known = sector_snrs::Known { stops: &stops, receptions: &name };
     let log = companions.with_sector_snrs(log, reports, known, &mut notes)?;
-    Ok(RobotLog { findings: findings(&log, rssi.findings()), log, plane, notes, clock: None })
+    Ok(RobotLog { findings: findings(&log, plane.as_ref(), rssi.findings()), log, plane, notes, clock: None })
 }
 
 /// The note on stops that were left out, with so many rows of `receptions`.
@@ -78,9 +79,9 @@ pub(super) fn left_out_note(stops: &stops::Stops, receptions: &str, left_out: us
     })
 }
 
-/// What is odd in a log of stops, of whose strengths `of_rssi` is odd.
-fn findings(log: &ReceptionLog, of_rssi: Vec<Finding>) -> Vec<Finding> {
-    let mut findings = doctor::of_stops(log);
+/// What is odd in a log of stops with places in `plane`, of whose strengths `of_rssi` is odd.
+fn findings(log: &ReceptionLog, plane: Option<&LocalPlane>, of_rssi: Vec<Finding>) -> Vec<Finding> {
+    let mut findings = doctor::of_stops(log, plane);
     findings.extend(of_rssi);
     findings.extend(doctor::listening::finding(log, None));
     findings
@@ -126,7 +127,7 @@ pub(super) fn read_wide(
     let log = wide.build(contacts).map_err(|why| RobotLogError::Log { part, why })?;
     companions.refuse_sector_snrs()?;
     let log = companions.with_sectors(log, &mut notes)?;
-    Ok(RobotLog { findings: findings(&log, of_rssi), log, plane, notes, clock: None })
+    Ok(RobotLog { findings: findings(&log, plane.as_ref(), of_rssi), log, plane, notes, clock: None })
 }
 
 /// The note that the signal-to-noise ratios of all sectors are not used, if the log has them, or its receptions have the

@@ -13,6 +13,7 @@ use super::gathered::Gathered;
 use super::heard::{Heard, reception};
 use super::instant;
 use super::interval::{Gaps, Intervals, intervals};
+use super::local_plane::LocalPlane;
 use super::log::RobotLog;
 use super::options::{ReadOptions, StopRule};
 use super::packet::Packet;
@@ -74,6 +75,8 @@ pub struct Gatherer {
     samples: Samples,
     notes: Vec<String>,
     findings: Vec<Finding>,
+    /// The plane of the places, if they are given by latitude and longitude.
+    plane: Option<LocalPlane>,
 }
 
 /// A robot: its path, cut into slots.
@@ -119,7 +122,8 @@ impl Gatherer {
             rssi: RssiCheck::new(&options.repair.rssi_missing),
             samples: Samples::default(),
             notes: Vec::new(),
-            findings: doctor::of_paths(&paths),
+            findings: Vec::new(),
+            plane: None,
         };
         for path in paths {
             let (slots, rule) = slot::cut(&path, options.stop_every).ok_or(RobotLogError::TooManyStops)?;
@@ -134,6 +138,12 @@ impl Gatherer {
     #[must_use]
     pub fn with_contacts(self, contacts: Vec<Contact>) -> Self {
         Self { contacts, ..self }
+    }
+
+    /// The same of places in the plane of latitudes and longitudes, if `plane` is one.
+    #[must_use]
+    pub fn with_plane(self, plane: Option<LocalPlane>) -> Self {
+        Self { plane, ..self }
     }
 
     fn note_path(&mut self, path: &Path, stops: usize, rule: StopRule) {
@@ -280,8 +290,10 @@ impl Gatherer {
             .map_err(RobotLogError::Invalid)?;
         let usual_stop = usual_stop(self.tracks.iter().flat_map(|track| &track.slots));
         let usual = usual_stop.zip(intervals.told.map(|told| told.median).or(self.interval));
+        let of_paths = doctor::of_paths(self.tracks.iter().map(|track| &track.path), &log, self.plane.as_ref());
+        self.findings.splice(0..0, of_paths);
         self.findings.extend(doctor::listening::finding(&log, usual));
-        Ok(RobotLog { log, plane: None, notes: self.notes, findings: self.findings, clock })
+        Ok(RobotLog { log, plane: self.plane, notes: self.notes, findings: self.findings, clock })
     }
 
     /// How late the packets are; a finding if they clearly are.

@@ -48,8 +48,10 @@ pub(super) fn read<'a>(
         poses[robot].push((pose, row.offset));
         Ok(())
     })?;
-    let far = origin::far_m(poses.iter().flatten().map(|(pose, _)| pose.position));
-    if skips_no_fix && far.is_some() {
+    // Of degrees, the rows themselves told.
+    let places = |of_robot: &Vec<(Pose, u64)>| of_robot.iter().map(|(pose, _)| (pose.time, pose.position)).collect();
+    let is_without_fix = || origin::without_fix_m(&poses.iter().map(places).collect::<Vec<_>>()).is_some();
+    if skips_no_fix && plane.is_none() && is_without_fix() {
         for of_robot in &mut poses {
             let before = of_robot.len();
             of_robot.retain(|(pose, _)| !origin::is_origin(pose.position));

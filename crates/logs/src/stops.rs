@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use sextant_channel::{Contact, Stop};
 use sextant_kernel::SimTime;
 
-use super::doctor::origin;
+use super::doctor::{origin, places_of};
 use super::error::RobotLogError;
 use super::header::{Known, Others};
 use super::heading::{self, Headings};
@@ -91,7 +91,10 @@ pub(super) fn read(
         listed.push(Listed { name: name.into_owned(), sent, stop });
         Ok(())
     })?;
-    let drops_origin = skips_no_fix && origin::far_m(listed.iter().map(|row| row.stop.position)).is_some();
+    // Of degrees, the rows themselves told.
+    let drops_origin = skips_no_fix
+        && read.plane.is_none()
+        && origin::without_fix_m(&places_of(listed.iter().map(|row| &row.stop))).is_some();
     for Listed { name, sent, stop } in listed {
         if drops_origin && origin::is_origin(stop.position) {
             read.left_out.insert(name);

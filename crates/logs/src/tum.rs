@@ -39,7 +39,7 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
         }
     }
     if skips_no_fix {
-        left_out += origin::leave_out(&mut poses, |(pose, _)| pose.position);
+        left_out += origin::leave_out(&mut poses, |(pose, _)| (pose.time, pose.position));
     }
     if left_out > 0 {
         let file = path.file_name().unwrap_or_default().to_string_lossy();

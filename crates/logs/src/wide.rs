@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use sextant_channel::{Contact, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
-use super::doctor::{Finding, origin};
+use super::doctor::{Finding, origin, places_of};
 use super::error::RobotLogError;
 use super::form_options::FormOptions;
 use super::header::{Known, Others};
@@ -138,7 +138,8 @@ pub(super) fn read(
         reading.rows_at[stop] += 1;
         reading.scan(row, stop)
     })?;
-    if repair.skip_no_fix {
+    // Of degrees, the rows themselves told.
+    if repair.skip_no_fix && plane.is_none() {
         left_out += reading.leave_out_origin();
     }
     if left_out > 0 {
@@ -276,7 +277,7 @@ impl Reading<'_> {
 
     /// Leaves out the stops at x = y = 0, if that is far from all others. Returns how many rows these are.
     fn leave_out_origin(&mut self) -> u64 {
-        if origin::far_m(self.stops.iter().map(|stop| stop.position)).is_none() {
+        if origin::without_fix_m(&places_of(self.stops.iter())).is_none() {
             return 0;
         }
         let keeps: Vec<bool> = self.stops.iter().map(|stop| !origin::is_origin(stop.position)).collect();

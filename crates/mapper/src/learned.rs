@@ -33,6 +33,11 @@ pub trait Finding: Any + Comparable + fmt::Debug + Send + Sync {
         None
     }
 
+    /// The static shadowing about its law of strengths.
+    fn shadowing(&self) -> Option<StaticShadowing> {
+        None
+    }
+
     /// Nodes that may be farther away than they were searched for.
     fn at_bound(&self) -> &[NodeId] {
         &[]
@@ -44,6 +49,17 @@ pub trait Finding: Any + Comparable + fmt::Debug + Send + Sync {
         let _ = frame;
         None
     }
+}
+
+/// Shadowing of links that does not change from packet to packet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticShadowing {
+    /// Standard deviation (dB).
+    pub deviation_db: f64,
+    /// Share of its variance that neighbouring stops share, 0 to 1.
+    pub shared: f64,
+    /// Distance over which that is correlated (m).
+    pub range_m: f64,
 }
 
 /// What an estimator learned from a log in addition to the map.

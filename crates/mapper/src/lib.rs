@@ -83,7 +83,7 @@ pub use grid_ml::{
 };
 pub use knowledge::{FrameKnowledge, Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
-pub use learned::{CurveFinding, EstimatorFindings, Finding, Line, Section};
+pub use learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing};
 pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Losses, Receiver};
 pub use log_facts::{
     HeightReason, SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig,

@@ -91,7 +91,12 @@ impl<'a> BagPath<'a> {
     pub(super) fn path(&self, clock: BagClock, notes: &mut Vec<String>) -> Result<Path, RobotLogError> {
         let mut poses = self.track.poses(self.bag, self.source, clock)?;
         let topic = &self.source.topic().name;
-        let left_out = if self.skips_no_fix { origin::leave_out(&mut poses, |pose| pose.position) } else { 0 };
+        // Of fixes, the messages themselves told.
+        let left_out = if self.skips_no_fix && self.plane().is_none() {
+            origin::leave_out(&mut poses, |pose| (pose.time, pose.position))
+        } else {
+            0
+        };
         if left_out > 0 {
             notes.push(format!("{left_out} poses of `{topic}` without a fix are left out (option `skip_no_fix`)"));
         }

@@ -2,19 +2,18 @@
 //!
 //! A robot that passes a place in two directions hears a node there alike. If the packets are late, the places of the
 //! one passage are shifted one way and those of the other the other way, and no place of the node explains both. So for each
-//! delay the nodes are placed anew ([`NodeFit`]) and the delay of least loss is the estimate: that of highest likelihood with
-//! the places profiled out. Its uncertainty comes from how parts of the log disagree (the sandwich estimate over nodes and
+//! delay the nodes are placed anew, with the front and back of the robot ([`super::track`]), and the delay of least loss is the
+//! estimate: that of highest likelihood with places and antenna profiled out. Its uncertainty comes from how parts of the log disagree (the sandwich estimate over nodes and
 //! thirds of their packets), not from the law, whose errors are correlated.
 
-use nalgebra::Vector4;
-use rayon::prelude::*;
-use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
 use super::super::path::Path;
 use super::finding::Finding;
-use super::node_fit::{Law, NodeFit, Observation, plane_m};
-use super::samples::{Sample, Samples};
+use super::node_fit::plane_m;
+use super::route::Route;
+use super::samples::Samples;
+use super::track::{COVERED, Track, background, profile};
 
 /// Steps of the search on either side of 0: as many as leave most nodes on the path. Each is divided into so many finer ones
 /// around the best of them.
@@ -25,21 +24,12 @@ const STEP_M: f64 = 0.5;
 const STEP_SHARE: f64 = 1.0 / 80.0;
 /// The delay is at most this share of the time of the path.
 const LONGEST: f64 = 0.25;
-/// A node with fewer packets says nothing; with fewer packets in all, there is no estimate.
-const LEAST_OF_NODE: usize = 12;
+/// With fewer packets in all, there is no estimate.
 const LEAST: usize = 60;
-/// This share of the packets of a node must be on the path at each delay.
-const COVERED: f64 = 0.7;
 /// A dip of the loss is deep if it reaches down by this share of the deepest, from the median.
 const DEEP: f64 = 0.6;
 /// Another deep dip is a rival if its delay is at most so many times as long.
 const RIVAL: f64 = 2.0;
-/// The packets of a node are judged in so many parts.
-const PARTS: usize = 3;
-/// Instants at which it is known where the robot was, for packets without strengths.
-const BACKGROUND: usize = 160;
-/// They weigh so many times as much as the packets.
-const BACKGROUND_WEIGHT: f64 = 4.0;
 /// A delay is clear if it is so many times its uncertainty, if the parts of the log prefer it over none by so many times
 /// theirs, and if it moves the robot by so much (m).
 const CLEAR: f64 = 4.0;
@@ -106,9 +96,14 @@ pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> 
     let extent_m = extent_m(paths);
     let step_s = STEP_M.max(STEP_SHARE * extent_m) / speed_m_per_s;
     let span_s = paths.iter().map(|path| seconds(path.span().1) - seconds(path.span().0)).fold(0.0, f64::max);
-    let background = background(paths);
-    let tracks = || samples.nodes().map(|packets| Track::of(packets, paths, &background));
+    let routes: Vec<Route<'_>> = paths.iter().map(|path| Route::new(path)).collect();
+    let background = background(&routes);
+    let tracks = || samples.nodes().map(|packets| Track::of(packets, &routes, &background));
     let mut tracks: Vec<Track<'_>> = tracks().flatten().collect();
+    // One antenna for all: decibels of strengths, or shares of packets.
+    let strong = tracks.iter().filter(|track| track.has_strengths()).count();
+    let has_strengths = 2 * strong >= tracks.len();
+    tracks.retain(|track| track.has_strengths() == has_strengths);
     // Of short paths, only small delays leave the packets on the path.
     let covers = |track: &Track<'_>, steps: f64| {
         [-steps - 2.0, steps + 2.0].iter().all(|steps| track.observations(steps * step_s).is_some())
@@ -156,111 +151,6 @@ pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> 
     Some(ClockOffset { delay_s, error_s, is_clear, rival_s, speed_m_per_s })
 }
 
-/// What was observed, and the part of the packets that each observation belongs to.
-type Observed = (Vec<Observation>, Vec<usize>);
-
-/// The packets of a node, and how what they say depends on the place.
-struct Track<'a> {
-    packets: &'a [Sample],
-    paths: &'a [&'a Path],
-    background: &'a [Position],
-    law: Law,
-}
-
-impl<'a> Track<'a> {
-    fn of(packets: &'a [Sample], paths: &'a [&'a Path], background: &'a [Position]) -> Option<Self> {
-        if packets.len() < LEAST_OF_NODE {
-            return None;
-        }
-        let measured = packets.iter().filter_map(|packet| packet.rssi_dbm);
-        let [low, high] = measured
-            .clone()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], level| [level.min(low), level.max(high)]);
-        let has_strengths = 2 * measured.count() > packets.len() && high - low > 3.0;
-        let mut track = Self { packets, paths, background, law: Law::Presence };
-        if has_strengths {
-            track.law = Law::Strengths { scale_db: 4.0 };
-            let (observations, _) = track.observations(0.0)?;
-            let fit = NodeFit::of(&observations, track.law)?;
-            let mut errors: Vec<f64> = observations.iter().map(|one| (one.value - fit.at(one.at)).abs()).collect();
-            let middle = errors.len() / 2;
-            let usual = *errors.select_nth_unstable_by(middle, f64::total_cmp).1;
-            track.law = Law::Strengths { scale_db: (1.5 * usual).clamp(1.0, 8.0) };
-        }
-        Some(track)
-    }
-
-    /// What was observed if the packets are late by `delay_s`, and the part of the packets that each observation belongs to.
-    /// `None` if too few were heard on the path.
-    fn observations(&self, delay_s: f64) -> Option<Observed> {
-        let (mut observations, mut parts) = (Vec::new(), Vec::new());
-        for (number, packet) in self.packets.iter().enumerate() {
-            let value = match self.law {
-                Law::Strengths { .. } => packet.rssi_dbm,
-                Law::Presence => Some(1.0),
-            };
-            let place = self.paths.get(packet.robot.index()).and_then(|path| place(path, packet.time, delay_s));
-            if let (Some(at), Some(value)) = (place, value) {
-                observations.push(Observation { at, value, weight: 1.0 });
-                parts.push(PARTS * number / self.packets.len());
-            }
-        }
-        let count = observations.len();
-        if (count as f64) < COVERED * self.packets.len() as f64 || count < LEAST_OF_NODE {
-            return None;
-        }
-        if self.law == Law::Presence {
-            let weight = BACKGROUND_WEIGHT * count as f64 / self.background.len().max(1) as f64;
-            for (number, &at) in self.background.iter().enumerate() {
-                observations.push(Observation { at, value: 0.0, weight });
-                parts.push(number % PARTS);
-            }
-        }
-        Some((observations, parts))
-    }
-
-    /// The losses of the parts at each of `delays_s`, as if all packets were heard on the path; the place is searched for
-    /// from both sides.
-    fn profile(&self, delays_s: &[f64]) -> Vec<Option<[f64; PARTS]>> {
-        let observed: Vec<_> = delays_s.iter().map(|&delay_s| self.observations(delay_s)).collect();
-        let mut best: Vec<Option<NodeFit>> = vec![None; delays_s.len()];
-        let forth: Vec<usize> = (0..delays_s.len()).collect();
-        let back: Vec<usize> = (0..delays_s.len()).rev().collect();
-        for order in [forth, back] {
-            let mut start: Option<Vector4<f64>> = None;
-            for at in order {
-                let Some((observations, _)) = &observed[at] else { continue };
-                let fit = match start {
-                    Some(start) => NodeFit::from(start, observations, self.law),
-                    None => NodeFit::of(observations, self.law),
-                };
-                let Some(fit) = fit else { continue };
-                start = Some(fit.parameters);
-                if best[at].is_none_or(|best| fit.loss < best.loss) {
-                    best[at] = Some(fit);
-                }
-            }
-        }
-        let losses = |(observed, fit): (&Option<Observed>, &Option<NodeFit>)| {
-            let ((observations, parts), fit) = (observed.as_ref()?, fit.as_ref()?);
-            let mut losses = [0.0; PARTS];
-            for (observation, &part) in observations.iter().zip(parts) {
-                losses[part] += fit.loss_of(observation, self.law);
-            }
-            let heard = observations.iter().filter(|one| self.law != Law::Presence || one.value > 0.5).count();
-            Some(losses.map(|loss| loss * self.packets.len() as f64 / heard as f64))
-        };
-        observed.iter().zip(&best).map(losses).collect()
-    }
-}
-
-/// The losses of all parts of `tracks` at each of `delays_s`; infinite where a delay drives a track off the path.
-fn profile(tracks: &[Track<'_>], delays_s: &[f64]) -> Vec<Vec<f64>> {
-    let profiles: Vec<Vec<Option<[f64; PARTS]>>> = tracks.par_iter().map(|track| track.profile(delays_s)).collect();
-    let losses = |at: usize| profiles.iter().flat_map(move |profile| profile[at].unwrap_or([f64::INFINITY; PARTS]));
-    (0..delays_s.len()).map(|at| losses(at).collect()).collect()
-}
-
 /// The sums of the losses at each delay.
 fn sums(profile: &[Vec<f64>]) -> Vec<f64> {
     profile.iter().map(|parts| parts.iter().sum()).collect()
@@ -292,23 +182,6 @@ fn vertex([left, middle, right]: [f64; 3]) -> f64 {
 
 fn seconds(time: SimTime) -> f64 {
     time.as_secs_f64()
-}
-
-/// Where a robot was when a packet was heard that is late by `delay_s`.
-fn place(path: &Path, time: SimTime, delay_s: f64) -> Option<Position> {
-    path.at(super::super::instant::shifted(time, -delay_s)?)
-}
-
-/// Where the robots were at instants spread evenly over the times of their paths.
-fn background(paths: &[&Path]) -> Vec<Position> {
-    let each = BACKGROUND / paths.len().max(1);
-    let of_path = |path: &&Path| {
-        let (start, end) = path.span();
-        let span_s = seconds(end) - seconds(start);
-        let at = |i: usize| super::super::instant::shifted(start, span_s * (i as f64 + 0.5) / each as f64);
-        (0..each).filter_map(|i| path.at(at(i)?)).collect::<Vec<_>>()
-    };
-    paths.iter().flat_map(of_path).collect()
 }
 
 /// The median speed of moving robots, over time (m/s); `None` if none moves.

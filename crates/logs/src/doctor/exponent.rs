@@ -15,7 +15,7 @@ const LEAST_ERROR: f64 = 0.1;
 const LEAST_NODES: usize = 3;
 
 /// What is odd of the `exponent` that a map of `log` was made with; `places` are those of the map.
-pub fn finding(log: &ReceptionLog, places: &[Option<Position>], exponent: f64) -> Option<Finding> {
+pub(super) fn finding(log: &ReceptionLog, places: &[Option<Position>], exponent: f64) -> Option<Finding> {
     if (USUAL[0]..=USUAL[1]).contains(&exponent) {
         return None;
     }

@@ -48,12 +48,8 @@ fn too_small(log: &ReceptionLog) -> Option<Finding> {
 }
 
 fn too_large(log: &ReceptionLog) -> Option<Finding> {
-    let of_node = |node| needed_dbm(log, NodeId::from_index(node));
-    let mut needed: Vec<(f64, f64, f64)> = (0..log.node_count()).filter_map(of_node).collect();
-    needed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // The median, so that one node with a wrong strength says nothing.
-    let &(power_dbm, strength_dbm, apart_m) = needed.get(needed.len() / 2)?;
-    (power_dbm > MOST_DBM && needed.len() >= LEAST_NODES.min(log.node_count())).then(|| Finding {
+    let Needed { power_dbm, strength_dbm, apart_m } = Needed::of_usual_node(log)?;
+    (power_dbm > MOST_DBM).then(|| Finding {
         check: "extent",
         odd: format!(
             "the usual node is heard with {strength_dbm:.0} dBm or more at two places {apart_m:.0} m from each other, which \
@@ -65,9 +61,32 @@ fn too_large(log: &ReceptionLog) -> Option<Finding> {
     })
 }
 
-/// The least power with which a node can have been heard as it was (dBm), and the strength and the distance between two stops
+/// The least power with which the usual node can have been heard as it was (dBm); `None` if few nodes tell it.
+pub(super) fn needed_power_dbm(log: &ReceptionLog) -> Option<f64> {
+    Needed::of_usual_node(log).map(|needed| needed.power_dbm)
+}
+
+/// The least power with which a node can have been heard as it was, and the strength and the distance between two stops
 /// that tell it: one of the two is at least half as far from the node.
-fn needed_dbm(log: &ReceptionLog, node: NodeId) -> Option<(f64, f64, f64)> {
+struct Needed {
+    power_dbm: f64,
+    strength_dbm: f64,
+    apart_m: f64,
+}
+
+impl Needed {
+    /// The median over nodes, so that one node with a wrong strength says nothing.
+    fn of_usual_node(log: &ReceptionLog) -> Option<Self> {
+        let mut needed: Vec<Self> =
+            (0..log.node_count()).filter_map(|node| needed(log, NodeId::from_index(node))).collect();
+        needed.sort_by(|a, b| a.power_dbm.total_cmp(&b.power_dbm));
+        let is_told = needed.len() >= LEAST_NODES.min(log.node_count());
+        let middle = needed.len() / 2;
+        is_told.then(|| needed.into_iter().nth(middle)).flatten()
+    }
+}
+
+fn needed(log: &ReceptionLog, node: NodeId) -> Option<Needed> {
     let place = |stop: u32| log.stops()[stop as usize].position;
     let heard = log.of(node).iter().filter(|reception| reception.received > 0);
     let mut heard: Vec<(f64, Position)> =
@@ -75,7 +94,7 @@ fn needed_dbm(log: &ReceptionLog, node: NodeId) -> Option<(f64, f64, f64)> {
     heard.retain(|(strength_dbm, _)| *strength_dbm < 0.0);
     heard.sort_by(|a, b| b.0.total_cmp(&a.0));
     heard.truncate(STRONGEST);
-    let mut most: Option<(f64, f64, f64)> = None;
+    let mut most: Option<Needed> = None;
     for (number, (weaker_dbm, at)) in heard.iter().enumerate() {
         // Of the stronger ones, the farthest needs the most power.
         let square = |other: Position| (at.x_m - other.x_m).powi(2) + (at.y_m - other.y_m).powi(2);
@@ -83,8 +102,8 @@ fn needed_dbm(log: &ReceptionLog, node: NodeId) -> Option<(f64, f64, f64)> {
         let Some(farthest) = stronger.max_by(|a, b| square(*a).total_cmp(&square(*b))) else { continue };
         let apart_m = plane_m(*at, farthest);
         let power_dbm = weaker_dbm + 20.0 * libm::log10((0.5 * apart_m).max(1e-9)) + LOSS_AT_ONE_METRE_DB;
-        if most.is_none_or(|(most, ..)| power_dbm > most) {
-            most = Some((power_dbm, *weaker_dbm, apart_m));
+        if most.as_ref().is_none_or(|most| power_dbm > most.power_dbm) {
+            most = Some(Needed { power_dbm, strength_dbm: *weaker_dbm, apart_m });
         }
     }
     most

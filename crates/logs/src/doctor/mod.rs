@@ -1,54 +1,70 @@
 //! The log doctor: what is odd in a log of a robot, what it costs, and what corrects it.
 //!
 //! Each check is a file and returns a [`Finding`], or nothing for a good log. Some look at what is only known while a log is
-//! read (the times of packets, each strength, the poses), others at the reception log, and [`exponent`] at a map of it.
+//! read (the times of packets, each strength, the poses), others at the reception log, and some at a map of it ([`of_map`]).
 
 mod clock;
 mod coarse;
-pub mod exponent;
+mod distance_law;
+mod evidence;
+mod exponent;
 mod extent;
+mod far_from_strongest;
 mod finding;
 mod impossible;
 mod levels;
 pub(super) mod listening;
 mod losses;
-pub(super) mod motion;
+mod motion;
 mod moved;
+mod no_distance;
 mod node_fit;
+mod node_strengths;
 pub(super) mod origin;
+#[cfg(test)]
+mod rivals;
+mod route;
 mod samples;
 mod saturated;
+mod shadowing;
+mod survey;
 #[cfg(test)]
 mod tests;
+mod track;
 mod twins;
 mod wide_sectors;
 
 use sextant_channel::{Position, ReceptionLog};
+use sextant_mapper::EstimatorFindings;
 
+use super::local_plane::LocalPlane;
 use super::path::Path;
 pub use clock::ClockOffset;
 pub(super) use clock::offset;
+use distance_law::DistanceLaw;
 pub use finding::Finding;
 pub(super) use levels::Levels;
 pub(super) use samples::Samples;
+use survey::Survey;
+pub(super) use survey::places_of;
 
-/// What is odd of the paths of robots: poses without a fix or, if there are none, speeds.
-pub(super) fn of_paths(paths: &[Path]) -> Vec<Finding> {
-    let places: Vec<Position> = paths.iter().flat_map(Path::poses).map(|pose| pose.position).collect();
-    let places_of = |path: &Path| path.poses().iter().map(|pose| (pose.time, pose.position)).collect();
-    let speeds = || motion::finding(&paths.iter().map(places_of).collect::<Vec<_>>(), motion::POSES);
-    origin::finding(&places, "poses").or_else(speeds).into_iter().collect()
+/// What is odd of the paths of robots that heard `log`: poses without a fix or, if there are none, speeds. `plane` is that of the
+/// places, if they were given by latitude and longitude.
+pub(super) fn of_paths<'p>(
+    paths: impl Iterator<Item = &'p Path>,
+    log: &ReceptionLog,
+    plane: Option<&LocalPlane>,
+) -> Vec<Finding> {
+    of_survey(&Survey::of_paths(paths, log, plane))
 }
 
 /// The same of the places where robots stopped.
-pub(super) fn of_stops(log: &ReceptionLog) -> Vec<Finding> {
-    let places: Vec<Position> = log.stops().iter().map(|stop| stop.position).collect();
-    let of_robot = |robot| {
-        let stops = log.stops().iter().filter(move |stop| stop.robot.index() == robot);
-        stops.map(|stop| (stop.time, stop.position)).collect()
-    };
-    let speeds = || motion::finding(&(0..log.robot_count()).map(of_robot).collect::<Vec<_>>(), "stops");
-    origin::finding(&places, "stops").or_else(speeds).into_iter().collect()
+pub(super) fn of_stops(log: &ReceptionLog, plane: Option<&LocalPlane>) -> Vec<Finding> {
+    of_survey(&Survey::of_stops(log, plane))
+}
+
+fn of_survey(survey: &Survey<'_>) -> Vec<Finding> {
+    origin::finding(survey).or_else(|| motion::finding(survey)).into_iter().collect()
 }
 
 /// What is odd of the strengths that were measured.
@@ -71,9 +87,21 @@ pub(super) fn of_log(log: &ReceptionLog, known: &[Finding]) -> Vec<Finding> {
     let places = !is_known(&["no-fix", "speed", "impossible-strengths"]);
     let times = !is_known(&["clock-offset"]);
     let extent = places.then(|| extent::finding(log)).flatten();
-    let moved = (places && times && extent.is_none()).then(|| moved::finding(log)).flatten();
-    [extent, losses::finding(log), twins::finding(log), moved, wide_sectors::finding(log)]
+    let law = (places && times && extent.is_none()).then(|| DistanceLaw::of(log)).flatten();
+    let no_distance = law.as_ref().and_then(no_distance::finding);
+    let moved = law.as_ref().and_then(|law| moved::finding(log, law));
+    [extent, losses::finding(log), twins::finding(log), no_distance, moved, wide_sectors::finding(log)]
         .into_iter()
         .flatten()
         .collect()
+}
+
+/// What is odd of a map of `log` that has its nodes at `places`, with which this was `learned`: its law, and places that what was
+/// heard there contradicts.
+#[must_use]
+pub fn of_map(log: &ReceptionLog, places: &[Option<Position>], learned: Option<&EstimatorFindings>) -> Vec<Finding> {
+    let exponent = learned.and_then(|learned| learned.path_loss_exponent());
+    let exponent = exponent.and_then(|found| exponent::finding(log, places, found));
+    let shadowing = learned.and_then(|learned| learned.shadowing()).and_then(shadowing::finding);
+    [exponent, shadowing, far_from_strongest::finding(log, places)].into_iter().flatten().collect()
 }

@@ -1,94 +1,141 @@
-//! Nodes that one place does not explain: they moved during the survey.
+//! Nodes that moved during the survey: two places, one after the other, explain them better than anything else does.
+//!
+//! Whatever changes between two halves of a survey makes two places fit better than one. So two places must beat what else
+//! changes, each with its own evidence ([`super::evidence`]): one place and a level that steps at any time (power, a door, a
+//! body), one place and a level that drifts, one place and another shadowing from some time on. Floors are judged one by one, and
+//! many nodes that move are a robot that did, or a floor that no height tells.
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::NodeId;
 
+use super::distance_law::DistanceLaw;
+use super::evidence::{NodeField, Shadowing, ln_mean};
 use super::finding::Finding;
-use super::node_fit::{Law, NodeFit, Observation, plane_m};
+use super::node_fit::plane_m;
+use super::node_strengths::{NodeStrengths, floors};
 use sextant_kernel::text::listed;
 
 /// A node is checked if it was heard at so many stops at least, and so many before and after it may have moved.
 const LEAST: usize = 20;
-const LEAST_PART: usize = 8;
-/// Tenths of the stops that heard it after which it may have moved.
-const SPLITS: [usize; 5] = [3, 4, 5, 6, 7];
-/// It moved if two places leave at most this share of the loss that one place leaves, gain at least this much, and are
-/// farther apart than this share of the extent of the stops that heard it.
-const LEFT: f64 = 0.45;
-const GAIN: f64 = 12.0;
-const APART: f64 = 0.25;
+const LEAST_PART: usize = 10;
+/// Tenths of the stops that heard it after which it may have moved, or its level may have changed.
+const SPLITS: [usize; 7] = [2, 3, 4, 5, 6, 7, 8];
+/// Two places beat what else explains a node by so many nats, and by the logarithm of the number of nodes that are tried.
+const CLEAR: f64 = 5.0;
+/// They are farther apart than this share of the extent of the stops.
+const APART: f64 = 0.2;
+/// Of so many nodes that are checked, at most one moved.
+const FEW: usize = 3;
+/// Levels step by about this, or drift by these over these shares of the stops (dB).
+const STEP_DB: f64 = 10.0;
+const DRIFTS: [(f64, f64); 4] = [(4.0, 0.1), (4.0, 0.5), (10.0, 0.1), (10.0, 0.5)];
+/// With more shared shadowing, places are not told by strengths (dB).
+const MOST_SHADOWING_DB: f64 = 8.0;
 /// More nodes are not checked, and of a node not more stops.
 const MOST_NODES: usize = 200;
-const MOST_STOPS: usize = 160;
+const MOST_STOPS: usize = 100;
 
-/// What is odd of nodes that seem to have moved.
-pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
+/// What is odd of nodes that moved, in a log whose strengths follow `law`.
+pub(super) fn finding(log: &ReceptionLog, law: &DistanceLaw) -> Option<Finding> {
+    if law.shadowing.shared_db > MOST_SHADOWING_DB || law.gain <= 0.0 {
+        return None;
+    }
+    let floors = floors(log);
     let every = log.node_count().div_ceil(MOST_NODES).max(1);
-    let nodes: Vec<usize> = (0..log.node_count()).step_by(every).collect();
-    let moved: Vec<String> = nodes
-        .into_par_iter()
-        .filter_map(|node| {
-            let Moved { after, apart_m } = moved(&observations(log, NodeId::from_index(node)))?;
-            let stop = log.stops()[after as usize].time.as_secs_f64();
-            let when = if stop > 0.0 { format!("about {stop:.0} s") } else { format!("about stop {after}") };
-            Some(format!("{} ({apart_m:.1} m at {when})", log.names()[node]))
+    let heard = |node| NodeStrengths::of(log, NodeId::from_index(node), &floors, [LEAST, MOST_STOPS]);
+    let nodes: Vec<(usize, Vec<NodeStrengths>)> =
+        (0..log.node_count()).step_by(every).map(|node| (node, heard(node).collect())).collect();
+    let checked = nodes.iter().filter(|(_, floors)| !floors.is_empty()).count();
+    let clear = CLEAR + libm::log(checked.max(1) as f64);
+    let moved: Vec<(usize, Moved)> = nodes
+        .par_iter()
+        .filter_map(|(node, floors)| {
+            let moved = floors.iter().filter_map(|heard| moved(heard, law, clear));
+            Some((*node, moved.max_by(|a, b| a.gain.total_cmp(&b.gain))?))
         })
         .collect();
-    (!moved.is_empty()).then(|| Finding {
+    if moved.is_empty() || FEW * moved.len() > checked {
+        return None;
+    }
+    let told = |(node, Moved { after, apart_m, .. }): &(usize, Moved)| {
+        let time_s = log.stops()[*after as usize].time.as_secs_f64();
+        let when = if time_s > 0.0 { format!("about {time_s:.0} s") } else { format!("about stop {after}") };
+        format!("{} ({apart_m:.1} m at {when})", log.names()[*node])
+    };
+    Some(Finding {
         check: "moved-nodes",
         odd: format!(
-            "one place does not explain what was heard of these nodes, two places one after the other do: {}",
-            listed(&moved)
+            "two places one after the other explain what was heard of these nodes better than one place, even one whose losses \
+             change: {}",
+            listed(&moved.iter().map(told).collect::<Vec<_>>())
         ),
         cost: "such a node is placed between the two, or at one of them".to_owned(),
-        remedy: "give the node another name from that time on, or map the two parts of the survey by themselves"
+        remedy: "if it was moved, give it another name from that time on, or map the two parts of the survey by themselves"
             .to_owned(),
     })
 }
 
-/// When a node moved, and how far.
+/// When a node moved, how far, and how much better that explains it (nats).
 struct Moved {
     after: u32,
     apart_m: f64,
+    gain: f64,
 }
 
-/// The strengths of a node in the order of the survey, and their stops.
-fn observations(log: &ReceptionLog, node: NodeId) -> Vec<(u32, Observation)> {
-    let heard = log.of(node);
-    let heard = heard.iter().filter(|reception| reception.received > 0);
-    let observation = |stop: u32, value| Observation { at: log.stops()[stop as usize].position, value, weight: 1.0 };
-    let all: Vec<_> = heard
-        .filter_map(|row| Some((row.stop, observation(row.stop, row.rssi_dbm.filter(|&dbm| dbm < 0.0)?))))
-        .collect();
-    let every = all.len().div_ceil(MOST_STOPS).max(1);
-    all.into_iter().step_by(every).collect()
+/// A node that moved, if two places are better than all else by more than `clear`.
+fn moved(heard: &NodeStrengths, law: &DistanceLaw, clear: f64) -> Option<Moved> {
+    let DistanceLaw { shadowing, lattice, .. } = law;
+    let node = NodeOverTime { field: NodeField::new(heard, lattice), shadowing: *shadowing };
+    let count = heard.len();
+    let mut splits: Vec<usize> =
+        SPLITS.iter().map(|tenths| (count * tenths / 10).clamp(LEAST_PART, count - LEAST_PART)).collect();
+    splits.dedup();
+    let parts: Vec<(usize, [Vec<f64>; 2])> = splits.iter().filter_map(|&at| Some((at, node.parts(at)?))).collect();
+    let two = |[before, after]: &[Vec<f64>; 2]| ln_mean(before.iter().copied()) + ln_mean(after.iter().copied());
+    let (at, best) = parts.iter().max_by(|a, b| two(&a.1).total_cmp(&two(&b.1)))?;
+    let highest = two(best);
+    let mut gain = f64::INFINITY;
+    // What needs less work comes first: most nodes end there.
+    let other_shadowing =
+        parts.iter().map(|(_, [before, after])| ln_mean(before.iter().zip(after).map(|(a, b)| a + b)));
+    let steps =
+        splits.iter().map(|&at| node.one_place(|a, b| if a >= at && b >= at { STEP_DB * STEP_DB } else { 0.0 }));
+    let drifts = DRIFTS.iter().map(|&(drift_db, share)| {
+        let span = share * count as f64;
+        node.one_place(move |a, b| drift_db * drift_db * libm::exp(-(a.abs_diff(b) as f64) / span))
+    });
+    for rival in other_shadowing.chain(steps).chain(drifts) {
+        gain = gain.min(highest - rival);
+        if gain <= clear {
+            return None;
+        }
+    }
+    let apart_m = plane_m(lattice.middle(&best[0]), lattice.middle(&best[1]));
+    (apart_m > APART * lattice.extent_m).then(|| Moved { after: heard.stops[*at], apart_m, gain })
 }
 
-fn moved(heard: &[(u32, Observation)]) -> Option<Moved> {
-    if heard.len() < LEAST {
-        return None;
+/// What was heard of a node, in the order of time.
+struct NodeOverTime {
+    field: NodeField,
+    shadowing: Shadowing,
+}
+
+impl NodeOverTime {
+    /// The evidence of each place of the lattice before the stop `at` and from it on.
+    fn parts(&self, at: usize) -> Option<[Vec<f64>; 2]> {
+        let rows: Vec<usize> = (0..self.field.len()).collect();
+        let (before, after) = rows.split_at(at);
+        let part = |rows: &[usize]| self.field.by_place(rows, self.field.covariance(rows, self.shadowing));
+        Some([part(before)?, part(after)?])
     }
-    let all: Vec<Observation> = heard.iter().map(|(_, observation)| *observation).collect();
-    let law = Law::Strengths { scale_db: 4.0 };
-    let one = NodeFit::of(&all, law)?;
-    if one.loss < GAIN {
-        return None;
+
+    /// The evidence of one place, with a level whose changes have this covariance over two stops.
+    fn one_place(&self, change: impl Fn(usize, usize) -> f64) -> f64 {
+        let rows: Vec<usize> = (0..self.field.len()).collect();
+        let changes = DMatrix::from_fn(rows.len(), rows.len(), change);
+        let covariance = self.field.covariance(&rows, self.shadowing) + changes;
+        self.field.by_place(&rows, covariance).map_or(f64::NEG_INFINITY, |by_place| ln_mean(by_place.iter().copied()))
     }
-    let middle = all[all.len() / 2].at;
-    let extent_m = all.iter().map(|observation| plane_m(observation.at, middle)).fold(0.0, f64::max);
-    let most = (LEFT * one.loss).min(one.loss - GAIN);
-    let split = |tenths: usize| {
-        let at = all.len() * tenths / 10;
-        let (before, after) = all.split_at(at.clamp(LEAST_PART, all.len() - LEAST_PART));
-        // No loss is below 0, so that the second part, whatever it is, cannot make up for the first.
-        let first = NodeFit::of(before, law).filter(|first| first.loss <= most)?;
-        let second = NodeFit::of(after, law)?;
-        let apart_m = plane_m(first.place(), second.place());
-        Some((first.loss + second.loss, Moved { after: heard[before.len()].0, apart_m }))
-    };
-    let best = SPLITS.into_iter().filter_map(split).min_by(|a, b| a.0.total_cmp(&b.0));
-    let (loss, moved) = best?;
-    let is_clear = loss <= LEFT * one.loss && one.loss - loss >= GAIN && moved.apart_m > APART * extent_m;
-    is_clear.then_some(moved)
 }

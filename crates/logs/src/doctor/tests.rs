@@ -6,11 +6,11 @@ use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use super::super::path::{Path, Pose};
 use super::*;
 
-const NODES: u32 = 12;
+pub(super) const NODES: u32 = 12;
 const WIDTH_M: f64 = 20.0;
 const DEPTH_M: f64 = 12.0;
 
-fn draw(what: u64, place: [u64; 2]) -> f64 {
+pub(super) fn draw(what: u64, place: [u64; 2]) -> f64 {
     Seed(11).normal(Purpose::new(8), [what, place[0], place[1]])
 }
 
@@ -18,13 +18,13 @@ fn share(what: u64, place: [u64; 2]) -> f64 {
     Seed(11).uniform(Purpose::new(8), [what, place[0], place[1]])
 }
 
-fn node(number: u32) -> Position {
+pub(super) fn node(number: u32) -> Position {
     let number = u64::from(number);
     Position::new(1.0 + 18.0 * share(1, [number, 0]), 1.0 + 10.0 * share(1, [number, 1]), 0.0)
 }
 
 /// Mean strength (dBm): path loss of exponent 2.5, and shadowing of 3 dB that changes over some metres.
-fn strength_dbm(number: u32, from: Position, at: Position) -> f64 {
+pub(super) fn strength_dbm(number: u32, from: Position, at: Position) -> f64 {
     let of_node = u64::from(number);
     let wave = |i: u64| {
         let [x, y] = [0, 1].map(|axis| 0.5 * draw(2, [of_node, 2 * i + axis]));
@@ -36,7 +36,7 @@ fn strength_dbm(number: u32, from: Position, at: Position) -> f64 {
 
 /// A survey of `places` in order, ten packets of each node at each, with a fading of 3 dB and a receiver that hears -75 dBm.
 /// `node_at` says where a node is during a stop.
-fn log_of(places: &[Position], node_at: impl Fn(u32, u32) -> Position) -> ReceptionLog {
+pub(super) fn log_of(places: &[Position], node_at: impl Fn(u32, u32) -> Position) -> ReceptionLog {
     let stop = |(number, &position): (u64, &Position)| Stop {
         robot: RobotId(0),
         time: SimTime::from_nanos(number * 10_000_000_000),
@@ -68,7 +68,7 @@ fn log_of(places: &[Position], node_at: impl Fn(u32, u32) -> Position) -> Recept
 }
 
 /// Stops every 2 m on lanes to and fro.
-fn lanes() -> Vec<Position> {
+pub(super) fn lanes() -> Vec<Position> {
     let stop = |i: u32| {
         let (lane, step) = (i / 11, i % 11);
         let step = if lane % 2 == 0 { step } else { 10 - step };
@@ -77,22 +77,26 @@ fn lanes() -> Vec<Position> {
     (0..77).map(stop).collect()
 }
 
-fn good() -> ReceptionLog {
+pub(super) fn good() -> ReceptionLog {
     log_of(&lanes(), |number, _| node(number))
 }
 
 /// The log with other stops or receptions.
-fn changed(log: &ReceptionLog, stop: impl Fn(Stop) -> Stop, row: impl Fn(Reception) -> Reception) -> ReceptionLog {
+pub(super) fn changed(
+    log: &ReceptionLog,
+    stop: impl Fn(Stop) -> Stop,
+    row: impl Fn(Reception) -> Reception,
+) -> ReceptionLog {
     let stops = log.stops().iter().copied().map(stop).collect();
     let rows = log.receptions().iter().map(row).collect();
     ReceptionLog::new(log.names().to_vec(), stops, rows, Vec::new()).unwrap()
 }
 
 /// All that is found of a log of stops.
-fn findings(log: &ReceptionLog) -> Vec<Finding> {
+pub(super) fn findings(log: &ReceptionLog) -> Vec<Finding> {
     let mut levels = Levels::default();
     log.receptions().iter().filter_map(|row| row.rssi_dbm).for_each(|level| levels.take(level));
-    let mut found = of_stops(log);
+    let mut found = of_stops(log, None);
     found.extend(of_levels(&levels));
     found.extend(listening::finding(log, None));
     let rest = of_log(log, &found);
@@ -100,7 +104,7 @@ fn findings(log: &ReceptionLog) -> Vec<Finding> {
     found
 }
 
-fn checks(log: &ReceptionLog) -> Vec<&'static str> {
+pub(super) fn checks(log: &ReceptionLog) -> Vec<&'static str> {
     findings(log).iter().map(|finding| finding.check).collect()
 }
 
@@ -199,7 +203,7 @@ fn an_exponent_of_no_surroundings_is_told_with_its_uncertainty() {
 }
 
 /// A robot on lanes to and fro at `speed` (m/s).
-fn path(speed: f64) -> Path {
+pub(super) fn path(speed: f64) -> Path {
     let (mut poses, mut time_s, mut at, mut heading) = (Vec::new(), 100.0, Position::ORIGIN, 1.0);
     let mut add = |time_s: f64, at: Position| {
         let time = super::super::instant::shifted(SimTime::ZERO, time_s).unwrap();
@@ -225,6 +229,17 @@ fn path(speed: f64) -> Path {
 
 /// What is told of packets that are late by `delay_s`: each node sends every 0.5 s.
 fn clock(path: &Path, delay_s: f64, has_strengths: bool) -> ClockOffset {
+    clock_of_body(path, delay_s, has_strengths, |_| 0.0)
+}
+
+/// The same of a robot whose body costs `loss_db` in the direction of a node with this cosine from the heading.
+pub(super) fn clock_of_body(
+    path: &Path,
+    delay_s: f64,
+    has_strengths: bool,
+    loss_db: impl Fn(f64) -> f64,
+) -> ClockOffset {
+    let route = route::Route::new(path);
     let mut samples = Samples::default();
     let (start, end) = path.span();
     for number in 0..NODES {
@@ -232,7 +247,11 @@ fn clock(path: &Path, delay_s: f64, has_strengths: bool) -> ClockOffset {
         let mut packet = 0;
         while time < end {
             let at = path.at(time).unwrap();
-            let level = strength_dbm(number, node(number), at) + 3.0 * draw(7, [u64::from(number), packet]);
+            let [hx, hy] = route.at(time).unwrap().1;
+            let way = node(number) - at;
+            let cosine = (hx * way.x_m + hy * way.y_m) / node_fit::plane_m(node(number), at).max(0.1);
+            let faded = strength_dbm(number, node(number), at) + 3.0 * draw(7, [u64::from(number), packet]);
+            let level = faded - loss_db(cosine);
             if level > if has_strengths { -80.0 } else { -60.0 } {
                 let stamp = super::super::instant::shifted(time, delay_s).unwrap();
                 samples.take(number, RobotId(0), stamp, has_strengths.then(|| level.round()));
@@ -247,7 +266,7 @@ fn clock(path: &Path, delay_s: f64, has_strengths: bool) -> ClockOffset {
 #[test]
 fn late_packets_tell_their_delay() {
     let path = path(0.5);
-    assert_eq!(of_paths(std::slice::from_ref(&path)), []);
+    assert_eq!(of_paths(std::iter::once(&path), &good(), None), []);
     let none = clock(&path, 0.0, true);
     assert!(!none.is_clear && none.delay_s.abs() < 0.5 && none.finding().is_none(), "{none:?}");
     for delay_s in [-3.0, 2.0, 4.0, 8.0] {

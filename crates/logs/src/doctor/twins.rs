@@ -52,8 +52,9 @@ pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
 }
 
 /// Whether the rows of two nodes tell of one. Rows without strengths must have some packets lost and some not: many nodes
-/// are heard always.
+/// are heard always. Strengths must be others than usual: many nodes are heard at the limit of the receiver.
 fn are_alike(a: &[Reception], b: &[Reception]) -> bool {
+    let usual_dbm = median_dbm(a);
     let (mut at, mut common, mut alike, mut telling) = (0, 0_usize, 0_usize, 0_usize);
     for one in a {
         while b.get(at).is_some_and(|other| other.stop < one.stop) {
@@ -62,7 +63,10 @@ fn are_alike(a: &[Reception], b: &[Reception]) -> bool {
         let Some(other) = b.get(at).filter(|other| other.stop == one.stop) else { continue };
         common += 1;
         let (is_alike, tells) = match (one.rssi_dbm, other.rssi_dbm) {
-            (Some(one_dbm), Some(other_dbm)) => ((one_dbm - other_dbm).abs() <= ALIKE_DB, true),
+            (Some(one_dbm), Some(other_dbm)) => {
+                let tells = usual_dbm.is_some_and(|usual_dbm| (one_dbm - usual_dbm).abs() > 2.0 * ALIKE_DB);
+                ((one_dbm - other_dbm).abs() <= ALIKE_DB, tells)
+            }
             (None, None) => (one.received == other.received, one.received < one.sent),
             _ => (false, false),
         };
@@ -71,4 +75,12 @@ fn are_alike(a: &[Reception], b: &[Reception]) -> bool {
     }
     let all = a.len().max(b.len()) as f64;
     common as f64 >= COMMON * all && alike as f64 >= COMMON * common as f64 && telling >= LEAST
+}
+
+/// The median strength of rows.
+fn median_dbm(rows: &[Reception]) -> Option<f64> {
+    let mut levels: Vec<f64> = rows.iter().filter_map(|row| row.rssi_dbm).collect();
+    let middle = levels.len() / 2;
+    levels.sort_by(f64::total_cmp);
+    levels.get(middle).copied()
 }

@@ -5,7 +5,9 @@ use std::fmt::Write;
 use sextant_kernel::NodeId;
 
 use super::{Choice, ChoiceReason, EstimatorFit};
-use crate::{AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, SurveyFrame, TopologyMap};
+use crate::{
+    AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing, SurveyFrame, TopologyMap,
+};
 
 #[cfg(feature = "config")]
 /// The keys of a choice.
@@ -114,6 +116,10 @@ impl Finding for Choice {
 
     fn path_loss_exponent(&self) -> Option<f64> {
         self.finding()?.path_loss_exponent()
+    }
+
+    fn shadowing(&self) -> Option<StaticShadowing> {
+        self.finding()?.shadowing()
     }
 
     fn at_bound(&self) -> &[NodeId] {

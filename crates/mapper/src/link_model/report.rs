@@ -6,7 +6,7 @@ use sextant_kernel::text::counted;
 
 use super::{LinkEvidence, LinkFit};
 use crate::learned::Unconverged;
-use crate::{CurveFinding, Finding, Line, Section, TopologyMap};
+use crate::{CurveFinding, Finding, Line, Section, StaticShadowing, TopologyMap};
 
 /// Least share of lapses or outages that is told.
 const LEAST_SHARE: f64 = 0.01;
@@ -144,5 +144,10 @@ impl Finding for LinkFit {
 
     fn path_loss_exponent(&self) -> Option<f64> {
         self.path_loss_exponent()
+    }
+
+    fn shadowing(&self) -> Option<StaticShadowing> {
+        let (shared, range_m) = (self.law.shared, self.law.correlation_m);
+        self.shadowing_db().map(|deviation_db| StaticShadowing { deviation_db, shared, range_m })
     }
 }

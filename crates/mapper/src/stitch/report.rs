@@ -10,7 +10,7 @@ use super::pair::PairFit;
 use super::pair::PairState;
 #[cfg(feature = "config")]
 use crate::learned::one_key;
-use crate::{AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, TopologyMap};
+use crate::{AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing, TopologyMap};
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 
@@ -284,6 +284,10 @@ impl Finding for Stitching {
 
     fn path_loss_exponent(&self) -> Option<f64> {
         self.learned.as_ref()?.path_loss_exponent()
+    }
+
+    fn shadowing(&self) -> Option<StaticShadowing> {
+        self.learned.as_ref()?.shadowing()
     }
 
     fn at_bound(&self) -> &[NodeId] {

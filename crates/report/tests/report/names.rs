@@ -11,9 +11,8 @@ use sha2::{Digest as _, Sha256};
 use super::{document, file, folder, seconds};
 
 /// Characters that order the letters around them (Unicode Standard Annex 9), without the marks of honest names.
-const ORDERING: [char; 9] = [
-    '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}', '\u{2066}', '\u{2067}', '\u{2068}', '\u{2069}',
-];
+const ORDERING: [char; 9] =
+    ['\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}', '\u{2066}', '\u{2067}', '\u{2068}', '\u{2069}'];
 
 /// A name for each letter that programs treat in some way of their own.
 fn names() -> Vec<String> {
@@ -101,7 +100,10 @@ fn names_in_tables_come_back_as_they_are() {
     let path = file(&folder, "3.6.csv", &format!("{header}{rows}"));
     let read = document(&Report::of_reproduction(&path, &[].into()).expect("a reproduction").to_html());
     let cells = read["reproduction"]["experiments"][0]["rows"].as_array().expect("rows").iter();
-    assert_eq!(cells.map(|row| row[0].clone()).collect::<Vec<_>>(), names.iter().map(|n| json!(n)).collect::<Vec<_>>());
+    assert_eq!(
+        cells.map(|row| row[0].clone()).collect::<Vec<_>>(),
+        names.iter().map(|n| json!(n)).collect::<Vec<_>>()
+    );
 }
 
 #[test]

@@ -6,7 +6,7 @@ use sextant_mapper::EstimatorFindings;
 use crate::measure::axes;
 use crate::summary::LogCounts;
 use sextant_kernel::text::{counted, listed};
-use sextant_logs::doctor::exponent;
+use sextant_logs::doctor;
 
 /// Silence tells nothing if less than this share of the packets was missed.
 const RARELY_MISSED: f64 = 0.01;
@@ -38,7 +38,7 @@ pub(super) fn of_log(log: &ReceptionLog, counts: &LogCounts) -> Vec<String> {
     notes
 }
 
-/// The notes on a map of `log`: what is odd in its law, and in how it differs from the true places of the nodes.
+/// The notes on a map of `log`: what is odd in its law and places, and in how it differs from the true places of the nodes.
 ///
 /// The map has its nodes at `places`, and what was estimated with it is `learned`.
 pub(super) fn of_map(
@@ -47,10 +47,8 @@ pub(super) fn of_map(
     learned: Option<&EstimatorFindings>,
     truth: Option<&[Option<Position>]>,
 ) -> Vec<String> {
-    let exponent = learned.and_then(|learned| learned.path_loss_exponent());
-    let law = exponent.and_then(|found| exponent::finding(log, places, found));
     let axes = truth.and_then(|truth| axes(truth, places));
-    [law, axes].into_iter().flatten().map(|finding| finding.to_string()).collect()
+    doctor::of_map(log, places, learned).into_iter().chain(axes).map(|finding| finding.to_string()).collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,118 @@
+//! Whether distances explain the strengths of a log: quick and rough, for checks.
+//!
+//! A law of distances with shared shadowing is compared with shadowing alone, each with the shadowing that suits it best
+//! (empirical Bayes over a small table). What counts is what they say of a quarter of the stops of a node after the other
+//! three: the evidence of all minus that of the others.
+
+use rayon::prelude::*;
+use sextant_channel::ReceptionLog;
+use sextant_kernel::NodeId;
+
+use super::evidence::{Lattice, NodeField, Shadowing, ln_mean};
+use super::node_strengths::{NodeStrengths, floors};
+
+/// Nodes and floors with fewer stops say nothing; of more stops and nodes so many are used.
+const LEAST_STOPS: usize = 12;
+const MOST_STOPS: usize = 60;
+const MOST_NODES: usize = 24;
+/// Shadowing that is tried: what stops share and what each has alone (dB), and the range as a share of the extent.
+const SHARED_DB: [f64; 5] = [1.5, 3.0, 5.0, 8.0, 12.0];
+const ALONE_DB: [f64; 3] = [1.0, 2.0, 4.0];
+const RANGES: [f64; 3] = [0.03, 0.1, 0.3];
+
+/// What the strengths of a log say of distances.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DistanceLaw {
+    /// Shadowing about the law.
+    pub(super) shadowing: Shadowing,
+    /// How much better it predicts stops that are left out than shadowing alone does (nats a link), and the standard error.
+    pub(super) gain: f64,
+    pub(super) gain_error: f64,
+    /// Where nodes may be.
+    pub(super) lattice: Lattice,
+}
+
+/// The stops of a node by quarter of the area in which it was heard.
+struct Quarters {
+    field: NodeField,
+    of_stop: Vec<usize>,
+}
+
+impl DistanceLaw {
+    /// What `log` says; `None` if it has too few strengths, or all its stops are at one place.
+    pub(super) fn of(log: &ReceptionLog) -> Option<Self> {
+        let lattice = Lattice::around(log.stops().iter().map(|stop| stop.position))?;
+        let floors = floors(log);
+        let heard = |node| NodeStrengths::of(log, NodeId::from_index(node), &floors, [LEAST_STOPS, MOST_STOPS]);
+        let all: Vec<NodeStrengths> = (0..log.node_count()).flat_map(heard).collect();
+        let every = all.len().div_ceil(MOST_NODES).max(1);
+        let nodes: Vec<Quarters> = all.iter().step_by(every).map(|heard| Quarters::new(heard, &lattice)).collect();
+        if nodes.is_empty() {
+            return None;
+        }
+        let tried = tried(lattice.extent_m);
+        let evidence: Vec<Vec<[f64; 2]>> = nodes.par_iter().map(|node| node.evidence(&tried)).collect();
+        let best = |of: usize| {
+            let total = |at: usize| evidence.iter().map(|node| node[at][of]).sum::<f64>();
+            (0..tried.len()).max_by(|&a, &b| total(a).total_cmp(&total(b))).map(|at| tried[at])
+        };
+        let (shadowing, alone) = (best(0)?, best(1)?);
+        let gains: Vec<Vec<(f64, f64)>> = nodes.par_iter().map(|node| node.gains(shadowing, alone)).collect();
+        let gains: Vec<(f64, f64)> = gains.into_iter().flatten().collect();
+        let links: f64 = gains.iter().map(|(_, links)| links).sum();
+        let gain = gains.iter().map(|(gain, _)| gain).sum::<f64>() / links;
+        let spread: f64 = gains.iter().map(|(of_block, links)| (of_block - gain * links).powi(2)).sum();
+        let law = Self { shadowing, gain, gain_error: spread.sqrt() / links, lattice };
+        (law.gain.is_finite() && gains.len() > 1).then_some(law)
+    }
+}
+
+/// All shadowings that are tried in a survey of this extent (m).
+fn tried(extent_m: f64) -> Vec<Shadowing> {
+    let with = |share: f64, shared_db: f64| {
+        ALONE_DB.map(|alone_db| Shadowing { shared_db, range_m: share * extent_m, alone_db })
+    };
+    RANGES.iter().flat_map(|&share| SHARED_DB.iter().flat_map(move |&shared_db| with(share, shared_db))).collect()
+}
+
+impl Quarters {
+    fn new(heard: &NodeStrengths, lattice: &Lattice) -> Self {
+        let median = |axis: &dyn Fn(usize) -> f64| {
+            let mut values: Vec<f64> = (0..heard.len()).map(axis).collect();
+            values.sort_by(f64::total_cmp);
+            values[values.len() / 2]
+        };
+        let (x, y) = (|stop: usize| heard.places[stop].x_m, |stop: usize| heard.places[stop].y_m);
+        let middle = [median(&x), median(&y)];
+        let quarter = |stop: usize| 2 * usize::from(x(stop) >= middle[0]) + usize::from(y(stop) >= middle[1]);
+        Self { field: NodeField::new(heard, lattice), of_stop: (0..heard.len()).map(quarter).collect() }
+    }
+
+    /// The evidence of all stops with a law and without one, for each of `shadowings`.
+    fn evidence(&self, shadowings: &[Shadowing]) -> Vec<[f64; 2]> {
+        let rows: Vec<usize> = (0..self.field.len()).collect();
+        shadowings.iter().map(|&shadowing| [self.law(&rows, shadowing), self.alone(&rows, shadowing)]).collect()
+    }
+
+    fn law(&self, rows: &[usize], shadowing: Shadowing) -> f64 {
+        let by_place = self.field.by_place(rows, self.field.covariance(rows, shadowing));
+        by_place.map_or(f64::NEG_INFINITY, |by_place| ln_mean(by_place.iter().copied()))
+    }
+
+    fn alone(&self, rows: &[usize], shadowing: Shadowing) -> f64 {
+        self.field.without_law(rows, self.field.covariance(rows, shadowing)).unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// By how much a law with its `shadowing` predicts each quarter better than shadowing `alone`, and the stops there.
+    fn gains(&self, shadowing: Shadowing, alone: Shadowing) -> Vec<(f64, f64)> {
+        let all: Vec<usize> = (0..self.field.len()).collect();
+        let of_all = self.law(&all, shadowing) - self.alone(&all, alone);
+        let gain = |quarter: usize| {
+            let others: Vec<usize> = all.iter().copied().filter(|&stop| self.of_stop[stop] != quarter).collect();
+            let left_out = all.len() - others.len();
+            let is_told = left_out > 0 && others.len() >= LEAST_STOPS / 3;
+            is_told.then(|| (of_all - self.law(&others, shadowing) + self.alone(&others, alone), left_out as f64))
+        };
+        (0..4).filter_map(gain).collect()
+    }
+}

@@ -1,0 +1,233 @@
+//! How probable the strengths of a node are if it is at a place, with shadowing that neighbouring stops share.
+//!
+//! A strength is `a − b ln √(d² + d₀²)` and a Gaussian process over the stops: shadowing with the correlation exp(−Δ/l)
+//! (Gudmundson 1991), and noise of each stop alone. So stops that lie close together count about once. `a` and `b` have
+//! Gaussian priors and are integrated out (Rasmussen and Williams 2006, section 2.7); places are on a lattice, and the mean over
+//! it is that of a uniform prior. What needs more places or parameters pays for them by itself.
+
+use nalgebra::{DMatrix, DVector};
+use sextant_channel::Position;
+
+use super::node_fit::plane_m;
+use super::node_strengths::NodeStrengths;
+
+/// Mean and standard deviation of `b` (dB over a factor of e): a path-loss exponent of 2.5 ± 1.2.
+const SLOPE_DB: [f64; 2] = [10.857, 5.212];
+/// Standard deviation of the mean level of a node around that of its strengths (dB).
+const LEVEL_DB: f64 = 20.0;
+/// Places along the shorter and the longer side of a lattice, as the geometric mean.
+const ALONG: f64 = 14.0;
+/// The lattice reaches beyond the stops by this share of their extent.
+const MARGIN: f64 = 0.15;
+/// The distance below which the law is flat (m), at least.
+const FLAT_M: f64 = 0.5;
+
+/// Shadowing of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shadowing {
+    /// Standard deviation of what neighbouring stops share (dB).
+    pub(super) shared_db: f64,
+    /// Distance over which it is correlated (m).
+    pub(super) range_m: f64,
+    /// Standard deviation of what each stop has alone (dB).
+    pub(super) alone_db: f64,
+}
+
+/// Where a node may be, in the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Lattice {
+    pub(super) places: Vec<[f64; 2]>,
+    /// Distance between neighbours (m).
+    pub(super) step_m: f64,
+    /// The diagonal of the box around the stops (m).
+    pub(super) extent_m: f64,
+}
+
+impl Lattice {
+    /// The lattice around `stops`; `None` if all are at one place.
+    pub(super) fn around(stops: impl Iterator<Item = Position> + Clone) -> Option<Self> {
+        let along = |axis: fn(Position) -> f64| {
+            stops
+                .clone()
+                .map(axis)
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
+        };
+        let sides = [along(|at| at.x_m), along(|at| at.y_m)];
+        let extent_m = libm::hypot(sides[0][1] - sides[0][0], sides[1][1] - sides[1][0]);
+        if !(extent_m.is_finite() && extent_m > 0.0) {
+            return None;
+        }
+        let wide = sides.map(|[low, high]| [low - MARGIN * extent_m, high + MARGIN * extent_m]);
+        let [width_m, depth_m] = wide.map(|[low, high]| high - low);
+        let step_m = (width_m * depth_m).sqrt() / ALONG;
+        let on_axis = |[low, high]: [f64; 2]| {
+            let mut at = low + 0.5 * step_m;
+            std::iter::from_fn(move || {
+                let found = at;
+                at += step_m;
+                (found < high).then_some(found)
+            })
+        };
+        let places = on_axis(wide[0]).flat_map(|x| on_axis(wide[1]).map(move |y| [x, y])).collect();
+        Some(Self { places, step_m, extent_m })
+    }
+
+    /// The mean of the places, whose logarithms of probability are `ln`.
+    pub(super) fn middle(&self, ln: &[f64]) -> Position {
+        let highest = ln.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (mut sum, mut total) = (Position::ORIGIN, 0.0);
+        for (&[x, y], ln) in self.places.iter().zip(ln) {
+            let weight = libm::exp(ln - highest);
+            sum = sum + Position::new(x, y, 0.0) * weight;
+            total += weight;
+        }
+        sum * (1.0 / total)
+    }
+}
+
+/// The strengths of a node, and what a law says of them from each place of a lattice.
+#[derive(Clone, Debug)]
+pub(super) struct NodeField {
+    levels_dbm: DVector<f64>,
+    /// −ln √(d² + d₀²) of each stop (row) and place (column).
+    logs: DMatrix<f64>,
+    /// Distances between the stops (m).
+    apart_m: DMatrix<f64>,
+}
+
+impl NodeField {
+    pub(super) fn new(heard: &NodeStrengths, lattice: &Lattice) -> Self {
+        let count = heard.len();
+        let flat_m = FLAT_M.max(0.5 * lattice.step_m);
+        let log = |stop: usize, place: usize| {
+            let [x, y] = lattice.places[place];
+            let (dx, dy) = (heard.places[stop].x_m - x, heard.places[stop].y_m - y);
+            -0.5 * libm::log(dx * dx + dy * dy + flat_m * flat_m)
+        };
+        Self {
+            levels_dbm: DVector::from_column_slice(&heard.levels_dbm),
+            logs: DMatrix::from_fn(count, lattice.places.len(), log),
+            apart_m: DMatrix::from_fn(count, count, |a, b| plane_m(heard.places[a], heard.places[b])),
+        }
+    }
+
+    /// Number of stops.
+    pub(super) fn len(&self) -> usize {
+        self.levels_dbm.len()
+    }
+
+    /// The covariance of the strengths at the stops `rows`, apart from the law.
+    pub(super) fn covariance(&self, rows: &[usize], shadowing: Shadowing) -> DMatrix<f64> {
+        let Shadowing { shared_db, range_m, alone_db } = shadowing;
+        DMatrix::from_fn(rows.len(), rows.len(), |a, b| {
+            let shared = shared_db * shared_db * libm::exp(-self.apart_m[(rows[a], rows[b])] / range_m);
+            LEVEL_DB * LEVEL_DB + shared + if a == b { alone_db * alone_db } else { 0.0 }
+        })
+    }
+
+    /// The logarithm of the probability of the strengths at the stops `rows`, whose covariance is that, from each place of the
+    /// lattice. `None` if the covariance is none.
+    pub(super) fn by_place(&self, rows: &[usize], covariance: DMatrix<f64>) -> Option<Vec<f64>> {
+        let root = covariance.cholesky()?;
+        let root = root.l_dirty();
+        let mut levels = self.centred(rows);
+        let mut logs = self.logs.select_rows(rows);
+        for mut column in logs.column_iter_mut() {
+            let mean = column.mean();
+            column.add_scalar_mut(-mean);
+        }
+        let [slope, deviation] = SLOPE_DB;
+        if !(root.solve_lower_triangular_mut(&mut levels) && root.solve_lower_triangular_mut(&mut logs)) {
+            return None;
+        }
+        let constant = constant(root);
+        let of_place = |log: usize| {
+            let log = logs.column(log);
+            let (with_levels, square) = (log.dot(&levels) - slope * log.norm_squared(), log.norm_squared());
+            let left = levels.norm_squared() - 2.0 * slope * log.dot(&levels) + slope * slope * square;
+            let precision = 1.0 / (deviation * deviation) + square;
+            constant
+                - 0.5 * (left - with_levels * with_levels / precision)
+                - 0.5 * libm::log(precision * deviation * deviation)
+        };
+        Some((0..logs.ncols()).map(of_place).collect())
+    }
+
+    /// The same without a law: all distances are alike.
+    pub(super) fn without_law(&self, rows: &[usize], covariance: DMatrix<f64>) -> Option<f64> {
+        let root = covariance.cholesky()?;
+        let root = root.l_dirty();
+        let mut levels = self.centred(rows);
+        root.solve_lower_triangular_mut(&mut levels).then(|| constant(root) - 0.5 * levels.norm_squared())
+    }
+
+    /// The strengths at `rows` about their mean (dB).
+    fn centred(&self, rows: &[usize]) -> DVector<f64> {
+        let mut levels = self.levels_dbm.select_rows(rows);
+        let mean = levels.mean();
+        levels.add_scalar_mut(-mean);
+        levels
+    }
+}
+
+/// What a Gaussian density with the covariance of this root has apart from its exponent.
+fn constant(root: &DMatrix<f64>) -> f64 {
+    let count = root.nrows() as f64;
+    let ln_root: f64 = root.diagonal().iter().map(|value| libm::log(*value)).sum();
+    -ln_root - 0.5 * count * libm::log(std::f64::consts::TAU)
+}
+
+/// The logarithm of the mean of numbers whose logarithms are `ln`.
+pub(super) fn ln_mean(ln: impl Iterator<Item = f64> + Clone) -> f64 {
+    let highest = ln.clone().fold(f64::NEG_INFINITY, f64::max);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for ln in ln {
+        sum += libm::exp(ln - highest);
+        count += 1.0;
+    }
+    highest + libm::log(sum / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strengths(places: &[[f64; 2]], levels_dbm: &[f64]) -> NodeStrengths {
+        NodeStrengths {
+            stops: (0..).take(places.len()).collect(),
+            places: places.iter().map(|&[x, y]| Position::new(x, y, 0.0)).collect(),
+            levels_dbm: levels_dbm.to_vec(),
+        }
+    }
+
+    #[test]
+    fn the_evidence_of_two_stops_is_the_density_of_two_gaussians() {
+        let heard = strengths(&[[0.0, 0.0], [3.0, 4.0]], &[-50.0, -56.0]);
+        let lattice = Lattice::around(heard.places.iter().copied()).unwrap();
+        let field = NodeField::new(&heard, &lattice);
+        let shadowing = Shadowing { shared_db: 3.0, range_m: 5.0, alone_db: 2.0 };
+        let found = field.by_place(&[0, 1], field.covariance(&[0, 1], shadowing)).unwrap();
+        // By hand: the sum and the difference of two strengths with the same variance are independent.
+        let flat_m = FLAT_M.max(0.5 * lattice.step_m);
+        let [x, y] = lattice.places[7];
+        let log = |at: Position| -0.5 * ((at.x_m - x).powi(2) + (at.y_m - y).powi(2) + flat_m * flat_m).ln();
+        let step = log(heard.places[0]) - log(heard.places[1]);
+        let shared = 9.0 * (-1.0_f64).exp();
+        let difference = 2.0 * (9.0 + 4.0 - shared) + (SLOPE_DB[1] * step).powi(2);
+        let sum = 2.0 * (9.0 + 4.0 + shared) + 4.0 * LEVEL_DB * LEVEL_DB;
+        let normal =
+            |error: f64, variance: f64| -0.5 * (error * error / variance + (std::f64::consts::TAU * variance).ln());
+        // A change of variables from two strengths to their sum and difference has the determinant 2.
+        let expected = normal(6.0 - SLOPE_DB[0] * step, difference) + normal(0.0, sum) + 2.0_f64.ln();
+        assert!((found[7] - expected).abs() < 1e-9, "{} {expected}", found[7]);
+        let without = field.without_law(&[0, 1], field.covariance(&[0, 1], shadowing)).unwrap();
+        let flat = 2.0 * (9.0 + 4.0 - shared);
+        assert!((without - (normal(6.0, flat) + normal(0.0, sum) + 2.0_f64.ln())).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_mean_of_logarithms_is_that_of_the_numbers() {
+        let numbers = [0.5_f64, 1.5, 4.0];
+        assert!((ln_mean(numbers.iter().map(|number| number.ln() - 900.0)) - (2.0_f64.ln() - 900.0)).abs() < 1e-12);
+    }
+}
