@@ -44,7 +44,7 @@ impl Edge {
     pub(crate) fn at(&self, z_m: f64) -> Option<Position> {
         let above_m = z_m + LEVEL_M;
         let is_on = above_m >= self.bottom.z_m && above_m <= self.top.z_m;
-        is_on.then(|| Position { z_m, ..self.bottom })
+        is_on.then_some(Position { z_m, ..self.bottom })
     }
 }
 
