@@ -241,7 +241,11 @@ fn files_that_are_no_tables_of_gains_are_named() {
 
 #[test]
 fn an_array_in_a_structure_of_a_matlab_file_is_read() {
-    let book = convert(&fixture("array.mat"), &SourceNames::default(), None).unwrap();
+    // Its angles called theta go from 0 to 10: that may be either.
+    let refused = convert(&fixture("array.mat"), &SourceNames::default(), None).unwrap_err();
+    assert!(matches!(refused, ConvertError::UnknownOrigin { .. }), "{refused}");
+    let names = SourceNames { elevation: Some("book.theta".into()), ..SourceNames::default() };
+    let book = convert(&fixture("array.mat"), &names, None).unwrap();
     check(&book, "gain_db", 1);
     assert!(!rows_of(&book).contains(&("5".into(), -45, 0, gain(5, -45, 0))), "the gap");
 }
@@ -267,7 +271,9 @@ fn a_long_and_a_wide_table_give_the_same_book() {
             long += &format!("{written};{elevation};{sector};{gain};7\n");
         }
     }
-    let [long, wide] = [long, wide].map(|text| table(&text, &SourceNames::default(), None).unwrap());
+    let unit = Some(GainUnit::Relative);
+    let [long, wide] =
+        [(long, None), (wide, unit)].map(|(text, unit)| table(&text, &SourceNames::default(), unit).unwrap());
     check(&long, "gain_db", 0);
     check(&wide, "gain_db", 0);
     assert_eq!(long.text, wide.text);
@@ -300,7 +306,7 @@ fn flaws_say_what_was_found_and_what_is_allowed() {
         ("sector,azimuth,gain\n1,2,loud\n", None, "line 2, column `gain`: `loud`"),
         ("sector,azimuth,elevation,gain_db\n1,2,120,3\n", None, "elevation 120"),
         ("sector,azimuth,gain\n1,2,-3\n", Some(GainUnit::Linear), "a factor of -3"),
-        (&format!("azimuth,sector_3\n{wide}"), None, "the unit of the gains is not known"),
+        (&format!("azimuth,sector_3\n{wide}"), None, "the unit of the gains `sector_3` is not known"),
     ] {
         let error = table(text, &SourceNames::default(), unit).expect_err(words).to_string();
         assert!(error.contains(words), "{error}\nshould say: {words}");
