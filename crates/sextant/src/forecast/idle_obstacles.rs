@@ -1,6 +1,6 @@
 //! Obstacles that change nothing: likely a mistake in their place, their size or their material.
 
-use sextant_channel::{Bounds, Channel, Obstacle, ObstacleField, Position, Shape};
+use sextant_channel::{Bounds, Channel, Obstacle, ObstacleField, Position, Ray, Shape};
 use sextant_kernel::Seed;
 use sextant_sim::Setup;
 
@@ -11,6 +11,9 @@ use crate::scenario::Scenario;
 /// At most so many ways by reflections are tried to find out whether an obstacle changes one. Beyond it, an obstacle has
 /// the benefit of the doubt.
 const MOST_TRIES: usize = 10_000_000;
+
+/// Losses that differ by less are the same (dB).
+const ROUNDING_DB: f64 = 1e-6;
 
 const NOTHING_TO_DO: &str = "it neither absorbs nor stops robots; give it a `material`";
 const APART: &str = "it lies beside, above or below all stations and their links; check its place and size";
@@ -83,7 +86,7 @@ impl Audience<'_> {
                 let (mut with, mut other) = (Vec::new(), Vec::new());
                 reach.channel().rays(a, b, &mut with);
                 without.rays(a, b, &mut other);
-                with != other
+                are_different(&with, &other)
             })
         })
     }
@@ -104,6 +107,12 @@ fn without(all: &ObstacleField, obstacle: usize, reach: &Reach<'_>, seed: Seed) 
     let others = all.obstacles().iter().enumerate().filter(|(i, _)| *i != obstacle);
     let others: Vec<Obstacle> = others.map(|(_, other)| other.clone()).collect();
     Channel::new(*reach.law(), ObstacleField::new(others), seed)
+}
+
+/// Whether rays differ by more than the rounding of sums over obstacles in another order.
+fn are_different(one: &[Ray], other: &[Ray]) -> bool {
+    let differ = |(one, other): (&Ray, &Ray)| (one.loss - other.loss).0.abs() > ROUNDING_DB;
+    one.len() != other.len() || one.iter().zip(other).any(differ)
 }
 
 /// Whether a solid in one box is in no way of lines in another one: side faces and roofs do not belong to solids.
