@@ -3,16 +3,18 @@
 use std::fmt::Display;
 
 use super::document::Entry;
+use super::effective;
 use super::error::ScenarioError;
 use super::key_path::KeyPath;
 use super::setting_line::ReadSetting;
 use super::sweep::{Setting, SweepAxes};
 
-/// Refuses a setting of `key` among `set` (each `path.to.key=value`), if a value for it is `given` besides.
+/// Refuses a setting of `key` among `set` (each `path.to.key=value`), if another value for it is `given` besides.
 pub(crate) fn check_given(set: &[String], key: &str, given: Option<impl Display>) -> Result<(), ScenarioError> {
     let (Some(given), Ok(path)) = (given, KeyPath::parse(key)) else { return Ok(()) };
     for line in set {
-        if ReadSetting::of(line)?.is_replaced_by(&path) {
+        let setting = ReadSetting::of(line)?;
+        if setting.path == path && effective::inline(&setting.value.value) != given.to_string() {
             let message = format!("the setting `{line}` has no effect: {given} is given for `{key}` besides");
             return Err(ScenarioError::new(message).help("give only one of them"));
         }

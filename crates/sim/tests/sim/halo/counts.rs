@@ -90,7 +90,8 @@ fn the_energy_of_packets_that_are_not_simulated_is_that_of_their_own_length() {
     };
     assert_eq!(not_simulated(0..49), 0);
     assert!(not_simulated(49..98) > 4000, "{}", not_simulated(49..98));
-    assert!(is_near(near.energy.tx_j, all.energy.tx_j, 1e-3), "{:?} {:?}", near.energy, all.energy);
+    // Of long frames a few more find the channel busy. By the length of the short ones it would be a third.
+    assert!(is_near(near.energy.tx_j, all.energy.tx_j, 0.03), "{:?} {:?}", near.energy, all.energy);
 }
 
 #[test]
