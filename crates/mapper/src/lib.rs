@@ -111,8 +111,8 @@ pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use self_calibrated::{CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig};
 pub use stitch::{
-    FrameAgreement, FrameChange, FrameCovariance, Frames, Handedness, JoinedFrame, OwnMap, PairFault, PairFit, PairState,
-    PlacedNode, RobotFrame, RobotOutcome, StitchConfig, StitchRules, Stitched, Stitching, stitch,
+    FrameAgreement, FrameChange, FrameCovariance, Frames, Handedness, JoinedFrame, OwnMap, PairFault, PairFit,
+    PairState, PlacedNode, RobotFrame, RobotOutcome, StitchConfig, StitchRules, Stitched, Stitching, stitch,
 };
 pub use surface::Surface;
 pub use topology_map::{CoordinateFrame, TopologyMap};

@@ -112,7 +112,11 @@ fn teams_that_cannot_be_are_refused_at_their_keys() {
         ("robots", robot, "`team.name` is `surveyor-2`, the name of an earlier robot"),
         ("maps", "[{ stitch = {}, algorithm = { centroid = {} } }]", "`maps[0].stitch`"),
         ("maps.0.stitch.scale", "true", "unknown key `scale`"),
-        ("maps.0.stitch.known", "[\"surveyor-9\"]", "`maps[0].stitch.known` is `surveyor-9`; allowed: names of robots"),
+        (
+            "maps.0.stitch.known",
+            "[\"surveyor-9\"]",
+            "`maps[0].stitch.known` is `surveyor-9`; allowed: names of robots",
+        ),
     ] {
         let refused = shipped.with(key, value).map(drop).expect_err(key).to_string();
         assert!(refused.contains(expected), "{key}={value}: {refused}");

@@ -82,7 +82,8 @@ fn one_robot_of_a_team_needs_no_stitching_and_known_frames_are_kept() {
     assert_eq!(stitched["position_error_m"], apart["position_error_m"]);
     // The recording knows it too, and the list of known frames overrules it.
     let mapped = |words: &[&str]| {
-        let output = sextant().arg("map").arg(folder.path().join("run.mcap")).args(words).output().expect("it starts");
+        let output =
+            sextant().arg("map").arg(folder.path().join("run.mcap")).args(words).output().expect("it starts");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8_lossy(&output.stdout).into_owned()
     };

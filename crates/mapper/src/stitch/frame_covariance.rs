@@ -78,7 +78,8 @@ impl FrameCovariance {
 
     /// The covariance of the displacements of `place` by the frames of two robots.
     fn between(&self, place: Position, robots: [usize; 2]) -> Matrix3<f64> {
-        let [Some((rows, of_rows)), Some((columns, of_columns))] = robots.map(|robot| self.slopes(place, robot)) else {
+        let [Some((rows, of_rows)), Some((columns, of_columns))] = robots.map(|robot| self.slopes(place, robot))
+        else {
             return Matrix3::zeros();
         };
         let mut sum = Matrix3::zeros();

@@ -80,8 +80,7 @@ impl PoseGraph {
         for (robot, (map, _)) in maps.iter().zip(&frames).enumerate().filter(|(_, (_, frame))| frame.is_some()) {
             for node in &map.nodes {
                 let covariance = node.covariance.map(|rows| Matrix3::from_fn(|row, column| rows[row][column]));
-                let seen =
-                    Observation { robot, place: node.place, variance: node.variance, covariance, trust: 1.0 };
+                let seen = Observation { robot, place: node.place, variance: node.variance, covariance, trust: 1.0 };
                 nodes.entry(node.node).or_default().push(seen);
             }
         }

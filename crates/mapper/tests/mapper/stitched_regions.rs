@@ -38,9 +38,8 @@ impl Team {
     fn new(robots: usize, claimed: f64, seed: u64) -> Self {
         let count = NODES * robots;
         let length_m = WIDTH_M * robots as f64;
-        let node = |i: u64| {
-            Position::new(length_m * uniform(seed, [i, 0, 0]), DEPTH_M * uniform(seed, [i, 1, 0]), 0.0)
-        };
+        let node =
+            |i: u64| Position::new(length_m * uniform(seed, [i, 0, 0]), DEPTH_M * uniform(seed, [i, 1, 0]), 0.0);
         let nodes: Vec<Position> = (0..count as u64).map(node).collect();
         let frames: Vec<FrameChange> = (0..robots as u64).map(|robot| frame(seed, robot)).collect();
         let errors: Vec<Vec<Option<Matrix2<f64>>>> =
@@ -193,5 +192,9 @@ fn frames_of_a_chain_are_less_certain_the_longer_it_is() {
         covariance[0][0] + covariance[1][1]
     };
     assert!(variance(0) <= 0.0, "the first robot has the frame of the map");
-    assert!((1..8).all(|robot| variance(robot) > variance(robot - 1)), "{:?}", (0..8).map(variance).collect::<Vec<_>>());
+    assert!(
+        (1..8).all(|robot| variance(robot) > variance(robot - 1)),
+        "{:?}",
+        (0..8).map(variance).collect::<Vec<_>>()
+    );
 }

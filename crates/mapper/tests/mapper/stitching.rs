@@ -4,8 +4,9 @@ use proptest::prelude::*;
 use sextant_channel::{Position, Reception, ReceptionLog, SectorTable, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{
-    FrameChange, FrameKnowledge, Frames, Handedness, Knowledge, MapError, Mapper, MlTm, MlTmConfig, OwnMap, PairFault, PairState, PlacedNode,
-    ProfileConfig, RobotOutcome, StitchConfig, StitchRules, Stitched, Stitching, TrapezoidConfig, stitch,
+    FrameChange, FrameKnowledge, Frames, Handedness, Knowledge, MapError, Mapper, MlTm, MlTmConfig, OwnMap,
+    PairFault, PairState, PlacedNode, ProfileConfig, RobotOutcome, StitchConfig, StitchRules, Stitched, Stitching,
+    TrapezoidConfig, stitch,
 };
 
 fn draw(seed: u64, place: [u64; 3]) -> f64 {
@@ -280,7 +281,8 @@ fn robots_whose_frames_are_known_are_not_stitched() {
     let plain = ml_tm().map(&shared).expect("a map");
     let stitched = |known: Option<&[&str]>| {
         let known = known.map(|known| known.iter().map(|&name| name.to_owned()).collect());
-        Stitched::mapper(ml_tm(), StitchConfig { known, ..StitchConfig::default() }).expect("a map of what robots hear")
+        Stitched::mapper(ml_tm(), StitchConfig { known, ..StitchConfig::default() })
+            .expect("a map of what robots hear")
     };
     let names = names();
     let (nobody, both) = (FrameKnowledge::Shared(&[]), FrameKnowledge::Shared(&names));

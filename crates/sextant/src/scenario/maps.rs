@@ -31,7 +31,8 @@ pub(super) fn check_maps(
     networks: &KnownNetworks,
     errors: &mut Errors,
 ) -> Vec<MapJob> {
-    let in_world = |robot: &&RobotConfig<ControllerConfig>| robot.role == RoleConfig::Survey && robot.frame.is_world();
+    let in_world =
+        |robot: &&RobotConfig<ControllerConfig>| robot.role == RoleConfig::Survey && robot.frame.is_world();
     let robots_in_world: Vec<String> = robots.iter().filter(in_world).map(|robot| robot.name.clone()).collect();
     let mut maps: Vec<MapJob> = Vec::new();
     for (i, config) in configs.iter().enumerate() {
