@@ -227,6 +227,77 @@ fn rows_without_a_fix_are_left_out_by_a_flag() {
     );
 }
 
+/// A path from a base 300 m west of a hall, in ten minutes, and then through the hall: places of whole metres by time (s).
+fn from_base() -> Vec<(f64, f64, f64)> {
+    let hall = |step: u32| (700.0 + f64::from(step), 300.0 + f64::from(step % 13), f64::from(step / 13));
+    std::iter::once((100.0, 0.0, 0.0)).chain((0..117).map(hall)).collect()
+}
+
+#[test]
+fn the_first_place_is_one_whatever_form_the_path_has() {
+    let degrees = |x_m: f64, y_m: f64| (50.0 + y_m / 111_230.0, 3.0 + x_m / 71_700.0);
+    let csv = |header: &str, place: &dyn Fn(f64, f64) -> String| {
+        let row = |(time_s, x_m, y_m): (f64, f64, f64)| format!("{time_s},{}\n", place(x_m, y_m));
+        format!("t_s,{header}\n{}", from_base().into_iter().map(row).collect::<String>())
+    };
+    let point = |(time_s, x_m, y_m): (f64, f64, f64)| {
+        let (lat, lon) = degrees(x_m, y_m);
+        let (minute, second) = ((time_s / 60.0).floor(), time_s % 60.0);
+        format!("<trkpt lat=\"{lat}\" lon=\"{lon}\"><time>1970-01-01T00:{minute:02}:{second:02}Z</time></trkpt>")
+    };
+    let points = from_base().into_iter().map(point).collect::<String>();
+    let pose = |(time_s, x_m, y_m): (f64, f64, f64)| format!("{time_s} {x_m} {y_m} 0 0 0 0 1\n");
+    let paths = [
+        ("path.csv", csv("x_m,y_m", &metres)),
+        ("path.csv", csv("lat,lon", &|x_m, y_m| { let (lat, lon) = degrees(x_m, y_m); format!("{lat},{lon}") })),
+        ("walk.gpx", format!("<gpx><trk><trkseg>{points}</trkseg></trk></gpx>")),
+        ("walk.tum", from_base().into_iter().map(pose).collect::<String>()),
+    ];
+    for (name, text) in paths {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), name, &text);
+        let packet = |i: u32| format!("{},lamp,{}\n", 700 + i, -60 - i32::try_from(i % 9).unwrap());
+        write(folder.path(), "packets.csv", &format!("t_s,node,rssi_dbm\n{}", (0..117).map(packet).collect::<String>()));
+        let found = read(&folder, |_| {});
+        assert!(!checks(&found).contains(&"no-fix"), "{name}: {:?}", found.findings);
+        let skipping = read(&folder, |options| options.repair.skip_no_fix = true);
+        assert!(!skipping.notes.iter().any(|note| note.contains("left out")), "{name}: {:?}", skipping.notes);
+        assert_eq!(skipping.log, found.log, "{name}");
+    }
+}
+
+#[test]
+fn the_first_stop_is_one_whatever_its_places_are() {
+    let west = |x_m: f64, y_m: f64| if x_m + y_m > 0.0 { (x_m + 300.0, y_m) } else { (0.0, 0.0) };
+    let degrees = |x_m: f64, y_m: f64| {
+        let (x_m, y_m) = west(x_m, y_m);
+        format!("{},{}", 50.0 + y_m / 111_230.0, 3.0 + x_m / 71_700.0)
+    };
+    let plain = |x_m: f64, y_m: f64| { let (x_m, y_m) = west(x_m, y_m); metres(x_m, y_m) };
+    for folder in [stops("lat,lon", degrees, |_, level| level), stops("x_m,y_m", plain, |_, level| level)] {
+        assert!(!checks(&read(&folder, |_| {})).contains(&"no-fix"));
+        let skipping = read(&folder, |options| options.repair.skip_no_fix = true);
+        assert_eq!(skipping.log.stops().len(), 35, "{:?}", skipping.notes);
+    }
+}
+
+#[test]
+fn strengths_that_distances_do_not_explain_are_told_everywhere() {
+    let folder = stops("x_m,y_m", metres, |row, _| (-70.0 + 12.0 * normal([7, u64::from(row), 2])).round());
+    assert_eq!(checks(&read(&folder, |_| {})), ["no-distance"]);
+    let (code, inspected, _) = sextant(folder.path(), &["inspect", "."]);
+    assert!(code == 0 && inspected.contains("odd: distances explain nothing here"), "{inspected}");
+    let words = ["map", ".", "--algorithm", "rss-grid", "--format", "json"];
+    let (_, summary, stderr) = sextant(folder.path(), &words);
+    assert!(stderr.contains("note: distances explain nothing here"), "{stderr}");
+    let told = |notes: &Value| notes.to_string().contains("distances explain nothing here");
+    assert!(told(&serde_json::from_str::<Value>(&summary).unwrap()["notes"]), "{summary}");
+    let (code, _, stderr) = sextant(folder.path(), &["report", ".", "--out", "log.html", "--algorithm", "rss-grid"]);
+    assert_eq!(code, 0, "{stderr}");
+    let report = std::fs::read_to_string(folder.path().join("log.html")).unwrap();
+    assert!(report.contains("distances explain nothing here"));
+}
+
 #[test]
 fn swapped_degrees_are_told() {
     let folder = tempfile::tempdir().unwrap();

@@ -13,7 +13,7 @@ use super::finding::Finding;
 use super::node_fit::plane_m;
 use super::route::Route;
 use super::samples::Samples;
-use super::track::{COVERED, Track, background, profile};
+use super::track::{AtDelay, COVERED, Track, background, profile};
 
 /// Steps of the search on either side of 0: as many as leave most nodes on the path. Each is divided into so many finer ones
 /// around the best of them.
@@ -28,6 +28,12 @@ const LONGEST: f64 = 0.25;
 const LEAST: usize = 60;
 /// A dip of the loss is deep if it reaches down by this share of the deepest, from the median.
 const DEEP: f64 = 0.6;
+/// What a body does is no first harmonic, and the rest looks like a way of about so much for each decibel of it (m).
+const PATTERN_M: f64 = 0.06;
+/// A dip is the least of so many steps on either side.
+const BESIDE: usize = 3;
+/// The finer steps are moved at most so many times.
+const MOVES: u32 = 3;
 /// Another deep dip is a rival if its delay is at most so many times as long.
 const RIVAL: f64 = 2.0;
 /// A delay is clear if it is so many times its uncertainty, if the parts of the log prefer it over none by so many times
@@ -123,26 +129,39 @@ pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> 
     let dips = dips(&coarse, &sums(&first));
     let best = *dips.first()?;
     let rival_s = dips.get(1).map(|&at| coarse[at]).filter(|rival_s| rival_s.abs() <= RIVAL * coarse[best].abs());
-    let fine: Vec<f64> =
-        (-2 * FINE..=2 * FINE).map(|step| coarse[best] + f64::from(step) * step_s / f64::from(FINE)).collect();
-    let second = profile(&tracks, &fine);
-    let totals = sums(&second);
-    let at = least(&totals).filter(|&at| at > 0 && at + 1 < fine.len())?;
     let fine_s = step_s / f64::from(FINE);
+    let around = |middle_s: f64| {
+        let fine: Vec<f64> = (-2 * FINE..=2 * FINE).map(|step| middle_s + f64::from(step) * fine_s).collect();
+        let second = profile(&tracks, &fine);
+        let totals = sums(&second);
+        let at = least(&totals)?;
+        Some((fine, second, totals, at))
+    };
+    let is_inside = |(fine, _, _, at): &(Vec<f64>, _, _, usize)| *at > 0 && at + 1 < fine.len();
+    // The least may lie beside the best of the coarse steps.
+    let mut found = around(coarse[best])?;
+    for _ in 0..MOVES {
+        if is_inside(&found) {
+            break;
+        }
+        found = around(found.0[found.3])?;
+    }
+    let (fine, second, totals, at) = Some(found).filter(is_inside)?;
     let delay_s = fine[at] + fine_s * vertex([totals[at - 1], totals[at], totals[at + 1]]);
     // Slopes over a step of the robot, which is smoother than the finest steps.
     let (low, high) = (at.saturating_sub(2), (at + 2).min(fine.len() - 1));
     let width_s = fine[high] - fine[low];
     let curvature = (totals[high] - 2.0 * totals[at] + totals[low]) / (0.5 * width_s).powi(2);
-    let slopes = second[high].iter().zip(&second[low]).map(|(high, low)| (high - low) / width_s);
-    let mean = (totals[high] - totals[low]) / width_s / second[low].len() as f64;
+    let slopes = second[high].losses.iter().zip(&second[low].losses).map(|(high, low)| (high - low) / width_s);
+    let mean = (totals[high] - totals[low]) / width_s / second[low].losses.len() as f64;
     let spread: f64 = slopes.map(|slope| (slope - mean) * (slope - mean)).sum();
     if !(curvature > 0.0 && curvature.is_finite()) {
         return None;
     }
-    let error_s = libm::hypot(spread.sqrt() / curvature, 0.1 * fine_s);
+    let of_pattern_s = PATTERN_M * second[at].pattern.norm() / speed_m_per_s;
+    let error_s = libm::hypot(libm::hypot(spread.sqrt() / curvature, 0.1 * fine_s), of_pattern_s);
     let none = profile(&tracks, &[0.0]);
-    let gains: Vec<f64> = none[0].iter().zip(&second[at]).map(|(none, best)| none - best).collect();
+    let gains: Vec<f64> = none[0].losses.iter().zip(&second[at].losses).map(|(none, best)| none - best).collect();
     let gain: f64 = gains.iter().sum();
     let usual = gain / gains.len() as f64;
     let doubt = gains.iter().map(|gain| (gain - usual) * (gain - usual)).sum::<f64>().sqrt();
@@ -152,8 +171,8 @@ pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> 
 }
 
 /// The sums of the losses at each delay.
-fn sums(profile: &[Vec<f64>]) -> Vec<f64> {
-    profile.iter().map(|parts| parts.iter().sum()).collect()
+fn sums(profile: &[AtDelay]) -> Vec<f64> {
+    profile.iter().map(|at| at.losses.iter().sum()).collect()
 }
 
 /// The index of the least value.
@@ -168,7 +187,11 @@ fn dips(delays_s: &[f64], losses: &[f64]) -> Vec<usize> {
     sorted.sort_by(f64::total_cmp);
     let (Some(&lowest), Some(&middle)) = (sorted.first(), sorted.get(sorted.len() / 2)) else { return Vec::new() };
     let deep = middle - DEEP * (middle - lowest);
-    let is_dip = |&at: &usize| losses[at] <= losses[at - 1] && losses[at] < losses[at + 1] && losses[at] <= deep;
+    let is_least = |at: usize| {
+        let near = at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(losses.len());
+        near.filter(|&other| other != at).all(|other| losses[at] < losses[other] || losses[at] <= losses[other] && at < other)
+    };
+    let is_dip = |&at: &usize| is_least(at) && losses[at] <= deep;
     let mut dips: Vec<usize> = (1..losses.len() - 1).filter(is_dip).collect();
     dips.sort_by(|&a, &b| delays_s[a].abs().total_cmp(&delays_s[b].abs()));
     dips

@@ -69,7 +69,10 @@ pub(super) fn finding(survey: &Survey<'_>) -> Option<Finding> {
     let usual = speeds[speeds.len() / 2];
     let high = speeds[speeds.len() * 9 / 10];
     let seldom_s = sorted(legs.iter().map(|leg| leg.span_s))[legs.len() / 2];
-    too_fast(survey, usual)
+    // Of stops that are a second apart each, the times are numbers.
+    let are_numbers = survey.points == Points::Stops && legs.iter().all(|leg| (leg.span_s - 1.0).abs() < 1e-9);
+    let doubtful = if are_numbers { FASTEST } else { ROBOT };
+    too_fast(survey, usual, doubtful)
         .or_else(|| too_slow(survey, (usual, high), seldom_s))
         .or_else(|| jumps(&legs, usual, survey.points))
 }
@@ -80,15 +83,16 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     sorted
 }
 
-/// What is odd of a survey whose `usual` speed is that (m/s), if it is that of other units than metres and seconds.
-fn too_fast(survey: &Survey<'_>, usual: f64) -> Option<Finding> {
+/// What is odd of a survey whose `usual` speed is that (m/s), if it is that of other units than metres and seconds. In metres,
+/// speeds up to `doubtful` are not doubted.
+fn too_fast(survey: &Survey<'_>, usual: f64, doubtful: f64) -> Option<Finding> {
     let what = survey.points.noun();
     let (odd, remedy) = if survey.plane.is_some() {
         (usual > FASTEST_FIX).then(|| (String::new(), "times need seconds: check their unit".to_owned()))?
     } else if usual > FASTEST {
         (String::new(), units(usual))
-    } else if usual > ROBOT {
-        let changes = Changes::of(&survey.robots);
+    } else if usual > doubtful {
+        let changes = if survey.points == Points::Poses { Changes::of(&survey.robots) } else { Changes::default() };
         let is_strong = || extent::needed_power_dbm(survey.log).is_some_and(|power_dbm| power_dbm > USUAL_DBM);
         if changes.are_hard() {
             (format!(" and turns or brakes with up to {:.0} m/s², as no vehicle does", changes.hardest), units(usual))
@@ -249,7 +253,7 @@ mod tests {
     use sextant_kernel::SimTime;
 
     use super::*;
-    use crate::LocalPlane;
+    use crate::{LocalPlane, instant};
 
     fn empty() -> ReceptionLog {
         ReceptionLog::new(Vec::new(), Vec::new(), Vec::new(), Vec::new()).unwrap()
@@ -269,7 +273,7 @@ mod tests {
         let at = |i: u32| {
             let time_s = step_s * f64::from(i);
             let [x, y] = place(time_s);
-            (SimTime::from_nanos((time_s * 1e9).round() as u64), Position::new(x, y, 0.0))
+            (instant::shifted(SimTime::ZERO, time_s).unwrap(), Position::new(x, y, 0.0))
         };
         let log = empty();
         finding(&Survey { robots: vec![(0..400).map(at).collect()], points, plane, log: &log })
@@ -338,6 +342,13 @@ mod tests {
         assert!(found.odd.contains("5.0e-4 m/s") && found.remedy.contains("kilometres"), "{found}");
         assert_eq!(told(Points::Stops, 3600.0, |time_s| [5e-4 * time_s, 0.0]), None, "a stop an hour");
         assert_eq!(told(Points::Poses, 60.0, |time_s| [0.1 * time_s, 0.0]), None, "a buoy that drifts");
+    }
+
+    #[test]
+    fn stops_whose_times_are_their_numbers_have_no_speed() {
+        let anywhere = |time_s: f64| [30.0 * (7.0 * time_s).sin(), 30.0 * (11.0 * time_s).cos()];
+        assert_eq!(told(Points::Stops, 1.0, anywhere), None);
+        assert!(told(Points::Stops, 1.1, anywhere).is_some());
     }
 
     #[test]

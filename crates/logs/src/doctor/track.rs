@@ -179,9 +179,17 @@ impl Explained {
     }
 }
 
-/// The losses of all parts of `tracks` at each of `delays_s`; infinite where a delay drives a track off the path. The places and the
-/// pattern are searched for from both sides.
-pub(super) fn profile(tracks: &[Track<'_>], delays_s: &[f64]) -> Vec<Vec<f64>> {
+/// What explains all tracks best at a delay.
+#[derive(Clone, Debug)]
+pub(super) struct AtDelay {
+    /// The losses of all parts of all tracks; infinite where the delay drives a track off the path.
+    pub(super) losses: Vec<f64>,
+    /// The front and back of the robot (dB, or logarithms of odds).
+    pub(super) pattern: Pattern,
+}
+
+/// What explains all tracks best at each of `delays_s`. The places and the pattern are searched for from both sides.
+pub(super) fn profile(tracks: &[Track<'_>], delays_s: &[f64]) -> Vec<AtDelay> {
     let observed: Vec<Vec<Option<Observed>>> = delays_s
         .iter()
         .map(|&delay_s| tracks.par_iter().map(|track| track.observations(delay_s)).collect())
@@ -205,7 +213,8 @@ pub(super) fn profile(tracks: &[Track<'_>], delays_s: &[f64]) -> Vec<Vec<f64>> {
             (Some(observed), Some(fit)) => track.losses(observed, fit, &explained.pattern),
             _ => [f64::INFINITY; PARTS],
         };
-        tracks.iter().enumerate().flat_map(of_track).collect()
+        let losses = tracks.iter().enumerate().flat_map(of_track).collect();
+        AtDelay { losses, pattern: explained.pattern }
     };
     observed.iter().zip(&best).map(of_delay).collect()
 }
