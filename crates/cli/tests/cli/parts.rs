@@ -120,10 +120,9 @@ fn a_path_in_gpx_belongs_to_a_capture() {
         let log = read(&kept("captures/tap.pcap"), Some(path.clone()), None).unwrap();
         assert!(log.notes.iter().any(|note| note.contains(expected)), "{:?}", log.notes);
     }
-    for (from, to, expected) in [
-        ("lon=\"7.7", "lon=\"9.7", "line 4: found latitude 48.5"),
-        ("<time>", "<date>", "opening and ending tag"),
-    ] {
+    for (from, to, expected) in
+        [("lon=\"7.7", "lon=\"9.7", "line 4: found latitude 48.5"), ("<time>", "<date>", "opening and ending tag")]
+    {
         std::fs::write(&path, gpx(&points.replacen(from, to, 1))).unwrap();
         let problem = read(&kept("captures/tap.pcap"), Some(path.clone()), None).unwrap_err();
         assert!(problem.contains(expected) || problem.contains("expected '"), "{problem}");
