@@ -114,9 +114,12 @@ fn parts_of_logs_and_true_positions_that_are_other_files_are_told_too() {
         assert!(code == 2 && stderr.contains("is a web page"), "{words:?}: {stderr}");
     }
     // Commands for recordings say the same.
-    for words in
-        [&["export", &page, "--out", "none"][..], &["recover", &page, "--out", "none.mcap"], &["figure", &page]]
-    {
+    let (tables, copy, pictures) = (file("tables"), file("copy.mcap"), file("pictures"));
+    for words in [
+        &["export", &page, "--out", &tables][..],
+        &["recover", &page, "--out", &copy],
+        &["figure", &page, "--out", &pictures],
+    ] {
         let (code, _, stderr) = run(words);
         assert!(code == 2 && stderr.contains("is not an MCAP file, but a web page"), "{words:?}: {stderr}");
     }
