@@ -13,8 +13,8 @@ use crate::whole::whole_u32;
 
 /// The keywords that are known.
 const KNOWN: &str = "stop_every, packet_interval, path, packets, packet_fields, path_fields, stop_files, time_zone, missing, \
-                     node_columns, reciprocal, transmitter, noise_floor, lora, packet_delay, skip_no_fix, rssi_missing, pose_topic, child_frame, \
-                     fixed_frame, packet_topic, bag_clock, pan, fcs";
+                     node_columns, reciprocal, transmitter, noise_floor, lora, packet_delay, skip_no_fix, rssi_missing, \
+                     pose_topic, child_frame, fixed_frame, packet_topic, bag_clock, pan, fcs";
 
 /// The options of keywords, which are those of the flags of `sextant map` with `_` for `-`.
 pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions> {

@@ -10,6 +10,7 @@ use sextant_kernel::text::shortened;
 
 use super::error::RecordingError;
 use crate::mcap_file::{Damage, Piece, scan};
+use crate::sink::OWN_LIBRARY;
 
 /// The contents of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,7 +72,7 @@ pub struct AttachmentInfo {
 pub fn inspect(path: &Path) -> Result<Inspection, RecordingError> {
     let size_bytes = std::fs::metadata(path).map_err(|why| RecordingError::read(path, why))?.len();
     let mut inspection = Inspection {
-        is_simulated: true,
+        is_simulated: false,
         library: String::new(),
         size_bytes,
         damage: None,
@@ -110,6 +111,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, RecordingError> {
         }
         Ok(())
     })?;
+    inspection.is_simulated = inspection.library.starts_with(OWN_LIBRARY);
     let seconds = |nanos| sextant_kernel::SimTime::from_nanos(nanos).as_secs_f64();
     inspection.start_s = span.map(|(start, _)| seconds(start));
     inspection.end_s = span.map(|(_, end)| seconds(end));

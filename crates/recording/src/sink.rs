@@ -15,6 +15,9 @@ use crate::output::Draft;
 /// Name of the writer in the header of a recording; fixed, so that equal runs give equal bytes.
 const LIBRARY: &str = concat!("sextant ", env!("CARGO_PKG_VERSION"));
 
+/// How the name of the library begins that writes recordings, of any version.
+pub(super) const OWN_LIBRARY: &str = "sextant ";
+
 /// Whether a file that begins with the octets `head` was written by this program, of any version: its header says so.
 pub(super) fn has_own_library(head: &[u8]) -> bool {
     /// Length of the profile, and the profile; the same of the library.
@@ -25,7 +28,7 @@ pub(super) fn has_own_library(head: &[u8]) -> bool {
     // The number of the record is before its length, in eight octets.
     let header = head.strip_prefix(mcap::MAGIC).and_then(|rest| rest.strip_prefix(&[op::HEADER])?.get(8..));
     let library = header.and_then(text).and_then(|(_, rest)| text(rest));
-    library.is_some_and(|(library, _)| library.starts_with(b"sextant "))
+    library.is_some_and(|(library, _)| library.starts_with(OWN_LIBRARY.as_bytes()))
 }
 
 /// A chunk is closed after this many messages, which a killed process may lose. Time does not close a chunk.
