@@ -143,8 +143,8 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     outputs.keep_inputs()?;
     let named = [("--out", arguments.out.as_deref()), ("--summary", arguments.results.summary.as_deref())];
     // A file that is there may be an input, which is told later, with what it is.
-    let new = |(flag, path): (&'static str, Option<&'_ Path>)| Some((flag, path.filter(|path| !path.exists())?));
-    keep_logs(Some(&arguments.log), named.into_iter().filter_map(new))?;
+    let new = named.into_iter().filter_map(|(flag, path)| Some((flag, path.filter(|path| !path.exists())?)));
+    keep_logs(Some(&arguments.log), new)?;
     let network = arguments.network.as_deref();
     let options = arguments.reading.options();
     // Reading a large log takes so long that it has to end in order.
