@@ -220,8 +220,8 @@ fn convert_file(arguments: &ConvertArguments) -> Result<(), Failure> {
     let ConvertArguments { source, out, .. } = arguments;
     let mut outputs = arguments.replacing.outputs();
     outputs.reads(source).writes("", out, OutputKind::Table);
-    keep_logs(None, [("", out.as_path())])?;
     admit(&outputs, None)?;
+    keep_logs(None, [("", out.as_path())])?;
     let names = SourceNames {
         sector: arguments.sector.clone(),
         azimuth: arguments.azimuth.clone(),

@@ -146,7 +146,9 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     arguments.results.among(&mut outputs);
     outputs.keep_inputs()?;
     let named = [("--out", arguments.out.as_deref()), ("--summary", arguments.results.summary.as_deref())];
-    keep_logs(Some(&arguments.log), named.into_iter().filter_map(|(flag, path)| Some((flag, path?))))?;
+    // A file that is there may be an input, which is told later, with what it is.
+    let new = named.into_iter().filter_map(|(flag, path)| Some((flag, path.filter(|path| !path.exists())?)));
+    keep_logs(Some(&arguments.log), new)?;
     let network = arguments.network.as_deref();
     let options = arguments.reading.options();
     // Reading a large log takes so long that it has to end in order.
@@ -184,8 +186,9 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
         outputs.writes("--out", map, OutputKind::Map);
     });
     arguments.results.among(&mut outputs);
-    keep_logs(Some(&arguments.log), maps.iter().map(|map| ("--out", map.as_path())))?;
     admit(&outputs, Some(arguments.work))?;
+    let summary = arguments.results.summary.as_deref().map(|summary| ("--summary", summary));
+    keep_logs(Some(&arguments.log), maps.iter().map(|map| ("--out", map.as_path())).chain(summary))?;
     if let Some(name) = network
         && input.logs.names().next().is_none()
         && settings.maps.iter().all(|map| map.network.is_none())

@@ -32,8 +32,8 @@ pub(crate) struct Arguments {
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let mut outputs = arguments.replacing.outputs();
     outputs.reads(&arguments.broken).writes("--out", &arguments.out, OutputKind::RecoveredRecording);
-    keep_logs(None, [("--out", arguments.out.as_path())])?;
     admit(&outputs, None)?;
+    keep_logs(None, [("--out", arguments.out.as_path())])?;
     let _temporary = interrupt.temporary(&unfinished_copy(&arguments.out));
     let recovery = recover(&arguments.broken, &arguments.out, interrupt)?;
     let (messages, out) = (recovery.messages, arguments.out.display());

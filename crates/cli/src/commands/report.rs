@@ -63,8 +63,8 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let given = [Some(arguments.input.as_path()), arguments.truth.as_deref()];
     reads_given(&mut outputs, given.into_iter().chain(arguments.reading.files()));
     outputs.writes("--out", &out, OutputKind::Report);
-    keep_logs(Some(&arguments.input), [("--out", out.as_path())])?;
     admit(&outputs, Some(arguments.work))?;
+    keep_logs(Some(&arguments.input), [("--out", out.as_path())])?;
     arguments.work.start_threads()?;
     let report = report(arguments, interrupt)?;
     let html = report.to_html();

@@ -67,10 +67,10 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         outputs.writes("--pcap", pcap, OutputKind::Capture);
     }
     arguments.results.among(&mut outputs);
+    admit(&outputs, Some(arguments.work))?;
     let given = [("--pcap", arguments.pcap.as_deref()), ("--summary", arguments.results.summary.as_deref())];
     let given = given.into_iter().filter_map(|(flag, path)| Some((flag, path?)));
     keep_logs(None, given.chain([("--out", recording.as_path())]))?;
-    admit(&outputs, Some(arguments.work))?;
     if !arguments.work.quiet {
         warnings(&scenario).iter().for_each(|warning| warn(&warning.to_string()));
     }

@@ -18,7 +18,7 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 15] = [
+const ROOMS: [&str; 17] = [
     "campaign",
     "sweep",
     "run",
@@ -33,7 +33,9 @@ const ROOMS: [&str; 15] = [
     "columns",
     "number_range",
     "hexadecimal",
+    "foreign_folder",
     "template",
+    "shell",
 ];
 
 /// The modules of the command line from top to bottom.

@@ -87,8 +87,8 @@ fn collect(campaign: &Campaign, arguments: &sweep::Arguments) -> Result<(), Fail
     TableFormat::of(&out)?;
     let mut outputs = Outputs::new(if arguments.force { Replace::Any } else { Replace::Ours });
     outputs.reads_closed(campaign.folder()).writes("--out", &out, OutputKind::Table);
-    keep_logs(None, [("--out", out.as_path())])?;
     admit(&outputs, Some(arguments.work))?;
+    keep_logs(None, [("--out", out.as_path())])?;
     let rows = campaign.collect()?;
     write_table(&out, campaign.sweep(), &rows)?;
     let results = Results { plan: campaign.sweep(), rows: &rows };
