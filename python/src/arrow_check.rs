@@ -106,7 +106,9 @@ fn wrong_entry(array: &ArrayRef) -> Option<Wrong> {
     let (keys, values) = (dictionary.keys(), dictionary.values());
     let wide = arrow_cast::cast(keys, &DataType::Int64).ok()?;
     let wide = wide.as_primitive::<Int64Type>();
-    let entry = |row: usize| usize::try_from(wide.value(row)).ok().filter(|&entry| wide.is_valid(row) && entry < values.len());
+    let entry = |row: usize| {
+        usize::try_from(wide.value(row)).ok().filter(|&entry| wide.is_valid(row) && entry < values.len())
+    };
     let mut rows = (0..keys.len()).filter(|&row| keys.is_valid(row));
     let value = match values.to_data().validate_full() {
         Err(why) => Some(first_wrong(values, &why)),

@@ -29,8 +29,10 @@ pub(crate) fn chunks_of(data: &Bound<'_, PyAny>) -> PyResult<Option<Chunks>> {
             Ok(given) => {
                 let read = || if form == "__arrow_c_array__" { of_array(&given) } else { of_stream(&given) };
                 // What imports the data gives up where they are not what their type says.
-                caught_as(read, |why| LogError::new_err(format!("the data of Arrow are broken: {}", panic_words(why))))
-                    .map(Some)
+                caught_as(read, |why| {
+                    LogError::new_err(format!("the data of Arrow are broken: {}", panic_words(why)))
+                })
+                .map(Some)
             }
             // A data frame of pandas hands over a stream only if pyarrow is installed.
             Err(error) if error.is_instance_of::<PyImportError>(data.py()) => Ok(None),
@@ -43,7 +45,8 @@ pub(crate) fn chunks_of(data: &Bound<'_, PyAny>) -> PyResult<Option<Chunks>> {
 /// The array of a capsule with a schema and one with an array.
 fn of_array(given: &Bound<'_, PyAny>) -> PyResult<Chunks> {
     let given = given.cast::<PyTuple>()?;
-    let (schema, array) = (given.get_item(0)?.cast_into::<PyCapsule>()?, given.get_item(1)?.cast_into::<PyCapsule>()?);
+    let (schema, array) =
+        (given.get_item(0)?.cast_into::<PyCapsule>()?, given.get_item(1)?.cast_into::<PyCapsule>()?);
     shallow(capsules::schema(&schema)?)?;
     let (array, field) = PyArray::from_arrow_pycapsule(&schema, &array)?.into_inner();
     Ok(Chunks { kind: field.data_type().clone(), parts: vec![array] })

@@ -8,7 +8,8 @@ use arrow_array::types::{
     UInt16Type, UInt32Type, UInt64Type,
 };
 use arrow_array::{
-    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchOptions, StringArray, new_empty_array,
+    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchOptions, StringArray,
+    new_empty_array,
 };
 use arrow_buffer::NullBuffer;
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema};
@@ -65,7 +66,8 @@ fn of_chunks(py: Python<'_>, chunks: &Chunks) -> PyResult<RecordBatch> {
     };
     let arrays: Vec<ArrayRef> =
         fields.iter().enumerate().map(|(index, field)| column(index, field)).collect::<PyResult<_>>()?;
-    let fields = fields.iter().zip(&arrays).map(|(field, array)| Field::new(field.name(), array.data_type().clone(), true));
+    let fields =
+        fields.iter().zip(&arrays).map(|(field, array)| Field::new(field.name(), array.data_type().clone(), true));
     let rows = chunks.parts.iter().map(|part| part.len()).sum();
     let options = RecordBatchOptions::new().with_row_count(Some(rows));
     let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));

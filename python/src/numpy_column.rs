@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int64Array, TimestampNanosecondArray, UInt64Array};
+use arrow_array::{
+    ArrayRef, DurationNanosecondArray, Float64Array, Int64Array, TimestampNanosecondArray, UInt64Array,
+};
 use numpy::{Element, PyReadonlyArray1};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;

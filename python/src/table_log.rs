@@ -147,7 +147,10 @@ fn dictionary(array: &ArrayRef) -> Option<MemoryColumn<'static>> {
     known.dedup();
     if known.len() == values.len() {
         let code = |key: Option<usize>| key.and_then(|key| u32::try_from(key).ok()).unwrap_or(MemoryColumn::NO_NAME);
-        return Some(MemoryColumn::Names { codes: keys.map(code).collect(), names: values.into_iter().flatten().collect() });
+        return Some(MemoryColumn::Names {
+            codes: keys.map(code).collect(),
+            names: values.into_iter().flatten().collect(),
+        });
     }
     let texts: Vec<Option<&str>> = keys.map(|key| values.get(key?)?.as_deref()).collect();
     Some(names(texts.into_iter()))

@@ -132,7 +132,8 @@ impl fmt::Display for Inspection {
             let kind = if self.is_simulated { "simulated time" } else { "recorded time" };
             writeln!(f, "{} messages from {start_s:.3} s to {end_s:.3} s of {kind}", self.messages)?;
         }
-        let shown = self.topics.iter().map(|topic| (shortened(&topic.topic), shortened(&topic.schema), topic.messages));
+        let shown =
+            self.topics.iter().map(|topic| (shortened(&topic.topic), shortened(&topic.schema), topic.messages));
         let topics: Vec<(Cow<'_, str>, Cow<'_, str>, u64)> = shown.collect();
         let width = topics.iter().map(|(topic, ..)| topic.chars().count()).max().unwrap_or(0).max(5);
         let schema_width = topics.iter().map(|(_, schema, _)| schema.chars().count()).max().unwrap_or(0);
@@ -156,7 +157,8 @@ mod tests {
 
     #[test]
     fn a_topic_with_a_very_long_name_is_shown_by_its_start() {
-        let topic = |topic: String| Topic { topic, schema: "s".repeat(70_000), encoding: "cdr".to_owned(), messages: 3 };
+        let topic =
+            |topic: String| Topic { topic, schema: "s".repeat(70_000), encoding: "cdr".to_owned(), messages: 3 };
         let inspection = Inspection {
             is_simulated: false,
             library: "another".to_owned(),

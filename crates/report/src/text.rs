@@ -62,7 +62,8 @@ mod tests {
 
     #[test]
     fn honest_names_are_shown_as_they_are() {
-        for name in ["\u{200f}שלום\u{200e}", "\u{61c}مرحبا", "nœud 節点 👩‍🔬", "a\u{301}", "\u{10ffff}\u{e000}\u{d7ff}"] {
+        for name in ["\u{200f}שלום\u{200e}", "\u{61c}مرحبا", "nœud 節点 👩‍🔬", "a\u{301}", "\u{10ffff}\u{e000}\u{d7ff}"]
+        {
             assert_eq!(escaped(name), name);
         }
         assert_eq!(isolated("שלום"), "\u{2068}שלום\u{2069}");
