@@ -9,8 +9,9 @@ use serde_json::Value;
 use crate::depth::Depth;
 use crate::entries::{each_entry, unchanged};
 
-/// A longer text is refused: it would be of a list without an end, or of one that is many times in itself (octets).
-const LONGEST: usize = 1 << 28;
+/// The longest text (octets): that of the largest scenario in a file. A list without an end, or one that is many times in itself,
+/// has a longer one.
+const LONGEST: usize = 1 << 26;
 
 /// What settings are called in errors.
 const SETTING: &str = "a setting";

@@ -639,3 +639,35 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_column_of_a_type_that_means_nothing_is_an_error_only_where_it_is_needed() {
+    let stops = vec![
+        ("stop".to_owned(), MemoryColumn::whole(vec![0])),
+        ("x_m".to_owned(), MemoryColumn::floats(vec![0.0])),
+        ("y_m".to_owned(), MemoryColumn::floats(vec![0.0])),
+    ];
+    let stops = MemoryTable::new("stops", stops).unwrap();
+    let other = |empty: bool| MemoryColumn::Other { kind: "List(Int64)".to_owned(), empty: vec![empty] };
+    let read_with = |name: &str, empty: bool| {
+        let columns = [
+            ("node", MemoryColumn::texts([Some("lamp")])),
+            ("stop", MemoryColumn::whole(vec![0])),
+            ("received", MemoryColumn::whole(vec![1])),
+        ];
+        let mut columns: Vec<_> = columns.into_iter().map(|(name, column)| (name.to_owned(), column)).collect();
+        match columns.iter_mut().find(|(known, _)| known == name) {
+            Some((_, column)) => *column = other(empty),
+            None => columns.push((name.to_owned(), other(empty))),
+        }
+        let heard = MemoryTable::new("receptions", columns).unwrap();
+        read_tables(&MemoryLog::new(stops.clone(), heard), &ReadOptions::default())
+    };
+    for needed in ["node", "stop", "received", "rssi_dbm", "sector"] {
+        let Err(RobotLogError::Cell { column, found, .. }) = read_with(needed, false) else { panic!("{needed}") };
+        assert_eq!((column.as_str(), found.as_str()), (needed, "List(Int64)"));
+    }
+    assert_eq!(read_with("remark", false).unwrap().log.node_count(), 1);
+    assert_eq!(read_with("rssi_dbm", true).unwrap().log.receptions().get(0).unwrap().rssi_dbm, None);
+    assert!(read_with("node", true).is_err());
+}
