@@ -9,6 +9,7 @@ use super::doctor::{self, Finding};
 use super::error::RobotLogError;
 use super::file_names::{RECEPTIONS, STOPS};
 use super::form_options::FormOptions;
+use super::layout::StopContent;
 use super::local_plane::LocalPlane;
 use super::log::RobotLog;
 use super::options::ReadOptions;
@@ -87,23 +88,24 @@ fn findings(log: &ReceptionLog, plane: Option<&LocalPlane>, of_rssi: Vec<Finding
     findings
 }
 
-/// Reads a log of one file a stop in the folder `folder`: lists of what was heard, or tables with a column a node.
+/// Reads a log of one file a stop in the folder `folder`.
 ///
 /// # Errors
 /// If a file cannot be read or has an invalid row.
 pub(super) fn read_stop_files(
     folder: &Path,
     files: &StopFiles,
-    are_wide: bool,
+    content: StopContent,
     options: &ReadOptions,
 ) -> Result<RobotLog, RobotLogError> {
     let companions = Companions::of_folder(folder, options.form.time_zone);
-    let mut log = if are_wide {
-        read_wide(TableSource::Files(files.of_scans()), &companions, options)
-    } else {
-        let stops = files.stops()?;
-        let stops = stops.as_ref().map_or_else(|| folder.join(STOPS).into(), TableSource::from);
-        read(StopLog { stops, receptions: TableSource::Files(files.of_receptions()), companions }, options)
+    let mut log = match content {
+        StopContent::Scans => read_wide(TableSource::Files(files.of_scans()), &companions, options),
+        StopContent::Receptions => {
+            let stops = files.stops()?;
+            let stops = stops.as_ref().map_or_else(|| folder.join(STOPS).into(), TableSource::from);
+            read(StopLog { stops, receptions: TableSource::Files(files.of_receptions()), companions }, options)
+        }
     }?;
     log.notes.insert(0, files.note.clone());
     Ok(log)

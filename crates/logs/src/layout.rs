@@ -16,10 +16,19 @@ pub(super) enum Layout {
     Stops(PathBuf),
     /// A table with a row a stop and a column a node, and the folder with what belongs to it.
     Wide { table: PathBuf, folder: Option<PathBuf> },
-    /// A folder with a file a stop: lists of what was heard, or tables with a column a node.
-    StopFiles { folder: PathBuf, files: StopFiles, are_wide: bool },
+    /// A folder with a file a stop.
+    StopFiles { folder: PathBuf, files: StopFiles, content: StopContent },
     /// A path and packets.
     Drive(Drive),
+}
+
+/// What a file of one stop holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum StopContent {
+    /// A list of what was heard.
+    Receptions,
+    /// A table with a column a node.
+    Scans,
 }
 
 /// A path and packets.
@@ -87,8 +96,11 @@ impl Layout {
         let owned = || path.to_owned();
         if let Some(template) = form.stop_files.as_ref().filter(|_| path.is_dir()) {
             let files = StopFiles::of(path, template)?;
-            let are_wide = !files.files.first().is_some_and(|file| names_nodes(&file.path, form));
-            return Ok(Self::StopFiles { folder: owned(), files, are_wide });
+            let content = match files.files.first() {
+                Some(file) if names_nodes(&file.path, form) => StopContent::Receptions,
+                _ => StopContent::Scans,
+            };
+            return Ok(Self::StopFiles { folder: owned(), files, content });
         }
         let holding = if path.is_dir() { Holding::of_folder(path)? } else { Holding::of_file(path, form)? };
         let Holding { folder, stops, tables, ranges, paths, packets, others } = holding;

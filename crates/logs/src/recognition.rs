@@ -27,7 +27,7 @@ fn begins_as_table(path: &Path) -> bool {
     let start = start(path);
     let mut lines = start.lines().filter(|line| !line.trim().is_empty());
     let (Some(header), Some(row)) = (lines.next(), lines.next()) else { return false };
-    let is_text = !start.contains(|c: char| c == '\0' || c == char::REPLACEMENT_CHARACTER);
+    let is_text = !start.contains(['\0', char::REPLACEMENT_CHARACTER]);
     let cells = |line: &str, separator: char| line.matches(separator).count();
     is_text && [',', ';', '\t'].iter().any(|&sign| cells(header, sign) > 0 && cells(header, sign) == cells(row, sign))
 }

@@ -182,7 +182,7 @@ fn read_once(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLo
             };
             folder::read_wide(table.as_path().into(), &companions, options)
         }
-        Layout::StopFiles { folder, files, are_wide } => folder::read_stop_files(folder, files, *are_wide, options),
+        Layout::StopFiles { folder, files, content } => folder::read_stop_files(folder, files, *content, options),
         Layout::Drive(parts) => drive::read(parts, options),
     }?;
     let mut log = noted(log, options);

@@ -29,7 +29,7 @@ enum Body<'a> {
         files: Vec<TableFile>,
         heading: Heading,
         /// The first file, which is open already: it may be a pipe.
-        first: Option<CsvFile>,
+        first: Option<Box<CsvFile>>,
     },
     Memory(&'a MemoryTable<'a>),
 }
@@ -115,7 +115,7 @@ impl<'a> Table<'a> {
             let of_file_names = csv.names.iter().chain(file.cells.iter().map(|(name, _)| name));
             if whole.is_none() {
                 names = of_file_names.cloned().collect();
-                (whole, first) = (Some(of_file), Some(csv));
+                (whole, first) = (Some(of_file), Some(Box::new(csv)));
             } else {
                 let more: Vec<String> = of_file_names.filter(|name| !names.contains(name)).cloned().collect();
                 names.extend(more);
