@@ -178,7 +178,7 @@ impl<'a> Table<'a> {
             Body::Files { files, heading, mut first } => {
                 for file in &files {
                     let csv = match first.take() {
-                        Some(csv) => csv,
+                        Some(csv) => *csv,
                         None => open_file(file, heading)?.1,
                     };
                     rows_of_file((file, csv), &head, &mut visit)?;
