@@ -15,6 +15,8 @@ use crate::service::packets::{NetworkRecord, Packets};
 pub(crate) struct Books {
     /// What became of the packets of each station.
     pub(super) packets: Vec<Packets>,
+    /// Octets of the frames of each station that were offered.
+    pub(super) octets: Vec<u64>,
     /// The frames of each station that were due, where nodes may rest; otherwise none.
     pub(super) due: Vec<DueFrames>,
     /// Number of frames that were delivered to each station.
@@ -76,6 +78,7 @@ impl Books {
     /// Adds those of another part of the same simulation, with the same end. No station did anything in both at once.
     pub(crate) fn add(&mut self, other: Self) {
         self.packets.iter_mut().zip(other.packets).for_each(|(sum, packets)| *sum += packets);
+        self.octets.iter_mut().zip(other.octets).for_each(|(sum, octets)| *sum += octets);
         self.deliveries.iter_mut().zip(other.deliveries).for_each(|(sum, count)| *sum += count);
         debug_assert_eq!(self.due, other.due, "the same schedules until the same end");
         debug_assert!(other.delays.is_empty(), "parts have no sinks");
@@ -89,15 +92,17 @@ impl Books {
     pub(crate) fn close(mut self) -> NetworkRecord {
         let states = &self.radio_states;
         let mut energy: Vec<EnergySpent> = self.radios.iter().map(|radio| radio.spent(states)).collect();
+        let missing: Vec<DueFrames> = (self.packets.iter().zip(&self.octets).zip(&self.due))
+            .map(|((packets, &octets), due)| due.without(DueFrames { frames: packets.offered, octets }))
+            .collect();
         if let Some(estimate) = self.estimate() {
-            let stations = energy.iter_mut().zip(&self.radios).zip(self.packets.iter().zip(&self.due));
-            for ((energy, radio), (packets, due)) in stations {
-                *energy += self.missing_energy(&estimate, radio, due.without(simulated(packets)));
+            for ((energy, radio), &missing) in energy.iter_mut().zip(&self.radios).zip(&missing) {
+                *energy += self.missing_energy(&estimate, radio, missing);
             }
         }
-        for (packets, due) in self.packets.iter_mut().zip(&self.due) {
-            packets.not_simulated = due.without(simulated(packets)).frames;
-            packets.offered += packets.not_simulated;
+        for (packets, missing) in self.packets.iter_mut().zip(missing) {
+            packets.not_simulated = missing.frames;
+            packets.offered += missing.frames;
         }
         if let Some(members) = &self.members {
             let others = energy.iter_mut().zip(members).filter(|(_, is_member)| !**is_member);
@@ -147,11 +152,6 @@ impl Books {
         let radio = RadioUse { meter, tx_power, rests_in };
         radio.spent(&self.radio_states) - radio.at_rest(&self.radio_states)
     }
-}
-
-/// The packets of a station that were offered while it was simulated.
-fn simulated(packets: &Packets) -> DueFrames {
-    DueFrames { frames: packets.offered, octets: packets.octets_offered }
 }
 
 /// What a packet took on average.

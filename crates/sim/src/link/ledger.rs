@@ -14,6 +14,8 @@ use crate::station::Roll;
 pub(super) struct Ledger {
     /// What became of the packets of each station.
     pub(super) packets: Vec<Packets>,
+    /// Octets of the frames of each station that were offered.
+    pub(super) octets: Vec<u64>,
     /// The frames of each station that were due, where nodes may rest.
     due: Vec<DueFrames>,
     /// Number of frames that were delivered to each station.
@@ -33,6 +35,7 @@ impl Ledger {
     pub(super) fn new(placement: &Placement, roll: Roll) -> Self {
         Self {
             packets: vec![Packets::default(); roll.len()],
+            octets: vec![0; roll.len()],
             due: vec![DueFrames::default(); roll.len()],
             deliveries: vec![0; roll.len()],
             delays: vec![Delays::default(); if roll.sinks > 0 { roll.len() } else { 0 }],
@@ -55,7 +58,7 @@ impl Ledger {
 
     /// The books of the network, with how each radio was used, and what frames take that were not simulated.
     pub(super) fn close(self, radios: Vec<RadioUse>, spans: FrameSpans) -> Books {
-        let Self { packets, due, deliveries, delays, members, radio_states, .. } = self;
-        Books { packets, due, deliveries, delays, members, radio_states, radios, spans }
+        let Self { packets, octets, due, deliveries, delays, members, radio_states, .. } = self;
+        Books { packets, octets, due, deliveries, delays, members, radio_states, radios, spans }
     }
 }

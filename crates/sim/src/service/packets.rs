@@ -49,8 +49,6 @@ pub struct Packets {
     pub unacknowledged: u64,
     /// Octets of payload that were received. Not part of the sum.
     pub octets_received: u64,
-    /// Octets of the frames that were offered and simulated, headers included. Not part of the sum.
-    pub octets_offered: u64,
     /// Reports of all sectors that this station asked for in sector sweeps. Not part of the sum, and no packets.
     pub reports_asked: u64,
     /// Those of them that this station received; the others were lost. Not part of the sum, and no packets.
@@ -161,7 +159,6 @@ impl std::ops::AddAssign for Packets {
             assessments,
             unacknowledged,
             octets_received,
-            octets_offered,
             reports_asked,
             reports_received,
             not_simulated,
@@ -184,7 +181,6 @@ impl std::ops::AddAssign for Packets {
         self.assessments += assessments;
         self.unacknowledged += unacknowledged;
         self.octets_received += octets_received;
-        self.octets_offered += octets_offered;
         self.reports_asked += reports_asked;
         self.reports_received += reports_received;
         self.not_simulated += not_simulated;

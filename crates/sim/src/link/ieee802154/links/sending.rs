@@ -50,7 +50,7 @@ impl Links {
         let counts = u64::from(scene.now >= self.ledger.counted_from);
         let packets = &mut self.ledger.packets[station.index()];
         packets.offered += counts;
-        packets.octets_offered += counts * u64::from(mpdu_octets);
+        self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
         scene.offered += 1;
         let stack = &mut self.stacks[station.index()];
         let id = FrameId(stack.frames);
