@@ -54,9 +54,9 @@ fn lattice_of(columns: u32, rows: u32) -> Vec<Position> {
     (0..columns * rows).map(at).collect()
 }
 
-/// Six nodes and a lattice of stops, many of which are at equal distances from each other.
+/// Nine nodes and a lattice of stops, many of which are at equal distances from each other.
 pub(super) fn lattice() -> ReceptionLog {
-    log(&scattered(6, 31, [10.0, 7.5, 0.0]), &lattice_of(5, 4))
+    log(&scattered(9, 31, [15.0, 10.0, 0.0]), &lattice_of(7, 5))
 }
 
 /// Three nodes and a few stops anywhere.
