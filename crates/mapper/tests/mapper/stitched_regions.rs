@@ -7,12 +7,12 @@ use sextant_mapper::{
     Estimate, FrameChange, Frames, Handedness, OwnMap, PlacedNode, Region, StitchConfig, StitchRules, stitch,
 };
 
-/// A team in a row: each robot has a part 12 m wide and 20 m deep, and 3 m more on both sides.
+/// A team in a row: each robot has a part 12 m wide and 20 m deep, and 4 m more on both sides.
 const WIDTH_M: f64 = 12.0;
 const DEPTH_M: f64 = 20.0;
-const OVERLAP_M: f64 = 3.0;
+const OVERLAP_M: f64 = 4.0;
 /// Nodes of each part.
-const NODES: usize = 40;
+const NODES: usize = 60;
 /// Maps of each number of robots.
 const SEEDS: u64 = 60;
 
