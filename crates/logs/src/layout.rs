@@ -69,19 +69,23 @@ struct Holding {
     others: Vec<String>,
 }
 
-/// Whether a folder has a log for certain.
+/// What a folder has of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FolderLog {
-    /// It has stops, or packets: its other tables are no parts of it.
-    Some,
-    /// It may have a log: each table in it could be one, or have the packets.
+    /// Stops or packets in a table of that name: it is a log for certain.
+    Named,
+    /// Packets in captures or a bag, which may be there for another reason.
+    Packets,
+    /// Neither: each table in it could be the log, or have the packets.
     None,
 }
 
 impl FolderLog {
     pub(super) fn of(folder: &Path) -> Self {
         match Holding::of_folder(folder) {
-            Ok(holding) if holding.stops.is_some() || !holding.packets.is_empty() => Self::Some,
+            Ok(Holding { stops: Some(_), .. }) => Self::Named,
+            Ok(holding) if holding.packets.iter().any(|part| part.kind == PacketKind::Csv) => Self::Named,
+            Ok(holding) if !holding.packets.is_empty() => Self::Packets,
             Ok(_) | Err(_) => Self::None,
         }
     }

@@ -20,9 +20,9 @@ pub fn is_part_of_log(path: &Path, read: Option<&Path>) -> bool {
     let is_read = read.and_then(|read| read.canonicalize().ok()).is_some_and(|read| read == folder);
     let found = FolderLog::of(&folder);
     match Path::new(&name).extension().and_then(|extension| extension.to_str()) {
-        _ if PARTS.contains(&name.as_str()) => is_read || found != FolderLog::None,
+        _ if PARTS.contains(&name.as_str()) => is_read || found == FolderLog::Named,
         Some("gpx" | "nmea" | "tum" | "pcap" | "pcapng" | "cap" | "db3" | "bag" | "zstd") => {
-            is_read || found != FolderLog::None
+            is_read || found == FolderLog::Named
         }
         // In a folder without other parts, each table could be the log.
         Some("csv" | "tsv") => is_read && found == FolderLog::None,
@@ -90,6 +90,16 @@ mod tests {
         assert_eq!(read, ["map.csv", "map.tsv", "contacts.csv"]);
         assert_eq!(other, [""; 0], "a folder with a table may be any folder");
         assert_eq!(refused(&[], &["contacts.csv"])[1], [""; 0]);
+    }
+
+    #[test]
+    fn a_folder_with_captures_may_get_others() {
+        let folder = folder(&[]);
+        std::fs::write(folder.path().join("a.pcap"), [0xd4, 0xc3, 0xb2, 0xa1, 2, 0, 4, 0]).unwrap();
+        for name in ["a.pcap", "b.pcap", "map.csv"] {
+            assert!(!is_part_of_log(&folder.path().join(name), None), "{name}");
+        }
+        assert!(is_part_of_log(&folder.path().join("b.pcap"), Some(folder.path())));
     }
 
     #[test]
