@@ -249,7 +249,13 @@ fn the_first_place_is_one_whatever_form_the_path_has() {
     let pose = |(time_s, x_m, y_m): (f64, f64, f64)| format!("{time_s} {x_m} {y_m} 0 0 0 0 1\n");
     let paths = [
         ("path.csv", csv("x_m,y_m", &metres)),
-        ("path.csv", csv("lat,lon", &|x_m, y_m| { let (lat, lon) = degrees(x_m, y_m); format!("{lat},{lon}") })),
+        (
+            "path.csv",
+            csv("lat,lon", &|x_m, y_m| {
+                let (lat, lon) = degrees(x_m, y_m);
+                format!("{lat},{lon}")
+            }),
+        ),
         ("walk.gpx", format!("<gpx><trk><trkseg>{points}</trkseg></trk></gpx>")),
         ("walk.tum", from_base().into_iter().map(pose).collect::<String>()),
     ];
@@ -257,7 +263,11 @@ fn the_first_place_is_one_whatever_form_the_path_has() {
         let folder = tempfile::tempdir().unwrap();
         write(folder.path(), name, &text);
         let packet = |i: u32| format!("{},lamp,{}\n", 700 + i, -60 - i32::try_from(i % 9).unwrap());
-        write(folder.path(), "packets.csv", &format!("t_s,node,rssi_dbm\n{}", (0..117).map(packet).collect::<String>()));
+        write(
+            folder.path(),
+            "packets.csv",
+            &format!("t_s,node,rssi_dbm\n{}", (0..117).map(packet).collect::<String>()),
+        );
         let found = read(&folder, |_| {});
         assert!(!checks(&found).contains(&"no-fix"), "{name}: {:?}", found.findings);
         let skipping = read(&folder, |options| options.repair.skip_no_fix = true);
@@ -273,7 +283,10 @@ fn the_first_stop_is_one_whatever_its_places_are() {
         let (x_m, y_m) = west(x_m, y_m);
         format!("{},{}", 50.0 + y_m / 111_230.0, 3.0 + x_m / 71_700.0)
     };
-    let plain = |x_m: f64, y_m: f64| { let (x_m, y_m) = west(x_m, y_m); metres(x_m, y_m) };
+    let plain = |x_m: f64, y_m: f64| {
+        let (x_m, y_m) = west(x_m, y_m);
+        metres(x_m, y_m)
+    };
     for folder in [stops("lat,lon", degrees, |_, level| level), stops("x_m,y_m", plain, |_, level| level)] {
         assert!(!checks(&read(&folder, |_| {})).contains(&"no-fix"));
         let skipping = read(&folder, |options| options.repair.skip_no_fix = true);

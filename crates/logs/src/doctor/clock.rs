@@ -189,7 +189,8 @@ fn dips(delays_s: &[f64], losses: &[f64]) -> Vec<usize> {
     let deep = middle - DEEP * (middle - lowest);
     let is_least = |at: usize| {
         let near = at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(losses.len());
-        near.filter(|&other| other != at).all(|other| losses[at] < losses[other] || losses[at] <= losses[other] && at < other)
+        near.filter(|&other| other != at)
+            .all(|other| losses[at] < losses[other] || losses[at] <= losses[other] && at < other)
     };
     let is_dip = |&at: &usize| is_least(at) && losses[at] <= deep;
     let mut dips: Vec<usize> = (1..losses.len() - 1).filter(is_dip).collect();

@@ -46,8 +46,7 @@ impl DistanceLaw {
         let heard = |node| NodeStrengths::of(log, NodeId::from_index(node), &floors, [LEAST_STOPS, MOST_STOPS]);
         let all: Vec<NodeStrengths> = (0..log.node_count()).flat_map(heard).collect();
         let every = all.len().div_ceil(MOST_NODES).max(1);
-        let nodes: Vec<Quarters> =
-            all.iter().step_by(every).map(|heard| Quarters::new(heard, &lattice)).collect();
+        let nodes: Vec<Quarters> = all.iter().step_by(every).map(|heard| Quarters::new(heard, &lattice)).collect();
         if nodes.is_empty() {
             return None;
         }

@@ -47,7 +47,10 @@ impl Lattice {
     /// The lattice around `stops`; `None` if all are at one place.
     pub(super) fn around(stops: impl Iterator<Item = Position> + Clone) -> Option<Self> {
         let along = |axis: fn(Position) -> f64| {
-            stops.clone().map(axis).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
+            stops
+                .clone()
+                .map(axis)
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
         };
         let sides = [along(|at| at.x_m), along(|at| at.y_m)];
         let extent_m = libm::hypot(sides[0][1] - sides[0][0], sides[1][1] - sides[1][0]);
@@ -143,7 +146,8 @@ impl NodeField {
             let (with_levels, square) = (log.dot(&levels) - slope * log.norm_squared(), log.norm_squared());
             let left = levels.norm_squared() - 2.0 * slope * log.dot(&levels) + slope * slope * square;
             let precision = 1.0 / (deviation * deviation) + square;
-            constant - 0.5 * (left - with_levels * with_levels / precision)
+            constant
+                - 0.5 * (left - with_levels * with_levels / precision)
                 - 0.5 * libm::log(precision * deviation * deviation)
         };
         Some((0..logs.ncols()).map(of_place).collect())
@@ -211,7 +215,8 @@ mod tests {
         let shared = 9.0 * (-1.0_f64).exp();
         let difference = 2.0 * (9.0 + 4.0 - shared) + (SLOPE_DB[1] * step).powi(2);
         let sum = 2.0 * (9.0 + 4.0 + shared) + 4.0 * LEVEL_DB * LEVEL_DB;
-        let normal = |error: f64, variance: f64| -0.5 * (error * error / variance + (std::f64::consts::TAU * variance).ln());
+        let normal =
+            |error: f64, variance: f64| -0.5 * (error * error / variance + (std::f64::consts::TAU * variance).ln());
         // A change of variables from two strengths to their sum and difference has the determinant 2.
         let expected = normal(6.0 - SLOPE_DB[0] * step, difference) + normal(0.0, sum) + 2.0_f64.ln();
         assert!((found[7] - expected).abs() < 1e-9, "{} {expected}", found[7]);

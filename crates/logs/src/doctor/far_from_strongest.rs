@@ -70,7 +70,8 @@ fn ln_link(heard: &Heard) -> Option<f64> {
 /// How far `place` is from the strongest stop, if that is far (m). Links are `usual_m` long.
 fn far_m(place: Position, heard: &Heard, usual_m: f64) -> Option<f64> {
     let (best, best_dbm) = strongest(heard)?;
-    let mut by_distance: Vec<(f64, f64)> = heard.iter().map(|(at, level_dbm)| (plane_m(*at, place), *level_dbm)).collect();
+    let mut by_distance: Vec<(f64, f64)> =
+        heard.iter().map(|(at, level_dbm)| (plane_m(*at, place), *level_dbm)).collect();
     by_distance.sort_by(|a, b| a.0.total_cmp(&b.0));
     let apart_m = plane_m(place, best);
     let mut near_dbm: Vec<f64> = by_distance.iter().take(NEAREST).map(|(_, level_dbm)| *level_dbm).collect();

@@ -99,11 +99,7 @@ pub(super) fn of_log(log: &ReceptionLog, known: &[Finding]) -> Vec<Finding> {
 /// What is odd of a map of `log` that has its nodes at `places`, with which this was `learned`: its law, and places that what was
 /// heard there contradicts.
 #[must_use]
-pub fn of_map(
-    log: &ReceptionLog,
-    places: &[Option<Position>],
-    learned: Option<&EstimatorFindings>,
-) -> Vec<Finding> {
+pub fn of_map(log: &ReceptionLog, places: &[Option<Position>], learned: Option<&EstimatorFindings>) -> Vec<Finding> {
     let exponent = learned.and_then(|learned| learned.path_loss_exponent());
     let exponent = exponent.and_then(|found| exponent::finding(log, places, found));
     let shadowing = learned.and_then(|learned| learned.shadowing()).and_then(shadowing::finding);

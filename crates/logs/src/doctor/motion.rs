@@ -228,10 +228,7 @@ fn jumps(legs: &[Leg], usual: f64, points: Points) -> Option<Finding> {
             super::super::instant::format(fastest.from.0)
         ),
         cost: "what was heard near a jump is placed up to as far away from where it was heard".to_owned(),
-        remedy: format!(
-            "remove the {} that are outliers, or smooth the path (a robot cannot jump)",
-            points.noun()
-        ),
+        remedy: format!("remove the {} that are outliers, or smooth the path (a robot cannot jump)", points.noun()),
     })
 }
 
@@ -312,15 +309,23 @@ mod tests {
 
     #[test]
     fn lanes_in_centimetres_millimetres_and_feet_are_too_fast_whatever_their_poses() {
-        for (in_a_metre, unit) in [(100.0, "centimetres, divide them by 100"), (1000.0, "millimetres, divide them by 1000")] {
+        for (in_a_metre, unit) in
+            [(100.0, "centimetres, divide them by 100"), (1000.0, "millimetres, divide them by 1000")]
+        {
             for (points, step_s) in [(Points::Poses, 0.1), (Points::Poses, 0.5), (Points::Stops, 5.0)] {
                 let found = told(points, step_s, |time_s| lanes(0.39, time_s).map(|at| at * in_a_metre)).unwrap();
                 assert!(found.odd.starts_with("the robot usually moves at 39"), "{found}");
-                assert!(found.remedy.contains(unit) && found.remedy.contains("(the robot moves at 0.39 m/s then)"), "{found}");
+                assert!(
+                    found.remedy.contains(unit) && found.remedy.contains("(the robot moves at 0.39 m/s then)"),
+                    "{found}"
+                );
             }
         }
-        let slow = told(Points::Poses, 0.5, |time_s| lanes(0.15, time_s).map(|at| at * 100.0)).unwrap();
-        assert!(slow.odd.starts_with("the robot usually moves at 15.0 m/s between poses and turns or brakes"), "{slow}");
+        let slow = told(Points::Poses, 1.0, |time_s| lanes(0.15, time_s).map(|at| at * 100.0)).unwrap();
+        assert!(
+            slow.odd.starts_with("the robot usually moves at 15.0 m/s between poses and turns or brakes"),
+            "{slow}"
+        );
         let feet = told(Points::Poses, 0.5, |time_s| lanes(3.0, time_s).map(|at| at / 0.3048)).unwrap();
         assert!(feet.remedy.contains("feet, multiply them by 0.3048 (the robot moves at 3.00 m/s then)"), "{feet}");
         let straight = told(Points::Poses, 1.0, |time_s| [39.0 * time_s, 3.0]).unwrap();

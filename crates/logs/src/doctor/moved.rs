@@ -92,15 +92,16 @@ fn moved(heard: &NodeStrengths, law: &DistanceLaw, clear: f64) -> Option<Moved> 
     let mut splits: Vec<usize> =
         SPLITS.iter().map(|tenths| (count * tenths / 10).clamp(LEAST_PART, count - LEAST_PART)).collect();
     splits.dedup();
-    let parts: Vec<(usize, [Vec<f64>; 2])> =
-        splits.iter().filter_map(|&at| Some((at, node.parts(at)?))).collect();
+    let parts: Vec<(usize, [Vec<f64>; 2])> = splits.iter().filter_map(|&at| Some((at, node.parts(at)?))).collect();
     let two = |[before, after]: &[Vec<f64>; 2]| ln_mean(before.iter().copied()) + ln_mean(after.iter().copied());
     let (at, best) = parts.iter().max_by(|a, b| two(&a.1).total_cmp(&two(&b.1)))?;
     let highest = two(best);
     let mut gain = f64::INFINITY;
     // What needs less work comes first: most nodes end there.
-    let other_shadowing = parts.iter().map(|(_, [before, after])| ln_mean(before.iter().zip(after).map(|(a, b)| a + b)));
-    let steps = splits.iter().map(|&at| node.one_place(|a, b| if a >= at && b >= at { STEP_DB * STEP_DB } else { 0.0 }));
+    let other_shadowing =
+        parts.iter().map(|(_, [before, after])| ln_mean(before.iter().zip(after).map(|(a, b)| a + b)));
+    let steps =
+        splits.iter().map(|&at| node.one_place(|a, b| if a >= at && b >= at { STEP_DB * STEP_DB } else { 0.0 }));
     let drifts = DRIFTS.iter().map(|&(drift_db, share)| {
         let span = share * count as f64;
         node.one_place(move |a, b| drift_db * drift_db * libm::exp(-(a.abs_diff(b) as f64) / span))

@@ -239,12 +239,7 @@ fn eta(at: &Vector4<f64>, log: f64) -> f64 {
 }
 
 /// The loss of all observations, with the prior. `logs` gets the logarithm of the distance of each.
-fn total(
-    at: &Vector4<f64>,
-    observations: &[Observation],
-    (law, pattern): (Law, &Pattern),
-    logs: &mut [f64],
-) -> f64 {
+fn total(at: &Vector4<f64>, observations: &[Observation], (law, pattern): (Law, &Pattern), logs: &mut [f64]) -> f64 {
     let [mean, deviation] = law.prior();
     let error = (at.w - mean) / deviation;
     let sum: f64 = observations

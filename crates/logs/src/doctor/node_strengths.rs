@@ -36,7 +36,8 @@ impl NodeStrengths {
         floors: &[usize],
         [least, most]: [usize; 2],
     ) -> impl Iterator<Item = Self> {
-        let mut by_floor: Vec<Vec<(u32, f64)>> = vec![Vec::new(); floors.iter().max().map_or(0, |highest| highest + 1)];
+        let mut by_floor: Vec<Vec<(u32, f64)>> =
+            vec![Vec::new(); floors.iter().max().map_or(0, |highest| highest + 1)];
         for heard in log.of(node).iter().filter(|row| row.received > 0) {
             if let Some(level_dbm) = heard.rssi_dbm.filter(|&level_dbm| level_dbm < 0.0) {
                 by_floor[floors[heard.stop as usize]].push((heard.stop, level_dbm));

@@ -63,7 +63,8 @@ fn speed(leg: &[Place]) -> Option<f64> {
 
 /// Whether the robot that was at `places` cannot have been at 0, 0 where they say so.
 fn was_never_there(places: &[Place], usual: Option<f64>) -> bool {
-    let is_jump = |leg: &[Place]| speed(leg).zip(usual).is_some_and(|(speed, usual)| speed > JUMP.max(JUMP_TIMES * usual));
+    let is_jump =
+        |leg: &[Place]| speed(leg).zip(usual).is_some_and(|(speed, usual)| speed > JUMP.max(JUMP_TIMES * usual));
     let is_timed = |leg: &[Place]| speed(leg).is_some();
     let mut between = 0;
     let mut start = 0;
@@ -103,7 +104,8 @@ pub(super) fn finding(survey: &Survey<'_>) -> Option<Finding> {
     let where_found = match survey.plane {
         // The origin of the plane is the first fix itself; others that are far from 0, 0 are refused when they are read.
         Some(plane) => {
-            let is_zero = [plane.origin().lat_deg, plane.origin().lon_deg].iter().all(|angle_deg| angle_deg.abs() <= 0.0);
+            let is_zero =
+                [plane.origin().lat_deg, plane.origin().lon_deg].iter().all(|angle_deg| angle_deg.abs() <= 0.0);
             (is_zero && count >= SEVERAL).then(|| "at latitude 0 and longitude 0".to_owned())?
         }
         None => format!("at x = y = 0, {:.0} m from all others", without_fix_m(&survey.robots)?),
@@ -111,10 +113,7 @@ pub(super) fn finding(survey: &Survey<'_>) -> Option<Finding> {
     let (what, are) = (survey.points.noun(), if count == 1 { "is" } else { "are" });
     Some(Finding {
         check: "no-fix",
-        odd: format!(
-            "{count} of {} {what} {are} {where_found}: receivers without a fix write 0, 0",
-            all().count()
-        ),
+        odd: format!("{count} of {} {what} {are} {where_found}: receivers without a fix write 0, 0", all().count()),
         cost: "what was heard there counts as heard that far away".to_owned(),
         remedy: "option `skip_no_fix` leaves these rows out and counts them".to_owned(),
     })
@@ -160,7 +159,10 @@ mod tests {
     fn zeros_beyond_any_drive_are_rows_without_a_fix() {
         let utm = hall(500_000.0, 5_500_000.0);
         for (zeros, at) in [(3, 0), (3, 12), (1, 0), (1, 12), (1, 33)] {
-            assert!(is_odd(10, with_zeros(&utm, zeros, at)) && is_odd(0, with_zeros(&utm, zeros, at)), "{zeros} {at}");
+            assert!(
+                is_odd(10, with_zeros(&utm, zeros, at)) && is_odd(0, with_zeros(&utm, zeros, at)),
+                "{zeros} {at}"
+            );
         }
         assert!(!is_odd(10, utm));
         let found = told(0, with_zeros(&hall(5e5, 0.0), 3, 5), None).unwrap();

@@ -82,7 +82,11 @@ pub(super) fn good() -> ReceptionLog {
 }
 
 /// The log with other stops or receptions.
-pub(super) fn changed(log: &ReceptionLog, stop: impl Fn(Stop) -> Stop, row: impl Fn(Reception) -> Reception) -> ReceptionLog {
+pub(super) fn changed(
+    log: &ReceptionLog,
+    stop: impl Fn(Stop) -> Stop,
+    row: impl Fn(Reception) -> Reception,
+) -> ReceptionLog {
     let stops = log.stops().iter().copied().map(stop).collect();
     let rows = log.receptions().iter().map(row).collect();
     ReceptionLog::new(log.names().to_vec(), stops, rows, Vec::new()).unwrap()
