@@ -50,7 +50,7 @@ def test_masked_cells_of_structured_arrays_are_empty() -> None:
 def test_a_masked_place_is_no_place() -> None:
     stops = {"stop": [1, 2], "x_m": np.ma.array([0.0, 7.0], mask=[False, True]), "y_m": [0.0, 0.0]}
     with pytest.raises(sextant.LogError) as caught:
-        sextant.Log(stops, {"node": ["a"], "stop": [1]})
+        sextant.Log(stops, {"node": ["a"], "stop": [1], "received": [1]})
     assert (caught.value.row, caught.value.column) == (1, "x_m")
 
 
@@ -110,7 +110,8 @@ def test_lists_with_gaps() -> None:
     assert column([1, None, float("nan")]) == [1, None, None]
     assert column([None, None]) == [None, None]
     assert column(["a", None, float("nan"), ""]) == ["a", None, None, ""]
-    assert column([1.5, np.ma.masked, 2.5]) == [1.5, None, 2.5]
+    with pytest.warns(UserWarning, match="masked"):
+        assert column([1.5, np.ma.masked, 2.5]) == [1.5, None, 2.5]
 
 
 LARGE = [2**64 - 1, 2**64 - 2, 7]
@@ -119,7 +120,7 @@ LARGE = [2**64 - 1, 2**64 - 2, 7]
 @pytest.mark.parametrize("form", [list, lambda values: np.array(values, dtype="uint64")])
 def test_addresses_of_64_bits_stay_apart(form: Callable[[list[int]], Any]) -> None:
     stops = {"stop": [1], "x_m": [0.0], "y_m": [0.0]}
-    log = sextant.Log(stops, {"node": form(LARGE), "stop": [1, 1, 1]})
+    log = sextant.Log(stops, {"node": form(LARGE), "stop": [1, 1, 1], "received": [1, 1, 1]})
     assert log.nodes == [str(address) for address in LARGE]
 
 
@@ -224,9 +225,9 @@ assert strengths(pa.array([-60.0, None]).dictionary_encode()) == [-60.0, None]
 assert strengths(pa.DictionaryArray.from_arrays(pa.array([0, 1], pa.int8()), pa.array([-60.0, None]))) == [-60.0, None]
 nothing = pa.DictionaryArray.from_arrays(pa.array([None, None], pa.int8()), pa.array([], pa.string()))
 robots = pa.table({"stop": [1, 2], "x_m": [0.0, 1.0], "y_m": [0.0, 0.0], "robot": nothing})
-refused(lambda: sextant.Log(robots, pa.table({"node": ["a"], "stop": [1]})), sextant.LogError)
+refused(lambda: sextant.Log(robots, pa.table({"node": ["a"], "stop": [1], "received": [1]})), sextant.LogError)
 names = pa.DictionaryArray.from_arrays(pa.array([0, 1], pa.int8()), pa.array(["a", None]))
-refused(lambda: sextant.Log(stops, pa.table({"node": names, "stop": [1, 1]})), sextant.LogError)
+refused(lambda: sextant.Log(stops, pa.table({"node": names, "stop": [1, 1], "received": [1, 1]})), sextant.LogError)
 """
     )
 
@@ -247,6 +248,7 @@ for ends in ([2, 1, 5], [0, 3, 5], [-1, 3, 5]):
 def test_columns_of_types_that_mean_nothing_are_errors_only_where_they_are_needed() -> None:
     alone(
         """
+import datetime
 import pyarrow as pa
 stops = pa.table({"stop": [1], "x_m": [0.0], "y_m": [0.0]})
 odd = {

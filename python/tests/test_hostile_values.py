@@ -52,7 +52,7 @@ TAKERS = {
     "a setting": "sextant.Scenario.template('survey', **{'a.b': value})",
     "a replaced setting": "sextant.Scenario.template('survey').replace(a=value)",
     "an axis": "sextant.sweep('absent.toml', {'a': [value]})",
-    "a setting of a map": "sextant.Log({'stop': [1], 'x_m': [0.0], 'y_m': [0.0]}, {'node': ['a'], 'stop': [1]}).map(settings={'a': value})",
+    "a setting of a map": "sextant.Log({'stop': [1], 'x_m': [0.0], 'y_m': [0.0]}, {'node': ['a'], 'stop': [1], 'received': [1]}).map(settings={'a': value})",
 }
 
 
@@ -226,7 +226,7 @@ def test_a_number_of_threads_that_the_command_line_refuses_is_refused(value: str
         f"""
         survey = sextant.Scenario.template("survey")
         stops = {{"stop": [1, 2], "x_m": [0.0, 1.0], "y_m": [0.0, 0.0]}}
-        heard = {{"node": ["a", "a"], "stop": [1, 2]}}
+        heard = {{"node": ["a", "a"], "stop": [1, 2], "received": [1, 1]}}
         calls = [
             lambda n: survey.run(threads=n),
             lambda n: sextant.Log(stops, heard).map(threads=n),
@@ -273,7 +273,7 @@ def test_options_of_logs_are_of_their_types() -> None:
     alone(
         """
         stops = {"stop": [1], "x_m": [0.0], "y_m": [0.0]}
-        heard = {"node": ["a"], "stop": [1]}
+        heard = {"node": ["a"], "stop": [1], "received": [1]}
         for options in ({"pan": -1}, {"pan": 65536}, {"pan": True}, {"packet_interval": True}, {"packet_interval": float("nan")}, {"lora": 1}):
             refused(lambda: sextant.Log(stops, heard, **options), ValueError, TypeError)
         for value in (-1.0, 0.0, float("nan"), float("inf")):
