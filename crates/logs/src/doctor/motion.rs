@@ -236,7 +236,8 @@ fn jumps(legs: &[Leg], usual: f64, points: Points) -> Option<Finding> {
 fn units(usual: f64) -> String {
     let in_unit = |&(in_a_metre, unit, remedy): &(f64, &str, &str)| {
         let speed = usual / in_a_metre;
-        (speed >= USUAL[0] && speed <= USUAL[1])
+        (USUAL[0]..=USUAL[1])
+            .contains(&speed)
             .then(|| format!("if the places are in {unit}, {remedy} (the robot moves at {speed:.2} m/s then)"))
     };
     let mut told: Vec<String> = UNITS.iter().filter_map(in_unit).collect();
