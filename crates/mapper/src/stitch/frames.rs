@@ -64,8 +64,11 @@ impl Frames {
     }
 
     /// How far the frame of a robot may move the nodes on its own `map` (m), as the root of the mean square, seen from above.
+    /// A map that claims no covariances tells none: what all its places have in common is not in its residuals.
     pub(super) fn deviation_m(&self, robot: usize, map: &OwnMap) -> Option<f64> {
-        let (change, covariance) = (self.changes[robot]?, self.covariance.as_ref()?);
+        let has_claims = map.nodes.iter().all(|node| node.covariance.is_some());
+        let covariance = self.covariance.as_ref().filter(|_| has_claims)?;
+        let change = self.changes[robot]?;
         let moved = |place| {
             let of_place = covariance.of_place(change.apply(place), &[(robot, 1.0)]);
             of_place[0][0] + of_place[1][1]
