@@ -181,19 +181,19 @@ fn least(values: &[f64]) -> Option<usize> {
 }
 
 /// The dips of `losses` that are nearly as deep as the deepest, from the one whose delay is nearest to 0: a robot on lanes to and
-/// fro that is late by a whole lane is at the mirror images of its places, which explain as much.
+/// fro that is late by a whole lane is at the mirror images of its places, which explain as much. Where losses only begin to fall
+/// at the ends, there is no dip.
 fn dips(delays_s: &[f64], losses: &[f64]) -> Vec<usize> {
+    let is_least = |&at: &usize| {
+        let mut near = (at - BESIDE..=at + BESIDE).filter(|&other| other != at);
+        near.all(|other| (losses[at], at) < (losses[other], other))
+    };
+    let mut dips: Vec<usize> = (BESIDE..losses.len().saturating_sub(BESIDE)).filter(is_least).collect();
     let mut sorted = losses.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let (Some(&lowest), Some(&middle)) = (sorted.first(), sorted.get(sorted.len() / 2)) else { return Vec::new() };
-    let deep = middle - DEEP * (middle - lowest);
-    let is_least = |at: usize| {
-        let near = at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(losses.len());
-        near.filter(|&other| other != at)
-            .all(|other| losses[at] < losses[other] || losses[at] <= losses[other] && at < other)
-    };
-    let is_dip = |&at: &usize| is_least(at) && losses[at] <= deep;
-    let mut dips: Vec<usize> = (1..losses.len() - 1).filter(is_dip).collect();
+    let lowest = dips.iter().map(|&at| losses[at]).fold(f64::INFINITY, f64::min);
+    let deep = sorted.get(sorted.len() / 2).map_or(lowest, |middle| middle - DEEP * (middle - lowest));
+    dips.retain(|&at| losses[at] <= deep);
     dips.sort_by(|&a, &b| delays_s[a].abs().total_cmp(&delays_s[b].abs()));
     dips
 }

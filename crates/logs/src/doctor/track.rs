@@ -188,23 +188,26 @@ pub(super) struct AtDelay {
     pub(super) pattern: Pattern,
 }
 
-/// What explains all tracks best at each of `delays_s`. The places and the pattern are searched for from both sides.
+/// What explains all tracks best at each of `delays_s`. The places and the pattern are searched for from those of neighbours.
 pub(super) fn profile(tracks: &[Track<'_>], delays_s: &[f64]) -> Vec<AtDelay> {
     let observed: Vec<Vec<Option<Observed>>> = delays_s
         .iter()
         .map(|&delay_s| tracks.par_iter().map(|track| track.observations(delay_s)).collect())
         .collect();
     let mut best: Vec<Option<Explained>> = vec![None; delays_s.len()];
-    let forth: Vec<usize> = (0..delays_s.len()).collect();
-    let back: Vec<usize> = (0..delays_s.len()).rev().collect();
-    for order in [forth, back] {
+    // From the middle, which no mirror image spoils, to both ends; and from there, so that what is better spreads.
+    let (middle, end) = (delays_s.len() / 2, delays_s.len());
+    let ways: [Vec<usize>; 4] =
+        [(middle..end).collect(), (0..=middle).rev().collect(), (0..end).collect(), (0..end).rev().collect()];
+    for way in ways {
         let mut last: Option<Explained> = None;
-        for at in order {
+        for at in way {
             let explained = Explained::of(tracks, &observed[at], last.as_ref());
-            if best[at].as_ref().is_none_or(|best| explained.loss < best.loss) {
-                best[at] = Some(explained.clone());
+            let best = &mut best[at];
+            if best.as_ref().is_none_or(|best| explained.loss < best.loss) {
+                *best = Some(explained);
             }
-            last = Some(explained);
+            last.clone_from(best);
         }
     }
     let of_delay = |(observed, explained): (&Vec<Option<Observed>>, &Option<Explained>)| {
