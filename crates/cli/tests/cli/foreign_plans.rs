@@ -229,11 +229,11 @@ fn a_changed_list_of_work_is_refused() {
 }
 
 /// A change of a plan in a folder: what it makes of it, and how.
-type Change = (&'static str, fn(&Path));
+type FolderChange = (&'static str, fn(&Path));
 
 #[test]
 fn no_file_outside_of_the_folder_is_read() {
-    let outside: [Change; 7] = [
+    let outside: [FolderChange; 7] = [
         ("a link to another file", |plan| relinked(&plan.join("files/s.toml"), "../../secret.txt")),
         ("a link to a device", |plan| relinked(&plan.join("files/s.toml"), "/dev/zero")),
         ("a pipe", |plan| {
