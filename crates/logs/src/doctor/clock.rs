@@ -30,6 +30,8 @@ const LEAST: usize = 60;
 const DEEP: f64 = 0.6;
 /// What a body does is no first harmonic, and the rest looks like a way of about so much for each decibel of it (m).
 const PATTERN_M: f64 = 0.06;
+/// A body that is not estimated, because packets have no strengths, looks like a way of about so much (m).
+const BODY_M: f64 = 0.35;
 /// A dip is the least of so many steps on either side.
 const BESIDE: usize = 3;
 /// The finer steps are moved at most so many times.
@@ -158,8 +160,9 @@ pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> 
     if !(curvature > 0.0 && curvature.is_finite()) {
         return None;
     }
-    let of_pattern_s = PATTERN_M * second[at].pattern.norm() / speed_m_per_s;
-    let error_s = libm::hypot(libm::hypot(spread.sqrt() / curvature, 0.1 * fine_s), of_pattern_s);
+    let of_body_m = if has_strengths { PATTERN_M * second[at].pattern.norm() } else { BODY_M };
+    let of_body_s = of_body_m / speed_m_per_s;
+    let error_s = libm::hypot(libm::hypot(spread.sqrt() / curvature, 0.1 * fine_s), of_body_s);
     let none = profile(&tracks, &[0.0]);
     let gains: Vec<f64> = none[0].losses.iter().zip(&second[at].losses).map(|(none, best)| none - best).collect();
     let gain: f64 = gains.iter().sum();

@@ -60,14 +60,6 @@ impl Law {
         }
     }
 
-    /// Standard deviation of the prior of each value of a pattern: bodies and antennas make some decibels.
-    pub(super) fn pattern_deviation(self) -> f64 {
-        match self {
-            Self::Strengths { .. } => 4.0,
-            Self::Presence => 1.5,
-        }
-    }
-
     /// Loss at η.
     fn loss(self, eta: f64, value: f64) -> f64 {
         match self {

@@ -3,7 +3,7 @@
 //!
 //! A robot whose body costs signal behind it hears a node better before it passes than after, which looks as if the packets
 //! came early. So front and back are estimated with each delay, and only what they cannot explain tells the delay: they do the
-//! same at all distances, a delay the more the nearer the node is.
+//! same at all distances, a delay the more the nearer the node is. Packets alone, without strengths, do not tell both.
 
 use nalgebra::{Matrix2, Vector2, Vector4};
 use rayon::prelude::*;
@@ -23,11 +23,12 @@ pub(super) const PARTS: usize = 3;
 const BACKGROUND: usize = 160;
 /// They weigh so many times as much as the packets.
 const BACKGROUND_WEIGHT: f64 = 4.0;
-/// Steps of the search for the pattern at a delay, the longest of them, and the one after which it ends: shares of the
-/// deviation of its prior.
+/// Standard deviation of the prior of each value of a pattern (dB): bodies and antennas make some decibels.
+const PATTERN_DB: f64 = 4.0;
+/// Steps of the search for the pattern at a delay, the longest of them, and the one after which it ends (dB).
 const STEPS: u32 = 4;
-const LONGEST: f64 = 1.0;
-const SHORTEST: f64 = 0.01;
+const LONGEST_DB: f64 = 4.0;
+const SHORTEST_DB: f64 = 0.12;
 
 /// What was observed, and the part of the packets that each observation belongs to.
 type Observed = (Vec<Observation>, Vec<usize>);
@@ -153,9 +154,9 @@ impl Explained {
                 }
             };
             let fits: Vec<Option<NodeFit>> = seen().map(fit).collect();
-            let precision = tracks.first().map_or(1.0, |track| track.law.pattern_deviation().powi(-2));
+            let precision = PATTERN_DB.powi(-2);
             let slopes = |(at, (track, observed)): (usize, (&Track<'_>, &Option<Observed>))| {
-                let ((observations, _), fit) = (observed.as_ref()?, fits[at]?);
+                let ((observations, _), fit) = (observed.as_ref()?, fits[at].filter(|_| track.has_strengths())?);
                 Some(fit.pattern_slopes(observations, track.law, &pattern))
             };
             let all: Vec<(Vector2<f64>, Matrix2<f64>)> = seen().filter_map(slopes).collect();
@@ -164,10 +165,9 @@ impl Explained {
                 slope += of_node;
                 curvature += bend;
             }
-            let deviation = precision.sqrt().recip();
             let way = curvature.cholesky().map_or_else(Vector2::zeros, |curvature| curvature.solve(&slope));
-            let way = way.cap_magnitude(LONGEST * deviation);
-            if step == STEPS || way.norm() < SHORTEST * deviation {
+            let way = way.cap_magnitude(LONGEST_DB);
+            if step == STEPS || way.norm() < SHORTEST_DB {
                 let loss = fits.iter().flatten().map(|fit| fit.loss).sum::<f64>();
                 let loss = loss + 0.5 * precision * pattern.norm_squared();
                 return Self { fits, pattern, loss };
@@ -184,7 +184,7 @@ impl Explained {
 pub(super) struct AtDelay {
     /// The losses of all parts of all tracks; infinite where the delay drives a track off the path.
     pub(super) losses: Vec<f64>,
-    /// The front and back of the robot (dB, or logarithms of odds).
+    /// The front and back of the robot (dB); none without strengths.
     pub(super) pattern: Pattern,
 }
 
