@@ -105,7 +105,7 @@ fn frame(seed: u64, robot: u64) -> FrameChange {
 fn error(seed: u64, robot: usize, node: usize, place: Position) -> Option<Matrix2<f64>> {
     let middle_m = WIDTH_M * (robot as f64 + 0.5);
     let beyond_m = ((place.x_m - middle_m).abs() - 0.5 * WIDTH_M).max(0.0);
-    let spread = 0.3 + 0.3 * uniform(seed, [node as u64, 50 + robot as u64, 0]);
+    let spread = 0.15 + 0.15 * uniform(seed, [node as u64, 50 + robot as u64, 0]);
     let along = spread * (1.0 + beyond_m / OVERLAP_M);
     (beyond_m < OVERLAP_M).then(|| Matrix2::new(along * along, 0.0, 0.0, spread * spread))
 }
