@@ -141,7 +141,7 @@ fn held(robots: usize) -> [f64; 2] {
             let both = std::array::from_fn(|row| std::array::from_fn(|column| own[row][column] + added[row][column]));
             let whole = Estimate { covariance: Some(both), ..estimate.clone() };
             for (inside, estimate) in inside.iter_mut().zip([&whole, &estimate]) {
-                let region = Region::of_95(estimate, 0.0).expect("a region");
+                let region = Region::of_95(estimate).expect("a region");
                 *inside += usize::from(region.contains(*truth));
             }
             count += 1;
@@ -175,7 +175,7 @@ fn frames_are_as_uncertain_as_the_residuals_say_where_maps_claim_too_much() {
         let covariance = Some(frames.of_place(position, &[(2, 1.0)]));
         let estimate =
             Estimate { position, log_likelihood: None, ties: 1, covariance, infeasible: false, concern: None };
-        inside += u64::from(Region::of_95(&estimate, 0.0).expect("a region").contains(middle));
+        inside += u64::from(Region::of_95(&estimate).expect("a region").contains(middle));
     }
     // Of 60, at least 51 with a probability of 99.9 % if 95 % is right; claims that are taken as they are hold some 35.
     assert!(inside >= 51, "{inside} of {SEEDS}");
