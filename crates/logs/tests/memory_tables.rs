@@ -530,7 +530,7 @@ fn wrong_tables_are_refused_by_their_names() {
     assert_eq!(case.refusal(), problem);
     case.options = ReadOptions::default();
     case.options.form.packets = Some("packets.csv".into());
-    assert!(case.in_memory().unwrap_err().to_string().starts_with("option `packets` names a file"));
+    assert!(case.in_memory().unwrap_err().to_string().starts_with("option `packets` names files"));
     let short = vec![
         ("stop".to_owned(), MemoryColumn::whole(vec![1, 2])),
         ("x_m".to_owned(), MemoryColumn::floats(vec![1.0])),

@@ -8,7 +8,7 @@ use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Unwatched, Watch};
 
 use crate::parts::map_parts;
-use crate::survey_frame;
+use crate::survey_frame::{Survey, in_survey};
 use crate::{
     Axes, Comparable, EstimatorFindings, Knowledge, KnowledgeKind, LogParts, MapError, PartEstimator, PartsError,
     PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile, Surface, TopologyMap,
@@ -181,9 +181,24 @@ impl Mapper {
         self.check_prior(knowledge.prior)?;
         match self.axes() {
             Axes::Log => self.0.estimate(&knowledge, watch),
-            Axes::Survey => survey_frame::estimate(&*self.0, &knowledge, watch),
+            Axes::Survey => estimate_in_survey(&*self.0, &knowledge, watch),
         }
     }
+}
+
+/// What `estimator` finds in the frame of the survey of `knowledge`, told in the frame of its log.
+fn estimate_in_survey(
+    estimator: &dyn Estimator,
+    knowledge: &Knowledge<'_>,
+    watch: &dyn Watch,
+) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
+    let Some(survey) = Survey::of_log(knowledge.log) else { return estimator.estimate(knowledge, watch) };
+    watch.check()?;
+    let (nodes, log) = survey.log(knowledge.log);
+    let prior = knowledge.prior.map(|prior| survey.prior(prior));
+    let (map, learned) = estimator.estimate(&in_survey(knowledge, &log, prior.as_ref()), watch)?;
+    let learned = learned.map(|learned| learned.in_log(&survey.frame).unwrap_or(learned));
+    Ok((survey.frame.map_in_log(map, &nodes, knowledge.log.node_count()), learned))
 }
 
 /// The names of the estimators that map a log part by part, in messages.

@@ -95,7 +95,8 @@ fn a_robot_with_a_frame_of_its_own_is_joined_to_those_that_know_theirs() {
     let robots = &stitched.learned.keys["stitching"]["robots"];
     let known: Vec<bool> = (0..3).map(|robot| robots[robot]["known"] == true).collect();
     assert_eq!((known.as_slice(), &robots[1]["joined"]), (&[true, false, true][..], &true.into()), "{robots:#}");
-    assert!(error_m(stitched) < 0.6 && error_m(map(summary, "apart")) > 2.0, "{} m", error_m(stitched));
+    let errors_m = [stitched, map(summary, "apart")].map(error_m);
+    assert!(errors_m[0] < 0.6 && errors_m[1] > 2.0, "{errors_m:?} m");
 }
 
 #[test]

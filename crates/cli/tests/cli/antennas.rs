@@ -217,7 +217,7 @@ fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() 
                 half += &format!("{phi},{theta},{gain}\n");
             }
         }
-        radians += &format!("{:.4},{}\n", f64::from(phi - 180).to_radians(), phi % 7 - 3);
+        radians += &format!("{:.8},{}\n", f64::from(phi - 180).to_radians(), phi % 7 - 3);
     }
     for (name, table) in [("spherical.csv", &spherical), ("radians.csv", &radians), ("half.csv", &half)] {
         std::fs::write(folder.path().join(name), table).unwrap();

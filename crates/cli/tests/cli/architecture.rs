@@ -18,7 +18,7 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 17] = [
+const ROOMS: [&str; 18] = [
     "campaign",
     "sweep",
     "run",
@@ -36,6 +36,7 @@ const ROOMS: [&str; 17] = [
     "foreign_folder",
     "template",
     "shell",
+    "threads",
 ];
 
 /// The modules of the command line from top to bottom.

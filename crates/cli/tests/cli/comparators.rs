@@ -101,7 +101,7 @@ fn invalid_settings_of_anchors_and_discovery_are_rejected_before_anything_runs()
         String::from_utf8_lossy(&refused.get_output().stderr).into_owned()
     };
     let error = check("anchors.count=3");
-    assert!(error.contains("anchors") && error.contains("at least 4, for the map `mds-map`"), "{error}");
+    assert!(error.contains("anchors") && error.contains("at least 4, for the maps `mds-map`, `smacof`"), "{error}");
     let error = check("anchors.share=1.5");
     assert!(error.contains("anchors.share") && error.contains("0 to 1"), "{error}");
     let error = check("discovery.range_m=-1");

@@ -297,7 +297,7 @@ fn the_first_stop_is_one_whatever_its_places_are() {
 #[test]
 fn strengths_that_distances_do_not_explain_are_told_everywhere() {
     let folder = stops("x_m,y_m", metres, |row, _| (-70.0 + 12.0 * normal([7, u64::from(row), 2])).round());
-    assert_eq!(checks(&read(&folder, |_| {})), ["no-distance"]);
+    assert_eq!(checks(&read(&folder, |_| {})), ["flat-losses", "no-distance"]);
     let (code, inspected, _) = sextant(folder.path(), &["inspect", "."]);
     assert!(code == 0 && inspected.contains("odd: distances explain nothing here"), "{inspected}");
     let words = ["map", ".", "--algorithm", "rss-grid", "--format", "json"];

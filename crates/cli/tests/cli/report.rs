@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
+use super::drive::unwrapped;
 use super::program::{scenario, sextant};
 
 /// Runs the program in `folder`.
@@ -67,7 +68,8 @@ fn what_is_not_an_input_is_refused() {
         fs::write(folder.path().join(name), content).expect("room");
         let refused = run(folder.path(), &["report", name]);
         assert_eq!(refused.status.code(), Some(2), "{name}");
-        assert!(text(&refused.stderr).contains(said), "{}", text(&refused.stderr));
+        let told = unwrapped(&text(&refused.stderr));
+        assert!(told.contains(said), "{told}");
     }
     assert_eq!(run(folder.path(), &["report", "absent.mcap"]).status.code(), Some(2));
     let left = fs::read_dir(folder.path()).expect("a folder").count();

@@ -183,7 +183,7 @@ fn true_positions_have_the_columns_that_a_flag_names() {
     assert_eq!((code, &found), (0, &expected), "{stderr}");
     let (code, _, stderr) = run("named.csv", &[]);
     assert!(
-        code == 2 && stderr.contains("column `node` is missing") && stderr.contains("`--truth-fields node=NAME`"),
+        code == 2 && stderr.contains("unknown column `X`") && stderr.contains("`--truth-fields x_m=X`"),
         "{stderr}"
     );
     let (code, _, stderr) = run("bare.txt", &[]);

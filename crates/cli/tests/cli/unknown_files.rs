@@ -97,11 +97,14 @@ fn parts_of_logs_and_true_positions_that_are_other_files_are_told_too() {
     let folder = folder(&[
         ("path.csv", "t_s,x_m,y_m\n0,0,0\n9,9,0\n"),
         ("packets.csv", "t_s,node,rssi_dbm\n1,lamp,-50\n5,lamp,-60\n"),
+    ]);
+    let pages = self::folder(&[
         ("page.html", "<html><body>not found</body></html>"),
         ("walk.gpx", "<!doctype html><title>sign in</title>"),
     ]);
     let file = |name: &str| folder.path().join(name).display().to_string();
-    let (log, page, gpx) = (folder.path().display().to_string(), file("page.html"), file("walk.gpx"));
+    let page = |name: &str| pages.path().join(name).display().to_string();
+    let (log, page, gpx) = (folder.path().display().to_string(), page("page.html"), page("walk.gpx"));
     for words in [
         &["map", &log, "--truth", &page][..],
         &["map", &log, "--path", &page],

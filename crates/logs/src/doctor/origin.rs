@@ -11,7 +11,7 @@ use super::node_fit::plane_m;
 use super::survey::{Place, Survey};
 
 /// Farther than this (m), and so many times the extent of the other places, no robot drives between two of them.
-const BEYOND_M: f64 = 20_000.0;
+const BEYOND_M: f64 = 5_000.0;
 const BEYOND: f64 = 20.0;
 /// A leg is a jump if it is faster than this (m/s) and so many times as fast as usual.
 const JUMP: f64 = 3.0;

@@ -5,8 +5,9 @@ use std::fmt;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Unreported, Watch, Work};
 
+use super::survey_parts::SurveyParts;
 use super::{LogParts, PartsError};
-use crate::survey_frame::{SurveyParts, in_survey};
+use crate::survey_frame::in_survey;
 use crate::{Axes, CoordinateFrame, EstimatorFindings, Knowledge, MapError, SoughtHeights, TopologyMap};
 
 /// An estimator that can map a log part by part.

@@ -7,6 +7,7 @@
 mod error;
 mod fixed_law;
 mod log_parts;
+mod survey_parts;
 
 pub use error::PartsError;
 pub(crate) use fixed_law::map_parts;

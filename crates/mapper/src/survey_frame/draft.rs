@@ -15,7 +15,7 @@ const PARTS_OF_DB: f64 = 1e6;
 
 /// What was heard at each stop.
 #[derive(Clone, Debug)]
-pub(super) struct HeardStops {
+pub(crate) struct HeardStops {
     /// Packets of all nodes.
     packets: Vec<u64>,
     has_sectors: bool,
@@ -23,12 +23,12 @@ pub(super) struct HeardStops {
 
 impl HeardStops {
     /// Nothing, at so many stops.
-    pub(super) fn none(stops: usize) -> Self {
+    pub(crate) fn none(stops: usize) -> Self {
         Self { packets: vec![0; stops], has_sectors: false }
     }
 
     /// Takes what `log` heard at these stops.
-    pub(super) fn take(&mut self, log: &ReceptionLog) {
+    pub(crate) fn take(&mut self, log: &ReceptionLog) {
         for reception in log.receptions().iter() {
             self.packets[reception.stop as usize] += u64::from(reception.received);
         }
@@ -36,7 +36,7 @@ impl HeardStops {
     }
 
     /// The axes of a survey at the stops of `log`, and their order; `None` if nothing was heard.
-    pub(super) fn draft(&self, log: &ReceptionLog) -> Option<Draft> {
+    pub(crate) fn draft(&self, log: &ReceptionLog) -> Option<Draft> {
         let stops = log.stops();
         let heard = stops.iter().zip(&self.packets).filter(|&(_, &packets)| packets > 0);
         let heard: Vec<Weighted> =
@@ -89,7 +89,7 @@ struct NodeKey {
 
 /// A frame whose nodes are not all known.
 #[derive(Clone, Debug)]
-pub(super) struct Draft {
+pub(crate) struct Draft {
     axes: SurveyAxes,
     stops: Vec<u32>,
     keys: Vec<NodeKey>,
@@ -97,7 +97,7 @@ pub(super) struct Draft {
 
 impl Draft {
     /// Takes the nodes of `log` that were heard; they are `nodes` in the whole log.
-    pub(super) fn take(&mut self, nodes: impl Iterator<Item = NodeId>, log: &ReceptionLog) {
+    pub(crate) fn take(&mut self, nodes: impl Iterator<Item = NodeId>, log: &ReceptionLog) {
         for (number, node) in nodes.enumerate() {
             self.keys.extend(self.key(log, NodeId::from_index(number), node));
         }
@@ -125,7 +125,7 @@ impl Draft {
     }
 
     /// The frame, whose log has so many stops.
-    pub(super) fn frame(mut self, log_stops: usize) -> SurveyFrame {
+    pub(crate) fn frame(mut self, log_stops: usize) -> SurveyFrame {
         self.keys.sort_unstable();
         let nodes = self.keys.iter().map(|key| key.node).collect();
         SurveyFrame { axes: self.axes, stops: self.stops, nodes, log_stops }

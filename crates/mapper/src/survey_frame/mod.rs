@@ -11,17 +11,14 @@
 mod axes;
 mod draft;
 mod frame;
-mod parts;
 mod rectangle;
 mod survey;
 
-use sextant_kernel::Watch;
-
+pub(crate) use draft::HeardStops;
 pub use frame::SurveyFrame;
-pub(crate) use parts::SurveyParts;
-use survey::Survey;
+pub(crate) use survey::Survey;
 
-use crate::{Estimator, EstimatorFindings, Knowledge, MapError, PlacePrior, TopologyMap};
+use crate::{Knowledge, PlacePrior};
 
 /// The axes in which an estimator works.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,21 +29,6 @@ pub enum Axes {
     /// Those of the survey, because its grid follows from the log. It is given the log, what is known of the places, and the
     /// seed, in the frame of the survey. Where sectors of an antenna have directions, the axes are those of the log all the same.
     Survey,
-}
-
-/// What `estimator` finds in the frame of the survey of `knowledge`, told in the frame of its log.
-pub(crate) fn estimate(
-    estimator: &dyn Estimator,
-    knowledge: &Knowledge<'_>,
-    watch: &dyn Watch,
-) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-    let Some(survey) = Survey::of_log(knowledge.log) else { return estimator.estimate(knowledge, watch) };
-    watch.check()?;
-    let (nodes, log) = survey.log(knowledge.log);
-    let prior = knowledge.prior.map(|prior| survey.prior(prior));
-    let (map, learned) = estimator.estimate(&in_survey(knowledge, &log, prior.as_ref()), watch)?;
-    let learned = learned.map(|learned| learned.in_log(&survey.frame).unwrap_or(learned));
-    Ok((survey.frame.map_in_log(map, &nodes, knowledge.log.node_count()), learned))
 }
 
 /// `knowledge` of the survey `log`.

@@ -9,10 +9,10 @@ use crate::{Area, PlacePrior};
 
 /// A survey: its frame, and its stops in this frame.
 #[derive(Debug)]
-pub(super) struct Survey {
-    pub(super) frame: SurveyFrame,
+pub(crate) struct Survey {
+    pub(crate) frame: SurveyFrame,
     /// Nodes, stops and contacts, without receptions.
-    pub(super) whole: ReceptionLog,
+    pub(crate) whole: ReceptionLog,
     /// The number in the survey of each stop and node of the log, if it has one.
     stops: Vec<Option<u32>>,
     nodes: Vec<Option<NodeId>>,
@@ -20,7 +20,7 @@ pub(super) struct Survey {
 
 impl Survey {
     /// The survey of `log`; `None` if nothing was heard.
-    pub(super) fn of_log(log: &ReceptionLog) -> Option<Self> {
+    pub(crate) fn of_log(log: &ReceptionLog) -> Option<Self> {
         let mut heard = HeardStops::none(log.stops().len());
         heard.take(log);
         let mut draft = heard.draft(log)?;
@@ -29,7 +29,7 @@ impl Survey {
     }
 
     /// The survey with a frame, at the stops of `log`.
-    pub(super) fn new(frame: SurveyFrame, log: &ReceptionLog) -> Self {
+    pub(crate) fn new(frame: SurveyFrame, log: &ReceptionLog) -> Self {
         let mut stops = vec![None; log.stops().len()];
         for (number, &stop) in (0..).zip(&frame.stops) {
             stops[stop as usize] = Some(number);
@@ -51,14 +51,14 @@ impl Survey {
     }
 
     /// All of `log` in this frame, and the number of each of its nodes in `log`.
-    pub(super) fn log(&self, log: &ReceptionLog) -> (Vec<usize>, ReceptionLog) {
+    pub(crate) fn log(&self, log: &ReceptionLog) -> (Vec<usize>, ReceptionLog) {
         let (numbers, _, turned) = self.part((0..log.node_count()).map(NodeId::from_index), log);
         (numbers, turned)
     }
 
     /// The nodes of a part of the log in the order of the survey: their numbers in the part `log` and in the survey, and the
     /// part in this frame. They are `nodes` in the whole log. Nodes that were not heard are not there.
-    pub(super) fn part(
+    pub(crate) fn part(
         &self,
         nodes: impl Iterator<Item = NodeId>,
         log: &ReceptionLog,
@@ -96,7 +96,7 @@ impl Survey {
     }
 
     /// The numbers in the survey of those of the `nodes` of a part that were heard, with their numbers in the part.
-    pub(super) fn order(&self, nodes: impl Iterator<Item = NodeId>) -> Vec<(NodeId, usize)> {
+    pub(crate) fn order(&self, nodes: impl Iterator<Item = NodeId>) -> Vec<(NodeId, usize)> {
         let numbered = nodes.enumerate();
         let mut order: Vec<(NodeId, usize)> =
             numbered.filter_map(|(in_part, node)| Some((self.nodes[node.index()]?, in_part))).collect();
@@ -105,7 +105,7 @@ impl Survey {
     }
 
     /// What is known of the places of nodes, in this frame.
-    pub(super) fn prior(&self, prior: &PlacePrior) -> PlacePrior {
+    pub(crate) fn prior(&self, prior: &PlacePrior) -> PlacePrior {
         let turned = |area: &Area| area.moved(|point| self.frame.axes.point(point));
         PlacePrior { area: prior.area.as_ref().map(turned), ..prior.clone() }
     }

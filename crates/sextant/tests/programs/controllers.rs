@@ -47,7 +47,7 @@ fn own_controllers_of_robots_far_apart_change_no_octet() {
         "name = \"apart\"\nseed = 2\nrobots = [{}, {}]\nworld.nodes.explicit.positions_m = [{}]\n\
          radio = {{ tx_power_dbm = -50, sensitivity_dbm = -90 }}\n\
          channel = {{ environment = \"light-tree\", max_range_m = 6, path_loss.log_distance.reference_loss_db = 0 }}\n\
-         mac.csma_unslotted = {{}}\ntraffic.periodic = {{}}\n",
+         mac.csma_unslotted = {{}}\ntraffic.periodic = {{}}\nsimulation.region = \"listeners\"\n",
         robot("first", 0),
         robot("second", 400),
         nodes.join(", ")

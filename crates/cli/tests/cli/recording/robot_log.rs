@@ -187,10 +187,7 @@ fn errors_in_rows_and_headers_name_the_line() {
             "node,stop\nlamp,A\n",
             "receptions.csv, line 1: column `received` is missing; the first line must name the columns: node,stop,received (or node,stop,rssi_dbm, if each row is a packet)",
         ),
-        (
-            "",
-            "receptions.csv, line 1: column `node` is missing; the first line must name the columns: node,stop, or give `packet_fields=node=NAME`",
-        ),
+        ("", "`receptions.csv` is empty; record or copy it again"),
         ("node,stop,received,stop\n", "receptions.csv, line 1: column `stop` appears twice"),
         ("node,stop,received\nlamp,A,1\nlamp,B\n", "receptions.csv, line 3: 2 cells, but the header has 3 columns"),
     ] {

@@ -3,14 +3,13 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch};
 
-use super::draft::HeardStops;
-use super::survey::Survey;
-use crate::parts::each_part;
-use crate::{EstimatorFindings, LogParts, PartsError, PlacePrior, TopologyMap};
+use super::{LogParts, PartsError, each_part};
+use crate::survey_frame::{HeardStops, Survey};
+use crate::{EstimatorFindings, PlacePrior, TopologyMap};
 
 /// A log in parts in the frame of its survey: the same parts, without nodes that were never heard.
 #[derive(Debug)]
-pub(crate) struct SurveyParts<'a> {
+pub(super) struct SurveyParts<'a> {
     parts: &'a dyn LogParts,
     survey: Survey,
     /// The nodes of each part, in ascending order.
@@ -19,7 +18,7 @@ pub(crate) struct SurveyParts<'a> {
 
 impl<'a> SurveyParts<'a> {
     /// `parts` in the frame of their survey; `None` if nothing was heard.
-    pub(crate) fn of(parts: &'a dyn LogParts, watch: &dyn Watch) -> Result<Option<Self>, PartsError> {
+    pub(super) fn of(parts: &'a dyn LogParts, watch: &dyn Watch) -> Result<Option<Self>, PartsError> {
         let whole = parts.whole();
         let mut heard = HeardStops::none(whole.stops().len());
         heard.take(whole);
@@ -39,12 +38,12 @@ impl<'a> SurveyParts<'a> {
     }
 
     /// What is known of the places of nodes, in this frame.
-    pub(crate) fn prior(&self, prior: &PlacePrior) -> PlacePrior {
+    pub(super) fn prior(&self, prior: &PlacePrior) -> PlacePrior {
         self.survey.prior(prior)
     }
 
     /// The map of a part in the frame of the log.
-    pub(crate) fn map_in_log(&self, part: usize, map: TopologyMap) -> TopologyMap {
+    pub(super) fn map_in_log(&self, part: usize, map: TopologyMap) -> TopologyMap {
         let nodes = self.parts.nodes(part);
         let in_part: Vec<usize> =
             self.survey.order(nodes.iter().copied()).into_iter().map(|(_, in_part)| in_part).collect();
@@ -52,7 +51,7 @@ impl<'a> SurveyParts<'a> {
     }
 
     /// What was learned, in the frame of the log.
-    pub(crate) fn learned_in_log(&self, learned: EstimatorFindings) -> EstimatorFindings {
+    pub(super) fn learned_in_log(&self, learned: EstimatorFindings) -> EstimatorFindings {
         learned.in_log(&self.survey.frame).unwrap_or(learned)
     }
 }
