@@ -160,9 +160,9 @@ fn of_columns(columns: &Bound<'_, PyDict>) -> PyResult<RecordBatch> {
 /// The same exception with the name of the column, if its words are all that it has.
 fn of_column(py: Python<'_>, name: &str, why: PyErr) -> PyErr {
     let words = format!("column `{name}`: {}", why.value(py));
-    if why.get_type(py).is(&py.get_type::<PyTypeError>()) {
+    if why.get_type(py).is(py.get_type::<PyTypeError>()) {
         PyTypeError::new_err(words)
-    } else if why.get_type(py).is(&py.get_type::<PyValueError>()) {
+    } else if why.get_type(py).is(py.get_type::<PyValueError>()) {
         PyValueError::new_err(words)
     } else {
         why
