@@ -41,7 +41,7 @@ fn as_mesh(parts: impl IntoIterator<Item = ShapeConfig>) -> ShapeConfig {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for part in parts {
         let (corners, faces) = shape(part).mesh();
-        let first = u32::try_from(vertices.len()).unwrap();
+        let first = u32::try_from(vertices.len()).expect("few vertices");
         vertices.extend(corners.iter().map(|&p| <[f64; 3]>::from(p)));
         triangles.extend(faces.iter().map(|face| face.map(|corner| first + corner)));
     }
@@ -137,6 +137,7 @@ fn floors_of_decimal_numbers_are_floors() {
         let (floor_m, height_m) = (0.1 * f64::from(tenths), 0.1 * f64::from(sizes));
         // As somebody types them, and rounded as a file of a modelling tool has them.
         let middle_m = (1e6 * (floor_m + height_m / 2.0)).round() / 1e6;
+        #[expect(clippy::cast_possible_truncation, reason = "files of meshes have single precision")]
         let single = |x: f64| f64::from(x as f32);
         for solid in [
             upright_box(at(0.0, 0.0, middle_m), [2.0, 3.0, height_m], 30.0),
@@ -215,7 +216,7 @@ fn yard() -> String {
     let walls =
         [("concrete", [0.0, 10.0], [0.0, 0.3]), ("brick", [0.0, 10.0], [6.0, 6.3]), ("wood", [4.0, 6.0], [2.0, 2.1])];
     for (i, (material, x, y)) in walls.into_iter().enumerate() {
-        writeln!(text, "usemtl {material}").unwrap();
+        writeln!(text, "usemtl {material}").expect("a text grows");
         for z in ["0.000001", "2.400000"] {
             for (x, y) in [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])] {
                 writeln!(
@@ -223,12 +224,12 @@ fn yard() -> String {
                     "v {x:.6} {y:.6} {}{z}",
                     if i == 1 && x > 5.0 && z.starts_with("0.0") { "-" } else { "" }
                 )
-                .unwrap();
+                .expect("a text grows");
             }
         }
         for corners in [[1, 4, 3, 2], [5, 6, 7, 8], [1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8]] {
             let [a, b, c, d] = corners.map(|corner| corner + 8 * i);
-            writeln!(text, "f {a} {b} {c} {d}").unwrap();
+            writeln!(text, "f {a} {b} {c} {d}").expect("a text grows");
         }
     }
     text

@@ -311,7 +311,7 @@ mod tests {
         let law = Law::Strengths { scale_db: 3.0 };
         let observation = |i: u8| Observation {
             at: Position::new(f64::from(i % 5), f64::from(i / 5), 0.0),
-            heading: [0.6, if i % 2 == 0 { 0.8 } else { -0.8 }],
+            heading: [0.6, if i.is_multiple_of(2) { 0.8 } else { -0.8 }],
             value: -50.0 - f64::from(i % 7),
             weight: 1.0,
         };

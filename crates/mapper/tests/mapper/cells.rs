@@ -22,6 +22,7 @@ fn sharp(height_m: fn(usize) -> f64) -> ReceptionLog {
         .collect();
     let heard = |(number, stop): (u32, &Stop)| {
         let distance_m = stop.position.distance_m(node);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1000 packets")]
         let received = (1000.0 * (1.0 - distance_m / 6.0)).max(0.0) as u32;
         Reception {
             node: NodeId(0),
