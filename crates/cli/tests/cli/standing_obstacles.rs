@@ -154,7 +154,7 @@ fn walls_that_reflect_are_not_said_to_block_nothing_and_those_that_do_not_are() 
         assert_eq!(warning(&reflecting(law, "")), "", "{law}");
         for shape in [
             // Above all links, far beside them, and below the ground.
-            "box = { center_m = [5, 0, 20], size_m = [0.4, 0.4, 0.4], yaw_deg = 20 }",
+            "box = { center_m = [5, 9, 20], size_m = [0.4, 0.4, 0.4], yaw_deg = 20 }",
             "box = { center_m = [5000, 0, 1], size_m = [1, 1, 2] }",
             "cylinder = { base_m = [5, 0, -9], radius_m = 1, height_m = 2 }",
         ] {
