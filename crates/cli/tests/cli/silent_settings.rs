@@ -16,7 +16,8 @@ fn swept(sweep: &str) -> (tempfile::TempDir, std::path::PathBuf) {
 }
 
 fn sextant_with(arguments: &[&str], path: &Path) -> Output {
-    sextant().args(arguments).arg(path).output().expect("it starts")
+    let folder = path.parent().expect("a file lies in a folder");
+    sextant().current_dir(folder).args(arguments).arg(path).output().expect("it starts")
 }
 
 /// What a command that refuses its input says, on one line.

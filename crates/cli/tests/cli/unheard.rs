@@ -41,7 +41,9 @@ position_m = [0, 0]
 /// The summary of a scenario with these settings.
 fn run(path: &Path, settings: &[&str]) -> Value {
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
+    let folder = tempfile::tempdir().expect("there is room");
     let output = sextant()
+        .current_dir(folder.path())
         .arg("run")
         .arg(path)
         .args(["--quiet", "--format", "json"])
