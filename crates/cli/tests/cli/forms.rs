@@ -13,7 +13,7 @@ use sextant_logs::{self as robot_log, FieldNames, FormOptions, Names, ReadOption
 use super::drive::{folder, map, unwrapped};
 
 /// Reads a folder with these files; stops are 5 m long, and nodes send every second.
-fn read(files: &[(&str, &str)], form: FormOptions) -> Result<RobotLog, String> {
+pub(super) fn read(files: &[(&str, &str)], form: FormOptions) -> Result<RobotLog, String> {
     let is_drive = files.iter().any(|(name, _)| *name == "packets.csv");
     let options = ReadOptions {
         stop_every: if is_drive { StopRule::Distance(5.0) } else { StopRule::Automatic },

@@ -5,24 +5,11 @@
 
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
-use sextant_logs::{self as robot_log, FieldNames, FormOptions, ReadOptions, RobotLog, StopRule};
+use sextant_logs::{FieldNames, FormOptions, RobotLog};
 
 use super::drive::{folder, unwrapped};
+use super::forms::read;
 use super::program::sextant;
-
-/// Reads a folder with these files; stops are 5 m long, and nodes send every second.
-fn read(files: &[(&str, &str)], form: FormOptions) -> Result<RobotLog, String> {
-    let is_drive = files.iter().any(|(name, _)| *name == "packets.csv");
-    let options = ReadOptions {
-        stop_every: if is_drive { StopRule::Distance(5.0) } else { StopRule::Automatic },
-        packet_interval_s: is_drive.then_some(1.0),
-        form,
-        ..ReadOptions::default()
-    };
-    let folder = folder(files);
-    let read = robot_log::read(folder.path(), &options);
-    read.map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
-}
 
 /// Stop, packets received and sent, and strength of each reception of a node.
 fn rows(log: &RobotLog, node: u32) -> Vec<(u32, u32, u32, Option<f64>)> {
