@@ -98,7 +98,7 @@ fn row(out: &mut impl std::io::Write, name: &str, workload: &Workload, runs: usi
     )?;
     let ratio = |seconds: f64| format!(" {seconds:.3}, {:.0} |", seconds / one);
     if peers == Peers::None {
-        return writeln!(out, " | | | |");
+        return Ok(writeln!(out, " | | | |")?);
     }
     let whole = peers == Peers::Whole;
     let sampled = (SAMPLED_PAIRS / log.stops().len() as u64).clamp(1, lattice.len());
@@ -138,7 +138,7 @@ fn row(out: &mut impl std::io::Write, name: &str, workload: &Workload, runs: usi
         agreement.clear();
     }
     std::fs::remove_dir_all(&folder)?;
-    writeln!(out, " {agreement} |")
+    Ok(writeln!(out, " {agreement} |")?)
 }
 
 /// The shortest time of several runs on this many threads (s), and the result.
@@ -203,7 +203,8 @@ fn write_case(
     }
     std::fs::write(folder.join("heard.u8"), heard)?;
     let TrapezoidConfig { p0, plateau_m, range_m, floor, ceiling } = *profile;
-    std::fs::write(folder.join("profile.f64"), octets(&mut [p0, plateau_m, range_m, floor, ceiling].into_iter()))
+    std::fs::write(folder.join("profile.f64"), octets(&mut [p0, plateau_m, range_m, floor, ceiling].into_iter()))?;
+    Ok(())
 }
 
 /// Time (s) and best vertices of the NumPy script; `None` if it does not run on this machine.

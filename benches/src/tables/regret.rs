@@ -166,7 +166,7 @@ fn errors(out: &mut impl Write, request: &Request, rows: &[Row]) -> Outcome<()> 
         let times: Vec<f64> = rows.iter().filter_map(|row| Some(row.maps.get(*name)?.seconds)).collect();
         format!("{:.2}", times.iter().sum::<f64>() / times.len().max(1) as f64)
     };
-    writeln!(out, "| seconds | | {} |\n", names.iter().map(seconds).collect::<Vec<_>>().join(" | "))
+    Ok(writeln!(out, "| seconds | | {} |\n", names.iter().map(seconds).collect::<Vec<_>>().join(" | "))?)
 }
 
 /// The table of choices, regrets and regions.

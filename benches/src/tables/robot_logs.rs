@@ -108,5 +108,5 @@ fn line(out: &mut impl Write, name: &str, measured: &Measured) -> Outcome<()> {
         write!(out, ", {:5.1} % in their regions", 100.0 * *held as f64 / *regions as f64)?;
     }
     let chosen = chosen.as_ref().map_or_else(String::new, |chosen| format!(", chose {chosen}"));
-    writeln!(out, ", {seconds:.1} s{chosen}, {concerns} concerns")
+    Ok(writeln!(out, ", {seconds:.1} s{chosen}, {concerns} concerns")?)
 }
