@@ -14,24 +14,35 @@ pub(crate) type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 /// The words after the name of a table.
 pub(crate) type Words = std::iter::Skip<std::env::Args>;
 
-/// The tables by their names, each with what it prints.
-const TABLES: [(&str, &str, fn(Words) -> Outcome<()>); 6] = [
-    ("accuracy", "errors of the maps of scenarios over seeds", accuracy::print),
-    ("regret", "how much worse an estimator is than the best of several", regret::print),
-    ("robot-logs", "how well each estimator maps logs of robots", robot_logs::print),
-    ("grid-solver", "times of the grid solver beside NumPy", grid_solver::print),
-    ("large-recording", "writes the recording of a large survey", large_recording::print),
-    ("soak", "mixed work for hours, with its memory and its open files", soak::print),
+/// Something that is printed, or written.
+struct Table {
+    name: &'static str,
+    what: &'static str,
+    print: fn(Words) -> Outcome<()>,
+}
+
+const fn table(name: &'static str, what: &'static str, print: fn(Words) -> Outcome<()>) -> Table {
+    Table { name, what, print }
+}
+
+const TABLES: [Table; 6] = [
+    table("accuracy", "errors of the maps of scenarios over seeds", accuracy::print),
+    table("regret", "how much worse an estimator is than the best of several", regret::print),
+    table("robot-logs", "how well each estimator maps logs of robots", robot_logs::print),
+    table("grid-solver", "times of the grid solver beside NumPy", grid_solver::print),
+    table("large-recording", "writes the recording of a large survey", large_recording::print),
+    table("soak", "mixed work for hours, with its memory and its open files", soak::print),
 ];
 
 /// Prints the table that the words of the command line name.
 pub(crate) fn print() -> Outcome<()> {
     let mut words = std::env::args().skip(1);
     let name = words.next().unwrap_or_default();
-    match TABLES.iter().find(|table| table.0 == name) {
-        Some((_, _, print)) => print(words),
+    match TABLES.iter().find(|table| table.name == name) {
+        Some(table) => (table.print)(words),
         None => {
-            let known: Vec<String> = TABLES.iter().map(|(name, what, _)| format!("\n  {name:<16} {what}")).collect();
+            let known: Vec<String> =
+                TABLES.iter().map(|Table { name, what, .. }| format!("\n  {name:<16} {what}")).collect();
             Err(format!("`{name}` is no table; allowed:{}", known.concat()).into())
         }
     }
