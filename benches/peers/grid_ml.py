@@ -4,7 +4,7 @@ Usage: grid_ml.py FOLDER VERSION
 
 FOLDER holds `stops.f64` and `vertices.f64` (x, y, z of each, little-endian) and `heard.u8` (a row for each node, one
 octet a stop: 1 if it was heard there), and `profile.f64`: p0, plateau, range, floor, ceiling of a trapezoid. Written by
-`grid_solver_table`. VERSION is `product` (the product over all stops, node by node) or `gemm` (one matrix product of
+`sextant-benches grid-solver`. VERSION is `product` (the product over all stops, node by node) or `gemm` (one matrix product of
 logarithms in single precision, in tiles of vertices). Prints the seconds and then the index of the best vertex of
 every node.
 """

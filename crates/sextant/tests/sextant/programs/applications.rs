@@ -11,7 +11,7 @@ use sextant::sim::{
     SendReport, Simulation, Timer,
 };
 
-use crate::{Counter, NETWORK, results, run, shipped, star};
+use super::{Counter, NETWORK, results, run, shipped, star};
 
 /// Sends a message to all every half second, and counts what became of it.
 #[derive(Debug, Default)]
@@ -104,7 +104,7 @@ fn a_run_with_programs_is_the_same_with_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let scenario = shipped("smoke.toml");
-            let mut programs = crate::controllers::own_controllers(&scenario);
+            let mut programs = super::controllers::own_controllers(&scenario);
             for node in &scenario.world().nodes[..8] {
                 programs = programs.with_node(&node.name, Box::new(Chatter::default()));
             }

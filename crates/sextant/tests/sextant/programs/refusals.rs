@@ -3,7 +3,7 @@
 use sextant::sim::{Controller, Ending, RobotCommand, Situation};
 use sextant::{Programs, Scenario, Unwatched};
 
-use crate::{Counter, shipped, star};
+use super::{Counter, shipped, star};
 
 #[test]
 fn programs_that_fit_no_station_are_refused_with_the_names_there_are() {

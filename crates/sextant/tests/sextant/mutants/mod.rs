@@ -1,7 +1,7 @@
 //! What a check of a scenario accepts, a run accepts; and what it refuses, it names. Found by changing shipped scenarios at
 //! random: keys are removed or added, numbers negated, zero, huge, tiny or not numbers, texts and types swapped.
 //!
-//! `SEXTANT_MUTANTS=5000 SEXTANT_MUTANTS_SEED=7 cargo test -p sextant --release --test mutants` tries more.
+//! `SEXTANT_MUTANTS=5000 SEXTANT_MUTANTS_SEED=7 cargo test -p sextant --release --test sextant mutants` tries more.
 
 mod additions;
 
@@ -16,7 +16,7 @@ use sextant::scenario::{Scenario, schema};
 use sextant_kernel::{Purpose, Seed, Watch, Work};
 use toml::{Table, Value};
 
-use additions::additions;
+use self::additions::additions;
 
 /// Scenarios that name no files, with all kinds of tables.
 const SHIPPED: [&str; 14] = [

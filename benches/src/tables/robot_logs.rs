@@ -2,7 +2,7 @@
 //! share of the nodes within their 95 % regions, and the time; for each log the best simple method, chosen with the truth, and
 //! the ratio of `auto` and the link model to it; at the end, the geometric means of these ratios and the coverage of each log.
 //!
-//! Usage: `robot_logs_table [--json FILE] FOLDER..`: each a log with `nodes.csv`, or a folder of such logs.
+//! Usage: `robot-logs [--json FILE] FOLDER..`: each a log with `nodes.csv`, or a folder of such logs.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -14,15 +14,14 @@ use sextant_benches::laws::KnownLog;
 use sextant_benches::measured::{Measured, geometric_mean, measure};
 use sextant_benches::regret::{Row, coverage};
 
-type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+use crate::tables::{Outcome, Words};
 
 /// The estimators whose ratio to the best simple method is told, also without strengths.
 const JUDGED: [&str; 2] = ["auto", "link-model"];
 
-fn main() -> Outcome<()> {
+pub(crate) fn print(mut words: Words) -> Outcome<()> {
     let mut named: Vec<PathBuf> = Vec::new();
     let mut json: Option<PathBuf> = None;
-    let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--json" => json = Some(words.next().ok_or("--json needs a file")?.into()),
@@ -98,7 +97,7 @@ fn table(out: &mut impl Write, estimators: &[Estimator], known: &KnownLog) -> Ou
     Ok(row)
 }
 
-fn line(out: &mut impl Write, name: &str, measured: &Measured) -> std::io::Result<()> {
+fn line(out: &mut impl Write, name: &str, measured: &Measured) -> Outcome<()> {
     let Measured { in_plane_m: plane, in_space_m: space, held, regions, concerns, chosen, seconds } = measured;
     write!(
         out,
@@ -109,5 +108,5 @@ fn line(out: &mut impl Write, name: &str, measured: &Measured) -> std::io::Resul
         write!(out, ", {:5.1} % in their regions", 100.0 * *held as f64 / *regions as f64)?;
     }
     let chosen = chosen.as_ref().map_or_else(String::new, |chosen| format!(", chose {chosen}"));
-    writeln!(out, ", {seconds:.1} s{chosen}, {concerns} concerns")
+    Ok(writeln!(out, ", {seconds:.1} s{chosen}, {concerns} concerns")?)
 }

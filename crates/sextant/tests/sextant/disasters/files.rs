@@ -6,7 +6,7 @@ use std::path::Path;
 
 use sextant_recording::output::{PartFile, write_file};
 
-use crate::trial::Trial;
+use super::trial::Trial;
 
 const OLD: &[u8] = b"years of work";
 

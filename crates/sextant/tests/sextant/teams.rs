@@ -4,7 +4,7 @@ use sextant::scenario::Scenario;
 use sextant::summary::{MapSummary, Summary};
 use sextant_kernel::Unwatched;
 
-const TEXT: &str = include_str!("../../../scenarios/teams/size.toml");
+const TEXT: &str = include_str!("../../../../scenarios/teams/size.toml");
 
 /// The shipped scenario in a third of its area, with these settings.
 fn scenario(settings: &[(&str, &str)]) -> Scenario {
@@ -138,7 +138,7 @@ fn teams_that_cannot_be_are_refused_at_their_keys() {
 
 #[test]
 fn one_robot_without_a_team_has_nothing_to_stitch() {
-    let smoke = Scenario::parse(include_str!("../../../scenarios/smoke.toml")).expect("a good scenario");
+    let smoke = Scenario::parse(include_str!("../../../../scenarios/smoke.toml")).expect("a good scenario");
     let refused = smoke.with("maps.0.stitch", "{}").map(drop).expect_err("one robot").to_string();
     assert!(refused.contains("maps[0].stitch") && refused.contains("one robot that surveys"), "{refused}");
     let world = smoke.with("robots.0.frame.turn_deg", 10).expect("a frame");

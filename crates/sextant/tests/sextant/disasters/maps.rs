@@ -11,8 +11,8 @@ use sextant::{RunRecorder, Scenario, Unwatched};
 use sextant_logs::ReadOptions;
 use tempfile::TempDir;
 
-use crate::SHORT;
-use crate::trial::{Trial, goes_on, undisturbed};
+use super::SHORT;
+use super::trial::{Trial, goes_on, undisturbed};
 
 /// A recording in a folder that no disaster reaches.
 struct Recorded(TempDir);

@@ -1,6 +1,6 @@
 //! Mixed work in one process for hours, with its memory and its open files: both must stay as they are.
 //!
-//! `cargo run --release -p sextant-benches --bin soak -- HOURS > soak.csv` prints a row after each cycle of twelve rounds (time, rounds,
+//! `cargo run --release -p sextant-benches -- soak HOURS > soak.csv` prints a row after each cycle of twelve rounds (time, rounds,
 //! bytes and blocks that the program holds, resident memory, open files, files left over). All cycles do the same work, so what
 //! the program holds after them must not grow: it ends with an error if the last quarter holds more than the second one at its
 //! most, if its resident memory is a tenth larger, or if it has more files open. A leak of one block in a cycle shows within
@@ -8,7 +8,6 @@
 //! reads the recording back, maps it, sweeps a scenario, and does a part of a plan. Linux only: the figures are those of `/proc`.
 
 use std::alloc::System;
-use std::error::Error;
 use std::fs;
 use std::io::Write;
 use std::num::NonZeroU32;
@@ -21,6 +20,8 @@ use sextant::sweep::{self, Shard};
 use sextant::{AlgorithmName, Campaign, NumberRange, RunRecorder, Scenario, Sweep, Unwatched, export, map_log};
 use sextant_recording::read_log;
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
+
+use crate::tables::{Outcome, Words};
 
 /// Counts what the program holds.
 #[global_allocator]
@@ -46,7 +47,7 @@ struct Reading {
 }
 
 impl Reading {
-    fn now() -> Result<Self, Box<dyn Error>> {
+    fn now() -> Outcome<Self> {
         let status = fs::read_to_string("/proc/self/status")?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).ok_or("no resident memory is told")?;
         let kilobytes: f64 = line.trim().trim_end_matches(" kB").parse()?;
@@ -63,7 +64,7 @@ impl Reading {
 }
 
 /// One round of mixed work in `folder`.
-fn round(number: u64, scenarios: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
+fn round(number: u64, scenarios: &Path, folder: &Path) -> Outcome<()> {
     let names = ["smoke.toml", "mmtm/two-bands.toml", "sensing/targets-and-fields.toml", "mac/poisson-star.toml"];
     let name = names[usize::try_from(number % names.len() as u64)?];
     let scenario = Scenario::load(scenarios.join(name))?.with("seed", number)?;
@@ -84,8 +85,8 @@ fn round(number: u64, scenarios: &Path, folder: &Path) -> Result<(), Box<dyn Err
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let hours: f64 = std::env::args().nth(1).ok_or("give the number of hours")?.parse()?;
+pub(crate) fn print(mut words: Words) -> Outcome<()> {
+    let hours: f64 = words.next().ok_or("give the number of hours")?.parse()?;
     let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
     let folder = std::env::temp_dir().join(format!("sextant-soak-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
@@ -110,7 +111,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// An error if the process has grown.
-fn judge(readings: &[Reading]) -> Result<(), Box<dyn Error>> {
+fn judge(readings: &[Reading]) -> Outcome<()> {
     let quarter = |number: usize| &readings[number * readings.len() / 4..(number + 1) * readings.len() / 4];
     let mean_mb = |readings: &[Reading]| {
         readings.iter().map(|reading| reading.resident_mb).sum::<f64>() / readings.len().max(1) as f64

@@ -1,6 +1,6 @@
 //! Writes the recording of a large survey, to see how much time and memory the commands need that read it.
 //!
-//! Usage: `large_recording OUT.mcap [NODES] [full|compact] [SPACING_M]`, by default 35 000 nodes, of which 10⁷ receptions are
+//! Usage: `large-recording OUT.mcap [NODES] [full|compact] [SPACING_M]`, by default 35 000 nodes, of which 10⁷ receptions are
 //! recorded, a compact recording, and a stop each metre. It has the true places of the nodes and a map with errors drawn
 //! at random.
 
@@ -9,17 +9,18 @@ use sextant_channel::{Position, Reception, ReceptionLogBuilder};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 use sextant_recording::{FileRecorder, Origin, PlacedNode};
 
+use crate::tables::{Outcome, Words};
+
 /// Standard deviation of the places on the map along each axis (m).
 const ERROR_M: f64 = 0.5;
 /// Standard deviation of signal strengths (dB), and their mean (dBm).
 const STRENGTH: (f64, f64) = (6.0, -75.0);
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().ok_or("usage: large_recording OUT.mcap [NODES] [full|compact] [SPACING_M]")?;
-    let nodes = arguments.next().map_or(Ok(35_000), |nodes| nodes.parse())?;
-    let is_compact = arguments.next().is_none_or(|detail| detail == "compact");
-    let spacing_m = arguments.next().map_or(Ok(1.0), |spacing_m| spacing_m.parse())?;
+pub(crate) fn print(mut words: Words) -> Outcome<()> {
+    let path = words.next().ok_or("usage: large-recording OUT.mcap [NODES] [full|compact] [SPACING_M]")?;
+    let nodes = words.next().map_or(Ok(35_000), |nodes| nodes.parse())?;
+    let is_compact = words.next().is_none_or(|detail| detail == "compact");
+    let spacing_m = words.next().map_or(Ok(1.0), |spacing_m| spacing_m.parse())?;
     let seed = Seed(6);
     let Workload { log, places, .. } = workload::field_with_stops(nodes, spacing_m);
     let mut measured = ReceptionLogBuilder::default();

@@ -7,8 +7,8 @@ use sextant::sweep::{self, Shard};
 use sextant::{Sweep, Unwatched};
 use tempfile::TempDir;
 
-use crate::SHORT;
-use crate::trial::goes_on;
+use super::SHORT;
+use super::trial::goes_on;
 
 /// A sweep of two cells with two runs each. Its scenario is in a folder that no disaster reaches.
 pub(crate) struct Study {

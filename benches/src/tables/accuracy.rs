@@ -1,7 +1,7 @@
 //! Prints a table of the accuracy of the maps of scenarios: the mean position error, averaged over seeds, with half
 //! the width of its 95 % interval (Student); the posterior bound; and the coverage of the 95 % regions.
 //!
-//! Usage: `accuracy_table [RUNS [SCENARIO.toml..]]`, by default 10 runs (seeds 1 to 10) of the scenarios in
+//! Usage: `accuracy [RUNS [SCENARIO.toml..]]`, by default 10 runs (seeds 1 to 10) of the scenarios in
 //! `scenarios/accuracy`.
 
 use std::io::Write;
@@ -12,6 +12,8 @@ use sextant::scenario::Scenario;
 use sextant::sweep::Mean;
 use sextant_kernel::Unwatched;
 
+use crate::tables::{Outcome, Words};
+
 /// The measurements of one map, one value for each run.
 #[derive(Default)]
 struct Series {
@@ -20,10 +22,9 @@ struct Series {
     seconds: Vec<f64>,
 }
 
-fn main() -> std::io::Result<()> {
-    let mut words = std::env::args().skip(1);
+pub(crate) fn print(mut words: Words) -> Outcome<()> {
     let runs: u64 = match words.next() {
-        Some(word) => word.parse().map_err(|_| std::io::Error::other(format!("`{word}` is not a number of runs")))?,
+        Some(word) => word.parse().map_err(|_| format!("`{word}` is not a number of runs"))?,
         None => 10,
     };
     let mut paths: Vec<PathBuf> = words.map(PathBuf::from).collect();
@@ -44,14 +45,13 @@ fn main() -> std::io::Result<()> {
 }
 
 /// The rows of one scenario.
-fn rows(out: &mut impl Write, path: &Path, runs: u64) -> std::io::Result<()> {
+fn rows(out: &mut impl Write, path: &Path, runs: u64) -> Outcome<()> {
     let mut names: Vec<String> = Vec::new();
     let mut series: Vec<Series> = Vec::new();
     let mut bounds_m: Vec<f64> = Vec::new();
-    let other = |error: &dyn std::fmt::Display| std::io::Error::other(error.to_string());
     for seed in 1..=runs {
-        let scenario = Scenario::load_with(path, &[], Some(seed)).map_err(|errors| other(&errors))?;
-        let run = run(&scenario, &mut (), &Unwatched).map_err(|error| other(&error))?;
+        let scenario = Scenario::load_with(path, &[], Some(seed))?;
+        let run = run(&scenario, &mut (), &Unwatched)?;
         bounds_m.extend(run.maps().iter().find_map(|map| map.summary.posterior_bound_m));
         names = run.maps().iter().map(|map| map.name.clone()).collect();
         series.resize_with(names.len(), Series::default);

@@ -6,8 +6,8 @@ use std::path::Path;
 use sextant::{RunCapture, RunRecorder, Scenario, Unwatched};
 use sextant_recording::{read_log, recover};
 
-use crate::SHORT;
-use crate::trial::{Left, Trial, undisturbed};
+use super::SHORT;
+use super::trial::{Left, Trial, undisturbed};
 
 /// A small survey, read once.
 fn survey() -> Scenario {

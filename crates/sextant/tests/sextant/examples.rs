@@ -1,16 +1,16 @@
 //! Each example of the guide runs.
 
-#[path = "../../../examples/map_log.rs"]
+#[path = "../../../../examples/map_log.rs"]
 mod map_log;
-#[path = "../../../examples/own_application.rs"]
+#[path = "../../../../examples/own_application.rs"]
 mod own_application;
-#[path = "../../../examples/own_controller.rs"]
+#[path = "../../../../examples/own_controller.rs"]
 mod own_controller;
-#[path = "../../../examples/own_estimator.rs"]
+#[path = "../../../../examples/own_estimator.rs"]
 mod own_estimator;
-#[path = "../../../examples/survey.rs"]
+#[path = "../../../../examples/survey.rs"]
 mod survey;
-#[path = "../../../examples/sweep.rs"]
+#[path = "../../../../examples/sweep.rs"]
 mod sweep;
 
 #[test]

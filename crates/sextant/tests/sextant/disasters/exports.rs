@@ -5,8 +5,8 @@ use std::path::Path;
 use sextant::export::ExportFormat;
 use sextant::{RunRecorder, Scenario, Unwatched, export};
 
-use crate::SHORT;
-use crate::trial::{Trial, contents};
+use super::SHORT;
+use super::trial::{Trial, contents};
 
 #[test]
 fn each_exported_table_is_whole_or_not_there() {

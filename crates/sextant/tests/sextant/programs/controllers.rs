@@ -12,7 +12,7 @@ use sextant::sim::{
 };
 use sextant::{Programs, RunError, RunObserver, RunRecorder, Scenario, Summary, Watch};
 
-use crate::{results, shipped};
+use super::{results, shipped};
 
 /// The controllers of a scenario as programs.
 pub(crate) fn own_controllers(scenario: &Scenario) -> Programs<'static> {

@@ -6,8 +6,8 @@ use sextant::campaign::Replace;
 use sextant::sweep::write_table;
 use sextant::{Campaign, CampaignError, NumberRange, Unwatched};
 
-use crate::sweeps::Study;
-use crate::trial::{Trial, goes_on};
+use super::sweeps::Study;
+use super::trial::{Trial, goes_on};
 
 /// Makes the plan, unless it is there.
 fn plan(study: &Study, folder: &Path) -> Result<Campaign, CampaignError> {

@@ -1,6 +1,6 @@
 //! Prints a table of the grid solver's times against the literal product and a NumPy script, on one thread and on two.
 //!
-//! Usage: `grid_solver_table [W1|W2|W3|linear|W4|W5]..`, by default W1, W2, W3 and linear; `linear` goes up to 100
+//! Usage: `grid-solver [W1|W2|W3|linear|W4|W5]..`, by default W1, W2, W3 and linear; `linear` goes up to 100
 //! 000 nodes; W5 continues it. Peak memory is that of the whole process, the log included. `PYTHON` names an
 //! interpreter with NumPy (`python3` if unset); without one the NumPy columns stay empty. The range is enlarged by
 //! half a cell diagonal, so that every node is placed. Times are the shortest of several runs. Times of the literal
@@ -17,13 +17,15 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, Unwatched};
 use sextant_mapper::{Lattice, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, TieRule, TrapezoidConfig};
 
+use crate::tables::{Outcome, Words};
+
 /// Number of nodes for which the literal product is computed.
 const LITERAL_NODES: usize = 5;
 /// Number of nodes given to the NumPy product, and to the NumPy matrix product.
 const PEER_NODES: [usize; 2] = [5, 500];
 
-fn main() -> std::io::Result<()> {
-    let mut names: Vec<String> = std::env::args().skip(1).collect();
+pub(crate) fn print(words: Words) -> Outcome<()> {
+    let mut names: Vec<String> = words.collect();
     if names.is_empty() {
         names = ["W1", "W2", "W3", "linear"].map(String::from).to_vec();
     }
@@ -45,7 +47,7 @@ fn main() -> std::io::Result<()> {
                     row(&mut out, &format!("{nodes} nodes"), &workload::field(nodes), 3, Peers::None)?;
                 }
             }
-            _ => return Err(std::io::Error::other(format!("`{name}`; allowed: W1, W2, W3, linear, W4, W5"))),
+            _ => return Err(format!("`{name}`; allowed: W1, W2, W3, linear, W4, W5").into()),
         }
     }
     Ok(())
@@ -68,13 +70,7 @@ const MOST_PEER_PAIRS: usize = 120_000_000;
 /// Approximate number of pairs of a vertex and a stop in a sample.
 const SAMPLED_PAIRS: u64 = 4_000_000;
 
-fn row(
-    out: &mut impl std::io::Write,
-    name: &str,
-    workload: &Workload,
-    runs: usize,
-    peers: Peers,
-) -> std::io::Result<()> {
+fn row(out: &mut impl std::io::Write, name: &str, workload: &Workload, runs: usize, peers: Peers) -> Outcome<()> {
     let log = &workload.log;
     let flat = log.stops().iter().all(|stop| stop.position.z_m.abs() < 1e-9);
     let half_diagonal_m = 0.5 * workload.grid_step_m * if flat { 2.0_f64 } else { 3.0 }.sqrt();
@@ -102,7 +98,7 @@ fn row(
     )?;
     let ratio = |seconds: f64| format!(" {seconds:.3}, {:.0} |", seconds / one);
     if peers == Peers::None {
-        return writeln!(out, " | | | |");
+        return Ok(writeln!(out, " | | | |")?);
     }
     let whole = peers == Peers::Whole;
     let sampled = (SAMPLED_PAIRS / log.stops().len() as u64).clamp(1, lattice.len());
@@ -142,7 +138,7 @@ fn row(
         agreement.clear();
     }
     std::fs::remove_dir_all(&folder)?;
-    writeln!(out, " {agreement} |")
+    Ok(writeln!(out, " {agreement} |")?)
 }
 
 /// The shortest time of several runs on this many threads (s), and the result.
@@ -193,7 +189,7 @@ fn write_case(
     vertices: impl Iterator<Item = Position>,
     profile: &TrapezoidConfig,
     nodes: usize,
-) -> std::io::Result<()> {
+) -> Outcome<()> {
     std::fs::create_dir_all(folder)?;
     let octets = |values: &mut dyn Iterator<Item = f64>| values.flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
     let stops = octets(&mut log.stops().iter().flat_map(|stop| <[f64; 3]>::from(stop.position)));
@@ -207,7 +203,8 @@ fn write_case(
     }
     std::fs::write(folder.join("heard.u8"), heard)?;
     let TrapezoidConfig { p0, plateau_m, range_m, floor, ceiling } = *profile;
-    std::fs::write(folder.join("profile.f64"), octets(&mut [p0, plateau_m, range_m, floor, ceiling].into_iter()))
+    std::fs::write(folder.join("profile.f64"), octets(&mut [p0, plateau_m, range_m, floor, ceiling].into_iter()))?;
+    Ok(())
 }
 
 /// Time (s) and best vertices of the NumPy script; `None` if it does not run on this machine.

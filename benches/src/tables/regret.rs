@@ -1,7 +1,7 @@
 //! Prints how much worse an estimator is than the best of several, chosen with the truth, on logs of many laws: simulated
 //! surveys, laws that no estimator assumes, and folders; each with and without signal strengths.
 //!
-//! Usage: `estimator_regret [--families A,B] [--seeds N] [--only A,B] [--against A,B] [--json FILE] [--write DIR] [FOLDER..]`
+//! Usage: `regret [--families A,B] [--seeds N] [--only A,B] [--against A,B] [--json FILE] [--write DIR] [FOLDER..]`
 //!
 //! - `--families`: only these families of logs (`real` for the folders); all by default.
 //! - `--seeds`: seeds 1 to N of each family that is made, 3 by default.
@@ -23,7 +23,7 @@ use sextant_benches::measured::{geometric_mean, measure};
 use sextant_benches::regret::{Regret, Row, chosen, coverage};
 use sextant_benches::simulated::{self, SHIPPED};
 
-type Outcome<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
+use crate::tables::{Outcome, Words};
 
 /// What is asked for.
 struct Request {
@@ -40,7 +40,7 @@ struct Request {
 const AGAINST: &str = "link-model,self-calibrated,fitted,packet-centroid-1,packet-centroid-3,packet-centroid-6";
 
 impl Request {
-    fn of(mut words: impl Iterator<Item = String>) -> Outcome<Self> {
+    fn of(mut words: Words) -> Outcome<Self> {
         let all = estimators::all()?;
         let mut request = Self {
             families: None,
@@ -97,8 +97,8 @@ impl Request {
     }
 }
 
-fn main() -> Outcome<()> {
-    let request = Request::of(std::env::args().skip(1))?;
+pub(crate) fn print(words: Words) -> Outcome<()> {
+    let request = Request::of(words)?;
     let mut logs = request.made()?;
     if let Some(folder) = &request.write {
         return logs.iter().try_for_each(|known| Ok(laws::write(known, &folder.join(&known.name))?));
@@ -147,7 +147,7 @@ fn families(rows: &[Row]) -> Vec<(&str, Vec<&Row>)> {
 }
 
 /// The table of errors: geometric means over the logs of a family.
-fn errors(out: &mut impl Write, request: &Request, rows: &[Row]) -> std::io::Result<()> {
+fn errors(out: &mut impl Write, request: &Request, rows: &[Row]) -> Outcome<()> {
     let names: Vec<&str> = request.estimators.iter().map(|estimator| estimator.name).collect();
     writeln!(
         out,
@@ -166,11 +166,11 @@ fn errors(out: &mut impl Write, request: &Request, rows: &[Row]) -> std::io::Res
         let times: Vec<f64> = rows.iter().filter_map(|row| Some(row.maps.get(*name)?.seconds)).collect();
         format!("{:.2}", times.iter().sum::<f64>() / times.len().max(1) as f64)
     };
-    writeln!(out, "| seconds | | {} |\n", names.iter().map(seconds).collect::<Vec<_>>().join(" | "))
+    Ok(writeln!(out, "| seconds | | {} |\n", names.iter().map(seconds).collect::<Vec<_>>().join(" | "))?)
 }
 
 /// The table of choices, regrets and regions.
-fn regrets(out: &mut impl Write, request: &Request, rows: &[Row]) -> std::io::Result<()> {
+fn regrets(out: &mut impl Write, request: &Request, rows: &[Row]) -> Outcome<()> {
     let names = |estimators: &[Estimator]| estimators.iter().map(|one| one.name).collect::<Vec<_>>();
     let all = names(&request.estimators);
     let subject = *all.iter().find(|name| **name == "auto").unwrap_or(&all[0]);

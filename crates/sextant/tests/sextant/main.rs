@@ -1,0 +1,7 @@
+//! The library as its users call it.
+
+mod disasters;
+mod examples;
+mod mutants;
+mod programs;
+mod teams;
