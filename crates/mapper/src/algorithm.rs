@@ -131,7 +131,7 @@ estimators! {
     LinkModel(LinkModelConfig) as "link_model",
     /// The mean of the stops that heard a node, weighted by a power of the share of packets that they received.
     PacketCentroid(PacketCentroidConfig) as "packet_centroid",
-    /// The estimator that the log chooses: link model, fitted grid, self-calibrated or packet centroid.
+    /// The estimator that the log chooses: link model with other opinions, fitted grid or self-calibrated.
     Auto(AutoConfig) as "auto",
     /// A topology-preserving map of hop counts.
     Tpm(TpmConfig) as "tpm",

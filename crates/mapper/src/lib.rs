@@ -61,7 +61,7 @@ mod topology_map;
 
 pub use absorption::{AbsorptionMap, ObstacleClaim};
 pub use algorithm::{AlgorithmConfig, MapConfig};
-pub use auto::{Auto, AutoConfig, Choice, ChoiceReason, EstimatorFit, Score};
+pub use auto::{Auto, AutoConfig, Choice, ChoiceReason, EstimatorFit, Opinion, Opinions, Score};
 pub use comparable::Comparable;
 pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, CountConfig, DrMds, DrMdsConfig, DvHop, DvHopConfig,

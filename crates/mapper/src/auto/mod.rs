@@ -3,6 +3,7 @@
 mod agreement;
 mod fall_of_strength;
 mod folds;
+mod opinions;
 mod predict;
 mod report;
 mod score;
@@ -15,6 +16,8 @@ use sextant_channel::{ReceptionLog, SectorGains, SectorTable};
 use sextant_kernel::{SettingError, Watch};
 
 use self::folds::{Fold, Folds};
+use self::opinions::{GainOfLaw, Source};
+pub use self::opinions::{Opinion, Opinions};
 use self::score::Predicted;
 pub use self::score::{ChoiceReason, Score};
 use crate::log_facts::reach::{heard_nodes, reach_m};
@@ -22,8 +25,8 @@ use crate::pattern::PatternMap;
 use crate::{
     AnyLog, Axes, Calibration, CountRule, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
     FittedConfig, FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper,
-    MlTmConfig, PacketCentroid, PacketCentroidConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated,
-    SelfCalibratedConfig, SoughtHeights, TopologyMap,
+    MlTmConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated, SelfCalibratedConfig, SoughtHeights,
+    TopologyMap,
 };
 
 /// The choice of an estimator as written in a scenario.
@@ -50,9 +53,8 @@ impl Default for AutoConfig {
 /// then without those of the next. Its score is how probable it finds what was heard at the stops that were left out: packets,
 /// and their strengths where the log has them. The self-calibrated map and the fitted grid take packets as independent: one of
 /// them maps the log if it predicts as well as the link model does, the first of them unless the second is better by two
-/// standard errors. Their regions are enlarged until they explain how far their maps from parts of the stops differ. A packet
-/// centroid, whose predictions are those of the link model at its places, must be clearly better than the link model. A log
-/// with too few stops or nodes for folds is mapped by the link model. Where the log knows the measured gains of the sectors in which
+/// standard errors. Their regions are enlarged until they explain how far their maps from parts of the stops differ. The places
+/// of the link model are joined with other [`Opinions`], which know no law of radio. A log with too few stops or nodes for folds is mapped by the link model. Where the log knows the measured gains of the sectors in which
 /// nodes were heard, a map by these is another estimator of independent packets, and the first one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Auto {
@@ -62,7 +64,6 @@ pub struct Auto {
     /// Its grid suits no log yet.
     fitted: FittedMlTm,
     self_calibrated: SelfCalibrated,
-    centroids: Vec<PacketCentroid>,
 }
 
 /// What was learned about a log and its estimators.
@@ -79,6 +80,8 @@ pub struct Choice {
     /// Factor by which the variances of the map were enlarged, at least 1: its maps from parts of the stops differ by more than
     /// its own regions tell.
     pub enlargement: f64,
+    /// Two more opinions on each place, if they are in the map.
+    pub opinions: Option<Opinions>,
 }
 
 /// What an estimator estimated with its map.
@@ -94,8 +97,6 @@ pub enum EstimatorFit {
     Pattern(PatternFit),
 }
 
-/// Powers of packet centroids that are tried.
-const POWERS: [f64; 3] = [1.0, 3.0, 6.0];
 /// Steps of the grid of the fitted map over the reach.
 const STEPS_PER_REACH: f64 = 40.0;
 
@@ -108,7 +109,6 @@ enum Candidate<'a> {
     LinkModel(&'a LinkModel),
     Fitted(&'a FittedMlTm),
     SelfCalibrated(&'a SelfCalibrated),
-    Centroid(&'a PacketCentroid),
     Pattern(PatternMap, &'a SectorGains),
 }
 
@@ -152,16 +152,16 @@ impl Auto {
                 candidates.push(Candidate::Pattern(pattern, gains));
             }
             candidates.extend([Candidate::SelfCalibrated(&self.self_calibrated), Candidate::Fitted(&fitted)]);
-            candidates.extend(self.centroids.iter().map(Candidate::Centroid));
         }
         let mut predicted = Vec::new();
         let mut parts = vec![Vec::new(); candidates.len()];
+        let mut gain = GainOfLaw::default();
         if candidates.len() > 1
             && let Some(folds) = Folds::of(log, self.is_spatial(log, reach_m))
         {
             predicted = vec![Predicted::new(folds.nodes()); candidates.len()];
             for fold in folds.iter() {
-                self.predict(&fold, &candidates, &mut predicted, &mut parts, watch)?;
+                self.predict(&fold, &candidates, (&mut predicted, &mut gain), &mut parts, watch)?;
             }
         }
         let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
@@ -173,11 +173,15 @@ impl Auto {
         let (mut map, fit) = candidate.map(log, prior, watch)?;
         let enlargement = agreement::enlargement(&parts[number]);
         enlarge(&mut map, enlargement);
-        if let Candidate::Centroid(_) = candidate {
-            self.lend_regions(&mut map, log, watch)?;
-        }
+        let opinions = match (candidate, &fit) {
+            (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {
+                let source = if fit.receiver.is_some() { Source::Strengths(gain.mean()) } else { Source::Packets };
+                opinions::join(&mut map, log, source, watch)?
+            }
+            _ => None,
+        };
         map.algorithm = Self::NAME;
-        let choice = Choice { scores, chosen: candidate.name(), reason, fit, enlargement };
+        let choice = Choice { scores, chosen: candidate.name(), reason, fit, enlargement, opinions };
         Ok(if map.mapped() == 0 { (map, None) } else { (map, Some(choice)) })
     }
 
@@ -192,43 +196,23 @@ impl Auto {
         &self,
         fold: &Fold<'_>,
         candidates: &[Candidate<'_>],
-        predicted: &mut [Predicted],
+        (predicted, gain): (&mut [Predicted], &mut GainOfLaw),
         parts: &mut [Vec<TopologyMap>],
         watch: &dyn Watch,
     ) -> Result<(), MapError> {
         let (of_links, law) = self.link_model.map(&fold.rest, None, watch)?;
+        if let Some(law) = &law {
+            gain.take(fold, &fold.rest, law, &of_links);
+        }
         for ((candidate, predicted), parts) in candidates.iter().zip(predicted).zip(parts) {
             match candidate {
                 Candidate::LinkModel(_) => predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, predicted),
-                // A place without a radio model: the law of links tells what it predicts.
-                Candidate::Centroid(centroid) => {
-                    predict::by_links(fold, &fold.rest, law.as_ref(), &centroid.map(&fold.rest), predicted);
-                }
                 Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..) => {
                     let (map, fit) = candidate.map(&fold.rest, None, watch)?;
                     predict::independent(fold, &map, fit.as_ref(), predicted);
                     parts.push(map);
                 }
             }
-        }
-        Ok(())
-    }
-
-    /// Gives the places of `map`, which has no regions, the second moments of the posteriors of the link model about them.
-    fn lend_regions(&self, map: &mut TopologyMap, log: &ReceptionLog, watch: &dyn Watch) -> Result<(), MapError> {
-        let (of_links, _) = self.link_model.map(log, None, watch)?;
-        for (estimate, other) in map.estimates.iter_mut().zip(&of_links.estimates) {
-            let (Some(estimate), Some(other)) = (estimate, other) else { continue };
-            let off: [f64; 3] = (other.position - estimate.position).into();
-            estimate.covariance = other.covariance.map(|mut covariance| {
-                for (row, entries) in covariance.iter_mut().enumerate() {
-                    for (column, entry) in entries.iter_mut().enumerate() {
-                        *entry += off[row] * off[column];
-                    }
-                }
-                covariance
-            });
-            estimate.concern = other.concern;
         }
         Ok(())
     }
@@ -254,14 +238,9 @@ fn chosen(candidates: &[Candidate<'_>], predicted: &[Predicted]) -> (usize, Choi
     if predicted.is_empty() {
         return (0, ChoiceReason::TooLittle);
     }
-    let numbers = |is: fn(&Candidate<'_>) -> bool| -> Vec<usize> {
-        (0..candidates.len()).filter(|&number| is(&candidates[number])).collect()
-    };
-    let is_independent: fn(&Candidate<'_>) -> bool =
-        |one| matches!(one, Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..));
-    let independent = numbers(is_independent);
-    let places = numbers(|one| matches!(one, Candidate::Centroid(_)));
-    score::best(predicted, 0, &independent, &places)
+    let is_independent = |number: &usize| !matches!(candidates[*number], Candidate::LinkModel(_));
+    let independent: Vec<usize> = (0..candidates.len()).filter(is_independent).collect();
+    score::best(predicted, 0, &independent)
 }
 
 impl Candidate<'_> {
@@ -270,9 +249,6 @@ impl Candidate<'_> {
             Self::LinkModel(_) => LinkModel::NAME,
             Self::Fitted(_) => "fitted",
             Self::SelfCalibrated(_) => SelfCalibrated::NAME,
-            Self::Centroid(centroid) if centroid.power() < 2.0 => "packet-centroid-1",
-            Self::Centroid(centroid) if centroid.power() < 4.0 => "packet-centroid-3",
-            Self::Centroid(_) => "packet-centroid-6",
             Self::Pattern(..) => PATTERN,
         }
     }
@@ -296,7 +272,6 @@ impl Candidate<'_> {
                 let (map, calibration) = calibrated.map(log, watch)?;
                 (map, calibration.map(EstimatorFit::Calibration))
             }
-            Self::Centroid(centroid) => (centroid.map(log), None),
             Self::Pattern(pattern, gains) => {
                 let (map, fit) = pattern.map(log, gains, PATTERN, watch)?;
                 (map, fit.map(EstimatorFit::Pattern))
@@ -314,7 +289,6 @@ impl TryFrom<AutoConfig> for Auto {
             z_range_m,
             ..MlTmConfig::new(1.0, ProfileConfig::Fitted(FittedConfig::default()))
         };
-        let centroids = POWERS.map(|power| PacketCentroid::try_from(PacketCentroidConfig { power }));
         Ok(Self {
             rssi,
             z_range_m,
@@ -324,7 +298,6 @@ impl TryFrom<AutoConfig> for Auto {
                 z_range_m,
                 ..SelfCalibratedConfig::default()
             })?,
-            centroids: centroids.into_iter().collect::<Result<_, _>>()?,
         })
     }
 }
@@ -360,7 +333,7 @@ impl EstimatorSettings for AutoConfig {
     const ANY_LOG: Option<AnyLog> = Some(AnyLog {
         name: "auto",
         rank: 0,
-        description: "The estimator that the log chooses: link model, antenna pattern, fitted grid, self-calibrated or packet centroid",
+        description: "The estimator that the log chooses: link model with other opinions, antenna pattern, fitted grid or self-calibrated",
         settings: "{}",
     });
 

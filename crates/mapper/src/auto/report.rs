@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use sextant_kernel::NodeId;
 
-use super::{Choice, ChoiceReason, EstimatorFit};
+use super::{Choice, ChoiceReason, EstimatorFit, Opinion, Opinions};
 use crate::{
     AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing, SurveyFrame, TopologyMap,
 };
@@ -21,9 +21,25 @@ struct ChoiceKeys {
     /// its own regions tell.
     #[serde(skip_serializing_if = "Option::is_none")]
     region_enlargement: Option<f64>,
+    /// Two more opinions on each place, if they are in the map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    opinions: Option<OpinionKeys>,
     /// How well each estimator that could be chosen predicted the stops that were left out.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     scores: Vec<ScoreKeys>,
+}
+
+#[cfg(feature = "config")]
+/// What counts how much for the places of a map.
+#[derive(serde::Serialize)]
+struct OpinionKeys {
+    /// What the law gains over fields of strengths without distance, for each strength at stops that were left out (nats).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gain_of_law: Option<f64>,
+    /// Power of the posterior of the link model.
+    link_model_power: f64,
+    /// Scale of the distribution round the places of each other estimator (m).
+    scale_m: std::collections::BTreeMap<&'static str, f64>,
 }
 
 #[cfg(feature = "config")]
@@ -67,6 +83,9 @@ impl Choice {
             let lead = if number == 0 { "; log-probability a pair of stops left out: " } else { ", " };
             let _ = write!(text, "{lead}{} {:.3}", score.estimator, score.log_probability);
         }
+        if let Some(opinions) = &self.opinions {
+            text += &told(opinions);
+        }
         if let Some(factor) = self.enlargement() {
             let times = factor.sqrt();
             let _ = write!(
@@ -91,6 +110,11 @@ impl Finding for Choice {
             chosen: self.chosen,
             chosen_because: because(self.reason),
             region_enlargement: self.enlargement(),
+            opinions: self.opinions.as_ref().map(|opinions| OpinionKeys {
+                gain_of_law: opinions.gain,
+                link_model_power: opinions.link_model_power,
+                scale_m: opinions.others.iter().map(|opinion| (opinion.estimator, opinion.scale_m)).collect(),
+            }),
             scores: self.scores.iter().map(score).collect(),
         };
         let mut keys = self.finding().map(|finding| finding.keys(map)).unwrap_or_default();
@@ -136,6 +160,25 @@ impl Finding for Choice {
     }
 }
 
+/// What counts beside the link model, in words.
+fn told(opinions: &Opinions) -> String {
+    let each =
+        opinions.others.iter().map(|Opinion { estimator, scale_m }| format!("{estimator} (within {scale_m:.1} m)"));
+    let mut text = format!("; beside it count {}", each.collect::<Vec<_>>().join(" and "));
+    if let Some(gain) = opinions.gain {
+        let than = if gain < 0.0 { "worse" } else { "better" };
+        let _ = write!(
+            text,
+            ": its law explains strengths left out {than} than fields without distance, by {:.2} nats each",
+            gain.abs()
+        );
+    }
+    if opinions.link_model_power < 1.0 {
+        let _ = write!(text, ", so that it counts to the power {:.1}", opinions.link_model_power);
+    }
+    text
+}
+
 /// The reason of a choice in words.
 fn because(reason: ChoiceReason) -> &'static str {
     match reason {
@@ -145,10 +188,7 @@ fn because(reason: ChoiceReason) -> &'static str {
             "it predicts the stops left out no worse than the link model: packets of a link seem independent"
         }
         ChoiceReason::DependentPackets => {
-            "it predicts the stops left out best: packets of a link share what they lose, so that they are not independent"
-        }
-        ChoiceReason::BetterPlaces => {
-            "its places predict the stops left out clearly better than those of the link model"
+            "no estimator of independent packets predicts the stops left out as well: packets of a link share what they lose"
         }
     }
 }

@@ -17,7 +17,7 @@ mod ntldv_hop;
 mod packet_centroid;
 mod rss_ml;
 mod smacof;
-mod strengths;
+pub(crate) mod strengths;
 mod tpm;
 mod triangle_centroid;
 mod upright_anchors;

@@ -43,10 +43,9 @@ impl PacketCentroid {
     /// The kinds of knowledge that it uses.
     pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotReceptions];
 
-    /// The power of the shares.
-    #[must_use]
-    pub fn power(&self) -> f64 {
-        self.power
+    /// The centroid with this power of the shares.
+    pub(crate) const fn with_power(power: f64) -> Self {
+        Self { power }
     }
 
     /// The map of the nodes in `log`.

@@ -68,7 +68,7 @@ impl GaussianProcess {
             .map(|strengths| {
                 watch.check()?;
                 watch.advance(1);
-                Ok(place(strengths, level_m))
+                Ok(peak(strengths, level_m))
             })
             .collect();
         watch.check()?;
@@ -77,42 +77,75 @@ impl GaussianProcess {
 }
 
 /// Where the process of these strengths is greatest, at the height `level_m` if there is one; `None` without strengths.
-fn place(strengths: &[Strength], level_m: Option<f64>) -> Option<Position> {
-    let mut strongest = strengths.to_vec();
-    strongest.sort_by(|a, b| b.rssi_dbm.total_cmp(&a.rssi_dbm));
-    strongest.truncate(MOST_STOPS);
+pub(crate) fn peak(strengths: &[Strength], level_m: Option<f64>) -> Option<Position> {
+    let mut strongest = strongest_first(strengths);
     if let Some(level_m) = level_m {
         strongest.iter_mut().for_each(|strength| strength.place.z_m = level_m);
     }
-    let mut low: [f64; 3] = strongest.first()?.place.into();
+    let [low, high] = corners(&strongest)?;
+    // Strengths at one place, or alike everywhere, have no process.
+    let Some(process) = Process::likeliest(&strongest) else { return Some(strongest[0].place) };
+    Some(process.greatest(low, high))
+}
+
+/// The strengths that count, the greatest first.
+pub(crate) fn strongest_first(strengths: &[Strength]) -> Vec<Strength> {
+    let mut strongest = strengths.to_vec();
+    strongest.sort_by(|a, b| b.rssi_dbm.total_cmp(&a.rssi_dbm));
+    strongest.truncate(MOST_STOPS);
+    strongest
+}
+
+/// The corners of the box of the places; `None` without any.
+fn corners(strengths: &[Strength]) -> Option<[[f64; 3]; 2]> {
+    let mut low: [f64; 3] = strengths.first()?.place.into();
     let mut high = low;
-    for strength in &strongest {
+    for strength in strengths {
         for (axis, along) in <[f64; 3]>::from(strength.place).into_iter().enumerate() {
             low[axis] = low[axis].min(along);
             high[axis] = high[axis].max(along);
         }
     }
-    let diagonal_m = Position::from(low).distance_m(high.into());
-    let processes = LENGTHS
-        .iter()
-        .flat_map(|share| NOISES.map(|noise| (share * diagonal_m, noise)))
-        .filter_map(|(length_m, noise)| Process::new(&strongest, length_m, noise));
-    let best = processes.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
-    // Strengths at one place, or alike everywhere, have no process.
-    let Some(process) = best else { return Some(strongest[0].place) };
-    Some(process.greatest(low, high))
+    Some([low, high])
 }
 
 /// A process that is conditioned on strengths.
-struct Process<'a> {
+pub(crate) struct Process<'a> {
     strengths: &'a [Strength],
     length_m: f64,
+    /// Standard deviation of the noise, relative to that of the process.
+    noise: f64,
+    /// Mean (dBm) and variance of the process (dB²).
+    mean: f64,
+    variance: f64,
+    /// Of the correlations `K` of the strengths.
+    factor: Cholesky<f64, Dyn>,
     /// `K⁻¹ (y − mean)`.
     weights: DVector<f64>,
     log_likelihood: f64,
 }
 
 impl<'a> Process<'a> {
+    /// The process of the greatest marginal likelihood. `None` if the strengths are alike, at one place, or none.
+    pub(crate) fn likeliest(strengths: &'a [Strength]) -> Option<Self> {
+        let [low, high] = corners(strengths)?;
+        let diagonal_m = Position::from(low).distance_m(high.into());
+        let processes = LENGTHS
+            .iter()
+            .flat_map(|share| NOISES.map(|noise| (share * diagonal_m, noise)))
+            .filter_map(|(length_m, noise)| Self::new(strengths, length_m, noise));
+        processes.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
+    }
+
+    /// Mean (dBm) and variance (dB²) of a strength that is measured at `place`.
+    pub(crate) fn predicted(&self, place: Position) -> (f64, f64) {
+        let with =
+            DVector::from_fn(self.strengths.len(), |i, _| kernel(place, self.strengths[i].place, self.length_m));
+        let known = with.dot(&self.factor.solve(&with));
+        let variance = self.variance * (1.0 - known + self.noise * self.noise).max(0.0);
+        (self.mean + with.dot(&self.weights), variance)
+    }
+
     /// The process with this length scale and standard deviation of the noise, relative to its own. `None` if the
     /// strengths are alike or at one place.
     fn new(strengths: &'a [Strength], length_m: f64, noise: f64) -> Option<Self> {
@@ -137,7 +170,7 @@ impl<'a> Process<'a> {
         }
         let ln_root: f64 = factor.l_dirty().diagonal().iter().map(|&entry| libm::log(entry)).sum();
         let log_likelihood = -0.5 * count as f64 * libm::log(variance) - ln_root;
-        Some(Self { strengths, length_m, weights, log_likelihood })
+        Some(Self { strengths, length_m, noise, mean, variance, factor, weights, log_likelihood })
     }
 
     /// How much the posterior mean at `place` is above the mean, relative to the variance.

@@ -43,13 +43,13 @@ impl StrongestStop {
     pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let nodes = all_strengths(Self::NAME, knowledge.log)?;
         let stops = knowledge.log.stops().len() as f64;
-        let places = node_by_node(Self::NAME, nodes.len(), stops, watch, |node| strongest(&nodes[node]))?;
+        let places = node_by_node(Self::NAME, nodes.len(), stops, watch, |node| strongest_place(&nodes[node]))?;
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 }
 
 /// The middle of the places with the greatest strength; `None` without strengths.
-fn strongest(strengths: &[Strength]) -> Option<Position> {
+pub(crate) fn strongest_place(strengths: &[Strength]) -> Option<Position> {
     let greatest_dbm = strengths.iter().map(|strength| strength.rssi_dbm).reduce(f64::max)?;
     let (mut sum, mut count) = (Position::ORIGIN, 0.0);
     for strength in strengths.iter().filter(|strength| strength.rssi_dbm >= greatest_dbm - EQUAL_DB) {

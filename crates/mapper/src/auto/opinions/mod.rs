@@ -1,0 +1,249 @@
+//! More opinions on the place of each node than that of the link model. They know no law of radio, so that a law which explains
+//! a log badly does not mislead them.
+
+mod gain;
+mod heavy_tailed;
+
+use nalgebra::{Matrix2, Vector2};
+use rayon::prelude::*;
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::{Interrupted, NodeId, Watch, Work};
+
+pub(super) use self::gain::GainOfLaw;
+use self::heavy_tailed::{HeavyTailed, together};
+use crate::comparators::strengths::{peak, strongest_place};
+use crate::log_facts::strengths::strengths;
+use crate::{Estimate, GaussianProcess, PacketCentroid, StrongestStop, TopologyMap};
+
+/// How much the link model and other opinions count for the places of a map.
+///
+/// Where a log has strengths, these are the peak of a Gaussian process of the strengths of a node, and its strongest stop; else
+/// the centroid of the stops that heard it, by the sixth power of their shares. Each is a Student distribution round its place, to a
+/// power because they come from the same evidence. The posterior of the link model is a Student distribution too. It counts less
+/// where its law explains strengths worse than fields without distance do, and the others count less where it explains them better.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opinions {
+    /// Mean gain of the law over a field of strengths without distance, for each strength at stops that were left out (nats).
+    /// `None` without strengths, or if no stops could be left out.
+    pub gain: Option<f64>,
+    /// Power of the posterior of the link model.
+    pub link_model_power: f64,
+    /// The other opinions.
+    pub others: Vec<Opinion>,
+}
+
+/// An opinion on places beside that of the link model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opinion {
+    /// The name of the estimator that has it.
+    pub estimator: &'static str,
+    /// Scale of the Student distribution round its places (m).
+    pub scale_m: f64,
+}
+
+/// Constants that were learnt from 29 logs of 12 sites. `docs/link-model.md` has the table, and how they move if a site is left out.
+mod learnt {
+    /// Scales of the peak of a Gaussian process, of the strongest stop and of the packet centroid, as shares of the usual length
+    /// of a link.
+    pub(super) const PEAK: f64 = 0.30;
+    pub(super) const STRONGEST: f64 = 0.29;
+    pub(super) const CENTROID: f64 = 0.65;
+    /// Power of the shares of the packet centroid.
+    pub(super) const CENTROID_POWER: f64 = 6.0;
+    /// Degrees of freedom and power of each opinion.
+    pub(super) const FREEDOM: f64 = 2.0;
+    pub(super) const POWER: f64 = 0.7;
+    /// Degrees of freedom of the link model, and the least error of its places, as a share of the usual length of a link.
+    pub(super) const LINKS_FREEDOM: f64 = 3.0;
+    pub(super) const LINKS_ERROR: f64 = 0.1;
+    /// Gains of the law (nats) between which its power and the factor on the scales of the others grow.
+    pub(super) const GAINS: [f64; 2] = [-0.15, 0.0];
+    pub(super) const LINKS_POWER: [f64; 2] = [0.3, 1.0];
+    pub(super) const WIDER: [f64; 2] = [1.0, 2.0];
+    /// Logarithm of the factor for each nat beyond, and the largest factor.
+    pub(super) const WIDER_A_NAT: f64 = 1.4;
+    pub(super) const WIDEST: f64 = 10.0;
+    /// The gain of a law for which no stops could be left out.
+    pub(super) const UNKNOWN: f64 = -0.075;
+}
+
+/// From what the opinions on a log come.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Source {
+    /// Strengths. The law has this gain over fields without distance.
+    Strengths(Option<f64>),
+    /// Packets alone.
+    Packets,
+}
+
+impl Opinions {
+    /// What counts how much in a log whose links are usually so long (m).
+    fn of(source: Source, usual_link_m: f64) -> Self {
+        let opinion = |estimator, share: f64| Opinion { estimator, scale_m: share * usual_link_m };
+        let Source::Strengths(gain) = source else {
+            let [_, power] = learnt::LINKS_POWER;
+            let others = vec![opinion(PacketCentroid::NAME, learnt::CENTROID)];
+            return Self { gain: None, link_model_power: power, others };
+        };
+        let [low, high] = learnt::GAINS;
+        let told = gain.unwrap_or(learnt::UNKNOWN);
+        let believed = ((told - low) / (high - low)).clamp(0.0, 1.0);
+        let between = |[least, most]: [f64; 2]| least + believed * (most - least);
+        let beyond = libm::exp(learnt::WIDER_A_NAT * (told - high).max(0.0));
+        let wider = (between(learnt::WIDER) * beyond).min(learnt::WIDEST);
+        let others = vec![
+            opinion(GaussianProcess::NAME, wider * learnt::PEAK),
+            opinion(StrongestStop::NAME, wider * learnt::STRONGEST),
+        ];
+        Self { gain, link_model_power: between(learnt::LINKS_POWER), others }
+    }
+
+    /// The place of a node, with its covariance, of that by the link model and of the `others`. Heights follow as the link model
+    /// has them depend on the place in the plane.
+    fn place(&self, estimate: &Estimate, others: &[Position], error_m: f64) -> Option<Estimate> {
+        let covariance = estimate.covariance?;
+        let in_plane = |place: Position| Vector2::new(place.x_m, place.y_m);
+        let own = Matrix2::from_fn(|row, column| covariance[row][column]) + Matrix2::identity() * (error_m * error_m);
+        let links =
+            HeavyTailed::student(in_plane(estimate.position), own, learnt::LINKS_FREEDOM, self.link_model_power);
+        let round = others.iter().zip(&self.others).map(|(place, opinion)| {
+            let scale = Matrix2::identity() * (opinion.scale_m * opinion.scale_m);
+            HeavyTailed::student(in_plane(*place), scale, learnt::FREEDOM, learnt::POWER)
+        });
+        let (mean, spread) = together(&std::iter::once(links).chain(round).collect::<Vec<_>>())?;
+        // The height is linear in the place in the plane, about that of the link model.
+        let across = Vector2::new(covariance[2][0], covariance[2][1]);
+        let slope = own.try_inverse()? * across;
+        let up_m = slope.dot(&(mean - in_plane(estimate.position)));
+        let along = spread * slope;
+        let height = covariance[2][2] - slope.dot(&across) + slope.dot(&along);
+        let position = Position::new(mean[0], mean[1], estimate.position.z_m + up_m);
+        let covariance = [
+            [spread[(0, 0)], spread[(0, 1)], along[0]],
+            [spread[(1, 0)], spread[(1, 1)], along[1]],
+            [along[0], along[1], height.max(0.0)],
+        ];
+        Some(Estimate { position, covariance: Some(covariance), ..estimate.clone() })
+    }
+}
+
+impl Source {
+    /// The other opinions on the place of a node, and the places of the stops that count as its links. `None` if there are none.
+    fn of_node(self, log: &ReceptionLog, node: NodeId) -> Option<(Vec<Position>, Vec<Position>)> {
+        match self {
+            Self::Strengths(_) => {
+                let strengths = strengths(log, node);
+                let others = vec![peak(&strengths, None)?, strongest_place(&strengths)?];
+                Some((others, strengths.iter().map(|strength| strength.place).collect()))
+            }
+            Self::Packets => {
+                let centroid = PacketCentroid::with_power(learnt::CENTROID_POWER).place(log, node)?;
+                let heard = log.of(node).iter().filter(|reception| reception.received > 0);
+                let places = heard.map(|reception| log.stops()[reception.stop as usize].position).collect();
+                Some((vec![centroid], places))
+            }
+        }
+    }
+}
+
+/// Adds the other opinions to a `map` by the link model; what counted how much. `None` if no node was heard at two places: the map
+/// stays as it is.
+///
+/// # Errors
+/// If `watch` ends the work.
+pub(super) fn join(
+    map: &mut TopologyMap,
+    log: &ReceptionLog,
+    source: Source,
+    watch: &dyn Watch,
+) -> Result<Option<Opinions>, Interrupted> {
+    let nodes = log.node_count();
+    watch.begin(Work { name: "opinions", unit: "node", steps: nodes as u64, operations: nodes as f64 * 1e6 });
+    let told: Result<Vec<_>, Interrupted> = (0..nodes)
+        .into_par_iter()
+        .map(|node| {
+            watch.check()?;
+            watch.advance(1);
+            Ok(source.of_node(log, NodeId::from_index(node)))
+        })
+        .collect();
+    let told = told?;
+    let Some(usual_link_m) = usual_link_m(told.iter().flatten()) else { return Ok(None) };
+    let opinions = Opinions::of(source, usual_link_m);
+    let join = |(estimate, told): (&mut Option<Estimate>, &Option<(Vec<Position>, Vec<Position>)>)| {
+        if let (Some(own), Some((others, _))) = (&*estimate, told)
+            && let Some(joined) = opinions.place(own, others, learnt::LINKS_ERROR * usual_link_m)
+        {
+            *estimate = Some(joined);
+        }
+    };
+    map.estimates.par_iter_mut().zip(&told).for_each(join);
+    Ok(Some(opinions))
+}
+
+/// The usual length of a link in the plane (m): the geometric mean over nodes of the mean distance from the last of the other
+/// opinions to the stops that received the node. `None` if each node was received at one place.
+fn usual_link_m<'a>(told: impl Iterator<Item = &'a (Vec<Position>, Vec<Position>)>) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (others, places) in told {
+        let Some(middle) = others.last() else { continue };
+        let lengths = places.iter().map(|place| libm::hypot(place.x_m - middle.x_m, place.y_m - middle.y_m));
+        let lengths: Vec<f64> = lengths.filter(|&length_m| length_m > 0.0).collect();
+        if !lengths.is_empty() {
+            sum += libm::log(lengths.iter().sum::<f64>() / lengths.len() as f64);
+            count += 1.0;
+        }
+    }
+    (count > 0.0).then(|| libm::exp(sum / count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(position: Position, covariance: [[f64; 3]; 3]) -> Estimate {
+        let map = TopologyMap::of_places("a", vec![Some(position)], crate::CoordinateFrame::World);
+        let estimate = map.estimates[0].clone().unwrap();
+        Estimate { covariance: Some(covariance), ..estimate }
+    }
+
+    #[test]
+    fn a_law_counts_the_more_the_more_it_gains_and_the_others_the_less() {
+        let of = |gain| Opinions::of(Source::Strengths(gain), 10.0);
+        let gains = [Some(-0.5), Some(-0.15), None, Some(-0.05), Some(0.0), Some(0.5), Some(1.0), Some(9.0)];
+        let told: Vec<Opinions> = gains.map(of).to_vec();
+        assert!(told.is_sorted_by(|a, b| a.link_model_power <= b.link_model_power));
+        assert!(told.is_sorted_by(|a, b| a.others[0].scale_m <= b.others[0].scale_m));
+        assert_eq!((told[0].link_model_power, told[0].others[0].scale_m), (0.3, 3.0));
+        assert_eq!((told[7].link_model_power, told[7].others[1].scale_m), (1.0, 29.0));
+        let packets = Opinions::of(Source::Packets, 10.0);
+        assert_eq!(packets.others, [Opinion { estimator: "packet-centroid", scale_m: 6.5 }]);
+    }
+
+    #[test]
+    fn places_turn_with_the_opinions_and_heights_follow_places() {
+        let opinions = Opinions::of(Source::Strengths(Some(-0.2)), 8.0);
+        let (own, others) =
+            (Position::new(1.0, 2.0, 3.0), [Position::new(6.0, 2.0, 0.0), Position::new(5.0, 4.0, 0.0)]);
+        // The height grows by half a metre for each metre along x.
+        let covariance = [[4.0, 0.0, 2.0], [0.0, 1.0, 0.0], [2.0, 0.0, 1.5]];
+        let joined = opinions.place(&estimate(own, covariance), &others, 0.0).unwrap();
+        let moved = joined.position - own;
+        assert!(moved.x_m > 0.5 && (moved.z_m - 0.5 * moved.x_m).abs() < 1e-12, "{moved}");
+        let spread = joined.covariance.unwrap();
+        assert!((spread[0][2] - 0.5 * spread[0][0]).abs() < 1e-12 && spread[2][2] > 0.5);
+        let turned = |place: Position| Position::new(-place.y_m, place.x_m, place.z_m);
+        let covariance = [[1.0, 0.0, 0.0], [0.0, 4.0, 2.0], [0.0, 2.0, 1.5]];
+        let other = opinions.place(&estimate(turned(own), covariance), &others.map(turned), 0.0).unwrap();
+        assert!(other.position.distance_m(turned(joined.position)) < 1e-9, "{} {}", other.position, joined.position);
+    }
+
+    #[test]
+    fn a_node_that_was_heard_at_one_place_has_no_usual_link() {
+        let here = Position::new(1.0, 1.0, 0.0);
+        let one = (vec![here], vec![here]);
+        let two = (vec![here], vec![here, Position::new(4.0, 5.0, 2.0)]);
+        assert_eq!(usual_link_m([one.clone()].iter()), None);
+        assert!((usual_link_m([one, two].iter()).unwrap() - 5.0).abs() < 1e-12);
+    }
+}
