@@ -58,7 +58,7 @@ mod learnt {
     pub(super) const LINKS_ERROR: f64 = 0.1;
     /// Gains of the law (nats) between which its power and the factor on the scales of the others grow.
     pub(super) const GAINS: [f64; 2] = [-0.15, 0.0];
-    pub(super) const LINKS_POWER: [f64; 2] = [0.3, 1.0];
+    pub(super) const LINKS_POWER: [f64; 2] = [0.2, 1.0];
     pub(super) const WIDER: [f64; 2] = [1.0, 2.0];
     /// Logarithm of the factor for each nat beyond, and the largest factor.
     pub(super) const WIDER_A_NAT: f64 = 1.4;
@@ -214,7 +214,7 @@ mod tests {
         let told: Vec<Opinions> = gains.map(of).to_vec();
         assert!(told.is_sorted_by(|a, b| a.link_model_power <= b.link_model_power));
         assert!(told.is_sorted_by(|a, b| a.others[0].scale_m <= b.others[0].scale_m));
-        assert_eq!((told[0].link_model_power, told[0].others[0].scale_m), (0.3, 3.0));
+        assert_eq!((told[0].link_model_power, told[0].others[0].scale_m), (0.2, 3.0));
         assert_eq!((told[7].link_model_power, told[7].others[1].scale_m), (1.0, 29.0));
         let packets = Opinions::of(Source::Packets, 10.0);
         assert_eq!(packets.others, [Opinion { estimator: "packet-centroid", scale_m: 6.5 }]);
