@@ -12,9 +12,9 @@ use serde::de::{
 };
 use serde::forward_to_deserialize_any;
 
+use super::document::key_path::{KeyPath, Step};
 use super::document::{Document, Entry, Placeholder, Table, Value};
 use super::error::ScenarioError;
-use super::key_path::{KeyPath, Step};
 use super::refusal::Refusal;
 use choice::{Choice, choice, names};
 use refused::{Refused, array_of, found};

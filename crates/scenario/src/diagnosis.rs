@@ -9,9 +9,9 @@ use serde::de::DeserializeOwned;
 use sextant_kernel::{SettingError, SettingProblem};
 
 use super::deserialize::read;
+use super::document::key_path::{KeyPath, Step};
 use super::document::{Document, Entry, Placeholder, Value};
 use super::error::{ScenarioError, ScenarioErrors};
-use super::key_path::{KeyPath, Step};
 use super::refusal::{Refusal, closest};
 
 /// More errors than these are not looked for.

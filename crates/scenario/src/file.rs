@@ -7,8 +7,8 @@ use sextant_kernel::LARGEST_FILE;
 use sextant_recording::ForeignFolder;
 
 use super::document::Document;
+use super::document::layers;
 use super::error::{ScenarioError, ScenarioErrors};
-use super::layers;
 use super::sweep::SweepAxes;
 
 /// A scenario file with those that it extends, read but not checked: the settings that override it may make it valid.

@@ -15,75 +15,55 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! The folders follow the way of a key: `document` merges texts, `config` is a scenario as written, `check` makes of each table
+//! what a run uses.
+//!
 //! - [`ScenarioFile`] is the text with what it extends; [`Scenario`] is what it means; [`ScenarioConfig`] is it as written.
 //! - [`SweepConfig`] is the table `[sweep]` as written, and [`SweepAxes`] its checked axes; `sextant-study` runs them.
 //! - [`MapSettings`] are those of one map of a log, whether a scenario is there or not.
 //! - [`explain`] and [`key_reference`] say what keys mean, and [`schema`] is the JSON schema of the format.
 //! - [`Template`](template::Template)s are scenarios to begin with; [`shell`] quotes the names of files in their commands.
 
-mod algorithm;
-mod applications;
-mod build;
+mod check;
 mod config;
 mod deserialize;
-mod detail;
 mod diagnosis;
-mod distributed;
 mod document;
-mod effective;
 mod error;
-mod errors;
 mod file;
-mod files;
-mod grids;
-mod key_path;
-mod keys;
-mod known_networks;
-mod layers;
 mod loaded;
 mod map_settings;
-mod maps;
-mod network_config;
-mod networks;
-mod plausible;
 mod reference;
 mod refusal;
 mod replaced;
-mod robots;
 mod schema;
-mod setting_line;
 pub mod shell;
-mod simulation;
-mod sinks;
-mod snapshots;
 mod source;
 mod survey_identity;
 mod sweep;
-mod team;
-mod team_config;
 pub mod template;
 mod unit;
 
-pub use algorithm::{Algorithm, Task};
-pub use applications::{Application, ApplicationMap};
+pub use check::maps::MapJob;
+pub use check::missions::algorithm::{Algorithm, Task};
+pub use check::missions::applications::{Application, ApplicationMap};
+pub use check::missions::distributed::NodeMapJob;
+pub use check::networks::ForeignChip;
+pub use check::networks::known::PacketsPerStop;
+pub use config::detail::DetailConfig;
+pub use config::network::NetworkConfig;
+pub use config::snapshots::SnapshotsConfig;
+pub use config::team::{FramesConfig, TeamConfig};
 pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
-pub use detail::DetailConfig;
-pub use distributed::NodeMapJob;
 pub use error::{Excerpt, RefusedSetting, ScenarioError, ScenarioErrors};
 pub use file::ScenarioFile;
-pub use known_networks::PacketsPerStop;
 pub use loaded::{NamedFile, Scenario};
 pub use map_settings::{AlgorithmName, MapSettings, RecordedScenario, UnknownAlgorithm};
-pub use maps::MapJob;
-pub use network_config::NetworkConfig;
-pub use networks::ForeignChip;
 pub use reference::{Choice, ExplainError, Explanation, KeyReference, explain, key_reference};
 pub use replaced::check_given;
 pub use schema::{schema, schema_of_files};
-pub use snapshots::SnapshotsConfig;
 pub use survey_identity::SurveyIdentity;
 pub use sweep::{Setting, SweepAxes, SweepConfig};
-pub use team_config::{FramesConfig, TeamConfig};
 
 #[cfg(test)]
 mod tests;

@@ -5,9 +5,9 @@ use std::fmt;
 use sextant_kernel::text::shortened;
 use sextant_kernel::{SettingError, SettingProblem};
 
+use super::document::key_path::{KeyPath, Step};
 use super::document::{Document, Entry, Value};
 use super::error::ScenarioError;
-use super::key_path::{KeyPath, Step};
 use super::source::Origin;
 
 /// Why a setting is rejected.

@@ -3,10 +3,10 @@
 use std::fmt::Display;
 
 use super::document::Entry;
-use super::effective;
+use super::document::effective;
+use super::document::key_path::KeyPath;
+use super::document::setting_line::ReadSetting;
 use super::error::ScenarioError;
-use super::key_path::KeyPath;
-use super::setting_line::ReadSetting;
 use super::sweep::{Setting, SweepAxes};
 
 /// Refuses a setting of `key` among `set` (each `path.to.key=value`), if another value for it is `given` besides.

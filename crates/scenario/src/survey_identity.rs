@@ -14,9 +14,9 @@ use sextant_sim::{
 use sha2::{Digest, Sha256};
 
 use super::config::ScenarioConfig;
-use super::network_config::NetworkConfig;
-use super::simulation::SimulationConfig;
-use super::team_config::TeamConfig;
+use super::config::network::NetworkConfig;
+use super::config::simulation::SimulationConfig;
+use super::config::team::TeamConfig;
 
 /// A hash of all settings that a survey depends on, except the seed. Scenarios with the same hash have the same survey for
 /// each seed. Files are hashed by name, not by content.

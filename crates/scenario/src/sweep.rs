@@ -6,10 +6,10 @@ use std::num::NonZeroU32;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::document::effective;
+use super::document::key_path::{KeyPath, MOST_STEPS, Step, TOO_DEEP};
 use super::document::{Document, Entry, Value};
-use super::effective;
 use super::error::ScenarioError;
-use super::key_path::{KeyPath, MOST_STEPS, Step, TOO_DEEP};
 use super::refusal::Refusal;
 
 /// Maximum number of cells of a sweep; more are surely a mistake.

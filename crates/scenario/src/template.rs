@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::shell;
+use super::shell;
 
 /// A scenario to begin with, or a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

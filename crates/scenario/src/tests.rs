@@ -3,9 +3,10 @@ use std::path::Path;
 use serde::Deserialize;
 use sextant_kernel::SettingError;
 
+use super::ScenarioError;
 use super::deserialize::deserialize;
 use super::document::Document;
-use super::{ScenarioError, layers};
+use super::document::layers;
 
 #[derive(Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

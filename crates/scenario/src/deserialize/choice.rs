@@ -5,8 +5,8 @@ use serde::de::{self, DeserializeSeed, Deserializer, EnumAccess, IntoDeserialize
 
 use super::Reader;
 use super::refused::Refused;
+use crate::document::key_path::Step;
 use crate::document::{Table, Value};
-use crate::key_path::Step;
 use crate::refusal::Refusal;
 
 /// The empty table that a choice by name alone means.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::de::{self, Expected, Unexpected};
 
-use crate::key_path::Step;
+use crate::document::key_path::Step;
 use crate::refusal::Refusal;
 
 /// An error, and the steps of the path to it in reverse order.

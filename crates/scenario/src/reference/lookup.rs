@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::listing::{key_reference, of_choice, of_key, of_view};
 use super::view::View;
 use super::{KeyReference, path, words};
-use crate::key_path::{KeyPath, Step};
+use crate::document::key_path::{KeyPath, Step};
 use crate::schema::schema;
 
 /// What [`explain`] found.

@@ -10,11 +10,11 @@ use sextant_sim::layout::PlacedNode;
 use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup, TargetMotionConfig, World};
 
 use super::algorithm::Algorithm;
-use super::config::ScenarioConfig;
 use super::distributed::{NodeMapJob, check_receivers};
-use super::errors::Errors;
-use super::maps::{MapJob, check_name};
-use super::networks::{self, NetworkTables};
+use crate::check::errors::Errors;
+use crate::check::maps::{MapJob, check_name};
+use crate::check::networks::{self, NetworkTables};
+use crate::config::ScenarioConfig;
 
 /// An application that has been checked.
 #[derive(Clone, Debug)]
@@ -64,18 +64,18 @@ impl ApplicationMap {
 const LEAST_PLACES: usize = 3;
 
 /// What applications may name.
-pub(super) struct Surroundings<'a> {
-    pub(super) config: &'a ScenarioConfig,
-    pub(super) files: &'a Files,
-    pub(super) setup: &'a Setup,
-    pub(super) tables: &'a [NetworkTables<'a>],
-    pub(super) bodies: &'a [RobotBody],
-    pub(super) maps: &'a [MapJob],
-    pub(super) distributed: Option<&'a NodeMapJob>,
+pub(crate) struct Surroundings<'a> {
+    pub(crate) config: &'a ScenarioConfig,
+    pub(crate) files: &'a Files,
+    pub(crate) setup: &'a Setup,
+    pub(crate) tables: &'a [NetworkTables<'a>],
+    pub(crate) bodies: &'a [RobotBody],
+    pub(crate) maps: &'a [MapJob],
+    pub(crate) distributed: Option<&'a NodeMapJob>,
 }
 
 /// The applications of the scenario, with unique names.
-pub(super) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors) -> Vec<Application> {
+pub(crate) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors) -> Vec<Application> {
     let mut applications: Vec<Application> = Vec::new();
     for (i, written) in around.config.applications.iter().enumerate() {
         let table = format!("applications[{i}]");

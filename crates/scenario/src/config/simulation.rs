@@ -35,12 +35,12 @@ pub enum RegionConfig {
 
 impl SimulationConfig {
     /// Whether nothing is set.
-    pub(super) fn is_default(&self) -> bool {
+    pub(crate) fn is_default(&self) -> bool {
         *self == Self::default()
     }
 
     /// The part that is simulated.
-    pub(super) fn region(self) -> Result<SimulatedRegion, SettingError> {
+    pub(crate) fn region(self) -> Result<SimulatedRegion, SettingError> {
         let halo_m = self.halo_m.map(|halo_m| SettingError::positive("halo_m", halo_m)).transpose()?;
         match (self.region, halo_m) {
             (RegionConfig::Auto, None) => Ok(SimulatedRegion::NearListenersIfMany),

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use sextant_apps::MapSourceConfig;
 
-use super::config::ScenarioConfig;
+use super::ScenarioConfig;
 
 impl ScenarioConfig {
     /// The files that its settings name, each with its key.
-    pub(super) fn files_mut(&mut self) -> Vec<(String, &mut PathBuf)> {
+    pub(crate) fn files_mut(&mut self) -> Vec<(String, &mut PathBuf)> {
         let Self { world, applications, traffic, antenna, networks, .. } = self;
         let mut files: Vec<(String, &mut PathBuf)> = Vec::new();
         files.extend(world.files_mut().map(|(key, file)| (format!("world.{key}"), file)));

@@ -2,9 +2,9 @@
 
 use sextant_kernel::SettingError;
 
-use super::document::{Document, Entry, Value};
 use super::errors::Errors;
-use super::key_path::{KeyPath, Step};
+use crate::document::key_path::{KeyPath, Step};
+use crate::document::{Document, Entry, Value};
 
 /// What a number may be: its size, or 0.
 struct Plausible {
@@ -23,7 +23,7 @@ const BY_UNIT: [(&str, Plausible); 2] = [
 const OTHER: Plausible = Plausible { least: 1e-30, most: 1e30, unit: "" };
 
 /// Refuses numbers that cannot be meant. Those that are not finite are refused where they are used.
-pub(super) fn check_numbers(document: &Document, errors: &mut Errors) {
+pub(crate) fn check_numbers(document: &Document, errors: &mut Errors) {
     check(&document.root, &mut KeyPath::default(), "", errors);
 }
 

@@ -1,5 +1,12 @@
 //! A scenario as written in its file.
 
+pub(crate) mod detail;
+pub(crate) mod files;
+pub(crate) mod network;
+pub(crate) mod simulation;
+pub(crate) mod snapshots;
+pub(crate) mod team;
+
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
@@ -17,11 +24,11 @@ use sextant_sim::{
 };
 
 use super::SweepConfig;
-use super::detail::DetailConfig;
-use super::network_config::NetworkConfig;
-use super::simulation::SimulationConfig;
-use super::snapshots::SnapshotsConfig;
-use super::team_config::TeamConfig;
+use detail::DetailConfig;
+use network::NetworkConfig;
+use simulation::SimulationConfig;
+use snapshots::SnapshotsConfig;
+use team::TeamConfig;
 
 /// A scenario: the world, the radios, the robots, and the maps to compute. Lengths are in metres, times in seconds and
 /// powers in dBm; a key with a unit ends in it.

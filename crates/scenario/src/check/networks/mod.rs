@@ -1,5 +1,8 @@
 //! The networks of a scenario: one, as the tables of the scenario say, or several by name.
 
+pub(crate) mod known;
+pub(crate) mod sinks;
+
 use std::collections::BTreeMap;
 
 use sextant_channel::{ChannelConfig, ChannelLaw};
@@ -11,31 +14,31 @@ use sextant_sim::{
     Technology, TrafficConfig, TrafficPlan,
 };
 
-use super::config::ScenarioConfig;
 use super::errors::Errors;
-use super::network_config::NetworkConfig;
+use crate::config::ScenarioConfig;
+use crate::config::network::NetworkConfig;
 
 /// The tables of one network, and the key of each.
-pub(super) struct NetworkTables<'a> {
-    pub(super) name: Option<&'a str>,
+pub(crate) struct NetworkTables<'a> {
+    pub(crate) name: Option<&'a str>,
     /// Whether it is the only network, with the tables of the scenario.
     is_alone: bool,
     nodes: Option<&'a NodesOfGroup>,
-    pub(super) radio: Keyed<Option<&'a RadioConfig>>,
-    pub(super) channel: Keyed<&'a ChannelConfig>,
-    pub(super) mac: Keyed<&'a MacConfig>,
-    pub(super) traffic: Keyed<Option<&'a TrafficConfig>>,
+    pub(crate) radio: Keyed<Option<&'a RadioConfig>>,
+    pub(crate) channel: Keyed<&'a ChannelConfig>,
+    pub(crate) mac: Keyed<&'a MacConfig>,
+    pub(crate) traffic: Keyed<Option<&'a TrafficConfig>>,
     reception: Keyed<Option<&'a ReceptionConfig>>,
-    pub(super) antenna: Keyed<Option<&'a AntennasConfig>>,
+    pub(crate) antenna: Keyed<Option<&'a AntennasConfig>>,
     energy: Keyed<Option<&'a EnergyConfig>>,
 }
 
 /// A value and the key of its table.
-pub(super) struct Keyed<T> {
-    pub(super) key: String,
+pub(crate) struct Keyed<T> {
+    pub(crate) key: String,
     /// Whether the network has the table itself, and not the scenario for all.
     is_own: bool,
-    pub(super) value: T,
+    pub(crate) value: T,
 }
 
 /// A named chip whose energy is counted, though it has not the band of the radios.
@@ -53,35 +56,35 @@ pub struct ForeignChip {
 
 /// The law of the channel of a network and the technology of the links over it, checked.
 #[derive(Clone, Debug)]
-pub(super) struct CheckedLinks {
-    pub(super) channel: ChannelLaw,
-    pub(super) technology: Technology,
+pub(crate) struct CheckedLinks {
+    pub(crate) channel: ChannelLaw,
+    pub(crate) technology: Technology,
 }
 
 impl CheckedLinks {
     /// The power at the reference distance with the best sectors (dBm): maps take it as the transmit power.
-    pub(super) fn power_at_reference_dbm(&self) -> f64 {
+    pub(crate) fn power_at_reference_dbm(&self) -> f64 {
         let power_dbm = self.technology.tx_power().0 + self.technology.link_gain().0;
         power_dbm - self.channel.path_loss().reference_loss().0
     }
 
     /// The radius of communication (m), if it is limited.
-    pub(super) fn max_range_m(&self) -> Option<f64> {
+    pub(crate) fn max_range_m(&self) -> Option<f64> {
         Some(self.channel.max_range_m()).filter(|range_m| range_m.is_finite())
     }
 }
 
 /// The tables of a scenario: those of its networks, and those for all networks that lack the table.
 #[derive(Clone, Copy)]
-pub(super) struct ScenarioTables<'a> {
-    pub(super) networks: &'a BTreeMap<String, NetworkConfig>,
-    pub(super) radio: Option<&'a RadioConfig>,
-    pub(super) channel: &'a ChannelConfig,
-    pub(super) mac: &'a MacConfig,
-    pub(super) traffic: Option<&'a TrafficConfig>,
-    pub(super) reception: Option<&'a ReceptionConfig>,
-    pub(super) antenna: Option<&'a AntennasConfig>,
-    pub(super) energy: Option<&'a EnergyConfig>,
+pub(crate) struct ScenarioTables<'a> {
+    pub(crate) networks: &'a BTreeMap<String, NetworkConfig>,
+    pub(crate) radio: Option<&'a RadioConfig>,
+    pub(crate) channel: &'a ChannelConfig,
+    pub(crate) mac: &'a MacConfig,
+    pub(crate) traffic: Option<&'a TrafficConfig>,
+    pub(crate) reception: Option<&'a ReceptionConfig>,
+    pub(crate) antenna: Option<&'a AntennasConfig>,
+    pub(crate) energy: Option<&'a EnergyConfig>,
 }
 
 impl<'a> From<&'a ScenarioConfig> for ScenarioTables<'a> {
@@ -101,7 +104,7 @@ impl<'a> From<&'a ScenarioConfig> for ScenarioTables<'a> {
 
 impl<'a> NetworkTables<'a> {
     /// The tables of each network of a scenario, in the order of their names.
-    pub(super) fn all(config: impl Into<ScenarioTables<'a>>) -> Vec<Self> {
+    pub(crate) fn all(config: impl Into<ScenarioTables<'a>>) -> Vec<Self> {
         let config = config.into();
         if config.networks.is_empty() {
             return vec![Self::of(config, None)];
@@ -141,17 +144,17 @@ impl<'a> NetworkTables<'a> {
     }
 
     /// Whether its links sweep sectors.
-    pub(super) fn sweeps_sectors(&self) -> bool {
+    pub(crate) fn sweeps_sectors(&self) -> bool {
         self.mac.value.sweeps_sectors()
     }
 
     /// What its nodes send, if they do not answer sweeps instead.
-    pub(super) fn traffic_of_nodes(&self) -> Option<&'a TrafficConfig> {
+    pub(crate) fn traffic_of_nodes(&self) -> Option<&'a TrafficConfig> {
         self.traffic.value.filter(|_| !self.sweeps_sectors())
     }
 
     /// The law of its channel. An absent loss at the reference distance is that of free space at the carrier of its radios.
-    pub(super) fn law(&self, errors: &mut Errors) -> Option<ChannelLaw> {
+    pub(crate) fn law(&self, errors: &mut Errors) -> Option<ChannelLaw> {
         let channel = *self.channel.value;
         let channel = match self.radio.value {
             Some(radio) => channel.with_free_space(radio.carrier_ghz(self.mac.value)),
@@ -161,7 +164,7 @@ impl<'a> NetworkTables<'a> {
     }
 
     /// Its channel and its links, checked; `nodes` are those of the world, if it has no error.
-    pub(super) fn links(
+    pub(crate) fn links(
         &self,
         nodes: Option<&[PlacedNode]>,
         files: &Files,
@@ -183,7 +186,7 @@ impl<'a> NetworkTables<'a> {
     }
 
     /// The tables of its links.
-    pub(super) fn link_config(&self) -> LinkConfig<'a> {
+    pub(crate) fn link_config(&self) -> LinkConfig<'a> {
         LinkConfig {
             radio: self.radio.value,
             mac: self.mac.value,
@@ -203,7 +206,7 @@ impl<'a> NetworkTables<'a> {
     }
 
     /// The network with these `links`, checked; `nodes` are those of the world, if it has no error.
-    pub(super) fn check(
+    pub(crate) fn check(
         &self,
         config: &ScenarioConfig,
         links: Option<CheckedLinks>,
@@ -257,7 +260,7 @@ impl<'a> NetworkTables<'a> {
     }
 
     /// The named chip whose energy is counted, and its bands, if these are not the band of the radios.
-    pub(super) fn foreign_chip(&self) -> Option<ForeignChip> {
+    pub(crate) fn foreign_chip(&self) -> Option<ForeignChip> {
         let phy = self.radio.value.filter(|_| !self.sweeps_sectors())?.phy;
         let chip = *self.energy.value?;
         let bands = chip.other_bands(phy)?;
@@ -312,7 +315,7 @@ fn members(
 ///
 /// # Errors
 /// If there is no network of this name, or several and no name.
-pub(super) fn number(
+pub(crate) fn number(
     key: &str,
     name: Option<&str>,
     networks: &BTreeMap<String, NetworkConfig>,

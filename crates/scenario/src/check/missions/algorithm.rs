@@ -29,7 +29,7 @@ pub enum Task {
 
 impl Algorithm {
     /// The checked form of `config` in a network of such radios, in this world.
-    pub(super) fn new(config: &AlgorithmConfig, radio: &Radio, world: &World) -> Result<Self, SettingError> {
+    pub(crate) fn new(config: &AlgorithmConfig, radio: &Radio, world: &World) -> Result<Self, SettingError> {
         let fields = &world.fields;
         let places = world.nodes.iter().map(|node| node.position);
         let doubt = || world.sensors.targets.and_then(|sensor| Doubt::new(&sensor, places));

@@ -4,12 +4,12 @@ use sextant_channel::ObstacleField;
 use sextant_kernel::SettingError;
 use sextant_sim::{Sink, World};
 
-use super::config::ScenarioConfig;
-use super::errors::Errors;
-use super::networks;
+use crate::check::errors::Errors;
+use crate::check::networks;
+use crate::config::ScenarioConfig;
 
 /// The sinks, with unique names.
-pub(super) fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) -> Vec<Sink> {
+pub(crate) fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) -> Vec<Sink> {
     let none = ObstacleField::default();
     let obstacles = world.map_or(&none, |world| &world.obstacles);
     let mut sinks: Vec<Sink> = Vec::new();

@@ -7,11 +7,11 @@ use sextant_mapper::{
 };
 use sextant_sim::{RobotConfig, RoleConfig, TrafficConfig};
 
-use super::networks::{CheckedLinks, NetworkTables};
+use super::{CheckedLinks, NetworkTables};
 
 /// The networks that robots survey, in the order of their logs.
 #[derive(Clone, Debug, Default)]
-pub(super) struct KnownNetworks(Vec<KnownNetwork>);
+pub(crate) struct KnownNetworks(Vec<KnownNetwork>);
 
 /// A network that robots survey.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ impl PacketsPerStop {
 impl KnownNetworks {
     /// The networks that `robots` survey, of those in `tables` with these `links`; the first of them if there are no
     /// robots.
-    pub(super) fn new(
+    pub(crate) fn new(
         tables: &[NetworkTables<'_>],
         links: &[Option<CheckedLinks>],
         robots: &[RobotConfig<ControllerConfig>],
@@ -93,17 +93,17 @@ impl KnownNetworks {
     }
 
     /// What nodes send in the first network.
-    pub(super) fn packets_per_stop(&self) -> Option<PacketsPerStop> {
+    pub(crate) fn packets_per_stop(&self) -> Option<PacketsPerStop> {
         self.0.first().map(|network| network.packets_per_stop)
     }
 
     /// Whether a log of the network called `name`, or of the first one, has sectors; true if there is no such network.
-    pub(super) fn sweep_sectors(&self, name: Option<&str>) -> bool {
+    pub(crate) fn sweep_sectors(&self, name: Option<&str>) -> bool {
         self.find("network", name).ok().flatten().is_none_or(|network| network.sweeps_sectors)
     }
 
     /// Whether the channel and the links of all networks are known.
-    pub(super) fn are_known(&self) -> bool {
+    pub(crate) fn are_known(&self) -> bool {
         self.0.iter().all(|network| network.links.is_some())
     }
 
@@ -111,7 +111,7 @@ impl KnownNetworks {
     ///
     /// # Errors
     /// If robots survey no network of that name.
-    pub(super) fn complete(&self, map: &mut MapConfig) -> Result<(), SettingError> {
+    pub(crate) fn complete(&self, map: &mut MapConfig) -> Result<(), SettingError> {
         if let (Some(name), Some(_)) = (&map.network, map.algorithm.networks()) {
             let allowed = "no key: `algorithm.joint.networks` names the networks";
             return Err(SettingError::new("network", format!("`{name}`"), allowed));

@@ -1,14 +1,16 @@
 //! The maps of a scenario.
 
+pub(crate) mod grids;
+
 use sextant_apps::ControllerConfig;
 use sextant_kernel::text::choices;
 use sextant_kernel::{SettingError, SettingProblem};
 use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig, Mapper, Stitched};
 use sextant_sim::{RobotConfig, RoleConfig};
 
-use super::config::ScenarioConfig;
 use super::errors::Errors;
-use super::known_networks::KnownNetworks;
+use super::networks::known::KnownNetworks;
+use crate::config::ScenarioConfig;
 
 /// A map to compute.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +27,7 @@ pub struct MapJob {
 
 /// The maps to compute of what `robots` hear; absent channel settings are taken from the networks of the maps, where they are
 /// known.
-pub(super) fn check_maps(
+pub(crate) fn check_maps(
     configs: &[MapConfig],
     robots: &[RobotConfig<ControllerConfig>],
     networks: &KnownNetworks,
@@ -63,7 +65,7 @@ pub(super) fn check_maps(
 
 /// Refuses maps of what robots heard, if no robot surveys, those that join the logs of robots, if there are not two, and those
 /// by the sectors of a network without any.
-pub(super) fn check_log_of_maps(
+pub(crate) fn check_log_of_maps(
     config: &ScenarioConfig,
     maps: &[MapJob],
     networks: &KnownNetworks,
@@ -99,7 +101,7 @@ pub(super) fn check_log_of_maps(
 }
 
 /// Refuses the name of a map that is not plain, or that one of the `others` has. The name is in `table`.
-pub(super) fn check_name(name: &str, table: &str, others: &[MapJob], errors: &mut Errors) {
+pub(crate) fn check_name(name: &str, table: &str, others: &[MapJob], errors: &mut Errors) {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     if name.is_empty() || !name.chars().all(is_plain) {
         let allowed = "at least one character; only letters, digits, `-`, `_` and `.`";

@@ -13,10 +13,10 @@ use sextant_mac::dmg::MAX_BEACON_PAYLOAD_OCTETS;
 use sextant_mapper::BearingTable;
 use sextant_sim::{Broadcast, MacConfig, Network, NetworkId, Robot, RoleConfig, Setup};
 
-use super::config::ScenarioConfig;
-use super::errors::Errors;
-use super::maps::{MapJob, check_name};
-use super::networks::{self, NetworkTables};
+use crate::check::errors::Errors;
+use crate::check::maps::{MapJob, check_name};
+use crate::check::networks::{self, NetworkTables};
+use crate::config::ScenarioConfig;
 
 /// The table of the scenario.
 const TABLE: &str = "distributed_mapping";
@@ -71,7 +71,7 @@ impl NodeMapJob {
 }
 
 /// The map that the nodes of `config` compute, if they do. Robots that are mobile anchors get what they send.
-pub(super) fn check_distributed(
+pub(crate) fn check_distributed(
     config: &ScenarioConfig,
     tables: &[NetworkTables<'_>],
     setup: &mut Setup,
@@ -139,7 +139,7 @@ fn check_phase(written: &DistributedMappingConfig, has_mobile: bool, errors: &mu
 }
 
 /// Nodes must hear each other.
-pub(super) fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors) {
+pub(crate) fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors) {
     let why = "because nodes must hear each other's messages at any time";
     let error = match tables.mac.value {
         MacConfig::SectorSweep(_) => return,

@@ -1,5 +1,10 @@
 //! A scenario as a tree of settings with their places in the source texts.
 
+pub(crate) mod effective;
+pub(crate) mod key_path;
+pub(crate) mod layers;
+pub(crate) mod setting_line;
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -7,8 +12,8 @@ use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
 use super::error::ScenarioError;
-use super::key_path::{KeyPath, Step};
 use super::source::{Origin, Source};
+use key_path::{KeyPath, Step};
 
 /// A setting and its place in the source texts.
 #[derive(Clone, Debug)]
@@ -141,7 +146,7 @@ impl Entry {
 
 impl Document {
     /// Changes the path `file`, the value at `key`, from relative to the layer that names it to relative to `folder`.
-    pub(super) fn rebase(&self, key: &str, file: &mut PathBuf, folder: &Path) {
+    pub(crate) fn rebase(&self, key: &str, file: &mut PathBuf, folder: &Path) {
         let Ok(path) = KeyPath::parse(key) else { return };
         let (entry, _) = self.nearest(&path);
         let from = &self.sources[entry.origin.source].folder;

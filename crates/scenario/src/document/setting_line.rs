@@ -4,10 +4,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::document::{Document, Entry, Table, Value, parse_value};
-use super::error::ScenarioError;
 use super::key_path::{KeyPath, Step};
-use super::source::{Origin, SETTING, Source};
+use super::{Document, Entry, Table, Value, parse_value};
+use crate::error::ScenarioError;
+use crate::source::{Origin, SETTING, Source};
 
 impl Document {
     /// Overrides a setting by the text `path.to.key=value`; `name` is its name in messages. Paths of files in it are relative to
@@ -15,7 +15,7 @@ impl Document {
     ///
     /// # Errors
     /// If the text has another form, or names an entry that an array does not have.
-    pub(super) fn lay_setting(&mut self, name: &str, text: &str, folder: &Path) -> Result<(), ScenarioError> {
+    pub(crate) fn lay_setting(&mut self, name: &str, text: &str, folder: &Path) -> Result<(), ScenarioError> {
         let source = Source { name: name.to_owned(), text: Arc::from(text), folder: folder.to_owned() };
         self.sources.push(source);
         Line::read(&self.sources, self.sources.len() - 1)?.lay(&mut self.root)
@@ -23,9 +23,9 @@ impl Document {
 }
 
 /// A setting in one line, read.
-pub(super) struct ReadSetting {
-    pub(super) path: KeyPath,
-    pub(super) value: Entry,
+pub(crate) struct ReadSetting {
+    pub(crate) path: KeyPath,
+    pub(crate) value: Entry,
 }
 
 impl ReadSetting {
@@ -33,7 +33,7 @@ impl ReadSetting {
     ///
     /// # Errors
     /// If the text has another form.
-    pub(super) fn of(text: &str) -> Result<Self, ScenarioError> {
+    pub(crate) fn of(text: &str) -> Result<Self, ScenarioError> {
         let source = Source { name: SETTING.to_owned(), text: Arc::from(text), folder: PathBuf::new() };
         let sources = [source];
         let mut line = Line::read(&sources, 0)?;

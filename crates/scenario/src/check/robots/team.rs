@@ -7,13 +7,13 @@ use sextant_mapper::MapConfig;
 use sextant_sim::layout::{Region, RegionConfig};
 use sextant_sim::{OwnFrameConfig, RobotBody, RobotConfig, World};
 
-use super::team_config::{FramesConfig, MOST_ROBOTS, TeamConfig};
+use crate::config::team::{FramesConfig, MOST_ROBOTS, TeamConfig};
 
 /// Frames of the robots of a team.
 const FRAMES: Purpose = Purpose::new(32);
 
 /// The robots of `team` in `world`; among no obstacles if it is not known.
-pub(super) fn robots(
+pub(crate) fn robots(
     team: &TeamConfig,
     world: Option<&World>,
     seed: Seed,
@@ -48,7 +48,7 @@ pub(super) fn robots(
 }
 
 /// Leaves the only robot of a team with its own map: there is nothing to join, also in a sweep over the number of robots.
-pub(super) fn stitch_no_lone_robot(team: Option<&TeamConfig>, robots: usize, maps: &mut [MapConfig]) {
+pub(crate) fn stitch_no_lone_robot(team: Option<&TeamConfig>, robots: usize, maps: &mut [MapConfig]) {
     if team.is_some_and(|team| team.robots == 1) && robots < 2 {
         maps.iter_mut().for_each(|map| map.stitch = None);
     }

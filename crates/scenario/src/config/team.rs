@@ -7,7 +7,7 @@ use sextant_channel::Position;
 use sextant_sim::{OdometryConfig, OwnFrameConfig, RobotConfig};
 
 /// Largest number of robots.
-pub(super) const MOST_ROBOTS: u32 = 256;
+pub(crate) const MOST_ROBOTS: u32 = 256;
 
 /// A team of robots that divide a region among them, as written in a scenario. They are alike, and share nothing on the way:
 /// their receptions go into one log. What is not said here is as in `[[robots]]`.
@@ -79,7 +79,7 @@ fn default_name() -> String {
 
 impl TeamConfig {
     /// The robot `number` of the team, from 0, that starts at `start_m`.
-    pub(super) fn robot(
+    pub(crate) fn robot(
         &self,
         number: u32,
         start_m: Position,
@@ -102,13 +102,13 @@ impl TeamConfig {
     }
 
     /// A robot of the team that surveys all of its region.
-    pub(super) fn any_robot(&self) -> RobotConfig<ControllerConfig> {
+    pub(crate) fn any_robot(&self) -> RobotConfig<ControllerConfig> {
         self.surveying_all(0)
     }
 
     /// The robots of the team that know where they are in the world, each as if it surveyed all of the region: what maps may
     /// know of the team.
-    pub(super) fn robots_in_world(&self) -> Vec<RobotConfig<ControllerConfig>> {
+    pub(crate) fn robots_in_world(&self) -> Vec<RobotConfig<ControllerConfig>> {
         let last = match self.frames {
             FramesConfig::Shared => self.robots.clamp(1, MOST_ROBOTS),
             FramesConfig::Unknown => 1,

@@ -6,12 +6,12 @@ use sextant_kernel::{RobotId, SettingError, SimTime};
 use sextant_mapper::MapError;
 use sextant_sim::{Listening, NetworkId, Robot, RobotBody, RobotConfig, RobotTask, RoleConfig, Setup};
 
-use super::errors::Errors;
-use super::maps::MapJob;
+use super::MapJob;
+use crate::check::errors::Errors;
 
 /// Refuses maps whose grid does not fit the memory. The stops of planned paths are known. A robot that decides on the way
 /// stops at its start, and above and below it where its settings allow that.
-pub(super) fn check_grids<'a>(
+pub(crate) fn check_grids<'a>(
     maps: impl IntoIterator<Item = (&'a MapJob, Vec<NetworkId>)>,
     setup: &Setup,
     robots: &[RobotConfig<ControllerConfig>],

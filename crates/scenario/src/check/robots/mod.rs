@@ -1,5 +1,7 @@
 //! The robots of a scenario.
 
+pub(crate) mod team;
+
 use std::collections::BTreeMap;
 
 use sextant_apps::{ControllerConfig, Surroundings};
@@ -7,10 +9,10 @@ use sextant_channel::ObstacleField;
 use sextant_kernel::{Seed, SettingError};
 use sextant_sim::{Controller, NetworkId, Robot, RobotBody, RobotConfig, RobotTask, RoleConfig, World};
 
-use super::config::ScenarioConfig;
 use super::errors::Errors;
-use super::network_config::NetworkConfig;
 use super::networks::{self, NetworkTables};
+use crate::config::ScenarioConfig;
+use crate::config::network::NetworkConfig;
 
 /// Maximum distance from the start of a robot to the nearest node (m).
 const FARTHEST_START_M: f64 = 1e5;
@@ -20,15 +22,15 @@ const LONGEST_SURVEY_S: f64 = 1e9;
 
 /// The robots of a scenario.
 #[derive(Clone, Default)]
-pub(super) struct Robots {
+pub(crate) struct Robots {
     /// Those that take part in the survey: all but the agents.
-    pub(super) of_survey: Vec<Robot>,
+    pub(crate) of_survey: Vec<Robot>,
     /// The bodies of all.
-    pub(super) bodies: Vec<RobotBody>,
+    pub(crate) bodies: Vec<RobotBody>,
 }
 
 /// The robots, with unique names.
-pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) -> Robots {
+pub(crate) fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) -> Robots {
     let mut robots = Robots::default();
     for (i, robot_config) in config.robots.iter().enumerate() {
         let table = config.table_of_robot(i);
@@ -68,7 +70,7 @@ pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, error
 }
 
 /// Refuses targets with the name of a robot: in a recording, both would be the same frame.
-pub(super) fn check_target_names(
+pub(crate) fn check_target_names(
     robots: &[RobotConfig<ControllerConfig>],
     world: Option<&World>,
     errors: &mut Errors,

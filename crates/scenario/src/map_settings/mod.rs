@@ -1,5 +1,7 @@
 //! The maps that `sextant map` computes from a log.
 
+mod keys;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
@@ -12,18 +14,18 @@ use sextant_kernel::Files;
 use sextant_mapper::{AlgorithmConfig, AnyLog, KnowledgeKind, MapConfig};
 use sextant_sim::{AntennasConfig, MacConfig, RadioConfig, RobotConfig, Technology, TrafficConfig, WorldConfig};
 
+use super::check::errors::Errors;
+use super::check::maps::{MapJob, check_maps};
+use super::check::networks::known::KnownNetworks;
+use super::check::networks::{CheckedLinks, NetworkTables, ScenarioTables};
+use super::check::robots::team;
 use super::config::MetricsConfig;
+use super::config::network::NetworkConfig;
+use super::config::team::TeamConfig;
 use super::deserialize::deserialize;
 use super::document::{Document, Value};
 use super::error::{ScenarioError, ScenarioErrors};
-use super::errors::Errors;
-use super::keys::keys_of;
-use super::known_networks::KnownNetworks;
-use super::maps::{MapJob, check_maps};
-use super::network_config::NetworkConfig;
-use super::networks::{CheckedLinks, NetworkTables, ScenarioTables};
-use super::team;
-use super::team_config::TeamConfig;
+use keys::keys_of;
 
 /// The key of the algorithm that has reception profiles, and of the one that chooses by the log.
 const WITH_PROFILE: &str = "ml_tm";

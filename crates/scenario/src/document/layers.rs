@@ -6,10 +6,10 @@ use std::sync::Arc;
 use sextant_kernel::{is_within, read_at_most};
 use sextant_recording::ForeignFolder;
 
-use super::document::{self, Document, Entry, Value};
 use super::effective;
-use super::error::ScenarioError;
-use super::source::{SETTING, Source};
+use crate::document::{self, Document, Entry, Value};
+use crate::error::ScenarioError;
+use crate::source::{SETTING, Source};
 
 /// The most that is read of a scenario (octets).
 const LARGEST_SCENARIO: u64 = 1 << 26;
@@ -68,7 +68,7 @@ impl Document {
 
 impl Document {
     /// Overrides settings by those of a text; `name` is its name in messages.
-    pub(super) fn lay_text(&mut self, name: &str, text: &str) -> Result<(), ScenarioError> {
+    pub(crate) fn lay_text(&mut self, name: &str, text: &str) -> Result<(), ScenarioError> {
         let source = Source { name: name.to_owned(), text: Arc::from(text), folder: PathBuf::new() };
         self.sources.push(source);
         self.root.overlay(document::parse(&self.sources, self.sources.len() - 1)?);

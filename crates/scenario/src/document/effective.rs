@@ -3,12 +3,12 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::document::{Entry, Value};
 use super::key_path::{KeyPath, Step};
-use super::source::{SETTING, Source};
+use super::{Entry, Value};
+use crate::source::{SETTING, Source};
 
 /// The settings in `root` as a text, with one line `path.to.key = value` per setting.
-pub(super) fn text(root: &Entry, sources: &[Source]) -> String {
+pub(crate) fn text(root: &Entry, sources: &[Source]) -> String {
     let mut text = "# Merged settings of".to_owned();
     for (i, source) in sources.iter().enumerate() {
         // File names without folders, so that the text does not depend on the folder.
@@ -39,7 +39,7 @@ fn settings(entry: &Entry, path: &KeyPath, text: &mut String) {
 }
 
 /// A value as TOML on one line.
-pub(super) fn inline(value: &Value) -> String {
+pub(crate) fn inline(value: &Value) -> String {
     match value {
         Value::Boolean(boolean) => boolean.to_string(),
         Value::Integer(integer) => integer.to_string(),

@@ -1,5 +1,12 @@
 //! Checks a scenario and builds everything that a run needs, before anything runs.
 
+pub(crate) mod errors;
+pub(crate) mod maps;
+pub(crate) mod missions;
+pub(crate) mod networks;
+pub(crate) mod plausible;
+pub(crate) mod robots;
+
 use std::time::Duration;
 
 use sextant_channel::{Anchor, Bounds};
@@ -9,38 +16,38 @@ use sextant_sim::{
     Applications, Discovery, Interferer, RobotBody, RoleConfig, Sensors, Setup, SimulatedRegion, Simulation, World,
 };
 
-use super::applications::{Application, Surroundings, check_applications};
 use super::config::ScenarioConfig;
-use super::distributed::{NodeMapJob, check_distributed};
-use super::errors::Errors;
-use super::known_networks::{KnownNetworks, PacketsPerStop};
-use super::maps::{MapJob, check_log_of_maps, check_maps};
-use super::networks::NetworkTables;
-use super::robots::{Robots, check_robots, check_target_names};
-use super::sinks::check_sinks;
-use super::team;
+use errors::Errors;
+use maps::{MapJob, check_log_of_maps, check_maps};
+use missions::applications::{Application, Surroundings, check_applications};
+use missions::distributed::{NodeMapJob, check_distributed};
+use networks::NetworkTables;
+use networks::known::{KnownNetworks, PacketsPerStop};
+use networks::sinks::check_sinks;
+use robots::team;
+use robots::{Robots, check_robots, check_target_names};
 
 /// The validated settings. They are built once, because planning the paths of robots takes a while.
 #[derive(Clone)]
-pub(super) struct Parts {
+pub(crate) struct Parts {
     /// The simulation of the survey.
-    pub(super) setup: Setup,
+    pub(crate) setup: Setup,
     /// The bodies of all robots, also of those that take no part in the survey.
-    pub(super) bodies: Vec<RobotBody>,
-    pub(super) anchors: Vec<Anchor>,
-    pub(super) discovery: Discovery,
+    pub(crate) bodies: Vec<RobotBody>,
+    pub(crate) anchors: Vec<Anchor>,
+    pub(crate) discovery: Discovery,
     /// What nodes send while a robot listens, in the first network that robots survey.
-    pub(super) packets_per_stop: PacketsPerStop,
-    pub(super) distributed: Option<NodeMapJob>,
-    pub(super) applications: Vec<Application>,
+    pub(crate) packets_per_stop: PacketsPerStop,
+    pub(crate) distributed: Option<NodeMapJob>,
+    pub(crate) applications: Vec<Application>,
     /// What is left out of the counts at the start.
-    pub(super) warm_up: Duration,
+    pub(crate) warm_up: Duration,
     /// Which part of the nodes' traffic is simulated.
-    pub(super) region: SimulatedRegion,
+    pub(crate) region: SimulatedRegion,
 }
 
 /// Adds the robots of the team, then checks each part of the scenario, then all parts together.
-pub(super) fn check(config: &mut ScenarioConfig, files: &Files, errors: &mut Errors) -> (Option<Parts>, Vec<MapJob>) {
+pub(crate) fn check(config: &mut ScenarioConfig, files: &Files, errors: &mut Errors) -> (Option<Parts>, Vec<MapJob>) {
     if config.name.trim().is_empty() {
         errors.refuse(&SettingError::new("name", "empty", "a name with at least one letter"));
     }
