@@ -10,7 +10,7 @@
 //! let template = Template::named("survey").and_then(|template| template.scenario()).expect("a template");
 //! let scenario = Scenario::parse(template.text)?.with("seed", 3)?;
 //! assert_eq!(scenario.seed(), sextant_kernel::Seed(3));
-//! let refused = scenario.with("channel.path_loss.log_distance.exponent", -1.0).expect_err("path loss grows with distance");
+//! let refused = scenario.with("channel.path_loss.log_distance.exponent", -1.0).err().expect("path loss grows with distance");
 //! assert!(refused.to_string().contains("exponent"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
