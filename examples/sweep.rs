@@ -1,11 +1,11 @@
 //! A study of one setting, in memory: the error of the map against the spacing of the robot's lanes, with intervals.
 //!
-//! `cargo run --release -p sextant --example sweep`
+//! `cargo run --release -p sextant-study --example sweep`
 
 use std::io::Write;
 
-use sextant::sweep::Mean;
 use sextant::{Scenario, Unwatched};
+use sextant_study::sweep::Mean;
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/smoke.toml");

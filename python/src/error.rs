@@ -12,8 +12,8 @@ use sextant::mapping::MapLogError;
 use sextant::recording::RecordingError;
 use sextant::recording::admission::OutputRefusal;
 use sextant::scenario::ScenarioError as OneError;
-use sextant::sweep::SweepError;
 use sextant::{RunError as LibraryRunError, ScenarioErrors};
+use sextant_study::sweep::SweepError;
 
 create_exception!(sextant, SextantError, PyException, "An error of Sextant: the base of all others.");
 create_exception!(

@@ -1,4 +1,4 @@
-//! The module `sextant._native` of Python: scenarios, runs, logs, maps and sweeps of the crate `sextant`.
+//! The module `sextant._native` of Python: scenarios, runs, logs and maps of the crate `sextant`, and sweeps of `sextant-study`.
 //!
 //! Users see it through the package `sextant` beside it, whose classes have the documentation. What is here is small: it turns
 //! values of Python into those of the library and back, keeps the interpreter free while the library works, and lets programs

@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sextant::recording::admission::{OutputKind, Outputs, Replace};
-use sextant::sweep::{self as sweeps, Kind, Shard, Sweep, TableError};
+use sextant_study::sweep::{self as sweeps, Kind, Shard, Sweep, TableError};
 
 use crate::entries::each_entry_of_dict;
 use crate::error::{OrException, RunError};

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 use sextant::run::run;
 use sextant::scenario::Scenario;
-use sextant::sweep::Mean;
 use sextant_kernel::Unwatched;
+use sextant_study::sweep::Mean;
 
 use crate::tables::{Outcome, Words};
 

@@ -13,12 +13,13 @@ use std::io::Write;
 use std::num::NonZeroU32;
 use std::path::Path;
 
-use sextant::campaign::Replace;
 use sextant::export::ExportFormat;
 use sextant::summary::Stopwatch;
-use sextant::sweep::{self, Shard};
-use sextant::{AlgorithmName, Campaign, NumberRange, RunRecorder, Scenario, Sweep, Unwatched, export, map_log};
+use sextant::{AlgorithmName, NumberRange, RunRecorder, Scenario, Unwatched, export, map_log};
 use sextant_recording::read_log;
+use sextant_study::campaign::Replace;
+use sextant_study::sweep::{self, Shard};
+use sextant_study::{Campaign, Sweep};
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 
 use crate::tables::{Outcome, Words};

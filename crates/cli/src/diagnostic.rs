@@ -8,12 +8,10 @@ use std::process::ExitCode;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Report, SourceCode};
 use sextant::LinkError;
 use sextant::antenna::{BookError, ConvertError};
-use sextant::campaign::CampaignError;
 use sextant::export::ExportError;
 use sextant::mapping::MapLogError;
 use sextant::run::RunError;
 use sextant::scenario::{ScenarioError, ScenarioErrors};
-use sextant::sweep::{SweepError, TableError};
 use sextant_kernel::Interrupted;
 use sextant_kernel::text::{is_harmful, message, printable};
 use sextant_logs::RobotLogError;
@@ -21,6 +19,8 @@ use sextant_recording::RecordingError;
 use sextant_recording::admission::OutputRefusal;
 use sextant_recording::output::OutputError;
 use sextant_report::ReportError;
+use sextant_study::campaign::CampaignError;
+use sextant_study::sweep::{SweepError, TableError};
 use sextant_thesis::ReproductionError;
 
 /// Why a command failed.

@@ -1,6 +1,7 @@
 //! Words of messages: counts with nouns, lists of names, and texts of others: short, printable, harmless in spreadsheets.
 
 use std::borrow::Cow;
+use std::fmt::Write as _;
 
 /// `1 node`, `2 nodes`.
 pub fn counted(count: usize, what: &str) -> String {
@@ -100,6 +101,16 @@ pub fn cell(text: &str) -> Cow<'_, str> {
 #[must_use]
 pub fn of_cell(cell: &str) -> &str {
     cell.strip_prefix(MARK).filter(|text| is_formula(text)).unwrap_or(cell)
+}
+
+/// Octets as hexadecimal digits.
+#[must_use]
+pub fn hexadecimal(octets: &[u8]) -> String {
+    octets.iter().fold(String::with_capacity(2 * octets.len()), |mut text, octet| {
+        // Writing to a text cannot fail.
+        let _ = write!(text, "{octet:02x}");
+        text
+    })
 }
 
 #[cfg(test)]

@@ -31,6 +31,7 @@ mod detail;
 pub mod disk;
 mod drawing;
 mod error;
+mod foreign_folder;
 mod inspect;
 mod known;
 mod link_quality;
@@ -57,6 +58,7 @@ pub use capture::{Capture, CapturedDmgFrame, CapturedFrame, FileCapture, Signal,
 pub use course::{RecordedCourse, read_course};
 pub use drawing::{GridPlane, PlacedNode, Solid};
 pub use error::RecordingError;
+pub use foreign_folder::ForeignFolder;
 pub use foxglove::Schema;
 pub use foxglove::messages::log::Level;
 pub use inspect::{AttachmentInfo, Inspection, Topic, inspect};

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use sextant::sweep::TableError;
 use sextant_recording::RecordingError;
+use sextant_study::sweep::TableError;
 
 /// Why there is no report.
 #[derive(Clone, Debug, thiserror::Error)]

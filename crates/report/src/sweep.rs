@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
-use sextant::sweep::{FinishedTable, students_t_975};
+use sextant_study::sweep::{FinishedTable, students_t_975};
 
 use super::column::Column;
 use super::error::ReportError;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use sextant::sweep::TableError;
+use sextant_study::sweep::TableError;
 
 use super::document::{Kind, Report};
 use super::error::ReportError;

@@ -26,12 +26,11 @@
 //!   settings of `sextant map`.
 //! - [`explain_link`] says why a station hears another one, or not: the power between the two, item by item.
 //! - [`antenna`] says what the sectors of an antenna cover, and makes code books of measurements in other formats.
-//! - [`Sweep`] runs a scenario with many settings and seeds. [`Campaign`] is a sweep as a plan in a folder, which several
-//!   machines do part by part.
+//! - A scenario with many settings and seeds is a study: the crate `sextant-study`.
 //! - [`Template`](template::Template)s are scenarios to begin with; [`scenario::explain`] says what a key means.
 //! - [`Summary`] is the result of each of them, as the JSON object of `--summary`.
-//! - [`kernel`], [`channel`], [`sim`], [`mapper`], [`logs`], [`recording`] and [`figure`] are the crates below: their words are
-//!   those of this one, so a program needs no other dependency.
+//! - [`kernel`], [`channel`], [`sim`], [`mapper`], [`logs`], [`recording`], [`figure`] and [`scenario`] are the crates below:
+//!   their words are those of this one, so a program needs no other dependency.
 //!
 //! Long work asks a [`Watch`] whether to go on, and tells it how far it is; [`Unwatched`] goes on to the end. Each activity
 //! has one type of errors. The same scenario and seed give the same bytes at any number of threads.
@@ -39,32 +38,23 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
 
 pub mod antenna;
-pub mod campaign;
 pub mod columns;
 pub mod export;
 pub mod forecast;
-mod foreign_folder;
-mod hexadecimal;
 pub mod link;
 pub mod mapping;
 pub mod measure;
 mod number_range;
 pub mod run;
-pub mod scenario;
-pub mod shell;
 pub mod summary;
-pub mod sweep;
-pub mod template;
 mod threads;
 
-pub use campaign::{Campaign, CampaignError};
 pub use export::{ExportError, export};
 pub use forecast::Forecast;
 pub use link::{LinkError, LinkReport, RayReport, explain_link, rays_csv};
 pub use mapping::{LogMap, MapLogError, map_log};
 pub use number_range::NumberRange;
 pub use run::{Programs, Run, RunCapture, RunError, RunObserver, RunRecorder, run, run_with, survey};
-pub use scenario::{AlgorithmName, Scenario, ScenarioErrors};
 pub use sextant_channel as channel;
 pub use sextant_figure as figure;
 pub use sextant_kernel as kernel;
@@ -72,7 +62,8 @@ pub use sextant_kernel::{Unwatched, Watch};
 pub use sextant_logs as logs;
 pub use sextant_mapper as mapper;
 pub use sextant_recording as recording;
+pub use sextant_scenario as scenario;
+pub use sextant_scenario::{AlgorithmName, Scenario, ScenarioErrors, shell, template};
 pub use sextant_sim as sim;
 pub use summary::Summary;
-pub use sweep::{Sweep, SweepError};
 pub use threads::MOST_THREADS;

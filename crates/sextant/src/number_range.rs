@@ -32,7 +32,7 @@ impl NumberRange {
     }
 
     /// Joins neighbouring numbers, which are in order.
-    pub(crate) fn joined(numbers: impl IntoIterator<Item = usize>) -> Vec<Self> {
+    pub fn joined(numbers: impl IntoIterator<Item = usize>) -> Vec<Self> {
         let mut ranges: Vec<Self> = Vec::new();
         for number in numbers {
             match ranges.last_mut() {

@@ -1,7 +1,7 @@
 //! How near our value is to a published number.
 
 use super::ours::Ours;
-use sextant::sweep::{Mean, Share};
+use sextant_study::sweep::{Mean, Share};
 
 /// How near our value is to a published number or range. The interval is ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

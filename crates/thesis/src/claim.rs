@@ -8,7 +8,7 @@ use super::ours::Ours;
 use super::published::Published;
 use super::runs::{Runs, Term};
 use sextant::summary::Unit;
-use sextant::sweep::{Mean, Share};
+use sextant_study::sweep::{Mean, Share};
 
 /// A conclusion.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! How our value of a line is computed.
 
 use sextant::summary::Unit;
-use sextant::sweep::Share;
 use sextant_mapper::{Trapezoid, TrapezoidConfig};
+use sextant_study::sweep::Share;
 
 use super::claim::Check;
 use super::finding::Verdict;

@@ -3,10 +3,10 @@
 use sextant::run::RunError;
 use sextant::scenario::ScenarioErrors;
 use sextant::summary::UnknownMeasure;
-use sextant::sweep::SweepError;
 use sextant_kernel::Interrupted;
 use sextant_recording::RecordingError;
 use sextant_recording::output::OutputError;
+use sextant_study::sweep::SweepError;
 
 /// Why a table or figure cannot be reproduced.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -19,7 +19,7 @@ pub enum ReproductionError {
     Sweep(SweepError),
     /// A table of runs cannot be written or read.
     #[error(transparent)]
-    Table(#[from] sextant::sweep::TableError),
+    Table(#[from] sextant_study::sweep::TableError),
     /// A run failed.
     #[error(transparent)]
     Run(RunError),

@@ -1,6 +1,6 @@
 //! The result of a check of a conclusion.
 
-use sextant::sweep::Mean;
+use sextant_study::sweep::Mean;
 
 /// Whether a conclusion holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use super::agreement::Agreement;
 use super::finding::Finding;
 use super::ours::Ours;
 use super::published::Published;
-use sextant::sweep::Mean;
 use sextant_recording::output::{CsvFile, EmptyCell, OutputError};
+use sextant_study::sweep::Mean;
 
 /// A published value beside ours.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,7 +161,7 @@ pub fn write_csv<'a>(path: &Path, lines: impl IntoIterator<Item = &'a Line>) -> 
 mod tests {
     use super::super::finding::Verdict;
     use super::*;
-    use sextant::sweep::Share;
+    use sextant_study::sweep::Share;
 
     #[test]
     fn a_line_shows_both_values_in_the_same_unit() {

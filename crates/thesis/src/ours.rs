@@ -1,7 +1,7 @@
 //! Our value of a line.
 
 use super::finding::Finding;
-use sextant::sweep::{Mean, Share};
+use sextant_study::sweep::{Mean, Share};
 
 /// Our value of a line.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use super::error::ReproductionError;
 use sextant::summary::Measure;
-use sextant::sweep::{self, Mean, Row, Share, Sweep};
 use sextant_kernel::Watch;
 use sextant_kernel::text::counted;
+use sextant_study::sweep::{self, Mean, Row, Share, Sweep};
 
 /// A measure of a cell of a scenario.
 #[derive(Clone, Debug)]

@@ -8,8 +8,8 @@ use tempfile::TempDir;
 use super::*;
 use sextant::scenario::Scenario;
 use sextant::summary::Measure;
-use sextant::sweep::{self, Row, Sweep};
 use sextant_kernel::Unwatched;
+use sextant_study::sweep::{self, Row, Sweep};
 
 /// Invented runs.
 const RUNS: NonZeroU32 = NonZeroU32::new(3).expect("three is above zero");

@@ -1,7 +1,7 @@
 //! Files about maps: maps, true positions, areas, tables of sweeps.
 
-use sextant::sweep::FinishedTable;
 use sextant_logs::{LocalPlane, Names, read_area, read_map, read_truth};
+use sextant_study::sweep::FinishedTable;
 
 use crate::scratch;
 

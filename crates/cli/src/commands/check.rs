@@ -15,8 +15,8 @@ use crate::terminal::{stdout, warn};
 use sextant::Forecast;
 use sextant::forecast::warnings;
 use sextant::scenario::{Scenario, ScenarioErrors, ScenarioFile};
-use sextant::sweep::Sweep;
 use sextant_kernel::text::counted;
+use sextant_study::sweep::Sweep;
 
 /// Arguments of `sextant check`.
 #[derive(Clone, Debug, Args)]

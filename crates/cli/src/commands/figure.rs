@@ -11,12 +11,12 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::stdout;
 use sextant::Scenario;
-use sextant::sweep::{StudyDrawing, StudyFigures};
 use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, Window};
 use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::disk;
 use sextant_recording::output::write_file;
 use sextant_recording::{self as recording, ORIGIN_METADATA, RecordedPacket, Recording};
+use sextant_study::sweep::{StudyDrawing, StudyFigures};
 
 /// Arguments of `sextant figure`.
 #[derive(Clone, Debug, Args)]

@@ -17,7 +17,6 @@ use crate::interrupt::Interrupt;
 use crate::invocation::Invocation;
 use crate::terminal::{Watcher, stdout};
 use sextant::NumberRange;
-use sextant::campaign::slurm::submit_map;
 use sextant::mapping::tiles::{self, KeptTiles, TileCount, Tiling};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
@@ -28,6 +27,7 @@ use sextant_logs::{self as robot_log, FieldNames, Names};
 use sextant_recording::SCENARIO_ATTACHMENT;
 use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::output::{open_folder, write_file};
+use sextant_study::campaign::slurm::submit_map;
 
 /// Arguments of `sextant map`.
 #[derive(Clone, Debug, Args)]

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use clap::Args;
 use sextant::scenario::Scenario;
-use sextant::sweep::Sweep;
 use sextant_logs::is_part_of_log;
 use sextant_recording::admission::{OutputNote, Outputs, Replace};
+use sextant_study::sweep::Sweep;
 
 use super::options::Work;
 use crate::diagnostic::Failure;

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use crate::diagnostic::Failure;
 use crate::invocation::Invocation;
-use sextant::campaign::slurm::{Chunk, Memory, SlurmName, SlurmOption, SlurmSettings, TimeLimit};
+use sextant_study::campaign::slurm::{Chunk, Memory, SlurmName, SlurmOption, SlurmSettings, TimeLimit};
 
 /// A scheduler of a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -20,11 +20,11 @@ use crate::terminal::{Watcher, stdout};
 use existing::Start;
 use sextant::columns::{Align, columns};
 use sextant::summary::Measure;
-use sextant::sweep::{
-    Column, Mean, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, extend, rows_of, write_table,
-};
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{OutputKind, Outputs, Replace};
+use sextant_study::sweep::{
+    Column, Mean, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, extend, rows_of, write_table,
+};
 
 /// Arguments of `sextant sweep`.
 #[derive(Clone, Debug, Args)]
@@ -287,7 +287,7 @@ fn shortened(keys: &[Column]) -> impl Iterator<Item = String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant::sweep::Kind;
+    use sextant_study::sweep::Kind;
 
     #[test]
     fn keys_are_shortened_but_stay_distinct() {

@@ -4,7 +4,7 @@ use serde::Serialize;
 use sextant_channel::Position;
 use sextant_sim::Setup;
 
-use crate::scenario::Scenario;
+use sextant_scenario::Scenario;
 
 use super::network::Reach;
 use super::way::Way;

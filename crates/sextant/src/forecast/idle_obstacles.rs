@@ -2,11 +2,11 @@
 
 use sextant_channel::{Bounds, Channel, Obstacle, ObstacleField, Position, Ray, Shape};
 use sextant_kernel::Seed;
+use sextant_scenario::Scenario;
 use sextant_sim::Setup;
 
 use super::network::Reach;
 use super::way::Way;
-use crate::scenario::Scenario;
 
 /// At most so many ways by reflections are tried to find out whether an obstacle changes one. Beyond it, an obstacle has
 /// the benefit of the doubt.

@@ -12,15 +12,15 @@ mod warning;
 mod way;
 
 use serde::Serialize;
+use sextant_sim::Robot;
 
-use crate::scenario::Scenario;
 pub use cost::CostForecast;
 pub use network::{LoadForecast, NeighbourForecast, NetworkForecast, RangeForecast};
+use sextant_scenario::Scenario;
 pub use warning::{Warning, warnings};
 pub use way::WayForecast;
 
 use network::Reach;
-use sextant_sim::Robot;
 use way::{Way, is_planned};
 
 /// What follows from a scenario before it runs.

@@ -6,12 +6,12 @@ use std::fmt;
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 use sextant_mac::EnergyConfig;
+use sextant_scenario::{ForeignChip, Scenario};
 use sextant_sim::{RobotTask, Setup};
 
 use super::idle_obstacles::Audience;
 use super::network::Reach;
 use super::way::{Way, is_planned};
-use crate::scenario::{ForeignChip, Scenario};
 
 /// A loss at 1 m below this (dB) is none of a radio wave from its antenna: that of free space is 31 dB at 868 MHz.
 const LEAST_LOSS_DB: f64 = 20.0;

@@ -7,10 +7,10 @@ use serde::Serialize;
 use sextant_apps::ControllerConfig;
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{NodeId, SimTime};
+use sextant_scenario::Scenario;
 use sextant_sim::{CommandOutcome, Heard, Listening, Robot, RobotBody, RobotCommand, RobotTask, Situation};
 
 use super::network::Reach;
-use crate::scenario::Scenario;
 
 /// Ways with more commands than these are not driven to the end.
 const MOST_COMMANDS: usize = 40_000;

@@ -6,9 +6,9 @@ use sextant_kernel::Interrupted;
 use sextant_logs::RobotLogError;
 use sextant_mapper::{MapError, PartsError};
 use sextant_recording::RecordingError;
+use sextant_scenario::ScenarioErrors;
 
 use super::tiles_error::TilesError;
-use crate::scenario::ScenarioErrors;
 
 /// Why a log cannot be mapped.
 #[derive(Clone, Debug, thiserror::Error)]

@@ -3,7 +3,7 @@
 use sextant_channel::{NetworkLog, NetworkLogs, ReceptionLog};
 use sextant_mapper::{FrameKnowledge, Knowledge};
 
-use crate::scenario::MapJob;
+use sextant_scenario::MapJob;
 
 /// The logs of the networks that robots surveyed, at least one. The name of a network is empty if it has none.
 #[derive(Clone, Debug)]

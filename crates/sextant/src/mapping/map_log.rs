@@ -3,11 +3,11 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::Watch;
 use sextant_mapper::{EstimatorFindings, TopologyMap};
+use sextant_scenario::{AlgorithmName, MapSettings};
 
 use super::error::MapLogError;
 use super::logs::MapLogs;
 use crate::measure::{in_world, measure};
-use crate::scenario::{AlgorithmName, MapSettings};
 use crate::summary::MapSummary;
 
 /// A map of a log, with what was estimated with it.

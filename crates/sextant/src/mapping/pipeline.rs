@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use sextant_kernel::Watch;
 use sextant_mapper::{EstimatorFindings, FrameKnowledge, Knowledge, TopologyMap};
+use sextant_scenario::{MapJob, MapSettings};
 
 use super::error::MapLogError;
 use super::input::Input;
 use super::logs::MapLogs;
 use super::notes;
 use crate::measure::{Truth, in_world, measure};
-use crate::scenario::{MapJob, MapSettings};
 use crate::summary::{GatheringSummary, LogCounts, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
 /// A map that was computed from a log.

@@ -5,9 +5,9 @@ use std::path::Path;
 use sextant_kernel::SettingError;
 use sextant_logs::{self as robot_log, LocalPlane};
 use sextant_mapper::{Area, MapError, PlacePrior};
+use sextant_scenario::MapJob;
 
 use super::error::MapLogError;
-use crate::scenario::MapJob;
 
 /// The prior of an `area` (four numbers `x0,y0,x1,y1` or a file) and of a distance to the stops (m); `None` if neither is
 /// given. `plane` is that of the log, if its places are by latitude and longitude.

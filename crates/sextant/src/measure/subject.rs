@@ -2,7 +2,7 @@
 
 use sextant_mapper::KnowledgeKind;
 
-use crate::scenario::MapJob;
+use sextant_scenario::MapJob;
 
 /// What a summary says of a map that the map itself does not know.
 #[derive(Clone, Debug, PartialEq, Eq)]

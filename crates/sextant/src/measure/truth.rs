@@ -7,10 +7,10 @@ use sextant_mapper::{
     Reflection, Region, SectorDisplacement, SectorDisplacementRule, Similarity, TopologyMap, connectivity_error,
     sector_displacement, topology_preservation_error,
 };
+use sextant_scenario::MetricsConfig;
 
 use super::outline::outline;
 use super::subject::Subject;
-use crate::scenario::MetricsConfig;
 use crate::summary::{
     AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M,
 };

@@ -7,7 +7,7 @@ use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{KnowledgeKind, TrueModel, at_least_one};
 use sextant_sim::{OdometryConfig, Packets, Survey};
 
-use crate::scenario::{MapJob, Scenario};
+use sextant_scenario::{MapJob, Scenario};
 
 /// The bound of a survey, or why there is none.
 pub type SurveyBound = Result<f64, NoBound>;

@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use sextant_kernel::SimTime;
 use sextant_recording::{CapturedDmgFrame, CapturedFrame, FileCapture, RecordingError, Signal, Technologies};
+use sextant_scenario::Scenario;
 use sextant_sim::{FrameFormat, FrameOnAir, Network, Observer, Progress};
 
 use super::error::RunError;
 use super::observer::{ApplicationEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
-use crate::scenario::Scenario;
 use crate::summary::Summary;
 
 /// Captures the frames of a run in a file for Wireshark: all frames on air, or those that one robot receives. The file is

@@ -3,11 +3,11 @@
 use sextant_kernel::{NodeId, Watch};
 use sextant_mac::EnergySpent;
 use sextant_mapper::{Knowledge, KnowledgeKind};
+use sextant_scenario::{MapJob, Scenario};
 use sextant_sim::{Discovered, Round, discover};
 
 use super::error::RunError;
 use crate::mapping::MapLogs;
-use crate::scenario::{MapJob, Scenario};
 use crate::summary::{DiscoverySummary, EnergySummary, RoundSummary};
 
 /// The results of discovery before the survey.

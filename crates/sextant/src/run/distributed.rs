@@ -7,6 +7,8 @@ use sextant_channel::Position;
 use sextant_kernel::{NodeId, Unwatched};
 use sextant_mac::EnergySpent;
 use sextant_mapper::{CoordinateFrame, Estimate, KnowledgeKind, PositionError, TopologyMap};
+use sextant_recording::messages::MappedNodeMessage;
+use sextant_scenario::{NodeMapJob, Scenario};
 use sextant_sim::{Network, NetworkRecord, RobotRecord, RoleConfig};
 
 use super::application::UnalignedMap;
@@ -15,12 +17,10 @@ use super::mapped_node;
 use super::scattering;
 use super::simulator::Simulated;
 use crate::measure::{Dimensions, Subject, Truth, measure};
-use crate::scenario::{NodeMapJob, Scenario};
 use crate::summary::{
     AlignmentSummary, AnchorCounts, DistributedSummary, MapSummary, MeanAndMax, MessagesSummary,
     MobileAnchorsSummary, OrientationErrorSummary, SectorsSummary,
 };
-use sextant_recording::messages::MappedNodeMessage;
 
 /// What the map uses.
 const KNOWLEDGE: &[KnowledgeKind] = &[KnowledgeKind::AnchorReceptions, KnowledgeKind::Anchors];

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use sextant_apps::ControllerConfig;
+use sextant_scenario::Scenario;
 use sextant_sim::{Ending, RobotRecord, RoleConfig, StopsLeftOut, Survey};
 
 use super::simulator::Simulated;
-use crate::scenario::Scenario;
 use crate::summary::{LeftOutSummary, RobotEnd, RobotSummary};
 
 /// The robots of the survey: their paths, and why they ended.

@@ -3,6 +3,7 @@
 use sextant_channel::{NetworkLogs, Position};
 use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{EstimatorFindings, MapError, SectorDisplacement, TopologyMap};
+use sextant_scenario::{MapJob, Scenario};
 use sextant_sim::{NetworkId, Survey};
 
 use super::application::UnalignedMap;
@@ -13,7 +14,6 @@ use super::message_energy::message_energy_j;
 use super::operations::CountedWork;
 use crate::mapping::MapLogs;
 use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
-use crate::scenario::{MapJob, Scenario};
 use crate::summary::{MapSummary, SectorsSummary, Stopwatch};
 
 /// A map, what was estimated with it, and its errors.

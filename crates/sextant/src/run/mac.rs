@@ -2,9 +2,9 @@
 
 use sextant_kernel::{NodeId, SimTime};
 use sextant_mac::EnergySpent;
+use sextant_scenario::Scenario;
 use sextant_sim::{Delays, Network, NetworkRecord, Packets, Survey};
 
-use crate::scenario::Scenario;
 use crate::summary::{
     DelayBin, DelaySummary, EnergySummary, MacSummary, NamedTraffic, NotListenedSummary, SinkSummary, TrafficSummary,
 };

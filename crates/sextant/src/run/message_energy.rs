@@ -3,10 +3,10 @@
 use sextant_kernel::NodeId;
 use sextant_mac::MessageEnergy;
 use sextant_mapper::{KnowledgeKind, Landmarks, Mapper, Messages};
+use sextant_scenario::{MapJob, Scenario};
 use sextant_sim::{Antennas, Discovered, NetworkId, Survey};
 
 use super::discovery::Discoveries;
-use crate::scenario::{MapJob, Scenario};
 
 /// Energy of the messages that `map` needs from the nodes, in all its networks (J; thesis, eq. 3.17 to 3.19 and, with
 /// sector sweeps, chapter 4). `None` for algorithms without a formula in the thesis. Time samples are the stops. The

@@ -2,6 +2,7 @@
 
 use sextant_kernel::{SimTime, Watch};
 use sextant_mapper::EstimatorFindings;
+use sextant_scenario::{Application, MapJob, Scenario};
 use sextant_sim::{Observer, Survey};
 
 use super::application::Performance;
@@ -9,7 +10,6 @@ use super::discovery::Discoveries;
 use super::error::RunError;
 use super::evaluation::Evaluation;
 use super::simulator::Simulated;
-use crate::scenario::{Application, MapJob, Scenario};
 use crate::summary::Summary;
 
 /// Sees a run while it goes on, the events of its simulations too. By default it ignores everything. `()` sees nothing, a

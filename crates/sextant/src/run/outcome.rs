@@ -2,6 +2,8 @@
 
 use sextant_channel::NetworkLog;
 use sextant_kernel::NodeId;
+use sextant_kernel::text::hexadecimal;
+use sextant_scenario::Scenario;
 use sextant_sim::{Network, NetworkRecord, Packets, RoleConfig, SimulatedPart, Survey};
 use sha2::{Digest, Sha256};
 
@@ -9,8 +11,6 @@ use super::discovery::Discoveries;
 use super::ending;
 use super::mac;
 use super::simulator::Simulated;
-use crate::hexadecimal::hexadecimal;
-use crate::scenario::Scenario;
 use crate::summary::{
     ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary,
     RegionSummary, ScenarioSummary, SectorReportsSummary, SensingSummary, SensorErrorCounts, SimulationSummary,

@@ -2,6 +2,7 @@
 
 use sextant_kernel::{SimTime, Watch};
 use sextant_recording::Phase;
+use sextant_scenario::{Application, Scenario};
 use sextant_sim::Survey;
 
 use super::application::{Performance, ReadyApplication, Stage, UnalignedMap};
@@ -15,7 +16,6 @@ use super::outcome::sum_up;
 use super::programs::Programs;
 use super::simulator::{Simulated, Simulator};
 use super::stop::Stop;
-use crate::scenario::{Application, Scenario};
 use crate::summary::{ApplicationSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
 /// A scenario that was run.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use sextant_kernel::text::{listed, shortened};
 use sextant_sim::{Applications, BoxedApplication, Controller, RobotTask, RoleConfig, Setup};
 
-use crate::scenario::Scenario;
+use sextant_scenario::Scenario;
 
 /// What the caller gives to stations in place of what the scenario says: by default nothing. A program that is given to a
 /// station twice replaces the first one.

@@ -2,11 +2,11 @@
 
 use sextant_apps::distributed::{MappingNode, MappingRecord};
 use sextant_kernel::SettingError;
+use sextant_scenario::Scenario;
 use sextant_sim::{Application, Applications, BoxedApplication, Observer, Simulation, Survey, Team};
 
 use super::error::RunError;
 use super::programs::{ProgrammedRobots, Programs};
-use crate::scenario::Scenario;
 
 /// The simulation of a scenario, ready to run.
 pub struct Simulator<'a> {

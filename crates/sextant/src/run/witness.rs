@@ -4,8 +4,8 @@ use sextant_channel::Position;
 use sextant_kernel::{SimTime, StationId};
 use sextant_sim::{Estimate, Field, FieldId, Observer, TargetId};
 
-use crate::scenario::Scenario;
 use sextant_recording::Way;
+use sextant_scenario::Scenario;
 
 /// What happened in an application; instants are those of its simulation.
 #[derive(Clone, Debug)]

@@ -10,8 +10,6 @@ mod own_controller;
 mod own_estimator;
 #[path = "../../../../examples/survey.rs"]
 mod survey;
-#[path = "../../../../examples/sweep.rs"]
-mod sweep;
 
 #[test]
 fn a_scenario_is_run_and_observed() {
@@ -36,11 +34,6 @@ fn a_message_floods_nodes_with_their_own_application() {
 #[test]
 fn an_own_estimator_is_compared() {
     own_estimator::main().unwrap();
-}
-
-#[test]
-fn a_setting_is_studied() {
-    sweep::main().unwrap();
 }
 
 #[test]

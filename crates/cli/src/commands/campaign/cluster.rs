@@ -6,9 +6,9 @@ use std::path::Path;
 
 use crate::diagnostic::Failure;
 use crate::terminal::stdout;
-use sextant::campaign::Campaign;
-use sextant::campaign::slurm::{Attempts, SlurmSettings, Submitted};
 use sextant_kernel::text::counted;
+use sextant_study::campaign::Campaign;
+use sextant_study::campaign::slurm::{Attempts, SlurmSettings, Submitted};
 
 pub(super) fn submit(campaign: &Campaign, program: &Path, settings: &SlurmSettings) -> Result<(), Failure> {
     Ok(tell(campaign, &campaign.submit(program, settings)?)?)

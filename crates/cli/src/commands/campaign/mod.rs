@@ -14,9 +14,9 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::invocation::Invocation;
 use crate::terminal::stdout;
-use sextant::campaign::Campaign;
-use sextant::sweep::{TableFormat, write_table};
 use sextant_recording::admission::{OutputKind, Outputs, Replace};
+use sextant_study::campaign::Campaign;
+use sextant_study::sweep::{TableFormat, write_table};
 
 /// Whether a sweep is planned, or a plan is named instead of a scenario.
 pub(super) fn is_asked_for(arguments: &sweep::Arguments) -> bool {

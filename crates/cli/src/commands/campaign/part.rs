@@ -7,8 +7,8 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{Watcher, stdout};
 use sextant::NumberRange;
-use sextant::campaign::{Campaign, CampaignError};
 use sextant_kernel::text::counted;
+use sextant_study::campaign::{Campaign, CampaignError};
 
 pub(super) fn execute(
     campaign: &Campaign,

@@ -8,11 +8,11 @@ use super::super::sweep;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{Watcher, stdout, warn};
-use sextant::campaign::{Campaign, Replace};
 use sextant::shell;
-use sextant::sweep::{Sweep, Trial, TrialError, trial};
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{self, Outputs};
+use sextant_study::campaign::{Campaign, Replace};
+use sextant_study::sweep::{Sweep, Trial, TrialError, trial};
 
 pub(super) fn execute(
     arguments: &sweep::Arguments,

@@ -9,9 +9,9 @@ use super::super::options::Printing;
 use super::plan::duration;
 use crate::diagnostic::Failure;
 use sextant::NumberRange;
-use sextant::campaign::slurm::Submitted;
-use sextant::campaign::{Campaign, FailedRun, Progress};
 use sextant_kernel::text::{counted, listed};
+use sextant_study::campaign::slurm::Submitted;
+use sextant_study::campaign::{Campaign, FailedRun, Progress};
 
 pub(super) fn print(campaign: &Campaign, printing: Printing) -> Result<(), Failure> {
     let progress = campaign.progress()?;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use sextant::columns::{Align, columns};
-use sextant::sweep::{DescribedColumn, Sweep, described_columns};
+use sextant_study::sweep::{DescribedColumn, Sweep, described_columns};
 
 use super::super::options::Printing;
 

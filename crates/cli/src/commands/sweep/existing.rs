@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use sextant::sweep::{Row, Shard, Sweep, TableError, read_own_table};
 use sextant_kernel::text::counted;
+use sextant_study::sweep::{Row, Shard, Sweep, TableError, read_own_table};
 
 use super::Arguments;
 use crate::diagnostic::Failure;

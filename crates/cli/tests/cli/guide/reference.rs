@@ -26,7 +26,7 @@ pub(crate) fn keys() -> String {
 
 /// The reference of the columns of tables of sweeps.
 pub(crate) fn columns() -> String {
-    columns::page(&sextant::sweep::described_columns(None))
+    columns::page(&sextant_study::sweep::described_columns(None))
 }
 
 /// The long options of each command.

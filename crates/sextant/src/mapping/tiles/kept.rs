@@ -5,19 +5,19 @@ use std::path::{Path, PathBuf};
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
+use sextant_kernel::text::hexadecimal;
 use sextant_mapper::{
     Concern, CoordinateFrame, Estimate, HeightReason, LogParts, PartsError, SoughtHeights, TopologyMap,
 };
+use sextant_recording::ForeignFolder;
 use sextant_recording::disk;
 use sextant_recording::output::{CsvFile, EmptyCell, write_file};
+use sextant_scenario::{MapJob, MapSettings};
 use sha2::{Digest, Sha256};
 
 use super::tiled_log::TiledLog;
-use crate::foreign_folder::ForeignFolder;
-use crate::hexadecimal::hexadecimal;
 use crate::mapping::{Input, TilesError};
 use crate::number_range::NumberRange;
-use crate::scenario::{MapJob, MapSettings};
 
 /// Begins the first line of a tile.
 const MARK: &str = "sextant-tile-2";

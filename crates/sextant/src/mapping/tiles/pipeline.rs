@@ -8,6 +8,7 @@ use sextant_kernel::text::counted;
 use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{EstimatorFindings, Knowledge, TopologyMap};
 use sextant_recording as recording;
+use sextant_scenario::{MapJob, MapSettings};
 
 use super::budget::{Budget, free_bytes};
 use super::kept::KeptTiles;
@@ -20,7 +21,6 @@ use crate::Summary;
 use crate::mapping::TilesError;
 use crate::mapping::pipeline::{Stages, knowledge};
 use crate::mapping::{ComputedMap, Input, MapLogError};
-use crate::scenario::{MapJob, MapSettings};
 use crate::summary::{LogCounts, Stopwatch};
 
 /// How a log is divided, and what that takes.

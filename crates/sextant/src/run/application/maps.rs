@@ -3,10 +3,10 @@
 use sextant_apps::navigation::MapFrame;
 use sextant_channel::Position;
 use sextant_mapper::{CoordinateFrame, Reflection, TopologyMap};
+use sextant_scenario::{Application, ApplicationMap, Scenario};
 
 use crate::measure::Placement;
 use crate::run::error::RunError;
-use crate::scenario::{Application, ApplicationMap, Scenario};
 
 /// A map that was computed in this run, as an application gets it: not aligned to the truth.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,12 +6,12 @@ mod simulate;
 mod summary;
 
 use sextant_kernel::{SimTime, Watch};
+use sextant_scenario::{Application, Scenario};
 use sextant_sim::{Observer, Survey};
 
 use super::error::RunError;
 use super::stop::Stop;
 use super::witness::Witness;
-use crate::scenario::{Application, Scenario};
 use crate::summary::ApplicationSummary;
 
 use maps::WorkingMap;

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use sextant_apps::navigation::NavigationMap;
 use sextant_apps::source_seeking::{SeekRecord, SeekStation, SeekTeam};
 use sextant_apps::target_search::{SearchRecord, SearchStation, SearchTeam};
+use sextant_scenario::{Application, Scenario, Task};
 use sextant_sim::{
     Applications, Network, Observer, Robot, RobotBody, RobotTask, Setup, Simulation, Survey, TrafficPlan,
 };
 
 use super::maps::WorkingMap;
 use crate::run::error::RunError;
-use crate::scenario::{Application, Scenario, Task};
 
 /// An application, ready to run.
 pub(super) struct Prepared {

@@ -7,6 +7,8 @@ use sextant_apps::source_seeking::SeekRecord;
 use sextant_apps::target_search::{MessageCounts, SearchRecord};
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
+use sextant_recording::Way;
+use sextant_scenario::{Application, Scenario, Task};
 use sextant_sim::{Applications, Estimate, Field, Survey};
 
 use super::maps::WorkingMap;
@@ -14,11 +16,9 @@ use super::score::{self, Scored};
 use super::simulate::Records;
 use crate::run::outcome::sensor_errors;
 use crate::run::witness::Witness;
-use crate::scenario::{Application, Scenario, Task};
 use crate::summary::{
     ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary, EnergySummary,
 };
-use sextant_recording::Way;
 
 /// The summary of `application`, from what its stations left behind and what truly happened.
 pub(super) fn sum_up(

@@ -5,13 +5,13 @@ use std::time::Duration;
 use sextant_kernel::{SimTime, StationId};
 use sextant_recording::messages::{ApplicationMessage, CaptureMessage, EstimateMessage};
 use sextant_recording::{FileRecorder, Level, Phase, RecordingError};
+use sextant_scenario::{Application, Scenario};
 use sextant_sim::Estimate;
 
 use super::{RecordedSimulation, fields};
 use crate::run::application::{Scored, distances_to_target};
 use crate::run::observer::{ApplicationEnd, SimulationStart};
 use crate::run::witness::Witness;
-use crate::scenario::{Application, Scenario};
 
 /// Records that an application begins.
 pub(super) fn open(

@@ -7,7 +7,7 @@ use sextant_kernel::SimTime;
 use sextant_recording::{FileRecorder, GridPlane, RecordingError};
 use sextant_sim::Field;
 
-use crate::scenario::{Scenario, SnapshotsConfig};
+use sextant_scenario::{Scenario, SnapshotsConfig};
 
 /// Records `fields` at the instants that the scenario names, as far as they are not after `end`.
 pub(super) fn record(

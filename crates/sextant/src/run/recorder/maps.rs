@@ -4,6 +4,7 @@ use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_mapper::{KnowledgeKind, MapError, NodeOfLog, Surface, TopologyMap};
 use sextant_recording::{FileRecorder, GridPlane, Level, PlacedNode};
+use sextant_scenario::MapJob;
 
 use crate::mapping::MapLogs;
 use crate::run::distributed::messages_of_nodes;
@@ -11,7 +12,6 @@ use crate::run::error::RunError;
 use crate::run::evaluation;
 use crate::run::observer::MapEnd;
 use crate::run::simulator::Simulated;
-use crate::scenario::MapJob;
 
 /// Records a map, its main errors, what is to be known of it, and the likelihoods of chosen nodes.
 pub(super) fn record(recorder: &mut FileRecorder, map: &MapEnd<'_>) -> Result<(), RunError> {

@@ -15,12 +15,12 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 use sextant_recording::{FileRecorder, Level, Phase, RecordingError, Relay, SURVEY};
+use sextant_scenario::Scenario;
 use sextant_sim::{Field, NetworkId};
 
 use super::ending;
 use super::error::RunError;
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
-use crate::scenario::Scenario;
 use crate::summary::Summary;
 use air::Air;
 use track::Track;

@@ -6,11 +6,11 @@ use std::path::Path;
 use sextant_kernel::{LARGEST_FILE, NodeId, SimTime, read_at_most};
 use sextant_recording::messages::SensorsMessage;
 use sextant_recording::{FileRecorder, Origin, PlacedNode, RecordingError, Solid};
+use sextant_scenario::{DetailConfig, NamedFile, Scenario};
 use sextant_sim::{FieldSensorConfig, SensorsConfig};
 
 use crate::run::error::RunError;
 use crate::run::observer::RunStart;
-use crate::scenario::{DetailConfig, NamedFile, Scenario};
 
 /// Names are drawn in worlds of at most this many nodes: more are slow to draw, and cannot be read.
 const MOST_NAMES: usize = 500;

@@ -45,7 +45,7 @@ pub struct Subjects {
 
 impl Subjects {
     /// Adds the names of others that are new, in their order.
-    pub(crate) fn extend(&mut self, others: &Self) {
+    pub fn extend(&mut self, others: &Self) {
         let Self { maps, by_nodes, applications, searches } = self;
         for (list, names) in [
             (maps, &others.maps),
@@ -62,7 +62,8 @@ impl Subjects {
     }
 
     /// Whether it has all of these others.
-    pub(crate) fn has(&self, others: &Self) -> bool {
+    #[must_use]
+    pub fn has(&self, others: &Self) -> bool {
         let mut all = self.clone();
         all.extend(others);
         all == *self

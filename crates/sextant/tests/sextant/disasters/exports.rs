@@ -1,12 +1,26 @@
 //! Tables of recordings.
 
+use std::fs;
 use std::path::Path;
 
 use sextant::export::ExportFormat;
 use sextant::{RunRecorder, Scenario, Unwatched, export};
 
-use super::SHORT;
-use super::trial::{Trial, contents};
+use super::trial::{SHORT, Trial};
+
+/// What all of a folder has, by name.
+fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).expect("it works without a disaster") {
+        let path = entry.expect("it works without a disaster").path();
+        if path.is_file() {
+            let name = path.file_name().expect("it works without a disaster").to_string_lossy().into_owned();
+            files.push((name, fs::read(&path).expect("it works without a disaster")));
+        }
+    }
+    files.sort();
+    files
+}
 
 #[test]
 fn each_exported_table_is_whole_or_not_there() {

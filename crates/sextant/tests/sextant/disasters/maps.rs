@@ -11,8 +11,7 @@ use sextant::{RunRecorder, Scenario, Unwatched};
 use sextant_logs::ReadOptions;
 use tempfile::TempDir;
 
-use super::SHORT;
-use super::trial::{Trial, goes_on, undisturbed};
+use super::trial::{SHORT, Trial, goes_on, undisturbed};
 
 /// A recording in a folder that no disaster reaches.
 struct Recorded(TempDir);

@@ -6,8 +6,7 @@ use std::path::Path;
 use sextant::{RunCapture, RunRecorder, Scenario, Unwatched};
 use sextant_recording::{read_log, recover};
 
-use super::SHORT;
-use super::trial::{Left, Trial, undisturbed};
+use super::trial::{Left, SHORT, Trial, undisturbed};
 
 /// A small survey, read once.
 fn survey() -> Scenario {

@@ -7,6 +7,33 @@ use std::sync::Arc;
 
 use sextant_recording::disk::{Luck, SimulatedDisk, Trouble, replace};
 
+/// A survey of a few nodes at a few stops, as text.
+pub(crate) const SHORT: &str = r#"
+name = "short"
+seed = 1
+radio = { tx_power_dbm = -50.0, sensitivity_dbm = -90.0 }
+traffic.beacon = { mpdu_octets = 20, interval_s = 0.5, jitter = 0.1 }
+reception.sinr_threshold.threshold_db = 3.0
+mac.csma_unslotted = {}
+world.nodes.lattice = { spacing_m = 2.0, count = 6, region.rectangle = { min_m = [0.0, 0.0], max_m = [6.0, 4.0] } }
+
+[channel]
+environment = "light-tree"
+max_range_m = 6.0
+path_loss.log_distance.reference_loss_db = 0.0
+
+[[robots]]
+name = "surveyor"
+start_m = [-1.0, -1.0]
+listen_s = 1.0
+controller.s_path = { lane_spacing_m = 4.0, overshoot_m = 1.0, region.rectangle = { min_m = [0.0, 0.0], max_m = [6.0, 4.0] } }
+
+[[maps]]
+[maps.algorithm.ml_tm]
+grid_step_m = 0.5
+profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 }
+"#;
+
 /// Work that writes files, and what it is done on.
 pub(crate) struct Trial<'a> {
     /// Puts files into the folder that are there before.
@@ -147,18 +174,4 @@ pub(crate) fn goes_on(
         also(left);
     });
     (whole, disasters)
-}
-
-/// What all of a folder has, by name.
-pub(crate) fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).expect("it works without a disaster") {
-        let path = entry.expect("it works without a disaster").path();
-        if path.is_file() {
-            let name = path.file_name().expect("it works without a disaster").to_string_lossy().into_owned();
-            files.push((name, fs::read(&path).expect("it works without a disaster")));
-        }
-    }
-    files.sort();
-    files
 }

@@ -1,6 +1,6 @@
 //! The columns of the tables of sweeps as a page.
 
-use sextant::sweep::{ColumnSubject, DescribedColumn};
+use sextant_study::sweep::{ColumnSubject, DescribedColumn};
 
 const PREFACE: &str = "# Reference of columns\n\n\
     Here is every column that the table of `sextant sweep` may have. A measure without a value in any row has no column in \

@@ -1,0 +1,114 @@
+//! The maps of a scenario.
+
+pub(crate) mod grids;
+
+use sextant_apps::ControllerConfig;
+use sextant_kernel::text::choices;
+use sextant_kernel::{SettingError, SettingProblem};
+use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig, Mapper, Stitched};
+use sextant_sim::{RobotConfig, RoleConfig};
+
+use super::errors::Errors;
+use super::networks::known::KnownNetworks;
+use crate::config::ScenarioConfig;
+
+/// A map to compute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapJob {
+    /// Its name in tables and recordings; unique in the scenario.
+    pub name: String,
+    /// The network whose log is mapped; the first surveyed one if absent. Joint maps name their networks themselves.
+    pub network: Option<String>,
+    /// The algorithm with its settings.
+    pub mapper: Mapper,
+    /// Names of the robots that write their logs in the frame of the world, as far as it is known.
+    pub robots_in_world: Vec<String>,
+}
+
+/// The maps to compute of what `robots` hear; absent channel settings are taken from the networks of the maps, where they are
+/// known.
+pub(crate) fn check_maps(
+    configs: &[MapConfig],
+    robots: &[RobotConfig<ControllerConfig>],
+    networks: &KnownNetworks,
+    errors: &mut Errors,
+) -> Vec<MapJob> {
+    let in_world =
+        |robot: &&RobotConfig<ControllerConfig>| robot.role == RoleConfig::Survey && robot.frame.is_world();
+    let robots_in_world: Vec<String> = robots.iter().filter(in_world).map(|robot| robot.name.clone()).collect();
+    let mut maps: Vec<MapJob> = Vec::new();
+    for (i, config) in configs.iter().enumerate() {
+        let table = format!("maps[{i}]");
+        let mut config = config.clone();
+        if errors.take(&table, networks.complete(&mut config)).is_none() {
+            continue;
+        }
+        let mapper = Mapper::try_from(config.algorithm).map_err(|error| error.within("algorithm"));
+        let mapper = mapper.and_then(|mapper| match config.stitch {
+            Some(rules) => Stitched::mapper(mapper, rules),
+            None => Ok(mapper),
+        });
+        // A setting may only be absent because the network that should say it is invalid.
+        let is_missing = |error: &SettingError| matches!(error.problem, SettingProblem::Missing { .. });
+        if mapper.as_ref().is_err_and(is_missing) && !networks.are_known() && !errors.found.is_empty() {
+            continue;
+        }
+        let Some(mapper) = errors.take(&table, mapper) else {
+            continue;
+        };
+        let name = config.name.clone().unwrap_or_else(|| mapper.name().to_owned());
+        check_name(&name, &table, &maps, errors);
+        maps.push(MapJob { name, network: config.network, mapper, robots_in_world: robots_in_world.clone() });
+    }
+    maps
+}
+
+/// Refuses maps of what robots heard, if no robot surveys, those that join the logs of robots, if there are not two, and those
+/// by the sectors of a network without any.
+pub(crate) fn check_log_of_maps(
+    config: &ScenarioConfig,
+    maps: &[MapJob],
+    networks: &KnownNetworks,
+    errors: &mut Errors,
+) {
+    for (i, map) in config.maps.iter().enumerate() {
+        if matches!(map.algorithm, AlgorithmConfig::Mmtm(_)) && !networks.sweep_sectors(map.network.as_deref()) {
+            let key = format!("maps[{i}].algorithm.mmtm");
+            let with = "a network without `mac.sector_sweep`, because its receptions have no sectors";
+            errors.refuse(&SettingError::conflict(key, with, "use `ml_tm`, which maps without sectors"));
+        }
+    }
+    let surveying: Vec<&str> =
+        config.robots.iter().filter(|robot| robot.role == RoleConfig::Survey).map(|robot| &*robot.name).collect();
+    for (i, stitch) in config.maps.iter().enumerate().filter_map(|(i, map)| Some((i, map.stitch.as_ref()?))) {
+        for name in stitch.known.iter().flatten().filter(|name| !surveying.contains(&name.as_str())) {
+            let allowed = format!("names of robots that survey: {}", choices(&surveying));
+            errors.refuse(&SettingError::new(format!("maps[{i}].stitch.known"), format!("`{name}`"), allowed));
+        }
+    }
+    for i in (0..config.maps.len()).filter(|&i| surveying.len() == 1 && config.maps[i].stitch.is_some()) {
+        let remedy = "leave out `stitch`, which joins the logs of two or more robots";
+        errors.refuse(&SettingError::conflict(format!("maps[{i}].stitch"), "one robot that surveys", remedy));
+    }
+    if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
+        return;
+    }
+    let of_log = |map: &&MapJob| map.mapper.uses().contains(&KnowledgeKind::RobotReceptions);
+    if let Some(map) = maps.iter().find(of_log) {
+        let allowed = format!("a robot that surveys: the map `{}` is made from what robots hear", map.name);
+        errors.refuse(&SettingError::new("robots", "no surveying robot", allowed));
+    }
+}
+
+/// Refuses the name of a map that is not plain, or that one of the `others` has. The name is in `table`.
+pub(crate) fn check_name(name: &str, table: &str, others: &[MapJob], errors: &mut Errors) {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    if name.is_empty() || !name.chars().all(is_plain) {
+        let allowed = "at least one character; only letters, digits, `-`, `_` and `.`";
+        errors.refuse(&SettingError::new("name", format!("`{name}`"), allowed).within(table));
+    }
+    if others.iter().any(|map| map.name == name) {
+        let found = format!("`{name}`, the name of an earlier map");
+        errors.refuse(&SettingError::new("name", found, "a unique name").within(table));
+    }
+}

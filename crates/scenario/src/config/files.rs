@@ -1,0 +1,35 @@
+//! The files that the settings of a scenario name.
+
+use std::path::PathBuf;
+
+use sextant_apps::MapSourceConfig;
+
+use super::ScenarioConfig;
+
+impl ScenarioConfig {
+    /// The files that its settings name, each with its key.
+    pub(crate) fn files_mut(&mut self) -> Vec<(String, &mut PathBuf)> {
+        let Self { world, applications, traffic, antenna, networks, .. } = self;
+        let mut files: Vec<(String, &mut PathBuf)> = Vec::new();
+        files.extend(world.files_mut().map(|(key, file)| (format!("world.{key}"), file)));
+        for (i, application) in applications.iter_mut().enumerate() {
+            if let MapSourceConfig::File(file) = &mut application.map {
+                files.push((format!("applications[{i}].map.file"), file));
+            }
+        }
+        let mut of_traffic: Vec<_> = traffic.iter_mut().map(|traffic| ("traffic".to_owned(), traffic)).collect();
+        let mut of_antennas: Vec<_> = antenna.iter_mut().map(|antenna| ("antenna".to_owned(), antenna)).collect();
+        for (name, network) in networks {
+            let key = |table: &str| format!("networks.{name}.{table}");
+            of_traffic.extend(network.traffic.iter_mut().map(|traffic| (key("traffic"), traffic)));
+            of_antennas.extend(network.antenna.iter_mut().map(|antenna| (key("antenna"), antenna)));
+        }
+        for (table, traffic) in of_traffic {
+            files.extend(traffic.files_mut().into_iter().map(|(key, file)| (format!("{table}.{key}"), file)));
+        }
+        for (table, antenna) in of_antennas {
+            files.extend(antenna.files_mut().map(|(key, file)| (format!("{table}.{key}"), file)));
+        }
+        files
+    }
+}

@@ -1,0 +1,69 @@
+//! The unit of a key, which is the end of its name.
+
+/// Endings of names and their units; of two that fit, the longer one stands first.
+const UNITS: &[(&str, &str)] = &[
+    ("m_per_sqrt_m", "m/√m"),
+    ("rad_per_sqrt_m", "rad/√m"),
+    ("rad_per_m", "rad/m"),
+    ("m_per_s2", "m/s²"),
+    ("rad_per_s", "rad/s"),
+    ("bit_per_s", "bit/s"),
+    ("m_per_s", "m/s"),
+    ("per_s", "1/s"),
+    ("db_per_km", "dB/km"),
+    ("db_per_m", "dB/m"),
+    ("per_m", "1/m"),
+    ("dbm", "dBm"),
+    ("dbi", "dBi"),
+    ("db", "dB"),
+    ("ghz", "GHz"),
+    ("mhz", "MHz"),
+    ("hz", "Hz"),
+    ("deg", "degrees"),
+    ("rad", "rad"),
+    ("ms", "ms"),
+    ("us", "µs"),
+    ("s", "s"),
+    ("m", "m"),
+    ("ppm", "ppm"),
+    ("octets", "octets"),
+    ("ma", "mA"),
+    ("mb", "MB"),
+    ("mw", "mW"),
+    ("v", "V"),
+    ("j", "J"),
+];
+
+/// The unit that the key `name` ends in.
+pub(crate) fn of(name: &str) -> Option<&'static str> {
+    let fits = |ending: &str| {
+        name.strip_suffix(ending)
+            .is_some_and(|before| before.ends_with('_') || (before.is_empty() && ending.len() > 1))
+    };
+    UNITS.iter().find(|(ending, _)| fits(ending)).map(|(_, unit)| *unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_is_the_end_of_a_name() {
+        for (name, unit) in [
+            ("grid_step_m", Some("m")),
+            ("speed_m_per_s", Some("m/s")),
+            ("acceleration_sigma_m_per_s2", Some("m/s²")),
+            ("absorption_per_m", Some("1/m")),
+            ("gas_db_per_km", Some("dB/km")),
+            ("db_per_km", Some("dB/km")),
+            ("tx_power_dbm", Some("dBm")),
+            ("length_noise_m_per_sqrt_m", Some("m/√m")),
+            ("exponent", None),
+            ("maps", None),
+            ("robots", None),
+            ("seed", None),
+        ] {
+            assert_eq!(of(name), unit, "{name}");
+        }
+    }
+}

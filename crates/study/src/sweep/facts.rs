@@ -1,0 +1,97 @@
+//! What a sweep keeps of each of its scenarios.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use sextant_kernel::{LARGEST_FILE, read_at_most};
+use sha2::{Digest, Sha256};
+
+use sextant::summary::measures::Subjects;
+use sextant_kernel::text::hexadecimal;
+use sextant_scenario::{NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity};
+
+/// Cells that are checked before it is asked whether one is invalid.
+const BLOCK: usize = 1024;
+
+/// What is kept of the scenario of a cell.
+#[derive(Clone, Debug)]
+pub(super) struct CellFacts {
+    pub(super) survey: SurveyIdentity,
+    pub(super) seed: u64,
+    pub(super) subjects: Subjects,
+    /// Hash of its text.
+    text: [u8; 32],
+    /// The files that it names.
+    pub(super) files: Vec<NamedFile>,
+}
+
+/// Checks all cells, on all cores.
+///
+/// # Errors
+/// All errors of the first cell that is invalid.
+pub(super) fn of_cells(
+    file: &ScenarioFile,
+    set: &[String],
+    seed: Option<u64>,
+    cells: &[Vec<Setting>],
+) -> Result<Vec<CellFacts>, ScenarioErrors> {
+    let mut facts = Vec::with_capacity(cells.len());
+    for block in cells.chunks(BLOCK) {
+        let found: Vec<_> = block.par_iter().map(|cell| file.scenario(&flags(set, cell), seed)).map(of).collect();
+        for cell in found {
+            facts.push(cell?);
+        }
+    }
+    Ok(facts)
+}
+
+fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioErrors> {
+    let scenario = scenario?;
+    let by_nodes: Vec<String> = scenario.distributed().map(|map| map.name.clone()).into_iter().collect();
+    let maps = scenario.maps().iter().map(|named| named.name.clone());
+    let searches = scenario.applications().iter().filter(|application| application.algorithm.is_search());
+    Ok(CellFacts {
+        survey: scenario.survey_identity(),
+        seed: scenario.seed().0,
+        subjects: Subjects {
+            maps: by_nodes.iter().cloned().chain(maps).collect(),
+            by_nodes,
+            applications: scenario.applications().iter().map(|application| application.name.clone()).collect(),
+            searches: searches.map(|application| application.name.clone()).collect(),
+        },
+        text: Sha256::digest(scenario.text()).into(),
+        files: scenario.named_files().to_vec(),
+    })
+}
+
+/// Hashes of the contents of files, each of which is read once.
+#[derive(Default)]
+pub(super) struct Contents(BTreeMap<PathBuf, [u8; 32]>);
+
+impl Contents {
+    /// The hash of a scenario and of the files that it names.
+    pub(super) fn sha256(&mut self, cell: &CellFacts) -> Result<String, ScenarioError> {
+        let mut digest = Sha256::new();
+        digest.update(cell.text);
+        for file in &cell.files {
+            digest.update(self.of(&file.path)?);
+        }
+        Ok(hexadecimal(&digest.finalize()))
+    }
+
+    fn of(&mut self, file: &Path) -> Result<[u8; 32], ScenarioError> {
+        if let Some(&hash) = self.0.get(file) {
+            return Ok(hash);
+        }
+        let bytes = read_at_most(file, LARGEST_FILE).map_err(|error| ScenarioError::unreadable(file, &error))?;
+        let hash = Sha256::digest(bytes).into();
+        self.0.insert(file.to_owned(), hash);
+        Ok(hash)
+    }
+}
+
+/// The settings of all cells, then those of a cell.
+pub(super) fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
+    set.iter().cloned().chain(settings.iter().map(Setting::line)).collect()
+}

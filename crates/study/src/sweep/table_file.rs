@@ -1,0 +1,139 @@
+//! A table as a CSV file, or as a Parquet file if the feature `parquet` is on.
+
+#[cfg(feature = "parquet")]
+mod parquet;
+
+use std::ffi::OsStr;
+use std::path::Path;
+
+use sextant_kernel::read_text_at_most;
+use sextant_kernel::text::of_cell;
+use sextant_recording::output::{CsvFile, EmptyCell};
+#[cfg(feature = "parquet")]
+use sextant_recording::output::{OutputError, write_file};
+
+use super::column::Column;
+use super::error::TableError;
+
+/// The file format of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableFormat {
+    /// Comma-separated values (RFC 4180) with a header.
+    Csv,
+    /// Apache Parquet, uncompressed.
+    #[cfg(feature = "parquet")]
+    Parquet,
+}
+
+impl TableFormat {
+    /// The format for the extension of `path`.
+    ///
+    /// # Errors
+    /// If it is neither `.csv` nor `.parquet`, or if it is `.parquet` and the feature `parquet` is off.
+    pub fn of(path: &Path) -> Result<Self, TableError> {
+        match path.extension().and_then(OsStr::to_str) {
+            Some("csv") => Ok(Self::Csv),
+            #[cfg(feature = "parquet")]
+            Some("parquet") => Ok(Self::Parquet),
+            #[cfg(not(feature = "parquet"))]
+            Some("parquet") => Err(TableError::NoParquet { path: path.to_owned() }),
+            Some(other) => Err(TableError::Extension { path: path.to_owned(), extension: other.to_owned() }),
+            None => Err(TableError::NoExtension { path: path.to_owned() }),
+        }
+    }
+}
+
+/// Writes `rows` of texts under `columns` to the file at `path`, completely or not at all.
+///
+/// # Errors
+/// If the extension is unknown or the file cannot be written.
+pub(crate) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>]) -> Result<(), TableError> {
+    match TableFormat::of(path)? {
+        TableFormat::Csv => Ok(csv(columns, rows).save(path)?),
+        #[cfg(feature = "parquet")]
+        TableFormat::Parquet => {
+            let bytes = parquet::encode(columns, rows).map_err(|error| OutputError::new(path, &error))?;
+            Ok(write_file(path, &bytes)?)
+        }
+    }
+}
+
+/// The most that is read of a table (octets).
+const LARGEST_TABLE: u64 = 1 << 30;
+
+/// The texts of a table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Texts {
+    /// The names of its columns.
+    pub(super) columns: Vec<String>,
+    /// Its rows, each with a text for each column; empty where there is no value.
+    pub(super) rows: Vec<Vec<String>>,
+}
+
+/// Reads the table at `path`: Parquet if its name ends so, and CSV otherwise.
+///
+/// # Errors
+/// If it cannot be read, or is no such table.
+pub(super) fn read_texts(path: &Path) -> Result<Texts, TableError> {
+    let unreadable = |error: std::io::Error| TableError::Read { path: path.to_owned(), why: error.to_string() };
+    let other = |why: String| TableError::Other { path: path.to_owned(), why };
+    if path.extension().is_some_and(|extension| extension == "parquet") {
+        #[cfg(feature = "parquet")]
+        return parquet::decode(std::fs::File::open(path).map_err(unreadable)?).map_err(other);
+        #[cfg(not(feature = "parquet"))]
+        return Err(TableError::NoParquet { path: path.to_owned() });
+    }
+    parsed(&read_text_at_most(path, LARGEST_TABLE).map_err(unreadable)?).map_err(other)
+}
+
+/// The texts of a CSV table.
+pub(super) fn parsed(text: &str) -> Result<Texts, String> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let texts = |record: &csv::StringRecord| record.iter().map(|cell| of_cell(cell).to_owned()).collect();
+    let columns = texts(reader.headers().map_err(|error| error.to_string())?);
+    let rows = reader.records().map(|record| Ok(texts(&record?))).collect::<Result<_, csv::Error>>();
+    Ok(Texts { columns, rows: rows.map_err(|error| error.to_string())? })
+}
+
+fn csv(columns: &[Column], rows: &[Vec<String>]) -> CsvFile {
+    let mut file = CsvFile::new(columns.iter().map(|column| &column.name), EmptyCell::Bare);
+    rows.iter().for_each(|row| file.row(row));
+    file
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::column::Kind;
+
+    pub(super) fn table() -> (Vec<Column>, Vec<Vec<String>>) {
+        let columns = vec![
+            Column::new("cell", Kind::Integer),
+            Column::new("error", Kind::Text),
+            Column::new("ml-tm.connectivity_error", Kind::Real),
+        ];
+        let row = |texts: [&str; 3]| texts.map(str::to_owned).to_vec();
+        (columns, vec![row(["0", "", "0.1"]), row(["1", "no, \"never\"", ""])])
+    }
+
+    #[test]
+    fn a_csv_table_quotes_cells_where_needed() {
+        let (columns, rows) = table();
+        let text = String::from_utf8(csv(&columns, &rows).bytes().to_vec()).unwrap();
+        assert_eq!(text, "cell,error,ml-tm.connectivity_error\n0,,0.1\n1,\"no, \"\"never\"\"\",\n");
+    }
+
+    #[test]
+    #[cfg(not(feature = "parquet"))]
+    fn the_error_without_parquet_names_the_feature() {
+        let error = TableFormat::of(Path::new("table.parquet")).unwrap_err();
+        assert!(error.advice().is_some_and(|advice| advice.contains("--features parquet")), "{error:?}");
+    }
+
+    #[test]
+    fn other_extensions_are_rejected() {
+        let refused = |name: &str| TableFormat::of(Path::new(name)).unwrap_err();
+        assert!(matches!(refused("table"), TableError::NoExtension { .. }));
+        assert!(matches!(refused("table.xlsx"), TableError::Extension { extension, .. } if extension == "xlsx"));
+    }
+}

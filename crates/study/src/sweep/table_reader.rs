@@ -1,0 +1,212 @@
+//! The rows of a sweep, read back from its table.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::error::TableError;
+use super::plan::Sweep;
+use super::row::Row;
+use super::table_file::{Texts, read_texts};
+use super::tidy::{ERROR, IDENTITY, MAP, Measured, SWEEP, measured};
+
+/// Reads the rows of the table at `path`, which [`write_table`](super::write_table) wrote for a sweep with the cells and
+/// columns of `plan`, with any number of runs and by any version.
+///
+/// # Errors
+/// If the file cannot be read, or is the table of another sweep.
+pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<Row>, TableError> {
+    rows(&read_texts(path)?, plan).map_err(|why| TableError::Other { path: path.to_owned(), why })
+}
+
+/// Reads the rows of the table at `path` if it is of the very sweep `plan`, with any number of runs: the same scenario,
+/// files, first seed and version.
+///
+/// # Errors
+/// If the file cannot be read, or is the table of another sweep.
+pub fn read_own_table(path: &Path, plan: &Sweep) -> Result<Vec<Row>, TableError> {
+    let texts = read_texts(path)?;
+    let other = |why: String| TableError::Other { path: path.to_owned(), why };
+    if texts.columns.last().is_none_or(|column| column != SWEEP) {
+        return Err(other(format!("it has no last column `{SWEEP}`")));
+    }
+    let is_own = |row: &Vec<String>| row.last().is_some_and(|mark| mark == plan.mark());
+    if !texts.rows.iter().all(is_own) {
+        return Err(TableError::OtherSweep { path: path.to_owned() });
+    }
+    rows(&texts, plan).map_err(other)
+}
+
+/// The rows of texts; why they are not of `plan`.
+fn rows(texts: &Texts, plan: &Sweep) -> Result<Vec<Row>, String> {
+    let head: Vec<&str> =
+        IDENTITY.into_iter().chain(plan.keys().iter().map(|key| key.name.as_str())).chain([MAP, ERROR]).collect();
+    for (i, expected) in head.iter().enumerate() {
+        if texts.columns.get(i).is_none_or(|found| found != expected) {
+            return Err(format!("it has no column `{expected}` where this scenario has one"));
+        }
+    }
+    let known = measured(plan);
+    let mut columns: Vec<(usize, &Measured)> = Vec::new();
+    for (i, name) in texts.columns.iter().enumerate().skip(head.len()) {
+        match known.iter().find(|measured| measured.column.name == *name) {
+            Some(measured) => columns.push((i, measured)),
+            None if name == SWEEP => {}
+            None => return Err(format!("it has a column `{name}`, which this scenario has not")),
+        }
+    }
+    let mut runs: BTreeMap<(usize, u32), Row> = BTreeMap::new();
+    for (i, texts) in texts.rows.iter().enumerate() {
+        let row = row(texts, plan, &columns).ok_or_else(|| format!("row {} is none of this scenario", i + 1))?;
+        match runs.entry((row.cell, row.replicate)) {
+            std::collections::btree_map::Entry::Vacant(entry) => {
+                entry.insert(row);
+            }
+            std::collections::btree_map::Entry::Occupied(mut entry) => {
+                join(entry.get_mut(), row).ok_or_else(|| format!("row {} contradicts one before it", i + 1))?;
+            }
+        }
+    }
+    Ok(runs.into_values().collect())
+}
+
+/// The row of texts: cell, replicate, seed, settings, map, error, values. It has the values of one map.
+fn row(texts: &[String], plan: &Sweep, columns: &[(usize, &Measured)]) -> Option<Row> {
+    let (cell, replicate): (usize, u32) = (texts.first()?.parse().ok()?, texts.get(1)?.parse().ok()?);
+    let map_at = IDENTITY.len() + plan.keys().len();
+    let settings = texts.get(IDENTITY.len()..map_at)?;
+    let has_settings =
+        cell < plan.cells().len() && settings.iter().zip(&plan.values(cell)).all(|(found, own)| is_same(found, own));
+    let has_seed = texts.get(2)?.parse() == Ok(plan.seed_of(replicate));
+    if !(has_settings && has_seed) {
+        return None;
+    }
+    let (map, error) = (texts.get(map_at)?, texts.get(map_at + 1)?);
+    if !error.is_empty() {
+        return Some(Row { cell, replicate, outcome: Err(error.clone()) });
+    }
+    if !map.is_empty() && !plan.maps().contains(map) {
+        return None;
+    }
+    let mut values = vec![None; plan.measures().len()];
+    for (i, measured) in columns {
+        let text = texts.get(*i)?;
+        if !text.is_empty() {
+            values[measured.measure(map)?] = Some(text.parse().ok()?);
+        }
+    }
+    Some(Row { cell, replicate, outcome: Ok(values) })
+}
+
+/// Whether two values of a setting are the same; a number may be written in two ways.
+fn is_same(a: &str, b: &str) -> bool {
+    let number = |text: &str| text.parse::<f64>().ok();
+    a == b || number(a).zip(number(b)).is_some_and(|(a, b)| a.total_cmp(&b).is_eq())
+}
+
+/// Adds the values of another map of the same run; nothing if the two contradict each other.
+fn join(run: &mut Row, other: Row) -> Option<()> {
+    let (Ok(values), Ok(others)) = (&mut run.outcome, other.outcome) else { return None };
+    for (value, other) in values.iter_mut().zip(others) {
+        match (*value, other) {
+            (Some(known), Some(other)) if known.total_cmp(&other).is_ne() => return None,
+            (None, other) => *value = other,
+            _ => {}
+        }
+    }
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::num::NonZeroU32;
+
+    use super::*;
+    use crate::sweep::write_table;
+
+    /// A sweep of two cells with two maps.
+    fn plan(folder: &Path, axis: &str, runs: u32) -> Sweep {
+        let smoke = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/smoke.toml");
+        let map = "[maps.algorithm.ml_tm]\ngrid_step_m = 0.5\n\
+                   profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 }\n";
+        let text = format!(
+            "extends = {smoke:?}\n[[maps]]\n{map}[[maps]]\nname = \"fine\"\n{map}[sweep]\n[sweep.product]\n{axis}\n"
+        );
+        let scenario = folder.join("s.toml");
+        std::fs::write(&scenario, text).unwrap();
+        Sweep::read(&scenario, &[], None, NonZeroU32::new(runs)).unwrap()
+    }
+
+    const STEPS: &str = "maps.0.algorithm.ml_tm.grid_step_m = [0.5, 1.0]";
+
+    /// Rows with two maps, one map, none, and an error.
+    fn made_up(plan: &Sweep) -> Vec<Row> {
+        let values = |maps: &[&str], seed: u32| {
+            let value = |(i, measure): (u32, &sextant::summary::Measure)| {
+                let has = measure.map().is_none_or(|map| maps.contains(&map));
+                (i % 2 == 0 && has).then(|| f64::from(1000 * seed + i))
+            };
+            Ok((0..).zip(plan.measures()).map(value).collect())
+        };
+        vec![
+            Row { cell: 0, replicate: 0, outcome: values(&["ml-tm", "fine"], 1) },
+            Row { cell: 0, replicate: 1, outcome: values(&["fine"], 2) },
+            Row { cell: 1, replicate: 0, outcome: values(&[], 3) },
+            Row { cell: 1, replicate: 1, outcome: Err("a, \"b\"".into()) },
+        ]
+    }
+
+    #[test]
+    fn rows_are_read_back_only_by_a_sweep_with_the_same_cells_and_columns() {
+        let folder = tempfile::tempdir().unwrap();
+        let two = plan(folder.path(), STEPS, 2);
+        let rows = made_up(&two);
+        for table in [
+            "t.csv",
+            #[cfg(feature = "parquet")]
+            "t.parquet",
+        ] {
+            let table = folder.path().join(table);
+            write_table(&table, &two, &rows).unwrap();
+            assert_eq!(read_table(&table, &two).unwrap(), rows);
+            assert_eq!(read_own_table(&table, &plan(folder.path(), STEPS, 20)).unwrap(), rows, "more runs");
+            for axis in ["maps.0.algorithm.ml_tm.grid_step_m = [0.5, 2.0]", "channel.max_range_m = [9.0, 10.0]"] {
+                let other = plan(folder.path(), axis, 2);
+                assert!(matches!(read_table(&table, &other), Err(TableError::Other { .. })), "{axis}");
+                assert!(matches!(read_own_table(&table, &other), Err(TableError::OtherSweep { .. })), "{axis}");
+            }
+        }
+        assert!(matches!(read_table(&folder.path().join("u.csv"), &two), Err(TableError::Read { .. })));
+    }
+
+    #[test]
+    fn a_run_has_a_row_for_each_map_and_its_own_measures_stand_in_each() {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = plan(folder.path(), STEPS, 2);
+        let table = folder.path().join("t.csv");
+        write_table(&table, &plan, &made_up(&plan)).unwrap();
+        let texts = read_texts(&table).unwrap();
+        let at = |name: &str| texts.columns.iter().position(|column| column == name).unwrap();
+        let cells = |name: &str| texts.rows.iter().map(|row| row[at(name)].as_str()).collect::<Vec<_>>();
+        assert_eq!(cells("cell"), ["0", "0", "0", "1", "1"]);
+        assert_eq!(cells("map"), ["ml-tm", "fine", "fine", "", ""]);
+        assert_eq!(cells("error"), ["", "", "", "", "a, \"b\""]);
+        assert_eq!(cells("nodes"), ["1000", "1000", "2000", "3000", ""]);
+        assert!(cells("sweep").iter().all(|mark| *mark == plan.mark() && mark.len() == 16));
+        // Of 56 measures of a run and those of a map, half have values; the others have no column.
+        let odd = plan.measures()[1].column();
+        assert!(!texts.columns.contains(&odd), "{odd}");
+        assert!(texts.columns.len() < plan.columns().len() && texts.columns.len() > 40);
+    }
+
+    #[test]
+    fn rows_that_contradict_each_other_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = plan(folder.path(), STEPS, 2);
+        let table = folder.path().join("t.csv");
+        write_table(&table, &plan, &made_up(&plan)).unwrap();
+        let text = std::fs::read_to_string(&table).unwrap();
+        std::fs::write(&table, text.replacen(",1000,", ",1001,", 1)).unwrap();
+        let error = read_table(&table, &plan).unwrap_err().to_string();
+        assert!(error.contains("row 2 contradicts one before it"), "{error}");
+    }
+}
