@@ -6,7 +6,7 @@
 //! - `--families`: only these families of logs (`real` for the folders); all by default.
 //! - `--seeds`: seeds 1 to N of each family that is made, 3 by default.
 //! - `--only`: only these estimators. The subject is `auto`, or the first of them.
-//! - `--against`: the candidates of the first regret; those that `auto` chooses among by default. The second is against all.
+//! - `--against`: the candidates of the first regret; those that `auto` chooses among or joins by default. The second is against all.
 //! - `--json`: writes all that was measured.
 //! - `--write`: writes the logs that are made as folders with `nodes.csv`, and maps nothing.
 //! - `FOLDER..`: each a log with `nodes.csv`, or a folder of such logs.
@@ -37,7 +37,7 @@ struct Request {
 }
 
 /// The candidates of the first regret.
-const AGAINST: &str = "link-model,self-calibrated,fitted,packet-centroid-1,packet-centroid-3,packet-centroid-6";
+const AGAINST: &str = "link-model,self-calibrated,fitted,packet-centroid-6,strongest-stop,gaussian-process";
 
 impl Request {
     fn of(mut words: Words) -> Outcome<Self> {
