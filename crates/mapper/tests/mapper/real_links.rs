@@ -3,8 +3,9 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
-    Area, Auto, AutoConfig, Choice, Concern, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Mapper,
-    PacketCentroid, PacketCentroidConfig, PlacePrior, Region, SelfCalibrated, SelfCalibratedConfig, TopologyMap,
+    Area, Auto, AutoConfig, Choice, Concern, Knowledge, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Mapper,
+    PacketCentroid, PacketCentroidConfig, PlacePrior, Region, SelfCalibrated, SelfCalibratedConfig, StrongestStop,
+    TopologyMap,
 };
 
 const WORLD: Purpose = Purpose::new(9001);
@@ -160,11 +161,32 @@ fn the_log_chooses_the_model_that_its_links_follow() {
     let chosen = |world: World| {
         let (_, choice) = Auto::try_from(AutoConfig::default()).unwrap().map(&world.log(), None, &Unwatched).unwrap();
         let choice = choice.unwrap();
-        assert_eq!(choice.scores.len(), 6);
+        assert_eq!(choice.scores.len(), 3);
         assert!(choice.scores.iter().any(|score| score.error == 0.0));
-        choice.chosen
+        assert_eq!(choice.chosen, "link-model");
+        choice.opinions.unwrap()
     };
-    assert_eq!(chosen(World::usual()), "link-model");
+    let by_packets = chosen(World { rssi: false, ..World::usual() });
+    assert!(by_packets.gain.is_none() && by_packets.link_model_power > 0.99);
+    assert_eq!(by_packets.others.iter().map(|other| other.estimator).collect::<Vec<_>>(), ["packet-centroid"]);
+    let by_strengths = chosen(World { rssi: true, ..World::usual() });
+    assert!(by_strengths.gain.unwrap() > 0.0 && by_strengths.link_model_power > 0.99, "its law is that of the links");
+    let names: Vec<_> = by_strengths.others.iter().map(|other| other.estimator).collect();
+    assert_eq!(names, ["gaussian-process", "strongest-stop"]);
+}
+
+#[test]
+fn a_law_that_explains_strengths_badly_does_not_mislead_the_map() {
+    // Smooth shadowing of 16 dB, which no law of distances explains.
+    let world = World { rssi: true, shadowing: 4.0, nodes: 30, ..World::usual() };
+    let (truth, log) = (world.nodes(), world.log());
+    let (map, choice) = Auto::try_from(AutoConfig::default()).unwrap().map(&log, None, &Unwatched).unwrap();
+    let (by_links, _) = link_model().map(&log, None, &Unwatched).unwrap();
+    let strongest = StrongestStop.map(&Knowledge::from(&log), &Unwatched).unwrap();
+    let opinions = choice.unwrap().opinions.unwrap();
+    let best_m = mean_error_m(&by_links, &truth).min(mean_error_m(&strongest, &truth));
+    assert!(mean_error_m(&map, &truth) < 1.1 * best_m, "{} {best_m} {opinions:?}", mean_error_m(&map, &truth));
+    assert!(coverage(&map, &truth) > 0.85, "{}", coverage(&map, &truth));
 }
 
 #[test]

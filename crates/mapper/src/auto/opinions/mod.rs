@@ -127,20 +127,29 @@ impl Opinions {
     }
 }
 
+/// What is told of a node without a law of radio.
+#[derive(Clone, Debug)]
+struct Told {
+    /// Where the other opinions place it.
+    places: Vec<Position>,
+    /// Where it was heard.
+    heard_at: Vec<Position>,
+}
+
 impl Source {
-    /// The other opinions on the place of a node, and the places of the stops that count as its links. `None` if there are none.
-    fn of_node(self, log: &ReceptionLog, node: NodeId) -> Option<(Vec<Position>, Vec<Position>)> {
+    /// What is told of a node. `None` if nothing is.
+    fn of_node(self, log: &ReceptionLog, node: NodeId) -> Option<Told> {
         match self {
             Self::Strengths(_) => {
                 let strengths = strengths(log, node);
-                let others = vec![peak(&strengths, None)?, strongest_place(&strengths)?];
-                Some((others, strengths.iter().map(|strength| strength.place).collect()))
+                let places = vec![peak(&strengths, None)?, strongest_place(&strengths)?];
+                Some(Told { places, heard_at: strengths.iter().map(|strength| strength.place).collect() })
             }
             Self::Packets => {
                 let centroid = PacketCentroid::with_power(learnt::CENTROID_POWER).place(log, node)?;
                 let heard = log.of(node).iter().filter(|reception| reception.received > 0);
-                let places = heard.map(|reception| log.stops()[reception.stop as usize].position).collect();
-                Some((vec![centroid], places))
+                let heard_at = heard.map(|reception| log.stops()[reception.stop as usize].position).collect();
+                Some(Told { places: vec![centroid], heard_at })
             }
         }
     }
@@ -159,7 +168,7 @@ pub(super) fn join(
 ) -> Result<Option<Opinions>, Interrupted> {
     let nodes = log.node_count();
     watch.begin(Work { name: "opinions", unit: "node", steps: nodes as u64, operations: nodes as f64 * 1e6 });
-    let told: Result<Vec<_>, Interrupted> = (0..nodes)
+    let told: Result<Vec<Option<Told>>, Interrupted> = (0..nodes)
         .into_par_iter()
         .map(|node| {
             watch.check()?;
@@ -170,9 +179,9 @@ pub(super) fn join(
     let told = told?;
     let Some(usual_link_m) = usual_link_m(told.iter().flatten()) else { return Ok(None) };
     let opinions = Opinions::of(source, usual_link_m);
-    let join = |(estimate, told): (&mut Option<Estimate>, &Option<(Vec<Position>, Vec<Position>)>)| {
-        if let (Some(own), Some((others, _))) = (&*estimate, told)
-            && let Some(joined) = opinions.place(own, others, learnt::LINKS_ERROR * usual_link_m)
+    let join = |(estimate, told): (&mut Option<Estimate>, &Option<Told>)| {
+        if let (Some(own), Some(told)) = (&*estimate, told)
+            && let Some(joined) = opinions.place(own, &told.places, learnt::LINKS_ERROR * usual_link_m)
         {
             *estimate = Some(joined);
         }
@@ -183,11 +192,11 @@ pub(super) fn join(
 
 /// The usual length of a link in the plane (m): the geometric mean over nodes of the mean distance from the last of the other
 /// opinions to the stops that received the node. `None` if each node was received at one place.
-fn usual_link_m<'a>(told: impl Iterator<Item = &'a (Vec<Position>, Vec<Position>)>) -> Option<f64> {
+fn usual_link_m<'a>(told: impl Iterator<Item = &'a Told>) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
-    for (others, places) in told {
-        let Some(middle) = others.last() else { continue };
-        let lengths = places.iter().map(|place| libm::hypot(place.x_m - middle.x_m, place.y_m - middle.y_m));
+    for Told { places, heard_at } in told {
+        let Some(middle) = places.last() else { continue };
+        let lengths = heard_at.iter().map(|place| libm::hypot(place.x_m - middle.x_m, place.y_m - middle.y_m));
         let lengths: Vec<f64> = lengths.filter(|&length_m| length_m > 0.0).collect();
         if !lengths.is_empty() {
             sum += libm::log(lengths.iter().sum::<f64>() / lengths.len() as f64);
@@ -241,8 +250,8 @@ mod tests {
     #[test]
     fn a_node_that_was_heard_at_one_place_has_no_usual_link() {
         let here = Position::new(1.0, 1.0, 0.0);
-        let one = (vec![here], vec![here]);
-        let two = (vec![here], vec![here, Position::new(4.0, 5.0, 2.0)]);
+        let one = Told { places: vec![here], heard_at: vec![here] };
+        let two = Told { places: vec![here], heard_at: vec![here, Position::new(4.0, 5.0, 2.0)] };
         assert_eq!(usual_link_m([one.clone()].iter()), None);
         assert!((usual_link_m([one, two].iter()).unwrap() - 5.0).abs() < 1e-12);
     }
