@@ -8,35 +8,13 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sextant_benches::workload::{self, Workload};
-use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Unwatched};
-use sextant_mapper::{EstimateKind, Lattice, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, TrapezoidConfig};
+use sextant_mapper::{EstimateKind, MlTm, MlTmConfig, ProfileConfig, TrapezoidConfig};
 
 fn ml_tm(workload: &Workload, range_m: f64, estimate: EstimateKind) -> MlTm {
     let profile = TrapezoidConfig::new(0.95, 0.2 * range_m, range_m);
     let config = MlTmConfig::new(workload.grid_step_m, ProfileConfig::Trapezoid(profile));
     MlTm::try_from(MlTmConfig { estimate, ..config }).expect("good settings")
-}
-
-/// The vertex with the highest product over all stops.
-fn literal(lattice: &Lattice, log: &ReceptionLog, profile: &ReceptionProfile, node: NodeId) -> (u64, f64) {
-    let mut heard = vec![false; log.stops().len()];
-    for reception in log.of(node) {
-        heard[reception.stop as usize] = true;
-    }
-    let mut best = (0, f64::NEG_INFINITY);
-    for index in 0..lattice.len() {
-        let vertex = lattice.position(lattice.vertex(index));
-        let mut product = 1.0;
-        for (stop, &heard) in log.stops().iter().zip(&heard) {
-            let s = profile.probability(vertex.distance_m(stop.position));
-            product *= if heard { s } else { 1.0 - s };
-        }
-        if product > best.1 {
-            best = (index, product);
-        }
-    }
-    best
 }
 
 fn compare(criterion: &mut Criterion, workload: &Workload) {
@@ -71,7 +49,7 @@ fn compare(criterion: &mut Criterion, workload: &Workload) {
     }
     group.throughput(Throughput::Elements(1));
     group.bench_function("literal_one_node", |bencher| {
-        bencher.iter(|| literal(&lattice, black_box(log), exact.profile(), NodeId(7)));
+        bencher.iter(|| workload::likeliest(&lattice, 0..lattice.len(), black_box(log), exact.profile(), NodeId(7)));
     });
     group.finish();
 }

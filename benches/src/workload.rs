@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorTable, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_mapper::{Lattice, ReceptionProfile};
 
 /// A survey to be mapped.
 #[derive(Clone, Debug)]
@@ -206,4 +207,32 @@ fn near<'t>(
 #[expect(clippy::cast_possible_truncation, reason = "a few thousand squares")]
 fn tile(place: &Position, range_m: f64) -> [i64; 2] {
     [place.y_m, place.x_m].map(|value| (value / range_m).floor() as i64)
+}
+
+/// Which of `vertices` has the highest product over all stops, and the product: the likelihood as it is written.
+#[must_use]
+pub fn likeliest(
+    lattice: &Lattice,
+    vertices: impl Iterator<Item = u64>,
+    log: &ReceptionLog,
+    profile: &ReceptionProfile,
+    node: NodeId,
+) -> (u64, f64) {
+    let mut heard = vec![false; log.stops().len()];
+    for reception in log.of(node) {
+        heard[reception.stop as usize] = true;
+    }
+    let mut best = (0, f64::NEG_INFINITY);
+    for index in vertices {
+        let vertex = lattice.position(lattice.vertex(index));
+        let mut product = 1.0;
+        for (stop, &heard) in log.stops().iter().zip(&heard) {
+            let s = profile.probability(vertex.distance_m(stop.position));
+            product *= if heard { s } else { 1.0 - s };
+        }
+        if product > best.1 {
+            best = (index, product);
+        }
+    }
+    best
 }

@@ -15,7 +15,7 @@ use std::time::Instant;
 use sextant_benches::workload::{self, Workload};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, Unwatched};
-use sextant_mapper::{Lattice, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, TieRule, TrapezoidConfig};
+use sextant_mapper::{MlTm, MlTmConfig, ProfileConfig, TieRule, TrapezoidConfig};
 
 use crate::tables::{Outcome, Words};
 
@@ -107,7 +107,10 @@ fn row(out: &mut impl std::io::Write, name: &str, workload: &Workload, runs: usi
     let scale = |sample: usize| scale(sample) * map_vertices(lattice.len()) / count(vertices().count());
     let sample: Vec<usize> = (0..LITERAL_NODES).map(|i| i * nodes / LITERAL_NODES).collect();
     let (seconds, best) = least(1, 1, || {
-        let best = |&node: &usize| literal(&lattice, vertices(), log, ml_tm.profile(), node);
+        let best = |&node: &usize| {
+            let node = NodeId::from_index(node);
+            workload::likeliest(&lattice, vertices(), log, ml_tm.profile(), node).0
+        };
         sample.iter().map(best).collect::<Vec<u64>>()
     });
     let same = |(&node, &index): (&usize, &u64)| place(node) == Some(lattice.position(lattice.vertex(index)));
@@ -153,33 +156,6 @@ fn least<T: Send>(threads: usize, runs: usize, run: impl Fn() -> T + Sync) -> (f
         };
         (1..runs).map(|_| time()).fold(time(), |best, next| if next.0 < best.0 { next } else { best })
     })
-}
-
-/// Which of `vertices` has the highest product over all stops.
-fn literal(
-    lattice: &Lattice,
-    vertices: impl Iterator<Item = u64>,
-    log: &ReceptionLog,
-    profile: &ReceptionProfile,
-    node: usize,
-) -> u64 {
-    let mut heard = vec![false; log.stops().len()];
-    for reception in log.of(NodeId::from_index(node)) {
-        heard[reception.stop as usize] = true;
-    }
-    let mut best = (0, f64::NEG_INFINITY);
-    for index in vertices {
-        let vertex = lattice.position(lattice.vertex(index));
-        let mut product = 1.0;
-        for (stop, &heard) in log.stops().iter().zip(&heard) {
-            let s = profile.probability(vertex.distance_m(stop.position));
-            product *= if heard { s } else { 1.0 - s };
-        }
-        if product > best.1 {
-            best = (index, product);
-        }
-    }
-    best.0
 }
 
 /// Writes the input of the NumPy script.

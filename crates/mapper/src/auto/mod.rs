@@ -54,8 +54,9 @@ impl Default for AutoConfig {
 /// and their strengths where the log has them. The self-calibrated map and the fitted grid take packets as independent: one of
 /// them maps the log if it predicts as well as the link model does, the first of them unless the second is better by two
 /// standard errors. Their regions are enlarged until they explain how far their maps from parts of the stops differ. The places
-/// of the link model are joined with other [`Opinions`], which know no law of radio. A log with too few stops or nodes for folds is mapped by the link model. Where the log knows the measured gains of the sectors in which
-/// nodes were heard, a map by these is another estimator of independent packets, and the first one.
+/// of the link model are joined with other [`Opinions`], which know no law of radio. A log with too few stops or nodes for folds
+/// is mapped by the link model. Where the log knows the measured gains of the sectors in which nodes were heard, a map by these
+/// is another estimator of independent packets, and the first one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Auto {
     rssi: bool,
@@ -80,7 +81,7 @@ pub struct Choice {
     /// Factor by which the variances of the map were enlarged, at least 1: its maps from parts of the stops differ by more than
     /// its own regions tell.
     pub enlargement: f64,
-    /// Two more opinions on each place, if they are in the map.
+    /// The other opinions on each place, if they are in the map.
     pub opinions: Option<Opinions>,
 }
 
@@ -110,6 +111,16 @@ enum Candidate<'a> {
     Fitted(&'a FittedMlTm),
     SelfCalibrated(&'a SelfCalibrated),
     Pattern(PatternMap, &'a SectorGains),
+}
+
+/// What the candidates made of the stops that were left out.
+#[derive(Default)]
+struct Trials {
+    /// What each candidate predicted of them; empty if none were left out.
+    predicted: Vec<Predicted>,
+    /// The maps without them of each candidate that has regions of its own that nobody checked.
+    parts: Vec<Vec<TopologyMap>>,
+    gain: GainOfLaw,
 }
 
 impl Auto {
@@ -153,17 +164,16 @@ impl Auto {
             }
             candidates.extend([Candidate::SelfCalibrated(&self.self_calibrated), Candidate::Fitted(&fitted)]);
         }
-        let mut predicted = Vec::new();
-        let mut parts = vec![Vec::new(); candidates.len()];
-        let mut gain = GainOfLaw::default();
+        let mut trials = Trials { parts: vec![Vec::new(); candidates.len()], ..Trials::default() };
         if candidates.len() > 1
             && let Some(folds) = Folds::of(log, self.is_spatial(log, reach_m))
         {
-            predicted = vec![Predicted::new(folds.nodes()); candidates.len()];
+            trials.predicted = vec![Predicted::new(folds.nodes()); candidates.len()];
             for fold in folds.iter() {
-                self.predict(&fold, &candidates, (&mut predicted, &mut gain), &mut parts, watch)?;
+                self.predict(&fold, &candidates, &mut trials, watch)?;
             }
         }
+        let Trials { predicted, parts, gain } = trials;
         let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
         let (number, reason) = match prior {
             Some(_) => (0, ChoiceReason::KnownPlaces),
@@ -191,22 +201,21 @@ impl Auto {
         heights.is_some_and(|heights| heights.high_m > heights.low_m)
     }
 
-    /// Takes what each candidate predicts of `fold`, and the maps of those that have regions of their own that nobody checked.
+    /// Takes what each candidate makes of `fold`.
     fn predict(
         &self,
         fold: &Fold<'_>,
         candidates: &[Candidate<'_>],
-        (predicted, gain): (&mut [Predicted], &mut GainOfLaw),
-        parts: &mut [Vec<TopologyMap>],
+        trials: &mut Trials,
         watch: &dyn Watch,
     ) -> Result<(), MapError> {
         let (of_links, law) = self.link_model.map(&fold.rest, None, watch)?;
-        if let Some(law) = &law {
-            gain.take(fold, &fold.rest, law, &of_links);
-        }
+        let Trials { predicted, parts, gain } = trials;
         for ((candidate, predicted), parts) in candidates.iter().zip(predicted).zip(parts) {
             match candidate {
-                Candidate::LinkModel(_) => predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, predicted),
+                Candidate::LinkModel(_) => {
+                    predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, predicted, gain);
+                }
                 Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..) => {
                     let (map, fit) = candidate.map(&fold.rest, None, watch)?;
                     predict::independent(fold, &map, fit.as_ref(), predicted);

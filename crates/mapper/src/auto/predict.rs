@@ -5,6 +5,7 @@ use sextant_channel::{Position, ReceptionLog, Stop};
 use super::EstimatorFit;
 use super::fall_of_strength::FallOfStrength;
 use super::folds::{Fold, Pair};
+use super::opinions::GainOfLaw;
 use super::score::Predicted;
 use crate::link_model::{LinkFit, Placed, Predictor};
 use crate::numerics::normal::{below, quantile};
@@ -90,13 +91,14 @@ fn points(estimate: &Estimate) -> Vec<(Position, f64)> {
     points
 }
 
-/// Takes what the law of `fit` predicts of a fold, if nodes are where `map` says.
+/// Takes what the law of `fit` predicts of a fold, if nodes are where `map` says, and what it gains over fields of strengths.
 pub(super) fn by_links(
     fold: &Fold<'_>,
     log: &ReceptionLog,
     fit: Option<&LinkFit>,
     map: &TopologyMap,
     predicted: &mut Predicted,
+    gain: &mut GainOfLaw,
 ) {
     let predictor = fit.and_then(|fit| Predictor::new(log, fit));
     let strengths = FallOfStrength::of(fold, map, &|_, _| 0.0);
@@ -108,6 +110,7 @@ pub(super) fn by_links(
             let placed = Placed { place: estimate.position, covariance: estimate.covariance.unwrap_or_default() };
             predictor.margins(node, &placed, &others)
         });
+        let mut by_law = Vec::new();
         for (number, pair) in pairs.iter().enumerate() {
             let probability = match margins.as_ref().zip(predictor.as_ref()) {
                 Some((margins, predictor)) => predictor.probability(&margins[number], pair.received, pair.sent),
@@ -117,8 +120,10 @@ pub(super) fn by_links(
                 let (margins, predictor) = margins.as_ref().zip(predictor.as_ref())?;
                 predictor.strength_density(&margins[number], [pair.received, pair.sent], rssi_dbm)
             });
+            by_law.extend(density.map(|density| (*pair, density)));
             let usual = || pair.rssi_dbm.zip(strengths.as_ref()).map(|(dbm, strengths)| strengths.density(None, dbm));
             predicted.take(node, probability, pair.sent, density.or_else(usual));
         }
+        gain.take(fold, node, &by_law);
     }
 }

@@ -21,7 +21,7 @@ struct ChoiceKeys {
     /// its own regions tell.
     #[serde(skip_serializing_if = "Option::is_none")]
     region_enlargement: Option<f64>,
-    /// Two more opinions on each place, if they are in the map.
+    /// The other opinions on each place, if they are in the map.
     #[serde(skip_serializing_if = "Option::is_none")]
     opinions: Option<OpinionKeys>,
     /// How well each estimator that could be chosen predicted the stops that were left out.

@@ -35,10 +35,10 @@ pub(super) struct Predicted {
 
 /// Each number of packets has at least this probability, shared by all numbers: an estimator that is sure of what does not
 /// happen is wrong, but not infinitely so.
-pub(super) const SURPRISE: f64 = 1e-3;
+const SURPRISE: f64 = 1e-3;
 
 /// Unexpected strengths are anywhere in this range (dB).
-pub(super) const WIDTH_DB: f64 = 80.0;
+const WIDTH_DB: f64 = 80.0;
 
 impl Predicted {
     pub(super) fn new(nodes: usize) -> Self {
@@ -49,8 +49,7 @@ impl Predicted {
     /// (1/dB), if it has one.
     pub(super) fn take(&mut self, node: usize, probability: f64, sent: u32, density: Option<f64>) {
         let probability = (1.0 - SURPRISE) * probability + SURPRISE / (f64::from(sent) + 1.0);
-        let density = density.map_or(1.0, |density| (1.0 - SURPRISE) * density + SURPRISE / WIDTH_DB);
-        self.by_node[node].0 += libm::log(probability) + libm::log(density);
+        self.by_node[node].0 += libm::log(probability) + density.map_or(0.0, ln_density);
         self.by_node[node].1 += 1;
     }
 
@@ -61,6 +60,11 @@ impl Predicted {
     fn mean(&self) -> f64 {
         self.by_node.iter().map(|&(log, _)| log).sum::<f64>() / self.pairs().max(1) as f64
     }
+}
+
+/// The logarithm of the `density` of a strength (1/dB). One that nobody expected costs a bounded amount.
+pub(super) fn ln_density(density: f64) -> f64 {
+    libm::log((1.0 - SURPRISE) * density + SURPRISE / WIDTH_DB)
 }
 
 /// The scores of estimators with these names.
