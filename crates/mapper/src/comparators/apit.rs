@@ -1,8 +1,6 @@
 //! APIT (He et al. 2003): finds the triangles of anchors that hold a node, by comparison with its neighbours.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::{NodeId, SettingError, Watch};
@@ -19,7 +17,8 @@ use crate::{
 
 /// APIT as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct ApitConfig {
     /// Distance between neighbouring grid points (m).

@@ -1,8 +1,6 @@
 //! DR-MDS (Peng and Li 2014), reconstructed: scaling of distances that are straight over two hops.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, Watch};
 
@@ -21,7 +19,8 @@ use crate::{
 
 /// DR-MDS as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct DrMdsConfig {
     /// How signal strengths between neighbours become distances.

@@ -1,8 +1,6 @@
 //! DV-Hop (Niculescu and Nath 2003): hops to anchors times the mean length of a hop, then multilateration.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Anchor;
 use sextant_kernel::{SettingError, Watch};
@@ -18,7 +16,8 @@ use crate::{
 
 /// DV-Hop as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct DvHopConfig {
     /// How an anchor computes the length of a hop.
@@ -29,7 +28,8 @@ pub struct DvHopConfig {
 
 /// How an anchor computes the length of a hop from its distances and hops to the other anchors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum HopLength {
     /// Sum of the distances divided by the sum of the hops.

@@ -1,8 +1,6 @@
 //! NTLDV-HOP (Chen et al. 2014), reconstructed: DV-Hop in space with the usual improvements.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::{SettingError, Watch};
@@ -20,7 +18,8 @@ use crate::{
 
 /// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct NtldvHopConfig {
     /// How an anchor computes the length of a hop.

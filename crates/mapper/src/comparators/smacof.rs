@@ -2,8 +2,6 @@
 
 use nalgebra::{DMatrix, Dyn, linalg::Cholesky};
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
@@ -20,7 +18,8 @@ use crate::{
 
 /// SMACOF as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct SmacofConfig {
     /// How signal strengths between neighbours become distances.

@@ -5,9 +5,10 @@ use sextant_kernel::{Interrupted, Watch};
 
 use super::hearing::Hearing;
 use super::law::{Law, PARAMETERS};
+use super::likelihood::Sums;
 use super::links::Links;
 use super::outages::{Outages, Pair};
-use super::posterior::{Evidence, Grid, Posterior};
+use super::posterior::{Evidence, Grid, Posterior, log_evidence};
 use super::window::Window;
 
 /// The law is estimated from at most so many nodes, at most so many of their links, and on so many vertices, in the plane
@@ -144,7 +145,8 @@ fn climb(
     scales: &[usize],
     watch: &dyn Watch,
 ) -> Result<(), Interrupted> {
-    let mut best = score(samples, &found.law, fading_db);
+    let mut sums = sums(samples, |Sample { evidence, grid }, _| evidence.sums(&found.law, grid));
+    let mut best = score(samples, &sums, &found.law, fading_db);
     let least = GAIN * samples.len() as f64;
     found.settled = false;
     for &scale in scales {
@@ -157,9 +159,15 @@ fn climb(
                 for sign in [*direction, -*direction] {
                     watch.check()?;
                     let Some(law) = found.law.moved(number, sign * step) else { continue };
-                    let score = score(samples, &law, fading_db);
+                    let moved = Law::is_of_covariance(number).then(|| {
+                        self::sums(samples, |Sample { evidence, grid }, number| {
+                            evidence.sums_under(&law, grid, &sums[number])
+                        })
+                    });
+                    let score = score(samples, moved.as_ref().unwrap_or(&sums), &law, fading_db);
                     if score > best {
                         (best, found.law, *direction) = (score, law, sign);
+                        sums = moved.unwrap_or(sums);
                         break;
                     }
                 }
@@ -174,11 +182,17 @@ fn climb(
     Ok(())
 }
 
-/// Logarithm of the evidence of all samples and of the prior density of the law.
-fn score(samples: &[Sample<'_>], law: &Law, fading_db: Option<f64>) -> f64 {
+/// The sums of each sample, which come from it and its number.
+fn sums(samples: &[Sample<'_>], of: impl Fn(&Sample<'_>, usize) -> Sums + Sync) -> Vec<Sums> {
+    samples.par_iter().enumerate().map(|(number, sample)| of(sample, number)).collect()
+}
+
+/// Logarithm of the evidence of all samples, with the `sums` of each, and of the prior density of the law.
+fn score(samples: &[Sample<'_>], sums: &[Sums], law: &Law, fading_db: Option<f64>) -> f64 {
     let evidences: Vec<f64> = samples
         .par_iter()
-        .map_init(Vec::new, |scratch, sample| sample.evidence.posterior(law, &sample.grid, scratch).evidence)
+        .zip(sums)
+        .map_init(Vec::new, |scratch, (Sample { grid, .. }, sums)| log_evidence(law, grid, sums, scratch))
         .collect();
     evidences.iter().sum::<f64>() + samples.len() as f64 * 0.5 * law.log_prior(fading_db)
 }

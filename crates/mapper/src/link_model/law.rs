@@ -68,6 +68,12 @@ impl Law {
         (law != *self).then_some(law)
     }
 
+    /// Whether parameter `number` is in the covariance of margins, apart from what nodes have of their own in slope and
+    /// direction.
+    pub(super) fn is_of_covariance(number: usize) -> bool {
+        (2..=5).contains(&number)
+    }
+
     /// Logarithm of the prior density of the law for each node of the log, up to a constant.
     ///
     /// Without true places, a log can explain itself by shadowing alone, with a flat curve. What is known of radio forbids

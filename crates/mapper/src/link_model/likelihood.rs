@@ -1,5 +1,7 @@
 //! The likelihood of the places of a node under a law of links.
 
+use std::sync::Arc;
+
 use super::geometry::{Arrangement, BLOCK, COLUMNS, Columns, Lane, NEIGHBOURS, single};
 use super::law::Law;
 use super::receiver::Site;
@@ -18,32 +20,124 @@ struct Prediction {
     precision: f32,
     /// The margin minus its prediction, without the slope, in standard deviations.
     margin: f32,
+    /// What a margin of 1 of the law is in it, in standard deviations.
+    unit: f32,
     /// The logarithm of the distance of the law minus its prediction, in standard deviations.
     level: f32,
 }
 
-/// The logarithm of the likelihood at each vertex, up to a constant that is the same for all laws.
+/// What the likelihood at each vertex needs of the links: sums over them under a covariance of margins. Laws that differ in
+/// margin, slope, or the deviations of slopes and directions have the same sums, so that a search weighs them at once.
 ///
-/// `sites` are in the order of the links. Offsets, shadowing and amplitudes of direction are integrated out: a normal
-/// distribution of all margins, whose inverse is sparse because each margin depends on few before it; the amplitudes by the
-/// identity of Woodbury.
-pub(super) fn log_likelihoods(
-    law: &Law,
-    arrangement: &Arrangement,
-    sites: &[Site],
-    columns: &Columns,
-    out: &mut Vec<f64>,
-) {
-    out.clear();
-    let (predictions, logs) = predictions(law, arrangement, sites);
-    let slope = single(law.slope);
-    let mut deviations = [law.direction; AMPLITUDES];
-    deviations[0] = law.slope_deviation();
-    for block in columns.blocks() {
-        let mut squares = [0.0f32; BLOCK];
-        let mut along = [[0.0f32; BLOCK]; AMPLITUDES];
-        let mut products = [[0.0f32; BLOCK]; PRODUCTS];
-        for (own, prediction) in block.iter().zip(&predictions) {
+/// Offsets, shadowing and amplitudes of direction are integrated out: a normal distribution of all margins, whose inverse is
+/// sparse because each margin depends on few before it; the amplitudes by the identity of Woodbury.
+#[derive(Clone, Debug)]
+pub(super) struct Sums {
+    correlations: Arc<Correlations>,
+    /// Margin and slope of the law under which the errors of margins were taken.
+    margin: f64,
+    slope: f64,
+    /// Sum of the logarithms of the standard deviations of the errors of predictions.
+    logs: f64,
+    /// Sum of the squares of what a margin of 1 is in each error.
+    units: f64,
+    blocks: Vec<BlockSums>,
+}
+
+/// The correlation of the shadowing over each distance of an arrangement.
+#[derive(Debug)]
+struct Correlations {
+    correlation_m: f64,
+    each: Vec<f64>,
+}
+
+/// Sums over links at the vertices of a block.
+#[derive(Clone, Debug)]
+struct BlockSums {
+    /// Of squares of errors.
+    squares: Lane,
+    /// Of errors times what a margin of 1 is in each.
+    units: Lane,
+    /// Of errors times each column.
+    along: [Lane; AMPLITUDES],
+    /// Of columns times what a margin of 1 is in each error.
+    unit_along: [Lane; AMPLITUDES],
+    /// Of columns times columns, by rows up to the diagonal.
+    products: [Lane; PRODUCTS],
+}
+
+impl Correlations {
+    fn of(arrangement: &Arrangement, correlation_m: f64) -> Self {
+        let distances_m = arrangement.neighbours.iter().flat_map(|neighbours| &neighbours.distances_m);
+        Self { correlation_m, each: distances_m.map(|distance_m| libm::exp(-distance_m / correlation_m)).collect() }
+    }
+}
+
+impl Sums {
+    /// The sums under `law`. `sites` are in the order of the links.
+    pub(super) fn of(law: &Law, arrangement: &Arrangement, sites: &[Site], columns: &Columns) -> Self {
+        let correlations = Arc::new(Correlations::of(arrangement, law.correlation_m));
+        Self::with(correlations, law, arrangement, sites, columns)
+    }
+
+    /// The same of the same links under another law.
+    pub(super) fn under(&self, law: &Law, arrangement: &Arrangement, sites: &[Site], columns: &Columns) -> Self {
+        if law.correlation_m.to_bits() == self.correlations.correlation_m.to_bits() {
+            Self::with(Arc::clone(&self.correlations), law, arrangement, sites, columns)
+        } else {
+            Self::of(law, arrangement, sites, columns)
+        }
+    }
+
+    fn with(
+        correlations: Arc<Correlations>,
+        law: &Law,
+        arrangement: &Arrangement,
+        sites: &[Site],
+        columns: &Columns,
+    ) -> Self {
+        let (predictions, logs) = predictions(law, &correlations.each, arrangement, sites);
+        let slope = single(law.slope);
+        let blocks = columns.blocks().map(|block| BlockSums::of(&predictions, slope, block)).collect();
+        let units = predictions.iter().map(|prediction| f64::from(prediction.unit).powi(2)).sum();
+        Self { correlations, margin: law.margin, slope: law.slope, logs, units, blocks }
+    }
+
+    /// The logarithm of the likelihood at each vertex, up to a constant that is the same for all laws. `law` has the
+    /// covariance and the distance of the one of the sums.
+    pub(super) fn log_likelihoods(&self, law: &Law, out: &mut Vec<f64>) {
+        out.clear();
+        let mut deviations = [law.direction; AMPLITUDES];
+        deviations[0] = law.slope_deviation();
+        let (higher, steeper) = (law.margin - self.margin, law.slope - self.slope);
+        for block in &self.blocks {
+            for lane in 0..BLOCK {
+                let at = |sums: &Lane| f64::from(sums[lane]);
+                let products = block.products.each_ref().map(at);
+                let unit_along = block.unit_along.each_ref().map(at);
+                let mut along = block.along.each_ref().map(at);
+                let squares = at(&block.squares)
+                    + higher * (higher * self.units - 2.0 * at(&block.units))
+                    + steeper * (steeper * products[0] + 2.0 * along[0] - 2.0 * higher * unit_along[0]);
+                for (row, along) in along.iter_mut().enumerate() {
+                    *along += steeper * products[row * (row + 1) / 2] - higher * unit_along[row];
+                }
+                out.push(-0.5 * squares + gained(&deviations, along, products) - self.logs);
+            }
+        }
+    }
+}
+
+impl BlockSums {
+    fn of(predictions: &[Prediction], slope: f32, block: &[[Lane; COLUMNS]]) -> Self {
+        let mut sums = Self {
+            squares: [0.0; BLOCK],
+            units: [0.0; BLOCK],
+            along: [[0.0; BLOCK]; AMPLITUDES],
+            unit_along: [[0.0; BLOCK]; AMPLITUDES],
+            products: [[0.0; BLOCK]; PRODUCTS],
+        };
+        for (own, prediction) in block.iter().zip(predictions) {
             let mut left = *own;
             for (&at, &weight) in prediction.at.iter().zip(&prediction.weights).take(prediction.neighbours) {
                 for (column, other) in left.iter_mut().zip(&block[at]) {
@@ -54,7 +148,7 @@ pub(super) fn log_likelihoods(
             let mut error = [0.0f32; BLOCK];
             for lane in 0..BLOCK {
                 error[lane] = prediction.margin + slope * precision * left[0][lane];
-                squares[lane] += error[lane] * error[lane];
+                sums.squares[lane] += error[lane] * error[lane];
             }
             for column in left.iter_mut() {
                 for value in column.iter_mut() {
@@ -64,20 +158,18 @@ pub(super) fn log_likelihoods(
             for value in &mut left[0] {
                 *value -= prediction.level;
             }
+            add_scaled(&mut sums.units, &error, prediction.unit);
             let mut product = 0;
             for first in 0..AMPLITUDES {
-                add_product(&mut along[first], &left[first], &error);
+                add_product(&mut sums.along[first], &left[first], &error);
+                add_scaled(&mut sums.unit_along[first], &left[first], prediction.unit);
                 for second in 0..=first {
-                    add_product(&mut products[product], &left[first], &left[second]);
+                    add_product(&mut sums.products[product], &left[first], &left[second]);
                     product += 1;
                 }
             }
         }
-        for lane in 0..BLOCK {
-            let gained =
-                gained(&deviations, along.map(|sum| f64::from(sum[lane])), products.map(|sum| f64::from(sum[lane])));
-            out.push(-0.5 * f64::from(squares[lane]) + gained - logs);
-        }
+        sums
     }
 }
 
@@ -92,6 +184,13 @@ fn subtract(from: &mut Lane, other: &Lane, weight: f32) {
 fn add_product(to: &mut Lane, first: &Lane, second: &Lane) {
     for ((to, first), second) in to.iter_mut().zip(first).zip(second) {
         *to += first * second;
+    }
+}
+
+#[inline]
+fn add_scaled(to: &mut Lane, values: &Lane, factor: f32) {
+    for (to, value) in to.iter_mut().zip(values) {
+        *to += factor * value;
     }
 }
 
@@ -122,31 +221,39 @@ fn dot(first: &[f64], second: &[f64], count: usize) -> f64 {
     first.iter().zip(second).take(count).map(|(a, b)| a * b).sum()
 }
 
-/// The predictions, and the sum of the logarithms of the standard deviations of their errors.
-fn predictions(law: &Law, arrangement: &Arrangement, sites: &[Site]) -> (Vec<Prediction>, f64) {
+/// The predictions, and the sum of the logarithms of the standard deviations of their errors. `correlations` are those over the
+/// distances of the arrangement.
+fn predictions(
+    law: &Law,
+    mut correlations: &[f64],
+    arrangement: &Arrangement,
+    sites: &[Site],
+) -> (Vec<Prediction>, f64) {
     let variance = law.shadowing * law.shadowing;
     let common = law.offset * law.offset;
     let shared = law.shared * variance;
-    let covariance = |distance_m: f64| common + shared * libm::exp(-distance_m / law.correlation_m);
+    let covariance = |correlation: f64| common + shared * correlation;
     let level = law.at_one_metre();
     let at = |position: usize| sites[arrangement.order[position]];
     let mut logs = 0.0;
     let each = arrangement.neighbours.iter().enumerate().map(|(position, neighbours)| {
         let site = at(position);
         let count = neighbours.at.len();
-        let (to, mut between) = neighbours.distances_m.split_at(count);
+        let (own, rest) = correlations.split_at(neighbours.distances_m.len());
+        correlations = rest;
+        let (to, mut between) = own.split_at(count);
         // Cholesky factor of the covariance of the neighbours; weights solve it for the covariance with them.
         let mut factor = [[0.0f64; NEIGHBOURS]; NEIGHBOURS];
         let mut half = [0.0f64; NEIGHBOURS];
         let mut left = variance + common + site.variance;
         for row in 0..count {
-            let (distances_m, rest) = between.split_at(row);
+            let (along_row, rest) = between.split_at(row);
             between = rest;
             for column in 0..=row {
                 let own = if row == column {
                     variance + common + at(neighbours.at[row]).variance
                 } else {
-                    covariance(distances_m[column])
+                    covariance(along_row[column])
                 };
                 let sum = own - dot(&factor[row], &factor[column], column);
                 factor[row][column] =
@@ -171,6 +278,7 @@ fn predictions(law: &Law, arrangement: &Arrangement, sites: &[Site]) -> (Vec<Pre
             weights: exact.map(single),
             precision: single(1.0 / deviation),
             margin: 0.0,
+            unit: 0.0,
             level: 0.0,
         };
         let mut margin = site.margin - level;
@@ -181,6 +289,7 @@ fn predictions(law: &Law, arrangement: &Arrangement, sites: &[Site]) -> (Vec<Pre
             share -= exact[slot];
         }
         prediction.margin = single(margin / deviation);
+        prediction.unit = single(share / deviation);
         prediction.level = single(share * libm::log(law.distance_m) / deviation);
         prediction
     });
@@ -243,10 +352,22 @@ mod tests {
         let ordered: Vec<Position> = arrangement.order.iter().map(|&link| places[link]).collect();
         let columns = Columns::new(&vertices, &ordered, |_| 1e-6);
         let mut found = Vec::new();
-        log_likelihoods(&law, &arrangement, &sites, &columns, &mut found);
-        for (vertex, found) in vertices.iter().zip(&found) {
-            let literal = literal(&law, &places, &sites, *vertex);
-            assert!((found - literal).abs() < 1e-3, "{vertex:?}: {found} instead of {literal}");
+        let sums = Sums::of(&law, &arrangement, &sites, &columns);
+        // The sums are those of all laws of the same covariance.
+        let others = [0, 1, 6, 7].map(|number| law.moved(number, 1.0).unwrap());
+        let far = others[0].moved(1, -2.0).unwrap().moved(0, 3.0).unwrap();
+        for law in [law, far].into_iter().chain(others) {
+            sums.log_likelihoods(&law, &mut found);
+            for (vertex, found) in vertices.iter().zip(&found) {
+                let literal = literal(&law, &places, &sites, *vertex);
+                assert!((found - literal).abs() < 1e-3, "{vertex:?}: {found} instead of {literal}");
+            }
+        }
+        for number in 2..6 {
+            let law = law.moved(number, 1.0).unwrap();
+            sums.under(&law, &arrangement, &sites, &columns).log_likelihoods(&law, &mut found);
+            let literal = literal(&law, &places, &sites, vertices[3]);
+            assert!((found[3] - literal).abs() < 1e-3, "{number}: {} instead of {literal}", found[3]);
         }
     }
 }

@@ -29,12 +29,50 @@ impl Losses {
     /// Every loss is one of power.
     pub(super) const NONE: Self = Self { lapse: 0.0, scatter: 0.0 };
 
-    /// Shares of packets that do not lapse, and their weights.
-    fn shares(&self) -> [(f64, f64); POINTS] {
+    /// How packets arrive under these losses.
+    pub(super) fn arrivals(&self) -> Arrivals {
         let odds = self.lapse / (1.0 - self.lapse);
-        RULE.map(|(deviations, weight)| (1.0 / (1.0 + odds * libm::exp(self.scatter * deviations)), weight))
+        let shares =
+            RULE.map(|(deviations, weight)| (1.0 / (1.0 + odds * libm::exp(self.scatter * deviations)), weight));
+        let mean = shares.iter().map(|(share, weight)| weight * share).sum();
+        Arrivals { shares, mean, are_scattered: self.scatter > 0.0 && self.lapse > 0.0 }
     }
 
+    /// The share of all packets that do not lapse.
+    pub(super) fn kept(&self) -> f64 {
+        self.arrivals().mean
+    }
+
+    /// The probability of the packets of a link if its margin is normally distributed, unless it is dead.
+    pub(super) fn probability(&self, link: &Link, mean: f64, deviation: f64) -> f64 {
+        const POINTS: u32 = 48;
+        let (received, sent) = (f64::from(link.received), f64::from(link.sent));
+        let ways = libm::lgamma(sent + 1.0) - libm::lgamma(received + 1.0) - libm::lgamma(sent - received + 1.0);
+        let arrivals = self.arrivals();
+        let (mut sum, mut total) = (0.0, 0.0);
+        for point in 0..=POINTS {
+            let at = 8.0 * f64::from(point) / f64::from(POINTS) - 4.0;
+            let log = arrivals.log_probability(link.received, link.sent, below(mean + deviation * at));
+            let weight = density(at);
+            total += weight;
+            sum += weight * libm::exp(ways + log);
+        }
+        let alive = (sum / total).min(1.0);
+        if link.received == 0 { link.outage + (1.0 - link.outage) * alive } else { (1.0 - link.outage) * alive }
+    }
+}
+
+/// How packets arrive that are strong enough.
+#[derive(Clone, Debug)]
+pub(super) struct Arrivals {
+    /// Shares of packets that do not lapse, and their weights.
+    shares: [(f64, f64); POINTS],
+    mean: f64,
+    /// Whether the shares differ.
+    are_scattered: bool,
+}
+
+impl Arrivals {
     /// Logarithm of the probability that these `received` of `sent` packets arrive if the share `reached` of them is strong
     /// enough, without the number of ways to choose them.
     pub(super) fn log_probability(&self, received: u32, sent: u32, reached: f64) -> f64 {
@@ -43,35 +81,12 @@ impl Losses {
             let share = (share * reached).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
             received * libm::log(share) + lost * libm::log(1.0 - share)
         };
-        if self.scatter <= 0.0 || self.lapse <= 0.0 || received + lost < 1.5 {
-            let mean: f64 = self.shares().iter().map(|(share, weight)| weight * share).sum();
-            return log(mean);
+        if !self.are_scattered || received + lost < 1.5 {
+            return log(self.mean);
         }
-        let logs = self.shares().map(|(share, weight)| (log(share), weight));
+        let logs = self.shares.map(|(share, weight)| (log(share), weight));
         let highest = logs.iter().map(|(log, _)| *log).fold(f64::NEG_INFINITY, f64::max);
         highest + libm::log(logs.iter().map(|(log, weight)| weight * libm::exp(log - highest)).sum())
-    }
-
-    /// The share of all packets that do not lapse.
-    pub(super) fn kept(&self) -> f64 {
-        self.shares().iter().map(|(share, weight)| weight * share).sum()
-    }
-
-    /// The probability of the packets of a link if its margin is normally distributed, unless it is dead.
-    pub(super) fn probability(&self, link: &Link, mean: f64, deviation: f64) -> f64 {
-        const POINTS: u32 = 48;
-        let (received, sent) = (f64::from(link.received), f64::from(link.sent));
-        let ways = libm::lgamma(sent + 1.0) - libm::lgamma(received + 1.0) - libm::lgamma(sent - received + 1.0);
-        let (mut sum, mut total) = (0.0, 0.0);
-        for point in 0..=POINTS {
-            let at = 8.0 * f64::from(point) / f64::from(POINTS) - 4.0;
-            let log = self.log_probability(link.received, link.sent, below(mean + deviation * at));
-            let weight = density(at);
-            total += weight;
-            sum += weight * libm::exp(ways + log);
-        }
-        let alive = (sum / total).min(1.0);
-        if link.received == 0 { link.outage + (1.0 - link.outage) * alive } else { (1.0 - link.outage) * alive }
     }
 }
 
@@ -142,6 +157,7 @@ pub(super) fn counts(link: &Link) -> (u32, u32) {
 
 /// Logarithms of the likelihood of counts at every `step`th margin.
 pub(super) fn table(losses: Losses, (received, sent): (u32, u32), step: usize) -> Vec<f64> {
-    let at = |margin: &f64| losses.log_probability(received, sent, below(*margin));
+    let arrivals = losses.arrivals();
+    let at = |margin: &f64| arrivals.log_probability(received, sent, below(*margin));
     TABLES.margin.iter().step_by(step).map(at).collect()
 }

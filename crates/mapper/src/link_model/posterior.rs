@@ -6,7 +6,7 @@ use super::cavity::{Expected, Known, conditioned};
 use super::geometry::{Arrangement, Columns};
 use super::hearing::Hearing;
 use super::law::Law;
-use super::likelihood::log_likelihoods;
+use super::likelihood::Sums;
 use super::links::{Link, Links, NodeLinks};
 use super::outages::{Outages, Pair};
 use super::site::{Site, silence_of_living};
@@ -45,10 +45,17 @@ pub(super) struct Grid {
     pub(super) vertices: Vec<Position>,
     pub(super) step_m: f64,
     log_densities: Vec<f64>,
+    /// Logarithm of the sum of the densities.
+    log_total: f64,
     columns: Columns,
 }
 
 impl Grid {
+    fn new(vertices: Vec<Position>, step_m: f64, log_densities: Vec<f64>, columns: Columns) -> Self {
+        let log_total = log_sum(&log_densities);
+        Self { vertices, step_m, log_densities, log_total, columns }
+    }
+
     /// The logarithm of the density of each vertex before anything was heard, and of its likelihood, but for a constant.
     pub(super) fn logarithms(&self, posterior: &Posterior) -> impl Iterator<Item = (f64, f64)> {
         self.log_densities.iter().zip(&posterior.shares).map(|(&before, &share)| (before, libm::log(share) - before))
@@ -60,8 +67,6 @@ impl Grid {
 pub(super) struct Posterior {
     pub(super) mean: Position,
     pub(super) covariance: [[f64; 3]; 3],
-    /// Logarithm of the evidence.
-    pub(super) evidence: f64,
     /// Highest logarithm of a likelihood.
     pub(super) highest: f64,
     /// The share of each vertex.
@@ -129,34 +134,37 @@ impl<'a> Evidence<'a> {
         let log_densities = vertices.iter().enumerate().map(log_density).collect();
         let least_m = |number: usize| NEAREST * if is_fine(number) { step_m } else { coarse.step_m };
         let columns = Columns::new(&vertices, &self.places, least_m);
-        Grid { vertices, step_m, log_densities, columns }
+        Grid::new(vertices, step_m, log_densities, columns)
     }
 
     fn grid_in(&self, bounds: &Bounds, window: &Window<'_>, count: f64) -> Grid {
         let (vertices, step_m) = bounds.vertices(count);
         let log_densities = vertices.iter().map(|&vertex| window.log_density(vertex)).collect();
         let columns = Columns::new(&vertices, &self.places, |_| NEAREST * step_m);
-        Grid { vertices, step_m, log_densities, columns }
+        Grid::new(vertices, step_m, log_densities, columns)
     }
 
     /// The posterior on `grid` under `law`. `scratch` is memory to use.
     pub(super) fn posterior(&self, law: &Law, grid: &Grid, scratch: &mut Vec<f64>) -> Posterior {
-        log_likelihoods(law, &self.arrangement, &self.sites, &grid.columns, scratch);
+        self.sums(law, grid).log_likelihoods(law, scratch);
         scratch.truncate(grid.vertices.len());
         let highest = scratch.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let prior = normalised(&grid.log_densities);
         for (log, density) in scratch.iter_mut().zip(&grid.log_densities) {
             *log += density;
         }
-        let posterior = normalised(scratch);
-        let (mean, covariance) = moments(&grid.vertices, &posterior.shares, grid.step_m);
-        Posterior {
-            mean,
-            covariance,
-            evidence: posterior.log_total - prior.log_total,
-            highest,
-            shares: posterior.shares,
-        }
+        let shares = normalised(scratch);
+        let (mean, covariance) = moments(&grid.vertices, &shares, grid.step_m);
+        Posterior { mean, covariance, highest, shares }
+    }
+
+    /// The sums of the likelihood on `grid` under `law`.
+    pub(super) fn sums(&self, law: &Law, grid: &Grid) -> Sums {
+        Sums::of(law, &self.arrangement, &self.sites, &grid.columns)
+    }
+
+    /// The same under another law, where `sums` are those under one.
+    pub(super) fn sums_under(&self, law: &Law, grid: &Grid, sums: &Sums) -> Sums {
+        sums.under(law, &self.arrangement, &self.sites, &grid.columns)
     }
 
     /// Expects each margin where the posterior places the node, and approximates the links there.
@@ -239,23 +247,41 @@ impl<'a> Evidence<'a> {
     }
 }
 
-struct Normalised {
-    shares: Vec<f64>,
-    log_total: f64,
+/// Logarithm of the evidence of a law on `grid`, from the `sums` of its covariance. `scratch` is memory to use.
+pub(super) fn log_evidence(law: &Law, grid: &Grid, sums: &Sums, scratch: &mut Vec<f64>) -> f64 {
+    sums.log_likelihoods(law, scratch);
+    scratch.truncate(grid.vertices.len());
+    for (log, density) in scratch.iter_mut().zip(&grid.log_densities) {
+        *log += density;
+    }
+    log_sum(scratch) - grid.log_total
 }
 
-fn normalised(logs: &[f64]) -> Normalised {
+/// What is so much less probable than the most probable changes no sum (nats).
+const NEGLIGIBLE: f64 = 40.0;
+
+/// Logarithm of the sum of numbers that are given by their logarithms; 0 if all are 0.
+fn log_sum(logs: &[f64]) -> f64 {
     let highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if highest == f64::NEG_INFINITY {
-        let share = 1.0 / logs.len().max(1) as f64;
-        return Normalised { shares: vec![share; logs.len()], log_total: 0.0 };
+        return 0.0;
+    }
+    let terms = logs.iter().map(|log| log - highest).filter(|&below| below > -NEGLIGIBLE);
+    highest + libm::log(terms.map(libm::exp).sum())
+}
+
+/// The shares of densities that are given by their logarithms; equal shares if all are 0.
+fn normalised(logs: &[f64]) -> Vec<f64> {
+    let highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if highest == f64::NEG_INFINITY {
+        return vec![1.0 / logs.len().max(1) as f64; logs.len()];
     }
     let mut shares: Vec<f64> = logs.iter().map(|log| libm::exp(log - highest)).collect();
     let total: f64 = shares.iter().sum();
     for share in &mut shares {
         *share /= total;
     }
-    Normalised { shares, log_total: highest + libm::log(total) }
+    shares
 }
 
 /// Mean and covariance (m, m²); a vertex stands for a cell.

@@ -58,10 +58,11 @@ impl Receiver {
     pub(super) fn density(&self, losses: Losses, link: &Link, mean: f64, deviation: f64) -> f64 {
         const POINTS: u32 = 96;
         let Some(rssi_dbm) = link.rssi_dbm else { return 1.0 };
+        let arrivals = losses.arrivals();
         let logs = (0..=POINTS).map(|point| {
             let at = 10.0 * f64::from(point) / f64::from(POINTS) - 5.0;
             let margin = mean + deviation * at;
-            let count = losses.log_probability(link.received, link.sent, below(margin)) - 0.5 * at * at;
+            let count = arrivals.log_probability(link.received, link.sent, below(margin)) - 0.5 * at * at;
             let mills = density(margin) / below(margin).max(1e-300);
             let excess = if margin < LOWEST { 0.0 } else { margin + mills };
             let share = if margin < LOWEST { 0.02 } else { (1.0 - mills * (margin + mills)).max(0.02) };

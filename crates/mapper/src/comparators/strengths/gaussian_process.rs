@@ -1,9 +1,9 @@
 //! A Gaussian process over the strengths of each node, which is where the process is greatest.
 
+use std::cmp::Ordering;
+
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
-#[cfg(feature = "config")]
-use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
@@ -18,7 +18,8 @@ use crate::{
 
 /// The Gaussian process as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct GaussianProcessConfig {}
 
@@ -130,10 +131,10 @@ impl<'a> Process<'a> {
     pub(crate) fn likeliest(strengths: &'a [Strength]) -> Option<Self> {
         let [low, high] = corners(strengths)?;
         let diagonal_m = Position::from(low).distance_m(high.into());
-        let processes = LENGTHS
-            .iter()
-            .flat_map(|share| NOISES.map(|noise| (share * diagonal_m, noise)))
-            .filter_map(|(length_m, noise)| Self::new(strengths, length_m, noise));
+        let processes = LENGTHS.iter().filter_map(|share| Correlations::of(strengths, share * diagonal_m));
+        let processes = processes.flat_map(|correlations| {
+            NOISES.into_iter().filter_map(move |noise| Self::new(strengths, &correlations, noise))
+        });
         processes.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
     }
 
@@ -146,18 +147,16 @@ impl<'a> Process<'a> {
         (self.mean + with.dot(&self.weights), variance)
     }
 
-    /// The process with this length scale and standard deviation of the noise, relative to its own. `None` if the
-    /// strengths are alike or at one place.
-    fn new(strengths: &'a [Strength], length_m: f64, noise: f64) -> Option<Self> {
-        if length_m <= 0.0 {
-            return None;
+    /// The process with these correlations of the strengths and this standard deviation of the noise, relative to its own.
+    /// `None` if the strengths are alike.
+    fn new(strengths: &'a [Strength], correlations: &Correlations, noise: f64) -> Option<Self> {
+        let Correlations { length_m, below } = correlations;
+        let (length_m, count) = (*length_m, strengths.len());
+        let mut whole = below.clone();
+        for i in 0..count {
+            whole[(i, i)] += noise * noise;
         }
-        let count = strengths.len();
-        let entry = |row: usize, column: usize| {
-            let own = if row == column { noise * noise } else { 0.0 };
-            kernel(strengths[row].place, strengths[column].place, length_m) + own
-        };
-        let factor: Cholesky<f64, Dyn> = DMatrix::from_fn(count, count, entry).cholesky()?;
+        let factor: Cholesky<f64, Dyn> = whole.cholesky()?;
         let values = DVector::from_fn(count, |i, _| strengths[i].rssi_dbm);
         let ones = DVector::from_element(count, 1.0);
         let of_ones = factor.solve(&ones);
@@ -173,13 +172,16 @@ impl<'a> Process<'a> {
         Some(Self { strengths, length_m, noise, mean, variance, factor, weights, log_likelihood })
     }
 
-    /// How much the posterior mean at `place` is above the mean, relative to the variance.
-    fn at(&self, place: Position) -> f64 {
-        let terms = self.strengths.iter().zip(self.weights.iter());
-        terms.map(|(strength, weight)| weight * kernel(place, strength.place, self.length_m)).sum()
+    /// The kernel along one axis, from a coordinate (m) to each strength.
+    fn along_axis(&self, axis: usize, at_m: f64) -> Vec<f64> {
+        let kernel = |strength: &Strength| {
+            let way_m = at_m - <[f64; 3]>::from(strength.place)[axis];
+            libm::exp(-0.5 * (way_m / self.length_m).powi(2))
+        };
+        self.strengths.iter().map(kernel).collect()
     }
 
-    /// Where it is greatest in the box with these corners.
+    /// Where it is greatest in the box with these corners. The kernel is a product of one along each axis.
     fn greatest(&self, first: [f64; 3], last: [f64; 3]) -> Position {
         let count = CELLS[usize::from(last[2] > first[2])];
         let mut best = (f64::NEG_INFINITY, Position::from(first));
@@ -188,13 +190,19 @@ impl<'a> Process<'a> {
             let counts = [0, 1, 2].map(|axis| if high[axis] > low[axis] { count } else { 0 });
             let steps = [0, 1, 2].map(|axis| (high[axis] - low[axis]) / f64::from(counts[axis].max(1)));
             let along = |axis: usize, i: u32| low[axis] + f64::from(i) * steps[axis];
-            for k in 0..=counts[2] {
-                for j in 0..=counts[1] {
-                    for i in 0..=counts[0] {
-                        let place = Position::new(along(0, i), along(1, j), along(2, k));
-                        let value = self.at(place);
+            let kernels = [0, 1, 2].map(|axis| {
+                let each = (0..=counts[axis]).map(|i| self.along_axis(axis, along(axis, i)));
+                each.collect::<Vec<Vec<f64>>>()
+            });
+            let mut of_row = vec![0.0; self.strengths.len()];
+            for (k, third) in (0..).zip(&kernels[2]) {
+                for (j, second) in (0..).zip(&kernels[1]) {
+                    let others = second.iter().zip(third).zip(self.weights.iter());
+                    of_row.iter_mut().zip(others).for_each(|(own, ((b, c), weight))| *own = b * c * weight);
+                    for (i, first) in (0..).zip(&kernels[0]) {
+                        let value = first.iter().zip(&of_row).map(|(a, other)| a * other).sum();
                         if value > best.0 {
-                            best = (value, place);
+                            best = (value, Position::new(along(0, i), along(1, j), along(2, k)));
                         }
                     }
                 }
@@ -206,6 +214,26 @@ impl<'a> Process<'a> {
             }
         }
         best.1
+    }
+}
+
+/// The correlations of strengths with a length scale.
+struct Correlations {
+    length_m: f64,
+    /// Below the diagonal and on it.
+    below: DMatrix<f64>,
+}
+
+impl Correlations {
+    /// `None` if the length is 0: the strengths are at one place.
+    fn of(strengths: &[Strength], length_m: f64) -> Option<Self> {
+        let count = strengths.len();
+        let entry = |row: usize, column: usize| match row.cmp(&column) {
+            Ordering::Less => 0.0,
+            Ordering::Equal => 1.0,
+            Ordering::Greater => kernel(strengths[row].place, strengths[column].place, length_m),
+        };
+        (length_m > 0.0).then(|| Self { length_m, below: DMatrix::from_fn(count, count, entry) })
     }
 }
 
@@ -272,11 +300,28 @@ mod tests {
     fn a_process_without_noise_passes_through_its_strengths() {
         let strengths: Vec<Strength> =
             square().into_iter().map(|place| Strength { place, rssi_dbm: -50.0 - place.x_m.sin() }).collect();
-        let process = Process::new(&strengths, 2.0, 1e-4).unwrap();
-        let differences = |i: usize, j: usize| {
-            (process.at(strengths[i].place) - process.at(strengths[j].place))
-                - (strengths[i].rssi_dbm - strengths[j].rssi_dbm)
-        };
-        assert!((1..49).all(|i| differences(i, i - 1).abs() < 1e-4));
+        let process = Process::new(&strengths, &Correlations::of(&strengths, 2.0).unwrap(), 1e-4).unwrap();
+        assert!(strengths.iter().all(|strength| {
+            let (mean, variance) = process.predicted(strength.place);
+            (mean - strength.rssi_dbm).abs() < 1e-4 && variance < 1e-4
+        }));
+    }
+
+    #[test]
+    fn the_greatest_place_of_a_grid_is_that_of_the_literal_sum() {
+        let strength =
+            |place: Position| -60.0 - (0.7 * place.x_m).sin() * 3.0 - (0.4 * place.y_m).cos() * 5.0 + place.z_m;
+        let place = |i: u32| Position::new(f64::from(i % 6), f64::from(i / 6), 0.4 * f64::from(i % 3));
+        let strengths: Vec<Strength> =
+            (0..36).map(|i| Strength { place: place(i), rssi_dbm: strength(place(i)) }).collect();
+        let process = Process::likeliest(&strengths).unwrap();
+        let [low, high] = corners(&strengths).unwrap();
+        let found = process.greatest(low, high);
+        let at = |place| process.predicted(place).0;
+        for i in 0..1000 {
+            let share = |of: u32| f64::from(of) / 9.0;
+            let other = Position::new(5.0 * share(i % 10), 5.0 * share(i / 10 % 10), 0.8 * share(i / 100));
+            assert!(at(other) <= at(found) + 1e-9, "{other} is greater than {found}");
+        }
     }
 }

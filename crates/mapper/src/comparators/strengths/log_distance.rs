@@ -5,8 +5,6 @@ use std::convert::Infallible;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
@@ -24,7 +22,8 @@ use crate::{
 
 /// The least-squares fit as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct LogDistanceConfig {
     /// Lowest and highest path-loss exponent of a node: above 0, at most 10.

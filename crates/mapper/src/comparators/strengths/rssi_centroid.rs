@@ -1,8 +1,6 @@
 //! Centroids of the stops that received a node, weighted by signal strength.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
@@ -16,7 +14,8 @@ use crate::{
 
 /// The RSSI centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct RssiCentroidConfig {
     /// Each stop weighs the power that it received, in milliwatts, to this power g: above 0, at most 100. With a path-loss
