@@ -9,8 +9,6 @@ mod report;
 mod score;
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, SectorGains, SectorTable};
 use sextant_kernel::{SettingError, Watch};
@@ -31,7 +29,8 @@ use crate::{
 
 /// The choice of an estimator as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct AutoConfig {
     /// Whether signal strengths are used where the log has them.

@@ -28,6 +28,8 @@ pub struct Opinions {
     pub gain: Option<f64>,
     /// Power of the posterior of the link model.
     pub link_model_power: f64,
+    /// How far its places may be off beyond what its posterior says (m).
+    pub link_model_error_m: f64,
     /// The other opinions.
     pub others: Vec<Opinion>,
 }
@@ -83,7 +85,8 @@ impl Opinions {
         let Source::Strengths(gain) = source else {
             let [_, power] = learnt::LINKS_POWER;
             let others = vec![opinion(PacketCentroid::NAME, learnt::CENTROID)];
-            return Self { gain: None, link_model_power: power, others };
+            let error_m = learnt::LINKS_ERROR * usual_link_m;
+            return Self { gain: None, link_model_power: power, link_model_error_m: error_m, others };
         };
         let [low, high] = learnt::GAINS;
         let told = gain.unwrap_or(learnt::UNKNOWN);
@@ -95,13 +98,16 @@ impl Opinions {
             opinion(GaussianProcess::NAME, wider * learnt::PEAK),
             opinion(StrongestStop::NAME, wider * learnt::STRONGEST),
         ];
-        Self { gain, link_model_power: between(learnt::LINKS_POWER), others }
+        // A law that gains much is one of these links: it errs no more than it says.
+        let error_m = learnt::LINKS_ERROR * usual_link_m / beyond;
+        Self { gain, link_model_power: between(learnt::LINKS_POWER), link_model_error_m: error_m, others }
     }
 
     /// The place of a node, with its covariance, of that by the link model and of the `others`. Heights follow as the link model
     /// has them depend on the place in the plane.
-    fn place(&self, estimate: &Estimate, others: &[Position], error_m: f64) -> Option<Estimate> {
+    fn place(&self, estimate: &Estimate, others: &[Position]) -> Option<Estimate> {
         let covariance = estimate.covariance?;
+        let error_m = self.link_model_error_m;
         let in_plane = |place: Position| Vector2::new(place.x_m, place.y_m);
         let own = Matrix2::from_fn(|row, column| covariance[row][column]) + Matrix2::identity() * (error_m * error_m);
         let links =
@@ -181,7 +187,7 @@ pub(super) fn join(
     let opinions = Opinions::of(source, usual_link_m);
     let join = |(estimate, told): (&mut Option<Estimate>, &Option<Told>)| {
         if let (Some(own), Some(told)) = (&*estimate, told)
-            && let Some(joined) = opinions.place(own, &told.places, learnt::LINKS_ERROR * usual_link_m)
+            && let Some(joined) = opinions.place(own, &told.places)
         {
             *estimate = Some(joined);
         }
@@ -223,7 +229,11 @@ mod tests {
         let told: Vec<Opinions> = gains.map(of).to_vec();
         assert!(told.is_sorted_by(|a, b| a.link_model_power <= b.link_model_power));
         assert!(told.is_sorted_by(|a, b| a.others[0].scale_m <= b.others[0].scale_m));
-        assert_eq!((told[0].link_model_power, told[0].others[0].scale_m), (0.2, 3.0));
+        assert!(told.is_sorted_by(|a, b| a.link_model_error_m >= b.link_model_error_m));
+        assert_eq!(
+            (told[0].link_model_power, told[0].others[0].scale_m, told[0].link_model_error_m),
+            (0.2, 3.0, 1.0)
+        );
         assert_eq!((told[7].link_model_power, told[7].others[1].scale_m), (1.0, 29.0));
         let packets = Opinions::of(Source::Packets, 10.0);
         assert_eq!(packets.others, [Opinion { estimator: "packet-centroid", scale_m: 6.5 }]);
@@ -231,19 +241,19 @@ mod tests {
 
     #[test]
     fn places_turn_with_the_opinions_and_heights_follow_places() {
-        let opinions = Opinions::of(Source::Strengths(Some(-0.2)), 8.0);
+        let opinions = Opinions { link_model_error_m: 0.0, ..Opinions::of(Source::Strengths(Some(-0.2)), 8.0) };
         let (own, others) =
             (Position::new(1.0, 2.0, 3.0), [Position::new(6.0, 2.0, 0.0), Position::new(5.0, 4.0, 0.0)]);
         // The height grows by half a metre for each metre along x.
         let covariance = [[4.0, 0.0, 2.0], [0.0, 1.0, 0.0], [2.0, 0.0, 1.5]];
-        let joined = opinions.place(&estimate(own, covariance), &others, 0.0).unwrap();
+        let joined = opinions.place(&estimate(own, covariance), &others).unwrap();
         let moved = joined.position - own;
         assert!(moved.x_m > 0.5 && (moved.z_m - 0.5 * moved.x_m).abs() < 1e-12, "{moved}");
         let spread = joined.covariance.unwrap();
         assert!((spread[0][2] - 0.5 * spread[0][0]).abs() < 1e-12 && spread[2][2] > 0.5);
         let turned = |place: Position| Position::new(-place.y_m, place.x_m, place.z_m);
         let covariance = [[1.0, 0.0, 0.0], [0.0, 4.0, 2.0], [0.0, 2.0, 1.5]];
-        let other = opinions.place(&estimate(turned(own), covariance), &others.map(turned), 0.0).unwrap();
+        let other = opinions.place(&estimate(turned(own), covariance), &others.map(turned)).unwrap();
         assert!(other.position.distance_m(turned(joined.position)) < 1e-9, "{} {}", other.position, joined.position);
     }
 
