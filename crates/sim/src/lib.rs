@@ -157,7 +157,7 @@ pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
 pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use setup::Setup;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
-pub use simulation::{Applications, Simulation, Team};
+pub use simulation::{Applications, LeftOut, ReadySimulation, Simulation, Team};
 pub use station::{
     Kind, Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RoleConfig,
     Sink, SinkConfig,

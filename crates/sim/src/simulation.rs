@@ -3,6 +3,7 @@
 mod applications;
 pub(crate) mod discovery;
 mod mixed;
+mod ready;
 mod stations;
 mod team;
 mod traffic;
@@ -29,6 +30,7 @@ use crate::service::packets::{Packets, TooFar};
 use crate::setup::Setup;
 use crate::station::{Kind, Roll};
 pub use applications::Applications;
+pub use ready::{LeftOut, ReadySimulation};
 use stations::Stations;
 pub use team::Team;
 

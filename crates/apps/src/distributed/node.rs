@@ -4,8 +4,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 use sextant_channel::Position;
+use sextant_kernel::SettingError;
 use sextant_mapper::{Bearing, Estimate, RingOrientation, UnorientedRing};
-use sextant_sim::{Application, Delivery, Destination, NetworkId, Payload, Port, Timer};
+use sextant_sim::{
+    Application, Applications, Delivery, Destination, LeftOut, NetworkId, Payload, Port, ReadySimulation, Setup,
+    Simulation, Timer,
+};
 
 use super::belief::Belief;
 use super::config::{DistributedMapping, Exchange, Recompute};
@@ -93,6 +97,22 @@ impl MappingNode {
             draws: 0,
             record: MappingRecord::default(),
         }
+    }
+
+    /// The simulation of these nodes, ready to run; it leaves a record of each behind.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::with`] and [`Simulation::with_region`].
+    ///
+    /// # Panics
+    /// If there is not one for each node of `setup`.
+    pub fn simulation(
+        setup: Setup,
+        nodes: Vec<Self>,
+        left_out: LeftOut,
+    ) -> Result<ReadySimulation<'static, Vec<MappingRecord>>, SettingError> {
+        let simulation = Simulation::with(setup, Applications::of_nodes(nodes))?.without(left_out)?;
+        Ok(simulation.ready(|own| own.nodes.into_iter().map(Self::into_record).collect()))
     }
 
     /// What the node has found, and what it took.

@@ -3,8 +3,11 @@
 use std::sync::Arc;
 
 use sextant_channel::Dbm;
-use sextant_kernel::NodeId;
-use sextant_sim::{Application, Applications, Delivery, DriveEnd, NetworkId, Port, RobotBody, Sensed, Timer};
+use sextant_kernel::{NodeId, SettingError};
+use sextant_sim::{
+    Application, Applications, Delivery, DriveEnd, NetworkId, Port, ReadySimulation, RobotBody, Sensed, Setup,
+    Simulation, Timer,
+};
 
 use super::node::SeekNode;
 use super::record::SeekRecord;
@@ -39,6 +42,23 @@ pub struct SeekTeam<'a> {
 }
 
 impl SourceSeeking {
+    /// The simulation of all stations, which know `map`, ready to run; it leaves a record of each behind.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::with`].
+    ///
+    /// # Panics
+    /// If `team` is not that of `setup`.
+    pub fn simulation(
+        self: &Arc<Self>,
+        map: &Arc<NavigationMap>,
+        team: SeekTeam<'_>,
+        setup: Setup,
+    ) -> Result<ReadySimulation<'static, Applications<SeekRecord>>, SettingError> {
+        let simulation = Simulation::with(setup, self.stations(map, team))?;
+        Ok(simulation.ready(|own| own.each(SeekStation::into_record)))
+    }
+
     /// The applications of all stations, which know `map`.
     #[must_use]
     pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: SeekTeam<'_>) -> Applications<SeekStation> {

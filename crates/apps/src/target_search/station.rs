@@ -3,9 +3,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, SettingError};
 use sextant_sim::{
-    Application, Applications, Delivery, DriveEnd, NetworkId, Port, Radio, RobotBody, SendReport, Sensed, Timer,
+    Application, Applications, Delivery, DriveEnd, NetworkId, Port, Radio, ReadySimulation, RobotBody, SendReport,
+    Sensed, Setup, Simulation, Timer,
 };
 
 use super::node::{NodeSearchRecord, SearchNode};
@@ -58,6 +59,23 @@ pub struct SearchTeam<'a> {
 }
 
 impl TargetSearch {
+    /// The simulation of all stations, which know `map`, ready to run; it leaves a record of each behind.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::with`].
+    ///
+    /// # Panics
+    /// If `team` is not that of `setup`.
+    pub fn simulation(
+        self: &Arc<Self>,
+        map: &Arc<NavigationMap>,
+        team: SearchTeam<'_>,
+        setup: Setup,
+    ) -> Result<ReadySimulation<'static, Applications<SearchRecord>>, SettingError> {
+        let simulation = Simulation::with(setup, self.stations(map, team))?;
+        Ok(simulation.ready(|own| own.each(SearchStation::into_record)))
+    }
+
     /// The applications of all stations, which know `map`.
     #[must_use]
     pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: SearchTeam<'_>) -> Applications<SearchStation> {

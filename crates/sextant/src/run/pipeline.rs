@@ -274,7 +274,7 @@ fn perform(
         robots: &robots,
         start,
     })?;
-    let (survey, performance) = ready.run(&mut &mut *observer, watch)?;
+    let (survey, performance) = ready.run(&mut &mut *observer, watch);
     let end = ApplicationEnd { scenario, application, start, survey: &survey, performance: &performance };
     observer.application_finished(&end)?;
     Ok(performance)

@@ -1,9 +1,8 @@
 //! The simulation of a scenario.
 
 use sextant_apps::distributed::{MappingNode, MappingRecord};
-use sextant_kernel::SettingError;
 use sextant_scenario::Scenario;
-use sextant_sim::{Application, Applications, BoxedApplication, Observer, Simulation, Survey, Team};
+use sextant_sim::{LeftOut, Observer, ReadySimulation, Survey, Team};
 
 use super::error::RunError;
 use super::programs::{ProgrammedRobots, Programs};
@@ -14,16 +13,12 @@ pub struct Simulator<'a> {
     programmed: ProgrammedRobots,
 }
 
-/// The simulation, by what its stations do: what is usual is compiled for itself.
+/// The simulation, by what its stations leave behind.
 enum Stations<'a> {
-    /// The nodes send the traffic of their networks.
-    OfTraffic(Box<Simulation>),
-    /// The same, with robots that may be simulated in parallel.
-    OfTeam(Box<Team>),
-    /// The nodes compute a map themselves.
-    OfNodes(Box<Simulation<MappingNode>>),
-    /// Some stations have applications of the caller's own.
-    Mixed(Box<Simulation<BoxedApplication<'a>>>),
+    /// Nothing besides what robots heard.
+    Plain(ReadySimulation<'a>),
+    /// A record each: the nodes compute a map themselves.
+    OfNodes(ReadySimulation<'static, Vec<MappingRecord>>),
 }
 
 /// What a simulation leaves behind.
@@ -56,19 +51,20 @@ impl<'a> Simulator<'a> {
         // A team copies its controllers, and simulates some more than once. Those of the caller's own decide once.
         let may_be_copied = programs.is_empty();
         let applications = programs.place(scenario, &mut setup)?;
+        let left_out = LeftOut { warm_up: scenario.warm_up(), region: scenario.region() };
         let stations = match (applications, scenario.distributed()) {
-            (Some(applications), _) => Stations::Mixed(ready(scenario, Simulation::mixed(setup, applications)?)?),
+            (Some(applications), _) => Stations::Plain(ReadySimulation::mixed(setup, applications, left_out)?),
             (None, Some(map)) => {
                 let nodes = map.nodes(setup.world.nodes.len(), scenario.anchors());
-                Stations::OfNodes(ready(scenario, Simulation::with(setup, Applications::of_nodes(nodes))?)?)
+                Stations::OfNodes(MappingNode::simulation(setup, nodes, left_out)?)
             }
             (None, None) => {
-                let may_be_parallel = may_be_copied && scenario.warm_up().is_zero();
-                let team = may_be_parallel.then(|| Team::of(&setup, scenario.region())).transpose()?.flatten();
-                match team {
-                    Some(team) => Stations::OfTeam(Box::new(team)),
-                    None => Stations::OfTraffic(ready(scenario, Simulation::new(setup)?)?),
-                }
+                let may_be_parallel = may_be_copied && left_out.warm_up.is_zero();
+                let team = may_be_parallel.then(|| Team::of(&setup, left_out.region)).transpose()?.flatten();
+                Stations::Plain(match team {
+                    Some(team) => team.into(),
+                    None => ReadySimulation::of_traffic(setup, left_out)?,
+                })
             }
         };
         Ok(Self { stations, programmed })
@@ -78,19 +74,9 @@ impl<'a> Simulator<'a> {
     #[must_use]
     pub fn run(self, observer: &mut impl Observer) -> Simulated {
         let (survey, nodes) = match self.stations {
-            Stations::OfTraffic(simulation) => (simulation.run(observer), Vec::new()),
-            Stations::OfTeam(team) => (team.run(observer), Vec::new()),
-            Stations::Mixed(simulation) => (simulation.run(observer), Vec::new()),
-            Stations::OfNodes(simulation) => {
-                let (survey, Applications { nodes, .. }) = simulation.run_own(observer);
-                (survey, nodes.into_iter().map(MappingNode::into_record).collect())
-            }
+            Stations::Plain(simulation) => (simulation.run(observer).0, Vec::new()),
+            Stations::OfNodes(simulation) => simulation.run(observer),
         };
         Simulated { survey, nodes, programmed: self.programmed }
     }
-}
-
-/// The same with the warm-up and the region of `scenario`.
-fn ready<N: Application>(scenario: &Scenario, simulation: Simulation<N>) -> Result<Box<Simulation<N>>, SettingError> {
-    simulation.with_warm_up(scenario.warm_up()).with_region(scenario.region()).map(Box::new)
 }

@@ -23,6 +23,12 @@ impl<N> Applications<N> {
         Self { nodes, robots: Vec::new(), sinks: Vec::new() }
     }
 
+    /// What `of` makes of each.
+    pub fn each<R>(self, of: impl FnMut(N) -> R + Copy) -> Applications<R> {
+        let all = |stations: Vec<N>| stations.into_iter().map(of).collect();
+        Applications { nodes: all(self.nodes), robots: all(self.robots), sinks: all(self.sinks) }
+    }
+
     /// Refuses what nodes with such applications, and robots and sinks if they have them, cannot do.
     ///
     /// # Panics

@@ -4,7 +4,6 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Link, NeighbourLog};
 use sextant_kernel::{Interrupted, NodeId, Seed, SettingError, SimTime, StationId, Watch, Work};
@@ -27,7 +26,8 @@ use crate::world::World;
 const NETWORK: NetworkId = NetworkId(0);
 
 /// Neighbour discovery, as written in a scenario. It runs only if a map needs its results.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct DiscoveryConfig {
     /// Hello packets that each node broadcasts: 1 to 10000.

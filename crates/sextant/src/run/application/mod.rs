@@ -66,17 +66,13 @@ impl<'a> ReadyApplication<'a> {
     }
 
     /// Runs it. Returns what its simulation left behind, and what happened in it.
-    pub(super) fn run(
-        self,
-        observer: &mut impl Observer,
-        watch: &dyn Watch,
-    ) -> Result<(Survey, Performance), RunError> {
+    pub(super) fn run(self, observer: &mut impl Observer, watch: &dyn Watch) -> (Survey, Performance) {
         let Self { scenario, application, map, prepared } = self;
         let mut witness = Witness::new(scenario, application.robots.len());
-        let (survey, records) = prepared.run(&mut (observer, (&mut witness, Stop(watch))))?;
+        let (survey, records) = prepared.run(&mut (observer, (&mut witness, Stop(watch))));
         let scored = score::score(&witness, scenario.world().nodes.len(), &map.placement);
         let summary = summary::sum_up(scenario, application, &map, (&survey, &records), (&witness, &scored));
         let performance = Performance { summary, end: survey.end, witness, scored };
-        Ok((survey, performance))
+        (survey, performance)
     }
 }

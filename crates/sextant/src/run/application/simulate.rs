@@ -3,26 +3,20 @@
 use std::sync::Arc;
 
 use sextant_apps::navigation::NavigationMap;
-use sextant_apps::source_seeking::{SeekRecord, SeekStation, SeekTeam};
-use sextant_apps::target_search::{SearchRecord, SearchStation, SearchTeam};
+use sextant_apps::source_seeking::{SeekRecord, SeekTeam};
+use sextant_apps::target_search::{SearchRecord, SearchTeam};
 use sextant_scenario::{Application, Scenario, Task};
 use sextant_sim::{
-    Applications, Network, Observer, Robot, RobotBody, RobotTask, Setup, Simulation, Survey, TrafficPlan,
+    Applications, Network, Observer, ReadySimulation, Robot, RobotBody, RobotTask, Setup, Survey, TrafficPlan,
 };
 
 use super::maps::WorkingMap;
 use crate::run::error::RunError;
 
-/// An application, ready to run.
-pub(super) struct Prepared {
-    setup: Setup,
-    stations: Stations,
-}
-
-/// The applications of all stations.
-enum Stations {
-    Search(Applications<SearchStation>),
-    Seek(Applications<SeekStation>),
+/// The simulation of an application, ready to run.
+pub(super) enum Prepared {
+    Search(ReadySimulation<'static, Applications<SearchRecord>>),
+    Seek(ReadySimulation<'static, Applications<SeekRecord>>),
 }
 
 /// What the stations leave behind.
@@ -50,62 +44,45 @@ impl Prepared {
         let known = known.expect("a map with fewer than three places is refused before");
         let radio = networks[application.network.index()].technology.ieee802154();
         let radio = &radio.expect("the check of the scenario refuses applications over other technologies").radio;
-        let stations = match &application.algorithm.task {
+        let radio = radio.clone();
+        let own = |body: &RobotBody| Robot { body: body.clone(), task: RobotTask::Own };
+        let robots = bodies.iter().map(own).collect();
+        let (nodes, sinks, targets) = (nodes.len(), whole.sinks.len(), whole.world.targets.len());
+        let setup = Setup { networks, robots, duration: Some(application.duration), ..whole };
+        Ok(match &application.algorithm.task {
             Task::Search(search) => {
                 let team = SearchTeam {
-                    nodes: nodes.len(),
+                    nodes,
                     robots: &bodies,
-                    sinks: whole.sinks.len(),
-                    targets: whole.world.targets.len(),
+                    sinks,
+                    targets,
                     network: application.network,
-                    radio,
+                    radio: &radio,
                     duration: application.duration,
                 };
-                Stations::Search(search.stations(&known, team))
+                Self::Search(search.simulation(&known, team, setup)?)
             }
             Task::Seek(seek) => {
-                let team = SeekTeam {
-                    nodes: nodes.len(),
-                    robots: &bodies,
-                    sinks: whole.sinks.len(),
-                    network: application.network,
-                    tx_power: radio.tx_power(),
-                };
-                Stations::Seek(seek.stations(&known, team))
+                let network = application.network;
+                let team = SeekTeam { nodes, robots: &bodies, sinks, network, tx_power: radio.tx_power() };
+                Self::Seek(seek.simulation(&known, team, setup)?)
             }
-        };
-        let robots = bodies.into_iter().map(|body| Robot { body, task: RobotTask::Own }).collect();
-        let setup = Setup { networks, robots, duration: Some(application.duration), ..whole };
-        Ok(Self { setup, stations })
+        })
     }
 
     /// Runs it to its end, or until `observer` ends it.
-    pub(super) fn run(self, observer: &mut impl Observer) -> Result<(Survey, Records), RunError> {
-        match self.stations {
-            Stations::Search(stations) => {
-                let (survey, records) = run(self.setup, stations, SearchStation::into_record, observer)?;
-                Ok((survey, Records::Search(records)))
+    pub(super) fn run(self, observer: &mut impl Observer) -> (Survey, Records) {
+        match self {
+            Self::Search(simulation) => {
+                let (survey, records) = simulation.run(observer);
+                (survey, Records::Search(records))
             }
-            Stations::Seek(stations) => {
-                let (survey, records) = run(self.setup, stations, SeekStation::into_record, observer)?;
-                Ok((survey, Records::Seek(records)))
+            Self::Seek(simulation) => {
+                let (survey, records) = simulation.run(observer);
+                (survey, Records::Seek(records))
             }
         }
     }
-}
-
-/// Runs a simulation of `stations`, and returns what each leaves behind.
-fn run<S: sextant_sim::Application, R>(
-    setup: Setup,
-    stations: Applications<S>,
-    into_record: fn(S) -> R,
-    observer: &mut impl Observer,
-) -> Result<(Survey, Applications<R>), RunError> {
-    let simulation = Simulation::with(setup, stations)?;
-    let (survey, Applications { nodes, robots, sinks }) = simulation.run_own(observer);
-    let records = |stations: Vec<S>| stations.into_iter().map(into_record).collect();
-    let records = Applications { nodes: records(nodes), robots: records(robots), sinks: records(sinks) };
-    Ok((survey, records))
 }
 
 /// The body of a robot in the network of the application, where it starts.
