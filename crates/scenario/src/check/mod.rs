@@ -9,11 +9,12 @@ pub(crate) mod robots;
 
 use std::time::Duration;
 
+use sextant_apps::distributed::MappingNode;
 use sextant_channel::{Anchor, Bounds};
 use sextant_kernel::text::counted;
 use sextant_kernel::{Files, Seed, SettingError};
 use sextant_sim::{
-    Applications, Discovery, Interferer, RobotBody, RoleConfig, Sensors, Setup, SimulatedRegion, Simulation, World,
+    Discovery, Interferer, LeftOut, RobotBody, RoleConfig, Sensors, Setup, SimulatedRegion, Simulation, World,
 };
 
 use super::config::ScenarioConfig;
@@ -133,8 +134,8 @@ pub(crate) fn check(config: &mut ScenarioConfig, files: &Files, errors: &mut Err
         let simulation = match &distributed {
             None => Simulation::new(setup.clone()).map(drop),
             Some(map) => {
-                let nodes = Applications::of_nodes(map.nodes(setup.world.nodes.len(), &anchors));
-                Simulation::with(setup.clone(), nodes).map(drop)
+                let nodes = map.nodes(setup.world.nodes.len(), &anchors);
+                MappingNode::simulation(setup.clone(), nodes, LeftOut::default()).map(drop)
             }
         };
         errors.take("", simulation);

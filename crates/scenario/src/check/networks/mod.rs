@@ -74,45 +74,16 @@ impl CheckedLinks {
     }
 }
 
-/// The tables of a scenario: those of its networks, and those for all networks that lack the table.
-#[derive(Clone, Copy)]
-pub(crate) struct ScenarioTables<'a> {
-    pub(crate) networks: &'a BTreeMap<String, NetworkConfig>,
-    pub(crate) radio: Option<&'a RadioConfig>,
-    pub(crate) channel: &'a ChannelConfig,
-    pub(crate) mac: &'a MacConfig,
-    pub(crate) traffic: Option<&'a TrafficConfig>,
-    pub(crate) reception: Option<&'a ReceptionConfig>,
-    pub(crate) antenna: Option<&'a AntennasConfig>,
-    pub(crate) energy: Option<&'a EnergyConfig>,
-}
-
-impl<'a> From<&'a ScenarioConfig> for ScenarioTables<'a> {
-    fn from(config: &'a ScenarioConfig) -> Self {
-        Self {
-            networks: &config.networks,
-            radio: config.radio.as_ref(),
-            channel: &config.channel,
-            mac: &config.mac,
-            traffic: config.traffic.as_ref(),
-            reception: config.reception.as_ref(),
-            antenna: config.antenna.as_ref(),
-            energy: config.energy.as_ref(),
-        }
-    }
-}
-
 impl<'a> NetworkTables<'a> {
     /// The tables of each network of a scenario, in the order of their names.
-    pub(crate) fn all(config: impl Into<ScenarioTables<'a>>) -> Vec<Self> {
-        let config = config.into();
+    pub(crate) fn all(config: &'a ScenarioConfig) -> Vec<Self> {
         if config.networks.is_empty() {
             return vec![Self::of(config, None)];
         }
         config.networks.iter().map(|(name, network)| Self::of(config, Some((name, network)))).collect()
     }
 
-    fn of(config: ScenarioTables<'a>, network: Option<(&'a String, &'a NetworkConfig)>) -> Self {
+    fn of(config: &'a ScenarioConfig, network: Option<(&'a String, &'a NetworkConfig)>) -> Self {
         let keyed = |table: &str, is_own: bool| match network {
             Some((name, _)) if is_own => format!("networks.{name}.{table}"),
             _ => table.to_owned(),
@@ -125,21 +96,21 @@ impl<'a> NetworkTables<'a> {
         }
         macro_rules! pick_or_default {
             ($table:ident) => {{
-                let picked = pick!($table, Some(config.$table));
-                Keyed { key: picked.key, is_own: picked.is_own, value: picked.value.unwrap_or(config.$table) }
+                let picked = pick!($table, Some(&config.$table));
+                Keyed { key: picked.key, is_own: picked.is_own, value: picked.value.unwrap_or(&config.$table) }
             }};
         }
         Self {
             name: network.map(|(name, _)| name.as_str()),
             is_alone: network.is_none(),
             nodes: network.and_then(|(_, network)| network.nodes.as_ref()),
-            radio: pick!(radio, config.radio),
+            radio: pick!(radio, config.radio.as_ref()),
             channel: pick_or_default!(channel),
             mac: pick_or_default!(mac),
-            traffic: pick!(traffic, config.traffic),
-            reception: pick!(reception, config.reception),
-            antenna: pick!(antenna, config.antenna),
-            energy: pick!(energy, config.energy),
+            traffic: pick!(traffic, config.traffic.as_ref()),
+            reception: pick!(reception, config.reception.as_ref()),
+            antenna: pick!(antenna, config.antenna.as_ref()),
+            energy: pick!(energy, config.energy.as_ref()),
         }
     }
 
