@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::source_seeking::{GradientConfig, LevelSetConfig};
 use crate::target_search::{DetarskConfig, PGConfig};
 
 /// An application on a map of the nodes, as written in a scenario. Its time begins at zero, with targets at their starts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ApplicationConfig {
     /// Name in tables and recordings; that of the algorithm if absent.
@@ -20,7 +20,7 @@ pub struct ApplicationConfig {
     /// Names of the robots that take part. If absent, all robots with `role = "agent"` and all that survey, these from
     /// where their survey ended.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("default" = []))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
     pub robots: Vec<String>,
     /// Name of the network over which nodes and robots exchange messages; the first one if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -30,14 +30,15 @@ pub struct ApplicationConfig {
     /// Whether robots may be slower than the targets that they search, which they can then only meet by luck or by a good
     /// prediction.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    #[schemars(extend("default" = false))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = false)))]
     pub allow_slower: bool,
     /// What it does.
     pub algorithm: AlgorithmConfig,
 }
 
 /// The map that nodes and robots are given, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MapSourceConfig {
     /// The true places of the nodes.
@@ -49,7 +50,8 @@ pub enum MapSourceConfig {
 }
 
 /// What an application does, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum AlgorithmConfig {
     /// A search for targets that predicts where they are (DeTarSK).

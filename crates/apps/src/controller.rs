@@ -1,6 +1,5 @@
 //! The choice of a controller.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 use sextant_sim::Controller;
@@ -15,7 +14,8 @@ use crate::surroundings::Surroundings;
 use crate::waypoints::{Waypoints, WaypointsConfig};
 
 /// What drives a robot, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ControllerConfig {
     /// An S path, in the plane or in layers. The robot needs no map: it turns where it hears nothing or meets an

@@ -1,6 +1,5 @@
 //! A Hilbert curve.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
@@ -16,7 +15,8 @@ const MAX_ORDER: u32 = 9;
 const ROUNDING: f64 = 1e-9;
 
 /// A Hilbert curve over a region, as written in a scenario (thesis, section 3.4).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct HilbertConfig {
     /// The curve covers the bounding box of this region. The curve is square, so it covers more if the box is not

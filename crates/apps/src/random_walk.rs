@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{Seed, SettingError};
@@ -21,7 +20,8 @@ const REFLECTIONS: [[f64; 3]; 5] =
     [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, -1.0, -1.0]];
 
 /// A random walk, as written in a scenario (thesis, section 3.4).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RandomWalkConfig {
     /// Length of a step (m). The robot listens after each step.

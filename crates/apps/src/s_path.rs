@@ -1,6 +1,5 @@
 //! A fixed S path.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Bounds, Position};
 use sextant_kernel::SettingError;
@@ -15,7 +14,8 @@ use crate::surroundings::Surroundings;
 const ROUNDING: f64 = 1e-9;
 
 /// A fixed S path over a region, as written in a scenario (thesis, section 3.4).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SPathConfig {
     /// The path covers the bounding box of this region.

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
@@ -17,7 +16,8 @@ use crate::surroundings::Surroundings;
 const LOOKS: i32 = 8;
 
 /// A spiral over a region, as written in a scenario (thesis, section 3.4).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SpiralConfig {
     /// The spiral runs round the centre of the bounding box of this region. Parts of the spiral that are farther than

@@ -1,6 +1,5 @@
 //! A survey of a list of places.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
@@ -10,7 +9,8 @@ use crate::itinerary::{Itinerary, Planner, Then};
 use crate::surroundings::Surroundings;
 
 /// A survey of a list of places, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WaypointsConfig {
     /// The places where the robot listens, in this order (m).

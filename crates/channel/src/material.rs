@@ -3,8 +3,6 @@
 use std::sync::LazyLock;
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -162,9 +160,10 @@ impl Model {
 
 /// A known material, by its name in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(try_from = "String", into = "String"))]
-#[cfg_attr(feature = "config", schemars(with = "String"))]
+#[cfg_attr(feature = "schema", schemars(with = "String"))]
 pub struct MaterialName(pub &'static Material);
 
 impl TryFrom<String> for MaterialName {

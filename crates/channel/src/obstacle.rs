@@ -2,8 +2,6 @@
 use std::path::PathBuf;
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
@@ -12,7 +10,8 @@ use crate::{Db, Material, MeshConfig, Position, Shape, ShapeConfig};
 /// An obstacle as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of
 /// these and `loss_db`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ObstacleConfig {
     /// Name in messages and pictures.
@@ -33,7 +32,7 @@ pub struct ObstacleConfig {
     /// Whether it fills its space. In a volume that is not solid, such as vegetation, nodes stand and robots drive, and
     /// range sensors do not see it.
     #[cfg_attr(feature = "config", serde(default = "is_solid", skip_serializing_if = "is_true"))]
-    #[cfg_attr(feature = "config", schemars(extend("default" = true)))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = true)))]
     pub solid: bool,
     /// Loss of a reflection off its faces (dB); that of the channel if absent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]

@@ -1,8 +1,6 @@
 //! Mean loss with distance.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -10,7 +8,8 @@ use crate::{Db, GasConfig};
 
 /// Path loss as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum PathLossConfig {
     /// Log-distance law.
@@ -21,7 +20,8 @@ pub enum PathLossConfig {
 
 /// Close-in path loss as written in a scenario: `L(d) = 20 log10(4 π f / c) + 10 n log10(d)` with d in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct CloseInConfig {
     /// Carrier (GHz), 0.1 to 1000. May be absent if the channel names an environment that has one.
@@ -59,7 +59,8 @@ pub(crate) const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
 /// Log-distance path loss as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct LogDistanceConfig {
     /// Path loss exponent: 2 in free space. May be absent if the channel names an environment.
@@ -78,7 +79,7 @@ pub struct LogDistanceConfig {
     pub min_distance_m: f64,
     /// Loss in proportion to the distance, on top (dB/km): gases of the air.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_zero"))]
-    #[cfg_attr(feature = "config", schemars(extend("default" = 0.0)))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 0.0)))]
     pub gas_db_per_km: f64,
 }
 

@@ -1,8 +1,6 @@
 //! Reflections and edges as a setting, and the rays of a link.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -12,7 +10,8 @@ use crate::{Db, Position};
 
 /// Reflections as written in a scenario: off the flat faces of boxes, prisms, convex hulls and meshes that are solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ReflectionsConfig {
     /// Loss of a reflection (dB), off obstacles without `reflection_loss_db`. If absent, the angle, the polarisation and the
@@ -31,15 +30,15 @@ pub struct ReflectionsConfig {
     pub most: u8,
     /// Most reflections of one ray: 0, 1 or 2.
     #[cfg_attr(feature = "config", serde(default = "order", skip_serializing_if = "is_one"))]
-    #[cfg_attr(feature = "config", schemars(extend("default" = 1)))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
     pub order: u8,
     /// Whether signals bend round the vertical edges of solid obstacles that block the straight line.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_false"))]
-    #[cfg_attr(feature = "config", schemars(extend("default" = false)))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = false)))]
     pub edges: bool,
     /// Direction of the electric field at all antennas.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_vertical"))]
-    #[cfg_attr(feature = "config", schemars(extend("default" = "vertical")))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = "vertical")))]
     pub polarisation: Polarisation,
 }
 
@@ -81,7 +80,8 @@ fn is_vertical(polarisation: &Polarisation) -> bool {
 
 /// Direction of the electric field of a wave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum Polarisation {
     /// In the vertical plane of the ray.

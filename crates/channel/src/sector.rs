@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -13,7 +11,8 @@ use sextant_kernel::SettingError;
 /// elevation up from the horizontal plane. A robot whose antenna turns with it logs the sector in the frame of the
 /// stops.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorConfig {
     /// Identity of the sector in the log, 0 to 255.
@@ -34,7 +33,8 @@ pub struct SectorConfig {
 /// Sectors of equal width that fill the circle, in one or more rings: sector `i` of ring `j` is number
 /// `j · azimuth_sectors + i`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct EvenSectorsConfig {
     /// Number of sectors in a ring, 1 or more.

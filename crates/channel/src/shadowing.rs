@@ -4,8 +4,6 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Seed, SettingError, StationId};
 
@@ -14,7 +12,8 @@ use crate::{Db, Position};
 
 /// Shadowing as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ShadowingConfig {
     /// Standard deviation (dB); 0 for no shadowing. May be absent if the channel names an environment.
@@ -27,7 +26,8 @@ pub struct ShadowingConfig {
 
 /// Which packets and links share one draw of shadowing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum CorrelationConfig {
     /// A separate draw for each packet and pair of stations (thesis, chapter 3).
@@ -41,7 +41,8 @@ pub enum CorrelationConfig {
 
 /// Spatial correlation as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SpatialConfig {
     /// Distance over which the correlation falls to 1/e (m).

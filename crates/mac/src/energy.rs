@@ -1,6 +1,5 @@
 //! Energy of a radio: a current for each of its states.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Dbm;
 use sextant_kernel::SettingError;
@@ -23,7 +22,8 @@ pub enum RadioState {
 }
 
 /// The radio whose energy is counted, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum EnergyConfig {
     /// Texas Instruments CC2420 at 3 V, for the 2.4 GHz band.
@@ -41,7 +41,8 @@ pub enum EnergyConfig {
 }
 
 /// Currents of a radio, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CustomRadioConfig {
     /// Supply voltage (V).

@@ -3,7 +3,6 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Largest MPDU (octets), FCS included (aMaxPHYPacketSize; IEEE 802.15.4-2011, 9.2).
@@ -16,7 +15,8 @@ const MAX_SIFS_MPDU_OCTETS: u8 = 18;
 /// A physical layer of IEEE 802.15.4: band and modulation (IEEE 802.15.4-2006, clause 6).
 ///
 /// All spans of the MAC are counted in its symbols.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Phy {
     /// 2450 MHz, O-QPSK with 32 chips per symbol, 250 kb/s: channels 11 to 26.

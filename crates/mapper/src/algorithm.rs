@@ -1,8 +1,6 @@
 //! The estimators by name: a new one is a folder, and a line here.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -16,7 +14,8 @@ use crate::{
 
 /// One map to compute from the reception log, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct MapConfig {
     /// Name of the map in tables and recordings; the algorithm's name if absent.
@@ -42,7 +41,8 @@ macro_rules! estimators {
     ($($(#[doc = $doc:literal])* $variant:ident($settings:ty) as $key:literal $(by $mapper:path)?,)*) => {
         /// A mapping algorithm as written in a scenario.
         #[derive(Clone, Debug, PartialEq)]
-        #[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+        #[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
         pub enum AlgorithmConfig {
             $(

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::document::effective;
@@ -21,7 +20,8 @@ const DEFAULT_RUNS: NonZeroU32 = NonZeroU32::new(10).expect("ten is above zero")
 /// The settings that `sextant sweep` varies, as written in a scenario. Each key is the path of a setting:
 /// `channel.environment` or `robots.0.speed_m_per_s`. The cells of the sweep are all combinations of a cell of
 /// `product`, a cell of `zip` and a cell of `list`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SweepConfig {
     /// Runs of each cell, with the seeds `seed`, `seed` + 1, .. (the same in each cell); 10 if absent.

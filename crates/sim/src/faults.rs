@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::{NodeId, Purpose, Seed, SettingError, SimTime};
@@ -19,14 +18,15 @@ const LATEST_S: f64 = 1e7;
 const FARTHEST_M: f64 = 1e6;
 
 /// What goes wrong, as written in a scenario.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct FaultsConfig {
     /// Share of the frames, received otherwise, that a receiver loses, each frame at each receiver by itself: 0 to 1. All
     /// frames of all networks are meant, those of neighbour discovery too. A frame lost so counts as lost to a weak
     /// signal.
     #[serde(skip_serializing_if = "is_zero")]
-    #[schemars(extend("default" = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 0.0)))]
     pub message_loss: f64,
     /// The nodes that die during the simulation. Neighbour discovery is before it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,7 +43,8 @@ fn is_zero(value: &f64) -> bool {
 
 /// The nodes that die, each at a random instant, as written in a scenario. From then on the radio is off, sensors and
 /// application say and do nothing; a frame on air ends first.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DeathsConfig {
     /// This share of the nodes dies, at random, rounded up: 0 to 1.
@@ -59,7 +60,8 @@ pub struct DeathsConfig {
 }
 
 /// The anchors that lie, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LyingAnchorsConfig {
     /// This share of the anchors lies, at random, rounded up: 0 to 1.

@@ -1,6 +1,5 @@
 //! Settings of the automated S path.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
@@ -9,7 +8,8 @@ use sextant_sim::layout::RegionConfig;
 use crate::height_range::within_steps;
 
 /// The automated S path, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AutomatedSConfig {
     /// Distance between stops along a lane (m).
@@ -53,7 +53,8 @@ pub struct AutomatedSConfig {
 /// Layers of lanes, one above the other, as written in a scenario. The robot begins at the height of its start and
 /// goes up until it reaches the ceiling or a layer that hears nothing. Then it goes down from the start until it
 /// reaches the floor or such a layer.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LayersConfig {
     /// Height between layers (m).
@@ -68,7 +69,8 @@ pub struct LayersConfig {
 }
 
 /// When an automated survey is complete.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Until {
     /// Each node was heard as often as wanted (thesis). The robot may then be far from the last nodes.

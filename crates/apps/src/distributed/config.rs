@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, SimTime};
 use sextant_mapper::{AnchorSilence, DirectionRule, EstimateKind, OwnPlace, OwnPlaceConfig, PlaceModel};
@@ -10,7 +9,8 @@ use sextant_mapper::{AnchorSilence, DirectionRule, EstimateKind, OwnPlace, OwnPl
 use super::schedule::{Schedule, Window};
 
 /// Settings of a map that is computed in the nodes, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DistributedMappingConfig {
     /// Name of the map in tables and recordings; `dmmtm-ss` if absent, with mobile anchors `dmmtm-hs`.
@@ -69,7 +69,8 @@ pub struct DistributedMappingConfig {
 }
 
 /// What the strengths of the sectors in which a message was heard tell of the direction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BearingSource {
     /// The best sector (thesis, chapter 5).
@@ -81,7 +82,8 @@ pub enum BearingSource {
 }
 
 /// Directions by the pattern of an antenna.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct PatternBearings {
     /// Standard deviation of the strength of a sector (dB): noise, and what an antenna differs by from the pattern.
@@ -95,7 +97,8 @@ impl Default for PatternBearings {
 }
 
 /// What messages say about a place.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Exchange {
     /// Only the coordinates (thesis, chapter 5).
@@ -107,7 +110,8 @@ pub enum Exchange {
 }
 
 /// Which nodes compute their place again in an iteration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Recompute {
     /// Those with bad coordinates or none (thesis, chapter 5).

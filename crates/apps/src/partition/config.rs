@@ -1,10 +1,10 @@
 //! Settings of a partition.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How an area is divided among robots, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct PartitionConfig {
     /// What all parts have the same of.
@@ -14,7 +14,8 @@ pub struct PartitionConfig {
 }
 
 /// What all parts have the same of, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BalanceConfig {
     /// The time that a robot is expected to take: the length of its path by its speed, and `listen_s` for each stop. As
@@ -26,7 +27,8 @@ pub enum BalanceConfig {
 }
 
 /// Where an area is cut, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum CutConfig {
     /// Across the longer side, and the parts again until there is one for each robot.

@@ -1,6 +1,5 @@
 //! Settings of source seeking, as written in a scenario.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::estimate::EstimateConfig;
@@ -11,7 +10,8 @@ use super::rate::RateConfig;
 
 /// Settings of the law of sliding mode that takes a robot to a level set (Gunathillake 2018, chapter 7; Matveev, Teimoori,
 /// Savkin 2012), as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LevelSetConfig {
     /// What robots seek.
@@ -65,7 +65,8 @@ pub struct LevelSetConfig {
 }
 
 /// Settings of robots that move in space, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SpaceConfig {
     /// Torsion of the path (1/m): the law bends the path in a plane, and the torsion turns that plane. As large as the
@@ -75,7 +76,8 @@ pub struct SpaceConfig {
 }
 
 /// The values of settings of the law that are absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
     /// The climb is a share of the steepest one around the robot, so that the law can always reach its sliding mode; a robot
@@ -91,7 +93,8 @@ pub enum Preset {
 /// Settings of a robot that follows the gradient of a plane through the readings of the nodes around it (after Rosero and
 /// Werner 2014, "Cooperative source seeking via gradient estimation and formation control", UKACC Control), as written in a
 /// scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GradientConfig {
     /// What robots seek: `"source"`, or a level.
@@ -118,7 +121,8 @@ pub struct GradientConfig {
 }
 
 /// The plane through readings whose gradient is the course of a robot, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct PlaneConfig {
     /// Nodes within this distance of the robot on the map count, in the unit of the map (m). If absent, those within

@@ -1,12 +1,12 @@
 //! How the field at the robot is worked out from readings, as written in a scenario and checked.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 /// How the value of the field at the robot is worked out from readings of nodes, as written in a scenario: a weighted mean,
 /// or a local fit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct EstimateConfig {
     /// The mean of the readings, with these weights.
@@ -22,7 +22,8 @@ pub struct EstimateConfig {
 }
 
 /// The weights of readings in their mean (thesis, chapter 7, equation of d(t): w = P_rx / P_tx).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Weights {
     /// All the same.
@@ -35,7 +36,8 @@ pub enum Weights {
 }
 
 /// Settings of local fits, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct LocalFitConfig {
     /// Smallest bandwidth of the Gaussian weights, as a multiple of the spacing of the nodes on the map.

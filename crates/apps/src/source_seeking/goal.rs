@@ -1,10 +1,8 @@
 //! What robots seek.
 
-use std::borrow::Cow;
 use std::fmt;
 use std::time::Duration;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -12,7 +10,8 @@ use sextant_kernel::SettingError;
 use sextant_sim::{Field, FieldId};
 
 /// What robots seek, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GoalConfig {
     /// Name of the field; may be absent if there is only one.
@@ -40,7 +39,8 @@ pub struct GoalConfig {
 }
 
 /// What a robot does when it has arrived as often as it should.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum AfterArrival {
     /// It stops there.
@@ -100,14 +100,15 @@ impl<'de> Visitor<'de> for GoalVisitor {
     }
 }
 
-impl JsonSchema for GradientGoalConfig {
-    fn schema_name() -> Cow<'static, str> {
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for GradientGoalConfig {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
         "GradientGoalConfig".into()
     }
 
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
         let level = generator.subschema_for::<GoalConfig>();
-        json_schema!({
+        schemars::json_schema!({
             "description": "What robots seek that follow the gradient: the source, or a level.",
             "anyOf": [
                 {

@@ -13,11 +13,11 @@
 
 use std::f64::consts::PI;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// On which hand of the robot the field is higher while it follows a level set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum HigherField {
     /// On the left: the robot circles a maximum counterclockwise (Matveev, Teimoori, Savkin 2012).

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 /// Settings of DeTarSK, as written in a scenario (Gunathillake 2018, chapter 6).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct DetarskConfig {
     /// The values of the settings that are absent.
@@ -60,7 +60,8 @@ pub struct DetarskConfig {
 }
 
 /// Whether detections are believed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Belief {
     /// Each of them.
@@ -70,7 +71,8 @@ pub enum Belief {
 }
 
 /// What robots do before a target is detected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BeforeDetection {
     /// They stand (thesis), and capture nothing before their search has started.
@@ -83,7 +85,8 @@ pub enum BeforeDetection {
 }
 
 /// The values of settings of a search that are absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum SearchPreset {
     /// Those with which robots capture soonest.
@@ -94,7 +97,8 @@ pub enum SearchPreset {
 }
 
 /// How a robot moves between two decisions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum SearchMotion {
     /// Along its way at its speed; it captures a target at any time.
@@ -106,7 +110,8 @@ pub enum SearchMotion {
 }
 
 /// Which nodes tell a robot what they detected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Informants {
     /// Those in its neighbourhood on the map (thesis).
@@ -117,7 +122,8 @@ pub enum Informants {
 }
 
 /// How a robot works out where it is on the map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum OwnPlaceRule {
     /// From the mean of the places of its neighbours, weighted by received power (thesis).
@@ -128,7 +134,8 @@ pub enum OwnPlaceRule {
 }
 
 /// How the detected places of a target are smoothed, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FilterConfig {
     /// A robust Kalman filter (thesis).
@@ -138,7 +145,8 @@ pub enum FilterConfig {
 }
 
 /// Settings of the robust Kalman filter, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct RobustKalmanConfig {
     /// The speed of the target along an axis is uncertain by this share of itself: 0 (a Kalman filter) to below 1.
@@ -148,7 +156,8 @@ pub struct RobustKalmanConfig {
 }
 
 /// Settings of the particle filter, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct ParticlesConfig {
     /// Number of particles.
@@ -165,7 +174,8 @@ pub struct ParticlesConfig {
 
 /// How the place of a target is predicted from the past. Curves go through the turns of the target, and through those
 /// that it is expected to make at the mean interval between turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum PredictionConfig {
     /// Straight on, as the filter says.
@@ -180,7 +190,8 @@ pub enum PredictionConfig {
 }
 
 /// Where a robot drives.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Aim {
     /// To where the target is predicted to be now (thesis).
@@ -191,7 +202,8 @@ pub enum Aim {
 }
 
 /// Where a robot drives after a poll in which no node knew a newer detection than it knows already.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum WithoutNews {
     /// On: what it knows is enough for `aim`.
@@ -203,7 +215,8 @@ pub enum WithoutNews {
 }
 
 /// How a robot gets to where it drives.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum PathRule {
     /// On the shortest way round the obstacles that it has seen (A*).
@@ -215,7 +228,8 @@ pub enum PathRule {
 
 /// Settings of P-G, as written in a scenario (Deshpande, Grant, Henderson, "Target localization and autonomous navigation
 /// using wireless sensor networks: a pseudogradient algorithm approach", IEEE Systems Journal 8(1), reconstructed).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct PGConfig {
     /// The values of the settings that are absent.
@@ -251,7 +265,8 @@ pub struct PGConfig {
 }
 
 /// Which nodes are zero hops away from a target.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum GradientSources {
     /// Those that detect it, or did since the last round: a robot drives towards the target.

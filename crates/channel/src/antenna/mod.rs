@@ -9,8 +9,6 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, Seed, SettingError, StationId};
 
@@ -38,7 +36,8 @@ const RIPPLE_LIMIT: f64 = 4.0;
 
 /// An antenna as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum AntennaConfig {
     /// The same gain in all directions.
@@ -58,7 +57,8 @@ impl Default for AntennaConfig {
 
 /// An antenna with the same gain in all directions, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OmnidirectionalConfig {
     /// Gain (dBi).

@@ -1,8 +1,6 @@
 //! How an antenna is turned in the world.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -13,7 +11,8 @@ const MOST_DEG: f64 = 3600.0;
 
 /// How an antenna is turned, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OrientationConfig {
     /// Rotation about the vertical axis, counterclockwise seen from above (degrees).

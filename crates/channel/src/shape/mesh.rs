@@ -5,8 +5,6 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
@@ -22,7 +20,8 @@ use crate::{Bounds, Position};
 /// All triangles have the same orientation; those of a cavity have the opposite one. Where parts of the mesh overlap,
 /// they absorb twice, as overlapping obstacles do.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct MeshConfig {
     /// A Wavefront .obj file in metres, z up. If the obstacle has no material, its faces are those of one obstacle for each

@@ -18,8 +18,6 @@ mod triangle;
 use std::path::Path;
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
@@ -46,7 +44,8 @@ pub(crate) use sweep::Sweep;
 /// The shape of an obstacle as written in a scenario. What is level with its floor is in it, and what is level with its
 /// roof, or on one of its sides, is not: a wall that stands on the ground (from z = 0 up) blocks stations on the ground.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum ShapeConfig {
     /// An upright box.

@@ -1,6 +1,5 @@
 //! Settings of CSMA-CA.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -10,7 +9,8 @@ use crate::RadioState;
 const MAX_QUEUE_FRAMES: u16 = 10_000;
 
 /// Unslotted CSMA-CA of IEEE 802.15.4, as written in a scenario. Defaults are the standard's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct CsmaConfig {
     /// First backoff exponent (macMinBE): 0 to max_be.

@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -21,7 +20,8 @@ const MAX_SLOTS: u8 = 8;
 const MAX_FRAMES_PER_SLOT: u8 = 16;
 
 /// Sector sweeps of IEEE 802.11ad between a robot that sweeps and nodes that answer, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SweepConfig {
     /// How the nodes that heard a sweep share the channel for their answers.
@@ -39,7 +39,8 @@ impl Default for SweepConfig {
 }
 
 /// How the nodes that heard a sweep share the channel, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ContentionConfig {
     /// CSMA/CA without feedback: each node sends its sectors once.
@@ -52,7 +53,8 @@ pub enum ContentionConfig {
 }
 
 /// CSMA/CA with feedback, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct CsmaFeedbackConfig {
     /// Further sweeps of a node that gets no feedback, within the window: 0 to 7.
@@ -69,7 +71,8 @@ impl Default for CsmaFeedbackConfig {
 }
 
 /// Association beamforming training (A-BFT), as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct AbftConfig {
     /// Slots after each sweep (A-BFT Length): 1 to 8.

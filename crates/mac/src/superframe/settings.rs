@@ -1,6 +1,5 @@
 //! Settings of a beacon-enabled PAN.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -11,7 +10,8 @@ use crate::csma::{CsmaConfig, CsmaSettings};
 /// A beacon-enabled PAN of IEEE 802.15.4 whose coordinator is the first robot, or the first sink, as written in a scenario. It
 /// sends beacons while it stands and listens. Nodes that heard a beacon answer in its superframe, by slotted CSMA-CA
 /// or in a guaranteed slot. Defaults are those of the standard where it has them.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct BeaconEnabledConfig {
     /// Beacon order (macBeaconOrder): a beacon every 960 symbols * 2^order, which is 15.36 ms * 2^order at 2.4 GHz; 0 to 14.
@@ -40,7 +40,8 @@ pub struct BeaconEnabledConfig {
 }
 
 /// A guaranteed time slot, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GtsConfig {
     /// Name of the node that transmits in it.

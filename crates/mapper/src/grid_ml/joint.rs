@@ -5,8 +5,6 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
@@ -23,7 +21,8 @@ use crate::{
 
 /// A joint map as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct JointConfig {
     /// The networks whose logs are evidence, at least two.
@@ -47,7 +46,8 @@ pub struct JointConfig {
 
 /// One network of a joint map as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct JointNetworkConfig {
     /// Name of the network.

@@ -4,8 +4,6 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
@@ -25,7 +23,8 @@ use crate::{
 
 /// ML-TM as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct MlTmConfig {
     /// Distance of neighbouring grid vertices (m).

@@ -20,8 +20,6 @@ mod window;
 
 use rayon::prelude::*;
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
@@ -47,7 +45,8 @@ use window::{Bounds, Window};
 
 /// The link model as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct LinkModelConfig {
     /// Whether signal strengths are used where the log has them.

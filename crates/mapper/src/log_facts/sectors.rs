@@ -1,15 +1,14 @@
 //! How the antenna sector in which a node was heard is used.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable};
 use sextant_kernel::SettingError;
 
 /// How the sectors of receptions enter the likelihood, as written in a scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorsConfig {
     /// How far outside the sector of a reception a vertex may lie.
@@ -29,7 +28,8 @@ pub struct SectorsConfig {
 
 /// How likely a node names a sector, given the direction to it.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorModel {
     /// All directions within the sector and its tolerance are alike, others are impossible (thesis, chapter 4).
@@ -57,7 +57,8 @@ pub(crate) enum GainUse {
 /// The gains of sectors, and the errors of their strengths, as written in a scenario. The main lobe of a sector is
 /// elliptical: its half-power widths are those of the sector.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct SoftSectorsConfig {
     /// Standard deviation of the error of the strength of a sector (dB); estimated from the log if absent.
@@ -75,7 +76,8 @@ impl Default for SoftSectorsConfig {
 
 /// What a stop that heard nothing of a node says about the places to which no sector of its antenna points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SilenceRule {
     /// Nothing, as if they were beyond the range: no packet can arrive from there. A place is covered if any sector
@@ -89,7 +91,8 @@ pub enum SilenceRule {
 /// How far outside the sector of a reception a vertex may lie. A tolerance is needed because nodes lie between the
 /// vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorTolerance {
     /// Half the diagonal of a grid cell beyond each edge of the sector, at any distance.
@@ -107,7 +110,8 @@ pub enum SectorTolerance {
 
 /// The sectors of a listener as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum SectorLayoutConfig {
     /// Sectors of equal width all round.

@@ -13,8 +13,6 @@ mod soft;
 mod wedged;
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Wedge};
 use sextant_kernel::SettingError;
@@ -32,7 +30,8 @@ const MOST_VERTICES: f64 = 1e9;
 
 /// How a node computes its own place, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OwnPlaceConfig {
     /// Distance of neighbouring grid vertices (m).
@@ -78,7 +77,8 @@ impl OwnPlaceConfig {
 
 /// What the sector in which an anchor was heard says about the direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum PlaceModel {
     /// All directions within the sector are alike, others are impossible (thesis, chapter 5).
@@ -91,7 +91,8 @@ pub enum PlaceModel {
 
 /// Whether known anchors that were not heard are evidence on the own place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum AnchorSilence {
     /// They are not (thesis, chapter 5).

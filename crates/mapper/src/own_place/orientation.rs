@@ -6,8 +6,6 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Wedge};
 
@@ -28,7 +26,8 @@ const SURE: f64 = 3.0;
 
 /// How the bearings of an anchor are combined, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum DirectionRule {
     /// The middle of the directions that the most bearings allow. If no more than half of them agree anywhere, the

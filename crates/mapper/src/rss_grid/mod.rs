@@ -11,8 +11,6 @@ mod zoom;
 
 use rayon::prelude::*;
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
@@ -38,7 +36,8 @@ use crate::{
 
 /// The Bayesian grid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct RssGridConfig {
     /// Distance of neighbouring grid vertices (m). If absent, a sixtieth of the reach seen in the log, or a fortieth in

@@ -1,8 +1,6 @@
 //! Settings of the self-calibrated map.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -10,7 +8,8 @@ use crate::log_facts::heights::check_z_range;
 
 /// The self-calibrated map as written in a scenario. The defaults fit logs of any range.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SelfCalibratedConfig {
     /// Distance of neighbouring grid vertices in the last stage (m). If absent, a sixtieth of the range seen in the
@@ -35,7 +34,8 @@ pub struct SelfCalibratedConfig {
 
 /// Which knowledge of obstacles a self-calibrated map uses. Ground truth is never part of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum ObstacleKnowledge {
     /// None: obstacles are not modelled.

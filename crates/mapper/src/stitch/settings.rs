@@ -1,8 +1,6 @@
 //! Settings of stitching.
 
 #[cfg(feature = "config")]
-use schemars::JsonSchema;
-#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 
 use super::frame_change::Lengths;
@@ -10,7 +8,8 @@ use super::frame_change::Lengths;
 /// How the maps of several robots are stitched, as written in a scenario. The frames of the robots differ by an unknown
 /// turn and offset.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct StitchConfig {
     /// Whether the frame of a robot may be a mirror image of that of another one.

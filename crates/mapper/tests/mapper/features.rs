@@ -18,6 +18,7 @@ fn dependencies(features: &str) -> String {
 fn without_features_no_settings_library_and_no_geometry_library_is_needed() {
     let named = |tree: &str| ["serde ", "schemars ", "parry3d-f64 "].map(|name| tree.contains(&format!("\n{name}")));
     assert_eq!(named(&dependencies("")), [false; 3]);
-    assert_eq!(named(&dependencies("config")), [true, true, false]);
+    assert_eq!(named(&dependencies("config")), [true, false, false]);
+    assert_eq!(named(&dependencies("schema")), [true, true, false]);
     assert_eq!(named(&dependencies("obstacles")), [false, false, true]);
 }

@@ -1,13 +1,13 @@
 //! How much a recording has.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Recordings of more nodes than this are compact, if the scenario does not say otherwise.
 const MOST_NODES_IN_FULL: usize = 20_000;
 
 /// How much is recorded, as written in a scenario. Neither leaves out anything of what a mapper needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DetailConfig {
     /// A message for each reception, and lines from each stop to the nodes that were heard there

@@ -10,7 +10,6 @@ pub(crate) mod team;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_apps::distributed::DistributedMappingConfig;
 use sextant_apps::{ApplicationConfig, ControllerConfig};
@@ -32,7 +31,8 @@ use team::TeamConfig;
 
 /// A scenario: the world, the radios, the robots, and the maps to compute. Lengths are in metres, times in seconds and
 /// powers in dBm; a key with a unit ends in it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioConfig {
     /// Name of the scenario, in tables and recordings.
@@ -84,11 +84,11 @@ pub struct ScenarioConfig {
     pub simulation: SimulationConfig,
     /// Sources of noise that disturb the networks of IEEE 802.15.4, also during neighbour discovery.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("default" = []))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
     pub interferers: Vec<InterfererConfig>,
     /// The fixed sinks, which always listen.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("default" = []))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
     pub sinks: Vec<SinkConfig>,
     /// The robots that drive and listen.
     #[serde(default)]
@@ -113,7 +113,7 @@ pub struct ScenarioConfig {
     pub distributed_mapping: Option<DistributedMappingConfig>,
     /// What robots and nodes do on a map of the nodes, one after the other: each is a separate simulation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("default" = []))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
     pub applications: Vec<ApplicationConfig>,
     /// How maps are compared with the truth.
     #[serde(default)]
@@ -162,7 +162,8 @@ fn default_seed() -> u64 {
 }
 
 /// How maps are compared with the truth, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct MetricsConfig {
     /// Radii of the neighbourhood for the connectivity error (m). The printed table shows the first one.
@@ -200,7 +201,8 @@ impl MetricsConfig {
 }
 
 /// What is recorded in addition to what a mapper needs, as written in a scenario.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct RecordingConfig {
     /// How much is recorded. If absent: `full` for at most 20000 nodes, `compact` for more.
@@ -257,7 +259,8 @@ impl RecordingConfig {
 }
 
 /// What `--pcap` writes, as written in a scenario.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct PcapConfig {
     /// Name of a robot: only the frames that it receives are written, with their strength and quality. All frames on air

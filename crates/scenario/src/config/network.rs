@@ -1,13 +1,13 @@
 //! One of several networks, as written in a scenario.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::ChannelConfig;
 use sextant_mac::EnergyConfig;
 use sextant_sim::{AntennasConfig, MacConfig, NodesOfGroup, RadioConfig, ReceptionConfig, TrafficConfig};
 
 /// One of several networks, as written in a scenario. A table that is absent is that of the scenario.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct NetworkConfig {
     /// Which nodes are in it; all if absent.

@@ -1,12 +1,12 @@
 //! Which part of the nodes' traffic is simulated, as written in a scenario.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 use sextant_sim::SimulatedRegion;
 
 /// Which part of the nodes' traffic is simulated, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulationConfig {
     /// Where nodes are simulated.
@@ -18,7 +18,8 @@ pub struct SimulationConfig {
 }
 
 /// Where nodes are simulated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum RegionConfig {
     /// As `listeners` if a robot surveys at least 1000 nodes, and otherwise as `all`. With `halo_m`, as `listeners`.

@@ -1,6 +1,5 @@
 //! When and how finely fields are recorded.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Bounds;
 use sextant_kernel::SettingError;
@@ -11,7 +10,8 @@ const MOST_VERTICES: u64 = 4_000_000;
 const LATEST_S: f64 = 1e9;
 
 /// Snapshots of all fields over the nodes, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SnapshotsConfig {
     /// When (s). Snapshots after the end of the simulation are left out.

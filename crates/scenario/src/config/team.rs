@@ -1,6 +1,5 @@
 //! A team of robots as written in a scenario.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_apps::{ControllerConfig, PartitionConfig};
 use sextant_channel::Position;
@@ -11,7 +10,8 @@ pub(crate) const MOST_ROBOTS: u32 = 256;
 
 /// A team of robots that divide a region among them, as written in a scenario. They are alike, and share nothing on the way:
 /// their receptions go into one log. What is not said here is as in `[[robots]]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TeamConfig {
     /// Number of robots: 1 to 256, and at most one for each stop.
@@ -46,7 +46,7 @@ pub struct TeamConfig {
     pub network: Option<String>,
     /// Names of several networks whose nodes they survey at the same stops, instead of `network`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("default" = []))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
     pub networks: Vec<String>,
     /// Number of sector sweeps at each stop; 1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -63,7 +63,8 @@ pub struct TeamConfig {
 }
 
 /// The frames of coordinates of a team, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FramesConfig {
     /// All robots know where they are in the world.

@@ -1,12 +1,12 @@
 //! The rules that decide whether a frame is received.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Db;
 use sextant_kernel::SettingError;
 
 /// The rule that decides whether a frame is received, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum ReceptionConfig {
     /// Any two signals above the sensitivity that overlap at the receiver destroy each other: the model of
@@ -24,7 +24,8 @@ pub enum ReceptionConfig {
 }
 
 /// A threshold of capture, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ThresholdConfig {
     /// Minimum ratio (dB).

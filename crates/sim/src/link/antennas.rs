@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{
     Antenna, AntennaConfig, Db, Orientation, OrientationConfig, SectorAddress, SectorGains, SectorTable,
@@ -20,7 +19,8 @@ use crate::station::{Kind, Roll};
 const MOST_TILTS: usize = 256;
 
 /// The antennas of a network with sector sweeps, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AntennasConfig {
     /// The antenna of each node; if they are raised by several angles, by the first one.
@@ -40,7 +40,7 @@ pub struct AntennasConfig {
     /// Angles by which the antennas of nodes are raised (degrees): each node has one of them, at random, for all its
     /// sectors (Gunathillake 2018, chapter 5). Only antennas of the kind `sectors` can be raised.
     #[serde(default = "not_tilted", skip_serializing_if = "is_not_tilted")]
-    #[schemars(extend("default" = [0.0]))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [0.0])))]
     pub node_tilts_deg: Vec<f64>,
     /// Probability that an answer to a sweep of a steered antenna is lost because the antenna has moved on; 0 leaves only
     /// the losses of the link (Gunathillake 2018, chapter 4: 0.6).
@@ -61,7 +61,8 @@ fn is_not_tilted(tilts_deg: &[f64]) -> bool {
 }
 
 /// How the antennas of nodes are turned, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum HeadingsConfig {
     /// Each node by another angle about the vertical, which is unknown: nodes have no compass.
@@ -72,7 +73,8 @@ pub enum HeadingsConfig {
 }
 
 /// What the antennas of robots keep their directions in, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum RobotHeadingsConfig {
     /// The world: robots have a compass by which they turn their antennas back, as in the thesis.

@@ -1,6 +1,5 @@
 //! Radios and channel access as written in a scenario, for all technologies.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 use sextant_mac::Phy;
@@ -14,13 +13,14 @@ use crate::air::ReceptionConfig;
 use crate::world::layout::NodesOfGroup;
 
 /// The radios of all stations, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RadioConfig {
     /// Physical layer of IEEE 802.15.4: band, modulation and bit rate; 2450 MHz, O-QPSK, 250 kb/s if absent. Absent with
     /// sector sweeps.
     #[serde(default, skip_serializing_if = "is_default")]
-    #[schemars(extend("default" = "oqpsk2450"))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = "oqpsk2450")))]
     pub phy: Phy,
     /// Number of the radio channel: 0 at 868 MHz, 1 to 10 at 915 MHz, 11 to 26 at 2450 MHz, 1 to 4
     /// with sector sweeps; the lowest one if absent.
@@ -44,16 +44,17 @@ pub struct RadioConfig {
     /// are exact. IEEE 802.15.4 allows 40. Only with `mac.csma_unslotted`: nodes that follow beacons take over the
     /// clock of the coordinator.
     #[serde(default, skip_serializing_if = "is_zero")]
-    #[schemars(extend("default" = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 0.0)))]
     pub clock_ppm: f64,
     /// Groups of nodes whose radios differ from the others. Only with IEEE 802.15.4.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("default" = []))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
     pub groups: Vec<RadioGroupConfig>,
 }
 
 /// Nodes whose radios differ from the others, as written in a scenario. What is absent is as for the others.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RadioGroupConfig {
     /// Which nodes are in it; a node is in one group at most.
@@ -118,7 +119,8 @@ fn is_default(phy: &Phy) -> bool {
 }
 
 /// How nodes share the channel, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum MacConfig {
     /// Unslotted CSMA-CA of IEEE 802.15.4, in symbols of the physical layer of the radios (`radio.phy`).

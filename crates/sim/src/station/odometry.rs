@@ -1,6 +1,5 @@
 //! Odometry: where a robot believes to be, and how the truth differs.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
@@ -12,7 +11,8 @@ const LEAST_SHARE: f64 = 1e-3;
 
 /// Errors of a robot's odometry, as written in a scenario; exact if absent. The robot believes to drive as it decides;
 /// the true way differs. Reception logs hold what the robot believes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct OdometryConfig {
     /// Share by which the true way is longer than the believed one: -0.5 to 0.5.

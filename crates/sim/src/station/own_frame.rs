@@ -1,6 +1,5 @@
 //! The frame of coordinates of a robot's odometry, in which it writes its log.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
@@ -9,7 +8,8 @@ use super::motion::turned;
 
 /// The frame of coordinates in which a robot writes its stops and contacts, as written in a scenario. A place of the world
 /// is mirrored at the x axis if `mirrored`, then turned about the origin, then shifted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct OwnFrameConfig {
     /// Where the origin of the world is in the frame of the robot (m).

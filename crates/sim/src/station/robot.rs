@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
@@ -13,7 +12,8 @@ use super::own_frame::{OwnFrame, OwnFrameConfig};
 use crate::service::network_id::NetworkId;
 
 /// A robot, as written in a scenario; `C` is the configuration of its controller.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RobotConfig<C> {
     /// Name, also used in its topics of the recording.
@@ -22,7 +22,7 @@ pub struct RobotConfig<C> {
     pub start_m: Position,
     /// What it does at its stops.
     #[serde(default, skip_serializing_if = "RoleConfig::is_survey")]
-    #[schemars(extend("default" = "survey"))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = "survey")))]
     pub role: RoleConfig,
     /// How fast it drives (m/s).
     #[serde(default = "default_speed_m_per_s")]
@@ -38,12 +38,12 @@ pub struct RobotConfig<C> {
     pub network: Option<String>,
     /// Names of several networks whose nodes it surveys at the same stops, instead of `network`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("default" = []))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
     pub networks: Vec<String>,
     /// Number of sector sweeps at each stop, in equal intervals, in networks that have them, or of messages of a mobile
     /// anchor; 1 to 10000.
     #[serde(default = "one", skip_serializing_if = "is_one")]
-    #[schemars(extend("default" = 1))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
     pub sweeps_per_stop: u32,
     /// Whether it also listens while it drives. A drive has as many equal slots of at least `listen_s` as fit into it;
     /// each is a stop of the log, at the time of its start and the place in its middle.
@@ -54,7 +54,7 @@ pub struct RobotConfig<C> {
     pub odometry: OdometryConfig,
     /// The frame of coordinates in which it writes its log; that of the world if absent. For a robot that surveys.
     #[serde(default, skip_serializing_if = "OwnFrameConfig::is_world")]
-    #[schemars(extend("default" = {}))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = {})))]
     pub frame: OwnFrameConfig,
     /// What drives it; an agent has none.
     #[serde(default = "no_controller", skip_serializing_if = "Option::<C>::is_none")]
@@ -84,7 +84,8 @@ impl<C> RobotConfig<C> {
 }
 
 /// What a robot does at its stops, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum RoleConfig {
     /// It listens, and logs what it hears.

@@ -1,6 +1,5 @@
 //! Fixed sinks: stations that always listen, and to which nodes send.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::SettingError;
@@ -9,7 +8,8 @@ use crate::service::network_id::NetworkId;
 
 /// A fixed sink, as written in a scenario: a station with power from the mains, so that its receiver is always on. It
 /// collects what the nodes send.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SinkConfig {
     /// Name; no robot and no other sink has it.

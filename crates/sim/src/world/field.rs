@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, SimTime};
@@ -10,7 +9,8 @@ use sextant_kernel::{SettingError, SimTime};
 use crate::station::check_name;
 
 /// A scalar field, as written in a scenario: the sum of its sources.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FieldConfig {
     /// Name, also used in its topic of the recording; no other field has it.
@@ -20,7 +20,8 @@ pub struct FieldConfig {
 }
 
 /// A source of a field, as written in a scenario: `peak exp(-d² / (2 sigma²))` at the distance d from its centre.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GaussianConfig {
     /// Its centre (m).
@@ -41,7 +42,8 @@ pub struct GaussianConfig {
 }
 
 /// What remains of a source after it was removed, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FadeConfig {
     /// All of it for this time, then nothing (s).

@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Db, Dbm, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
@@ -14,7 +13,8 @@ use crate::station::check_name;
 /// A source of noise at a place, as written in a scenario. It disturbs receptions and carrier sense in the channels of IEEE
 /// 802.15.4 into which its spectrum reaches; no station can receive it. Obstacles, path loss and shadowing are those of the
 /// channel of each network.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct InterfererConfig {
     /// Name; no other interferer has it.
@@ -36,7 +36,7 @@ pub struct InterfererConfig {
     /// relative to that in the band (dB). Between them it is linear in decibels, from 0 dB at the edge on; beyond the last
     /// pair, or without any, there is none. Such is the leakage into adjacent channels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("default" = []))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
     pub leakage: Vec<[f64; 2]>,
     /// It is on once in each period (s), with a random phase.
     #[serde(default = "default_period_s")]

@@ -10,7 +10,6 @@ pub(crate) mod target;
 
 use std::path::PathBuf;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Obstacle, ObstacleConfig, ObstacleField};
 use sextant_kernel::{Files, Seed, SettingError};
@@ -25,7 +24,8 @@ use target::{Target, TargetConfig};
 const MOST: usize = 1 << 16;
 
 /// The world, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WorldConfig {
     /// The layout of the nodes.

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 /// The sensors of the nodes, as written in a scenario: all nodes have the same. Without a table they sense nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorsConfig {
     /// The sensor that detects targets.
@@ -19,27 +19,28 @@ pub struct SensorsConfig {
 }
 
 /// A sensor that detects targets within a radius of its node, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TargetSensorConfig {
     /// Radius of detection: of a disc in the plane, of a ball in space (m).
     pub radius_m: f64,
     /// Probability that the sensor misses a whole passage of a target through its radius: 0 to below 1.
     #[serde(default, skip_serializing_if = "is_zero")]
-    #[schemars(extend("default" = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 0.0)))]
     pub miss_probability: f64,
     /// False alarms of each node in an hour: the mean of a Poisson process. At each, the node detects a random one of the
     /// targets that is not there.
     #[serde(default, skip_serializing_if = "is_zero")]
-    #[schemars(extend("default" = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 0.0)))]
     pub false_alarms_per_h: f64,
     /// How long a false alarm lasts (s).
     #[serde(default = "TargetSensorConfig::usual_false_alarm_s", skip_serializing_if = "is_usual_false_alarm")]
-    #[schemars(extend("default" = 1.0))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 1.0)))]
     pub false_alarm_s: f64,
     /// Whether a node detects a target only while no solid obstacle is on the straight line between them.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    #[schemars(extend("default" = false))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = false)))]
     pub walls_hide: bool,
 }
 
@@ -77,7 +78,8 @@ fn is_usual_false_alarm(value: &f64) -> bool {
 
 /// A sensor that samples all fields, as written in a scenario. Each node samples at its own phase of the interval. A
 /// signal-to-noise ratio refers to the mean over all nodes of the squared value of the field, with all sources there.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FieldSensorConfig {
     /// Time between two samples of a node (s).

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError, SimTime};
 
@@ -11,7 +10,8 @@ use super::{Schedule, Traffic, trace};
 use crate::world::layout::{NodesOfGroup, PlacedNode};
 
 /// The nodes' traffic, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum TrafficConfig {
     /// The same as `periodic`: each node broadcasts a short frame once per interval, with its own phase. With a
@@ -39,7 +39,8 @@ pub enum TrafficConfig {
 }
 
 /// Periodic frames, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PeriodicConfig {
     /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
@@ -53,7 +54,7 @@ pub struct PeriodicConfig {
     pub jitter: f64,
     /// Whether frames go to one robot or sink, which must acknowledge them; otherwise they are broadcast.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    #[schemars(extend("default" = false))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = false)))]
     pub acknowledged: bool,
     /// Name of the robot or sink to which acknowledged frames go; if absent, the first robot, or the nearest sink if
     /// there is no robot.
@@ -62,7 +63,8 @@ pub struct PeriodicConfig {
 }
 
 /// One frame per node, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct OnceConfig {
     /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
@@ -81,7 +83,8 @@ pub struct OnceConfig {
 }
 
 /// Poisson arrivals, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PoissonConfig {
     /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
@@ -99,7 +102,8 @@ pub struct PoissonConfig {
 }
 
 /// Saturated nodes, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SaturatedConfig {
     /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
@@ -121,7 +125,8 @@ pub struct SaturatedConfig {
 }
 
 /// Frames of a table, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TraceConfig {
     /// A CSV file with the columns `t_s`, `node` and `mpdu_octets`, in the order of time; its path is relative to the
@@ -137,7 +142,8 @@ pub struct TraceConfig {
 }
 
 /// A group of nodes and its traffic, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GroupConfig {
     /// Name of the group in results.
@@ -149,7 +155,8 @@ pub struct GroupConfig {
 }
 
 /// No traffic, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SilentConfig {}
 

@@ -2,7 +2,6 @@
 
 mod optimised;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Anchor, ObstacleField};
 use sextant_kernel::{NodeId, Seed, SettingError};
@@ -13,7 +12,8 @@ use crate::purpose;
 pub use optimised::OptimisedAnchorsConfig;
 
 /// The nodes that know their positions, as written in a scenario. Only maps that need anchors use them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum AnchorsConfig {
     /// This share of the nodes, at random, rounded up: 0 to 1.

@@ -4,7 +4,6 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::SettingError;
@@ -28,7 +27,8 @@ use crate::world::layout::PlacedNode;
 /// The sum is submodular: an anchor adds the less, the more there are. The greedy choice is therefore within `1 − 1/e` of
 /// the best one (Nemhauser, Wolsey and Fisher 1978), and the lazy evaluation of Minoux (1978) finds it. Of anchors that
 /// add the same, the first node is taken.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct OptimisedAnchorsConfig {
     /// Share of the nodes, rounded up: 0 to 1. Either this or `count`.

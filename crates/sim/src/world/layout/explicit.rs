@@ -1,6 +1,5 @@
 //! Nodes at listed places.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::SettingError;
@@ -9,7 +8,8 @@ use sextant_kernel::text::counted;
 use super::placed::{PlacedNode, twin};
 
 /// Nodes at listed places, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ExplicitConfig {
     /// The places, each `[x, y]` or `[x, y, z]` (m).

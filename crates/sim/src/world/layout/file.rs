@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::text::of_cell;
@@ -12,7 +11,8 @@ use super::placed::{PlacedNode, twin};
 use crate::csv_rows::{cell_fault, line_of, row_fault};
 
 /// Nodes from a table, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CsvConfig {
     /// A CSV file with the columns `node`, `x_m`, `y_m` and, optionally, `z_m`; its path is relative to the

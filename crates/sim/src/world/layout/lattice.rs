@@ -1,6 +1,5 @@
 //! Nodes on a jittered lattice.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Bounds, ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError};
@@ -13,7 +12,8 @@ use super::{Region, RegionConfig};
 const MAX_SITES: f64 = 4e6;
 
 /// Nodes on a jittered lattice, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LatticeConfig {
     /// Distance between neighbouring sites along x, y and, in a solid region, z (m).

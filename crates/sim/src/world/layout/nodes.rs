@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Files, Seed, SettingError};
@@ -14,7 +13,8 @@ use super::placed::PlacedNode;
 use super::random::RandomConfig;
 
 /// The layout of the nodes, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum NodesConfig {
     /// A list of places.

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Bounds, ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError};
@@ -18,7 +17,8 @@ const DRAWS: u64 = 10_000;
 const MAX_COUNT: usize = 4_000_000;
 
 /// Nodes uniform at random, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RandomConfig {
     /// Number of nodes.

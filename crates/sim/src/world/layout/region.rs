@@ -2,13 +2,13 @@
 
 mod border;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Bounds, Polygon, Position};
 use sextant_kernel::SettingError;
 
 /// A region of the plane or of space, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum RegionConfig {
     /// A disc at the height of its centre.

@@ -3,7 +3,6 @@
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
@@ -19,7 +18,8 @@ const FAN_RAD: f64 = PI / 12.0;
 /// A target that flees, as written in a scenario. While it sees no robot, it walks at random as in `random_walk`. It
 /// looks around at each turn and at least once in `decide_s`. If robots are in sight, it goes where the nearest of them
 /// will be farthest from it, of directions 15 degrees apart, as far as the border of the region and obstacles let it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct EvadeConfig {
     /// Where it starts (m).

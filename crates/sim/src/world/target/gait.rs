@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError};
@@ -27,7 +26,8 @@ pub(super) const LEAST_LEG_M: f64 = 1e-6;
 const ATTEMPTS: u32 = 1000;
 
 /// How far a target goes between two turns, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum StraightConfig {
     /// Random lengths, exponentially distributed with this mean (m).
@@ -37,7 +37,8 @@ pub enum StraightConfig {
 }
 
 /// How much a target turns, as written in a scenario. In a flat region it turns left or right, in space to any side.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum TurnConfig {
     /// Uniformly distributed between minus and plus this angle: above 0 to 180 degrees.

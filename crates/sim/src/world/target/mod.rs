@@ -13,7 +13,6 @@ mod waypoints;
 
 use std::sync::Arc;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
@@ -32,7 +31,8 @@ pub use waypoints::{AtEnd, WaypointsConfig};
 const FARTHEST_M: f64 = 1e3;
 
 /// A target, as written in a scenario: a body without a radio.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TargetConfig {
     /// Name, also used in its topic of the recording; no robot and no other target has it.
@@ -42,7 +42,8 @@ pub struct TargetConfig {
 }
 
 /// How a target moves, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum TargetMotionConfig {
     /// Over listed places. A target with one place stands there.

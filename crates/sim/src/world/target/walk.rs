@@ -1,6 +1,5 @@
 //! Random walks: straight pieces of random length with random turns between them, inside a region, for ever.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
@@ -12,7 +11,8 @@ use super::{inside, speed};
 
 /// A random walk, as written in a scenario. The target goes straight, turns, goes straight, and so on. At the border of
 /// its region it is reflected like light by a mirror; in front of an obstacle it takes any direction that leads away.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RandomWalkConfig {
     /// Where it starts (m).

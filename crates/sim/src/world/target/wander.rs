@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
@@ -26,7 +25,8 @@ const HOME_M: f64 = 1e-9;
 /// constant speed, and is gone from the world at another place exactly when its time is over. At each turn the length
 /// that is left suffices for the way to the exit; the last piece goes straight there. The whole way is planned before the
 /// simulation begins.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WanderConfig {
     /// Where it enters (m): in the region, on its border or outside. A straight way leads into the region.

@@ -1,6 +1,5 @@
 //! Ways over listed places.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{SettingError, SimTime};
@@ -9,7 +8,8 @@ use super::leg::Leg;
 use super::speed;
 
 /// A way over listed places, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WaypointsConfig {
     /// The places in order, each `[x, y]` or `[x, y, z]`; the first one is the start (m).
@@ -22,7 +22,8 @@ pub struct WaypointsConfig {
 }
 
 /// What a target does at its last place.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum AtEnd {
     /// It stays there.

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::walk::each_schema;
+use crate::schema::walk::each_schema;
 use crate::unit;
 
 /// Adds the unit of each key that has one, and the title of each definition.
