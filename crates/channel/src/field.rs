@@ -31,6 +31,13 @@ pub struct ObstacleField {
 /// Smallest radius of a ball for [`ObstacleField::clearance_m`] (m).
 const LEAST_RADIUS_M: f64 = 1e-6;
 
+/// Two places in an order that does not depend on which comes first.
+#[inline]
+fn ordered(from: Position, to: Position) -> (Position, Position) {
+    let key = |p: Position| [p.x_m, p.y_m, p.z_m];
+    if key(from) <= key(to) { (from, to) } else { (to, from) }
+}
+
 impl ObstacleField {
     /// A field of `obstacles`.
     #[must_use]
@@ -84,8 +91,7 @@ impl ObstacleField {
     /// The obstacles that the straight line between two places crosses, in an unspecified order.
     #[inline]
     fn lengths(&self, from: Position, to: Position) -> impl Iterator<Item = Crossing> + '_ {
-        let key = |p: Position| [p.x_m, p.y_m, p.z_m];
-        let (from, to) = if key(from) <= key(to) { (from, to) } else { (to, from) };
+        let (from, to) = ordered(from, to);
         self.tree.along(Span::new(from, to), LEVEL_M).filter_map(move |obstacle| {
             let length_m = self.obstacles[obstacle].shape().length_inside_m(from, to);
             (length_m > 0.0).then_some(Crossing { obstacle, length_m })
@@ -109,11 +115,15 @@ impl ObstacleField {
             return Db(0.0);
         }
         let (mut nepers, mut fixed) = (0.0, Db(0.0));
-        for Crossing { obstacle, length_m } in self.lengths(from, to) {
-            let obstacle = &self.obstacles[obstacle];
-            nepers += obstacle.absorption_per_m() * length_m;
-            fixed = fixed + obstacle.loss();
-        }
+        let (from, to) = ordered(from, to);
+        self.tree.each_along(Span::new(from, to), LEVEL_M, |number| {
+            let obstacle = &self.obstacles[number];
+            let length_m = obstacle.shape().length_inside_m(from, to);
+            if length_m > 0.0 {
+                nepers += obstacle.absorption_per_m() * length_m;
+                fixed = fixed + obstacle.loss();
+            }
+        });
         Db(DB_PER_NEPER * nepers) + fixed
     }
 

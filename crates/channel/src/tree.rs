@@ -23,6 +23,15 @@ impl Tree {
         self.0.leaves(move |node| span.meets(bounds(node).grown(margin_m))).map(|leaf| leaf as usize)
     }
 
+    /// Calls `act` with each object whose box, grown by `margin_m`, meets `span`. Each caller gets a loop of its own, in which
+    /// nothing is moved.
+    #[inline]
+    pub(crate) fn each_along(&self, span: Span, margin_m: f64, mut act: impl FnMut(usize)) {
+        for leaf in self.0.leaves(move |node| span.meets(bounds(node).grown(margin_m))) {
+            act(leaf as usize);
+        }
+    }
+
     /// The objects whose boxes, grown by `margin_m`, contain `p`.
     pub(crate) fn holding(&self, p: Position, margin_m: f64) -> impl Iterator<Item = usize> + '_ {
         self.0.leaves(move |node| bounds(node).grown(margin_m).contains(p)).map(|leaf| leaf as usize)
