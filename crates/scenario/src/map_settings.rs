@@ -245,6 +245,14 @@ mod tests {
         Some(RecordedScenario { name: "x", text, files: &NONE })
     }
 
+    /// A recorded scenario with one map, which has a profile.
+    fn with_a_map() -> String {
+        format!(
+            "{START}[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
+             profile.trapezoid = {{ p0 = 1, plateau_m = 1, range_m = 5 }}\n"
+        )
+    }
+
     const PROFILE: &str = "p0=0.9,plateau_m=2,range_m=10";
 
     #[test]
@@ -262,10 +270,7 @@ mod tests {
 
     #[test]
     fn the_maps_of_a_scenario_are_used_and_its_other_parts_ignored() {
-        let text = format!(
-            "{START}[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
-                    profile.trapezoid = {{ p0 = 1, plateau_m = 1, range_m = 5 }}\n"
-        );
+        let text = with_a_map();
         let kept = MapSettings::new(recorded(&text), None, (None, None), &[]).unwrap();
         assert_eq!(kept.maps[0].name, "a");
         let changed = MapSettings::new(recorded(&text), None, (Some(PROFILE), None), &[]).unwrap();
@@ -274,10 +279,7 @@ mod tests {
 
     #[test]
     fn an_algorithm_replaces_the_maps_of_a_scenario_and_a_profile_is_rejected_if_it_has_none() {
-        let text = format!(
-            "{START}[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
-                    profile.trapezoid = {{ p0 = 1, plateau_m = 1, range_m = 5 }}\n"
-        );
+        let text = with_a_map();
         let algorithm = Some(AlgorithmName::of_key("self_calibrated"));
         for scenario in [None, recorded(&text), recorded(START)] {
             let settings = MapSettings::new(scenario, algorithm, (None, None), &[]).unwrap();
