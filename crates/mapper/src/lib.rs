@@ -101,12 +101,12 @@ pub use own_place::{
 };
 pub use parts::{FixedLaw, LogParts, PartEstimator, PartsError};
 pub use pattern::{PatternFit, PatternLaw};
-pub use posterior::{
-    Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule, TrueModel, posterior_bound_m,
-};
+pub use posterior::{Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule};
+#[cfg(feature = "obstacles")]
+pub use posterior::{TrueModel, posterior_bound_m};
 pub use profile::{
     ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,
-    TrapezoidConfig, at_least_one,
+    TrapezoidConfig,
 };
 pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};

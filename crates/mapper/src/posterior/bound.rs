@@ -1,29 +1,41 @@
 //! A bound of the accuracy of any map of a log.
 
 use rayon::prelude::*;
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::{Channel, Db, Dbm, Position, ReceptionLog};
 use sextant_kernel::{Interrupted, NodeId, Watch, Work};
 
 use crate::log_facts::heights::Heights;
 use crate::posterior::NodeEvidence;
 use crate::posterior::local_posterior;
+use crate::profile::KnownLink;
 
 /// The true model of a simulated survey, from which the bound is computed.
 #[derive(Clone, Copy, Debug)]
-pub struct TrueModel<'a, P> {
-    /// Probability that one packet from a node at `place` is received at the stop with the index `stop`:
-    /// `|stop, place|`.
-    pub probability: P,
+pub struct TrueModel<'a> {
+    /// The channel between nodes and stops.
+    pub channel: &'a Channel,
+    /// Transmit power of the nodes.
+    pub tx: Dbm,
+    /// Least power at which packets are received.
+    pub sensitivity: Dbm,
+    /// Share of the strong enough packets that survive collisions.
+    pub delivery: f64,
+    /// Mean number of packets that a node sends while the robot listens at a stop, of which it hears at least one or none.
+    pub packets_per_stop: f64,
     /// A place near each node (m). Its posterior is computed round this place.
     pub near: &'a [Position],
-    /// Distance from a stop beyond which the probability is constant or zero (m).
-    pub reach_m: f64,
     /// Lowest and highest height of a node (m). Both are equal for a planar network.
     pub z_range_m: [f64; 2],
 }
 
 /// Maximum number of nodes that are evaluated.
 const MOST_NODES: usize = 1000;
+/// Places within this distance of the node (m) are most of those that its grids have.
+const CLOSE_M: f64 = 1.0;
+/// Intervals of the table of the probability without obstacles, and its length in reaches: the error of a probability is
+/// below 10⁻⁷.
+const SAMPLES: u32 = 1 << 14;
+const REACHES: f64 = 2.0;
 /// First guess of how far a posterior spreads (m).
 const SPREAD_M: f64 = 0.15;
 /// Approximate number of grid vertices of a node.
@@ -39,20 +51,21 @@ const LEAST_STEP_M: f64 = 0.01;
 ///
 /// # Errors
 /// If `watch` ends the work.
-pub fn posterior_bound_m<P: Fn(u32, Position) -> f64 + Sync>(
+pub fn posterior_bound_m(
     log: &ReceptionLog,
-    model: &TrueModel<'_, P>,
+    model: &TrueModel<'_>,
     watch: &dyn Watch,
 ) -> Result<Option<f64>, Interrupted> {
     let nodes: Vec<usize> = (0..log.node_count()).step_by(log.node_count().div_ceil(MOST_NODES).max(1)).collect();
     #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
     let operations = nodes.len() as f64 * VERTICES * log.stops().len() as f64;
     watch.begin(Work { name: "posterior bound", unit: "node", steps: nodes.len() as u64, operations });
+    let links = TrueLinks::new(model);
     let errors: Result<Vec<Option<f64>>, Interrupted> = nodes
         .into_par_iter()
         .map(|node| {
             watch.check()?;
-            let error = node_bound_m(log, model, NodeId::from_index(node), watch);
+            let error = node_bound_m(log, model, &links, NodeId::from_index(node), watch);
             watch.check()?;
             watch.advance(1);
             Ok(error)
@@ -66,20 +79,63 @@ pub fn posterior_bound_m<P: Fn(u32, Position) -> f64 + Sync>(
     Ok((count > 0).then(|| sum / f64::from(count)))
 }
 
+/// The probability of a reception over each link.
+struct TrueLinks<'a> {
+    channel: &'a Channel,
+    link: KnownLink,
+    /// The probability without obstacles at equal distances from 0 on, up to where it ends or is negligible.
+    clear: Vec<f64>,
+    step_m: f64,
+}
+
+impl<'a> TrueLinks<'a> {
+    fn new(model: &TrueModel<'a>) -> Self {
+        let link = KnownLink::new(
+            *model.channel.law(),
+            [model.tx, model.sensitivity],
+            model.delivery,
+            model.packets_per_stop,
+        );
+        let step_m = REACHES * link.reach_m() / f64::from(SAMPLES);
+        let clear = (0..=SAMPLES).map(|sample| link.probability(step_m * f64::from(sample), Db(0.0))).collect();
+        Self { channel: model.channel, link, clear, step_m }
+    }
+
+    fn probability(&self, stop: Position, place: Position) -> f64 {
+        let distance_m = place.distance_m(stop);
+        if distance_m > self.channel.law().max_range_m() {
+            return 0.0;
+        }
+        let loss = self.channel.obstacle_loss(place, stop);
+        let along = distance_m / self.step_m;
+        let below = crate::numerics::whole(along);
+        match self.clear.get(below..).and_then(<[f64]>::first_chunk) {
+            Some(&[near, far]) if loss.0 <= 0.0 => near + (far - near) * (along - below as f64),
+            _ => self.link.probability(distance_m, loss),
+        }
+    }
+}
+
 /// The expected error of a node. If the work was ended meanwhile, the result means nothing.
-fn node_bound_m<P: Fn(u32, Position) -> f64 + Sync>(
+fn node_bound_m(
     log: &ReceptionLog,
-    model: &TrueModel<'_, P>,
+    model: &TrueModel<'_>,
+    links: &TrueLinks<'_>,
     node: NodeId,
     watch: &dyn Watch,
 ) -> Option<f64> {
     let near = *model.near.get(node.index())?;
-    let evidence = NodeEvidence::near(log, node, near, model.reach_m)?;
+    let evidence = NodeEvidence::near(log, node, near, links.link.reach_m())?;
+    // A stop that heard nothing and cannot have heard anything is a factor of 1.
+    let stops = log.stops();
+    let silent_beyond_m = model.channel.law().max_range_m() + CLOSE_M;
+    let close = evidence.of_stops(|stop| stops[stop].position.distance_m(near) <= silent_beyond_m);
     let log_likelihood = |place: Position| {
         if watch.is_stopped() {
             return f64::NEG_INFINITY;
         }
-        evidence.log_likelihood(|stop| (model.probability)(stop, place))
+        let evidence = if place.distance_m(near) < CLOSE_M { &close } else { &evidence };
+        evidence.log_likelihood(|stop| links.probability(stops[stop as usize].position, place))
     };
     let [low, high] = model.z_range_m;
     let heights = if high > low { Heights::Between(low, high) } else { Heights::Level(low) };

@@ -1,6 +1,7 @@
 //! Where a node is, with which probability: the posterior of one node, its mean, covariance and region, and why its place
 //! is not reliable.
 
+#[cfg(feature = "obstacles")]
 mod bound;
 mod cell;
 mod concern;
@@ -13,6 +14,7 @@ mod prior;
 mod region;
 mod verdict;
 
+#[cfg(feature = "obstacles")]
 pub use bound::{TrueModel, posterior_bound_m};
 pub(crate) use cell::Cell;
 pub use concern::Concern;

@@ -30,14 +30,20 @@ impl NodeEvidence {
         Some(Self { listeners })
     }
 
+    /// The evidence of the stops that heard the node, and of those that are `wanted`.
+    pub(crate) fn of_stops(&self, wanted: impl Fn(usize) -> bool) -> Self {
+        let listeners = self.listeners.iter().copied();
+        Self { listeners: listeners.filter(|&(stop, received, _)| received > 0 || wanted(stop as usize)).collect() }
+    }
+
     /// Log-likelihood of a place from which a packet is heard at each stop with `probability`.
     #[inline]
     pub(crate) fn log_likelihood(&self, probability: impl Fn(u32) -> f64) -> f64 {
         let (mut sum, mut product) = (0.0, 1.0);
         for &(stop, received, missed) in &self.listeners {
             let s = probability(stop);
-            product *= if received == 1 { s } else { s.powi(received) };
-            product *= if missed == 1 { 1.0 - s } else { (1.0 - s).powi(missed) };
+            product *= power(s, received);
+            product *= power(1.0 - s, missed);
             if product <= 0.0 {
                 return f64::NEG_INFINITY;
             }
@@ -47,5 +53,15 @@ impl NodeEvidence {
             }
         }
         sum + libm::log(product)
+    }
+}
+
+/// `base` to the power of a number of packets, which is mostly 0 or 1.
+#[inline]
+fn power(base: f64, packets: i32) -> f64 {
+    match packets {
+        0 => 1.0,
+        1 => base,
+        packets => base.powi(packets),
     }
 }

@@ -208,6 +208,13 @@ pub(crate) struct KnownLink {
 }
 
 impl KnownLink {
+    /// A link of a node that sends with `tx` to a stop that receives above `sensitivity`: the share `delivery` of the strong
+    /// enough packets survives, and `packets` are sent at a stop in the mean.
+    #[cfg(feature = "obstacles")]
+    pub(crate) fn new(law: ChannelLaw, [tx, sensitivity]: [Dbm; 2], delivery: f64, packets: f64) -> Self {
+        Self { law, carrier_ghz: None, tx, sensitivity, delivery, packets }
+    }
+
     /// Probability that a stop hears at least one packet over `distance_m` through obstacles with a total loss of
     /// `loss`; 0 beyond the hard radius of the channel.
     pub(crate) fn probability(&self, distance_m: f64, loss: Db) -> f64 {
@@ -234,13 +241,12 @@ impl KnownLink {
 /// Probability that at least one of the packets sent at a stop arrives, each with `q`: `1 − (1 − q)ⁿ`, where n is one
 /// of the two whole numbers next to `packets`, in the proportions that give this mean.
 #[expect(clippy::cast_possible_truncation, reason = "nobody sends 2^31 packets at a stop")]
-#[must_use]
-#[inline]
-pub fn at_least_one(q: f64, packets: f64) -> f64 {
-    let none = |n: f64| libm::pow(1.0 - q, n);
-    let (few, more) = (packets.floor(), packets.fract());
-    debug_assert!(few as i32 >= 0, "a number of packets");
-    1.0 - (1.0 - more) * none(few) - more * none(few + 1.0)
+fn at_least_one(q: f64, packets: f64) -> f64 {
+    let few = packets as i32;
+    debug_assert!(few >= 0, "a number of packets");
+    let more = packets - f64::from(few);
+    let none = |n: i32| if n == 1 { 1.0 - q } else { libm::pow(1.0 - q, f64::from(n)) };
+    if more > 0.0 { 1.0 - (1.0 - more) * none(few) - more * none(few + 1) } else { 1.0 - none(few) }
 }
 
 /// The distance at which a falling `probability` becomes negligible, at most `hard_m` (m); `None` if it is negligible

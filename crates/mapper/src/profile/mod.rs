@@ -14,7 +14,7 @@ mod trapezoid;
 pub(crate) use cell::averaged_over_cell;
 #[cfg(feature = "obstacles")]
 pub(crate) use channel::KnownLink;
-pub use channel::{ChannelProfileConfig, ObstacleUse, at_least_one};
+pub use channel::{ChannelProfileConfig, ObstacleUse};
 pub use fitted::FittedConfig;
 pub use table::TableProfile;
 pub use trapezoid::{Trapezoid, TrapezoidConfig};

@@ -1,6 +1,9 @@
 //! Whether the accuracy that the mapper states is correct.
 
-use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{
+    Channel, ChannelConfig, CorrelationConfig, Dbm, LogDistanceConfig, ObstacleField, PathLossConfig, Position,
+    Reception, ReceptionLog, ShadowingConfig, Stop,
+};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
     ChannelProfileConfig, EstimateKind, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, Region, TrueModel,
@@ -8,6 +11,27 @@ use sextant_mapper::{
 };
 
 const NODES: u32 = 60;
+
+/// The channel from which [`survey`] draws.
+fn true_channel() -> Channel {
+    let law = ChannelConfig {
+        path_loss: Some(PathLossConfig::LogDistance(LogDistanceConfig {
+            exponent: Some(3.6),
+            ..LogDistanceConfig::default()
+        })),
+        shadowing: Some(ShadowingConfig { sigma_db: Some(8.2), correlation: CorrelationConfig::PerPacket }),
+        max_range_m: Some(8.0),
+        obstacles_attenuate: false,
+        ..ChannelConfig::default()
+    };
+    Channel::new(law.try_into().expect("good settings"), ObstacleField::default(), Seed(1))
+}
+
+/// The true model of nodes up to `tall_m` high.
+fn true_model<'a>(channel: &'a Channel, near: &'a [Position], tall_m: f64) -> TrueModel<'a> {
+    let (tx, sensitivity) = (Dbm(-50.0), Dbm(-84.0));
+    TrueModel { channel, tx, sensitivity, delivery: 1.0, packets_per_stop: 1.0, near, z_range_m: [0.0, tall_m] }
+}
 
 fn channel(cell_average: bool) -> ProfileConfig {
     ProfileConfig::Channel(ChannelProfileConfig {
@@ -101,14 +125,12 @@ fn the_region_holds_95_percent_of_the_nodes_in_space() {
 
 #[test]
 fn the_posterior_bound_is_the_error_of_the_posterior_mean_under_the_true_model() {
-    let exact = ReceptionProfile::for_grid(channel(false), 0.0).expect("good settings");
+    let channel = true_channel();
     for (tall_m, grid_step_m, seeds) in [(0.0, 0.1, 20), (4.0, 0.4, 4)] {
         let mut bound_m = 0.0;
         for seed in 0..seeds {
             let (log, near) = survey(seed, tall_m);
-            let probability =
-                |stop: u32, place: Position| exact.probability(place.distance_m(log.stops()[stop as usize].position));
-            let model = TrueModel { probability, near: &near, reach_m: 8.0, z_range_m: [0.0, tall_m] };
+            let model = true_model(&channel, &near, tall_m);
             bound_m += posterior_bound_m(&log, &model, &Unwatched).unwrap().expect("nodes were heard");
         }
         let bound_m = bound_m / seeds as f64;
@@ -124,23 +146,13 @@ fn the_posterior_bound_is_the_error_of_the_posterior_mean_under_the_true_model()
 #[test]
 fn the_bound_is_the_same_for_any_number_of_threads_and_absent_without_receptions() {
     let (log, near) = survey(0, 0.0);
-    let exact = ReceptionProfile::for_grid(channel(false), 0.0).expect("good settings");
-    let model = |log: &ReceptionLog| {
-        let stops: Vec<Position> = log.stops().iter().map(|stop| stop.position).collect();
-        let exact = exact.clone();
-        let probability = move |stop: u32, place: Position| exact.probability(place.distance_m(stops[stop as usize]));
-        posterior_bound_m(
-            log,
-            &TrueModel { probability, near: &near, reach_m: 8.0, z_range_m: [0.0, 0.0] },
-            &Unwatched,
-        )
-        .unwrap()
-    };
+    let channel = true_channel();
+    let bound_m = |log: &ReceptionLog| posterior_bound_m(log, &true_model(&channel, &near, 0.0), &Unwatched).unwrap();
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
-        pool.install(|| model(&log).expect("nodes were heard").to_bits())
+        pool.install(|| bound_m(&log).expect("nodes were heard").to_bits())
     };
     assert_eq!(with(1), with(3));
     let silent = ReceptionLog::new(log.names().to_vec(), log.stops().to_vec(), Vec::new(), Vec::new()).unwrap();
-    assert_eq!(model(&silent), None);
+    assert_eq!(bound_m(&silent), None);
 }

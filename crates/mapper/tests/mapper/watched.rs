@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use sextant_channel::{ObstacleField, Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{Channel, ChannelConfig, Dbm, ObstacleField, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{Interrupted, NodeId, Purpose, RobotId, Seed, SimTime, Unwatched, Watch, Work};
 use sextant_mapper::{
     AlgorithmConfig, ChannelProfileConfig, DrMdsConfig, Knowledge, MapError, Mapper, MlTmConfig, ObstacleUse,
@@ -143,10 +143,18 @@ fn bounds_and_metrics_can_be_interrupted() {
     let network = Network::new(lattice([10, 10, 1], 0.2), 5, 2.5, 5.0, 0.0);
     let log = survey(&network);
     let truth = &network.places;
-    let probability = |stop: u32, place: Position| {
-        0.9 * (-0.3 * place.distance_m(log.stops()[stop as usize].position)).exp().clamp(1e-6, 1.0)
+    let channel = Channel::new(ChannelConfig::default().try_into().unwrap(), ObstacleField::default(), Seed(1));
+    let (tx, sensitivity) = (Dbm(-50.0), Dbm(-84.0));
+    let z_range_m = [0.0, 0.0];
+    let model = TrueModel {
+        channel: &channel,
+        tx,
+        sensitivity,
+        delivery: 0.9,
+        packets_per_stop: 1.0,
+        near: truth,
+        z_range_m,
     };
-    let model = TrueModel { probability, near: truth, reach_m: 8.0, z_range_m: [0.0, 0.0] };
     let map: Vec<Option<Position>> = truth.iter().copied().map(Some).collect();
     let rule = sextant_mapper::NeighbourhoodRule::Affine;
     for last in [0, 1, 50] {

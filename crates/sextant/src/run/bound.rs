@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use sextant_channel::{Bounds, Channel, Position};
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{KnowledgeKind, TrueModel, at_least_one};
+use sextant_mapper::{KnowledgeKind, TrueModel};
 use sextant_sim::{OdometryConfig, Packets, Survey};
 
 use sextant_scenario::{MapJob, Scenario};
@@ -118,21 +118,17 @@ pub(super) fn posterior_bound(
     let of_nodes = &survey.networks[id.index()].packets[..truth.len()];
     let packets: Packets = of_nodes.iter().copied().sum();
     let delivery = packets.received as f64 / (packets.received + packets.lost_collision).max(1) as f64;
-    let law = channel.law();
-    let stops = survey.log().stops();
-    let probability = |stop: u32, place: Position| {
-        let stop = stops[stop as usize].position;
-        let distance_m = place.distance_m(stop);
-        if distance_m > law.max_range_m() {
-            return 0.0;
-        }
-        let obstacle_loss = channel.obstacle_loss(place, stop);
-        let q = law.reception_probability(tx, sensitivity, distance_m, obstacle_loss);
-        at_least_one(delivery * q, packets_per_stop.mean)
-    };
     let low = truth.iter().map(|place| place.z_m).fold(f64::INFINITY, f64::min);
     let high = truth.iter().map(|place| place.z_m).fold(f64::NEG_INFINITY, f64::max);
-    let model = TrueModel { probability, near: truth, reach_m: law.reach_m(tx, sensitivity), z_range_m: [low, high] };
+    let model = TrueModel {
+        channel: &channel,
+        tx,
+        sensitivity,
+        delivery,
+        packets_per_stop: packets_per_stop.mean,
+        near: truth,
+        z_range_m: [low, high],
+    };
     // The probability is that of a slot: at least one packet is received.
     let bound_m = sextant_mapper::posterior_bound_m(&survey.log().at_least_one(), &model, watch)?;
     let spread_m = spread_m(truth);
