@@ -1,5 +1,5 @@
 //! What robots and nodes do in a network, on top of the simulator: controllers of robots, maps that are computed in
-//! the nodes ([`distributed`]), and applications on such maps. These share [`navigation`]: robots search targets
+//! the nodes ([`distributed`]), and missions on such maps ([`Mission`]). These share [`navigation`]: robots search targets
 //! ([`target_search`]) or seek the source of a field ([`source_seeking`]).
 //!
 //! Goes in: a [`ControllerConfig`] and the [`Surroundings`] of a robot. Comes out: a controller that drives the robot
@@ -28,7 +28,6 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
 
 mod a_star;
-mod application;
 mod area;
 mod automated_s;
 mod controller;
@@ -37,6 +36,7 @@ mod expected_way;
 mod height_range;
 mod hilbert;
 mod itinerary;
+mod mission;
 pub mod navigation;
 mod octets;
 mod partition;
@@ -51,11 +51,14 @@ mod surroundings;
 pub mod target_search;
 mod waypoints;
 
-pub use application::{AlgorithmConfig, ApplicationConfig, MapSourceConfig};
 pub use automated_s::{AutomatedS, AutomatedSConfig, LayersConfig, Until};
 pub use controller::ControllerConfig;
 pub use expected_way::ExpectedWay;
 pub use hilbert::{Hilbert, HilbertConfig};
+pub use mission::{
+    AlgorithmConfig, ApplicationConfig, MapSourceConfig, Mission, MissionArrival, MissionGoal, MissionOutcome,
+    MissionPlace, MissionRobots, MissionSettings, MissionTeam, SoughtField,
+};
 pub use octets::MessageError;
 pub use partition::{BalanceConfig, CutConfig, FreeArea, PartitionConfig, RobotPart, partition};
 pub use planned_path::{PathPart, drive_planned};

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use sextant::run::{ApplicationEnd, RunError, RunObserver, SimulationStart, SurveyEnd};
+use sextant::scenario::MissionGoal;
 use sextant_sim::Observer;
 
 use crate::terminal::{ProgressBar, Watcher};
@@ -48,7 +49,11 @@ impl<'a> RunProgress<'a> {
 fn of_simulation(start: &SimulationStart<'_>) -> (&'static str, u64, Shown) {
     let scenario = start.scenario;
     if let Some(application) = start.application {
-        let name = if application.algorithm.is_search() { "searching" } else { "seeking" };
+        let name = match application.goal() {
+            MissionGoal::Targets => "searching",
+            MissionGoal::Field(_) => "seeking",
+            MissionGoal::Other => "working",
+        };
         return (name, application.duration.as_secs(), Shown::Seconds);
     }
     let duration = scenario.config().duration_s.map(Duration::from_secs_f64);

@@ -45,7 +45,6 @@ pub mod template;
 mod unit;
 
 pub use check::maps::MapJob;
-pub use check::missions::algorithm::{Algorithm, Task};
 pub use check::missions::applications::{Application, ApplicationMap};
 pub use check::missions::distributed::NodeMapJob;
 pub use check::networks::ForeignChip;
@@ -62,6 +61,7 @@ pub use map_settings::{AlgorithmName, MapSettings, RecordedScenario, UnknownAlgo
 pub use reference::{Choice, ExplainError, Explanation, KeyReference, explain, key_reference};
 pub use replaced::check_given;
 pub use schema::{schema, schema_of_files};
+pub use sextant_apps::MissionGoal;
 pub use survey_identity::SurveyIdentity;
 pub use sweep::{Setting, SweepAxes, SweepConfig};
 

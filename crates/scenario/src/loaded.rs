@@ -7,7 +7,7 @@ use std::time::Duration;
 use sextant_apps::ControllerConfig;
 use sextant_channel::Anchor;
 use sextant_kernel::text::counted;
-use sextant_kernel::{Files, Seed};
+use sextant_kernel::{Files, Seed, SettingError};
 use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, SimulatedRegion, World};
 
 use super::check::errors::Errors;
@@ -121,6 +121,18 @@ impl Scenario {
             _ => set.push(format!("{key}={value}")),
         }
         self.file.scenario(&set, seed)
+    }
+
+    /// The same scenario with a mission of the caller's own, which follows those of the scenario. It is not part of the text
+    /// of the scenario: [`with`](Self::with) and [`with_all`](Self::with_all) leave it out again.
+    ///
+    /// # Errors
+    /// `name` if something else has that name; `network` if it is none of IEEE 802.15.4; `robots` if there are none, or one
+    /// is not of the scenario; `map` if no map has that name, or the world has less than three nodes.
+    pub fn with_mission(mut self, mission: Application) -> Result<Self, SettingError> {
+        mission.check_beside(&self)?;
+        self.parts.applications.push(mission);
+        Ok(self)
     }
 
     /// The scenario of `file` with these settings instead of its own, checked.

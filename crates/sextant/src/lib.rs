@@ -29,7 +29,7 @@
 //! - A scenario with many settings and seeds is a study: the crate `sextant-study`.
 //! - [`Template`](template::Template)s are scenarios to begin with; [`scenario::explain`] says what a key means.
 //! - [`Summary`] is the result of each of them, as the JSON object of `--summary`.
-//! - [`kernel`], [`channel`], [`sim`], [`mapper`], [`logs`], [`recording`], [`figure`] and [`scenario`] are the crates below:
+//! - [`kernel`], [`channel`], [`sim`], [`apps`], [`mapper`], [`logs`], [`recording`], [`figure`] and [`scenario`] are the crates below:
 //!   their words are those of this one, so a program needs no other dependency.
 //!
 //! Long work asks a [`Watch`] whether to go on, and tells it how far it is; [`Unwatched`] goes on to the end. Each activity
@@ -55,6 +55,7 @@ pub use link::{LinkError, LinkReport, RayReport, explain_link, rays_csv};
 pub use mapping::{LogMap, MapLogError, map_log};
 pub use number_range::NumberRange;
 pub use run::{Programs, Run, RunCapture, RunError, RunObserver, RunRecorder, run, run_with, survey};
+pub use sextant_apps as apps;
 pub use sextant_channel as channel;
 pub use sextant_figure as figure;
 pub use sextant_kernel as kernel;

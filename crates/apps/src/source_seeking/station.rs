@@ -2,17 +2,16 @@
 
 use std::sync::Arc;
 
-use sextant_channel::Dbm;
 use sextant_kernel::{NodeId, SettingError};
 use sextant_sim::{
-    Application, Applications, Delivery, DriveEnd, NetworkId, Port, ReadySimulation, RobotBody, Sensed, Setup,
-    Simulation, Timer,
+    Application, Applications, Delivery, DriveEnd, Port, ReadySimulation, RobotBody, Sensed, Setup, Simulation, Timer,
 };
 
 use super::node::SeekNode;
 use super::record::SeekRecord;
 use super::robot::SeekRobot;
 use super::settings::SourceSeeking;
+use crate::mission::MissionTeam;
 use crate::navigation::NavigationMap;
 
 /// The application of a station that takes part in source seeking.
@@ -26,21 +25,6 @@ pub enum SeekStation {
     Sink,
 }
 
-/// Who takes part in source seeking.
-#[derive(Clone, Copy, Debug)]
-pub struct SeekTeam<'a> {
-    /// Number of nodes.
-    pub nodes: usize,
-    /// The robots.
-    pub robots: &'a [RobotBody],
-    /// Number of sinks.
-    pub sinks: usize,
-    /// The network over which they exchange messages.
-    pub network: NetworkId,
-    /// Transmit power of the nodes in it.
-    pub tx_power: Dbm,
-}
-
 impl SourceSeeking {
     /// The simulation of all stations, which know `map`, ready to run; it leaves a record of each behind.
     ///
@@ -52,7 +36,7 @@ impl SourceSeeking {
     pub fn simulation(
         self: &Arc<Self>,
         map: &Arc<NavigationMap>,
-        team: SeekTeam<'_>,
+        team: MissionTeam<'_>,
         setup: Setup,
     ) -> Result<ReadySimulation<'static, Applications<SeekRecord>>, SettingError> {
         let simulation = Simulation::with(setup, self.stations(map, team))?;
@@ -61,10 +45,10 @@ impl SourceSeeking {
 
     /// The applications of all stations, which know `map`.
     #[must_use]
-    pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: SeekTeam<'_>) -> Applications<SeekStation> {
-        let SeekTeam { nodes, robots, sinks, network, tx_power } = team;
+    pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: MissionTeam<'_>) -> Applications<SeekStation> {
+        let MissionTeam { nodes, robots, sinks, network, radio, targets: _, duration: _ } = team;
         let node = |node: usize| {
-            let node = SeekNode::new(network, map.place(NodeId::from_index(node)), tx_power);
+            let node = SeekNode::new(network, map.place(NodeId::from_index(node)), radio.tx_power());
             SeekStation::Node(Box::new(node))
         };
         let robot = |body: &RobotBody| {

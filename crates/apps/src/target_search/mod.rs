@@ -19,6 +19,7 @@ mod grid_path;
 mod idle;
 mod interception;
 mod message;
+mod mission;
 mod node;
 mod outbox;
 mod particle_filter;
@@ -56,7 +57,7 @@ pub use robust_kalman::{Multiplier, RobustKalman, RobustKalmanSettings, Robustne
 pub use settings::TargetSearch;
 pub use sightings::{NodeSightings, Sighting, Sightings, SightingsSettings};
 pub use sink::SearchSink;
-pub use station::{SearchRecord, SearchStation, SearchTeam};
+pub use station::{SearchRecord, SearchStation};
 pub use target_state::{AxisCovariance, Fix, TargetState};
 pub use trajectory::{
     AxisForecast, CurveForm, Forecast, Limit, NextTurn, Trajectory, TrajectorySettings, Trust, TurnRule, TurnTimes,

@@ -1,12 +1,11 @@
 //! One type for the applications of all stations of a search.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use sextant_kernel::{NodeId, SettingError};
 use sextant_sim::{
-    Application, Applications, Delivery, DriveEnd, NetworkId, Port, Radio, ReadySimulation, RobotBody, SendReport,
-    Sensed, Setup, Simulation, Timer,
+    Application, Applications, Delivery, DriveEnd, NetworkId, Port, ReadySimulation, RobotBody, SendReport, Sensed,
+    Setup, Simulation, Timer,
 };
 
 use super::node::{NodeSearchRecord, SearchNode};
@@ -15,6 +14,7 @@ use super::record::RobotSearchRecord;
 use super::robot::SearchRobot;
 use super::settings::TargetSearch;
 use super::sink::{Doubts, SearchSink};
+use crate::mission::MissionTeam;
 use crate::navigation::NavigationMap;
 
 /// The application of a station that takes part in a search.
@@ -39,25 +39,6 @@ pub enum SearchRecord {
     Sink(MessageCounts),
 }
 
-/// Who takes part in a search.
-#[derive(Clone, Copy, Debug)]
-pub struct SearchTeam<'a> {
-    /// Number of nodes.
-    pub nodes: usize,
-    /// The robots.
-    pub robots: &'a [RobotBody],
-    /// Number of sinks.
-    pub sinks: usize,
-    /// Number of targets: the search is over when all are captured.
-    pub targets: usize,
-    /// The network over which they exchange messages.
-    pub network: NetworkId,
-    /// Its radios.
-    pub radio: &'a Radio,
-    /// When the search ends at the latest.
-    pub duration: Duration,
-}
-
 impl TargetSearch {
     /// The simulation of all stations, which know `map`, ready to run; it leaves a record of each behind.
     ///
@@ -69,7 +50,7 @@ impl TargetSearch {
     pub fn simulation(
         self: &Arc<Self>,
         map: &Arc<NavigationMap>,
-        team: SearchTeam<'_>,
+        team: MissionTeam<'_>,
         setup: Setup,
     ) -> Result<ReadySimulation<'static, Applications<SearchRecord>>, SettingError> {
         let simulation = Simulation::with(setup, self.stations(map, team))?;
@@ -78,8 +59,12 @@ impl TargetSearch {
 
     /// The applications of all stations, which know `map`.
     #[must_use]
-    pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: SearchTeam<'_>) -> Applications<SearchStation> {
-        let SearchTeam { nodes, robots, sinks, targets, network, radio, duration } = team;
+    pub fn stations(
+        self: &Arc<Self>,
+        map: &Arc<NavigationMap>,
+        team: MissionTeam<'_>,
+    ) -> Applications<SearchStation> {
+        let MissionTeam { nodes, robots, sinks, targets, network, radio, duration } = team;
         let node = |node: usize| {
             let place = map.place(NodeId::from_index(node));
             let node = SearchNode::new(Arc::clone(self), network, place, radio.tx_power());

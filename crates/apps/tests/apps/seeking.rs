@@ -3,11 +3,12 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use sextant_apps::MissionTeam;
 use sextant_apps::navigation::{MapFrame, NavigationMap};
 use sextant_apps::source_seeking::{
-    GradientConfig, LevelSetConfig, RobotSeekRecord, SeekRecord, SeekState, SeekTeam, SourceSeeking,
+    GradientConfig, LevelSetConfig, RobotSeekRecord, SeekRecord, SeekState, SourceSeeking,
 };
-use sextant_channel::{ChannelConfig, Dbm, ObstacleField, Position};
+use sextant_channel::{ChannelConfig, ObstacleField, Position};
 use sextant_kernel::{Purpose, Seed, SimTime};
 use sextant_mac::RadioStates;
 use sextant_mac::csma::CsmaSettings;
@@ -157,12 +158,16 @@ impl Scene {
             networks: vec![NetworkId::default()],
             sweeps_per_stop: 1,
         };
-        let team = SeekTeam {
+        let network = Self::network(self.nodes);
+        let duration = Duration::from_secs_f64(self.duration_s);
+        let team = MissionTeam {
             nodes: places.len(),
             robots: std::slice::from_ref(&body),
             sinks: 0,
+            targets: 0,
             network: NetworkId(0),
-            tx_power: Dbm(-50.0),
+            radio: &network.technology.ieee802154().expect("a radio of this technology").radio,
+            duration,
         };
         let own = Arc::new(settings(&fields)).stations(&Arc::new(map), team);
         let node = |(i, position): (usize, Position)| PlacedNode { name: format!("n{i}"), position };
@@ -174,10 +179,10 @@ impl Scene {
                 sensors: Sensors::try_from(sensors).expect("good sensors"),
                 ..World::default()
             },
-            networks: vec![Self::network(self.nodes)],
+            networks: vec![network],
             robots: vec![Robot { body, task: RobotTask::Own }],
             sinks: Vec::new(),
-            duration: Some(Duration::from_secs_f64(self.duration_s)),
+            duration: Some(duration),
             faults: Faults::default(),
             seed: Seed(self.seed),
         };

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
+use sextant_apps::MissionTeam;
 use sextant_apps::navigation::{MapFrame, NavigationMap};
 use sextant_apps::target_search::{
-    Doubt, MessageCounts, RobotSearchRecord, SearchRecord, SearchStation, SearchTeam, TargetSearch,
+    Doubt, MessageCounts, RobotSearchRecord, SearchRecord, SearchStation, TargetSearch,
 };
 use sextant_channel::{ChannelConfig, Position};
 use sextant_kernel::{Files, NodeId, Purpose, Seed, SimTime, StationId};
@@ -156,7 +157,7 @@ impl Scene {
         let duration = Duration::from_secs(self.seconds);
         let own = search.stations(
             &map,
-            SearchTeam {
+            MissionTeam {
                 nodes: world.nodes.len(),
                 robots: &bodies,
                 sinks: 1,

@@ -120,7 +120,8 @@ impl ApplicationSummary {
         let what = match (self.captured, self.arrived) {
             (Some(_), _) => format!("{captured} of {} captured", counted(self.targets.len(), "target")),
             (None, Some(true)) => "arrived".to_owned(),
-            (None, _) => "did not arrive".to_owned(),
+            (None, Some(false)) => "did not arrive".to_owned(),
+            (None, None) => "ended".to_owned(),
         };
         let end = if self.interrupted { ", interrupted" } else { "" };
         match self.time_s {

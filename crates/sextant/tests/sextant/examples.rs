@@ -8,6 +8,8 @@ mod own_application;
 mod own_controller;
 #[path = "../../../../examples/own_estimator.rs"]
 mod own_estimator;
+#[path = "../../../../examples/own_mission.rs"]
+mod own_mission;
 #[path = "../../../../examples/survey.rs"]
 mod survey;
 
@@ -29,6 +31,11 @@ fn a_robot_drives_as_its_own_controller_says() {
 #[test]
 fn a_message_floods_nodes_with_their_own_application() {
     own_application::main().unwrap();
+}
+
+#[test]
+fn a_robot_visits_the_nodes_with_the_lowest_batteries() {
+    own_mission::main().unwrap();
 }
 
 #[test]

@@ -27,7 +27,15 @@ pub struct LeftOut {
     pub region: SimulatedRegion,
 }
 
-impl<R> ReadySimulation<'_, R> {
+impl<'a, R: 'a> ReadySimulation<'a, R> {
+    /// The same; what it leaves behind goes through `act` at the end.
+    pub fn then<S>(self, act: impl FnOnce(R) -> S + 'a) -> ReadySimulation<'a, S> {
+        ReadySimulation(Box::new(move |observer| {
+            let (survey, left) = self.run(observer);
+            (survey, act(left))
+        }))
+    }
+
     /// Runs it until the tasks of all robots and nodes are done, or the time is over, or the observer ends it.
     pub fn run(self, observer: &mut dyn Observer) -> (Survey, R) {
         self.0(observer)

@@ -50,7 +50,7 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
     let scenario = scenario?;
     let by_nodes: Vec<String> = scenario.distributed().map(|map| map.name.clone()).into_iter().collect();
     let maps = scenario.maps().iter().map(|named| named.name.clone());
-    let searches = scenario.applications().iter().filter(|application| application.algorithm.is_search());
+    let searches = scenario.applications().iter().filter(|application| application.goal().is_targets());
     Ok(CellFacts {
         survey: scenario.survey_identity(),
         seed: scenario.seed().0,

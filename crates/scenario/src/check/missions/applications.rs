@@ -1,20 +1,21 @@
 //! The applications of a scenario.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use sextant_apps::{AlgorithmConfig, ApplicationConfig, MapSourceConfig};
-use sextant_channel::{Bounds, Position};
+use sextant_apps::{ApplicationConfig, MapSourceConfig, Mission, MissionGoal, MissionPlace, MissionRobots};
+use sextant_channel::Position;
 use sextant_kernel::text::counted;
 use sextant_kernel::{Files, SettingError};
 use sextant_sim::layout::PlacedNode;
-use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup, TargetMotionConfig, World};
+use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup};
 
-use super::algorithm::Algorithm;
 use super::distributed::{NodeMapJob, check_receivers};
 use crate::check::errors::Errors;
 use crate::check::maps::{MapJob, check_name};
 use crate::check::networks::{self, NetworkTables};
 use crate::config::ScenarioConfig;
+use crate::loaded::Scenario;
 
 /// An application that has been checked.
 #[derive(Clone, Debug)]
@@ -29,8 +30,56 @@ pub struct Application {
     pub network: NetworkId,
     /// When it ends at the latest.
     pub duration: Duration,
+    /// Name of its algorithm in tables.
+    pub algorithm: &'static str,
     /// What it does.
-    pub algorithm: Algorithm,
+    pub mission: Arc<dyn Mission>,
+}
+
+impl Application {
+    /// Checks a mission that is not written in `scenario` against it.
+    pub(crate) fn check_beside(&self, scenario: &Scenario) -> Result<(), SettingError> {
+        let refuse = |key: &str, found: String, allowed: &str| Err(SettingError::new(key, found, allowed));
+        let maps = || {
+            let of_nodes = scenario.distributed().map(|map| map.name.as_str());
+            scenario.maps().iter().map(|map| map.name.as_str()).chain(of_nodes)
+        };
+        let missions = scenario.applications().iter().map(|mission| mission.name.as_str());
+        if self.name == "survey" || maps().chain(missions).any(|name| name == self.name) {
+            return refuse("name", format!("`{}`, which is taken", self.name), "a unique name");
+        }
+        let networks = scenario.networks();
+        if !networks.get(self.network.index()).is_some_and(|network| network.technology.ieee802154().is_some()) {
+            let found = format!("number {}", self.network.index());
+            return refuse("network", found, "the number of a network of IEEE 802.15.4");
+        }
+        let robots = scenario.bodies().len();
+        if self.robots.is_empty() || self.robots.iter().any(|&robot| robot >= robots) {
+            let found = format!("{:?}", self.robots);
+            return refuse("robots", found, &format!("numbers of robots, of which the scenario has {robots}"));
+        }
+        let nodes = scenario.world().nodes.len();
+        match &self.map {
+            _ if nodes < LEAST_PLACES => {
+                refuse("map", format!("a map of {}", counted(nodes, "node")), "three nodes or more")
+            }
+            ApplicationMap::Computed(name) if !maps().any(|map| map == name) => {
+                refuse("map", format!("`{name}`"), "the name of a map of the scenario")
+            }
+            ApplicationMap::File { places, .. } if places.len() != nodes => refuse(
+                "map",
+                format!("{} places", places.len()),
+                &format!("a place, or none, for each of {nodes} nodes"),
+            ),
+            ApplicationMap::Physical | ApplicationMap::Computed(_) | ApplicationMap::File { .. } => Ok(()),
+        }
+    }
+
+    /// What it is after.
+    #[must_use]
+    pub fn goal(&self) -> MissionGoal {
+        self.mission.goal()
+    }
 }
 
 /// The map that an application is given.
@@ -79,7 +128,7 @@ pub(crate) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors)
     let mut applications: Vec<Application> = Vec::new();
     for (i, written) in around.config.applications.iter().enumerate() {
         let table = format!("applications[{i}]");
-        let name = written.name.clone().unwrap_or_else(|| written.algorithm.name().to_owned());
+        let name = written.name.clone().unwrap_or_else(|| written.algorithm.settings().name().to_owned());
         check_own_name(&name, &table, &applications, around, errors);
         let map = errors.take(&table, around.map(written));
         // The numbers of robots are not known if one of them was refused.
@@ -91,15 +140,25 @@ pub(crate) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors)
         let duration =
             SettingError::in_range("duration_s", written.duration_s, 1e-3, 1e7).map(Duration::from_secs_f64);
         let duration = errors.take(&table, duration);
-        let network = network.filter(|&network| errors.take(&table, around.check_sensed(written, network)).is_some());
-        let algorithm = network.and_then(|network| around.algorithm(written, network, &table, errors));
+        let algorithm = written.algorithm.settings();
+        let mission = network.and_then(|network| {
+            let place = around.place(network)?;
+            errors.take(&table, algorithm.check_world(&place))?;
+            let checked = algorithm.check(&place);
+            let checked = checked.map_err(|error| error.within(format!("algorithm.{}", written.algorithm.key())));
+            errors.take(&table, checked)
+        });
         if let Some(robots) = &robots {
-            errors.take(&table, around.check_speeds(written, robots));
+            let bodies: Vec<&RobotBody> = robots.iter().map(|&robot| &around.bodies[robot]).collect();
+            let targets = &around.config.world.targets;
+            let robots = MissionRobots { bodies: &bodies, targets, may_be_slower: written.allow_slower };
+            errors.take(&table, algorithm.check_robots(&robots));
         }
-        if let (Some(map), Some(robots), Some(network), Some(duration), Some(algorithm)) =
-            (map, robots, network, duration, algorithm)
+        if let (Some(map), Some(robots), Some(network), Some(duration), Some(mission)) =
+            (map, robots, network, duration, mission)
         {
-            applications.push(Application { name, map, robots, network, duration, algorithm });
+            let algorithm = algorithm.name();
+            applications.push(Application { name, map, robots, network, duration, algorithm, mission });
         }
     }
     applications
@@ -197,16 +256,18 @@ impl Surroundings<'_> {
         Ok(robots)
     }
 
-    /// What an application does in a network that has been checked.
-    fn algorithm(
-        &self,
-        written: &ApplicationConfig,
-        network: NetworkId,
-        table: &str,
-        errors: &mut Errors,
-    ) -> Option<Algorithm> {
-        let radio = &self.setup.networks[network.index()].technology.ieee802154()?.radio;
-        errors.take(table, Algorithm::new(&written.algorithm, radio, &self.setup.world))
+    /// What a mission in a network that has been checked sees of the scenario; `None` if its radios are others than those of
+    /// IEEE 802.15.4.
+    fn place(&self, network: NetworkId) -> Option<MissionPlace<'_>> {
+        let Setup { world, sinks, networks, .. } = self.setup;
+        let is_in = |sink: &sextant_sim::Sink| sink.is_in(network);
+        Some(MissionPlace {
+            world,
+            targets: &self.config.world.targets,
+            sensors: &self.config.sensors,
+            has_sink: sinks.iter().any(is_in),
+            radio: &networks[network.index()].technology.ieee802154()?.radio,
+        })
     }
 
     /// Refuses networks in which nodes and robots cannot exchange messages. Returns whether it is a good one.
@@ -230,100 +291,5 @@ impl Surroundings<'_> {
         }
         check_receivers(&self.tables[network.index()], errors);
         errors.found.len() == before
-    }
-
-    /// Refuses applications that have nothing to search, or no node that can detect it.
-    fn check_sensed(&self, written: &ApplicationConfig, network: NetworkId) -> Result<(), SettingError> {
-        let World { targets, fields, .. } = &self.setup.world;
-        let sensors = &self.config.sensors;
-        let algorithm = written.algorithm.key();
-        let refuse = |key: &str, found: &str, allowed: String| Err(SettingError::new(key, found, allowed));
-        match &written.algorithm {
-            AlgorithmConfig::Detarsk(_) | AlgorithmConfig::PG(_) => {
-                if targets.is_empty() {
-                    let allowed =
-                        format!("another algorithm, or targets in `[[world.targets]]`: `{algorithm}` searches them");
-                    return refuse("algorithm", &format!("`{algorithm}`, without targets"), allowed);
-                }
-                if sensors.targets.is_none() {
-                    let allowed = format!("a table `[sensors.targets]`: with `{algorithm}` nodes detect targets");
-                    return refuse("algorithm", &format!("`{algorithm}`, without sensors of targets"), allowed);
-                }
-                let has_sink =
-                    self.setup.sinks.iter().any(|sink| sink.networks.as_ref().is_none_or(|of| of.contains(&network)));
-                if !has_sink && matches!(written.algorithm, AlgorithmConfig::Detarsk(_)) {
-                    let allowed =
-                        "at least one sink in the network, in `[[sinks]]`: nodes tell it of the first detection";
-                    return refuse("algorithm", "`detarsk`, without a sink", allowed.to_owned());
-                }
-                self.check_targets()
-            }
-            AlgorithmConfig::LevelSet(_) | AlgorithmConfig::Gradient(_) => {
-                if fields.is_empty() {
-                    let allowed = format!(
-                        "another algorithm, or a field in `[[world.fields]]`: `{algorithm}` seeks its source"
-                    );
-                    return refuse("algorithm", &format!("`{algorithm}`, without fields"), allowed);
-                }
-                if sensors.fields.is_none() {
-                    let allowed = format!("a table `[sensors.fields]`: with `{algorithm}` nodes sample the field");
-                    return refuse("algorithm", &format!("`{algorithm}`, without sensors of fields"), allowed);
-                }
-                Ok(())
-            }
-        }
-    }
-
-    /// Refuses targets that never come near a node.
-    fn check_targets(&self) -> Result<(), SettingError> {
-        let radius_m = self.config.sensors.targets.map_or(0.0, |sensor| sensor.radius_m);
-        let Some(world) = Bounds::of(self.nodes().iter().map(|node| node.position)) else { return Ok(()) };
-        for (i, target) in self.config.world.targets.iter().enumerate() {
-            let places = match &target.motion {
-                TargetMotionConfig::Waypoints(way) => way.places_m.clone(),
-                TargetMotionConfig::RandomWalk(walk) => vec![walk.start_m],
-                TargetMotionConfig::Wander(visit) => vec![visit.from_m, visit.to_m],
-                TargetMotionConfig::Evade(flight) => vec![flight.start_m],
-            };
-            let Some(way) = Bounds::of(places) else { continue };
-            let pairs = |of: fn(Position) -> f64| (of(way.min), of(way.max), of(world.min), of(world.max));
-            let axes = [pairs(|place| place.x_m), pairs(|place| place.y_m), pairs(|place| place.z_m)];
-            if axes.iter().any(|&(low, high, least, most)| low > most + radius_m || high < least - radius_m) {
-                let found = format!("target `{}`, whose way is outside the world", target.name);
-                let allowed = format!(
-                    "targets that come within {radius_m} m of the box around the nodes (see `world.targets[{i}]`)"
-                );
-                return Err(SettingError::new("algorithm", found, allowed));
-            }
-        }
-        Ok(())
-    }
-
-    /// Refuses robots that are slower than the targets that they search.
-    fn check_speeds(&self, written: &ApplicationConfig, robots: &[usize]) -> Result<(), SettingError> {
-        let is_search = matches!(written.algorithm, AlgorithmConfig::Detarsk(_) | AlgorithmConfig::PG(_));
-        if !is_search || written.allow_slower {
-            return Ok(());
-        }
-        let speed = |motion: &TargetMotionConfig| match motion {
-            TargetMotionConfig::Waypoints(way) if way.places_m.len() < 2 => 0.0,
-            TargetMotionConfig::Waypoints(way) => way.speed_m_per_s,
-            TargetMotionConfig::RandomWalk(walk) => walk.speed_m_per_s,
-            TargetMotionConfig::Wander(visit) => visit.speed_m_per_s,
-            TargetMotionConfig::Evade(flight) => flight.speed_m_per_s,
-        };
-        let targets = self.config.world.targets.iter().map(|target| (speed(&target.motion), &target.name));
-        let Some((fastest, target)) = targets.max_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(()) };
-        for &robot in robots {
-            let RobotBody { name, speed_m_per_s, .. } = &self.bodies[robot];
-            if *speed_m_per_s < fastest {
-                let found = format!(
-                    "`{name}` with {speed_m_per_s} m/s, slower than the target `{target}` with {fastest} m/s"
-                );
-                let allowed = "robots that are at least as fast as the targets; `allow_slower = true` permits others";
-                return Err(SettingError::new("robots", found, allowed));
-            }
-        }
-        Ok(())
     }
 }

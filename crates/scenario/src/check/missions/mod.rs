@@ -1,5 +1,4 @@
 //! What robots and nodes do on maps, and the maps that nodes compute themselves.
 
-pub(crate) mod algorithm;
 pub(crate) mod applications;
 pub(crate) mod distributed;

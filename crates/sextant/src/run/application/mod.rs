@@ -5,9 +5,10 @@ mod score;
 mod simulate;
 mod summary;
 
+use sextant_apps::MissionOutcome;
 use sextant_kernel::{SimTime, Watch};
 use sextant_scenario::{Application, Scenario};
-use sextant_sim::{Observer, Survey};
+use sextant_sim::{Observer, ReadySimulation, Survey};
 
 use super::error::RunError;
 use super::stop::Stop;
@@ -15,7 +16,7 @@ use super::witness::Witness;
 use crate::summary::ApplicationSummary;
 
 use maps::WorkingMap;
-use simulate::Prepared;
+use simulate::prepared;
 
 pub use maps::UnalignedMap;
 pub(super) use score::{Scored, distances_to_target};
@@ -47,7 +48,7 @@ pub(super) struct ReadyApplication<'a> {
     scenario: &'a Scenario,
     application: &'a Application,
     map: WorkingMap,
-    prepared: Prepared,
+    simulation: ReadySimulation<'static, MissionOutcome>,
 }
 
 impl<'a> ReadyApplication<'a> {
@@ -55,8 +56,8 @@ impl<'a> ReadyApplication<'a> {
     pub(super) fn new(stage: &Stage<'a>, application: &'a Application) -> Result<Self, RunError> {
         let Stage { scenario, made, survey, .. } = *stage;
         let map = WorkingMap::of(scenario, application, made)?;
-        let prepared = Prepared::new(scenario, application, &map, survey)?;
-        Ok(Self { scenario, application, map, prepared })
+        let simulation = prepared(scenario, application, &map, survey)?;
+        Ok(Self { scenario, application, map, simulation })
     }
 
     /// The names of its robots.
@@ -67,11 +68,11 @@ impl<'a> ReadyApplication<'a> {
 
     /// Runs it. Returns what its simulation left behind, and what happened in it.
     pub(super) fn run(self, observer: &mut impl Observer, watch: &dyn Watch) -> (Survey, Performance) {
-        let Self { scenario, application, map, prepared } = self;
+        let Self { scenario, application, map, simulation } = self;
         let mut witness = Witness::new(scenario, application.robots.len());
-        let (survey, records) = prepared.run(&mut (observer, (&mut witness, Stop(watch))));
+        let (survey, outcome) = simulation.run(&mut (observer, (&mut witness, Stop(watch))));
         let scored = score::score(&witness, scenario.world().nodes.len(), &map.placement);
-        let summary = summary::sum_up(scenario, application, &map, (&survey, &records), (&witness, &scored));
+        let summary = summary::sum_up(scenario, application, &map, (&survey, outcome), (&witness, &scored));
         let performance = Performance { summary, end: survey.end, witness, scored };
         (survey, performance)
     }

@@ -1,31 +1,28 @@
 //! The summary of an application.
 
-use std::collections::BTreeMap;
 use std::time::Duration;
 
-use sextant_apps::source_seeking::SeekRecord;
-use sextant_apps::target_search::{MessageCounts, SearchRecord};
+use sextant_apps::{MissionArrival, MissionGoal, MissionOutcome, SoughtField};
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::Way;
-use sextant_scenario::{Application, Scenario, Task};
-use sextant_sim::{Applications, Estimate, Field, Survey};
+use sextant_scenario::{Application, Scenario};
+use sextant_sim::{Estimate, Field, Survey};
 
 use super::maps::WorkingMap;
 use super::score::{self, Scored};
-use super::simulate::Records;
 use crate::run::outcome::sensor_errors;
 use crate::run::witness::Witness;
 use crate::summary::{
     ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary, EnergySummary,
 };
 
-/// The summary of `application`, from what its stations left behind and what truly happened.
+/// The summary of `application`, from what its stations did and what truly happened.
 pub(super) fn sum_up(
     scenario: &Scenario,
     application: &Application,
     map: &WorkingMap,
-    (survey, records): (&Survey, &Records),
+    (survey, outcome): (&Survey, MissionOutcome),
     (witness, scored): (&Witness, &[Scored]),
 ) -> ApplicationSummary {
     let nodes = scenario.world().nodes.len();
@@ -37,7 +34,7 @@ pub(super) fn sum_up(
     let is_member: Vec<bool> = (0..nodes).map(|node| network.has(NodeId::from_index(node))).collect();
     let summary = ApplicationSummary {
         name: application.name.clone(),
-        algorithm: application.algorithm.name,
+        algorithm: application.algorithm,
         map: application.map.name().to_owned(),
         map_error_m,
         sim_time_s: survey.end.as_secs_f64(),
@@ -54,19 +51,22 @@ pub(super) fn sum_up(
         sensor_errors: sensor_errors(scenario, survey),
         messages: ApplicationMessages {
             sent: record.packets.iter().map(|packets| packets.sent).sum(),
-            ..ApplicationMessages::default()
+            kinds: outcome.messages,
+            octets: Some(outcome.octets),
         },
+        steps: outcome.steps,
         energy_j: EnergySummary { tx: energy.tx_j, rx: energy.rx_j, idle: energy.idle_j + energy.sleep_j },
         ..ApplicationSummary::default()
     };
-    match records {
-        Records::Search(records) => {
-            let summary = of_search(summary, records, targets(scenario, application, witness));
+    match application.goal() {
+        MissionGoal::Targets => {
+            let summary = of_search(summary, targets(scenario, application, witness));
             let captured = summary.captured == Some(true);
             let course = score::course((witness, scored), (application.duration, survey.end), captured);
             ApplicationSummary { course, ..summary }
         }
-        Records::Seek(records) => of_seeking(scenario, application, summary, records, witness),
+        MissionGoal::Field(sought) => of_seeking(scenario, sought, summary, &outcome.arrivals, witness),
+        MissionGoal::Other => summary,
     }
 }
 
@@ -83,8 +83,8 @@ fn robots(application: &Application, survey: &Survey, witness: &Witness, nodes: 
         name: record.name.clone(),
         path_length_m: record.path_length_m,
         captures: application
-            .algorithm
-            .is_search()
+            .goal()
+            .is_targets()
             .then(|| witness.captures.iter().filter(|captured| captured.robot == i).count()),
         energy_j: energy[nodes + i].total_j(),
     };
@@ -106,106 +106,46 @@ fn targets(scenario: &Scenario, application: &Application, witness: &Witness) ->
     scenario.world().targets.iter().enumerate().map(target).collect()
 }
 
-fn of_search(
-    summary: ApplicationSummary,
-    records: &Applications<SearchRecord>,
-    targets: Vec<ApplicationTarget>,
-) -> ApplicationSummary {
+fn of_search(summary: ApplicationSummary, targets: Vec<ApplicationTarget>) -> ApplicationSummary {
     let times: Option<Vec<f64>> = targets.iter().map(|target| target.captured_s).collect();
-    let mut counts = MessageCounts::default();
-    let mut steps: BTreeMap<&'static str, u64> = BTreeMap::new();
-    for record in records.nodes.iter().chain(&records.robots).chain(&records.sinks) {
-        counts += match record {
-            SearchRecord::Node(node) => {
-                *steps.entry("unacknowledged").or_default() += node.failures;
-                node.sent
-            }
-            SearchRecord::Robot(robot) => {
-                *steps.entry("decisions").or_default() += robot.steps.len() as u64;
-                *steps.entry("filter_fallbacks").or_default() += u64::from(robot.fallbacks);
-                *steps.entry("blocked").or_default() += robot.blocked;
-                robot.sent
-            }
-            SearchRecord::Sink(sink) => *sink,
-        };
-    }
-    let MessageCounts { requests, answers, tree, detections, alarms, claims, gradients, octets, refused } = counts;
-    let kinds = [
-        ("requests", requests),
-        ("answers", answers),
-        ("tree", tree),
-        ("detections", detections),
-        ("alarms", alarms),
-        ("claims", claims),
-        ("gradients", gradients),
-        ("refused", refused),
-    ];
-    let kinds = kinds.into_iter().filter(|&(_, count)| count > 0).collect();
     ApplicationSummary {
         captured: Some(times.is_some()),
         time_s: times.and_then(|times| times.into_iter().reduce(f64::max)),
         targets,
-        steps: steps.into_iter().filter(|&(_, count)| count > 0).collect(),
-        messages: ApplicationMessages { kinds, octets: Some(octets), ..summary.messages },
         ..summary
     }
 }
 
 fn of_seeking(
     scenario: &Scenario,
-    application: &Application,
+    sought: SoughtField,
     summary: ApplicationSummary,
-    records: &Applications<SeekRecord>,
+    arrivals: &[MissionArrival],
     witness: &Witness,
 ) -> ApplicationSummary {
-    let (field, level) = application.algorithm.sought().expect("it seeks the source of a field");
-    let field = &witness.fields[field];
-    let mut kinds: BTreeMap<&'static str, u64> = BTreeMap::new();
-    let mut steps: BTreeMap<&'static str, u64> = BTreeMap::new();
-    let mut octets = 0;
-    let mut arrivals = Vec::new();
-    for (robot, record) in records.robots.iter().enumerate() {
-        let SeekRecord::Robot(record) = record else { continue };
-        *kinds.entry("requests").or_default() += record.polls;
-        *kinds.entry("refused").or_default() += record.refused;
-        *steps.entry("blocked").or_default() += record.blocked;
-        *steps.entry("sources_removed").or_default() += record.removed as u64;
-        octets += record.octets;
-        let name = &summary.robots[robot].name;
-        arrivals.extend(record.arrivals.iter().map(|arrival| {
-            let (place, time) = (witness.robot_at(robot, arrival.time), before(arrival.time));
-            ArrivalSummary {
-                robot: name.clone(),
-                time_s: arrival.time.as_secs_f64(),
-                believed: arrival.value,
-                value: place.map_or(f64::NAN, |place| field.value(place, time)),
-                source_m: place.filter(|_| level.is_none()).and_then(|place| source_m(field, place, time)),
-            }
-        }));
-    }
-    for record in &records.nodes {
-        let SeekRecord::Node(node) = record else { continue };
-        *kinds.entry("answers").or_default() += node.answers;
-        *kinds.entry("refused").or_default() += node.refused;
-        octets += node.octets;
-    }
+    let field = &witness.fields[sought.field.index()];
+    let arrival = |arrival: &MissionArrival| {
+        let (place, time) = (witness.robot_at(arrival.robot, arrival.time), before(arrival.time));
+        ArrivalSummary {
+            robot: summary.robots[arrival.robot].name.clone(),
+            time_s: arrival.time.as_secs_f64(),
+            believed: arrival.value,
+            value: place.map_or(f64::NAN, |place| field.value(place, time)),
+            source_m: place.filter(|_| sought.level.is_none()).and_then(|place| source_m(field, place, time)),
+        }
+    };
+    let mut arrivals: Vec<ArrivalSummary> = arrivals.iter().map(arrival).collect();
     arrivals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let along = witness.robots.iter().flat_map(|way| way.points());
     let largest = along.map(|&(time, place)| field.value(place, before(time))).max_by(f64::total_cmp);
     ApplicationSummary {
         arrived: Some(!arrivals.is_empty()),
-        time_s: arrivals.first().map(|arrival: &ArrivalSummary| arrival.time_s),
+        time_s: arrivals.first().map(|arrival| arrival.time_s),
         source_m: arrivals.first().and_then(|arrival| arrival.source_m),
-        level,
+        level: sought.level,
         largest_value: largest,
-        law_minimum_s: law_minimum_s(scenario, application, witness),
+        law_minimum_s: law_minimum_s(scenario, sought, witness),
         arrivals,
-        steps: steps.into_iter().filter(|&(_, count)| count > 0).collect(),
-        messages: ApplicationMessages {
-            kinds: kinds.into_iter().filter(|&(_, count)| count > 0).collect(),
-            octets: Some(octets),
-            ..summary.messages
-        },
         ..summary
     }
 }
@@ -222,11 +162,10 @@ fn before(time: SimTime) -> SimTime {
 }
 
 /// The least time (s) in which a law with a fixed climb rate takes one of the robots from where it starts to the level.
-fn law_minimum_s(scenario: &Scenario, application: &Application, witness: &Witness) -> Option<f64> {
-    let Task::Seek(seek) = &application.algorithm.task else { return None };
-    let rate = seek.climb_rate()?;
-    let field = &scenario.world().fields[seek.field().index()];
+fn law_minimum_s(scenario: &Scenario, sought: SoughtField, witness: &Witness) -> Option<f64> {
+    let rate = sought.climb_rate?;
+    let field = &scenario.world().fields[sought.field.index()];
     let start = |way: &Way| way.places().next().map(|place| field.value(place, SimTime::ZERO));
     let highest = witness.robots.iter().filter_map(start).max_by(f64::total_cmp)?;
-    Some((seek.arrival_value()? - highest).max(0.0) / rate)
+    Some((sought.arrival_value? - highest).max(0.0) / rate)
 }

@@ -38,7 +38,7 @@ pub(super) fn close(
         track.close(stop, Some(name), recorder)?;
         track.stay(stop, recorder)?;
     }
-    let seeks = !application.algorithm.is_search();
+    let seeks = application.goal().field().is_some();
     simulation.air.draw(offset, recorder)?;
     fields::record_phase(scenario, &simulation.fields, (survey.end, offset), seeks, recorder)?;
     let names: Vec<String> = simulation.robots.iter().map(|track| track.name.clone()).collect();
@@ -52,14 +52,15 @@ pub(super) fn close(
 }
 
 fn description(scenario: &Scenario, application: &Application, robots: &[String]) -> ApplicationMessage {
-    let sought = application.algorithm.sought();
+    let sought = application.goal().field();
     ApplicationMessage {
         name: application.name.clone(),
-        algorithm: application.algorithm.name.to_owned(),
+        algorithm: application.algorithm.to_owned(),
         map: application.map.name().to_owned(),
         robots: robots.to_vec(),
-        field: sought.map_or_else(String::new, |(field, _)| scenario.world().fields[field].name().to_owned()),
-        level: sought.and_then(|(_, level)| level),
+        field: sought
+            .map_or_else(String::new, |sought| scenario.world().fields[sought.field.index()].name().to_owned()),
+        level: sought.and_then(|sought| sought.level),
     }
 }
 
@@ -118,7 +119,7 @@ impl Recording<'_> {
 
     /// The distance of each robot to the nearest target, if there are targets to search.
     fn distances(&self, witness: &Witness, end: SimTime, recorder: &mut FileRecorder) -> Result<(), RecordingError> {
-        if !self.application.algorithm.is_search() {
+        if !self.application.goal().is_targets() {
             return Ok(());
         }
         for (robot, name) in self.names.iter().enumerate() {

@@ -1,9 +1,10 @@
-//! Applications on a map of the nodes, as written in a scenario.
+//! Missions as written in a scenario, where they are called applications.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::MissionSettings;
 use crate::source_seeking::{GradientConfig, LevelSetConfig};
 use crate::target_search::{DetarskConfig, PGConfig};
 
@@ -76,14 +77,14 @@ impl AlgorithmConfig {
         }
     }
 
-    /// Its name in tables.
+    /// What it says of its mission.
     #[must_use]
-    pub fn name(&self) -> &'static str {
+    pub fn settings(&self) -> &dyn MissionSettings {
         match self {
-            Self::Detarsk(_) => "detarsk",
-            Self::PG(_) => "p-g",
-            Self::LevelSet(_) => "level-set",
-            Self::Gradient(_) => "gradient",
+            Self::Detarsk(settings) => settings,
+            Self::PG(settings) => settings,
+            Self::LevelSet(settings) => settings,
+            Self::Gradient(settings) => settings,
         }
     }
 }
