@@ -1,28 +1,14 @@
-//! The networks whose logs maps may use, and what maps may know of each.
+//! What maps may know of the networks that robots survey.
 
 use sextant_apps::ControllerConfig;
+use sextant_channel::ChannelLaw;
 use sextant_kernel::SettingError;
 use sextant_mapper::{
     AlgorithmConfig, ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig, ReceiverSetting,
 };
-use sextant_sim::{RobotConfig, RoleConfig, TrafficConfig};
+use sextant_sim::{RobotConfig, RoleConfig, Technology, TrafficConfig};
 
-use super::{CheckedLinks, NetworkTables};
-
-/// The networks that robots survey, in the order of their logs.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct KnownNetworks(Vec<KnownNetwork>);
-
-/// A network that robots survey.
-#[derive(Clone, Debug)]
-struct KnownNetwork {
-    name: Option<String>,
-    /// Its channel and its links; `None` if they are not known.
-    links: Option<CheckedLinks>,
-    packets_per_stop: PacketsPerStop,
-    /// Whether its links sweep sectors, so that a log of it has sectors.
-    sweeps_sectors: bool,
-}
+use super::{CheckedNetwork, Networks};
 
 /// How many packets a node sends while a robot listens at a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,47 +50,36 @@ impl PacketsPerStop {
     }
 }
 
-impl KnownNetworks {
-    /// The networks that `robots` survey, of those in `tables` with these `links`; the first of them if there are no
-    /// robots.
-    pub(crate) fn new(
-        tables: &[NetworkTables<'_>],
-        links: &[Option<CheckedLinks>],
-        robots: &[RobotConfig<ControllerConfig>],
-    ) -> Self {
-        let surveys = |(table, _): &(&NetworkTables<'_>, _)| {
-            robots.iter().filter(|robot| robot.role == RoleConfig::Survey).any(|robot| {
-                let named = robot.networks.iter().chain(&robot.network);
-                table.name.is_none() || named.into_iter().any(|name| Some(name.as_str()) == table.name)
+impl<'a> Networks<'a> {
+    /// Those that robots survey, in the order of their logs; the first network if there are none.
+    fn surveyed(&self) -> Vec<&CheckedNetwork<'a>> {
+        let is_surveyed = |network: &&CheckedNetwork<'_>| {
+            self.config.robots.iter().filter(|robot| robot.role == RoleConfig::Survey).any(|robot| {
+                let mut named = robot.networks.iter().chain(&robot.network);
+                network.tables.name.is_none_or(|own| named.any(|name| name == own))
             })
         };
-        let all = || tables.iter().zip(links);
-        let mut surveyed: Vec<_> = all().filter(surveys).collect();
-        if surveyed.is_empty() {
-            surveyed.extend(all().next());
-        }
-        let known = |(table, links): (&NetworkTables<'_>, &Option<CheckedLinks>)| KnownNetwork {
-            name: table.name.map(str::to_owned),
-            links: links.clone(),
-            packets_per_stop: PacketsPerStop::new(table.traffic_of_nodes(), robots),
-            sweeps_sectors: table.sweeps_sectors(),
-        };
-        Self(surveyed.into_iter().map(known).collect())
+        let surveyed: Vec<_> = self.all.iter().filter(is_surveyed).collect();
+        if surveyed.is_empty() { self.all.iter().take(1).collect() } else { surveyed }
     }
 
-    /// What nodes send in the first network.
-    pub(crate) fn packets_per_stop(&self) -> Option<PacketsPerStop> {
-        self.0.first().map(|network| network.packets_per_stop)
+    /// How many packets a node sends while a robot listens at a stop, in the first of them.
+    pub(crate) fn packets_per_stop(&self) -> PacketsPerStop {
+        self.packets_in(self.surveyed()[0])
+    }
+
+    fn packets_in(&self, network: &CheckedNetwork<'_>) -> PacketsPerStop {
+        PacketsPerStop::new(network.tables.traffic_of_nodes(), &self.config.robots)
     }
 
     /// Whether a log of the network called `name`, or of the first one, has sectors; true if there is no such network.
-    pub(crate) fn sweep_sectors(&self, name: Option<&str>) -> bool {
-        self.find("network", name).ok().flatten().is_none_or(|network| network.sweeps_sectors)
+    pub(crate) fn log_has_sectors(&self, name: Option<&str>) -> bool {
+        self.find("network", name).ok().is_none_or(|network| network.tables.sweeps_sectors())
     }
 
-    /// Whether the channel and the links of all networks are known.
-    pub(crate) fn are_known(&self) -> bool {
-        self.0.iter().all(|network| network.links.is_some())
+    /// Whether the channel and the links of all surveyed networks are known.
+    pub(crate) fn are_known_to_maps(&self) -> bool {
+        self.surveyed().iter().all(|network| network.links().is_some())
     }
 
     /// Checks the networks that a map names, and fills in the absent channel settings of the map.
@@ -117,9 +92,7 @@ impl KnownNetworks {
             return Err(SettingError::new("network", format!("`{name}`"), allowed));
         }
         let of_map = self.find("network", map.network.as_deref())?;
-        if let Some(network) = of_map {
-            network.complete(&mut map.algorithm);
-        }
+        of_map.complete(&mut map.algorithm);
         for (i, member) in map.algorithm.networks().into_iter().flatten().enumerate() {
             self.find(&format!("algorithm.{}.networks[{i}].network", map.algorithm.key()), Some(member))?;
         }
@@ -128,23 +101,23 @@ impl KnownNetworks {
                 None => of_map,
                 Some(name) => self.find(&setting.key, Some(name))?,
             };
-            if let Some(network) = network {
-                network.complete_profile(setting.profile);
+            if let ProfileConfig::Channel(profile) = setting.profile {
+                network.complete_profile(profile, self.packets_in(network));
             }
         }
         Ok(())
     }
 
-    /// The network called `name`, or the first one.
-    fn find(&self, key: &str, name: Option<&str>) -> Result<Option<&KnownNetwork>, SettingError> {
-        let Some(name) = name else { return Ok(self.0.first()) };
-        let found = self.0.iter().find(|network| network.name.as_deref() == Some(name));
-        found.map(Some).ok_or_else(|| {
+    /// The surveyed network called `name`, or the first one.
+    fn find(&self, key: &str, name: Option<&str>) -> Result<&CheckedNetwork<'a>, SettingError> {
+        let surveyed = self.surveyed();
+        let Some(name) = name else { return Ok(surveyed[0]) };
+        surveyed.iter().copied().find(|network| network.tables.name == Some(name)).ok_or_else(|| {
             let names: Vec<String> =
-                self.0.iter().filter_map(|network| Some(format!("`{}`", network.name.as_ref()?))).collect();
-            let allowed = match names[..] {
+                surveyed.iter().filter_map(|network| Some(format!("`{}`", network.tables.name?))).collect();
+            let allowed = match &names[..] {
                 [] => "no name: there is one network".to_owned(),
-                [_] => format!("{}, which is the only network that robots survey", names[0]),
+                [only] => format!("{only}, which is the only network that robots survey"),
                 _ => format!("{}, the networks that robots survey", names.join(", ")),
             };
             SettingError::new(key, format!("`{name}`"), allowed)
@@ -152,40 +125,50 @@ impl KnownNetworks {
     }
 }
 
-impl KnownNetwork {
+impl CheckedNetwork<'_> {
     /// Fills in the absent channel settings of an algorithm that knows the channel, without those of its profiles.
     fn complete(&self, algorithm: &mut AlgorithmConfig) {
-        let Some(links) = &self.links else { return };
-        let (channel, path_loss) = (&links.channel, links.channel.path_loss());
+        let Some((channel, technology)) = self.links() else { return };
+        let path_loss = channel.path_loss();
         if let Some(ranging) = algorithm.ranging_mut() {
             let RangingConfig { exponent, tx_power_dbm, reference_distance_m, sigma_db } = ranging;
             exponent.get_or_insert(path_loss.exponent());
-            tx_power_dbm.get_or_insert(links.power_at_reference_dbm());
+            tx_power_dbm.get_or_insert(power_at_reference_dbm(channel, technology));
             reference_distance_m.get_or_insert(path_loss.reference_distance_m());
             sigma_db.get_or_insert(channel.shadowing().sigma_db());
         }
         if let Some(ReceiverSetting { sensitivity_dbm, max_range_m }) = algorithm.receiver_mut() {
-            sensitivity_dbm.get_or_insert(links.technology.sensitivity().0);
-            *max_range_m = max_range_m.or(links.max_range_m());
+            sensitivity_dbm.get_or_insert(technology.sensitivity().0);
+            *max_range_m = max_range_m.or(limited_range_m(channel));
         }
     }
 
     /// Fills in the absent settings of a profile that is that of the channel.
-    fn complete_profile(&self, profile: &mut ProfileConfig) {
-        let (Some(links), ProfileConfig::Channel(profile)) = (&self.links, profile) else { return };
-        let (channel, path_loss) = (&links.channel, links.channel.path_loss());
-        let ChannelProfileConfig { exponent, sigma_db, tx_power_dbm, sensitivity_dbm, .. } = profile;
-        exponent.get_or_insert(path_loss.exponent());
-        sigma_db.get_or_insert(channel.shadowing().sigma_db());
-        tx_power_dbm.get_or_insert(links.power_at_reference_dbm());
-        sensitivity_dbm.get_or_insert(links.technology.sensitivity().0);
-        profile.max_range_m = profile.max_range_m.or(links.max_range_m());
+    fn complete_profile(&self, profile: &mut ChannelProfileConfig, packets_per_stop: PacketsPerStop) {
+        let Some((channel, technology)) = self.links() else { return };
+        let path_loss = channel.path_loss();
+        profile.exponent.get_or_insert(path_loss.exponent());
+        profile.sigma_db.get_or_insert(channel.shadowing().sigma_db());
+        profile.tx_power_dbm.get_or_insert(power_at_reference_dbm(channel, technology));
+        profile.sensitivity_dbm.get_or_insert(technology.sensitivity().0);
+        profile.max_range_m = profile.max_range_m.or(limited_range_m(channel));
         profile.reference_distance_m.get_or_insert(path_loss.reference_distance_m());
         profile.min_distance_m.get_or_insert(path_loss.min_distance_m());
         if path_loss.gas_db_per_m() > 0.0 {
             profile.gas_db_per_km.get_or_insert(1000.0 * path_loss.gas_db_per_m());
         }
         profile.carrier_ghz = profile.carrier_ghz.or(channel.carrier_ghz());
-        profile.packets_per_stop.get_or_insert(self.packets_per_stop.mean);
+        profile.packets_per_stop.get_or_insert(packets_per_stop.mean);
     }
+}
+
+/// The power at the reference distance with the best sectors (dBm): maps take it as the transmit power.
+fn power_at_reference_dbm(channel: &ChannelLaw, technology: &Technology) -> f64 {
+    let power_dbm = technology.tx_power().0 + technology.link_gain().0;
+    power_dbm - channel.path_loss().reference_loss().0
+}
+
+/// The radius of communication (m), if it is limited.
+fn limited_range_m(channel: &ChannelLaw) -> Option<f64> {
+    Some(channel.max_range_m()).filter(|range_m| range_m.is_finite())
 }
