@@ -25,7 +25,7 @@ use missions::applications::{Application, Surroundings, check_applications};
 use missions::distributed::{NodeMapInput, NodeMapJob, check_distributed};
 use networks::Networks;
 use networks::surveyed::PacketsPerStop;
-use networks::tables::ForeignChip;
+use networks::tables::{ForeignChip, Named};
 use robots::team;
 use robots::{Robots, check_robots, check_target_names};
 use sinks::check_sinks;
@@ -78,9 +78,9 @@ fn check_in_world(
     errors: &mut Errors,
 ) -> Option<Parts> {
     let seed = Seed(config.seed);
-    let nodes = world.as_ref().map(|world| world.nodes.as_slice());
-    let networks = Networks::check(config, nodes, files, errors);
-    let simulated = networks.simulated(nodes, files, errors);
+    let named = Named { nodes: world.as_ref().map(|world| world.nodes.as_slice()), files };
+    let networks = Networks::check(config, named, errors);
+    let simulated = networks.simulated(named, errors);
     let robots = check_robots(config, world.as_ref(), &networks, errors);
     let sinks = check_sinks(config, world.as_ref(), &networks, errors);
     let duration = check_duration(config, errors);

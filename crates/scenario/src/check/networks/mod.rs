@@ -5,12 +5,11 @@ pub(crate) mod tables;
 
 use sextant_channel::ChannelLaw;
 use sextant_kernel::{Files, SettingError};
-use sextant_sim::layout::PlacedNode;
 use sextant_sim::{Network, NetworkId, Technology};
 
 use super::errors::Errors;
 use crate::config::ScenarioConfig;
-use tables::{ForeignChip, NetworkTables};
+use tables::{ForeignChip, Named, NetworkTables};
 
 /// The networks of a scenario, in the order of their numbers: at least one.
 pub(crate) struct Networks<'a> {
@@ -29,16 +28,11 @@ struct CheckedNetwork<'a> {
 }
 
 impl<'a> Networks<'a> {
-    /// The networks of a simulation; `nodes` are those of the world, if it has no error.
-    pub(crate) fn check(
-        config: &'a ScenarioConfig,
-        nodes: Option<&[PlacedNode]>,
-        files: &Files,
-        errors: &mut Errors,
-    ) -> Self {
+    /// The networks of a simulation.
+    pub(crate) fn check(config: &'a ScenarioConfig, named: Named<'_>, errors: &mut Errors) -> Self {
         let check = |tables: NetworkTables<'a>| {
             let channel = tables.law(errors);
-            let technology = tables.technology(nodes, files, errors);
+            let technology = tables.technology(named, errors);
             CheckedNetwork { tables, channel, technology }
         };
         Self { config, all: NetworkTables::all(config).into_iter().map(check).collect() }
@@ -54,14 +48,9 @@ impl<'a> Networks<'a> {
         Self { config, all: NetworkTables::all(config).into_iter().map(check).collect() }
     }
 
-    /// The networks as they are simulated, if none has an error; `nodes` are those of the world, if it has no error.
-    pub(crate) fn simulated(
-        &self,
-        nodes: Option<&[PlacedNode]>,
-        files: &Files,
-        errors: &mut Errors,
-    ) -> Option<Vec<Network>> {
-        let networks = self.all.iter().map(|network| network.simulated(self.config, nodes, files, errors));
+    /// The networks as they are simulated, if none has an error.
+    pub(crate) fn simulated(&self, named: Named<'_>, errors: &mut Errors) -> Option<Vec<Network>> {
+        let networks = self.all.iter().map(|network| network.simulated(self.config, named, errors));
         // All are checked, also after one that has an error.
         networks.collect::<Vec<_>>().into_iter().collect()
     }
@@ -113,16 +102,10 @@ impl CheckedNetwork<'_> {
     }
 
     /// The network as it is simulated, if it has no error.
-    fn simulated(
-        &self,
-        config: &ScenarioConfig,
-        nodes: Option<&[PlacedNode]>,
-        files: &Files,
-        errors: &mut Errors,
-    ) -> Option<Network> {
+    fn simulated(&self, config: &ScenarioConfig, named: Named<'_>, errors: &mut Errors) -> Option<Network> {
         let radio_states = self.tables.radio_states(errors);
-        let traffic = self.tables.traffic_plan(config, nodes, files, errors);
-        let members = nodes.map(|nodes| errors.take("", self.tables.members(nodes, config)));
+        let traffic = self.tables.traffic_plan(config, named, errors);
+        let members = named.nodes.map(|nodes| errors.take("", self.tables.members(nodes, config)));
         Some(Network {
             name: self.tables.name.map(str::to_owned),
             channel: self.channel.clone()?,

@@ -23,21 +23,21 @@ impl PacketsPerStop {
     /// Of nodes that send `traffic` while `robots` listen.
     fn new(traffic: Option<&TrafficConfig>, robots: &[RobotConfig<ControllerConfig>]) -> Self {
         let packets = |robot: &RobotConfig<ControllerConfig>| match traffic {
-            // The answers to all sweeps of a stop share its shadowing, so they count as one packet.
-            None => 1.0,
-            Some(traffic) => match traffic {
-                TrafficConfig::Beacon(periodic) | TrafficConfig::Periodic(periodic) => {
-                    robot.listen_s / periodic.interval_s
-                }
-                TrafficConfig::Poisson(poisson) => robot.listen_s * poisson.rate_per_s,
-                // A rate that is not known, or differs between nodes, counts as one packet.
+            Some(TrafficConfig::Beacon(periodic) | TrafficConfig::Periodic(periodic)) => {
+                robot.listen_s / periodic.interval_s
+            }
+            Some(TrafficConfig::Poisson(poisson)) => robot.listen_s * poisson.rate_per_s,
+            // The answers to all sweeps of a stop share its shadowing, so they count as one packet. So does a rate that is
+            // not known, or differs between nodes.
+            None
+            | Some(
                 TrafficConfig::Query(_)
                 | TrafficConfig::Once(_)
                 | TrafficConfig::Saturated(_)
                 | TrafficConfig::Trace(_)
                 | TrafficConfig::Groups(_)
-                | TrafficConfig::Silent(_) => 1.0,
-            },
+                | TrafficConfig::Silent(_),
+            ) => 1.0,
         };
         let robots = || robots.iter().filter(|robot| robot.role != RoleConfig::Agent);
         // Slots on a drive are longer.

@@ -35,6 +35,14 @@ pub(crate) struct Keyed<T> {
     pub(crate) value: T,
 }
 
+/// What tables of networks name.
+#[derive(Clone, Copy)]
+pub(crate) struct Named<'w> {
+    /// The nodes of the world, if it has no error.
+    pub(crate) nodes: Option<&'w [PlacedNode]>,
+    pub(crate) files: &'w Files,
+}
+
 /// A named chip whose energy is counted, though it has not the band of the radios.
 #[derive(Clone, Debug)]
 pub struct ForeignChip {
@@ -90,7 +98,7 @@ impl<'a> NetworkTables<'a> {
     }
 
     /// Whether the network has this table for itself alone.
-    fn is_of_it_alone<T>(&self, table: &Keyed<Option<T>>) -> bool {
+    fn is_its_own<T>(&self, table: &Keyed<Option<T>>) -> bool {
         table.value.is_some() && (self.name.is_none() || table.is_own)
     }
 
@@ -104,20 +112,15 @@ impl<'a> NetworkTables<'a> {
         errors.take(&self.channel.key, ChannelLaw::try_from(channel))
     }
 
-    /// The technology of its links; `nodes` are those of the world, if it has no error.
-    pub(super) fn technology(
-        &self,
-        nodes: Option<&[PlacedNode]>,
-        files: &Files,
-        errors: &mut Errors,
-    ) -> Option<Technology> {
-        let technology = Technology::read(&self.link_config(), nodes, files).map_err(|found| {
+    /// The technology of its links.
+    pub(super) fn technology(&self, named: Named<'_>, errors: &mut Errors) -> Option<Technology> {
+        let technology = Technology::read(&self.link_config(), named.nodes, named.files).map_err(|found| {
             found.into_iter().for_each(|error| match error {
                 LinkError::Missing(table) => errors.refuse(&self.missing(table)),
                 LinkError::Invalid { table, error } => errors.refuse(&error.within(self.key_of(table))),
             });
         });
-        if !self.sweeps_sectors() && self.is_of_it_alone(&self.antenna) {
+        if !self.sweeps_sectors() && self.is_its_own(&self.antenna) {
             let with = "this `mac`: only `mac.sector_sweep` has antennas with sectors";
             errors.refuse(&SettingError::conflict(&self.antenna.key, with, "remove the table"));
         }
@@ -126,12 +129,8 @@ impl<'a> NetworkTables<'a> {
 
     /// The tables of its links.
     pub(super) fn link_config(&self) -> LinkConfig<'a> {
-        LinkConfig {
-            radio: self.radio.value,
-            mac: self.mac.value,
-            reception: self.reception.value,
-            antenna: self.antenna.value,
-        }
+        let Self { radio, mac, reception, antenna, .. } = self;
+        LinkConfig { radio: radio.value, mac: mac.value, reception: reception.value, antenna: antenna.value }
     }
 
     /// The key of one of the tables of its links.
@@ -154,17 +153,16 @@ impl<'a> NetworkTables<'a> {
         errors.take(&self.energy.key, RadioStates::try_from(chip))
     }
 
-    /// What its nodes send; `None` too if `nodes`, those of the world, are not known.
+    /// What its nodes send, if these are known.
     pub(super) fn traffic_plan(
         &self,
         config: &ScenarioConfig,
-        nodes: Option<&[PlacedNode]>,
-        files: &Files,
+        Named { nodes, files }: Named<'_>,
         errors: &mut Errors,
     ) -> Option<TrafficPlan> {
         let silent = || nodes.map(|nodes| TrafficPlan::silent(nodes.len()));
         match self.traffic.value {
-            Some(_) if self.sweeps_sectors() && self.is_of_it_alone(&self.traffic) => {
+            Some(_) if self.sweeps_sectors() && self.is_its_own(&self.traffic) => {
                 let remedy = "remove the table, because nodes answer sector sweeps and send nothing else";
                 errors.refuse(&SettingError::conflict(&self.traffic.key, "`mac.sector_sweep`", remedy));
                 None
