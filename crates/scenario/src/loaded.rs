@@ -15,8 +15,8 @@ use super::check::maps::MapJob;
 use super::check::maps::grids::check_grids;
 use super::check::missions::applications::Application;
 use super::check::missions::distributed::NodeMapJob;
-use super::check::networks::known::PacketsPerStop;
-use super::check::networks::{ForeignChip, NetworkTables};
+use super::check::networks::surveyed::PacketsPerStop;
+use super::check::networks::tables::ForeignChip;
 use super::check::plausible::check_numbers;
 use super::check::{Parts, check};
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
@@ -40,7 +40,6 @@ pub struct Scenario {
     named_files: Vec<NamedFile>,
     text: String,
     parts: Parts,
-    maps: Vec<MapJob>,
 }
 
 /// A file that a scenario names.
@@ -146,11 +145,11 @@ impl Scenario {
             let mut errors = Errors::default();
             check_numbers(&document, &mut errors);
             errors.placed(&document)?;
-            let (parts, maps) = check(&mut config, &files, &mut errors);
+            let parts = check(&mut config, &files, &mut errors);
             errors.placed(&document)?;
-            Ok((config, named_files, parts.expect("what has no errors has all its parts"), maps))
+            Ok((config, named_files, parts.expect("what has no errors has all its parts")))
         });
-        let (config, named_files, parts, maps) = whole.map_err(|first| {
+        let (config, named_files, parts) = whole.map_err(|first| {
             let check = |document: &Document, mut config: ScenarioConfig| {
                 let named_files = named_files(&mut config, document, file.folder());
                 let may_be_read = named_files.iter().all(|named| file.check_named(&named.path).is_ok());
@@ -163,7 +162,7 @@ impl Scenario {
             };
             diagnosis::errors_of(document, &check).unwrap_or(first)
         })?;
-        Ok(Self { file, set, seed, config, named_files, text, parts, maps })
+        Ok(Self { file, set, seed, config, named_files, text, parts })
     }
 
     /// The scenario as written, with all layers merged.
@@ -211,7 +210,7 @@ impl Scenario {
     /// If a grid does not fit.
     pub fn check_grids(&self) -> Result<(), ScenarioErrors> {
         let mut errors = Errors::default();
-        let maps = self.maps.iter().map(|map| (map, self.networks_of(map)));
+        let maps = self.maps().iter().map(|map| (map, self.networks_of(map)));
         check_grids(maps, &self.parts.setup, &self.config.robots, &mut errors);
         if errors.found.is_empty() { Ok(()) } else { errors.placed(&self.file.overridden(&self.set, self.seed)?) }
     }
@@ -260,8 +259,8 @@ impl Scenario {
 
     /// The named chips whose energy is counted, though they have not the band of the radios.
     #[must_use]
-    pub fn foreign_chips(&self) -> Vec<ForeignChip> {
-        NetworkTables::all(&self.config).iter().filter_map(NetworkTables::foreign_chip).collect()
+    pub fn foreign_chips(&self) -> &[ForeignChip] {
+        &self.parts.foreign_chips
     }
 
     /// Which part of the nodes' traffic is simulated.
@@ -285,7 +284,7 @@ impl Scenario {
     /// The maps to compute.
     #[must_use]
     pub fn maps(&self) -> &[MapJob] {
-        &self.maps
+        &self.parts.maps
     }
 
     /// The nodes that know their position, by node, with the places that they believe in: wrong ones of those that lie.
@@ -353,7 +352,7 @@ impl Scenario {
             counted(world.obstacles.len(), "obstacle"),
             counted(self.config.robots.len(), "robot"),
             counted(self.config.sinks.len(), "sink"),
-            counted(self.maps.len() + usize::from(self.distributed().is_some()), "map"),
+            counted(self.maps().len() + usize::from(self.distributed().is_some()), "map"),
         ]
         .into_iter()
         .chain(applications)

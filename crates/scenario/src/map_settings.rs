@@ -8,12 +8,11 @@ use sextant_channel::ObstacleField;
 use sextant_kernel::Files;
 use sextant_kernel::text::{choices, shortened};
 use sextant_mapper::{AlgorithmConfig, AnyLog, KnowledgeKind, MapConfig};
-use sextant_sim::{Technology, WorldConfig};
+use sextant_sim::WorldConfig;
 
 use super::check::errors::Errors;
 use super::check::maps::{MapJob, check_maps};
-use super::check::networks::known::KnownNetworks;
-use super::check::networks::{CheckedLinks, NetworkTables};
+use super::check::networks::Networks;
 use super::check::robots::team;
 use super::config::team::TeamConfig;
 use super::config::{MetricsConfig, ScenarioConfig};
@@ -153,12 +152,10 @@ impl MapSettings {
         let mut errors = Errors::default();
         team::stitch_no_lone_robot(config.team.as_ref(), 1 + config.robots.len(), &mut config.maps);
         config.robots.extend(config.team.iter().flat_map(TeamConfig::robots_in_world));
-        let tables = NetworkTables::all(&config);
         let none = Files::Attached(Arc::default());
         let files = scenario.map_or(&none, |scenario| scenario.files);
-        let links: Vec<_> = tables.iter().map(|table| known_links(table, files, &mut errors)).collect();
-        let networks = KnownNetworks::new(&tables, &links, &config.robots);
-        let maps = check_maps(&config.maps, &config.robots, &networks, &mut errors);
+        let networks = Networks::of_log(&config, files, &mut errors);
+        let maps = check_maps(&config, &networks, &mut errors);
         errors.take("metrics", config.metrics.check());
         let knows = |map: &MapJob| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {
@@ -169,14 +166,6 @@ impl MapSettings {
         errors.placed(&document)?;
         Ok(Self { maps, obstacles, metrics: config.metrics })
     }
-}
-
-/// What maps may know of the links of a network. A log of a real robot has no channel.
-fn known_links(table: &NetworkTables<'_>, files: &Files, errors: &mut Errors) -> Option<CheckedLinks> {
-    table.radio.value?;
-    let channel = table.law(errors)?;
-    let technology = Technology::read(&table.link_config(), None, files).ok()?;
-    Some(CheckedLinks { channel, technology })
 }
 
 /// The settings before any flag: those of the scenario. If `algorithm` is given or the scenario has no maps, its maps are

@@ -99,7 +99,7 @@ impl Warnings<'_> {
                      `{}`, or give currents of your own",
                     chip.name(),
                     phy.name(),
-                    EnergyConfig::usual(phy).name(),
+                    EnergyConfig::usual(*phy).name(),
                 ),
             );
         }

@@ -5,11 +5,11 @@ pub(crate) mod grids;
 use sextant_apps::ControllerConfig;
 use sextant_kernel::text::choices;
 use sextant_kernel::{SettingError, SettingProblem};
-use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig, Mapper, Stitched};
+use sextant_mapper::{AlgorithmConfig, KnowledgeKind, Mapper, Stitched};
 use sextant_sim::{RobotConfig, RoleConfig};
 
 use super::errors::Errors;
-use super::networks::known::KnownNetworks;
+use super::networks::Networks;
 use crate::config::ScenarioConfig;
 
 /// A map to compute.
@@ -25,40 +25,36 @@ pub struct MapJob {
     pub robots_in_world: Vec<String>,
 }
 
-/// The maps to compute of what `robots` hear; absent channel settings are taken from the networks of the maps, where they are
+/// The maps to compute of what robots hear; absent channel settings are taken from the `networks` of the maps, where they are
 /// known.
-pub(crate) fn check_maps(
-    configs: &[MapConfig],
-    robots: &[RobotConfig<ControllerConfig>],
-    networks: &KnownNetworks,
-    errors: &mut Errors,
-) -> Vec<MapJob> {
+pub(crate) fn check_maps(config: &ScenarioConfig, networks: &Networks<'_>, errors: &mut Errors) -> Vec<MapJob> {
     let in_world =
         |robot: &&RobotConfig<ControllerConfig>| robot.role == RoleConfig::Survey && robot.frame.is_world();
-    let robots_in_world: Vec<String> = robots.iter().filter(in_world).map(|robot| robot.name.clone()).collect();
+    let robots_in_world: Vec<String> =
+        config.robots.iter().filter(in_world).map(|robot| robot.name.clone()).collect();
     let mut maps: Vec<MapJob> = Vec::new();
-    for (i, config) in configs.iter().enumerate() {
+    for (i, written) in config.maps.iter().enumerate() {
         let table = format!("maps[{i}]");
-        let mut config = config.clone();
-        if errors.take(&table, networks.complete(&mut config)).is_none() {
+        let mut map = written.clone();
+        if errors.take(&table, networks.complete(&mut map)).is_none() {
             continue;
         }
-        let mapper = Mapper::try_from(config.algorithm).map_err(|error| error.within("algorithm"));
-        let mapper = mapper.and_then(|mapper| match config.stitch {
+        let mapper = Mapper::try_from(map.algorithm).map_err(|error| error.within("algorithm"));
+        let mapper = mapper.and_then(|mapper| match map.stitch {
             Some(rules) => Stitched::mapper(mapper, rules),
             None => Ok(mapper),
         });
         // A setting may only be absent because the network that should say it is invalid.
         let is_missing = |error: &SettingError| matches!(error.problem, SettingProblem::Missing { .. });
-        if mapper.as_ref().is_err_and(is_missing) && !networks.are_known() && !errors.found.is_empty() {
+        if mapper.as_ref().is_err_and(is_missing) && !networks.are_known_to_maps() && !errors.found.is_empty() {
             continue;
         }
         let Some(mapper) = errors.take(&table, mapper) else {
             continue;
         };
-        let name = config.name.clone().unwrap_or_else(|| mapper.name().to_owned());
+        let name = map.name.unwrap_or_else(|| mapper.name().to_owned());
         check_name(&name, &table, &maps, errors);
-        maps.push(MapJob { name, network: config.network, mapper, robots_in_world: robots_in_world.clone() });
+        maps.push(MapJob { name, network: map.network, mapper, robots_in_world: robots_in_world.clone() });
     }
     maps
 }
@@ -68,11 +64,11 @@ pub(crate) fn check_maps(
 pub(crate) fn check_log_of_maps(
     config: &ScenarioConfig,
     maps: &[MapJob],
-    networks: &KnownNetworks,
+    networks: &Networks<'_>,
     errors: &mut Errors,
 ) {
     for (i, map) in config.maps.iter().enumerate() {
-        if matches!(map.algorithm, AlgorithmConfig::Mmtm(_)) && !networks.sweep_sectors(map.network.as_deref()) {
+        if matches!(map.algorithm, AlgorithmConfig::Mmtm(_)) && !networks.log_has_sectors(map.network.as_deref()) {
             let key = format!("maps[{i}].algorithm.mmtm");
             let with = "a network without `mac.sector_sweep`, because its receptions have no sectors";
             errors.refuse(&SettingError::conflict(key, with, "use `ml_tm`, which maps without sectors"));

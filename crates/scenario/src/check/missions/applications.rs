@@ -10,10 +10,11 @@ use sextant_kernel::{Files, SettingError};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup};
 
-use super::distributed::{NodeMapJob, check_receivers};
+use super::check_all_nodes;
+use super::distributed::NodeMapJob;
 use crate::check::errors::Errors;
 use crate::check::maps::{MapJob, check_name};
-use crate::check::networks::{self, NetworkTables};
+use crate::check::networks::Networks;
 use crate::config::ScenarioConfig;
 use crate::loaded::Scenario;
 
@@ -117,7 +118,7 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) config: &'a ScenarioConfig,
     pub(crate) files: &'a Files,
     pub(crate) setup: &'a Setup,
-    pub(crate) tables: &'a [NetworkTables<'a>],
+    pub(crate) networks: &'a Networks<'a>,
     pub(crate) bodies: &'a [RobotBody],
     pub(crate) maps: &'a [MapJob],
     pub(crate) distributed: Option<&'a NodeMapJob>,
@@ -134,8 +135,7 @@ pub(crate) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors)
         // The numbers of robots are not known if one of them was refused.
         let are_known = around.bodies.len() == around.config.robots.len();
         let robots = if are_known { errors.take(&table, around.robots(written)) } else { None };
-        let network =
-            errors.take(&table, networks::number("network", written.network.as_deref(), &around.config.networks));
+        let network = errors.take(&table, around.networks.number("network", written.network.as_deref()));
         let network = network.filter(|&network| around.check_network(network, &table, errors));
         let duration =
             SettingError::in_range("duration_s", written.duration_s, 1e-3, 1e7).map(Duration::from_secs_f64);
@@ -283,13 +283,7 @@ impl Surroundings<'_> {
             errors.refuse(&SettingError::new("network", found, allowed).within(table));
             return false;
         }
-        let outside =
-            (0..self.nodes().len()).filter(|&node| !busy.has(sextant_kernel::NodeId::from_index(node))).count();
-        if outside > 0 {
-            let found = format!("a network without {outside} of the {} nodes", self.nodes().len());
-            errors.refuse(&SettingError::new("network", found, "a network of all nodes").within(table));
-        }
-        check_receivers(&self.tables[network.index()], errors);
+        check_all_nodes(busy, self.networks.tables(network), self.nodes().len(), table, errors);
         errors.found.len() == before
     }
 }

@@ -11,11 +11,13 @@ use sextant_channel::{Anchor, Antenna, AntennaConfig, SectorTable};
 use sextant_kernel::{NodeId, SettingError};
 use sextant_mac::dmg::MAX_BEACON_PAYLOAD_OCTETS;
 use sextant_mapper::BearingTable;
-use sextant_sim::{Broadcast, MacConfig, Network, NetworkId, Robot, RoleConfig, Setup};
+use sextant_sim::{Antennas, Broadcast, Network, NetworkId, Robot, RoleConfig, Setup};
 
+use super::check_all_nodes;
 use crate::check::errors::Errors;
 use crate::check::maps::{MapJob, check_name};
-use crate::check::networks::{self, NetworkTables};
+use crate::check::networks::Networks;
+use crate::check::networks::tables::NetworkTables;
 use crate::config::ScenarioConfig;
 
 /// The table of the scenario.
@@ -70,18 +72,24 @@ impl NodeMapJob {
     }
 }
 
-/// The map that the nodes of `config` compute, if they do. Robots that are mobile anchors get what they send.
+/// What a map of the nodes is computed with.
+pub(crate) struct NodeMapInput<'a> {
+    pub(crate) config: &'a ScenarioConfig,
+    pub(crate) networks: &'a Networks<'a>,
+    pub(crate) anchors: &'a [Anchor],
+    pub(crate) maps: &'a [MapJob],
+}
+
+/// The map that the nodes compute, if they do. Robots of `setup` that are mobile anchors get what they send.
 pub(crate) fn check_distributed(
-    config: &ScenarioConfig,
-    tables: &[NetworkTables<'_>],
+    input: &NodeMapInput<'_>,
     setup: &mut Setup,
-    (anchors, maps): (&[Anchor], &[MapJob]),
     errors: &mut Errors,
 ) -> Option<NodeMapJob> {
+    let NodeMapInput { config, networks, anchors, maps } = *input;
     let written = config.distributed_mapping.as_ref()?;
     let has_mobile = config.robots.iter().any(|robot| robot.role == RoleConfig::Anchor);
-    let network = networks::number("network", written.network.as_deref(), &config.networks);
-    let network = errors.take(TABLE, network)?;
+    let network = errors.take(TABLE, networks.number("network", written.network.as_deref()))?;
     check_phase(written, has_mobile, errors);
     if anchors.is_empty() && !has_mobile {
         let needed = "at least one node, or a robot with `role = \"anchor\"`, that knows its place";
@@ -90,26 +98,23 @@ pub(crate) fn check_distributed(
     let algorithm = if has_mobile { "dmmtm-hs" } else { "dmmtm-ss" };
     let name = written.name.clone().unwrap_or_else(|| algorithm.to_owned());
     check_name(&name, TABLE, maps, errors);
-    let (nodes, at) = (setup.world.nodes.len(), network.index());
-    let busy = &setup.networks[at];
-    let outside = (0..nodes).filter(|&node| !busy.has(NodeId::from_index(node))).count();
-    if outside > 0 {
-        let found = format!("a network without {outside} of the {nodes} nodes");
-        errors.refuse(&SettingError::new("network", found, "a network of all nodes").within(TABLE));
-    }
-    check_receivers(&tables[at], errors);
-    let antennas = antennas(busy, &tables[at], has_mobile, errors)?;
+    let (busy, tables) = (&setup.networks[network.index()], networks.tables(network));
+    check_all_nodes(busy, tables, setup.world.nodes.len(), TABLE, errors);
+    let antennas = match busy.technology.antennas() {
+        Some(antennas) => Some(sectors(antennas, tables, has_mobile, errors)?),
+        None => None,
+    };
     let settings = Arc::new(errors.take(TABLE, DistributedMapping::try_from(written))?);
     let patterns = patterns(&settings, busy, has_mobile, errors);
-    let sectors = antennas.as_ref().map(|(_, of_robots, per_ring)| (of_robots, *per_ring));
-    let mobile = MobileAnchor::new(Arc::clone(&settings), sectors);
-    if has_mobile && sectors.is_some() {
-        check_message(&mobile, busy, &tables[at], errors);
+    let told = antennas.as_ref().map(|sectors| (&sectors.of_robots, sectors.per_ring));
+    let mobile = MobileAnchor::new(Arc::clone(&settings), told);
+    if has_mobile && told.is_some() {
+        check_message(&mobile, busy, tables, errors);
     }
     let broadcast: Box<dyn Broadcast> = Box::new(mobile);
     for (i, robot) in config.robots.iter().enumerate().filter(|(_, robot)| robot.role == RoleConfig::Anchor) {
         let Some(built) = setup.robots.iter_mut().find(|built| built.body.name == robot.name) else { continue };
-        check_network(i, built, network, config, errors);
+        check_network(i, built, network, input, errors);
         *built = built.clone().with_broadcast(broadcast.clone());
     }
     Some(NodeMapJob {
@@ -119,7 +124,7 @@ pub(crate) fn check_distributed(
         grid_step_m: written.place.grid_step_m,
         max_iterations: written.max_iterations,
         settings,
-        antenna: antennas.map(|(of_nodes, ..)| of_nodes),
+        antenna: antennas.map(|sectors| sectors.of_nodes),
         patterns,
     })
 }
@@ -138,22 +143,6 @@ fn check_phase(written: &DistributedMappingConfig, has_mobile: bool, errors: &mu
     errors.refuse(&error.within(TABLE));
 }
 
-/// Nodes must hear each other.
-pub(crate) fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors) {
-    let why = "because nodes must hear each other's messages at any time";
-    let error = match tables.mac.value {
-        MacConfig::SectorSweep(_) => return,
-        MacConfig::CsmaUnslotted(csma) if csma.rx_on_when_idle => return,
-        MacConfig::CsmaUnslotted(_) => {
-            SettingError::new("csma_unslotted.rx_on_when_idle", "false", format!("true, {why}"))
-        }
-        MacConfig::BeaconEnabled(_) => {
-            SettingError::new("beacon_enabled", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
-        }
-    };
-    errors.refuse(&error.within(&tables.mac.key));
-}
-
 /// What a mobile anchor tells of its sectors must fit in a frame.
 fn check_message(mobile: &MobileAnchor, network: &Network, tables: &NetworkTables<'_>, errors: &mut Errors) {
     let most = usize::from(MAX_BEACON_PAYLOAD_OCTETS);
@@ -168,33 +157,34 @@ fn check_message(mobile: &MobileAnchor, network: &Network, tables: &NetworkTable
 }
 
 /// A mobile anchor sends in the network of the map, and in no other.
-fn check_network(i: usize, robot: &Robot, network: NetworkId, config: &ScenarioConfig, errors: &mut Errors) {
+fn check_network(i: usize, robot: &Robot, network: NetworkId, input: &NodeMapInput<'_>, errors: &mut Errors) {
     if robot.body.networks == [network] {
         return;
     }
-    let names: Vec<String> = robot
-        .body
-        .networks
-        .iter()
-        .filter_map(|id| config.networks.keys().nth(id.index()))
-        .map(|name| format!("`{name}`"))
-        .collect();
-    let key = if config.robots[i].networks.is_empty() { "network" } else { "networks" };
-    let own = config.networks.keys().nth(network.index()).map_or("", String::as_str);
+    let name = |id: NetworkId| input.networks.tables(id).name;
+    let names: Vec<String> = robot.body.networks.iter().filter_map(|&id| Some(format!("`{}`", name(id)?))).collect();
+    let key = if input.config.robots[i].networks.is_empty() { "network" } else { "networks" };
+    let own = name(network).unwrap_or_default();
     let allowed = format!("`{own}` alone, the network of `{TABLE}`, for a robot with `role = \"anchor\"`");
-    errors.refuse(&SettingError::new(format!("{}.{key}", config.table_of_robot(i)), names.join(", "), allowed));
+    let key = format!("{}.{key}", input.config.table_of_robot(i));
+    errors.refuse(&SettingError::new(key, names.join(", "), allowed));
 }
 
-/// The antenna of nodes, and the sectors of robots with their number in a ring; `None` within if the network has no
-/// sectors, and without if there is an error.
-#[expect(clippy::option_option, reason = "an error is not the same as a network without sectors")]
-fn antennas(
-    network: &Network,
+/// The sectors of the stations of a network.
+struct Sectors {
+    of_nodes: NodeAntenna,
+    of_robots: SectorTable,
+    /// Sectors of robots in a ring.
+    per_ring: u8,
+}
+
+/// The sectors of these `antennas`, if the map can be computed with them.
+fn sectors(
+    antennas: &Antennas,
     tables: &NetworkTables<'_>,
     has_mobile: bool,
     errors: &mut Errors,
-) -> Option<Option<(NodeAntenna, SectorTable, u8)>> {
-    let Some(antennas) = network.technology.antennas() else { return Some(None) };
+) -> Option<Sectors> {
     let written = tables.antenna.value?;
     let of_nodes = errors.take(&tables.antenna.key, node_antenna(antennas.nodes(), &written.nodes))?;
     let rings = "rings of equal sectors, because mobile anchors tell their directions ring by ring";
@@ -209,7 +199,8 @@ fn antennas(
         return None;
     }
     let robots = antennas.robots();
-    Some(Some((of_nodes, antennas.robot_sectors().clone(), robots.sector_count() / robots.rings())))
+    let per_ring = robots.sector_count() / robots.rings();
+    Some(Sectors { of_nodes, of_robots: antennas.robot_sectors().clone(), per_ring })
 }
 
 /// By which strengths tell directions, if they do.

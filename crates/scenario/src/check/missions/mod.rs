@@ -2,3 +2,30 @@
 
 pub(crate) mod applications;
 pub(crate) mod distributed;
+
+use sextant_kernel::{NodeId, SettingError};
+use sextant_sim::{MacConfig, Network};
+
+use super::errors::Errors;
+use super::networks::tables::NetworkTables;
+
+/// Refuses a network in `table` that is not one of all of the `nodes` nodes, or in which they do not hear each other at any time.
+fn check_all_nodes(network: &Network, tables: &NetworkTables<'_>, nodes: usize, table: &str, errors: &mut Errors) {
+    let outside = (0..nodes).filter(|&node| !network.has(NodeId::from_index(node))).count();
+    if outside > 0 {
+        let found = format!("a network without {outside} of the {nodes} nodes");
+        errors.refuse(&SettingError::new("network", found, "a network of all nodes").within(table));
+    }
+    let why = "because nodes must hear each other's messages at any time";
+    let error = match tables.mac.value {
+        MacConfig::SectorSweep(_) => return,
+        MacConfig::CsmaUnslotted(csma) if csma.rx_on_when_idle => return,
+        MacConfig::CsmaUnslotted(_) => {
+            SettingError::new("csma_unslotted.rx_on_when_idle", "false", format!("true, {why}"))
+        }
+        MacConfig::BeaconEnabled(_) => {
+            SettingError::new("beacon_enabled", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
+        }
+    };
+    errors.refuse(&error.within(&tables.mac.key));
+}

@@ -2,17 +2,14 @@
 
 pub(crate) mod team;
 
-use std::collections::BTreeMap;
-
 use sextant_apps::{ControllerConfig, Surroundings};
 use sextant_channel::ObstacleField;
 use sextant_kernel::{Seed, SettingError};
 use sextant_sim::{Controller, NetworkId, Robot, RobotBody, RobotConfig, RobotTask, RoleConfig, World};
 
 use super::errors::Errors;
-use super::networks::{self, NetworkTables};
+use super::networks::Networks;
 use crate::config::ScenarioConfig;
-use crate::config::network::NetworkConfig;
 
 /// Maximum distance from the start of a robot to the nearest node (m).
 const FARTHEST_START_M: f64 = 1e5;
@@ -30,7 +27,12 @@ pub(crate) struct Robots {
 }
 
 /// The robots, with unique names.
-pub(crate) fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) -> Robots {
+pub(crate) fn check_robots(
+    config: &ScenarioConfig,
+    world: Option<&World>,
+    networks: &Networks<'_>,
+    errors: &mut Errors,
+) -> Robots {
     let mut robots = Robots::default();
     for (i, robot_config) in config.robots.iter().enumerate() {
         let table = config.table_of_robot(i);
@@ -45,8 +47,8 @@ pub(crate) fn check_robots(config: &ScenarioConfig, world: Option<&World>, error
             errors.refuse(&SettingError::new("start_m", format!("[{x}, {y}, {z}]"), allowed).within(&table));
             continue;
         }
-        let checked = body(robot_config, obstacles, config).and_then(|body| {
-            check_frame(robot_config, config)?;
+        let checked = body(robot_config, obstacles, networks).and_then(|body| {
+            check_frame(robot_config, networks)?;
             let controller = controller(i, robot_config, &body, obstacles, Seed(config.seed))?;
             if robot_config.role == RoleConfig::Anchor && config.distributed_mapping.is_none() {
                 let allowed = "\"survey\", or a table `[distributed_mapping]`: a mobile anchor tells nodes its place";
@@ -84,8 +86,8 @@ pub(crate) fn check_target_names(
 }
 
 /// Refuses frames of their own for robots whose log has directions: these would be in the frame of the world.
-fn check_frame(robot: &RobotConfig<ControllerConfig>, config: &ScenarioConfig) -> Result<(), SettingError> {
-    if robot.frame.is_world() || !NetworkTables::all(config).iter().any(NetworkTables::sweeps_sectors) {
+fn check_frame(robot: &RobotConfig<ControllerConfig>, networks: &Networks<'_>) -> Result<(), SettingError> {
+    if robot.frame.is_world() || !networks.sweep_sectors() {
         return Ok(());
     }
     let remedy = "remove one of them, because sectors have directions in the world";
@@ -93,12 +95,9 @@ fn check_frame(robot: &RobotConfig<ControllerConfig>, config: &ScenarioConfig) -
 }
 
 /// The networks whose nodes a robot surveys.
-fn surveyed(
-    robot: &RobotConfig<ControllerConfig>,
-    networks: &BTreeMap<String, NetworkConfig>,
-) -> Result<Vec<NetworkId>, SettingError> {
+fn surveyed(robot: &RobotConfig<ControllerConfig>, networks: &Networks<'_>) -> Result<Vec<NetworkId>, SettingError> {
     if robot.networks.is_empty() {
-        return Ok(vec![networks::number("network", robot.network.as_deref(), networks)?]);
+        return Ok(vec![networks.number("network", robot.network.as_deref())?]);
     }
     if robot.network.is_some() {
         return Err(SettingError::conflict("network", "`networks`", "set one of them"));
@@ -106,7 +105,7 @@ fn surveyed(
     let mut numbers = Vec::new();
     for (i, name) in robot.networks.iter().enumerate() {
         let key = format!("networks[{i}]");
-        let number = networks::number(&key, Some(name), networks)?;
+        let number = networks.number(&key, Some(name))?;
         if numbers.contains(&number) {
             return Err(SettingError::new(key, format!("`{name}`, which is listed before"), "each network once"));
         }
@@ -119,13 +118,13 @@ fn surveyed(
 fn body(
     robot: &RobotConfig<ControllerConfig>,
     obstacles: &ObstacleField,
-    config: &ScenarioConfig,
+    networks: &Networks<'_>,
 ) -> Result<RobotBody, SettingError> {
     let body = RobotBody::try_from(robot)?;
     if let Some((found, allowed)) = obstacles.fault(body.start) {
         return Err(SettingError::new("start_m", found, allowed));
     }
-    Ok(RobotBody { networks: surveyed(robot, &config.networks)?, ..body })
+    Ok(RobotBody { networks: surveyed(robot, networks)?, ..body })
 }
 
 /// What drives robot `number` during the survey; `None` for an agent.

@@ -4,12 +4,17 @@ use sextant_channel::ObstacleField;
 use sextant_kernel::SettingError;
 use sextant_sim::{Sink, World};
 
-use crate::check::errors::Errors;
-use crate::check::networks;
+use super::errors::Errors;
+use super::networks::Networks;
 use crate::config::ScenarioConfig;
 
 /// The sinks, with unique names.
-pub(crate) fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) -> Vec<Sink> {
+pub(crate) fn check_sinks(
+    config: &ScenarioConfig,
+    world: Option<&World>,
+    networks: &Networks<'_>,
+    errors: &mut Errors,
+) -> Vec<Sink> {
     let none = ObstacleField::default();
     let obstacles = world.map_or(&none, |world| &world.obstacles);
     let mut sinks: Vec<Sink> = Vec::new();
@@ -17,9 +22,7 @@ pub(crate) fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors
         let placed = sink.place(obstacles).and_then(|placed| {
             let numbers = sink.networks.as_ref().map(|names| {
                 let numbered = names.iter().enumerate();
-                let number = |(j, name): (usize, &String)| {
-                    networks::number(&format!("networks[{j}]"), Some(name), &config.networks)
-                };
+                let number = |(j, name): (usize, &String)| networks.number(&format!("networks[{j}]"), Some(name));
                 numbered.map(number).collect::<Result<Vec<_>, _>>()
             });
             Ok(Sink { networks: numbers.transpose()?, ..placed })

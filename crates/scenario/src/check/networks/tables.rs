@@ -1,0 +1,240 @@
+//! The tables of a network as written, with the key of each, and what each becomes.
+
+use sextant_channel::{ChannelConfig, ChannelLaw};
+use sextant_kernel::{Files, SettingError};
+use sextant_mac::{EnergyConfig, Phy, RadioStates};
+use sextant_sim::layout::PlacedNode;
+use sextant_sim::{
+    AntennasConfig, LinkConfig, LinkError, MacConfig, NodesOfGroup, RadioConfig, ReceptionConfig, Technology,
+    TrafficConfig, TrafficPlan,
+};
+
+use crate::check::errors::Errors;
+use crate::config::ScenarioConfig;
+use crate::config::network::NetworkConfig;
+
+/// The tables of one network as written, and the key of each. Errors in what is made of them name these keys.
+pub(crate) struct NetworkTables<'a> {
+    /// Its name; `None` if it is the only network, with the tables of the scenario.
+    pub(crate) name: Option<&'a str>,
+    nodes: Option<&'a NodesOfGroup>,
+    pub(crate) radio: Keyed<Option<&'a RadioConfig>>,
+    channel: Keyed<&'a ChannelConfig>,
+    pub(crate) mac: Keyed<&'a MacConfig>,
+    traffic: Keyed<Option<&'a TrafficConfig>>,
+    reception: Keyed<Option<&'a ReceptionConfig>>,
+    pub(crate) antenna: Keyed<Option<&'a AntennasConfig>>,
+    energy: Keyed<Option<&'a EnergyConfig>>,
+}
+
+/// A value and the key of its table.
+pub(crate) struct Keyed<T> {
+    pub(crate) key: String,
+    /// Whether the network has the table itself, and not the scenario for all.
+    is_own: bool,
+    pub(crate) value: T,
+}
+
+/// What tables of networks name.
+#[derive(Clone, Copy)]
+pub(crate) struct Named<'w> {
+    /// The nodes of the world, if it has no error.
+    pub(crate) nodes: Option<&'w [PlacedNode]>,
+    pub(crate) files: &'w Files,
+}
+
+/// A named chip whose energy is counted, though it has not the band of the radios.
+#[derive(Clone, Debug)]
+pub struct ForeignChip {
+    /// The key that names it.
+    pub key: String,
+    /// The chip.
+    pub chip: EnergyConfig,
+    /// Its bands, in words.
+    pub bands: &'static str,
+    /// The physical layer of the radios.
+    pub phy: Phy,
+}
+
+impl<'a> NetworkTables<'a> {
+    /// The tables of each network of a scenario, in the order of their names.
+    pub(super) fn all(config: &'a ScenarioConfig) -> Vec<Self> {
+        if config.networks.is_empty() {
+            return vec![Self::of(config, None)];
+        }
+        config.networks.iter().map(|(name, network)| Self::of(config, Some((name, network)))).collect()
+    }
+
+    fn of(config: &'a ScenarioConfig, network: Option<(&'a String, &'a NetworkConfig)>) -> Self {
+        macro_rules! pick {
+            ($table:ident, $or:ident($whole:expr)) => {{
+                let own = network.and_then(|(name, network)| Some((name, network.$table.as_ref()?)));
+                let table = stringify!($table);
+                let key = own.map_or_else(|| table.to_owned(), |(name, _)| format!("networks.{name}.{table}"));
+                Keyed { key, is_own: own.is_some(), value: own.map(|(_, own)| own).$or($whole) }
+            }};
+        }
+        Self {
+            name: network.map(|(name, _)| name.as_str()),
+            nodes: network.and_then(|(_, network)| network.nodes.as_ref()),
+            radio: pick!(radio, or(config.radio.as_ref())),
+            channel: pick!(channel, unwrap_or(&config.channel)),
+            mac: pick!(mac, unwrap_or(&config.mac)),
+            traffic: pick!(traffic, or(config.traffic.as_ref())),
+            reception: pick!(reception, or(config.reception.as_ref())),
+            antenna: pick!(antenna, or(config.antenna.as_ref())),
+            energy: pick!(energy, or(config.energy.as_ref())),
+        }
+    }
+
+    /// Whether its links sweep sectors.
+    pub(crate) fn sweeps_sectors(&self) -> bool {
+        self.mac.value.sweeps_sectors()
+    }
+
+    /// What its nodes send, if they do not answer sweeps instead.
+    pub(super) fn traffic_of_nodes(&self) -> Option<&'a TrafficConfig> {
+        self.traffic.value.filter(|_| !self.sweeps_sectors())
+    }
+
+    /// Whether the network has this table for itself alone.
+    fn is_its_own<T>(&self, table: &Keyed<Option<T>>) -> bool {
+        table.value.is_some() && (self.name.is_none() || table.is_own)
+    }
+
+    /// The law of its channel. An absent loss at the reference distance is that of free space at the carrier of its radios.
+    pub(super) fn law(&self, errors: &mut Errors) -> Option<ChannelLaw> {
+        let channel = *self.channel.value;
+        let channel = match self.radio.value {
+            Some(radio) => channel.with_free_space(radio.carrier_ghz(self.mac.value)),
+            None => channel,
+        };
+        errors.take(&self.channel.key, ChannelLaw::try_from(channel))
+    }
+
+    /// The technology of its links.
+    pub(super) fn technology(&self, named: Named<'_>, errors: &mut Errors) -> Option<Technology> {
+        let technology = Technology::read(&self.link_config(), named.nodes, named.files).map_err(|found| {
+            found.into_iter().for_each(|error| match error {
+                LinkError::Missing(table) => errors.refuse(&self.missing(table)),
+                LinkError::Invalid { table, error } => errors.refuse(&error.within(self.key_of(table))),
+            });
+        });
+        if !self.sweeps_sectors() && self.is_its_own(&self.antenna) {
+            let with = "this `mac`: only `mac.sector_sweep` has antennas with sectors";
+            errors.refuse(&SettingError::conflict(&self.antenna.key, with, "remove the table"));
+        }
+        technology.ok()
+    }
+
+    /// The tables of its links.
+    pub(super) fn link_config(&self) -> LinkConfig<'a> {
+        let Self { radio, mac, reception, antenna, .. } = self;
+        LinkConfig { radio: radio.value, mac: mac.value, reception: reception.value, antenna: antenna.value }
+    }
+
+    /// The key of one of the tables of its links.
+    fn key_of(&self, table: &str) -> &str {
+        match table {
+            "mac" => &self.mac.key,
+            "reception" => &self.reception.key,
+            "antenna" => &self.antenna.key,
+            _ => &self.radio.key,
+        }
+    }
+
+    /// The energy model of the chip that is counted: the one that is named, or one of the band of the radios.
+    pub(super) fn radio_states(&self, errors: &mut Errors) -> Option<RadioStates> {
+        let usual = || match self.radio.value {
+            _ if self.sweeps_sectors() => EnergyConfig::Mmwave60Ghz,
+            radio => EnergyConfig::usual(radio.map(|radio| radio.phy).unwrap_or_default()),
+        };
+        let chip = self.energy.value.copied().unwrap_or_else(usual);
+        errors.take(&self.energy.key, RadioStates::try_from(chip))
+    }
+
+    /// What its nodes send, if these are known.
+    pub(super) fn traffic_plan(
+        &self,
+        config: &ScenarioConfig,
+        Named { nodes, files }: Named<'_>,
+        errors: &mut Errors,
+    ) -> Option<TrafficPlan> {
+        let silent = || nodes.map(|nodes| TrafficPlan::silent(nodes.len()));
+        match self.traffic.value {
+            Some(_) if self.sweeps_sectors() && self.is_its_own(&self.traffic) => {
+                let remedy = "remove the table, because nodes answer sector sweeps and send nothing else";
+                errors.refuse(&SettingError::conflict(&self.traffic.key, "`mac.sector_sweep`", remedy));
+                None
+            }
+            _ if self.sweeps_sectors() => silent(),
+            // Names of nodes are not known without a world.
+            Some(traffic) if nodes.is_none() && traffic.names_nodes() => None,
+            Some(traffic) => {
+                let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), files);
+                errors.take(&self.traffic.key, plan).filter(|_| nodes.is_some())
+            }
+            // Nodes that compute a map, or that only take part in applications, send their messages alone.
+            None if config.distributed_mapping.is_some() || !config.has_traffic() => silent(),
+            None => {
+                errors.refuse(&self.missing("traffic"));
+                None
+            }
+        }
+    }
+
+    /// Whether each of `nodes` is in the network, if it chooses some.
+    ///
+    /// # Errors
+    /// If it chooses more nodes than there are, or one that there is not.
+    pub(super) fn members(
+        &self,
+        nodes: &[PlacedNode],
+        config: &ScenarioConfig,
+    ) -> Result<Option<Vec<bool>>, SettingError> {
+        let others = config.networks.iter().filter(|(name, _)| Some(name.as_str()) != self.name);
+        let members = |chosen: &NodesOfGroup| {
+            Ok(chosen_nodes(chosen, nodes)?.unwrap_or_else(|| {
+                // An error in another network is reported there.
+                let of_other = |(_, other): (_, &NetworkConfig)| chosen_nodes(other.nodes.as_ref()?, nodes).ok()?;
+                let taken: Vec<_> = others.clone().filter_map(of_other).collect();
+                (0..nodes.len()).map(|node| !taken.iter().any(|taken| taken[node])).collect()
+            }))
+        };
+        let within = |error: SettingError| error.within(format!("networks.{}.nodes", self.name.unwrap_or_default()));
+        self.nodes.map(members).transpose().map_err(within)
+    }
+
+    /// The named chip whose energy is counted, and its bands, if these are not the band of the radios.
+    pub(super) fn foreign_chip(&self) -> Option<ForeignChip> {
+        let phy = self.radio.value.filter(|_| !self.sweeps_sectors())?.phy;
+        let chip = *self.energy.value?;
+        let bands = chip.other_bands(phy)?;
+        Some(ForeignChip { key: self.energy.key.clone(), chip, bands, phy })
+    }
+
+    fn missing(&self, table: &str) -> SettingError {
+        let place = self.name.map_or(String::new(), |name| format!("networks.{name}."));
+        SettingError::missing_table(format!("{place}{table}"))
+    }
+}
+
+/// Whether each of `nodes` is chosen; `None` if those are that no other network chooses.
+fn chosen_nodes(chosen: &NodesOfGroup, nodes: &[PlacedNode]) -> Result<Option<Vec<bool>>, SettingError> {
+    match chosen {
+        NodesOfGroup::Count(count) if *count > nodes.len() => {
+            Err(SettingError::new("count", count, format!("at most {}, the number of nodes", nodes.len())))
+        }
+        NodesOfGroup::Count(count) => Ok(Some((0..nodes.len()).map(|node| node < *count).collect())),
+        NodesOfGroup::Names(names) => {
+            let mut members = vec![false; nodes.len()];
+            for (i, name) in names.iter().enumerate() {
+                let node = nodes.iter().position(|node| node.name == *name);
+                let refuse = || SettingError::new(format!("names[{i}]"), format!("`{name}`"), "the name of a node");
+                members[node.ok_or_else(refuse)?] = true;
+            }
+            Ok(Some(members))
+        }
+        NodesOfGroup::Others {} => Ok(None),
+    }
+}
