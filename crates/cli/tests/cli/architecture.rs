@@ -18,7 +18,7 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 11] = [
+const ROOMS: [&str; 10] = [
     "run",
     "export",
     "forecast",
@@ -28,7 +28,6 @@ const ROOMS: [&str; 11] = [
     "measure",
     "summary",
     "columns",
-    "number_range",
     "threads",
 ];
 
