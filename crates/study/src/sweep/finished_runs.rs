@@ -179,3 +179,52 @@ fn text<'r>(rows: impl IntoIterator<Item = &'r Row>) -> Vec<u8> {
     rows.into_iter().for_each(|row| file.row(row.record()));
     file.take()
 }
+
+#[cfg(test)]
+mod tests {
+    use sextant_recording::ForeignFolder;
+
+    use super::*;
+    use crate::sweep::CellRun;
+    use crate::sweep::table_reader::tests::{STEPS, made_up, plan};
+
+    const ALL: NumberRange = NumberRange { start: 0, end: 4 };
+
+    #[test]
+    fn finished_runs_are_read_back_only_as_runs_of_their_own_part_and_sweep() {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = plan(folder.path(), STEPS, 2);
+        let store = Store::shared(ForeignFolder::new(folder.path()), folder.path().join("parts"), plan.fingerprint());
+        std::fs::create_dir(folder.path().join("parts")).unwrap();
+        let runs = FinishedRuns::of(&plan, store);
+        let mut rows = made_up(&plan);
+        rows[3].outcome = Err("a \"b\",\nc".into());
+        let part = runs.begin(ALL).unwrap();
+        part.append(&rows[..1]).unwrap();
+        part.append(&rows[2..]).unwrap();
+        let done = runs.read().unwrap();
+        let by_number: BTreeMap<usize, Row> =
+            [0, 2, 3].map(|i| (plan.work().number_of(rows[i].run()).unwrap(), rows[i].clone())).into();
+        assert_eq!((&done.rows, done.unfinished.len()), (&by_number, 1));
+        assert!(!done.has_whole(ALL) && !done.is_done(plan.work().number_of(rows[3].run()).unwrap()));
+        part.append(&rows[1..2]).unwrap();
+        part.finish(&rows).unwrap();
+        let done = runs.read_within(ALL).unwrap();
+        assert_eq!((done.rows.len(), done.unfinished.len(), done.has_whole(ALL)), (4, 0, true));
+
+        let refused = |rows: &[Row]| {
+            let part = runs.begin(NumberRange { start: 0, end: 2 }).unwrap();
+            part.append(rows).unwrap();
+            let error = runs.read().unwrap_err().to_string();
+            runs.remove(&[part.own.into_inner().unwrap().0.name()]);
+            error
+        };
+        let CellRun { cell, replicate } = plan.work().get(0);
+        let first = Row { cell, replicate, outcome: Err("no".into()) };
+        let short = Row { outcome: Ok(vec![None; 3]), ..first.clone() };
+        assert!(refused(&[first.clone(), short]).contains("row 2 is no row of the plan"));
+        assert!(refused(&[Row { cell: 9, ..first.clone() }]).contains("row 1 is of a run outside it"));
+        assert!(refused(&rows).contains("is of a run outside it"), "of another part");
+        assert!(refused(&[first.clone(), first]).contains("row 2 is of a run that it has before"));
+    }
+}

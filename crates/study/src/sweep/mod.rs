@@ -39,7 +39,6 @@ pub use share::Share;
 pub use statistics::{Mean, students_t_975};
 pub use table_file::TableFormat;
 pub use table_reader::{read_own_table, read_table};
-pub use tidy::table;
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 
@@ -160,7 +159,14 @@ fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
 /// If the extension is unknown or the file cannot be written.
 pub fn write_table(path: &Path, plan: &Sweep, rows: &[Row]) -> Result<(), TableError> {
     let (columns, texts) = tidy::table(plan, rows);
-    table_file::write_table(path, &columns, &texts)
+    table_file::write_table(path, &columns, texts)
+}
+
+/// The same table in memory: its columns, without measures that have no value, and its texts. A cell without a value is empty.
+#[must_use]
+pub fn table(plan: &Sweep, rows: &[Row]) -> (Vec<Column>, Vec<Vec<String>>) {
+    let (columns, texts) = tidy::table(plan, rows);
+    (columns, texts.collect())
 }
 
 /// Removes the folder of finished runs beside `out`, once the table is written.

@@ -138,12 +138,12 @@ impl Store {
     /// If it cannot be read, is no part, or is of other work.
     pub fn read(&self, part: PartName) -> Result<Option<PartRows>, StoreError> {
         let path = self.path(part);
-        let read = if part.unfinished.is_some() { self.unfinished(&path) } else { self.finished(&path).map(Some) };
-        match read {
-            Err(StoreError::Read { why, .. }) if why.kind() == io::ErrorKind::NotFound && part.unfinished.is_some() => {
-                Ok(None)
-            }
-            read => read,
+        if part.unfinished.is_none() {
+            return self.finished(&path).map(Some);
+        }
+        match self.unfinished(&path) {
+            Err(StoreError::Read { why, .. }) if why.kind() == io::ErrorKind::NotFound => Ok(None),
+            read => read.map(Some),
         }
     }
 
@@ -154,7 +154,7 @@ impl Store {
         Ok(PartRows(Rows::Finished { text, wall_s }))
     }
 
-    fn unfinished(&self, path: &Path) -> Result<Option<PartRows>, StoreError> {
+    fn unfinished(&self, path: &Path) -> Result<PartRows, StoreError> {
         let unreadable = |why| StoreError::Read { path: path.to_owned(), why };
         let mut text = BufReader::new(self.foreign.open(path).map_err(unreadable)?);
         let rows = match self.head(path, &mut text) {
@@ -163,7 +163,7 @@ impl Store {
             Err(error) => return Err(error),
             Ok(_) => Rows::Unfinished(Blocks::new(text)),
         };
-        Ok(Some(PartRows(rows)))
+        Ok(PartRows(rows))
     }
 
     /// Reads the first line of a part: how long the work on it took (s).
