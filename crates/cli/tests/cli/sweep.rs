@@ -143,8 +143,10 @@ fn a_killed_sweep_is_resumed_with_the_same_rows() {
     let mut child =
         sextant().arg("sweep").arg(&scenario).args(["--threads", "1", "--out"]).arg(&out).spawn().unwrap();
     let parts = folder.path().join("killed.csv.parts");
-    while !parts.join("0000000.csv").exists() {
-        assert!(child.try_wait().unwrap().is_none(), "the sweep ended before its first part");
+    // Its first line has some hundred octets, a run as many.
+    let finished = parts.join("000000000-000000060.unfinished-001.csv");
+    while !std::fs::metadata(&finished).is_ok_and(|finished| finished.len() > 200) {
+        assert!(child.try_wait().unwrap().is_none(), "the sweep ended before its first run");
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
     child.kill().unwrap();

@@ -1,6 +1,6 @@
 //! Which file a path stands for, whatever it is called.
 
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
@@ -74,6 +74,14 @@ impl FileIdentity {
     pub fn is_at(_file: &File, path: &Path) -> io::Result<bool> {
         Ok(path.exists())
     }
+}
+
+/// Locks the open `file`; whether no other process has it, and it is still the one at `path`.
+#[must_use]
+pub fn is_claimed(file: &File, path: &Path) -> bool {
+    // Some file systems have no locks.
+    let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+    !is_taken && FileIdentity::is_at(file, path).unwrap_or(false)
 }
 
 /// The path without `.` and `..`. Links are kept.

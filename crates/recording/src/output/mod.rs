@@ -7,6 +7,7 @@ mod folder;
 mod identity;
 mod part_file;
 mod scratch;
+pub mod store;
 mod whole;
 
 pub use csv_file::{CsvFile, EmptyCell};
@@ -14,7 +15,7 @@ pub(crate) use draft::{Draft, DraftError, Leftover, PART, RECOVERING, kept_name,
 pub use error::OutputError;
 pub use folder::open_folder;
 pub(crate) use folder::try_folder;
-pub use identity::{FileIdentity, plain};
+pub use identity::{FileIdentity, is_claimed, plain};
 pub use part_file::PartFile;
 pub use scratch::open_scratch;
-pub use whole::{write_file, write_unsynced, write_whole};
+pub use whole::{write_file, write_whole};

@@ -18,29 +18,11 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
         return disk::write_device(path, bytes);
     }
     let (part, mut file) = private(path)?;
-    renamed(&part, path, file.write_all(bytes).and_then(|()| file.sync()))?;
-    disk::sync_folder_of(path)
-}
-
-/// Renames the file `part`, which was `written`; it is removed if that failed.
-fn renamed(part: &Path, path: &Path, written: io::Result<()>) -> io::Result<()> {
-    written.and_then(|()| disk::rename(part, path)).inspect_err(|_| {
+    file.write_all(bytes).and_then(|()| file.sync()).and_then(|()| disk::rename(&part, path)).inspect_err(|_| {
         // Only the first error is reported.
-        let _ = disk::remove_file(part);
-    })
-}
-
-/// The same without waiting for the disk. If the power fails, the file may have lost a part of its octets: what they are must
-/// show whether all are there.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_unsynced(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    let write = || {
-        let (part, mut file) = private(path)?;
-        renamed(&part, path, file.write_all(bytes))
-    };
-    write().map_err(|error: io::Error| OutputError::new(path, &error))
+        let _ = disk::remove_file(&part);
+    })?;
+    disk::sync_folder_of(path)
 }
 
 /// Does [`write_whole`] with an [`OutputError`], which names the file.

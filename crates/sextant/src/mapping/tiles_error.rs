@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::number_range::NumberRange;
+use sextant_recording::output::store::NumberRange;
 
 /// Why a log cannot be mapped tile by tile.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

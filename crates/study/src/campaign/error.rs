@@ -7,6 +7,7 @@ use sextant::NumberRange;
 use sextant_kernel::text::{counted, listed};
 use sextant_kernel::{Interrupted, SettingError};
 use sextant_recording::output::OutputError;
+use sextant_recording::output::store::StoreError;
 use sextant_scenario::ScenarioErrors;
 
 use crate::sweep::TableError;
@@ -186,6 +187,20 @@ pub enum CampaignError {
     /// The work was stopped; what was done is kept.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
+}
+
+impl From<StoreError> for CampaignError {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::Other { path } => Self::OtherPart { path },
+            StoreError::Invalid { path, why } => Self::Part { path, why },
+            StoreError::Read { path, why } => Self::unreadable(path, &why),
+            StoreError::Busy { folder } => {
+                OutputError { path: folder, why: "another process does this work".to_owned() }.into()
+            }
+            StoreError::Output(error) => error.into(),
+        }
+    }
 }
 
 impl CampaignError {

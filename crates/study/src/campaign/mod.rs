@@ -1,8 +1,8 @@
 //! Sweeps that outgrow one machine: a plan in a folder, done part by part by any number of machines.
 //!
-//! The folder has all that a run needs, and can be moved. Whoever does a part writes one file, under a name of its own, and
-//! renames it when it is whole: there are no locks, and no file has two writers. The rows of a run do not depend on where it
-//! was done, so it is harmless to do one twice.
+//! The folder has all that a run needs, and can be moved. Whoever does a part adds what is
+//! finished to a file of its own, and writes the part when it is whole: there are no locks, and no file has two writers. The
+//! rows of a run do not depend on where it was done, so it is harmless to do one twice.
 //!
 //! A plan that was moved may have been made by somebody else. So each value in its files has a type with bounds, files outside
 //! of its folder are not read, and what decides a row is worked out again.
@@ -19,7 +19,6 @@
 mod bundle;
 mod error;
 mod json_object;
-mod part;
 mod plan_file;
 mod progress;
 mod room;
@@ -36,18 +35,14 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use sextant::NumberRange;
-use sextant::summary::Stopwatch;
 use sextant_kernel::{Interrupted, Watch, Work};
 use sextant_recording::ForeignFolder;
 use sextant_recording::disk;
 use sextant_recording::output::OutputError;
+use sextant_recording::output::store::Store;
 
-use crate::sweep::{CellCheckError, Row, Sweep, Trial, check_cells, unit};
-use part::Parts;
+use crate::sweep::{CellCheckError, Done, FinishedRuns, Row, Sweep, Trial, check_cells, unit};
 use plan_file::PlanFile;
-
-/// What is done of a part is saved this often (s), so that little is lost with a machine.
-const SAVED_EVERY_S: f64 = 30.0;
 
 /// A sweep as a plan in a folder.
 #[derive(Debug)]
@@ -184,34 +179,26 @@ impl Campaign {
         }
         let units = work.units_of(todo.iter().copied());
         watch.begin(Work { name: "sweeping", unit: "survey", steps: units.len() as u64, operations: 0.0 });
-        let start = Stopwatch::start();
-        // When the part was saved last (s), and the part.
-        let saved = Mutex::new((0.0, parts.begin(range, before.finished())?));
+        let part = parts.begin(range)?;
+        let Done { mut rows, unfinished, .. } = before;
+        rows.retain(|_, row| row.outcome.is_ok());
+        let rows = Mutex::new(rows);
         let outcome = units.par_iter().try_for_each(|unit| {
-            let rows = unit::run(&self.sweep, unit, watch).ok_or(Interrupted)?;
+            let made = unit::run(&self.sweep, unit, watch).ok_or(Interrupted)?;
             watch.advance(1);
-            let mut guard = saved.lock().unwrap_or_else(PoisonError::into_inner);
-            let (last_s, own) = &mut *guard;
-            own.extend(rows);
-            if start.elapsed_s() - *last_s > SAVED_EVERY_S {
-                *last_s = start.elapsed_s();
-                own.save(start.elapsed_s())?;
-            }
+            part.append(&made)?;
+            let numbered = made.into_iter().filter_map(|row| Some((work.number_of(row.run())?, row)));
+            rows.lock().unwrap_or_else(PoisonError::into_inner).extend(numbered);
             Ok::<(), CampaignError>(())
         });
-        let (_, own) = saved.into_inner().unwrap_or_else(PoisonError::into_inner);
-        match outcome {
-            Ok(()) => {
-                own.finish(start.elapsed_s())?;
-                before.remove_unfinished();
-                Ok(todo.len())
-            }
-            Err(error) => {
-                // The first error is told; if this part cannot be written either, its runs are missing and are seen to be.
-                let _ = own.save(start.elapsed_s());
-                Err(error)
-            }
+        if let Err(error) = outcome {
+            // The first error is told; runs that do not reach the disk are missing and are seen to be.
+            let _ = part.sync();
+            return Err(error);
         }
+        part.finish(rows.into_inner().unwrap_or_else(PoisonError::into_inner).values())?;
+        parts.remove(&unfinished);
+        Ok(todo.len())
     }
 
     /// How far it is: what the parts in the folder say.
@@ -236,13 +223,14 @@ impl Campaign {
                 ranges: progress.missing_ranges(),
             });
         }
-        let mut rows: Vec<Row> = parts.into_rows();
+        let mut rows: Vec<Row> = parts.rows.into_values().collect();
         rows.sort_by_key(|row| (row.cell, row.replicate));
         Ok(rows)
     }
 
-    fn parts(&self) -> Parts<'_> {
-        Parts::of(&self.sweep, self.foreign(), self.folder.join(PARTS))
+    fn parts(&self) -> FinishedRuns<'_> {
+        let store = Store::shared(self.foreign(), self.folder.join(PARTS), self.sweep.fingerprint());
+        FinishedRuns::of(&self.sweep, store)
     }
 }
 

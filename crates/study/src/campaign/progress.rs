@@ -4,8 +4,7 @@ use std::time::{Duration, SystemTime};
 
 use sextant::NumberRange;
 
-use super::part::{Done, Written};
-use crate::sweep::{CellRun, Sweep};
+use crate::sweep::{CellRun, Done, Sweep, Written};
 
 /// How far a plan is.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +49,7 @@ impl Progress {
         let work = sweep.work();
         let mut states = vec![State::Missing; work.len()];
         let mut failed = Vec::new();
-        for (&number, row) in done.rows() {
+        for (&number, row) in &done.rows {
             states[number] = match &row.outcome {
                 Ok(_) => State::Done,
                 Err(reason) => {

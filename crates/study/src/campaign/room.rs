@@ -1,11 +1,11 @@
 //! Room for a plan in a folder, also where one was begun and not finished.
 
-use std::fs::{self, TryLockError};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use sextant_recording::disk::{self, DiskFile};
-use sextant_recording::output::{FileIdentity, OutputError};
+use sextant_recording::output::{OutputError, is_claimed};
 
 use super::plan_file::PlanFile;
 use super::{Campaign, CampaignError, FILES, PARTS, Replace, slurm, work_file};
@@ -75,9 +75,7 @@ fn locked(mark: &Path) -> io::Result<DiskFile> {
         },
         created => created?,
     };
-    // Some file systems have no locks.
-    let is_taken = matches!(file.system().try_lock(), Err(TryLockError::WouldBlock));
-    if is_taken || !FileIdentity::is_at(file.system(), mark).unwrap_or(false) {
+    if !is_claimed(file.system(), mark) {
         return Err(busy());
     }
     disk::sync_folder_of(mark)?;

@@ -45,11 +45,7 @@ pub(super) fn write(sweep: &Sweep, folder: &Path) -> Result<(), CampaignError> {
     }
     file.finish()?;
     #[cfg(feature = "parquet")]
-    write_texts(
-        &folder.join(TABLE),
-        &columns(sweep),
-        &lines(sweep).map(|line| texts(sweep, &line)).collect::<Vec<_>>(),
-    )?;
+    write_texts(&folder.join(TABLE), &columns(sweep), lines(sweep).map(|line| texts(sweep, &line)))?;
     Ok(())
 }
 

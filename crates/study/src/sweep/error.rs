@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use sextant_kernel::Interrupted;
 use sextant_recording::output::OutputError;
+use sextant_recording::output::store::StoreError;
 
 use sextant_scenario::ScenarioErrors;
 
@@ -13,7 +14,7 @@ pub enum SweepError {
     /// The scenario or one of its cells is invalid.
     #[error(transparent)]
     Scenario(#[from] ScenarioErrors),
-    /// The folder of finished units is that of another sweep.
+    /// The folder of finished runs is that of another sweep.
     #[error(
         "`{}` holds parts of a different sweep: the scenario, a file that it names, the seed, the number of runs, the shard or \
          the version has changed",
@@ -23,7 +24,7 @@ pub enum SweepError {
         /// The folder.
         folder: PathBuf,
     },
-    /// The folder of finished units is that of this sweep, which is not to be resumed.
+    /// The folder of finished runs is that of this sweep, which is not to be resumed.
     #[error("`{}` holds parts of this sweep, which was interrupted", .folder.display())]
     Unfinished {
         /// The folder.
@@ -35,7 +36,7 @@ pub enum SweepError {
         /// The folder.
         folder: PathBuf,
     },
-    /// A file in the folder of finished units is not one of them.
+    /// A file in the folder of finished runs is not one of them.
     #[error("`{}` is not a part of a sweep", .path.display())]
     Part {
         /// The file.
@@ -52,9 +53,24 @@ pub enum SweepError {
     /// A file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The work was stopped; finished units are kept.
+    /// The work was stopped; finished runs are kept.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
+}
+
+impl From<StoreError> for SweepError {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::Other { mut path } => {
+                path.pop();
+                Self::OtherParts { folder: path }
+            }
+            StoreError::Busy { folder } => Self::Busy { folder },
+            StoreError::Invalid { path, .. } => Self::Part { path },
+            StoreError::Read { path, why } => Self::Read { path, why: why.to_string() },
+            StoreError::Output(error) => error.into(),
+        }
+    }
 }
 
 impl SweepError {

@@ -12,8 +12,8 @@ mod described;
 mod error;
 mod facts;
 mod figures;
+mod finished_runs;
 mod finished_table;
-mod parts;
 mod plan;
 mod row;
 mod setting;
@@ -39,27 +39,26 @@ pub use share::Share;
 pub use statistics::{Mean, students_t_975};
 pub use table_file::TableFormat;
 pub use table_reader::{read_own_table, read_table};
-pub use tidy::table;
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 
 pub(crate) use cell_check::{CellCheckError, check_cells};
+pub(crate) use finished_runs::{Done, FinishedRuns, Written};
 pub(crate) use plan::{Checked, check_runs, check_seeds};
 #[cfg(feature = "parquet")]
 pub(crate) use table_file::write_table as write_texts;
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
+use sextant::NumberRange;
 use sextant_kernel::{Interrupted, Watch, Work};
-
-use parts::Parts;
-use work_list::Unit;
+use sextant_recording::output::store::{self, Begun, Store};
 
 /// Runs the units of `plan` that belong to `shard`, on all cores, and returns their rows by cell, then replicate.
-/// Finished units are kept in a folder beside `out`. With `resume`, those of an interrupted sweep are used again.
+/// Finished runs are kept in a folder beside `out`. With `resume`, those of an interrupted sweep are used again.
 ///
 /// # Errors
 /// If a file cannot be written, or `watch` stops the work. A run that fails gives a row with its error.
@@ -80,23 +79,27 @@ pub fn extend(
     resume: bool,
     watch: &dyn Watch,
 ) -> Result<Vec<Row>, SweepError> {
-    let parts = Parts::open(out, &format!("{}{}", plan.fingerprint(), shard.suffix()), resume)?;
-    let measures = plan.measures().len();
-    let are_known: BTreeSet<(usize, u32)> = known.iter().map(|row| (row.cell, row.replicate)).collect();
-    let is_known = |cell: usize, replicate: u32| are_known.contains(&(cell, replicate));
-    let is_missing = |unit: &Unit| unit.cells.iter().any(|&cell| !is_known(cell, unit.replicate));
-    let units = plan.work().units().filter(|unit| shard.has(unit.index) && is_missing(unit)).collect();
-    let (rows, outcome) = each(units, "sweeping", watch, |unit| {
-        if let Some(rows) = parts.read(unit, measures)? {
-            return Ok(rows);
-        }
+    let (work, folder) = (plan.work(), folder_beside(out));
+    let (store, begun) = Store::alone(&folder, &format!("{}{}", plan.fingerprint(), shard.suffix()))?;
+    if begun == Begun::Before && !resume {
+        return Err(SweepError::Unfinished { folder });
+    }
+    let are_known: BTreeSet<CellRun> = known.iter().map(Row::run).collect();
+    let is_wanted = |number: usize| shard.has(work.survey_of(number)) && !are_known.contains(&work.get(number));
+    let runs = FinishedRuns::of(plan, store);
+    let mut before = runs.read()?.rows;
+    before.retain(|number, _| is_wanted(*number));
+    let all = NumberRange { start: 0, end: work.len() };
+    let missing = (all.start..all.end).filter(|number| is_wanted(*number) && !before.contains_key(number));
+    let units = work.units_of(missing);
+    let part = runs.begin(all)?;
+    let (made, outcome) = each(units, "sweeping", watch, |unit| {
         let rows = unit::run(plan, unit, watch).ok_or(Interrupted)?;
-        parts.write(unit.index, &rows)?;
+        part.append(&rows)?;
         Ok(rows)
     });
     outcome?;
-    let new = rows.into_iter().flatten().filter(|row| !is_known(row.cell, row.replicate));
-    Ok(sorted(known.iter().cloned().chain(new).collect()))
+    Ok(sorted(known.into_iter().chain(before.into_values()).chain(made.into_iter().flatten()).collect()))
 }
 
 /// Runs all units of several plans, on all cores, and returns the finished rows of each plan by cell, then replicate. A
@@ -156,13 +159,27 @@ fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
 /// If the extension is unknown or the file cannot be written.
 pub fn write_table(path: &Path, plan: &Sweep, rows: &[Row]) -> Result<(), TableError> {
     let (columns, texts) = tidy::table(plan, rows);
-    table_file::write_table(path, &columns, &texts)
+    table_file::write_table(path, &columns, texts)
 }
 
-/// Removes the folder of finished units beside `out`, once the table is written.
+/// The same table in memory: its columns, without measures that have no value, and its texts. A cell without a value is empty.
+#[must_use]
+pub fn table(plan: &Sweep, rows: &[Row]) -> (Vec<Column>, Vec<Vec<String>>) {
+    let (columns, texts) = tidy::table(plan, rows);
+    (columns, texts.collect())
+}
+
+/// Removes the folder of finished runs beside `out`, once the table is written.
 ///
 /// # Errors
 /// If they cannot be removed.
 pub fn clear_parts(out: &Path) -> Result<(), SweepError> {
-    parts::remove(out)
+    Ok(store::remove(&folder_beside(out))?)
+}
+
+/// The folder of the finished runs of the table `out`.
+fn folder_beside(out: &Path) -> PathBuf {
+    let mut folder = out.as_os_str().to_owned();
+    folder.push(".parts");
+    folder.into()
 }

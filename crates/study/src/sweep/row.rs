@@ -4,6 +4,7 @@ use serde_json::Number;
 use sextant_kernel::text::of_cell;
 
 use super::column::Kind;
+use super::work_list::CellRun;
 
 /// One run of one cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +18,11 @@ pub struct Row {
 }
 
 impl Row {
+    /// Which run it is of.
+    pub(crate) fn run(&self) -> CellRun {
+        CellRun { cell: self.cell, replicate: self.replicate }
+    }
+
     /// Its fields in a file of finished runs: cell, replicate, error, then the values with all their digits.
     pub(crate) fn record(&self) -> Vec<String> {
         let (error, values) = match &self.outcome {

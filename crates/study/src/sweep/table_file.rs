@@ -47,7 +47,11 @@ impl TableFormat {
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
-pub(crate) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>]) -> Result<(), TableError> {
+pub(crate) fn write_table(
+    path: &Path,
+    columns: &[Column],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> Result<(), TableError> {
     match TableFormat::of(path)? {
         TableFormat::Csv => Ok(csv(columns, rows).save(path)?),
         #[cfg(feature = "parquet")]
@@ -95,9 +99,9 @@ pub(super) fn parsed(text: &str) -> Result<Texts, String> {
     Ok(Texts { columns, rows: rows.map_err(|error| error.to_string())? })
 }
 
-fn csv(columns: &[Column], rows: &[Vec<String>]) -> CsvFile {
+fn csv(columns: &[Column], rows: impl Iterator<Item = Vec<String>>) -> CsvFile {
     let mut file = CsvFile::new(columns.iter().map(|column| &column.name), EmptyCell::Bare);
-    rows.iter().for_each(|row| file.row(row));
+    rows.for_each(|row| file.row(row));
     file
 }
 
@@ -119,7 +123,7 @@ mod tests {
     #[test]
     fn a_csv_table_quotes_cells_where_needed() {
         let (columns, rows) = table();
-        let text = String::from_utf8(csv(&columns, &rows).bytes().to_vec()).unwrap();
+        let text = String::from_utf8(csv(&columns, rows.into_iter()).bytes().to_vec()).unwrap();
         assert_eq!(text, "cell,error,ml-tm.connectivity_error\n0,,0.1\n1,\"no, \"\"never\"\"\",\n");
     }
 

@@ -117,14 +117,14 @@ fn join(run: &mut Row, other: Row) -> Option<()> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::num::NonZeroU32;
 
     use super::*;
     use crate::sweep::write_table;
 
     /// A sweep of two cells with two maps.
-    fn plan(folder: &Path, axis: &str, runs: u32) -> Sweep {
+    pub(in crate::sweep) fn plan(folder: &Path, axis: &str, runs: u32) -> Sweep {
         let smoke = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/smoke.toml");
         let map = "[maps.algorithm.ml_tm]\ngrid_step_m = 0.5\n\
                    profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 }\n";
@@ -136,10 +136,10 @@ mod tests {
         Sweep::read(&scenario, &[], None, NonZeroU32::new(runs)).unwrap()
     }
 
-    const STEPS: &str = "maps.0.algorithm.ml_tm.grid_step_m = [0.5, 1.0]";
+    pub(in crate::sweep) const STEPS: &str = "maps.0.algorithm.ml_tm.grid_step_m = [0.5, 1.0]";
 
     /// Rows with two maps, one map, none, and an error.
-    fn made_up(plan: &Sweep) -> Vec<Row> {
+    pub(in crate::sweep) fn made_up(plan: &Sweep) -> Vec<Row> {
         let values = |maps: &[&str], seed: u32| {
             let value = |(i, measure): (u32, &sextant::summary::Measure)| {
                 let has = measure.map().is_none_or(|map| maps.contains(&map));

@@ -82,31 +82,31 @@ fn framed(plan: &Sweep, measures: impl Iterator<Item = Column>) -> Vec<Column> {
     identity.into_iter().chain(plan.keys().to_vec()).chain([map, error]).chain(measures).chain([mark]).collect()
 }
 
-/// The table of `rows`, one row for each cell, run and map: its columns, without measures that have no value, and its texts. A
-/// cell without a value is empty.
-#[must_use]
-pub fn table(plan: &Sweep, rows: &[Row]) -> (Vec<Column>, Vec<Vec<String>>) {
+/// The table of `rows`, one row for each cell, run and map: its columns, without measures that have no value, and its texts, which
+/// are made one row after the other. A cell without a value is empty.
+pub(super) fn table(plan: &Sweep, rows: &[Row]) -> (Vec<Column>, impl Iterator<Item = Vec<String>>) {
     let measured: Vec<_> = measured(plan).into_iter().filter(|measured| has_value(measured, rows)).collect();
     let columns = framed(plan, measured.iter().map(|measured| measured.column.clone()));
-    let mut texts = Vec::new();
-    for row in rows {
-        let head = [row.cell.to_string(), row.replicate.to_string(), plan.seed_of(row.replicate).to_string()];
-        let head: Vec<String> = head.into_iter().chain(plan.values(row.cell)).collect();
-        let (error, values) = match &row.outcome {
-            Ok(values) => ("", values.as_slice()),
-            Err(error) => (error.as_str(), [].as_slice()),
+    (columns, rows.iter().flat_map(move |row| texts(plan, &measured, row)))
+}
+
+/// The rows of a run in the table.
+fn texts(plan: &Sweep, measured: &[Measured], row: &Row) -> Vec<Vec<String>> {
+    let head = [row.cell.to_string(), row.replicate.to_string(), plan.seed_of(row.replicate).to_string()];
+    let head: Vec<String> = head.into_iter().chain(plan.values(row.cell)).collect();
+    let (error, values) = match &row.outcome {
+        Ok(values) => ("", values.as_slice()),
+        Err(error) => (error.as_str(), [].as_slice()),
+    };
+    let of_map = |map: &str| {
+        let value = |measured: &Measured| {
+            let value = measured.measure(map).and_then(|measure| values.get(measure).copied().flatten());
+            value.map_or_else(String::new, |value| written(value, measured.column.kind))
         };
-        for map in maps(plan, values) {
-            let value = |measured: &Measured| {
-                let value = measured.measure(map).and_then(|measure| values.get(measure).copied().flatten());
-                value.map_or_else(String::new, |value| written(value, measured.column.kind))
-            };
-            let of_map = [map.to_owned(), error.to_owned()];
-            let values = measured.iter().map(value);
-            texts.push(head.iter().cloned().chain(of_map).chain(values).chain([plan.mark().to_owned()]).collect());
-        }
-    }
-    (columns, texts)
+        let names = [map.to_owned(), error.to_owned()];
+        head.iter().cloned().chain(names).chain(measured.iter().map(value)).chain([plan.mark().to_owned()]).collect()
+    };
+    maps(plan, values).into_iter().map(of_map).collect()
 }
 
 /// Whether any row has a value of a column.

@@ -30,7 +30,7 @@ const VICTIMS: [Victim; 7] = [
     Victim {
         line: "sweep a.toml --runs 6 --out t.csv",
         again: |bench| {
-            // Beside a finished table the folder of finished units may be left.
+            // Beside a finished table the folder of finished runs may be left.
             let is_begun = bench.path("t.csv.parts/fingerprint").exists();
             if is_begun { " --resume" } else { " --force" }
         },

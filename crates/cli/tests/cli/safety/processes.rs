@@ -75,7 +75,7 @@ fn of_two_sweeps_with_one_table_one_is_told() {
         sextant().args(words).current_dir(bench.folder()).spawn().expect("the program starts")
     };
     let first = sweep();
-    while !bench.path("t.csv.parts/0000000.csv").exists() {
+    while !bench.path("t.csv.parts/000000000-000000040.unfinished-001.csv").exists() {
         thread::sleep(Duration::from_millis(1));
     }
     let said = bench.refused("sweep a.toml --runs 40 --out t.csv --resume");

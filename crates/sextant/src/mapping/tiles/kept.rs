@@ -11,13 +11,13 @@ use sextant_mapper::{
 };
 use sextant_recording::ForeignFolder;
 use sextant_recording::disk;
+use sextant_recording::output::store::NumberRange;
 use sextant_recording::output::{CsvFile, EmptyCell, write_file};
 use sextant_scenario::{MapJob, MapSettings};
 use sha2::{Digest, Sha256};
 
 use super::tiled_log::TiledLog;
 use crate::mapping::{Input, TilesError};
-use crate::number_range::NumberRange;
 
 /// Begins the first line of a tile.
 const MARK: &str = "sextant-tile-2";

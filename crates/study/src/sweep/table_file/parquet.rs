@@ -17,43 +17,72 @@ use super::Texts;
 use crate::sweep::column::{Column, Kind};
 use crate::sweep::row::written;
 
+/// The values of a column, and for each row whether it has one.
+struct Values {
+    present: Vec<i16>,
+    values: Typed,
+}
+
+enum Typed {
+    Integer(Vec<i64>),
+    Real(Vec<f64>),
+    Text(Vec<ByteArray>),
+}
+
+impl Values {
+    fn of(column: &Column) -> Self {
+        let values = match column.kind {
+            Kind::Integer => Typed::Integer(Vec::new()),
+            Kind::Real => Typed::Real(Vec::new()),
+            Kind::Text => Typed::Text(Vec::new()),
+        };
+        Self { present: Vec::new(), values }
+    }
+
+    /// Adds the value of a row; `None` if the text is of another kind. An empty text becomes null.
+    fn push(&mut self, text: &str) -> Option<()> {
+        self.present.push((!text.is_empty()).into());
+        if text.is_empty() {
+            return Some(());
+        }
+        match &mut self.values {
+            Typed::Integer(values) => values.push(text.parse().ok()?),
+            Typed::Real(values) => values.push(text.parse().ok()?),
+            Typed::Text(values) => values.push(text.into()),
+        }
+        Some(())
+    }
+}
+
 /// `rows` under `columns` as a Parquet file.
-pub(super) fn encode(columns: &[Column], rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
+pub(super) fn encode(columns: &[Column], rows: impl Iterator<Item = Vec<String>>) -> io::Result<Vec<u8>> {
     in_one_group(columns, rows).map_err(|error| io::Error::other(error.to_string()))
 }
 
-/// One row group; an empty text becomes null.
-fn in_one_group(columns: &[Column], rows: &[Vec<String>]) -> Result<Vec<u8>, ParquetError> {
+/// One row group.
+fn in_one_group(columns: &[Column], rows: impl Iterator<Item = Vec<String>>) -> Result<Vec<u8>, ParquetError> {
+    let mut all: Vec<Values> = columns.iter().map(Values::of).collect();
+    for row in rows {
+        for ((column, values), text) in columns.iter().zip(&mut all).zip(&row) {
+            let misfit = || ParquetError::General(format!("`{text}` in column `{}`", column.name));
+            values.push(text).ok_or_else(misfit)?;
+        }
+    }
     let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
     let schema = Arc::new(Type::group_type_builder("sweep").with_fields(fields).build()?);
     let properties = WriterProperties::builder().set_created_by(format!("sextant {}", env!("CARGO_PKG_VERSION")));
     let mut bytes = Vec::new();
     let mut file = SerializedFileWriter::new(&mut bytes, schema, Arc::new(properties.build()))?;
     let mut group = file.next_row_group()?;
-    for (i, column) in columns.iter().enumerate() {
-        let texts: Vec<&str> = rows.iter().map(|row| row[i].as_str()).collect();
-        let present: Vec<i16> = texts.iter().map(|text| i16::from(!text.is_empty())).collect();
-        let texts = texts.into_iter().filter(|text| !text.is_empty());
+    for Values { present, values } in all {
         let Some(mut writer) = group.next_column()? else {
             return Err(ParquetError::General("a column is missing in the schema".to_owned()));
         };
-        let misfit = |text: &str| ParquetError::General(format!("`{text}` in column `{}`", column.name));
-        match column.kind {
-            Kind::Integer => {
-                let values =
-                    texts.map(|text| text.parse().map_err(|_| misfit(text))).collect::<Result<Vec<_>, _>>()?;
-                writer.typed::<Int64Type>().write_batch(&values, Some(&present), None)?;
-            }
-            Kind::Real => {
-                let values =
-                    texts.map(|text| text.parse().map_err(|_| misfit(text))).collect::<Result<Vec<_>, _>>()?;
-                writer.typed::<DoubleType>().write_batch(&values, Some(&present), None)?;
-            }
-            Kind::Text => {
-                let values: Vec<_> = texts.map(ByteArray::from).collect();
-                writer.typed::<ByteArrayType>().write_batch(&values, Some(&present), None)?;
-            }
-        }
+        match values {
+            Typed::Integer(values) => writer.typed::<Int64Type>().write_batch(&values, Some(&present), None)?,
+            Typed::Real(values) => writer.typed::<DoubleType>().write_batch(&values, Some(&present), None)?,
+            Typed::Text(values) => writer.typed::<ByteArrayType>().write_batch(&values, Some(&present), None)?,
+        };
         writer.close()?;
     }
     group.close()?;
@@ -103,7 +132,8 @@ mod tests {
     #[test]
     fn a_parquet_table_keeps_types_and_nulls() {
         let (columns, rows) = table();
-        let reader = SerializedFileReader::new(bytes::Bytes::from(encode(&columns, &rows).unwrap())).unwrap();
+        let reader =
+            SerializedFileReader::new(bytes::Bytes::from(encode(&columns, rows.into_iter()).unwrap())).unwrap();
         let read: Vec<Vec<Field>> = reader
             .get_row_iter(None)
             .unwrap()

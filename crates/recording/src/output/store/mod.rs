@@ -1,0 +1,444 @@
+//! Finished parts of long work, from which it goes on when it was cut off. The work is a list of runs, numbered from 0, and the
+//! results of a run are rows of text.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `A-B.csv` | a part: the rows of the runs A to B - 1 |
+//! | `A-B.unfinished-N.csv` | the rows of the part that are finished, as they came; N is another one for each process that does it |
+//! | `fingerprint` | what the work is, where one process does it alone |
+//!
+//! The first line of a part says what work it is of. No file has two writers, so none needs a lock; a process that does the
+//! work alone locks `fingerprint`. What is appended is there when the process is killed, and a row that was cut off is seen to be.
+
+mod blocks;
+mod error;
+mod name;
+mod range;
+
+pub use error::StoreError;
+pub use name::PartName;
+pub use range::NumberRange;
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Read, Write};
+use std::path::{Path, PathBuf};
+
+use super::identity::is_claimed;
+use super::{OutputError, write_file};
+use crate::disk::{self, DiskFile};
+use crate::foreign_folder::ForeignFolder;
+use blocks::{Blocks, block};
+
+/// Begins the first line of a part.
+const MARK: &str = "sextant-part-1";
+
+/// The file that says what the work is.
+const FINGERPRINT: &str = "fingerprint";
+
+/// The most that is read of it, of a finished part and of the first line of another one (octets).
+const LARGEST_MARK: u64 = 1 << 20;
+const LARGEST_PART: u64 = 1 << 30;
+const LONGEST_HEAD: u64 = 1 << 10;
+
+/// A folder of finished parts.
+#[derive(Debug)]
+pub struct Store {
+    /// The folder or one above it, whose files somebody else may have written.
+    foreign: ForeignFolder,
+    folder: PathBuf,
+    /// What the work is: a word.
+    identity: String,
+    /// Locked as long as this process does the work alone.
+    lock: Option<File>,
+}
+
+/// Whether work was begun before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begun {
+    /// Now.
+    Now,
+    /// It was, and cut off.
+    Before,
+}
+
+impl Store {
+    /// The store in `folder`, which is in the `foreign` one, of a work that many processes do.
+    #[must_use]
+    pub fn shared(foreign: ForeignFolder, folder: PathBuf, identity: &str) -> Self {
+        Self { foreign, folder, identity: identity.to_owned(), lock: None }
+    }
+
+    /// The store in `folder`, which may be new, of a work that this process does alone; and whether it was begun before.
+    ///
+    /// # Errors
+    /// If the folder is the store of other work, another process has it, or it cannot be read or written.
+    pub fn alone(folder: &Path, identity: &str) -> Result<(Self, Begun), StoreError> {
+        let foreign = ForeignFolder::new(folder);
+        let mark = folder.join(FINGERPRINT);
+        let busy = || StoreError::Busy { folder: folder.to_owned() };
+        let begun = match foreign.read_text(&mark, LARGEST_MARK) {
+            Ok(found) if found != identity => return Err(StoreError::Other { path: mark }),
+            Ok(_) => Begun::Before,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                disk::create_folder(folder)
+                    .or_else(|error| match error.kind() {
+                        // A process that was killed just after it created the folder left no fingerprint.
+                        io::ErrorKind::AlreadyExists => Ok(()),
+                        _ => Err(error),
+                    })
+                    .map_err(|error| OutputError::new(folder, &error))?;
+                match write_file(&mark, identity.as_bytes()) {
+                    // Another process has just finished the work.
+                    Err(_) if !folder.exists() => return Err(busy()),
+                    written => written?,
+                }
+                Begun::Now
+            }
+            Err(why) => return Err(StoreError::Read { path: mark, why }),
+        };
+        let lock = match File::open(&mark) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(busy()),
+            opened => opened.map_err(|why| StoreError::Read { path: mark.clone(), why })?,
+        };
+        if !is_claimed(&lock, &mark) {
+            return Err(busy());
+        }
+        Ok((Self { foreign, folder: folder.to_owned(), identity: identity.to_owned(), lock: Some(lock) }, begun))
+    }
+
+    /// The parts in the store.
+    ///
+    /// # Errors
+    /// If the folder cannot be read, or has a file that is no part.
+    pub fn parts(&self) -> Result<Vec<PartName>, StoreError> {
+        let unreadable = |why| StoreError::Read { path: self.folder.clone(), why };
+        let mut parts = Vec::new();
+        for path in self.foreign.entries(&self.folder).map_err(unreadable)? {
+            let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+            match PartName::parse(name) {
+                Some(part) => parts.push(part),
+                // A part that another process writes now.
+                None if path.extension().is_some_and(|extension| extension == "part") => {}
+                None if name == FINGERPRINT && self.lock.is_some() => {}
+                None => return Err(StoreError::Invalid { path, why: "parts are called A-B.csv".to_owned() }),
+            }
+        }
+        Ok(parts)
+    }
+
+    /// The file of a part.
+    #[must_use]
+    pub fn path(&self, part: PartName) -> PathBuf {
+        self.folder.join(part.text())
+    }
+
+    /// The rows of a part; `None` if it was unfinished and its process has just finished it.
+    ///
+    /// # Errors
+    /// If it cannot be read, is no part, or is of other work.
+    pub fn read(&self, part: PartName) -> Result<Option<PartRows>, StoreError> {
+        let path = self.path(part);
+        if part.unfinished.is_none() {
+            return self.finished(&path).map(Some);
+        }
+        match self.unfinished(&path) {
+            Err(StoreError::Read { why, .. }) if why.kind() == io::ErrorKind::NotFound => Ok(None),
+            read => read.map(Some),
+        }
+    }
+
+    fn finished(&self, path: &Path) -> Result<PartRows, StoreError> {
+        let unreadable = |why| StoreError::Read { path: path.to_owned(), why };
+        let mut text = Cursor::new(self.foreign.read_text(path, LARGEST_PART).map_err(unreadable)?.into_bytes());
+        let wall_s = self.head(path, &mut text)?;
+        Ok(PartRows(Rows::Finished { text, wall_s }))
+    }
+
+    fn unfinished(&self, path: &Path) -> Result<PartRows, StoreError> {
+        let unreadable = |why| StoreError::Read { path: path.to_owned(), why };
+        let mut text = BufReader::new(self.foreign.open(path).map_err(unreadable)?);
+        let rows = match self.head(path, &mut text) {
+            // A power failure left the file without its first line, and so without a row.
+            Err(StoreError::Invalid { .. }) if self.is_cut_off(path).map_err(unreadable)? => Rows::None,
+            Err(error) => return Err(error),
+            Ok(_) => Rows::Unfinished(Blocks::new(text)),
+        };
+        Ok(PartRows(rows))
+    }
+
+    /// Reads the first line of a part: how long the work on it took (s).
+    fn head(&self, path: &Path, text: &mut impl BufRead) -> Result<f64, StoreError> {
+        let mut line = Vec::new();
+        let read = text.by_ref().take(LONGEST_HEAD).read_until(b'\n', &mut line);
+        read.map_err(|why| StoreError::Read { path: path.to_owned(), why })?;
+        let line = String::from_utf8_lossy(&line);
+        let mut words = line.strip_suffix('\n').unwrap_or_default().split(',');
+        let (Some(MARK), Some(identity), Some(wall_s)) = (words.next(), words.next(), words.next()) else {
+            let why = format!("its first line is not `{MARK}` and the plan");
+            return Err(StoreError::Invalid { path: path.to_owned(), why });
+        };
+        if identity != self.identity {
+            return Err(StoreError::Other { path: path.to_owned() });
+        }
+        Ok(seconds(wall_s).unwrap_or(0.0))
+    }
+
+    /// Whether the first line of an unfinished part has not all of its octets.
+    fn is_cut_off(&self, path: &Path) -> io::Result<bool> {
+        let whole = head(&self.identity, 0.0);
+        let mut found = Vec::new();
+        self.foreign.open(path)?.take(whole.len() as u64).read_to_end(&mut found)?;
+        Ok(found.contains(&0) || found.len() < whole.len() && whole.starts_with(&found))
+    }
+
+    /// Begins a part, in a file of this process.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn begin(&self, range: NumberRange) -> Result<UnfinishedPart, OutputError> {
+        let mut number = 1;
+        loop {
+            let name = PartName { range, unfinished: Some(number) };
+            let path = self.path(name);
+            let unwritten = |error: io::Error| OutputError::new(&path, &error);
+            match DiskFile::create_new(&path) {
+                Ok(mut file) => {
+                    let head = head(&self.identity, 0.0);
+                    let written = file.write_all(&head).and_then(|()| file.sync());
+                    written.and_then(|()| disk::sync_folder_of(&path)).map_err(unwritten)?;
+                    return Ok(UnfinishedPart { name, path, file });
+                }
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
+                Err(error) => return Err(unwritten(error)),
+            }
+        }
+    }
+
+    /// Writes a finished part with these `rows`, completely or not at all; the work on it took `wall_s` seconds. Of processes
+    /// that do the same part at once, the last one is kept.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn finish(&self, range: NumberRange, rows: &[u8], wall_s: f64) -> Result<(), OutputError> {
+        let path = self.path(PartName { range, unfinished: None });
+        write_file(&path, &[&head(&self.identity, wall_s), rows].concat())
+    }
+
+    /// Removes a part whose rows are in another one.
+    pub fn remove(&self, part: PartName) {
+        // One that stays does no harm.
+        let _ = disk::remove_file(&self.path(part));
+    }
+}
+
+/// Removes the store in `folder`. What another process begins there at the same moment stays.
+///
+/// # Errors
+/// If it cannot be removed.
+pub fn remove(folder: &Path) -> Result<(), OutputError> {
+    match disk::remove_folder(folder) {
+        Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => Ok(()),
+        removed => removed.map_err(|error| OutputError::new(folder, &error)),
+    }
+}
+
+/// The first line of a part.
+fn head(identity: &str, wall_s: f64) -> Vec<u8> {
+    format!("{MARK},{identity},{wall_s:.3}\n").into_bytes()
+}
+
+/// How long something took (s), as a text.
+fn seconds(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|wall_s: &f64| wall_s.is_finite() && *wall_s >= 0.0)
+}
+
+/// A part that this process does.
+#[derive(Debug)]
+pub struct UnfinishedPart {
+    name: PartName,
+    path: PathBuf,
+    file: DiskFile,
+}
+
+impl UnfinishedPart {
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> PartName {
+        self.name
+    }
+
+    /// Adds finished `rows`; the work had taken `wall_s` seconds until then. They are there also if the process is killed, but the
+    /// disk is not waited for.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn append(&mut self, rows: &[u8], wall_s: f64) -> Result<(), OutputError> {
+        self.file.write_all(&block(rows, wall_s)).map_err(|error| OutputError::new(&self.path, &error))
+    }
+
+    /// Makes what was added reach the disk: it is there also if the power fails.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn sync(&self) -> Result<(), OutputError> {
+        self.file.sync().map_err(|error| OutputError::new(&self.path, &error))
+    }
+}
+
+/// The rows of a part, as text. Those that were cut off are left out.
+#[derive(Debug)]
+pub struct PartRows(Rows);
+
+#[derive(Debug)]
+enum Rows {
+    None,
+    Finished { text: Cursor<Vec<u8>>, wall_s: f64 },
+    Unfinished(Blocks<BufReader<File>>),
+}
+
+impl PartRows {
+    /// How long the work on the rows took that were read (s).
+    #[must_use]
+    pub fn wall_s(&self) -> f64 {
+        match &self.0 {
+            Rows::None => 0.0,
+            Rows::Finished { wall_s, .. } => *wall_s,
+            Rows::Unfinished(blocks) => blocks.wall_s,
+        }
+    }
+}
+
+impl Read for PartRows {
+    fn read(&mut self, octets: &mut [u8]) -> io::Result<usize> {
+        match &mut self.0 {
+            Rows::None => Ok(0),
+            Rows::Finished { text, .. } => text.read(octets),
+            Rows::Unfinished(blocks) => blocks.read(octets),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RANGE: NumberRange = NumberRange { start: 0, end: 9 };
+
+    fn shared(folder: &Path, identity: &str) -> Store {
+        Store::shared(ForeignFolder::new(folder), folder.to_owned(), identity)
+    }
+
+    fn text(store: &Store, part: PartName) -> String {
+        let mut rows = store.read(part).unwrap().unwrap();
+        let mut text = String::new();
+        rows.read_to_string(&mut text).unwrap();
+        text
+    }
+
+    /// Rows with line feeds, nothing and much in them.
+    fn blocks_of_rows() -> Vec<String> {
+        let long = "1,2,".repeat(3000);
+        ["0,0,,0.5\n", "1,0,\"a\nb\"\n2,0,,\n", "", &long, "3,0,,é\n"].map(str::to_owned).to_vec()
+    }
+
+    /// A store with one unfinished part, which has these blocks.
+    fn with_blocks(folder: &Path, blocks: &[String]) -> (Store, PartName) {
+        let store = shared(folder, "this");
+        let mut part = store.begin(RANGE).unwrap();
+        for (wall_s, rows) in (1_u8..).zip(blocks) {
+            part.append(rows.as_bytes(), wall_s.into()).unwrap();
+        }
+        part.sync().unwrap();
+        (store, part.name())
+    }
+
+    #[test]
+    fn what_was_appended_is_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let blocks = blocks_of_rows();
+        let (store, part) = with_blocks(folder.path(), &blocks);
+        let mut rows = store.read(part).unwrap().unwrap();
+        let mut text = String::new();
+        rows.read_to_string(&mut text).unwrap();
+        assert_eq!((text, rows.wall_s()), (blocks.concat(), 5.0));
+        assert_eq!(rows.read(&mut [0]).unwrap(), 0, "it is over");
+        let next = store.begin(RANGE).unwrap().name();
+        assert_eq!(store.parts().unwrap(), [part, next], "each process has its own file");
+        assert_eq!((part.unfinished, next.unfinished), (Some(1), Some(2)));
+        assert!(matches!(shared(folder.path(), "other").read(part), Err(StoreError::Other { .. })));
+        store.remove(part);
+        assert!(store.read(part).unwrap().is_none(), "another process finished it");
+    }
+
+    #[test]
+    fn of_a_part_that_was_cut_off_anywhere_all_whole_blocks_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let blocks = ["0,0,,0.5\n", "1,0,\"a\nb\"\n2,0,,\n", "3,0,,1\n"].map(str::to_owned);
+        let (store, part) = with_blocks(folder.path(), &blocks);
+        let path = store.path(part);
+        let whole = std::fs::read(&path).unwrap();
+        let mut ends = vec![head("this", 0.0).len()];
+        for (wall_s, rows) in (1_u8..).zip(&blocks) {
+            ends.push(ends[ends.len() - 1] + block(rows.as_bytes(), wall_s.into()).len());
+        }
+        assert_eq!(ends.last(), Some(&whole.len()));
+        for cut in 0..=whole.len() {
+            let kept = ends.iter().filter(|end| **end <= cut).count().saturating_sub(1);
+            std::fs::write(&path, &whole[..cut]).unwrap();
+            assert_eq!(text(&store, part), blocks[..kept].concat(), "cut at {cut}");
+            // Octets that did not reach the disk before a power failure are zeros.
+            let mut zeros = whole.clone();
+            zeros[cut..].fill(0);
+            std::fs::write(&path, &zeros).unwrap();
+            assert_eq!(text(&store, part), blocks[..kept].concat(), "zeros from {cut}");
+        }
+        for at in ends[0]..whole.len() {
+            let mut changed = whole.clone();
+            changed[at] ^= 1;
+            std::fs::write(&path, &changed).unwrap();
+            let before = ends.iter().filter(|end| **end <= at).count() - 1;
+            assert_eq!(text(&store, part), blocks[..before].concat(), "octet {at} is another one");
+        }
+    }
+
+    #[test]
+    fn other_files_are_no_parts() {
+        let folder = tempfile::tempdir().unwrap();
+        let (store, part) = with_blocks(folder.path(), &[]);
+        for other in ["hello\n", "sextant-part-2,this,0.000\n", "x"] {
+            std::fs::write(store.path(part), other).unwrap();
+            assert!(matches!(store.read(part), Err(StoreError::Invalid { .. })), "{other}");
+        }
+        std::fs::write(folder.path().join("000000000-000000009.csv.1-0.part"), "").unwrap();
+        assert_eq!(store.parts().unwrap(), [part], "what is being written is left out");
+        std::fs::write(folder.path().join("0000007.csv"), "").unwrap();
+        assert!(matches!(store.parts(), Err(StoreError::Invalid { .. })));
+    }
+
+    #[test]
+    fn a_finished_part_has_all_rows_and_how_long_it_took() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = shared(folder.path(), "this");
+        store.finish(RANGE, b"0,0,,1\n", 2.5).unwrap();
+        let part = PartName { range: RANGE, unfinished: None };
+        assert_eq!(store.parts().unwrap(), [part]);
+        assert_eq!(std::fs::read(store.path(part)).unwrap(), b"sextant-part-1,this,2.500\n0,0,,1\n");
+        assert_eq!((text(&store, part).as_str(), store.read(part).unwrap().unwrap().wall_s()), ("0,0,,1\n", 2.5));
+        std::fs::write(store.path(part), "").unwrap();
+        assert!(matches!(store.read(part), Err(StoreError::Invalid { .. })), "it is renamed when it is whole");
+    }
+
+    #[test]
+    fn work_that_is_done_alone_is_done_by_one_process_and_goes_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = folder.path().join("table.csv.parts");
+        let (first, begun) = Store::alone(&store, "this").unwrap();
+        assert_eq!((begun, first.parts().unwrap()), (Begun::Now, vec![]));
+        assert!(matches!(Store::alone(&store, "this"), Err(StoreError::Busy { .. })));
+        assert!(matches!(Store::alone(&store, "other"), Err(StoreError::Other { .. })));
+        drop(first);
+        assert_eq!(Store::alone(&store, "this").unwrap().1, Begun::Before);
+        remove(&store).unwrap();
+        assert!(!store.exists());
+    }
+}
