@@ -6,6 +6,7 @@
 mod machine;
 mod page;
 mod reference;
+mod used_keys;
 
 use std::collections::BTreeSet;
 use std::fs;
