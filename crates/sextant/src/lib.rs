@@ -18,6 +18,7 @@
 //!
 //! - [`Scenario`] is a simulation as a file or text says it: read, checked, and changed key by key.
 //! - [`run`](run()) simulates it, maps the nodes, measures the maps and runs the applications; [`survey`] simulates alone.
+//! - [`SteppedRun`] is the same run, which its caller advances to one time after the other, and looks at in between.
 //! - [`run_with`] does the same with controllers of robots and applications of stations of the caller's own: [`Programs`].
 //! - [`RunObserver`] sees a run while it goes on. Recordings ([`RunRecorder`]) and captures ([`RunCapture`]) are observers; a
 //!   pair of observers is one, and `()` sees nothing.
@@ -54,7 +55,7 @@ pub use forecast::Forecast;
 pub use link::{LinkError, LinkReport, RayReport, explain_link, rays_csv};
 pub use mapping::{LogMap, MapLogError, map_log};
 pub use number_range::NumberRange;
-pub use run::{Programs, Run, RunCapture, RunError, RunObserver, RunRecorder, run, run_with, survey};
+pub use run::{Programs, Run, RunCapture, RunError, RunObserver, RunRecorder, SteppedRun, run, run_with, survey};
 pub use sextant_channel as channel;
 pub use sextant_figure as figure;
 pub use sextant_kernel as kernel;

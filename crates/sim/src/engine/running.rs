@@ -19,7 +19,7 @@ pub(super) enum Stage {
     /// It waits at this time.
     Waiting {
         at: SimTime,
-        /// What happens next: no event is pending before it.
+        /// What happens next, if it is known: no pending event is before it.
         next: Option<(SimTime, Event)>,
     },
     /// It has ended: by itself, or because the observer ended it.
@@ -34,7 +34,7 @@ enum Halt {
     Interrupted,
     /// Nothing is left to happen.
     Drained,
-    /// This happens next, after the limit or at it.
+    /// This happens next, at the limit or after it.
     Due(SimTime, Event),
 }
 
