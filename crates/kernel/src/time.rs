@@ -23,6 +23,18 @@ impl SimTime {
         Self(nanos)
     }
 
+    /// The instant `secs` seconds after the start.
+    ///
+    /// # Panics
+    /// If that is more than 584 years.
+    #[must_use]
+    pub const fn from_secs(secs: u64) -> Self {
+        match secs.checked_mul(1_000_000_000) {
+            Some(nanos) => Self(nanos),
+            None => panic!("an instant is at most 584 years after the start"),
+        }
+    }
+
     /// Nanoseconds since the start.
     #[must_use]
     #[inline]

@@ -16,24 +16,44 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! - [`Scenario`] is a simulation as a file or text says it: read, checked, and changed key by key.
-//! - [`run`](run()) simulates it, maps the nodes, measures the maps and runs the applications; [`survey`] simulates alone.
-//! - [`run_with`] does the same with controllers of robots and applications of stations of the caller's own: [`Programs`].
-//! - [`RunObserver`] sees a run while it goes on. Recordings ([`RunRecorder`]) and captures ([`RunCapture`]) are observers; a
-//!   pair of observers is one, and `()` sees nothing.
-//! - [`Forecast`] is what follows from a scenario before it runs, and [`forecast::warnings`] what is likely a mistake.
-//! - [`map_log`] maps a log that was made in code, or read by `sextant-logs` or `sextant-recording`; [`mapping`] has all
-//!   settings of `sextant map`.
-//! - [`explain_link`] says why a station hears another one, or not: the power between the two, item by item.
-//! - [`antenna`] says what the sectors of an antenna cover, and makes code books of measurements in other formats.
-//! - A scenario with many settings and seeds is a study: the crate `sextant-study`.
-//! - [`Template`](template::Template)s are scenarios to begin with; [`scenario::explain`] says what a key means.
-//! - [`Summary`] is the result of each of them, as the JSON object of `--summary`.
-//! - [`kernel`], [`channel`], [`sim`], [`apps`], [`mapper`], [`logs`], [`recording`], [`figure`] and [`scenario`] are the crates below:
-//!   their words are those of this one, so a program needs no other dependency.
+//! # The types to begin with
+//! - [`Scenario`]: a simulation as a file or text says it, read, checked, and changed key by key. [`ScenarioErrors`] are all its
+//!   mistakes at once.
+//! - [`run`](run()): simulates a scenario, maps the nodes, measures the maps and runs the applications. [`survey`] simulates alone.
+//! - [`SteppedRun`]: the same run, which its caller advances to one time after the other, and looks at in between.
+//! - [`Run`]: what comes out, with its [`Summary`]: all results, as the JSON object of `--summary`. [`RunError`] is what goes wrong.
+//! - [`Programs`]: controllers of robots and applications of stations of the caller's own, for [`run_with`].
+//! - [`RunObserver`]: sees a run while it goes on. A pair of observers is one, and `()` sees nothing.
+//! - [`RunRecorder`] and [`RunCapture`]: observers that write recordings (MCAP) and captures (pcap).
+//! - [`map_log`]: maps a [`ReceptionLog`](channel::ReceptionLog) that was made in code, or read by [`logs`] or [`recording`].
+//! - [`LogMap`]: the map, and what its estimator learned; [`MapLogError`] is what goes wrong.
+//! - [`AlgorithmName`]: an estimator by its name, such as `"auto".parse()?`.
+//! - [`Watch`]: asked by long work whether to go on, and told how far it is; [`Unwatched`] goes on to the end.
+//! - [`Forecast`]: what follows from a scenario before it runs.
+//! - [`explain_link`]: why a station hears another one, or not.
+//! - [`export`](export()): the tables of a recording as files.
 //!
-//! Long work asks a [`Watch`] whether to go on, and tells it how far it is; [`Unwatched`] goes on to the end. Each activity
-//! has one type of errors. The same scenario and seed give the same bytes at any number of threads.
+//! # What is in the crates below
+//! They are modules of this crate, so a program needs no other dependency.
+//! - [`scenario`]: scenarios, [`Template`](template::Template)s to begin with, and what a key means.
+//! - [`kernel`]: [`SimTime`](kernel::SimTime), [`NodeId`](kernel::NodeId), [`RobotId`](kernel::RobotId) and random numbers.
+//! - [`channel`]: [`Position`](channel::Position), and logs of [`Stop`](channel::Stop)s and [`Reception`](channel::Reception)s.
+//! - [`sim`]: what an [`Observer`](sim::Observer) sees of a simulation, and what a [`Snapshot`](sim::Snapshot) of it shows.
+//!   - A [`Controller`](sim::Controller) of a robot looks at its [`Situation`](sim::Situation), with the
+//!     [`CommandOutcome`](sim::CommandOutcome), and gives a [`RobotCommand`](sim::RobotCommand), the last one with an
+//!     [`Ending`](sim::Ending).
+//!   - An [`Application`](sim::Application) of a station has a [`Port`](sim::Port) to send a [`Payload`](sim::Payload) to a
+//!     [`Destination`](sim::Destination) in a network ([`NetworkId`](sim::NetworkId)). It gets a [`Delivery`](sim::Delivery), or
+//!     a [`Timer`](sim::Timer).
+//! - [`apps`]: a [`Mission`](apps::Mission) of stations on a map; [`Scenario::with_mission`] adds one of your own.
+//! - [`mapper`]: a [`TopologyMap`](mapper::TopologyMap) in its [`CoordinateFrame`](mapper::CoordinateFrame), and its
+//!   [`PositionError`](mapper::PositionError).
+//! - [`logs`]: logs of real robots. [`recording`]: recordings, read and written.
+#![cfg_attr(feature = "figures", doc = "- [`figure`]: pictures of recordings, maps and logs (feature `figures`).")]
+//!
+//! A scenario with many settings and seeds is a study: the crate `sextant-study`.
+//!
+//! Each activity has one type of errors. The same scenario and seed give the same bytes at any number of threads.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
 
@@ -43,27 +63,35 @@ pub mod export;
 pub mod forecast;
 pub mod link;
 pub mod mapping;
-pub mod measure;
+mod measure;
 pub mod run;
 pub mod summary;
 mod threads;
 
-pub use export::{ExportError, export};
+// Scenarios, and runs of them.
+pub use run::{Programs, Run, RunCapture, RunError, RunObserver, RunRecorder, SteppedRun, run, run_with, survey};
+pub use sextant_kernel::{Unwatched, Watch};
+pub use sextant_scenario::{AlgorithmName, Scenario, ScenarioErrors, shell, template};
+pub use summary::Summary;
+
+// Logs, recordings and links.
+pub use export::export;
 pub use forecast::Forecast;
-pub use link::{LinkError, LinkReport, RayReport, explain_link, rays_csv};
+pub use link::{LinkError, explain_link};
 pub use mapping::{LogMap, MapLogError, map_log};
-pub use run::{Programs, Run, RunCapture, RunError, RunObserver, RunRecorder, run, run_with, survey};
+
+// Limits of what may be asked for.
+pub use sextant_recording::output::store::NumberRange;
+pub use threads::MOST_THREADS;
+
+// The crates below.
 pub use sextant_apps as apps;
 pub use sextant_channel as channel;
+#[cfg(feature = "figures")]
 pub use sextant_figure as figure;
 pub use sextant_kernel as kernel;
-pub use sextant_kernel::{Unwatched, Watch};
 pub use sextant_logs as logs;
 pub use sextant_mapper as mapper;
 pub use sextant_recording as recording;
-pub use sextant_recording::output::store::NumberRange;
 pub use sextant_scenario as scenario;
-pub use sextant_scenario::{AlgorithmName, Scenario, ScenarioErrors, shell, template};
 pub use sextant_sim as sim;
-pub use summary::Summary;
-pub use threads::MOST_THREADS;

@@ -113,6 +113,7 @@ mod sensing;
 mod service;
 mod setup;
 mod simulation;
+mod snapshot;
 mod station;
 mod world;
 
@@ -128,7 +129,6 @@ pub use applications::traffic::{
     GroupConfig, Next, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig, TraceConfig,
     Traffic, TrafficConfig, TrafficPlan,
 };
-pub use engine::EndPose;
 pub use event::Timer;
 pub use faults::{Death, DeathsConfig, Faults, FaultsConfig, LyingAnchorsConfig};
 pub use halo::{AllSimulated, SimulatedPart};
@@ -158,9 +158,10 @@ pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use setup::Setup;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use simulation::{Applications, LeftOut, ReadySimulation, Simulation, Team};
+pub use snapshot::{RobotSnapshot, Snapshot};
 pub use station::{
-    Kind, Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RoleConfig,
-    Sink, SinkConfig,
+    Kind, Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RobotPose,
+    RoleConfig, Sink, SinkConfig,
 };
 pub use world::anchors::{AnchorsConfig, OptimisedAnchorsConfig};
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};

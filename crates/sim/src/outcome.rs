@@ -5,11 +5,11 @@ use sextant_kernel::SimTime;
 use sextant_mac::EnergySpent;
 
 use crate::applications::controller::{Ending, StopsLeftOut};
-use crate::engine::EndPose;
 use crate::faults::Death;
 use crate::halo::SimulatedPart;
 use crate::service::packets::{NetworkRecord, Packets};
 use crate::service::sensed::Sensations;
+use crate::station::RobotPose;
 
 /// The result of a simulation: everything that robots heard, and the outcomes of the packets.
 #[derive(Clone, Debug)]
@@ -64,5 +64,5 @@ pub struct RobotRecord {
     /// Stops of its planned path that were left out.
     pub left_out: StopsLeftOut,
     /// Where it is at the end of the simulation.
-    pub end_pose: EndPose,
+    pub end_pose: RobotPose,
 }

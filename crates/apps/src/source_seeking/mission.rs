@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use sextant_channel::Dbm;
 use sextant_kernel::SettingError;
-use sextant_sim::{Applications, Field, Gaussian, ReadySimulation, Setup};
+use sextant_sim::{Applications, Field, Gaussian, ReadySimulation, Setup, Simulation};
 
 use super::config::{GradientConfig, LevelSetConfig};
 use super::record::SeekRecord;
 use super::settings::SourceSeeking;
+use super::station::SeekStation;
 use crate::mission::{
     Mission, MissionArrival, MissionGoal, MissionOutcome, MissionPlace, MissionSettings, MissionTeam, SoughtField,
 };
@@ -58,7 +59,8 @@ impl Mission for SourceSeeking {
         team: MissionTeam<'_>,
         setup: Setup,
     ) -> Result<ReadySimulation<'static, MissionOutcome>, SettingError> {
-        Ok(self.simulation(map, team, setup)?.then(|records| outcome(&records)))
+        let simulation = Simulation::with(setup, self.stations(map, team))?;
+        Ok(simulation.ready(|own| outcome(&own.each(SeekStation::into_record))))
     }
 }
 

@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use sextant_kernel::{NodeId, SettingError};
-use sextant_sim::{
-    Application, Applications, Delivery, DriveEnd, Port, ReadySimulation, RobotBody, Sensed, Setup, Simulation, Timer,
-};
+use sextant_kernel::NodeId;
+use sextant_sim::{Application, Applications, Delivery, DriveEnd, Port, RobotBody, Sensed, Timer};
 
 use super::node::SeekNode;
 use super::record::SeekRecord;
@@ -26,23 +24,6 @@ pub enum SeekStation {
 }
 
 impl SourceSeeking {
-    /// The simulation of all stations, which know `map`, ready to run; it leaves a record of each behind.
-    ///
-    /// # Errors
-    /// Those of [`Simulation::with`].
-    ///
-    /// # Panics
-    /// If `team` is not that of `setup`.
-    pub fn simulation(
-        self: &Arc<Self>,
-        map: &Arc<NavigationMap>,
-        team: MissionTeam<'_>,
-        setup: Setup,
-    ) -> Result<ReadySimulation<'static, Applications<SeekRecord>>, SettingError> {
-        let simulation = Simulation::with(setup, self.stations(map, team))?;
-        Ok(simulation.ready(|own| own.each(SeekStation::into_record)))
-    }
-
     /// The applications of all stations, which know `map`.
     #[must_use]
     pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: MissionTeam<'_>) -> Applications<SeekStation> {

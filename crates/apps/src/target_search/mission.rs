@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use sextant_channel::{Bounds, Position};
 use sextant_kernel::SettingError;
-use sextant_sim::{Applications, ReadySimulation, Setup, TargetMotionConfig};
+use sextant_sim::{Applications, ReadySimulation, Setup, Simulation, TargetMotionConfig};
 
 use super::config::{DetarskConfig, PGConfig};
 use super::doubt::Doubt;
 use super::outbox::MessageCounts;
 use super::settings::TargetSearch;
-use super::station::SearchRecord;
+use super::station::{SearchRecord, SearchStation};
 use crate::mission::{
     Mission, MissionGoal, MissionOutcome, MissionPlace, MissionRobots, MissionSettings, MissionTeam,
 };
@@ -71,7 +71,8 @@ impl Mission for TargetSearch {
         team: MissionTeam<'_>,
         setup: Setup,
     ) -> Result<ReadySimulation<'static, MissionOutcome>, SettingError> {
-        Ok(self.simulation(map, team, setup)?.then(|records| outcome(&records)))
+        let simulation = Simulation::with(setup, self.stations(map, team))?;
+        Ok(simulation.ready(|own| outcome(&own.each(SearchStation::into_record))))
     }
 }
 

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::NodeId;
 use sextant_sim::{
-    Application, Applications, Delivery, DriveEnd, NetworkId, Port, ReadySimulation, RobotBody, SendReport, Sensed,
-    Setup, Simulation, Timer,
+    Application, Applications, Delivery, DriveEnd, NetworkId, Port, RobotBody, SendReport, Sensed, Timer,
 };
 
 use super::node::{NodeSearchRecord, SearchNode};
@@ -40,23 +39,6 @@ pub enum SearchRecord {
 }
 
 impl TargetSearch {
-    /// The simulation of all stations, which know `map`, ready to run; it leaves a record of each behind.
-    ///
-    /// # Errors
-    /// Those of [`Simulation::with`].
-    ///
-    /// # Panics
-    /// If `team` is not that of `setup`.
-    pub fn simulation(
-        self: &Arc<Self>,
-        map: &Arc<NavigationMap>,
-        team: MissionTeam<'_>,
-        setup: Setup,
-    ) -> Result<ReadySimulation<'static, Applications<SearchRecord>>, SettingError> {
-        let simulation = Simulation::with(setup, self.stations(map, team))?;
-        Ok(simulation.ready(|own| own.each(SearchStation::into_record)))
-    }
-
     /// The applications of all stations, which know `map`.
     #[must_use]
     pub fn stations(

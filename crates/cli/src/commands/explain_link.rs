@@ -8,8 +8,9 @@ use clap::Args;
 use super::options::{Overrides, Printing};
 use crate::diagnostic::Failure;
 use crate::terminal::stdout;
+use sextant::explain_link;
+use sextant::link::rays_csv;
 use sextant::scenario::Scenario;
-use sextant::{explain_link, rays_csv};
 
 /// Arguments of `sextant explain-link`.
 #[derive(Clone, Debug, Args)]

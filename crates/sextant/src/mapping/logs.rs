@@ -7,7 +7,7 @@ use sextant_scenario::MapJob;
 
 /// The logs of the networks that robots surveyed, at least one. The name of a network is empty if it has none.
 #[derive(Clone, Debug)]
-pub struct MapLogs<'a> {
+pub(crate) struct MapLogs<'a> {
     logs: Vec<(&'a str, &'a ReceptionLog)>,
 }
 
@@ -27,7 +27,7 @@ impl<'a> MapLogs<'a> {
     /// The log of the network of `map`. For a joint map it is that of its first network. A log that is alone is that of
     /// any network.
     #[must_use]
-    pub fn of(&self, map: &MapJob) -> &'a ReceptionLog {
+    pub(crate) fn of(&self, map: &MapJob) -> &'a ReceptionLog {
         let name = map.mapper.networks().first().copied().or(map.network.as_deref());
         name.and_then(|name| self.named(name)).unwrap_or(self.logs[0].1)
     }
@@ -39,7 +39,7 @@ impl<'a> MapLogs<'a> {
 
     /// What `map` may know of the logs.
     #[must_use]
-    pub fn knowledge<'b>(&'b self, map: &'b MapJob) -> Knowledge<'b> {
+    pub(crate) fn knowledge<'b>(&'b self, map: &'b MapJob) -> Knowledge<'b> {
         let frames = FrameKnowledge::Shared(&map.robots_in_world);
         Knowledge { logs: &self.logs, frames, ..Knowledge::from(self.of(map)) }
     }

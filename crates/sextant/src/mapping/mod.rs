@@ -2,6 +2,7 @@
 
 mod contents;
 mod error;
+#[cfg(feature = "figures")]
 mod figures;
 mod input;
 mod logs;
@@ -14,10 +15,13 @@ mod tiles_error;
 
 pub use contents::{Contents, SectorContents};
 pub use error::MapLogError;
+#[cfg(feature = "figures")]
 pub use figures::{drawn, figures};
 pub use input::Input;
-pub use logs::MapLogs;
+pub(crate) use logs::MapLogs;
 pub use map_log::{LogMap, map_log};
 pub use pipeline::{ComputedMap, map, map_files};
 pub use prior::place_prior;
 pub use tiles_error::TilesError;
+
+pub use crate::measure::Dimensions;

@@ -18,7 +18,7 @@ const ALONG: f64 = 0.94;
 
 /// What is odd if a similarity brings the mapped `places` far closer to `truth`, both by node. In the plane.
 #[must_use]
-pub fn axes(truth: &[Option<Position>], places: &[Option<Position>]) -> Option<Finding> {
+pub(crate) fn axes(truth: &[Option<Position>], places: &[Option<Position>]) -> Option<Finding> {
     let flat = |place: Position| Position::new(place.x_m, place.y_m, 0.0);
     let pair = |(truth, place): (&Option<Position>, &Option<Position>)| Some((flat((*place)?), flat((*truth)?)));
     let pairs: Vec<(Position, Position)> = truth.iter().zip(places).filter_map(pair).collect();

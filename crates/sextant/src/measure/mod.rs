@@ -6,8 +6,8 @@ mod placement;
 mod subject;
 mod truth;
 
-pub use axes::axes;
-pub use outline::outline;
-pub use placement::Placement;
-pub use subject::Subject;
-pub use truth::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
+pub(crate) use axes::axes;
+pub(crate) use placement::Placement;
+pub(crate) use subject::Subject;
+pub use truth::Dimensions;
+pub(crate) use truth::{NodeSectors, Truth, displacement, in_world, measure};

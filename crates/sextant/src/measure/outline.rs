@@ -8,7 +8,7 @@ use crate::summary::{ConcernSummary, ErrorSummary, HeightsSource, HeightsSummary
 
 /// The properties of a map of nodes with these `names`, without the truth.
 #[must_use]
-pub fn outline(
+pub(crate) fn outline(
     subject: &Subject<'_>,
     map: &TopologyMap,
     learned: Option<&EstimatorFindings>,

@@ -10,7 +10,7 @@ const SLIMMEST: f64 = 0.1;
 /// similarity, then the neighbourhood of each place by one of its own (Gunathillake 2018, section 6.4: Procrustes analysis
 /// with the nodes around the robot).
 #[derive(Clone, Debug)]
-pub struct Placement {
+pub(crate) struct Placement {
     /// `None` for the true places themselves.
     whole: Option<Similarity>,
     /// Where the first similarity brings each node, and its true place (m).
@@ -21,7 +21,7 @@ pub struct Placement {
 impl Placement {
     /// The places of a map that are those of the world.
     #[must_use]
-    pub fn of_truth() -> Self {
+    pub(crate) fn of_truth() -> Self {
         Self { whole: None, pairs: Vec::new(), neighbourhood_m: 0.0 }
     }
 
@@ -29,7 +29,7 @@ impl Placement {
     /// whole may be a mirror image; its parts may not. The nodes within `neighbourhood_m` of a place are its
     /// neighbourhood. `None` if the nodes determine no similarity.
     #[must_use]
-    pub fn of_map(
+    pub(crate) fn of_map(
         places: &[Option<Position>],
         truth: &[Position],
         reflection: Reflection,
@@ -45,7 +45,7 @@ impl Placement {
     /// The place in the world that a place on the map stands for. If fewer than three nodes are around it, or they are on
     /// a line, the similarity of the whole map decides alone.
     #[must_use]
-    pub fn in_world(&self, place: Position) -> Position {
+    pub(crate) fn in_world(&self, place: Position) -> Position {
         let Some(whole) = &self.whole else { return place };
         self.refined(whole.apply(place))
     }
@@ -63,7 +63,7 @@ impl Placement {
 
     /// Distances of the nodes of the map from where they really are (m); none for the true places.
     #[must_use]
-    pub fn errors_m(&self) -> Vec<f64> {
+    pub(crate) fn errors_m(&self) -> Vec<f64> {
         self.pairs.iter().map(|&(place, truth)| self.refined(place).distance_m(truth)).collect()
     }
 }

@@ -6,13 +6,13 @@ use sextant_scenario::MapJob;
 
 /// What a summary says of a map that the map itself does not know.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Subject<'a> {
+pub(crate) struct Subject<'a> {
     /// Its name in tables and recordings.
-    pub name: &'a str,
+    pub(crate) name: &'a str,
     /// The knowledge that its algorithm uses.
-    pub knowledge: &'a [KnowledgeKind],
+    pub(crate) knowledge: &'a [KnowledgeKind],
     /// The networks that it uses, if the scenario names them.
-    pub networks: Vec<String>,
+    pub(crate) networks: Vec<String>,
 }
 
 impl<'a> From<&'a MapJob> for Subject<'a> {

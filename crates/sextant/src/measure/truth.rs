@@ -17,13 +17,13 @@ use crate::summary::{
 
 /// The true positions of nodes.
 #[derive(Clone, Copy, Debug)]
-pub struct Truth<'a> {
+pub(crate) struct Truth<'a> {
     /// The true position of each node (m), where it is known.
-    pub places: &'a [Option<Position>],
+    pub(crate) places: &'a [Option<Position>],
     /// The nodes that know their position. In a map that uses anchors, these positions are not estimates.
-    pub anchors: &'a [Anchor],
+    pub(crate) anchors: &'a [Anchor],
     /// In how many dimensions they are known.
-    pub dimensions: Dimensions,
+    pub(crate) dimensions: Dimensions,
 }
 
 /// In how many dimensions true positions are known.
@@ -39,7 +39,7 @@ pub enum Dimensions {
 /// A map in world coordinates. A map that is known only up to a similarity is aligned to the true positions, each of its
 /// parts by itself; without the truth it stays as it is.
 #[must_use]
-pub fn in_world(map: TopologyMap, truth: Option<&[Option<Position>]>) -> (TopologyMap, AlignmentSummary) {
+pub(crate) fn in_world(map: TopologyMap, truth: Option<&[Option<Position>]>) -> (TopologyMap, AlignmentSummary) {
     match (&map.frame, truth) {
         (CoordinateFrame::World, _) => (map, AlignmentSummary::None),
         (CoordinateFrame::AlignedToAnchors, _) => (map, AlignmentSummary::Anchors),
@@ -65,7 +65,7 @@ const LEAST_TO_ALIGN: usize = 4;
 ///
 /// # Errors
 /// If `watch` stops the work.
-pub fn measure(
+pub(crate) fn measure(
     subject: &Subject<'_>,
     map: &TopologyMap,
     learned: Option<&EstimatorFindings>,
@@ -148,17 +148,17 @@ fn on_plane(place: Position) -> Position {
 
 /// The antennas of nodes, all with as many sectors of equal width.
 #[derive(Clone, Copy, Debug)]
-pub struct NodeSectors<'a> {
+pub(crate) struct NodeSectors<'a> {
     /// Number of sectors round the circle.
-    pub sectors: u32,
+    pub(crate) sectors: u32,
     /// Azimuth of the middle of sector 0 of each node (rad).
-    pub headings_rad: &'a [f64],
+    pub(crate) headings_rad: &'a [f64],
 }
 
 /// How far the sectors that a map suggests are from those that point to the neighbours; `None` if there are fewer than two
 /// sectors.
 #[must_use]
-pub fn displacement(
+pub(crate) fn displacement(
     truth: &[Position],
     map: &TopologyMap,
     antennas: NodeSectors<'_>,

@@ -43,7 +43,12 @@ impl Discoveries {
 
     /// Everything that `map` of `scenario` may use of the `logs` of its survey.
     #[must_use]
-    pub fn knowledge<'a>(&'a self, scenario: &'a Scenario, logs: &'a MapLogs<'a>, map: &'a MapJob) -> Knowledge<'a> {
+    pub(crate) fn knowledge<'a>(
+        &'a self,
+        scenario: &'a Scenario,
+        logs: &'a MapLogs<'a>,
+        map: &'a MapJob,
+    ) -> Knowledge<'a> {
         Knowledge {
             neighbours: self.neighbours.as_ref().map(|round| &round.log),
             beacons: self.beacons.as_ref().map(|round| &round.log),

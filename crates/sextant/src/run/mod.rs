@@ -19,6 +19,7 @@ mod programs;
 mod recorder;
 mod scattering;
 mod simulator;
+mod stepped;
 mod stop;
 mod witness;
 
@@ -33,3 +34,4 @@ pub use pipeline::{Run, Surveyed, run, run_on, run_with, survey};
 pub use programs::{ProgramError, ProgrammedRobots, Programs};
 pub use recorder::RunRecorder;
 pub use simulator::{Simulated, Simulator};
+pub use stepped::SteppedRun;

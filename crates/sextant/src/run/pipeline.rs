@@ -3,7 +3,7 @@
 use sextant_kernel::{SimTime, Watch};
 use sextant_recording::Phase;
 use sextant_scenario::{Application, Scenario};
-use sextant_sim::Survey;
+use sextant_sim::{Snapshot, Survey};
 
 use super::application::{Performance, ReadyApplication, Stage, UnalignedMap};
 use super::bound::{NoBound, SurveyBound};
@@ -74,44 +74,88 @@ pub fn run_with(
     observer: &mut dyn RunObserver,
     watch: &dyn Watch,
 ) -> Result<Run, RunError> {
-    let start = Stopwatch::start();
-    let has_survey = scenario.config().has_survey() || !programs.is_empty();
-    let simulator = has_survey.then(|| Simulator::with(scenario, programs)).transpose()?;
-    let discoveries = Discoveries::of(scenario, watch)?;
-    observer.run_started(&RunStart { scenario, discoveries: &discoveries })?;
-    let simulated = simulator.map(|simulator| simulate(scenario, simulator, observer, watch)).transpose()?;
-    let gather_s = start.elapsed_s();
-    let map_start = Stopwatch::start();
-    let mut maps = Maps { scenario, discoveries: &discoveries, summaries: Vec::new(), evaluations: Vec::new() };
-    let mut bound = Err(NoBound::NothingHeard);
-    let mut interrupted = false;
-    if let Some(simulated) = &simulated {
-        maps.of_nodes(simulated, observer, watch)?;
-        let mapped = watch.check().map_err(RunError::from).and_then(|()| {
-            bound = survey_bound(scenario, &simulated.survey, watch)?;
-            maps.of_robots(simulated, &bound, observer, watch)
+    StartedRun::new(scenario, programs, &mut *observer, watch)?.finish(observer)
+}
+
+/// A run whose survey is under way.
+pub(super) struct StartedRun<'a> {
+    scenario: &'a Scenario,
+    watch: &'a dyn Watch,
+    /// When the run began.
+    begun: Stopwatch,
+    discoveries: Discoveries,
+    /// The survey; `None` if the scenario has none.
+    simulator: Option<Simulator<'a>>,
+}
+
+impl<'a> StartedRun<'a> {
+    /// Starts the run of `scenario`, up to the first instant of its survey.
+    pub(super) fn new(
+        scenario: &'a Scenario,
+        programs: Programs<'a>,
+        observer: &mut dyn RunObserver,
+        watch: &'a dyn Watch,
+    ) -> Result<Self, RunError> {
+        let begun = Stopwatch::start();
+        let has_survey = scenario.config().has_survey() || !programs.is_empty();
+        let simulator = has_survey.then(|| Simulator::with(scenario, programs)).transpose()?;
+        let discoveries = Discoveries::of(scenario, watch)?;
+        observer.run_started(&RunStart { scenario, discoveries: &discoveries })?;
+        if has_survey {
+            start_survey(scenario, observer)?;
+        }
+        Ok(Self { scenario, watch, begun, discoveries, simulator })
+    }
+
+    /// Goes on with the survey until `time`.
+    pub(super) fn until(&mut self, time: SimTime, observer: &mut dyn RunObserver) {
+        if let Some(simulator) = &mut self.simulator {
+            simulator.until(time, &mut (observer, Stop(self.watch)));
+        }
+    }
+
+    /// What the survey is like now; `None` if the scenario has none.
+    pub(super) fn snapshot(&self) -> Option<Snapshot> {
+        self.simulator.as_ref().map(Simulator::snapshot)
+    }
+
+    /// Goes on to the end of the survey, and does what follows it.
+    pub(super) fn finish(self, observer: &mut dyn RunObserver) -> Result<Run, RunError> {
+        let Self { scenario, watch, begun, discoveries, simulator } = self;
+        let simulated = simulator.map(|simulator| finish_survey(scenario, simulator, observer, watch)).transpose()?;
+        let gather_s = begun.elapsed_s();
+        let map_start = Stopwatch::start();
+        let mut maps = Maps { scenario, discoveries: &discoveries, summaries: Vec::new(), evaluations: Vec::new() };
+        let mut bound = Err(NoBound::NothingHeard);
+        let mut interrupted = false;
+        if let Some(simulated) = &simulated {
+            maps.of_nodes(simulated, observer, watch)?;
+            let mapped = watch.check().map_err(RunError::from).and_then(|()| {
+                bound = survey_bound(scenario, &simulated.survey, watch)?;
+                maps.of_robots(simulated, &bound, observer, watch)
+            });
+            interrupted = is_interrupted(mapped)?;
+        }
+        let map_s = map_start.elapsed_s();
+        let Maps { summaries, evaluations, .. } = maps;
+        let survey = simulated.as_ref().map(|simulated| &simulated.survey);
+        let mut applications = Vec::new();
+        if !interrupted {
+            (applications, interrupted) = apply_all(scenario, &evaluations, survey, observer, watch)?;
+        }
+        let mut summary =
+            Summary { interrupted, ..sum_up(scenario, simulated.as_ref(), &discoveries, summaries, applications) };
+        observer.run_finished(&summary)?;
+        summary.timing = Some(Timing {
+            wall_s: begun.elapsed_s(),
+            gather_s: Some(gather_s),
+            map_s: Some(map_s),
+            events_per_s: survey.map(|survey| survey.events as f64 / gather_s),
+            peak_rss_bytes: peak_rss_bytes(),
         });
-        interrupted = is_interrupted(mapped)?;
+        let survey = simulated.map(|simulated| Surveyed { simulated, bound });
+        Ok(Run { summary, survey, maps: evaluations })
     }
-    let map_s = map_start.elapsed_s();
-    let Maps { summaries, evaluations, .. } = maps;
-    let survey = simulated.as_ref().map(|simulated| &simulated.survey);
-    let mut applications = Vec::new();
-    if !interrupted {
-        (applications, interrupted) = apply_all(scenario, &evaluations, survey, observer, watch)?;
-    }
-    let mut summary =
-        Summary { interrupted, ..sum_up(scenario, simulated.as_ref(), &discoveries, summaries, applications) };
-    observer.run_finished(&summary)?;
-    summary.timing = Some(Timing {
-        wall_s: start.elapsed_s(),
-        gather_s: Some(gather_s),
-        map_s: Some(map_s),
-        events_per_s: survey.map(|survey| survey.events as f64 / gather_s),
-        peak_rss_bytes: peak_rss_bytes(),
-    });
-    let survey = simulated.map(|simulated| Surveyed { simulated, bound });
-    Ok(Run { summary, survey, maps: evaluations })
 }
 
 /// Simulates the survey of `scenario` and nothing else; `None` if it has none. Scenarios with the same
@@ -127,7 +171,9 @@ pub fn survey(
     if !scenario.config().has_survey() {
         return Ok(None);
     }
-    let simulated = simulate(scenario, Simulator::new(scenario)?, observer, watch)?;
+    let simulator = Simulator::new(scenario)?;
+    start_survey(scenario, observer)?;
+    let simulated = finish_survey(scenario, simulator, observer, watch)?;
     let bound = survey_bound(scenario, &simulated.survey, watch)?;
     Ok(Some(Surveyed { simulated, bound }))
 }
@@ -162,16 +208,24 @@ fn is_interrupted(outcome: Result<(), RunError>) -> Result<bool, RunError> {
     }
 }
 
-/// Simulates the survey.
-fn simulate(
+/// Tells `observer` that the survey begins.
+fn start_survey(scenario: &Scenario, observer: &mut dyn RunObserver) -> Result<(), RunError> {
+    let robots: Vec<String> = scenario.robots_of_survey().map(|robot| robot.name.clone()).collect();
+    observer.simulation_started(&SimulationStart {
+        scenario,
+        application: None,
+        robots: &robots,
+        start: SimTime::ZERO,
+    })
+}
+
+/// Simulates the survey to its end.
+fn finish_survey(
     scenario: &Scenario,
     simulator: Simulator<'_>,
     observer: &mut dyn RunObserver,
     watch: &dyn Watch,
 ) -> Result<Simulated, RunError> {
-    let robots: Vec<String> = scenario.robots_of_survey().map(|robot| robot.name.clone()).collect();
-    let start = SimulationStart { scenario, application: None, robots: &robots, start: SimTime::ZERO };
-    observer.simulation_started(&start)?;
     let simulated = simulator.run(&mut (&mut *observer, Stop(watch)));
     observer.survey_finished(&SurveyEnd { scenario, simulated: &simulated })?;
     Ok(simulated)

@@ -1,8 +1,9 @@
 //! The simulation of a scenario.
 
 use sextant_apps::distributed::{MappingNode, MappingRecord};
+use sextant_kernel::SimTime;
 use sextant_scenario::Scenario;
-use sextant_sim::{LeftOut, Observer, ReadySimulation, Survey, Team};
+use sextant_sim::{LeftOut, Observer, ReadySimulation, Snapshot, Survey, Team};
 
 use super::error::RunError;
 use super::programs::{ProgrammedRobots, Programs};
@@ -68,6 +69,22 @@ impl<'a> Simulator<'a> {
             }
         };
         Ok(Self { stations, programmed })
+    }
+
+    /// Runs it until `time`: see [`SteppedRun::until`](super::SteppedRun::until). All steps have the same observer.
+    pub(super) fn until(&mut self, time: SimTime, observer: &mut impl Observer) {
+        match &mut self.stations {
+            Stations::Plain(simulation) => simulation.until(time, observer),
+            Stations::OfNodes(simulation) => simulation.until(time, observer),
+        }
+    }
+
+    /// What it is like now.
+    pub(super) fn snapshot(&self) -> Snapshot {
+        match &self.stations {
+            Stations::Plain(simulation) => simulation.snapshot(),
+            Stations::OfNodes(simulation) => simulation.snapshot(),
+        }
     }
 
     /// Runs it to its end, or until `observer` ends it.

@@ -59,7 +59,7 @@ pub struct ApplicationSummary {
     /// Distances between where robots thought to be and where they were (m). Absent if no robot thought so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_place_error_m: Option<ErrorSummary>,
-    /// The search at each of the [`SEARCH_INSTANTS_S`], if it searches targets. The recording has the complete series.
+    /// The search every 4 s until 84 s, if it searches targets. The recording has the complete series.
     #[serde(skip)]
     pub course: Vec<SearchInstant>,
     /// Absolute differences between the values of the field that robots worked out and the true ones, in the unit of the
@@ -98,7 +98,7 @@ pub struct ApplicationSummary {
 impl ApplicationSummary {
     /// Who takes part, and on which map, in words.
     #[must_use]
-    pub fn participants(&self) -> String {
+    pub(crate) fn participants(&self) -> String {
         let robots: Vec<&str> = self.robots.iter().map(|robot| robot.name.as_str()).collect();
         let mut parts = vec![counted(self.nodes, "node")];
         for (names, what) in [(robots, "robot"), (self.sinks.iter().map(String::as_str).collect(), "sink")] {
@@ -132,7 +132,7 @@ impl ApplicationSummary {
 }
 
 /// Instants at which the course of a search is read (s).
-pub const SEARCH_INSTANTS_S: [u8; 21] =
+pub(crate) const SEARCH_INSTANTS_S: [u8; 21] =
     [4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60, 64, 68, 72, 76, 80, 84];
 
 /// A search for targets at an instant.

@@ -215,11 +215,11 @@ pub struct ErrorSummary {
 }
 
 /// Position errors of a node at which their distribution is given (m).
-pub const POSITION_ERRORS_M: [f64; 15] =
+pub(crate) const POSITION_ERRORS_M: [f64; 15] =
     [0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 20.0];
 
 /// Connectivity errors of a node at which their distribution is given.
-pub const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0];
+pub(crate) const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0];
 
 /// How well a map preserves the neighbours of each node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]

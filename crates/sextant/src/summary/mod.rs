@@ -19,9 +19,9 @@ mod sensing;
 mod table;
 mod timing;
 
+pub(crate) use applications::SEARCH_INSTANTS_S;
 pub use applications::{
-    ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary, SEARCH_INSTANTS_S,
-    SearchInstant,
+    ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary, SearchInstant,
 };
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
@@ -33,8 +33,9 @@ pub(crate) use log_counts::LogCounts;
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
     AlignmentSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, HeightsSource, HeightsSummary,
-    LearnedSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M, SectorPairsSummary, SectorsSummary,
+    LearnedSummary, MapSummary, MeasuredIn, SectorPairsSummary, SectorsSummary,
 };
+pub(crate) use map::{NODE_ERRORS, POSITION_ERRORS_M};
 pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
 pub use results::{FaultsSummary, RegionSummary, ScenarioSummary, SimulationSummary, Summary};
 pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};

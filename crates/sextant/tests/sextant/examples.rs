@@ -10,12 +10,19 @@ mod own_controller;
 mod own_estimator;
 #[path = "../../../../examples/own_mission.rs"]
 mod own_mission;
+#[path = "../../../../examples/stepped.rs"]
+mod stepped;
 #[path = "../../../../examples/survey.rs"]
 mod survey;
 
 #[test]
 fn a_scenario_is_run_and_observed() {
     survey::main().unwrap();
+}
+
+#[test]
+fn a_run_is_looked_at_on_its_way() {
+    stepped::main().unwrap();
 }
 
 #[test]

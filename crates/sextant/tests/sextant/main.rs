@@ -4,4 +4,5 @@ mod disasters;
 mod examples;
 mod mutants;
 mod programs;
+mod stepping;
 mod teams;

@@ -6,7 +6,7 @@ use sextant_kernel::SimTime;
 use crate::faults::Death;
 use crate::link::books::Books;
 use crate::service::sensed::Sensations;
-use crate::station::Pose;
+use crate::station::RobotPose;
 
 /// What an engine leaves behind.
 #[derive(Debug)]
@@ -18,7 +18,7 @@ pub(crate) struct Ended<A> {
     /// Length of the path of each robot (m).
     pub(crate) path_lengths_m: Vec<f64>,
     /// Where each robot is at the end.
-    pub(crate) end_poses: Vec<EndPose>,
+    pub(crate) end_poses: Vec<RobotPose>,
     /// What became of the packets in each network, and of the energy.
     pub(crate) networks: Vec<Books>,
     /// When it ended.
@@ -33,22 +33,4 @@ pub(crate) struct Ended<A> {
     pub(crate) halo_m: Option<f64>,
     /// Whether the observer ended it.
     pub(crate) interrupted: bool,
-}
-
-/// Where a robot is at the end of a simulation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EndPose {
-    /// Where it is.
-    pub truth: Pose,
-    /// Where it believes to be.
-    pub belief: Pose,
-}
-
-impl EndPose {
-    /// Where it believes to start, if it starts there again and looks along x: `None` if it believes what is true.
-    #[must_use]
-    pub fn believed_start(&self) -> Option<Pose> {
-        let heading_rad = self.belief.heading_rad - self.truth.heading_rad;
-        (self.belief != self.truth).then_some(Pose { heading_rad, ..self.belief })
-    }
 }

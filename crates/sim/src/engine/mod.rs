@@ -6,6 +6,7 @@ mod ended;
 mod interference;
 mod running;
 mod sensing;
+mod snapshot;
 
 use std::time::Duration;
 
@@ -37,8 +38,8 @@ use crate::station::Motion;
 
 use bands::Bands;
 use interference::Noise;
+use running::Stage;
 
-pub use ended::EndPose;
 pub(crate) use ended::Ended;
 
 /// The engine: it runs once, to its end. `A` is the application of each station.
@@ -46,6 +47,7 @@ pub(crate) struct Engine<A> {
     model: Model,
     applications: Vec<A>,
     logs: Logs,
+    stage: Stage,
     end: Option<SimTime>,
     noises: Vec<Noise>,
     /// What happens before it is not counted.
@@ -177,6 +179,7 @@ impl<A: Application> Engine<A> {
             },
             applications,
             logs,
+            stage: Stage::Ready,
             end: setup.duration.map(|duration| SimTime::ZERO + duration),
             noises,
             warm_up: Duration::ZERO,
@@ -372,7 +375,8 @@ impl<A: Application> Engine<A> {
         }
     }
 
-    fn finish(mut self, interrupted: bool) -> Ended<A> {
+    fn finish(mut self) -> Ended<A> {
+        let interrupted = self.is_interrupted();
         let now = self.model.scene.now;
         let halo_m = self.model.halo.as_ref().map(Halo::radius_m);
         if halo_m.is_some() {
@@ -380,12 +384,8 @@ impl<A: Application> Engine<A> {
                 self.applications[station.index()].ended(&mut Port { model: &mut self.model, station });
             }
         }
+        let end_poses = (0..self.model.vehicles.len()).map(|robot| self.pose_at(now, robot)).collect();
         let Model { scene, networks, world, vehicles, .. } = self.model;
-        let end_pose = |(robot, vehicle): (usize, &Vehicle)| {
-            let station = scene.roll.robot(robot);
-            EndPose { truth: scene.motions[station.index()].pose_at(now), belief: vehicle.believed_at(now) }
-        };
-        let end_poses = vehicles.iter().enumerate().map(end_pose).collect();
         let events = self.events + scene.steps - scene.discounted;
         let networks = networks.into_iter().map(|network| network.finish(now)).collect();
         // The logs are built last, because that takes as much memory again as they have.

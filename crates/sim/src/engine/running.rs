@@ -12,48 +12,94 @@ use crate::observer::Observer;
 /// Events between two looks at whether to go on.
 const LOOK: u64 = 1000;
 
+/// How far an engine is.
+pub(super) enum Stage {
+    /// It has not begun.
+    Ready,
+    /// It waits at this time.
+    Waiting {
+        at: SimTime,
+        /// What happens next, if it is known: no pending event is before it.
+        next: Option<(SimTime, Event)>,
+    },
+    /// It has ended: by itself, or because the observer ended it.
+    Ended { interrupted: bool },
+}
+
+/// Why the loop takes no more events.
+enum Halt {
+    /// All tasks are done.
+    Finished,
+    /// The observer ended it.
+    Interrupted,
+    /// Nothing is left to happen.
+    Drained,
+    /// This happens next, at the limit or after it.
+    Due(SimTime, Event),
+}
+
 /// No simulation goes on after this: 158 years, half of what time can be. What robots do may never end.
 const LATEST: SimTime = SimTime::from_nanos(5_000_000_000_000_000_000);
 
 impl<A: Application> Engine<A> {
     /// Runs until all tasks are done, the time is over, nothing is left to happen, or the observer ends it.
     pub(crate) fn run(mut self, observer: &mut impl Observer) -> Ended<A> {
-        let interrupted = self.run_on(observer);
+        self.advance(SimTime::MAX, observer);
         let end = self.now();
-        self.conclude(end, interrupted, observer)
+        self.conclude(end, observer)
     }
 
-    /// Begins, and goes on until all tasks are done, the time is over, nothing is left to happen, or the observer ends it.
-    /// Returns whether the observer did.
-    pub(crate) fn run_on(&mut self, observer: &mut impl Observer) -> bool {
-        self.begin(observer);
-        let (mut interrupted, mut is_drained, mut is_over) = (false, false, false);
-        while !(interrupted || self.has_finished()) {
-            let Some((now, event)) = self.model.scene.queue.pop() else {
-                is_drained = true;
-                break;
+    /// Begins, or goes on, until `time`: what happens at that instant is still to come. It ends before if all tasks are done,
+    /// the time is over, nothing is left to happen, or the observer ends it.
+    pub(crate) fn advance(&mut self, time: SimTime, observer: &mut impl Observer) {
+        let next = match &mut self.stage {
+            Stage::Ready => {
+                self.begin(observer);
+                None
+            }
+            Stage::Waiting { at, .. } if time <= *at => return,
+            Stage::Waiting { next, .. } => next.take(),
+            Stage::Ended { .. } => return,
+        };
+        let last = self.end.unwrap_or(LATEST);
+        self.stage = match self.go_on(next, last.min(time), observer) {
+            Halt::Due(now, event) if time < last => Stage::Waiting { at: time, next: Some((now, event)) },
+            Halt::Drained if time < last && self.end.is_some() => Stage::Waiting { at: time, next: None },
+            halt => {
+                self.settle(&halt);
+                Stage::Ended { interrupted: matches!(halt, Halt::Interrupted) }
+            }
+        };
+    }
+
+    /// The loop: takes `next` and what follows, before `limit`.
+    fn go_on(&mut self, mut next: Option<(SimTime, Event)>, limit: SimTime, observer: &mut impl Observer) -> Halt {
+        while !self.has_finished() {
+            let Some((now, event)) = next.take().or_else(|| self.model.scene.queue.pop()) else {
+                return Halt::Drained;
             };
-            if now >= self.end.unwrap_or(LATEST) {
-                is_over = true;
-                break;
+            if now >= limit {
+                return Halt::Due(now, event);
             }
-            interrupted = !self.take(now, event, observer);
+            if !self.take(now, event, observer) {
+                return Halt::Interrupted;
+            }
         }
-        let is_timed_out = !interrupted && !self.has_finished();
-        match self.end.or(is_over.then_some(LATEST)).filter(|_| is_timed_out) {
-            Some(end) => {
-                self.catch_up(Cut::before(end));
-                self.model.scene.now = end;
-            }
-            None if is_drained => {
-                let last = self.catch_up(Cut::before(SimTime::MAX));
-                self.model.scene.now = self.model.scene.now.max(last);
-            }
-            None => {
+        Halt::Finished
+    }
+
+    /// Brings the links and the clock to the end.
+    fn settle(&mut self, halt: &Halt) {
+        let end = match halt {
+            Halt::Due(..) => Some(self.end.unwrap_or(LATEST)),
+            Halt::Drained => self.end,
+            Halt::Finished | Halt::Interrupted => {
                 self.catch_up(Cut::now(&self.model.scene));
+                return;
             }
-        }
-        interrupted
+        };
+        let last = self.catch_up(Cut::before(end.unwrap_or(SimTime::MAX)));
+        self.model.scene.now = end.unwrap_or(self.model.scene.now.max(last));
     }
 
     /// Goes on until `end`, or until nothing is left to happen, though all tasks are done.
@@ -68,6 +114,11 @@ impl<A: Application> Engine<A> {
     /// Whether all tasks are done.
     fn has_finished(&self) -> bool {
         self.ends_with_tasks && self.model.unfinished == 0
+    }
+
+    /// Whether the observer ended it.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        matches!(self.stage, Stage::Ended { interrupted: true })
     }
 
     /// When the last event was, or the time was over.
@@ -90,7 +141,7 @@ impl<A: Application> Engine<A> {
     }
 
     /// Ends at `end`: what is left behind.
-    pub(crate) fn conclude(mut self, end: SimTime, interrupted: bool, observer: &mut impl Observer) -> Ended<A> {
+    pub(crate) fn conclude(mut self, end: SimTime, observer: &mut impl Observer) -> Ended<A> {
         self.model.scene.now = end;
         // What a robot has driven so far counts.
         for robot in 0..self.model.vehicles.len() {
@@ -102,7 +153,7 @@ impl<A: Application> Engine<A> {
             network.trace_pending(&mut self.model.scene);
         }
         self.model.tell_packets(observer);
-        self.finish(interrupted)
+        self.finish()
     }
 
     /// Brings the links to their states before `cut`. Returns when the last one changed.

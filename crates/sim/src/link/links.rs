@@ -10,6 +10,7 @@ use super::transmitter::Transmitter;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::due_frames::DueFrames;
+use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 
@@ -129,6 +130,9 @@ pub(crate) trait NetworkLinks {
 
     /// Gives the buffer of [`take_payload`](Self::take_payload) back.
     fn give_back(&mut self, frame: Vec<u8>);
+
+    /// What became of the packets of each station so far, but for those that are pending.
+    fn packets(&self) -> &[Packets];
 
     /// What the network leaves behind, by station.
     fn finish(self, now: SimTime) -> Books;

@@ -20,6 +20,7 @@ use crate::event::link::LinkEvent;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::due_frames::DueFrames;
+use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 use crate::world::layout::PlacedNode;
@@ -279,6 +280,10 @@ impl Links {
 
     pub(crate) fn give_back(&mut self, frame: Vec<u8>) {
         ask!(self, links => links.give_back(frame));
+    }
+
+    pub(crate) fn packets(&self) -> &[Packets] {
+        ask!(self, links => links.packets())
     }
 
     pub(crate) fn finish(self, now: SimTime) -> Books {

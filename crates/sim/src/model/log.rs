@@ -12,6 +12,8 @@ pub(crate) struct Logs {
     /// Whether each node was heard, in any network.
     heard: Vec<bool>,
     pub(crate) nodes_heard: usize,
+    /// Number of pairs of a stop and a node that was heard there, in all networks.
+    pub(crate) receptions: usize,
 }
 
 /// What robots heard in one network.
@@ -49,6 +51,7 @@ impl Logs {
         for reception in &heard.receptions {
             let known = &mut self.heard[reception.node.index()];
             self.nodes_heard += usize::from(!std::mem::replace(known, true));
+            self.receptions += usize::from(reception.received > 0);
         }
         tell(index, &stop, heard.heard());
         log.stops.push(stop);

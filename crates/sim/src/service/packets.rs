@@ -80,6 +80,15 @@ impl Packets {
 }
 
 impl Packets {
+    /// The same, where the packets of which nothing became yet are pending.
+    #[must_use]
+    pub(crate) fn with_pending(self) -> Self {
+        let Self { received, lost_collision, lost_channel_access, lost_queue, lost_signal, .. } = self;
+        let Self { offered, out_of_range, not_listened, .. } = self;
+        let lost = lost_collision + lost_channel_access + lost_queue + lost_signal + out_of_range + not_listened;
+        Self { pending: offered - received - lost, ..self }
+    }
+
     /// The same, with an estimate of what became of the packets that were not simulated: what became of those that were
     /// simulated and that nobody heard. Nobody was near, so none of them was received, or lost to another signal. If somebody
     /// listened far away, the outcome is `too_far`.

@@ -2,21 +2,38 @@
 
 use std::time::Duration;
 
-use sextant_kernel::SettingError;
+use sextant_kernel::{SettingError, SimTime};
 
 use super::{Applications, Simulation, Team};
 use crate::application::{Application, BoxedApplication};
-use crate::observer::Observer;
+use crate::observer::{Observer, RememberingObserver};
 use crate::outcome::Survey;
 use crate::region::SimulatedRegion;
 use crate::setup::Setup;
+use crate::snapshot::Snapshot;
 
 /// A simulation that runs once, to its end, and leaves a [`Survey`] and an `R` behind. It does not say of what type its
 /// applications are: its engine is compiled in the crate that knows them, and not once more in each crate that runs it.
-pub struct ReadySimulation<'a, R = ()>(Box<Run<'a, R>>);
+pub struct ReadySimulation<'a, R = ()>(Box<dyn Steps<R> + 'a>);
 
-/// Runs a simulation.
-type Run<'a, R> = dyn FnOnce(&mut dyn Observer) -> (Survey, R) + 'a;
+/// A simulation that leaves an `R` behind, whatever its type.
+trait Steps<R> {
+    fn until(&mut self, time: SimTime, observer: &mut dyn Observer);
+    fn snapshot(&self) -> Snapshot;
+    fn run(self: Box<Self>, observer: &mut dyn Observer) -> (Survey, R);
+}
+
+/// A simulation, and what becomes of what is left of its own applications.
+struct Recorded<N: Application, F> {
+    simulation: Simulation<N>,
+    record: F,
+}
+
+/// A team, until somebody wants to see it on the way: from then on it is one simulation.
+enum TeamOrOne {
+    Team(Team),
+    One(Box<Simulation>),
+}
 
 /// What a simulation leaves out.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,18 +44,66 @@ pub struct LeftOut {
     pub region: SimulatedRegion,
 }
 
-impl<'a, R: 'a> ReadySimulation<'a, R> {
-    /// The same; what it leaves behind goes through `act` at the end.
-    pub fn then<S>(self, act: impl FnOnce(R) -> S + 'a) -> ReadySimulation<'a, S> {
-        ReadySimulation(Box::new(move |observer| {
-            let (survey, left) = self.run(observer);
-            (survey, act(left))
-        }))
+impl<R> ReadySimulation<'_, R> {
+    /// Runs it until `time`: what happens at that instant is still to come. It ends before if the tasks of all robots and nodes
+    /// are done, nothing is left to happen, or the observer ends it. Nothing happens if it has ended, or `time` is over. All
+    /// steps have the same observer, and they change nothing in the result.
+    pub fn until(&mut self, time: SimTime, observer: &mut dyn Observer) {
+        self.0.until(time, observer);
     }
 
-    /// Runs it until the tasks of all robots and nodes are done, or the time is over, or the observer ends it.
+    /// What it is like now.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        self.0.snapshot()
+    }
+
+    /// Runs it until the tasks of all robots and nodes are done, or the time is over, or the observer ends the simulation.
     pub fn run(self, observer: &mut dyn Observer) -> (Survey, R) {
-        self.0(observer)
+        self.0.run(observer)
+    }
+}
+
+impl<N: Application, R, F: FnOnce(Applications<N>) -> R> Steps<R> for Recorded<N, F> {
+    fn until(&mut self, time: SimTime, observer: &mut dyn Observer) {
+        self.simulation.until(time, observer);
+    }
+
+    fn snapshot(&self) -> Snapshot {
+        self.simulation.engine.snapshot()
+    }
+
+    fn run(self: Box<Self>, observer: &mut dyn Observer) -> (Survey, R) {
+        let (survey, own) = self.simulation.run_told(observer);
+        (survey, (self.record)(own))
+    }
+}
+
+impl Steps<()> for TeamOrOne {
+    fn until(&mut self, time: SimTime, observer: &mut dyn Observer) {
+        match self {
+            Self::Team(team) => {
+                let mut one = Box::new(team.as_one());
+                one.until(time, observer);
+                *self = Self::One(one);
+            }
+            Self::One(one) => one.until(time, observer),
+        }
+    }
+
+    fn snapshot(&self) -> Snapshot {
+        match self {
+            Self::Team(team) => team.as_one().engine.snapshot(),
+            Self::One(one) => one.engine.snapshot(),
+        }
+    }
+
+    fn run(self: Box<Self>, observer: &mut dyn Observer) -> (Survey, ()) {
+        let survey = match *self {
+            Self::Team(team) => team.run(observer),
+            Self::One(one) => one.run_told(observer).0,
+        };
+        (survey, ())
     }
 }
 
@@ -48,10 +113,11 @@ impl<N: Application> Simulation<N> {
     where
         N: 'a,
     {
-        ReadySimulation(Box::new(move |observer| {
-            let (survey, own) = self.run_told(observer);
-            (survey, record(own))
-        }))
+        ReadySimulation(Box::new(Recorded { simulation: self, record }))
+    }
+
+    fn until(&mut self, time: SimTime, observer: &mut dyn Observer) {
+        self.engine.advance(time, &mut RememberingObserver::new(observer));
     }
 
     /// The same without what is left out.
@@ -92,6 +158,6 @@ impl<'a> ReadySimulation<'a> {
 
 impl From<Team> for ReadySimulation<'static> {
     fn from(team: Team) -> Self {
-        Self(Box::new(|observer| (team.run(observer), ())))
+        Self(Box::new(TeamOrOne::Team(team)))
     }
 }

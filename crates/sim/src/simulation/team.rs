@@ -86,7 +86,12 @@ impl Team {
                 _ => return self.join(parts, &groups, interrupted, observer),
             }
         }
-        self.simulation(None).run(&mut &mut *observer)
+        self.as_one().run(&mut &mut *observer)
+    }
+
+    /// The simulation of all robots.
+    pub(super) fn as_one(&self) -> Simulation {
+        self.simulation(None)
     }
 
     /// The simulation of these robots, or of all.
@@ -122,18 +127,18 @@ impl Team {
         let begun = |(group, progress): (&Group, &GroupProgress)| {
             let mut engine = self.simulation(Some(group)).engine;
             let mut calls = Calls::default();
-            let interrupted = engine.run_on(&mut RememberingObserver::new(&mut (&mut calls, Noting(progress))));
-            (engine, calls, interrupted)
+            engine.advance(SimTime::MAX, &mut RememberingObserver::new(&mut (&mut calls, Noting(progress))));
+            (engine, calls)
         };
         let all = || groups.par_iter().zip(&progress).map(begun).collect::<Vec<_>>();
         let begun = watch(&progress, self.setup.world.nodes.len(), observer, all);
-        let interrupted = begun.iter().any(|(_, _, interrupted)| *interrupted);
-        let end = begun.iter().map(|(engine, ..)| engine.now()).max().unwrap_or(SimTime::ZERO);
-        let ended = |(mut engine, mut calls, _): (Engine<Standard<NodeTraffic>>, Calls, bool)| {
+        let interrupted = begun.iter().any(|(engine, _)| engine.is_interrupted());
+        let end = begun.iter().map(|(engine, _)| engine.now()).max().unwrap_or(SimTime::ZERO);
+        let ended = |(mut engine, mut calls): (Engine<Standard<NodeTraffic>>, Calls)| {
             let reach_m = engine.halo_reach_m().unwrap_or(f64::INFINITY);
             let observer = &mut RememberingObserver::new(&mut calls);
             engine.go_on_until(end, observer);
-            let ended = engine.conclude(end, interrupted, observer);
+            let ended = engine.conclude(end, observer);
             Part { ended, calls, reach_m }
         };
         (begun.into_par_iter().map(ended).collect(), interrupted)

@@ -5,6 +5,7 @@ mod odometry;
 mod own_frame;
 mod range_sensors;
 mod robot;
+mod robot_pose;
 mod sink;
 mod way;
 
@@ -18,6 +19,7 @@ pub use own_frame::{OwnFrame, OwnFrameConfig};
 pub(crate) use range_sensors::RangeSensors;
 pub(crate) use robot::check_name;
 pub use robot::{Listening, RobotBody, RobotConfig, RoleConfig};
+pub use robot_pose::RobotPose;
 pub use sink::{Sink, SinkConfig};
 pub(crate) use way::Way;
 

@@ -7,12 +7,10 @@ use sextant::channel::Position;
 use sextant::kernel::{SimTime, StationId, Work};
 use sextant::recording::read_run;
 use sextant::run::{RunStart, Simulator, SurveyEnd};
-use sextant::sim::{
-    CommandOutcome, Controller, Ending, Observer, RobotCommand, RobotTask, Situation, Team, program_seed,
-};
+use sextant::sim::{CommandOutcome, Controller, Ending, Observer, RobotCommand, RobotTask, Situation, program_seed};
 use sextant::{Programs, RunError, RunObserver, RunRecorder, Scenario, Summary, Watch};
 
-use super::{results, shipped};
+use super::{results, robots_apart, shipped};
 
 /// The controllers of a scenario as programs.
 pub(crate) fn own_controllers(scenario: &Scenario) -> Programs<'static> {
@@ -33,27 +31,7 @@ fn controllers_of_the_scenario_given_back_change_no_octet() {
 
 #[test]
 fn own_controllers_of_robots_far_apart_change_no_octet() {
-    // Without programs these robots are simulated in parallel.
-    let robot = |name: &str, x: i32| {
-        format!(
-            "{{ name = \"{name}\", start_m = [{x}, 0], listen_s = 1.2, \
-             controller.waypoints.places_m = [[{}, 1], [{}, 3]] }}",
-            x + 2,
-            x + 4
-        )
-    };
-    let nodes: Vec<String> = (0..6).flat_map(|i| [format!("[{i}, 2]"), format!("[{}, 2]", 400 + i)]).collect();
-    let text = format!(
-        "name = \"apart\"\nseed = 2\nrobots = [{}, {}]\nworld.nodes.explicit.positions_m = [{}]\n\
-         radio = {{ tx_power_dbm = -50, sensitivity_dbm = -90 }}\n\
-         channel = {{ environment = \"light-tree\", max_range_m = 6, path_loss.log_distance.reference_loss_db = 0 }}\n\
-         mac.csma_unslotted = {{}}\ntraffic.periodic = {{}}\nsimulation.region = \"listeners\"\n",
-        robot("first", 0),
-        robot("second", 400),
-        nodes.join(", ")
-    );
-    let scenario = Scenario::parse(&text).map_err(|errors| errors.to_string()).unwrap();
-    assert!(Team::of(&scenario.setup(), scenario.region()).unwrap().is_some());
+    let scenario = robots_apart();
     assert_eq!(results(&scenario, own_controllers(&scenario)), results(&scenario, Programs::default()));
 }
 

@@ -298,6 +298,10 @@ impl NetworkLinks for Links {
         scene.airs[self.radios.air].moves(self.radios.receiver(station), station, motion);
     }
 
+    fn packets(&self) -> &[Packets] {
+        &self.ledger.packets
+    }
+
     fn finish(mut self, now: SimTime) -> Books {
         let mut radios = Vec::with_capacity(self.stacks.len());
         for (i, stack) in self.stacks.iter_mut().enumerate() {
@@ -305,11 +309,7 @@ impl NetworkLinks for Links {
             stack.radio.meter.enter(state, now);
             let (meter, tx_power) = (stack.radio.meter, self.radios.power);
             radios.push(RadioUse { meter, tx_power, rests_in: sextant_mac::RadioState::Receive });
-            let Packets { offered, received, lost_collision, lost_channel_access, lost_signal, .. } =
-                self.ledger.packets[i];
-            let Packets { out_of_range, not_listened, lost_queue, .. } = self.ledger.packets[i];
-            let ended = received + lost_collision + lost_channel_access + lost_signal + out_of_range + not_listened;
-            self.ledger.packets[i].pending = offered - ended - lost_queue;
+            self.ledger.packets[i] = self.ledger.packets[i].with_pending();
         }
         // Nodes that answer do not rest.
         self.ledger.close(radios, FrameSpans::default())

@@ -39,6 +39,7 @@ use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::due_frames::DueFrames;
 use crate::service::outcome::FrameOutcome;
+use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::upcall::Upcall;
 use crate::station::Kind;
@@ -233,6 +234,10 @@ impl NetworkLinks for Links {
 
     fn give_back(&mut self, mpdu: Vec<u8>) {
         self.mpdu = mpdu;
+    }
+
+    fn packets(&self) -> &[Packets] {
+        &self.ledger.packets
     }
 
     fn finish(mut self, now: SimTime) -> Books {
