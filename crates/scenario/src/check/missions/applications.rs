@@ -50,7 +50,7 @@ impl Application {
             return refuse("name", format!("`{}`, which is taken", self.name), "a unique name");
         }
         let networks = scenario.networks();
-        if !networks.get(self.network.index()).is_some_and(|network| network.technology.ieee802154().is_some()) {
+        if networks.get(self.network.index()).is_none_or(|network| network.technology.ieee802154().is_none()) {
             let found = format!("number {}", self.network.index());
             return refuse("network", found, "the number of a network of IEEE 802.15.4");
         }

@@ -108,7 +108,7 @@ impl CheckedNetwork<'_> {
         let members = named.nodes.map(|nodes| errors.take("", self.tables.members(nodes, config)));
         Some(Network {
             name: self.tables.name.map(str::to_owned),
-            channel: self.channel.clone()?,
+            channel: self.channel?,
             technology: self.technology.clone()?,
             radio_states: radio_states?,
             traffic: traffic?,
