@@ -30,7 +30,7 @@ impl Study {
     }
 }
 
-/// As the program does it: the table, then the folder of finished units is removed.
+/// As the program does it: the table, then the folder of finished runs is removed.
 fn run(study: &Study, folder: &Path) -> Result<(), String> {
     let out = folder.join("t.csv");
     if out.exists() && !folder.join("t.csv.parts").exists() {
