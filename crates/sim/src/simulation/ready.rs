@@ -31,7 +31,7 @@ struct Recorded<N: Application, F> {
 
 /// A team, until somebody wants to see it on the way: from then on it is one simulation.
 enum TeamOrOne {
-    Team(Team),
+    Team(Box<Team>),
     One(Box<Simulation>),
 }
 
@@ -158,6 +158,6 @@ impl<'a> ReadySimulation<'a> {
 
 impl From<Team> for ReadySimulation<'static> {
     fn from(team: Team) -> Self {
-        Self(Box::new(TeamOrOne::Team(team)))
+        Self(Box::new(TeamOrOne::Team(Box::new(team))))
     }
 }

@@ -48,8 +48,8 @@ pub(crate) fn robots_apart() -> Scenario {
         robot("second", 400),
         nodes.join(", ")
     );
-    let scenario = Scenario::parse(&text).map_err(|errors| errors.to_string()).unwrap();
-    assert!(Team::of(&scenario.setup(), scenario.region()).unwrap().is_some());
+    let scenario = Scenario::parse(&text).map_err(|errors| errors.to_string()).expect("a good scenario");
+    assert!(Team::of(&scenario.setup(), scenario.region()).expect("a team").is_some());
     scenario
 }
 
