@@ -24,8 +24,7 @@ const SCENARIO: &str = "name = \"batteries\"\nseed = 1\n\
     channel = { environment = \"light-tree\", max_range_m = 30.0, path_loss.log_distance.reference_loss_db = 0.0 }\n\
     mac.csma_unslotted = { rx_on_when_idle = true }\n\
     traffic.periodic.interval_s = 1.0\n\
-    robots = [{ name = \"carrier\", speed_m_per_s = 1.0, listen_s = 1.0, \
-      controller.waypoints = { waypoints_m = [[0, 0]] } }]\n";
+    robots = [{ name = \"carrier\", start_m = [0, 0], controller.waypoints.places_m = [[4, 0]] }]\n";
 
 /// The network of all messages.
 const NETWORK: NetworkId = NetworkId(0);

@@ -28,6 +28,7 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
 
 mod a_star;
+mod application;
 mod area;
 mod automated_s;
 mod controller;
@@ -51,13 +52,14 @@ mod surroundings;
 pub mod target_search;
 mod waypoints;
 
+pub use application::{AlgorithmConfig, ApplicationConfig, MapSourceConfig};
 pub use automated_s::{AutomatedS, AutomatedSConfig, LayersConfig, Until};
 pub use controller::ControllerConfig;
 pub use expected_way::ExpectedWay;
 pub use hilbert::{Hilbert, HilbertConfig};
 pub use mission::{
-    AlgorithmConfig, ApplicationConfig, MapSourceConfig, Mission, MissionArrival, MissionGoal, MissionOutcome,
-    MissionPlace, MissionRobots, MissionSettings, MissionTeam, SoughtField,
+    Mission, MissionArrival, MissionGoal, MissionOutcome, MissionPlace, MissionRobots, MissionSettings, MissionTeam,
+    SoughtField,
 };
 pub use octets::MessageError;
 pub use partition::{BalanceConfig, CutConfig, FreeArea, PartitionConfig, RobotPart, partition};

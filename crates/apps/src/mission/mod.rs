@@ -1,11 +1,10 @@
 //! Missions: what robots and nodes do together on a map of the nodes. Each is a folder of its own, with a file
-//! `mission.rs` that says what this port asks, and a line in [`AlgorithmConfig`].
+//! `mission.rs` that says what this port asks, and a line in [`AlgorithmConfig`](crate::AlgorithmConfig).
 
 mod goal;
 mod outcome;
 mod place;
 mod team;
-mod written;
 
 use std::fmt;
 use std::sync::Arc;
@@ -19,7 +18,6 @@ pub use goal::{MissionGoal, SoughtField};
 pub use outcome::{MissionArrival, MissionOutcome};
 pub use place::{MissionPlace, MissionRobots};
 pub use team::MissionTeam;
-pub use written::{AlgorithmConfig, ApplicationConfig, MapSourceConfig};
 
 /// The settings of a mission, as written in a scenario.
 pub trait MissionSettings {

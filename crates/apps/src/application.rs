@@ -1,10 +1,10 @@
-//! Missions as written in a scenario, where they are called applications.
+//! The list of missions, as written in a scenario, where they are called applications.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::MissionSettings;
+use crate::mission::MissionSettings;
 use crate::source_seeking::{GradientConfig, LevelSetConfig};
 use crate::target_search::{DetarskConfig, PGConfig};
 
