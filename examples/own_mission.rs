@@ -95,7 +95,7 @@ impl Application for Station {
         if let Self::Robot { .. } = self {
             // The question reaches all nodes; who does not hear it is not visited.
             let _ = port.send(NETWORK, Destination::All, Payload::Octets(b"battery?"));
-            port.after(Duration::from_secs(5), Timer(0));
+            port.listen(NETWORK, Duration::from_secs(5));
         }
     }
 
@@ -114,19 +114,18 @@ impl Application for Station {
     }
 
     fn timed(&mut self, _timer: Timer, port: &mut Port<'_>) {
-        match *self {
-            Self::Node { asked: Some(robot) } => {
-                // A battery in percent, as the node measures it.
-                let battery = 20 + 5 * u8::try_from(port.choice(2, 16)).unwrap_or(0);
-                let _ = port.send(NETWORK, Destination::Station(robot), Payload::Octets(&[battery]));
-            }
-            _ => {
-                if let Self::Robot { heard, .. } = self {
-                    heard.sort_by_key(|&(battery, _)| battery);
-                }
-                self.go_on(port);
-            }
+        if let Self::Node { asked: Some(robot) } = *self {
+            // A battery in percent, as the node measures it.
+            let battery = 20 + 5 * u8::try_from(port.choice(2, 16)).unwrap_or(0);
+            let _ = port.send(NETWORK, Destination::Station(robot), Payload::Octets(&[battery]));
         }
+    }
+
+    fn listened(&mut self, _network: NetworkId, port: &mut Port<'_>) {
+        if let Self::Robot { heard, .. } = self {
+            heard.sort_by_key(|&(battery, _)| battery);
+        }
+        self.go_on(port);
     }
 
     fn drive_ended(&mut self, _end: DriveEnd, port: &mut Port<'_>) {

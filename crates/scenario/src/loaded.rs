@@ -13,7 +13,7 @@ use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleCon
 use super::check::errors::Errors;
 use super::check::maps::MapJob;
 use super::check::maps::grids::check_grids;
-use super::check::missions::applications::Application;
+use super::check::missions::applications::{Application, ApplicationMap, LEAST_PLACES};
 use super::check::missions::distributed::NodeMapJob;
 use super::check::networks::surveyed::PacketsPerStop;
 use super::check::networks::tables::ForeignChip;
@@ -129,9 +129,47 @@ impl Scenario {
     /// `name` if something else has that name; `network` if it is none of IEEE 802.15.4; `robots` if there are none, or one
     /// is not of the scenario; `map` if no map has that name, or the world has less than three nodes.
     pub fn with_mission(mut self, mission: Application) -> Result<Self, SettingError> {
-        mission.check_beside(&self)?;
+        self.check_mission(&mission)?;
         self.parts.applications.push(mission);
         Ok(self)
+    }
+
+    /// Checks a mission that is not written in the scenario against it.
+    fn check_mission(&self, mission: &Application) -> Result<(), SettingError> {
+        let refuse = |key: &str, found: String, allowed: &str| Err(SettingError::new(key, found, allowed));
+        let maps = || {
+            let of_nodes = self.distributed().map(|map| map.name.as_str());
+            self.maps().iter().map(|map| map.name.as_str()).chain(of_nodes)
+        };
+        let missions = self.applications().iter().map(|mission| mission.name.as_str());
+        if mission.name == "survey" || maps().chain(missions).any(|name| name == mission.name) {
+            return refuse("name", format!("`{}`, which is taken", mission.name), "a unique name");
+        }
+        let networks = self.networks();
+        if networks.get(mission.network.index()).is_none_or(|network| network.technology.ieee802154().is_none()) {
+            let found = format!("number {}", mission.network.index());
+            return refuse("network", found, "the number of a network of IEEE 802.15.4");
+        }
+        let robots = self.bodies().len();
+        if mission.robots.is_empty() || mission.robots.iter().any(|&robot| robot >= robots) {
+            let found = format!("{:?}", mission.robots);
+            return refuse("robots", found, &format!("numbers of robots, of which the scenario has {robots}"));
+        }
+        let nodes = self.world().nodes.len();
+        match &mission.map {
+            _ if nodes < LEAST_PLACES => {
+                refuse("map", format!("a map of {}", counted(nodes, "node")), "three nodes or more")
+            }
+            ApplicationMap::Computed(name) if !maps().any(|map| map == name) => {
+                refuse("map", format!("`{name}`"), "the name of a map of the scenario")
+            }
+            ApplicationMap::File { places, .. } if places.len() != nodes => refuse(
+                "map",
+                format!("{} places", places.len()),
+                &format!("a place, or none, for each of {nodes} nodes"),
+            ),
+            ApplicationMap::Physical | ApplicationMap::Computed(_) | ApplicationMap::File { .. } => Ok(()),
+        }
     }
 
     /// The scenario of `file` with these settings instead of its own, checked.

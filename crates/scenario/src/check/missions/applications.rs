@@ -16,7 +16,6 @@ use crate::check::errors::Errors;
 use crate::check::maps::{MapJob, check_name};
 use crate::check::networks::Networks;
 use crate::config::ScenarioConfig;
-use crate::loaded::Scenario;
 
 /// An application that has been checked.
 #[derive(Clone, Debug)]
@@ -38,44 +37,6 @@ pub struct Application {
 }
 
 impl Application {
-    /// Checks a mission that is not written in `scenario` against it.
-    pub(crate) fn check_beside(&self, scenario: &Scenario) -> Result<(), SettingError> {
-        let refuse = |key: &str, found: String, allowed: &str| Err(SettingError::new(key, found, allowed));
-        let maps = || {
-            let of_nodes = scenario.distributed().map(|map| map.name.as_str());
-            scenario.maps().iter().map(|map| map.name.as_str()).chain(of_nodes)
-        };
-        let missions = scenario.applications().iter().map(|mission| mission.name.as_str());
-        if self.name == "survey" || maps().chain(missions).any(|name| name == self.name) {
-            return refuse("name", format!("`{}`, which is taken", self.name), "a unique name");
-        }
-        let networks = scenario.networks();
-        if networks.get(self.network.index()).is_none_or(|network| network.technology.ieee802154().is_none()) {
-            let found = format!("number {}", self.network.index());
-            return refuse("network", found, "the number of a network of IEEE 802.15.4");
-        }
-        let robots = scenario.bodies().len();
-        if self.robots.is_empty() || self.robots.iter().any(|&robot| robot >= robots) {
-            let found = format!("{:?}", self.robots);
-            return refuse("robots", found, &format!("numbers of robots, of which the scenario has {robots}"));
-        }
-        let nodes = scenario.world().nodes.len();
-        match &self.map {
-            _ if nodes < LEAST_PLACES => {
-                refuse("map", format!("a map of {}", counted(nodes, "node")), "three nodes or more")
-            }
-            ApplicationMap::Computed(name) if !maps().any(|map| map == name) => {
-                refuse("map", format!("`{name}`"), "the name of a map of the scenario")
-            }
-            ApplicationMap::File { places, .. } if places.len() != nodes => refuse(
-                "map",
-                format!("{} places", places.len()),
-                &format!("a place, or none, for each of {nodes} nodes"),
-            ),
-            ApplicationMap::Physical | ApplicationMap::Computed(_) | ApplicationMap::File { .. } => Ok(()),
-        }
-    }
-
     /// What it is after.
     #[must_use]
     pub fn goal(&self) -> MissionGoal {
@@ -111,7 +72,7 @@ impl ApplicationMap {
 }
 
 /// A map with fewer places does not tell where a robot is.
-const LEAST_PLACES: usize = 3;
+pub(crate) const LEAST_PLACES: usize = 3;
 
 /// What applications may name.
 pub(crate) struct Surroundings<'a> {
