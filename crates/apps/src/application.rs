@@ -66,17 +66,6 @@ pub enum AlgorithmConfig {
 }
 
 impl AlgorithmConfig {
-    /// Its key in a scenario.
-    #[must_use]
-    pub fn key(&self) -> &'static str {
-        match self {
-            Self::Detarsk(_) => "detarsk",
-            Self::PG(_) => "p_g",
-            Self::LevelSet(_) => "level_set",
-            Self::Gradient(_) => "gradient",
-        }
-    }
-
     /// What it says of its mission.
     #[must_use]
     pub fn settings(&self) -> &dyn MissionSettings {

@@ -13,7 +13,7 @@ use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleCon
 use super::check::errors::Errors;
 use super::check::maps::MapJob;
 use super::check::maps::grids::check_grids;
-use super::check::missions::applications::{Application, ApplicationMap, LEAST_PLACES};
+use super::check::missions::applications::{Application, ApplicationMap, LEAST_PLACES, TakenNames};
 use super::check::missions::distributed::NodeMapJob;
 use super::check::networks::surveyed::PacketsPerStop;
 use super::check::networks::tables::ForeignChip;
@@ -126,7 +126,7 @@ impl Scenario {
     /// of the scenario: [`with`](Self::with) and [`with_all`](Self::with_all) leave it out again.
     ///
     /// # Errors
-    /// `name` if something else has that name; `network` if it is none of IEEE 802.15.4; `robots` if there are none, or one
+    /// `mission.name` if it is not plain or something else has that name; `network` if it is none of IEEE 802.15.4; `robots` if there are none, or one
     /// is not of the scenario; `map` if no map has that name, or the world has less than three nodes.
     pub fn with_mission(mut self, mission: Application) -> Result<Self, SettingError> {
         self.check_mission(&mission)?;
@@ -141,9 +141,11 @@ impl Scenario {
             let of_nodes = self.distributed().map(|map| map.name.as_str());
             self.maps().iter().map(|map| map.name.as_str()).chain(of_nodes)
         };
-        let missions = self.applications().iter().map(|mission| mission.name.as_str());
-        if mission.name == "survey" || maps().chain(missions).any(|name| name == mission.name) {
-            return refuse("name", format!("`{}`, which is taken", mission.name), "a unique name");
+        let mut errors = Errors::default();
+        let (distributed, applications) = (self.distributed(), self.applications());
+        TakenNames { maps: self.maps(), distributed, applications }.check(&mission.name, "mission", &mut errors);
+        if let Some(error) = errors.found.pop() {
+            return Err(error);
         }
         let networks = self.networks();
         if networks.get(mission.network.index()).is_none_or(|network| network.technology.ieee802154().is_none()) {

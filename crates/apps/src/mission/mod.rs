@@ -21,6 +21,9 @@ pub use team::MissionTeam;
 
 /// The settings of a mission, as written in a scenario.
 pub trait MissionSettings {
+    /// The key of its algorithm in a scenario.
+    fn key(&self) -> &'static str;
+
     /// Its name in tables.
     fn name(&self) -> &'static str;
 

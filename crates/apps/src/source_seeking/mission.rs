@@ -16,12 +16,16 @@ use crate::mission::{
 use crate::navigation::NavigationMap;
 
 impl MissionSettings for LevelSetConfig {
+    fn key(&self) -> &'static str {
+        "level_set"
+    }
+
     fn name(&self) -> &'static str {
         "level-set"
     }
 
     fn check_world(&self, place: &MissionPlace<'_>) -> Result<(), SettingError> {
-        check_sensed("level_set", place)
+        check_sensed(self.key(), place)
     }
 
     fn check(&self, place: &MissionPlace<'_>) -> Result<Arc<dyn Mission>, SettingError> {
@@ -30,12 +34,16 @@ impl MissionSettings for LevelSetConfig {
 }
 
 impl MissionSettings for GradientConfig {
+    fn key(&self) -> &'static str {
+        "gradient"
+    }
+
     fn name(&self) -> &'static str {
         "gradient"
     }
 
     fn check_world(&self, place: &MissionPlace<'_>) -> Result<(), SettingError> {
-        check_sensed("gradient", place)
+        check_sensed(self.key(), place)
     }
 
     fn check(&self, place: &MissionPlace<'_>) -> Result<Arc<dyn Mission>, SettingError> {

@@ -17,12 +17,16 @@ use crate::mission::{
 use crate::navigation::NavigationMap;
 
 impl MissionSettings for DetarskConfig {
+    fn key(&self) -> &'static str {
+        "detarsk"
+    }
+
     fn name(&self) -> &'static str {
         "detarsk"
     }
 
     fn check_world(&self, place: &MissionPlace<'_>) -> Result<(), SettingError> {
-        check_sensed("detarsk", place)?;
+        check_sensed(self.key(), place)?;
         if !place.has_sink {
             let allowed = "at least one sink in the network, in `[[sinks]]`: nodes tell it of the first detection";
             return Err(SettingError::new("algorithm", "`detarsk`, without a sink", allowed));
@@ -42,12 +46,16 @@ impl MissionSettings for DetarskConfig {
 }
 
 impl MissionSettings for PGConfig {
+    fn key(&self) -> &'static str {
+        "p_g"
+    }
+
     fn name(&self) -> &'static str {
         "p-g"
     }
 
     fn check_world(&self, place: &MissionPlace<'_>) -> Result<(), SettingError> {
-        check_sensed("p_g", place)?;
+        check_sensed(self.key(), place)?;
         check_ways(place)
     }
 

@@ -91,7 +91,8 @@ pub(crate) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors)
     for (i, written) in around.config.applications.iter().enumerate() {
         let table = format!("applications[{i}]");
         let name = written.name.clone().unwrap_or_else(|| written.algorithm.settings().name().to_owned());
-        check_own_name(&name, &table, &applications, around, errors);
+        let taken = TakenNames { maps: around.maps, distributed: around.distributed, applications: &applications };
+        taken.check(&name, &table, errors);
         let map = errors.take(&table, around.map(written));
         // The numbers of robots are not known if one of them was refused.
         let are_known = around.bodies.len() == around.config.robots.len();
@@ -106,7 +107,7 @@ pub(crate) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors)
             let place = around.place(network)?;
             errors.take(&table, algorithm.check_world(&place))?;
             let checked = algorithm.check(&place);
-            let checked = checked.map_err(|error| error.within(format!("algorithm.{}", written.algorithm.key())));
+            let checked = checked.map_err(|error| error.within(format!("algorithm.{}", algorithm.key())));
             errors.take(&table, checked)
         });
         if let Some(robots) = &robots {
@@ -125,16 +126,25 @@ pub(crate) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors)
     applications
 }
 
-/// Refuses names that are not plain or that something else in the recording has.
-fn check_own_name(name: &str, table: &str, others: &[Application], around: &Surroundings<'_>, errors: &mut Errors) {
-    check_name(name, table, around.maps, errors);
-    let taken = match name {
-        "survey" => "the name of the first phase",
-        _ if others.iter().any(|other| other.name == name) => "the name of an earlier application",
-        _ if around.distributed.is_some_and(|map| map.name == name) => "the name of the map of the nodes",
-        _ => return,
-    };
-    errors.refuse(&SettingError::new("name", format!("`{name}`, {taken}"), "a unique name").within(table));
+/// What has names that a mission may not have.
+pub(crate) struct TakenNames<'a> {
+    pub(crate) maps: &'a [MapJob],
+    pub(crate) distributed: Option<&'a NodeMapJob>,
+    pub(crate) applications: &'a [Application],
+}
+
+impl TakenNames<'_> {
+    /// Refuses names that are not plain or that something else in the recording has.
+    pub(crate) fn check(&self, name: &str, table: &str, errors: &mut Errors) {
+        check_name(name, table, self.maps, errors);
+        let taken = match name {
+            "survey" => "the name of the first phase",
+            _ if self.applications.iter().any(|other| other.name == name) => "the name of an earlier application",
+            _ if self.distributed.is_some_and(|map| map.name == name) => "the name of the map of the nodes",
+            _ => return,
+        };
+        errors.refuse(&SettingError::new("name", format!("`{name}`, {taken}"), "a unique name").within(table));
+    }
 }
 
 impl Surroundings<'_> {
