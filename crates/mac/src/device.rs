@@ -98,7 +98,8 @@ impl Device {
 
     /// Whether it follows the beacons of a coordinator.
     #[must_use]
-    pub const fn is_synchronised(&self) -> bool {
+    #[cfg(test)]
+    pub(crate) const fn is_synchronised(&self) -> bool {
         self.coordinator.is_some()
     }
 

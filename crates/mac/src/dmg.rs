@@ -33,14 +33,13 @@ pub mod timing;
 pub use address::MacAddress;
 pub use edca::AccessCategory;
 pub use frame::{
-    BeamRefinement, Enclosed, MAX_BEACON_PAYLOAD_OCTETS, MAX_CONTROL_OCTETS, MAX_MEASUREMENTS, PAYLOAD_OUI,
-    PAYLOAD_TYPE, SectorFeedback, SectorMeasurement, SweepBody, SweepFrame, SweepParseError, beacon_octets,
-    beacon_payload, beacon_payload_octets, brp_measurements, brp_octets,
+    BeamRefinement, Enclosed, MAX_BEACON_PAYLOAD_OCTETS, MAX_MEASUREMENTS, SectorFeedback, SectorMeasurement,
+    SweepBody, SweepFrame, SweepParseError, beacon_octets, beacon_payload, beacon_payload_octets, brp_measurements,
 };
 pub use initiator::{Access, Answer, Initiator, InitiatorOutcome, InitiatorReport, SweepPurpose};
 pub use port::{Aim, Event, Radio};
 pub use responder::{HeardSweep, Responder, ResponderOutcome, ResponderReport};
-pub use sector::{MAX_ANTENNA_SECTORS, MAX_ANTENNAS, MAX_SECTORS, SectorLayout, TxSector};
+pub use sector::{SectorLayout, TxSector};
 pub use settings::{
     Abft, AbftConfig, AnswerSettings, Contention, ContentionConfig, CsmaFeedbackConfig, SweepConfig, SweepSettings,
 };

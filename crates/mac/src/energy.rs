@@ -128,7 +128,7 @@ impl RadioStates {
 
     /// Microchip AT86RF233 (data sheet 8351) at 3 V; idle is its state TRX_OFF.
     #[must_use]
-    pub fn at86rf233() -> Self {
+    pub(crate) fn at86rf233() -> Self {
         let tx = [(-17.0, 7.2), (-5.0, 9.8), (0.0, 11.8), (4.0, 13.8)];
         Self::from_milliamperes(3.0, &tx, 11.8, 0.3, 0.0002)
     }

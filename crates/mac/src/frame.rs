@@ -19,7 +19,8 @@ mod header;
 #[cfg(test)]
 mod tests;
 
-pub use address::{Address, BROADCAST_PAN, Endpoint};
+pub(crate) use address::BROADCAST_PAN;
+pub use address::{Address, Endpoint};
 pub use beacon::{Beacon, GuaranteedSlot, Superframe};
 pub use data_frame::DataFrame;
 pub use header::{Header, HeaderAddress};

@@ -75,4 +75,4 @@ pub use energy::{CustomRadioConfig, EnergyConfig, EnergySpent, RadioState, Radio
 pub use energy_meter::{Cycles, EnergyMeter};
 pub use fcs::fcs;
 pub use message_energy::MessageEnergy;
-pub use timing::{ACK_MPDU_OCTETS, Band, MAX_MPDU_OCTETS, Phy};
+pub use timing::{Band, Phy};

@@ -23,20 +23,6 @@ pub fn bit_error_rate(sinr: f64) -> f64 {
     sum.clamp(0.0, 0.5)
 }
 
-/// Probability that `bits` bits in a row arrive without error while the ratio is `sinr` (a factor).
-/// `bits` need not be whole: a chunk of a frame may end within one.
-#[must_use]
-pub fn chunk_success(sinr: f64, bits: f64) -> f64 {
-    libm::exp(bits * libm::log1p(-bit_error_rate(sinr)))
-}
-
-/// Probability that a frame arrives without error: the product over its chunks `(sinr, bits)`,
-/// split wherever the interference changes.
-#[must_use]
-pub fn frame_success(chunks: impl IntoIterator<Item = (f64, f64)>) -> f64 {
-    chunks.into_iter().map(|(sinr, bits)| chunk_success(sinr, bits)).product()
-}
-
 /// Weight and exponent per unit of SINR of each term of the sum, k from 16 down to 2: the small ones first.
 const TERMS: [(f64, f64); 15] = {
     let mut terms = [(0.0, 0.0); 15];
@@ -58,6 +44,11 @@ mod tests {
 
     fn relative_error(value: f64, reference: f64) -> f64 {
         (value / reference - 1.0).abs()
+    }
+
+    /// Probability that `bits` bits in a row arrive without error while the ratio is `sinr` (a factor).
+    fn chunk_success(sinr: f64, bits: f64) -> f64 {
+        libm::exp(bits * libm::log1p(-bit_error_rate(sinr)))
     }
 
     /// Ratio at which `octets` are lost with probability `loss` (dB).
@@ -128,14 +119,5 @@ mod tests {
     fn the_bit_error_rate_falls_with_the_ratio() {
         let rates: Vec<f64> = (0..400).map(|i| bit_error_rate(f64::from(i) * 0.01)).collect();
         assert!(rates.is_sorted_by(|a, b| a > b));
-    }
-
-    #[test]
-    fn the_success_of_a_frame_is_the_product_over_its_chunks() {
-        let (good, bad) = (2.0, 0.6);
-        let whole = frame_success([(good, 100.0), (bad, 60.0)]);
-        let parts = chunk_success(good, 40.0) * chunk_success(good, 60.0) * chunk_success(bad, 60.0);
-        assert!(relative_error(whole, parts) < 1e-12);
-        assert!(whole < chunk_success(good, 160.0) && whole > chunk_success(bad, 160.0));
     }
 }

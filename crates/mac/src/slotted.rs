@@ -270,7 +270,7 @@ impl SlottedCsma {
 
 /// Time that a frame needs in a guaranteed slot: the frame, its acknowledgement if requested, and the spacing.
 #[must_use]
-pub fn guaranteed_span(phy: Phy, mpdu_octets: u8, ack_request: bool) -> Duration {
+pub(crate) fn guaranteed_span(phy: Phy, mpdu_octets: u8, ack_request: bool) -> Duration {
     let ack = if ack_request { phy.turnaround() + phy.ack_airtime() } else { Duration::ZERO };
     phy.airtime(mpdu_octets) + ack + phy.interframe_spacing(mpdu_octets)
 }

@@ -66,19 +66,19 @@ impl SuperframeTiming {
 
     /// Whether stations may rest between the active part and the next beacon.
     #[must_use]
-    pub const fn has_inactive_part(&self) -> bool {
+    pub(crate) const fn has_inactive_part(&self) -> bool {
         self.specification.superframe_order < self.specification.beacon_order
     }
 
     /// Start of slot `slot` after the start of the beacon: 60 * 2^SO symbols per slot.
     #[must_use]
-    pub const fn slot_start(&self, slot: u8) -> Duration {
+    pub(crate) const fn slot_start(&self, slot: u8) -> Duration {
         self.slots_of_order(self.specification.superframe_order, slot)
     }
 
     /// End of the contention access period after the start of the beacon.
     #[must_use]
-    pub const fn cap_end(&self) -> Duration {
+    pub(crate) const fn cap_end(&self) -> Duration {
         self.slot_start(self.specification.final_cap_slot + 1)
     }
 
@@ -103,7 +103,7 @@ impl SuperframeTiming {
 
     /// End of a guaranteed slot after the start of the beacon.
     #[must_use]
-    pub const fn guaranteed_end(&self, slot: GuaranteedSlot) -> Duration {
+    pub(crate) const fn guaranteed_end(&self, slot: GuaranteedSlot) -> Duration {
         self.slot_start(slot.first_slot + slot.slots)
     }
 
@@ -149,13 +149,13 @@ impl Contention {
 
     /// The same period, but stations use only its first backoff periods (macBattLifeExt).
     #[must_use]
-    pub fn with_battery_life_extension(self) -> Self {
+    pub(crate) fn with_battery_life_extension(self) -> Self {
         Self { saver_end: Some(self.first + self.phy.backoff_period() * BATTERY_LIFE_PERIODS), ..self }
     }
 
     /// Whether battery life extension is on.
     #[must_use]
-    pub const fn is_battery_saving(&self) -> bool {
+    pub(crate) const fn is_battery_saving(&self) -> bool {
         self.saver_end.is_some()
     }
 
@@ -173,7 +173,7 @@ impl Contention {
 
     /// Number of whole backoff periods that can be counted from the boundary `from` on.
     #[must_use]
-    pub fn countable(&self, from: SimTime) -> u32 {
+    pub(crate) fn countable(&self, from: SimTime) -> u32 {
         let left = self.saver_end.unwrap_or(self.end).min(self.end).saturating_since(from);
         let periods = left.as_nanos() / self.phy.backoff_period().as_nanos();
         u32::try_from(periods).expect("a superframe has fewer than 2^32 backoff periods")

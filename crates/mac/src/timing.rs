@@ -6,9 +6,9 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 /// Largest MPDU (octets), FCS included (aMaxPHYPacketSize; IEEE 802.15.4-2011, 9.2).
-pub const MAX_MPDU_OCTETS: u8 = 127;
+pub(crate) const MAX_MPDU_OCTETS: u8 = 127;
 /// Size of an acknowledgement's MPDU (octets): frame control, sequence number, FCS.
-pub const ACK_MPDU_OCTETS: u8 = 5;
+pub(crate) const ACK_MPDU_OCTETS: u8 = 5;
 /// Largest MPDU that is followed by the short interframe spacing (octets) (aMaxSIFSFrameSize).
 const MAX_SIFS_MPDU_OCTETS: u8 = 18;
 
@@ -204,7 +204,7 @@ impl Phy {
     /// rounded up to whole symbols).
     #[must_use]
     #[inline]
-    pub const fn ack_wait(self) -> Duration {
+    pub(crate) const fn ack_wait(self) -> Duration {
         let n = self.numbers();
         self.symbols(20 + 12 + n.shr_symbols + (6 * n.octet_tenths).div_ceil(10))
     }
@@ -212,21 +212,21 @@ impl Phy {
     /// Short interframe spacing (macMinSIFSPeriod, 12 symbols).
     #[must_use]
     #[inline]
-    pub const fn short_spacing(self) -> Duration {
+    pub(crate) const fn short_spacing(self) -> Duration {
         self.symbols(12)
     }
 
     /// Long interframe spacing (macMinLIFSPeriod, 40 symbols).
     #[must_use]
     #[inline]
-    pub const fn long_spacing(self) -> Duration {
+    pub(crate) const fn long_spacing(self) -> Duration {
         self.symbols(40)
     }
 
     /// Interframe spacing that a sender must keep after a frame of `mpdu_octets`, or after its acknowledgement.
     #[must_use]
     #[inline]
-    pub const fn interframe_spacing(self, mpdu_octets: u8) -> Duration {
+    pub(crate) const fn interframe_spacing(self, mpdu_octets: u8) -> Duration {
         if mpdu_octets <= MAX_SIFS_MPDU_OCTETS { self.short_spacing() } else { self.long_spacing() }
     }
 }

@@ -21,14 +21,14 @@ pub struct Tally {
 impl Tally {
     /// Of what the thesis states in these results: its conclusions and its numbers.
     #[must_use]
-    pub fn of_thesis<'a>(results: impl IntoIterator<Item = &'a Results>) -> Self {
+    pub(crate) fn of_thesis<'a>(results: impl IntoIterator<Item = &'a Results>) -> Self {
         let lines = results.into_iter().flat_map(Results::all);
         Self::of(lines.filter(|line| line.published.is_some()))
     }
 
     /// Of the conclusions that are ours.
     #[must_use]
-    pub fn of_ours<'a>(results: impl IntoIterator<Item = &'a Results>) -> Self {
+    pub(crate) fn of_ours<'a>(results: impl IntoIterator<Item = &'a Results>) -> Self {
         Self::of(results.into_iter().flat_map(|of| &of.conclusions).filter(|line| line.published.is_none()))
     }
 

@@ -25,7 +25,7 @@ impl Belief {
 
     /// Standard deviation along the axis that is known worst among x, y and z (m); `None` without a covariance.
     #[must_use]
-    pub fn greatest_sigma_m(&self) -> Option<f64> {
+    pub(crate) fn greatest_sigma_m(&self) -> Option<f64> {
         let covariance = self.covariance?;
         let variance = (0..3).map(|axis| covariance[axis][axis]).fold(0.0, f64::max);
         Some(variance.max(0.0).sqrt())

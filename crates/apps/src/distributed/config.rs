@@ -175,7 +175,7 @@ impl DistributedMapping {
 
     /// How long the mobile anchors drive.
     #[must_use]
-    pub fn mobile_phase(&self) -> Duration {
+    pub(crate) fn mobile_phase(&self) -> Duration {
         self.mobile_phase
     }
 

@@ -264,7 +264,7 @@ impl Message {
 impl Beacon {
     /// Number of other anchors for which a message of at most `octets` has room beside the rest; at least one.
     #[must_use]
-    pub fn room_for_others(&self, octets: usize) -> usize {
+    pub(crate) fn room_for_others(&self, octets: usize) -> usize {
         let directions = self.directions.as_ref().map_or(0, Directions::octets);
         let earlier = if self.earlier.is_empty() { 0 } else { 1 + 12 * self.earlier.len() };
         (octets.saturating_sub(HEADER_OCTETS + self.belief.octets() + directions + earlier) / OTHER_OCTETS).max(1)

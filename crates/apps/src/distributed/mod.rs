@@ -36,7 +36,7 @@ mod schedule;
 
 pub use belief::Belief;
 pub use config::{BearingSource, DistributedMapping, DistributedMappingConfig, Exchange, PatternBearings, Recompute};
-pub use filtration::{Category, Scattering};
+pub use filtration::Category;
 pub use message::{Beacon, Directions, HeardSector, Message};
 pub use mobile_anchor::MobileAnchor;
 pub use node::{MappingNode, NodeAntenna};

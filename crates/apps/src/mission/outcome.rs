@@ -31,7 +31,7 @@ pub struct MissionArrival {
 impl MissionOutcome {
     /// The same without what is zero.
     #[must_use]
-    pub fn without_zeros(mut self) -> Self {
+    pub(crate) fn without_zeros(mut self) -> Self {
         self.steps.retain(|_, count| *count > 0);
         self.messages.retain(|_, count| *count > 0);
         self

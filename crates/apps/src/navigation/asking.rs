@@ -13,28 +13,28 @@ const CHANGE_DB: f64 = 2.0;
 
 /// Numbers the polls of a robot, and chooses whom it asks.
 #[derive(Clone, Debug, Default)]
-pub struct Asking {
+pub(crate) struct Asking {
     number: u16,
     least: Option<Dbm>,
 }
 
 impl Asking {
     /// The number of the next poll.
-    pub fn next_poll(&mut self) -> u16 {
+    pub(crate) fn next_poll(&mut self) -> u16 {
         self.number = self.number.wrapping_add(1);
         self.number
     }
 
     /// Number of polls so far; after 65535 comes 0.
     #[must_use]
-    pub fn polls(&self) -> u16 {
+    pub(crate) fn polls(&self) -> u16 {
         self.number
     }
 
     /// Whom a robot asks next that is at `place` on a map in `frame`: the nodes within `radius_m` of it on the map. Where
     /// the place itself is a guess, those near it would say little about it: then the nodes that hear the robot well.
     /// `answers` are those of the last poll.
-    pub fn whom(
+    pub(crate) fn whom(
         &mut self,
         frame: MapFrame,
         place: Option<Position>,

@@ -32,18 +32,18 @@ pub struct HeardNode {
 
 /// The nodes that a robot has heard lately.
 #[derive(Clone, Debug, Default)]
-pub struct Neighbourhood {
+pub(crate) struct Neighbourhood {
     heard: BTreeMap<StationId, HeardNode>,
 }
 
 impl Neighbourhood {
     /// A node was heard.
-    pub fn hear(&mut self, station: StationId, heard: HeardNode) {
+    pub(crate) fn hear(&mut self, station: StationId, heard: HeardNode) {
         self.heard.insert(station, heard);
     }
 
     /// The nodes, by station.
-    pub fn nodes(&self) -> impl ExactSizeIterator<Item = (StationId, &HeardNode)> {
+    pub(crate) fn nodes(&self) -> impl ExactSizeIterator<Item = (StationId, &HeardNode)> {
         self.heard.iter().map(|(&station, heard)| (station, heard))
     }
 
@@ -51,7 +51,7 @@ impl Neighbourhood {
     /// transmit power (thesis, equation of the robot's coordinates, chapters 6 and 7). The ratio is linear: one in
     /// decibels would grow with the distance. `None` if no node was heard.
     #[must_use]
-    pub fn centroid(&self) -> Option<Position> {
+    pub(crate) fn centroid(&self) -> Option<Position> {
         // Relative to the strongest one, so that no weight underflows.
         let strongest = self.heard.values().map(|heard| heard.gain.0).max_by(f64::total_cmp)?;
         let weigh = |heard: &HeardNode| Db(heard.gain.0 - strongest).to_factor();
@@ -65,7 +65,7 @@ impl Neighbourhood {
     /// matter. It is not drawn inside at the border of the network, as the centroid is. In the plane; the height is that
     /// of the centroid. `None` if fewer than four nodes were heard.
     #[must_use]
-    pub fn lateration(&self) -> Option<Position> {
+    pub(crate) fn lateration(&self) -> Option<Position> {
         if self.heard.len() < LEAST_LATERATION {
             return None;
         }

@@ -13,12 +13,14 @@ mod place_on_map;
 mod poll;
 mod waiting_answers;
 
-pub use asking::Asking;
-pub use flood::{Flood, FloodKey};
-pub use heard::{HeardNode, Neighbourhood};
+pub(crate) use asking::Asking;
+pub use flood::Flood;
+pub(crate) use flood::FloodKey;
+pub use heard::HeardNode;
+pub(crate) use heard::Neighbourhood;
 pub use navigation_map::{MapFrame, NavigationMap};
-pub use place_on_map::PlaceOnMap;
+pub(crate) use place_on_map::PlaceOnMap;
 #[cfg(test)]
 pub(crate) use poll::any;
 pub use poll::{Answer, Asked, Request};
-pub use waiting_answers::WaitingAnswers;
+pub(crate) use waiting_answers::WaitingAnswers;

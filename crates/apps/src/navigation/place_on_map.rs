@@ -31,7 +31,7 @@ const CLEAR: f64 = 1.5;
 /// frame of the robots it is close to none, which counts as prior knowledge. In an unknown frame, both the map and its
 /// mirror image are tried.
 #[derive(Clone, Debug)]
-pub struct PlaceOnMap {
+pub(crate) struct PlaceOnMap {
     frame: MapFrame,
     fixes: VecDeque<Fix>,
     driven_m: f64,
@@ -77,7 +77,7 @@ fn product([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
 impl PlaceOnMap {
     /// Without any fix.
     #[must_use]
-    pub fn new(frame: MapFrame) -> Self {
+    pub(crate) fn new(frame: MapFrame) -> Self {
         let similarity = match frame {
             MapFrame::Robot => {
                 Some(Similarity { turn: [1.0, 0.0], offset: [0.0; 2], lift_m: 0.0, mirrored: Handedness::Same })
@@ -88,7 +88,7 @@ impl PlaceOnMap {
     }
 
     /// The robot was at `odometry` (m) when the nodes around it said that it was at `map` (m).
-    pub fn fix(&mut self, odometry: Position, map: Position) {
+    pub(crate) fn fix(&mut self, odometry: Position, map: Position) {
         self.driven_m += self.last.map_or(0.0, |last| last.distance_m(odometry));
         self.last = Some(odometry);
         if self.fixes.len() == MOST_FIXES {
@@ -109,7 +109,7 @@ impl PlaceOnMap {
 
     /// Where a place known by odometry is on the map (m); `None` if the frame of the map is not known yet.
     #[must_use]
-    pub fn to_map(&self, odometry: Position) -> Option<Position> {
+    pub(crate) fn to_map(&self, odometry: Position) -> Option<Position> {
         let Similarity { turn, offset, lift_m, mirrored } = self.similarity?;
         let [x_m, y_m] = product(turn, mirrored.of(odometry));
         Some(Position::new(x_m + offset[0], y_m + offset[1], odometry.z_m + lift_m))
@@ -117,7 +117,7 @@ impl PlaceOnMap {
 
     /// Where a place on the map is by odometry (m); `None` if the frame of the map is not known yet.
     #[must_use]
-    pub fn to_odometry(&self, map: Position) -> Option<Position> {
+    pub(crate) fn to_odometry(&self, map: Position) -> Option<Position> {
         let Similarity { turn: [a, b], offset, lift_m, mirrored } = self.similarity?;
         let square = a * a + b * b;
         let [x_m, y_m] = product([a / square, -b / square], [map.x_m - offset[0], map.y_m - offset[1]]);
@@ -128,7 +128,7 @@ impl PlaceOnMap {
 
     /// Length on the map of one metre that the robot drives; `None` if the frame of the map is not known yet.
     #[must_use]
-    pub fn scale(&self) -> Option<f64> {
+    pub(crate) fn scale(&self) -> Option<f64> {
         self.similarity.map(|Similarity { turn: [a, b], .. }| libm::hypot(a, b))
     }
 

@@ -11,7 +11,7 @@ const MOST: u16 = 32;
 
 /// The answers of a node to polls, each of which waits for a random instant in the window of its poll. They use 32 timers.
 #[derive(Clone, Debug)]
-pub struct WaitingAnswers<T> {
+pub(crate) struct WaitingAnswers<T> {
     first_timer: u16,
     sending_share: f64,
     next: u16,
@@ -22,13 +22,13 @@ impl<T> WaitingAnswers<T> {
     /// Uses the timers from `first_timer` on. Nodes begin to send in the first `sending_share` of a window: what waits for
     /// the channel then still comes in it.
     #[must_use]
-    pub fn new(first_timer: u16, sending_share: f64) -> Self {
+    pub(crate) fn new(first_timer: u16, sending_share: f64) -> Self {
         Self { first_timer, sending_share, next: 0, waiting: BTreeMap::new() }
     }
 
     /// An answer waits for its instant in the window of `request`. `draw` is a random number in (0, 1). If more than 32
     /// wait, the oldest is dropped.
-    pub fn wait(&mut self, request: &Request, answer: T, draw: f64, port: &mut Port<'_>) {
+    pub(crate) fn wait(&mut self, request: &Request, answer: T, draw: f64, port: &mut Port<'_>) {
         let timer = self.first_timer + self.next;
         self.next = (self.next + 1) % MOST;
         self.waiting.insert(timer, answer);
@@ -36,7 +36,7 @@ impl<T> WaitingAnswers<T> {
     }
 
     /// A timer is due. Returns the answer that waited for it, if one did.
-    pub fn due(&mut self, timer: Timer) -> Option<T> {
+    pub(crate) fn due(&mut self, timer: Timer) -> Option<T> {
         self.waiting.remove(&timer.0)
     }
 }

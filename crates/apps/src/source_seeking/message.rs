@@ -20,7 +20,7 @@ const ANSWER: u8 = 2;
 /// | 1 REQUEST | a [`Request`]; 2 field |
 /// | 2 ANSWER | an [`Answer`]; 2 field; 4 reading as `f32` |
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SeekMessage {
+pub(crate) enum SeekMessage {
     /// A robot asks the nodes around it for their readings of a field.
     Request(Request, FieldId),
     /// A node answers with its latest reading.
@@ -30,7 +30,7 @@ pub enum SeekMessage {
 impl SeekMessage {
     /// The octets of the message.
     #[must_use]
-    pub fn to_octets(&self) -> Vec<u8> {
+    pub(crate) fn to_octets(&self) -> Vec<u8> {
         let mut octets = Vec::with_capacity(1 + Answer::OCTETS + 6);
         match self {
             Self::Request(request, field) => {
@@ -52,7 +52,7 @@ impl SeekMessage {
     ///
     /// # Errors
     /// If the octets are not a message.
-    pub fn read(octets: &[u8]) -> Result<Self, MessageError> {
+    pub(crate) fn read(octets: &[u8]) -> Result<Self, MessageError> {
         let mut reader = Reader::new(octets);
         let [first] = reader.take("the header")?;
         if first >> 4 != VERSION {

@@ -39,11 +39,7 @@ pub use config::{GradientConfig, LevelSetConfig, PlaneConfig, Preset, SpaceConfi
 pub use estimate::{EstimateConfig, LocalFitConfig, Weights};
 pub use goal::{AfterArrival, GoalConfig, GradientGoalConfig};
 pub use level_set::HigherField;
-pub use message::SeekMessage;
-pub use node::SeekNode;
 pub use poll::PollConfig;
 pub use rate::RateConfig;
-pub use record::{Arrival, NodeSeekRecord, RobotSeekRecord, SeekRecord, SeekState};
-pub use robot::SeekRobot;
+pub use record::{Arrival, RobotSeekRecord, SeekRecord, SeekState};
 pub use settings::SourceSeeking;
-pub use station::SeekStation;

@@ -185,7 +185,7 @@ impl SourceSeeking {
     /// Whether readings are weighted by the ratio of two powers as numbers in dBm, which has no value if nodes send with
     /// 0 dBm.
     #[must_use]
-    pub fn weighs_by_dbm(&self) -> bool {
+    pub(crate) fn weighs_by_dbm(&self) -> bool {
         matches!(self.estimate, Estimate::Mean(Weights::DbmRatio, _))
     }
 

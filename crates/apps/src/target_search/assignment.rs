@@ -50,7 +50,7 @@ impl Sub for Cost {
 /// that can meet no target has none. If two choices cost the same, the result depends on the order of robots and
 /// targets alone.
 #[must_use]
-pub fn assign(times_s: &[Vec<Option<f64>>]) -> Vec<Option<usize>> {
+pub(crate) fn assign(times_s: &[Vec<Option<f64>>]) -> Vec<Option<usize>> {
     let time_s = |robot: usize, target: usize| {
         let time_s = times_s[robot].get(target).copied().flatten();
         time_s.filter(|time_s| time_s.is_finite())

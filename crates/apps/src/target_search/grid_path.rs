@@ -14,7 +14,7 @@ const ESCAPE: isize = 2;
 
 /// Square cells over the field, in the plane, and those that a robot cannot enter. Unknown cells are free.
 #[derive(Clone, Debug)]
-pub struct CellMap {
+pub(crate) struct CellMap {
     /// Centre of cell 0.
     first: Position,
     cell_m: f64,
@@ -31,7 +31,7 @@ impl CellMap {
     /// # Panics
     /// If `cell_m` is not positive.
     #[must_use]
-    pub fn new(field: Bounds, cell_m: f64, hull_m: f64) -> Self {
+    pub(crate) fn new(field: Bounds, cell_m: f64, hull_m: f64) -> Self {
         assert!(cell_m > 0.0, "the width of a cell must be positive");
         let size = field.max - field.min;
         let count = |length_m: f64, cell_m: f64| (length_m / cell_m).ceil().max(1.0);
@@ -45,15 +45,9 @@ impl CellMap {
         Self { first, cell_m, lattice, hull_m, is_blocked, contacts: Vec::new() }
     }
 
-    /// Width of a cell (m).
-    #[must_use]
-    pub fn cell_m(&self) -> f64 {
-        self.cell_m
-    }
-
     /// Learns a point on an obstacle. Cells are blocked whose centres are so near that a robot on its way from one
     /// centre to the next would touch the point. A point near a known one tells nothing new.
-    pub fn add_contact(&mut self, contact: Position) {
+    pub(crate) fn add_contact(&mut self, contact: Position) {
         let near_m = 0.25 * self.cell_m;
         if self.contacts.iter().any(|known| known.distance_m(contact) <= near_m) {
             return;
@@ -75,8 +69,8 @@ impl CellMap {
     }
 
     /// Whether the robot knows that it cannot stand at `place`. Places outside the field belong to the nearest cell.
-    #[must_use]
-    pub fn is_blocked(&self, place: Position) -> bool {
+    #[cfg(test)]
+    pub(crate) fn is_blocked(&self, place: Position) -> bool {
         self.is_blocked[self.cell(place)]
     }
 
@@ -86,7 +80,7 @@ impl CellMap {
     /// blocked cell; corners that are not needed are then removed. The height is that of `from`. A robot in a blocked
     /// cell first drives to a free one nearby.
     #[must_use]
-    pub fn way(&self, from: Position, to: Position, tolerance_m: f64) -> Option<Vec<Position>> {
+    pub(crate) fn way(&self, from: Position, to: Position, tolerance_m: f64) -> Option<Vec<Position>> {
         let to = Position { z_m: from.z_m, ..to };
         if self.is_clear(from, to) {
             return Some(vec![to]);
@@ -105,7 +99,7 @@ impl CellMap {
     /// H the straight line to `to`, so that obstacles can trap the robot. Among equals (to the micrometre), the first one
     /// counter-clockwise from the x axis. `None` if no place is free.
     #[must_use]
-    pub fn greedy_step(&self, from: Position, to: Position, step_m: f64) -> Option<Position> {
+    pub(crate) fn greedy_step(&self, from: Position, to: Position, step_m: f64) -> Option<Position> {
         let places = (0..8_u8).map(|k| {
             let azimuth_rad = f64::from(k) * std::f64::consts::FRAC_PI_4;
             from + Position::new(libm::cos(azimuth_rad), libm::sin(azimuth_rad), 0.0) * step_m
@@ -381,6 +375,6 @@ mod tests {
     fn the_number_of_cells_is_bounded() {
         let map = CellMap::new(Bounds { min: Position::ORIGIN, max: at(1e6, 1e3) }, 0.1, 0.3);
         assert!(map.is_blocked.len() <= 250_000, "{}", map.is_blocked.len());
-        assert!(map.cell_m() > 0.1);
+        assert!(map.cell_m > 0.1);
     }
 }

@@ -6,7 +6,7 @@ use sextant_channel::Position;
 
 /// A robot that goes to meet a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pursuit {
+pub(crate) struct Pursuit {
     /// Where the robot is (m).
     pub start: Position,
     /// Its speed (m/s).
@@ -31,7 +31,7 @@ pub struct Meeting {
 impl Pursuit {
     /// The earliest meeting with a target that is at `target(t)` after t, if the robot goes straight to it; `None` if
     /// there is none within the horizon.
-    pub fn earliest(&self, target: impl Fn(Duration) -> Position) -> Option<Meeting> {
+    pub(crate) fn earliest(&self, target: impl Fn(Duration) -> Position) -> Option<Meeting> {
         let meets = |after: Duration| {
             let place = target(after);
             let way_m = self.speed_m_per_s * after.as_secs_f64() + self.reach_m;

@@ -160,9 +160,9 @@ fn target(reader: &mut Reader<'_>) -> Result<TargetId, MessageError> {
 
 impl Message {
     /// Most detections in an ANSWER.
-    pub const MOST_DETECTIONS: usize = (LARGEST_OCTETS - 1 - Answer::OCTETS) / DETECTION_OCTETS;
+    pub(crate) const MOST_DETECTIONS: usize = (LARGEST_OCTETS - 1 - Answer::OCTETS) / DETECTION_OCTETS;
     /// Most targets in a CLAIM.
-    pub const MOST_CLAIMS: usize = (LARGEST_OCTETS - 7) / CLAIM_OCTETS;
+    pub(crate) const MOST_CLAIMS: usize = (LARGEST_OCTETS - 7) / CLAIM_OCTETS;
 
     /// The octets of the message.
     #[must_use]

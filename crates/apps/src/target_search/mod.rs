@@ -39,26 +39,17 @@ mod tracker;
 mod trajectory;
 mod wayfinder;
 
-pub use assignment::assign;
 pub use config::{
     Aim, BeforeDetection, Belief, DetarskConfig, FilterConfig, GradientSources, Informants, OwnPlaceRule, PGConfig,
     ParticlesConfig, PathRule, PredictionConfig, RobustKalmanConfig, SearchMotion, SearchPreset, WithoutNews,
 };
 pub use doubt::Doubt;
-pub use grid_path::CellMap;
-pub use interception::{Meeting, Pursuit};
-pub use message::{Claim, Detection, FirstDetection, GradientMessage, Message};
-pub use node::{NodeSearchRecord, SearchNode};
+pub use interception::Meeting;
+pub use message::{Claim, Detection, Message};
 pub use outbox::MessageCounts;
-pub use particle_filter::{ParticleFilter, ParticleFilterSettings, SeenBy, Space};
+pub use particle_filter::Space;
 pub use record::{RobotSearchRecord, SearchStep};
-pub use robot::SearchRobot;
-pub use robust_kalman::{Multiplier, RobustKalman, RobustKalmanSettings, Robustness};
 pub use settings::TargetSearch;
-pub use sightings::{NodeSightings, Sighting, Sightings, SightingsSettings};
-pub use sink::SearchSink;
 pub use station::{SearchRecord, SearchStation};
-pub use target_state::{AxisCovariance, Fix, TargetState};
-pub use trajectory::{
-    AxisForecast, CurveForm, Forecast, Limit, NextTurn, Trajectory, TrajectorySettings, Trust, TurnRule, TurnTimes,
-};
+pub use target_state::Fix;
+pub use trajectory::{CurveForm, Forecast, Limit, NextTurn, Trust, TurnRule, TurnTimes};

@@ -20,7 +20,7 @@ const MOST_TURNS: u64 = 255;
 
 /// Settings of a [`ParticleFilter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParticleFilterSettings {
+pub(crate) struct ParticleFilterSettings {
     /// Number of particles.
     pub particles: u32,
     /// Radius within which a node detects the target (m), on the map.
@@ -65,7 +65,7 @@ impl ParticleFilterSettings {
     ///
     /// # Errors
     /// If a value is invalid. The keys are those of the fields.
-    pub fn validated(self) -> Result<Self, SettingError> {
+    pub(crate) fn validated(self) -> Result<Self, SettingError> {
         if !(1..=1_000_000).contains(&self.particles) {
             return Err(SettingError::new("particles", self.particles, "1 to 1000000"));
         }
@@ -82,7 +82,7 @@ impl ParticleFilterSettings {
 
 /// The sensors that are known to see the target at one instant, and those that are known not to.
 #[derive(Clone, Copy, Debug)]
-pub struct SeenBy<'a> {
+pub(crate) struct SeenBy<'a> {
     /// Places of the nodes that detect it (m).
     pub detecting: &'a [Position],
     /// Places of the nodes that do not (m).
@@ -108,7 +108,7 @@ enum Draw {
 
 /// The filter, after a step.
 #[derive(Clone, Debug)]
-pub struct ParticleFilter {
+pub(crate) struct ParticleFilter {
     settings: ParticleFilterSettings,
     seed: Seed,
     stream: u64,
@@ -121,7 +121,7 @@ impl ParticleFilter {
     /// The filter after the first place of the target, which is within the radius of detection of it; its velocity is
     /// unknown. `stream` selects the random draws of this filter.
     #[must_use]
-    pub fn new(settings: ParticleFilterSettings, seed: Seed, stream: u64, first: Position) -> Self {
+    pub(crate) fn new(settings: ParticleFilterSettings, seed: Seed, stream: u64, first: Position) -> Self {
         let mut filter = Self { settings, seed, stream, step: 0, particles: Vec::new(), resets: 0 };
         let weight = 1.0 / f64::from(settings.particles);
         filter.particles =
@@ -130,7 +130,7 @@ impl ParticleFilter {
     }
 
     /// Goes on by `step`, and uses what sensors say at its end, if anything is known of it.
-    pub fn advance(&mut self, step: Duration, seen_by: Option<&SeenBy<'_>>) {
+    pub(crate) fn advance(&mut self, step: Duration, seen_by: Option<&SeenBy<'_>>) {
         self.step += 1;
         self.propagate(step);
         if let Some(seen_by) = seen_by {
@@ -142,7 +142,7 @@ impl ParticleFilter {
 
     /// Mean of the particles, and their covariance, averaged over the axes.
     #[must_use]
-    pub fn state(&self) -> TargetState {
+    pub(crate) fn state(&self) -> TargetState {
         let mean = |value: &dyn Fn(&Particle) -> Position| {
             self.particles.iter().fold(Position::ORIGIN, |sum, particle| sum + value(particle) * particle.weight)
         };
@@ -163,8 +163,8 @@ impl ParticleFilter {
     }
 
     /// The state after another `span`, with the turns that the particles make until then.
-    #[must_use]
-    pub fn predict(&self, span: Duration) -> TargetState {
+    #[cfg(test)]
+    fn predict(&self, span: Duration) -> TargetState {
         let mut ahead = self.clone();
         ahead.step += 1;
         ahead.propagate(span);
@@ -173,7 +173,7 @@ impl ParticleFilter {
 
     /// How often no particle agreed with the sensors that detected the target, so that all were drawn again.
     #[must_use]
-    pub fn resets(&self) -> u32 {
+    pub(crate) fn resets(&self) -> u32 {
         self.resets
     }
 

@@ -23,7 +23,7 @@ use super::target_state::{AxisCovariance, Fix, TargetState};
 
 /// Settings of a [`RobustKalman`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RobustKalmanSettings {
+pub(crate) struct RobustKalmanSettings {
     /// ζ: largest relative error of the speed along an axis, 0 or more and below 1. 0 gives the usual Kalman filter.
     pub zeta: f64,
     /// Standard deviation of the target's acceleration along an axis (m/s²), constant during a step.
@@ -32,19 +32,11 @@ pub struct RobustKalmanSettings {
     pub position_sigma_m: f64,
     /// Standard deviation of the first velocity along an axis (m/s): the largest speed of the target.
     pub max_speed_m_per_s: f64,
-    /// Multiplier of the uncertainty.
-    pub multiplier: Multiplier,
 }
 
 impl Default for RobustKalmanSettings {
     fn default() -> Self {
-        Self {
-            zeta: 0.3,
-            acceleration_sigma_m_per_s2: 0.5,
-            position_sigma_m: 1.0,
-            max_speed_m_per_s: 1.5,
-            multiplier: Multiplier::PerStep,
-        }
+        Self { zeta: 0.3, acceleration_sigma_m_per_s2: 0.5, position_sigma_m: 1.0, max_speed_m_per_s: 1.5 }
     }
 }
 
@@ -53,7 +45,7 @@ impl RobustKalmanSettings {
     ///
     /// # Errors
     /// If a value is invalid. The keys are those of the fields.
-    pub fn validated(self) -> Result<Self, SettingError> {
+    pub(crate) fn validated(self) -> Result<Self, SettingError> {
         if !(0.0..1.0).contains(&self.zeta) {
             return Err(SettingError::new("zeta", self.zeta, "0 or more, and below 1"));
         }
@@ -64,19 +56,9 @@ impl RobustKalmanSettings {
     }
 }
 
-/// The multiplier τ of the uncertainty in the sum quadratic constraint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Multiplier {
-    /// Half of the largest τ for which the filter exists, but at most 1: chosen for each step.
-    #[default]
-    PerStep,
-    /// 1, as in the book. Where the filter does not exist, the step is one of the usual Kalman filter.
-    One,
-}
-
 /// How the uncertainty of the next step is treated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Robustness {
+pub(crate) enum Robustness {
     /// With this multiplier τ.
     Robust {
         /// The multiplier.
@@ -84,40 +66,37 @@ pub enum Robustness {
     },
     /// There is no uncertainty (ζ = 0): the usual Kalman filter.
     Certain,
-    /// With the multiplier 1 the set of possible states has no bound: the uncertainty is left out in this step.
-    Fallback,
 }
 
 /// The filter, after a step.
 #[derive(Clone, Debug)]
-pub struct RobustKalman {
+pub(crate) struct RobustKalman {
     settings: RobustKalmanSettings,
     /// x̂ and S⁻¹.
     state: TargetState,
     robustness: Robustness,
     /// ρ: the states with (x - x̂)ᵀ S (x - x̂) ≤ ρ + d are possible.
     rho: f64,
-    fallbacks: u32,
 }
 
 impl RobustKalman {
     /// The filter after the first place of the target; its velocity is unknown.
     #[must_use]
-    pub fn new(settings: RobustKalmanSettings, first: Position) -> Self {
+    pub(crate) fn new(settings: RobustKalmanSettings, first: Position) -> Self {
         let covariance = AxisCovariance {
             place_m2: settings.position_sigma_m * settings.position_sigma_m,
             cross_m2_per_s: 0.0,
             velocity_m2_per_s2: settings.max_speed_m_per_s * settings.max_speed_m_per_s,
         };
         let state = TargetState { place: first, velocity_m_per_s: Position::ORIGIN, covariance };
-        let mut filter = Self { settings, state, robustness: Robustness::Certain, rho: 0.0, fallbacks: 0 };
+        let mut filter = Self { settings, state, robustness: Robustness::Certain, rho: 0.0 };
         filter.admit_uncertainty();
         filter
     }
 
     /// Goes on by `step`, and uses what was measured at its end, if anything was. A step of zero length without a
     /// measurement changes nothing.
-    pub fn advance(&mut self, step: Duration, fix: Option<Fix>) {
+    pub(crate) fn advance(&mut self, step: Duration, fix: Option<Fix>) {
         if step.is_zero() && fix.is_none() {
             return;
         }
@@ -130,14 +109,14 @@ impl RobustKalman {
 
     /// The estimate x̂ and its covariance S⁻¹.
     #[must_use]
-    pub fn state(&self) -> TargetState {
+    pub(crate) fn state(&self) -> TargetState {
         self.state
     }
 
     /// The state after another `span` at constant velocity, for the middle of the uncertainty (Δ = 0). The covariance
     /// holds for all of it.
     #[must_use]
-    pub fn predict(&self, span: Duration) -> TargetState {
+    pub(crate) fn predict(&self, span: Duration) -> TargetState {
         let t_s = span.as_secs_f64();
         let mut covariance = self.state.covariance.after(t_s);
         if let Robustness::Robust { tau } = self.robustness {
@@ -152,23 +131,11 @@ impl RobustKalman {
         TargetState { place, covariance, ..self.state }
     }
 
-    /// How the uncertainty of the next step is treated.
-    #[must_use]
-    pub fn robustness(&self) -> Robustness {
-        self.robustness
-    }
-
-    /// Number of steps so far in which the uncertainty was left out, because the filter would not exist with it.
-    #[must_use]
-    pub fn fallbacks(&self) -> u32 {
-        self.fallbacks
-    }
-
     /// Squared radius of the set of possible states in the norm of S = P⁻¹, summed over the axes, if the squares of all
     /// noises, divided by their variances, sum up to `budget` at most (d of the book); `None` if no state is possible:
     /// the measurements contradict the model.
-    #[must_use]
-    pub fn possible_within(&self, budget: f64) -> Option<f64> {
+    #[cfg(test)]
+    fn possible_within(&self, budget: f64) -> Option<f64> {
         let square = self.rho + budget;
         (square >= 0.0).then_some(square)
     }
@@ -200,16 +167,9 @@ impl RobustKalman {
             self.robustness = Robustness::Certain;
             return;
         }
-        let tau = match self.settings.multiplier {
-            Multiplier::PerStep => 1_f64.min(0.5 / limit),
-            Multiplier::One => 1.0,
-        };
+        // Half of the largest τ with which it exists, but at most 1, the value of the book.
+        let tau = 1_f64.min(0.5 / limit);
         let left = 1.0 - tau * limit;
-        if left <= 0.0 {
-            self.robustness = Robustness::Fallback;
-            self.fallbacks += 1;
-            return;
-        }
         let gain = tau * zeta2 / left;
         let velocity = self.state.velocity_m_per_s;
         self.rho += gain * velocity.dot(velocity);
@@ -350,7 +310,6 @@ mod tests {
                 let found = filter.possible_within(1e3).expect("a generous budget") - 1e3;
                 assert!((found - rho).abs() <= 1e-11 * book.g, "{found} for {rho}");
             }
-            assert_eq!(filter.fallbacks(), 0);
         }
     }
 
@@ -376,7 +335,7 @@ mod tests {
             close(state.velocity_m_per_s.x_m, x[1], 1e-10);
             close(state.covariance.place_m2, p[(0, 0)], 1e-10);
             close(state.covariance.velocity_m2_per_s2, p[(1, 1)], 1e-10);
-            assert_eq!(filter.robustness(), Robustness::Certain);
+            assert_eq!(filter.robustness, Robustness::Certain);
         }
     }
 
@@ -432,25 +391,15 @@ mod tests {
     }
 
     #[test]
-    fn with_the_multiplier_of_the_book_a_velocity_that_is_too_uncertain_falls_back() {
-        let settings = RobustKalmanSettings {
-            zeta: 0.9,
-            max_speed_m_per_s: 1.2,
-            multiplier: Multiplier::One,
-            ..RobustKalmanSettings::default()
-        };
-        // 0.9² · 1.2² = 1.1664 > 1: S = N - ζ²KᵀK is indefinite.
+    fn the_multiplier_is_that_of_the_book_unless_a_velocity_is_too_uncertain_for_it() {
+        let settings = RobustKalmanSettings { zeta: 0.9, max_speed_m_per_s: 1.2, ..RobustKalmanSettings::default() };
+        // 0.9² · 1.2² = 1.1664 > 1: S = N - ζ²KᵀK would be indefinite.
         let mut filter = RobustKalman::new(settings, Position::ORIGIN);
-        assert_eq!((filter.robustness(), filter.fallbacks()), (Robustness::Fallback, 1));
-        let certain = RobustKalman::new(RobustKalmanSettings { zeta: 0.0, ..settings }, Position::ORIGIN);
-        assert_eq!(filter.predict(Duration::from_secs(1)), certain.predict(Duration::from_secs(1)));
+        assert_eq!(filter.robustness, Robustness::Robust { tau: 0.5 / 1.1664 });
         for step in 1..=5 {
             filter.advance(Duration::from_secs(1), Some(Fix { place: Position::ORIGIN, variance_m2: 0.01 }));
-            assert!(step < 2 || filter.robustness() == Robustness::Robust { tau: 1.0 }, "{step}");
+            assert!(step < 2 || filter.robustness == Robustness::Robust { tau: 1.0 }, "{step}");
         }
-        let chosen = RobustKalmanSettings { multiplier: Multiplier::PerStep, ..settings };
-        let filter = RobustKalman::new(chosen, Position::ORIGIN);
-        assert_eq!((filter.robustness(), filter.fallbacks()), (Robustness::Robust { tau: 0.5 / 1.1664 }, 0));
     }
 
     #[test]

@@ -13,7 +13,7 @@ const GUESS_WEIGHT: f64 = 4.0;
 
 /// How measured places are worked out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SightingsSettings {
+pub(crate) struct SightingsSettings {
     /// Time between sample times, which are its multiples. Not zero.
     pub period: Duration,
     /// First guess of the variance of a node's place about the target that it detects, along each axis (m²). What the
@@ -31,7 +31,7 @@ impl Default for SightingsSettings {
 
 /// A time during which a node detected the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Sighting {
+pub(crate) struct Sighting {
     /// When the target entered the radius of detection.
     pub entered: SimTime,
     /// When it left; `None` if it was still inside when the node answered.
@@ -40,7 +40,7 @@ pub struct Sighting {
 
 /// What one node answered.
 #[derive(Clone, Copy, Debug)]
-pub struct NodeSightings<'a> {
+pub(crate) struct NodeSightings<'a> {
     /// The node.
     pub node: NodeId,
     /// Its place on the map (m).
@@ -58,7 +58,7 @@ pub struct NodeSightings<'a> {
 /// The place of the target at a sample time is the mean of the places of the nodes that detected it then, each counted
 /// once, however often it answered. Answers may come in any order, and more than once: the result is the same.
 #[derive(Clone, Debug)]
-pub struct Sightings {
+pub(crate) struct Sightings {
     settings: SightingsSettings,
     places: BTreeMap<NodeId, Position>,
     /// The nodes that detected the target at a sample time.
@@ -70,13 +70,13 @@ pub struct Sightings {
 impl Sightings {
     /// Nothing is known.
     #[must_use]
-    pub fn new(settings: SightingsSettings) -> Self {
+    pub(crate) fn new(settings: SightingsSettings) -> Self {
         Self { settings, places: BTreeMap::new(), detecting: BTreeMap::new(), answered: BTreeMap::new() }
     }
 
     /// Adds what a node answered. A sighting between two sample times counts for the one nearest to its middle, once
     /// it has ended.
-    pub fn add(&mut self, told: &NodeSightings<'_>) {
+    pub(crate) fn add(&mut self, told: &NodeSightings<'_>) {
         self.places.insert(told.node, told.place);
         for sample in self.first_from(told.since)..=self.last_until(told.until) {
             self.answered.entry(sample).or_default().insert(told.node);
@@ -98,7 +98,7 @@ impl Sightings {
 
     /// The measured places at all sample times at which a node detected the target, in order of time.
     #[must_use]
-    pub fn fixes(&self) -> Vec<(SimTime, Fix)> {
+    pub(crate) fn fixes(&self) -> Vec<(SimTime, Fix)> {
         let scatter_m2 = self.scatter_m2();
         let fix = |nodes: &BTreeSet<NodeId>| Fix {
             place: self.mean(nodes),
@@ -148,17 +148,17 @@ impl Sightings {
 
     /// The last sample time at which a node is known to have detected the target.
     #[must_use]
-    pub fn latest(&self) -> Option<SimTime> {
+    pub(crate) fn latest(&self) -> Option<SimTime> {
         self.detecting.keys().next_back().map(|&sample| self.time(sample))
     }
 
     /// Places of the nodes that detected the target at a sample time (m).
-    pub fn detecting_at(&self, time: SimTime) -> impl Iterator<Item = Position> {
+    pub(crate) fn detecting_at(&self, time: SimTime) -> impl Iterator<Item = Position> {
         self.detecting.get(&self.last_until(time)).into_iter().flatten().map(|node| self.places[node])
     }
 
     /// Places of the nodes that are known not to have detected the target at a sample time (m).
-    pub fn silent_at(&self, time: SimTime) -> impl Iterator<Item = Position> {
+    pub(crate) fn silent_at(&self, time: SimTime) -> impl Iterator<Item = Position> {
         let sample = self.last_until(time);
         let detecting = self.detecting.get(&sample);
         let answered = self.answered.get(&sample).into_iter().flatten();

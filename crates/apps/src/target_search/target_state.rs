@@ -13,7 +13,7 @@ pub struct Fix {
 
 /// Place and velocity of a target, and how sure they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TargetState {
+pub(crate) struct TargetState {
     /// The place (m).
     pub place: Position,
     /// The velocity (m/s).
@@ -24,7 +24,7 @@ pub struct TargetState {
 
 /// Covariance of place and velocity along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisCovariance {
+pub(crate) struct AxisCovariance {
     /// Variance of the place (m²).
     pub place_m2: f64,
     /// Covariance of place and velocity (m²/s).

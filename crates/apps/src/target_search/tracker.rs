@@ -144,7 +144,7 @@ impl Tracker {
         };
         let since = believed.since;
         let (way, fallbacks) = match self.method.filter {
-            Filter::RobustKalman(settings) => self.robust_way(&believed, settings, scale),
+            Filter::RobustKalman(settings) => (self.robust_way(&believed, settings, scale), 0),
             Filter::Particles(settings) => self.particle_way(&believed, settings, scale),
         };
         (self.since, self.fallbacks) = (since, fallbacks);
@@ -196,9 +196,14 @@ impl Tracker {
     }
 
     /// The states at the sample times from the first to the last detection, by the robust Kalman filter.
-    fn robust_way(&self, believed: &Believed<'_>, settings: RobustKalmanSettings, scale: f64) -> FilteredWay {
+    fn robust_way(
+        &self,
+        believed: &Believed<'_>,
+        settings: RobustKalmanSettings,
+        scale: f64,
+    ) -> Vec<(SimTime, TargetState)> {
         let mut fixes = believed.fixes().into_iter().peekable();
-        let Some((mut time, first)) = fixes.next() else { return (Vec::new(), self.fallbacks) };
+        let Some((mut time, first)) = fixes.next() else { return Vec::new() };
         let settings = RobustKalmanSettings {
             acceleration_sigma_m_per_s2: scale * settings.acceleration_sigma_m_per_s2,
             position_sigma_m: first.variance_m2.sqrt(),
@@ -213,10 +218,10 @@ impl Tracker {
             filter.advance(self.sample, fix);
             way.push((time, filter.state()));
         }
-        (way, filter.fallbacks())
+        way
     }
 
-    /// The same by the particle filter.
+    /// The same by the particle filter, and how often it drew all particles again.
     fn particle_way(&self, believed: &Believed<'_>, settings: ParticleFilterSettings, scale: f64) -> FilteredWay {
         let fixes = believed.fixes();
         let (Some(&(mut time, first)), Some(&(end, _))) = (fixes.first(), fixes.last()) else {

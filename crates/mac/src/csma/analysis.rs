@@ -9,7 +9,7 @@ use super::CsmaSettings;
 use crate::Phy;
 
 /// Stations in [`one_shot`], at most: the time for more of them grows fast.
-pub const MOST_ONE_SHOT: usize = 4;
+pub(crate) const MOST_ONE_SHOT: usize = 4;
 
 /// Mean time between two frames of a saturated station that is alone, by unslotted access: backoff, assessment, turnaround,
 /// frame, interframe spacing, and the acknowledgement with its turnaround if there is one.

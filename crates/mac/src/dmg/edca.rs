@@ -28,7 +28,7 @@ impl AccessCategory {
 
     /// First contention window: the backoff is drawn from 0 to this number of slots.
     #[must_use]
-    pub const fn cw_min(self) -> u32 {
+    pub(crate) const fn cw_min(self) -> u32 {
         match self {
             Self::Background | Self::BestEffort => 15,
             Self::Video => 7,
@@ -38,7 +38,7 @@ impl AccessCategory {
 
     /// Largest contention window.
     #[must_use]
-    pub const fn cw_max(self) -> u32 {
+    pub(crate) const fn cw_max(self) -> u32 {
         match self {
             Self::Background | Self::BestEffort => 1023,
             Self::Video => 15,
@@ -54,7 +54,7 @@ impl AccessCategory {
 
     /// Arbitration interframe space: SIFS and 2, 3 or 7 slots.
     #[must_use]
-    pub fn aifs(self) -> Duration {
+    pub(crate) fn aifs(self) -> Duration {
         let slots = match self {
             Self::Background => 7,
             Self::BestEffort => 3,

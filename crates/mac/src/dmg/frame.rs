@@ -26,11 +26,9 @@ mod elements;
 #[cfg(test)]
 mod tests;
 
-pub use beacon::{
-    MAX_BEACON_PAYLOAD_OCTETS, MAX_CONTROL_OCTETS, PAYLOAD_OUI, PAYLOAD_TYPE, beacon_octets, beacon_payload,
-    beacon_payload_octets,
-};
-pub use brp::{MAX_MEASUREMENTS, SectorMeasurement, brp_measurements, brp_octets};
+pub use beacon::{MAX_BEACON_PAYLOAD_OCTETS, beacon_octets, beacon_payload, beacon_payload_octets};
+pub(crate) use brp::brp_octets;
+pub use brp::{MAX_MEASUREMENTS, SectorMeasurement, brp_measurements};
 
 /// Protocol version 0, type control, subtype control frame extension.
 const FRAME_CONTROL: u8 = 0x64;

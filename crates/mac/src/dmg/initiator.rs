@@ -109,7 +109,7 @@ impl Initiator {
 
     /// Whether a sweep waits for the channel: it has not begun, and [`Initiator::withdraw`] can take it back.
     #[must_use]
-    pub const fn is_contending(&self) -> bool {
+    pub(crate) const fn is_contending(&self) -> bool {
         matches!(self.state, State::Contending(..))
     }
 

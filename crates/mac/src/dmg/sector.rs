@@ -7,11 +7,11 @@ use sextant_kernel::SettingError;
 use super::timing::{LBIFS, SBIFS, SSW_AIRTIME};
 
 /// Most DMG antennas of a station.
-pub const MAX_ANTENNAS: usize = 4;
+pub(crate) const MAX_ANTENNAS: usize = 4;
 /// Most sectors of one DMG antenna.
-pub const MAX_ANTENNA_SECTORS: u8 = 64;
+pub(crate) const MAX_ANTENNA_SECTORS: u8 = 64;
 /// Most sectors of a station.
-pub const MAX_SECTORS: u16 = 128;
+pub(crate) const MAX_SECTORS: u16 = 128;
 
 /// A transmit sector of a station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -139,19 +139,19 @@ impl SectorLayout {
     /// # Panics
     /// If one of the two is not in the sweep.
     #[must_use]
-    pub fn gap_after(&self, index: u16) -> Duration {
+    pub(crate) fn gap_after(&self, index: u16) -> Duration {
         if self.sector(index).antenna == self.sector(index + 1).antenna { SBIFS } else { LBIFS }
     }
 
     /// Time from the start of the first frame of a sweep with SSW frames to the end of its last.
     #[must_use]
-    pub fn sweep_duration(&self) -> Duration {
+    pub(crate) fn sweep_duration(&self) -> Duration {
         SSW_AIRTIME + self.remaining_after(0, SSW_AIRTIME)
     }
 
     /// Time from the end of the frame `index` of a sweep to the end of its last, with frames of this `airtime`.
     #[must_use]
-    pub fn remaining_after(&self, index: u16, airtime: Duration) -> Duration {
+    pub(crate) fn remaining_after(&self, index: u16, airtime: Duration) -> Duration {
         let frames = u32::from(self.total() - 1 - index);
         let changes = u32::from(self.antennas() - 1 - self.sector(index).antenna);
         (airtime + SBIFS) * frames + (LBIFS - SBIFS) * changes

@@ -130,13 +130,13 @@ impl Abft {
 
     /// Whether the initiator answers in the slot.
     #[must_use]
-    pub const fn has_feedback(&self) -> bool {
+    pub(crate) const fn has_feedback(&self) -> bool {
         self.has_feedback
     }
 
     /// Length of a slot.
     #[must_use]
-    pub fn slot_duration(&self) -> Duration {
+    pub(crate) fn slot_duration(&self) -> Duration {
         slot_duration(self.frames_per_slot)
     }
 
@@ -181,7 +181,7 @@ impl SweepSettings {
     /// The same for responders whose sweep lasts `span` at most. An initiator hears only those of its frames that point
     /// at it, so it must expect one after so long a silence.
     #[must_use]
-    pub const fn with_longest_answer(self, span: Duration) -> Self {
+    pub(crate) const fn with_longest_answer(self, span: Duration) -> Self {
         Self { longest_answer: span, ..self }
     }
 
@@ -196,7 +196,7 @@ impl SweepSettings {
 
     /// The longest sweep of a responder; zero if not known.
     #[must_use]
-    pub const fn longest_answer(&self) -> Duration {
+    pub(crate) const fn longest_answer(&self) -> Duration {
         self.longest_answer
     }
 
@@ -223,7 +223,7 @@ impl SweepSettings {
 
     /// Whether initiators ask for the SNRs of all their sectors.
     #[must_use]
-    pub const fn reports_all_sectors(&self) -> bool {
+    pub(crate) const fn reports_all_sectors(&self) -> bool {
         matches!(self.contention, Contention::CsmaFeedback { report_all_sectors: true, .. })
     }
 

@@ -13,21 +13,15 @@ pub const SLOT: Duration = Duration::from_micros(5);
 /// Short interframe space.
 pub const SIFS: Duration = Duration::from_micros(3);
 /// Space between two frames of a sweep (SBIFS).
-pub const SBIFS: Duration = Duration::from_micros(1);
+pub(crate) const SBIFS: Duration = Duration::from_micros(1);
 /// Space between the parts of a sector level sweep (MBIFS = 3 SIFS).
 pub const MBIFS: Duration = Duration::from_micros(9);
 /// Space between two frames of a sweep from different DMG antennas (LBIFS = 6 SIFS).
-pub const LBIFS: Duration = Duration::from_micros(18);
-/// Space before access with priority (PIFS = SIFS + slot).
-pub const PIFS: Duration = Duration::from_micros(8);
-/// Reduced interframe space.
-pub const RIFS: Duration = Duration::from_micros(1);
-/// Space within beam refinement.
-pub const BRPIFS: Duration = Duration::from_micros(40);
+pub(crate) const LBIFS: Duration = Duration::from_micros(18);
 /// Longest propagation that the standard counts on (aAirPropagationTime).
-pub const AIR_PROPAGATION: Duration = Duration::from_nanos(100);
+pub(crate) const AIR_PROPAGATION: Duration = Duration::from_nanos(100);
 /// A receiver notices the preamble of a control PHY frame within this time (21.4.3.2).
-pub const CCA_DETECTION: Duration = Duration::from_micros(3);
+pub(crate) const CCA_DETECTION: Duration = Duration::from_micros(3);
 
 /// Preamble of a control PHY frame: short training field and channel estimation field (21.4.3.1).
 pub const PREAMBLE: Duration = chips(PREAMBLE_CHIPS);
@@ -36,23 +30,23 @@ pub const PREAMBLE: Duration = chips(PREAMBLE_CHIPS);
 const PREAMBLE_CHIPS: u64 = 7552;
 
 /// Chips of the single carrier and control PHY per second.
-pub const CHIPS_PER_S: u64 = 1_760_000_000;
+pub(crate) const CHIPS_PER_S: u64 = 1_760_000_000;
 
 /// Octets of an SSW frame.
 pub const SSW_OCTETS: u16 = 26;
 /// Octets of an SSW-Feedback frame, and of an SSW-ACK frame.
-pub const SSW_FEEDBACK_OCTETS: u16 = 28;
+pub(crate) const SSW_FEEDBACK_OCTETS: u16 = 28;
 
 /// Time on the air of an SSW frame.
-pub const SSW_AIRTIME: Duration = control_airtime(SSW_OCTETS);
+pub(crate) const SSW_AIRTIME: Duration = control_airtime(SSW_OCTETS);
 /// Time on the air of an SSW-Feedback frame, and of an SSW-ACK frame.
-pub const SSW_FEEDBACK_AIRTIME: Duration = control_airtime(SSW_FEEDBACK_OCTETS);
+pub(crate) const SSW_FEEDBACK_AIRTIME: Duration = control_airtime(SSW_FEEDBACK_OCTETS);
 
 /// Further tries of an initiator whose sweep is not answered or whose feedback is not acknowledged (dot11BFRetryLimit).
-pub const MAX_SLS_RETRIES: u8 = 10;
+pub(crate) const MAX_SLS_RETRIES: u8 = 10;
 /// An initiator waits this long after the end of its SSW-Feedback for the SSW-ACK: twice the frame, and twice the
 /// propagation and MBIFS.
-pub const SSW_ACK_TIMEOUT: Duration = Duration::from_nanos(2 * (18_255 + 100 + 9_000));
+pub(crate) const SSW_ACK_TIMEOUT: Duration = Duration::from_nanos(2 * (18_255 + 100 + 9_000));
 
 /// Time on the air of a control PHY PPDU (MCS 0) with a PSDU of `octets`.
 ///
@@ -79,13 +73,13 @@ const fn chips(count: u64) -> Duration {
 
 /// Time for the sweep of a responder in an A-BFT slot (aSSDuration) with `frames` SSW frames, 1 to 16.
 #[must_use]
-pub fn slot_sweep_duration(frames: u8) -> Duration {
+pub(crate) fn slot_sweep_duration(frames: u8) -> Duration {
     SSW_AIRTIME * u32::from(frames) + SBIFS * u32::from(frames.saturating_sub(1))
 }
 
 /// Length of an A-BFT slot for `frames` SSW frames, 1 to 16 (aSSSlotTime), rounded up to 1 us.
 #[must_use]
-pub fn slot_duration(frames: u8) -> Duration {
+pub(crate) fn slot_duration(frames: u8) -> Duration {
     let exact = AIR_PROPAGATION + slot_sweep_duration(frames) + MBIFS + SSW_FEEDBACK_AIRTIME + MBIFS;
     Duration::from_micros(u64::from(duration_field(exact)))
 }
@@ -96,7 +90,7 @@ const MAX_DURATION_US: u16 = 32_767;
 /// The value of a Duration field for `span` (us): rounded up; at most 32767. Of a sweep that lasts longer, each frame
 /// claims the medium anew.
 #[must_use]
-pub fn duration_field(span: Duration) -> u16 {
+pub(crate) fn duration_field(span: Duration) -> u16 {
     u16::try_from(span.as_nanos().div_ceil(1000)).unwrap_or(u16::MAX).min(MAX_DURATION_US)
 }
 
@@ -106,7 +100,7 @@ pub fn duration_field(span: Duration) -> u16 {
 /// CDOWN alone gives the end only if the DMG antenna does not change any more. Each change takes LBIFS instead of
 /// SBIFS; their number follows from the Duration field, which is exact to 1 us.
 #[must_use]
-pub fn sweep_end(now: SimTime, cdown: u16, duration_us: u16, tail: Duration) -> SimTime {
+pub(crate) fn sweep_end(now: SimTime, cdown: u16, duration_us: u16, tail: Duration) -> SimTime {
     let one_antenna = (SSW_AIRTIME + SBIFS) * u32::from(cdown);
     let announced = Duration::from_micros(u64::from(duration_us)).saturating_sub(tail);
     let changes = announced.saturating_sub(one_antenna).as_nanos() / (LBIFS - SBIFS).as_nanos();
@@ -130,7 +124,7 @@ mod tests {
 
     #[test]
     fn interframe_spaces_are_multiples_of_sifs_and_slot() {
-        assert_eq!((MBIFS, LBIFS, PIFS), (SIFS * 3, SIFS * 6, SIFS + SLOT));
+        assert_eq!((MBIFS, LBIFS), (SIFS * 3, SIFS * 6));
     }
 
     #[test]

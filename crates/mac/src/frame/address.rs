@@ -6,7 +6,7 @@ use super::ParseError;
 use super::cursor::Cursor;
 
 /// PAN identifier of all PANs.
-pub const BROADCAST_PAN: u16 = 0xFFFF;
+pub(crate) const BROADCAST_PAN: u16 = 0xFFFF;
 
 /// Largest short address of a station: 0xFFFE means no short address, 0xFFFF is the broadcast address.
 const MAX_SHORT: u32 = 0xFFFD;

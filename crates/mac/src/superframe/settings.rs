@@ -110,7 +110,7 @@ impl BeaconEnabled {
 
     /// Whether contention is limited to the time after the beacon.
     #[must_use]
-    pub const fn battery_life_extension(&self) -> bool {
+    pub(crate) const fn battery_life_extension(&self) -> bool {
         self.battery_life_extension
     }
 
@@ -129,7 +129,7 @@ impl BeaconEnabled {
 
     /// State of a node's radio between the active part and the next beacon.
     #[must_use]
-    pub const fn inactive_state(&self) -> RadioState {
+    pub(crate) const fn inactive_state(&self) -> RadioState {
         self.inactive_state
     }
 }

@@ -39,7 +39,7 @@ impl Robot {
 
     /// Whether it is a mobile anchor.
     #[must_use]
-    pub fn is_mobile_anchor(&self) -> bool {
+    pub(crate) fn is_mobile_anchor(&self) -> bool {
         matches!(self.task, RobotTask::MobileAnchor { .. })
     }
 

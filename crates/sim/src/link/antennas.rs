@@ -200,7 +200,7 @@ impl Antennas {
     /// a sector of the robot to a node that hears in all directions, or from a sector of the node to a robot that does. A
     /// node is heard only if both directions work.
     #[must_use]
-    pub fn sweep_gain(&self) -> Db {
+    pub(crate) fn sweep_gain(&self) -> Db {
         let robots = self.robots.greatest_gain().0 + self.nodes().quasi_omni().0;
         Db(robots.min(self.greatest_gain_of_nodes() + self.robots.quasi_omni().0))
     }

@@ -122,7 +122,7 @@ impl Delays {
 
     /// Whether percentiles are exact.
     #[must_use]
-    pub fn is_exact(&self) -> bool {
+    pub(crate) fn is_exact(&self) -> bool {
         self.buckets.is_empty()
     }
 

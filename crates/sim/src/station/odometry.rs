@@ -61,7 +61,7 @@ pub(crate) struct Luck {
 impl Odometry {
     /// Whether the robot knows where it is.
     #[must_use]
-    pub fn is_exact(&self) -> bool {
+    pub(crate) fn is_exact(&self) -> bool {
         self.config == OdometryConfig::default()
     }
 

@@ -148,7 +148,7 @@ impl Interferer {
 
     /// Its power in the channel around `center_mhz` of this width; `None` if there is none.
     #[must_use]
-    pub fn power_in(&self, center_mhz: f64, width_mhz: f64) -> Option<Dbm> {
+    pub(crate) fn power_in(&self, center_mhz: f64, width_mhz: f64) -> Option<Dbm> {
         let beyond: f64 = self.leaked_mhz(0.0, f64::INFINITY);
         let total = self.bandwidth_mhz + 2.0 * beyond;
         let (low, high) =

@@ -98,7 +98,7 @@ impl WorkList {
 
     /// The number of the survey of run `number`: runs with the same one share it.
     #[must_use]
-    pub fn survey_of(&self, number: usize) -> usize {
+    pub(crate) fn survey_of(&self, number: usize) -> usize {
         self.unit_at(number).0
     }
 

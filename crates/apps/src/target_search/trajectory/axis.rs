@@ -51,6 +51,7 @@ impl Axis {
     }
 
     /// Past turns, ascending (s).
+    #[cfg(test)]
     pub(super) fn turns_s(&self) -> &[f64] {
         &self.turns_s
     }

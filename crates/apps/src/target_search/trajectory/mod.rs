@@ -18,7 +18,7 @@ mod shape;
 mod turn;
 
 use sextant_channel::{Bounds, Position};
-use sextant_kernel::{SettingError, SimTime};
+use sextant_kernel::SimTime;
 
 use self::axis::Axis;
 use super::target_state::TargetState;
@@ -26,7 +26,7 @@ pub use turn::{TurnRule, TurnTimes};
 
 /// How the way of a target is continued.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrajectorySettings {
+pub(crate) struct TrajectorySettings {
     /// How past turns are found.
     pub turn_times: TurnTimes,
     /// When the target turns next.
@@ -46,7 +46,7 @@ pub struct TrajectorySettings {
 impl TrajectorySettings {
     /// Waves through the extremes of the way, for a target of this speed in this field.
     #[must_use]
-    pub fn new(max_speed_m_per_s: f64, field: Bounds) -> Self {
+    pub(crate) fn new(max_speed_m_per_s: f64, field: Bounds) -> Self {
         Self {
             turn_times: TurnTimes::Extremes(1.0),
             next_turn: NextTurn::AfterLastTurn,
@@ -60,7 +60,7 @@ impl TrajectorySettings {
 
     /// The polynomials of the thesis, with the integral that its text describes.
     #[must_use]
-    pub fn as_in_thesis(max_speed_m_per_s: f64, field: Bounds) -> Self {
+    pub(crate) fn as_in_thesis(max_speed_m_per_s: f64, field: Bounds) -> Self {
         Self {
             turn_times: TurnTimes::Polynomial { rule: TurnRule::Increment(1.0), most_degree: 8 },
             next_turn: NextTurn::AfterLastSample,
@@ -69,19 +69,6 @@ impl TrajectorySettings {
             fitted_places: 3,
             ..Self::new(max_speed_m_per_s, field)
         }
-    }
-
-    /// These settings, if they are valid.
-    ///
-    /// # Errors
-    /// If a value is invalid. The keys are those of the fields.
-    pub fn validated(self) -> Result<Self, SettingError> {
-        self.turn_times.check().map_err(|error| error.within("turn_times"))?;
-        if self.fitted_places < 3 {
-            return Err(SettingError::new("fitted_places", self.fitted_places, "3 or more"));
-        }
-        SettingError::positive("max_speed_m_per_s", self.max_speed_m_per_s)?;
-        Ok(self)
     }
 }
 
@@ -165,7 +152,7 @@ pub struct Forecast {
 
 /// The way of a target so far, ready for predictions.
 #[derive(Clone, Debug)]
-pub struct Trajectory {
+pub(crate) struct Trajectory {
     settings: TrajectorySettings,
     /// The instant from which times count: that of the first sample.
     origin: SimTime,
@@ -177,7 +164,7 @@ pub struct Trajectory {
 impl Trajectory {
     /// The way through the `filtered` places, in order of time. `state` is what the filter says at the last of them.
     #[must_use]
-    pub fn new(settings: TrajectorySettings, filtered: &[(SimTime, Position)], state: TargetState) -> Self {
+    pub(crate) fn new(settings: TrajectorySettings, filtered: &[(SimTime, Position)], state: TargetState) -> Self {
         let instant = |sample: Option<&(SimTime, Position)>| sample.map_or(SimTime::ZERO, |&(time, _)| time);
         let (origin, last) = (instant(filtered.first()), instant(filtered.last()));
         let axis = |axis: usize| {
@@ -192,7 +179,7 @@ impl Trajectory {
 
     /// Where the target is at `time`; for a time before the last sample, where it was at that sample.
     #[must_use]
-    pub fn at(&self, time: SimTime) -> Forecast {
+    pub(crate) fn at(&self, time: SimTime) -> Forecast {
         let ahead_s = time.saturating_since(self.last).as_secs_f64();
         let last_s = self.last.saturating_since(self.origin).as_secs_f64();
         let forecasts = self.axes.each_ref().map(|axis| axis.forecast(last_s, ahead_s));
@@ -216,8 +203,8 @@ impl Trajectory {
     }
 
     /// Times at which the target turned along x, y and z, in seconds after the first sample.
-    #[must_use]
-    pub fn turns_s(&self) -> [&[f64]; 3] {
+    #[cfg(test)]
+    fn turns_s(&self) -> [&[f64]; 3] {
         self.axes.each_ref().map(Axis::turns_s)
     }
 }
@@ -337,18 +324,5 @@ mod tests {
         let state = TargetState { place: Position::ORIGIN, velocity_m_per_s, covariance };
         let trajectory = Trajectory::new(TrajectorySettings::new(2.0, field()), &[], state);
         assert_eq!(trajectory.at(at(3.0)).place, Position::new(3.0, 0.0, 0.0));
-    }
-
-    #[test]
-    fn invalid_settings_are_rejected() {
-        let settings = TrajectorySettings::as_in_thesis(1.5, field());
-        assert!(settings.validated().is_ok());
-        let error = |settings: TrajectorySettings| settings.validated().unwrap_err().key;
-        assert_eq!(error(TrajectorySettings { fitted_places: 2, ..settings }), "fitted_places");
-        assert_eq!(error(TrajectorySettings { max_speed_m_per_s: 0.0, ..settings }), "max_speed_m_per_s");
-        let turn_times = TurnTimes::Extremes(-1.0);
-        assert_eq!(error(TrajectorySettings { turn_times, ..settings }), "turn_times.extremes");
-        let turn_times = TurnTimes::Polynomial { rule: TurnRule::Reversal(1.0), most_degree: 20 };
-        assert_eq!(error(TrajectorySettings { turn_times, ..settings }), "turn_times.most_degree");
     }
 }

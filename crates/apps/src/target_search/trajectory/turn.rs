@@ -1,7 +1,5 @@
 //! When a target turned, along one axis.
 
-use sextant_kernel::SettingError;
-
 use super::legendre::LegendreSeries;
 
 /// How the times are found at which a target turned.
@@ -41,22 +39,6 @@ impl TurnRule {
 }
 
 impl TurnTimes {
-    /// Whether the settings are valid.
-    pub(super) fn check(self) -> Result<(), SettingError> {
-        let (key, least_m) = match self {
-            Self::Extremes(least_m) => ("extremes", least_m),
-            Self::Polynomial { rule: TurnRule::Reversal(least_m), .. } => ("rule.reversal", least_m),
-            Self::Polynomial { rule: TurnRule::Increment(least_m), .. } => ("rule.increment", least_m),
-        };
-        SettingError::not_negative(key, least_m)?;
-        match self {
-            Self::Polynomial { most_degree, .. } if !(2..=12).contains(&most_degree) => {
-                Err(SettingError::new("most_degree", most_degree, "2 to 12"))
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Times at which the values of `points` (s, m) turn, in ascending order of time.
     pub(super) fn of(self, points: &[(f64, f64)]) -> Vec<f64> {
         match self {

@@ -13,14 +13,14 @@ use super::{SweepBody, SweepFrame, SweepParseError, bits, nine_bits, ssw_field, 
 pub(super) const FRAME_CONTROL: u8 = 0x0C;
 
 /// Largest frame that the control PHY carries (octets; IEEE 802.11ad-2012, table 21-11).
-pub const MAX_CONTROL_OCTETS: u16 = 1023;
+pub(crate) const MAX_CONTROL_OCTETS: u16 = 1023;
 /// Largest payload of a beacon (octets).
 pub const MAX_BEACON_PAYLOAD_OCTETS: u16 = 964;
 /// The OUI of the elements with the payload. It belongs to no organisation: the bit 0x02 of its first octet says that
 /// it is given locally (IEEE 802, 8.2.2).
-pub const PAYLOAD_OUI: [u8; 3] = [0x02, 0x53, 0x58];
+pub(crate) const PAYLOAD_OUI: [u8; 3] = [0x02, 0x53, 0x58];
 /// The type of these elements among those of the OUI.
-pub const PAYLOAD_TYPE: u8 = 1;
+pub(crate) const PAYLOAD_TYPE: u8 = 1;
 
 /// Frame control, Duration, BSSID.
 const HEADER_OCTETS: usize = 10;

@@ -49,7 +49,7 @@ pub struct SectorMeasurement {
 
 /// Size of a BRP frame that reports so many sectors, FCS included (octets).
 #[must_use]
-pub const fn brp_octets(measurements: u8) -> u16 {
+pub(crate) const fn brp_octets(measurements: u8) -> u16 {
     OCTETS_WITHOUT_MEASUREMENTS + 2 * measurements as u16
 }
 

@@ -90,7 +90,7 @@ impl DmgRadio {
 
     /// Power of all signals together from which on the channel is busy.
     #[must_use]
-    pub fn energy_threshold(&self) -> Dbm {
+    pub(crate) fn energy_threshold(&self) -> Dbm {
         self.sensitivity + ENERGY_MARGIN
     }
 

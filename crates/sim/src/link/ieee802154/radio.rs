@@ -194,7 +194,7 @@ impl Radio {
 
     /// Whether a clock may drift.
     #[must_use]
-    pub fn has_drift(&self) -> bool {
+    pub(crate) fn has_drift(&self) -> bool {
         let ppm = |levels: &Levels| match levels.clock {
             Rate::UpTo(ppm) | Rate::FastBy(ppm) => ppm,
         };
