@@ -7,7 +7,7 @@ use sextant::kernel::StationId;
 
 /// What a station is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum StationKind {
     Node,
     Robot,
     Sink,
@@ -48,11 +48,11 @@ impl Names {
     }
 
     /// What a station is.
-    pub(crate) fn kind(&self, station: StationId) -> Kind {
+    pub(crate) fn kind(&self, station: StationId) -> StationKind {
         match station.index() {
-            index if index < self.robots => Kind::Node,
-            index if index < self.sinks => Kind::Robot,
-            _ => Kind::Sink,
+            index if index < self.robots => StationKind::Node,
+            index if index < self.sinks => StationKind::Robot,
+            _ => StationKind::Sink,
         }
     }
 

@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sextant::recording::admission::{OutputKind, Outputs, Replace};
-use sextant_study::sweep::{self as sweeps, Kind, Shard, Sweep, TableError};
+use sextant_study::sweep::{self as sweeps, ColumnKind, Shard, Sweep, TableError};
 
 use crate::entries::each_entry_of_dict;
 use crate::error::{OrException, RunError};
@@ -67,13 +67,13 @@ pub(crate) fn sweep(
     for (at, column) in columns.iter().enumerate() {
         let cells = || texts.iter().map(|row| row[at].as_str()).map(|cell| (!cell.is_empty()).then_some(cell));
         made = match column.kind {
-            Kind::Integer => {
+            ColumnKind::Integer => {
                 made.optional_whole(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok())))
             }
-            Kind::Real => {
+            ColumnKind::Real => {
                 made.optional_numbers(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok())))
             }
-            Kind::Text => made.optional_texts(&column.name, cells().map(|cell| cell.map(str::to_owned))),
+            ColumnKind::Text => made.optional_texts(&column.name, cells().map(|cell| cell.map(str::to_owned))),
         };
     }
     made.table().map_err(|why| PyValueError::new_err(why.to_string()))

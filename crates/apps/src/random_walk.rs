@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{Seed, SettingError};
 use sextant_sim::layout::{Region, RegionConfig};
-use sextant_sim::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
+use sextant_sim::{CommandOutcome, Controller, Ending, HeardNode, RobotCommand, Situation};
 
 use crate::area::Area;
 use crate::height_range::within_steps;
@@ -136,7 +136,7 @@ impl RandomWalk {
         })
     }
 
-    fn count(&mut self, heard: &[Heard], nodes: usize) {
+    fn count(&mut self, heard: &[HeardNode], nodes: usize) {
         self.packets.resize(nodes.max(self.packets.len()), 0);
         for heard in heard {
             if let Some(packets) = self.packets.get_mut(heard.node.index()) {

@@ -25,7 +25,7 @@ pub(crate) use port::Attempt;
 pub use port::{Event, Outcome, OutgoingFrame, Radio, Report};
 pub use settings::{CsmaConfig, CsmaSettings};
 
-use sending::{Sending, Step};
+use sending::{Sending, SendingStep};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
@@ -120,11 +120,11 @@ impl Csma {
             }
             (State::Sensing(attempt), Event::CcaEnded { busy: true }) => self.defer(attempt, radio),
             (State::Sending(attempt, sending), event) => match sending.handle(attempt, event, self.phy, radio) {
-                Step::On(attempt, sending) => (State::Sending(attempt, sending), None),
-                Step::Ended(attempt, outcome) => {
+                SendingStep::On(attempt, sending) => (State::Sending(attempt, sending), None),
+                SendingStep::Ended(attempt, outcome) => {
                     (self.space(attempt.frame, Duration::ZERO, None, radio), Some(attempt.report(outcome)))
                 }
-                Step::Unanswered { attempt, waited } => self.retry(attempt, waited, radio),
+                SendingStep::Unanswered { attempt, waited } => self.retry(attempt, waited, radio),
             },
             (State::Spacing(None), Event::InterframeSpaceEnded) => (State::Idle, None),
             (State::Spacing(Some(attempt)), Event::InterframeSpaceEnded) => (self.contend(attempt, radio), None),

@@ -12,7 +12,7 @@ use sextant_kernel::SimTime;
 
 use crate::csma::{self, CsmaSettings, OutgoingFrame, Report};
 use crate::frame::{Beacon, GuaranteedSlot};
-use crate::slotted::{SlottedCsma, Window};
+use crate::slotted::{AccessWindow, SlottedCsma};
 use crate::superframe::{BeaconEnabled, SuperframeTiming};
 use crate::timing::MAX_MPDU_OCTETS;
 use crate::{Class, Phy, RadioState};
@@ -143,7 +143,7 @@ impl Device {
             }
             None => {
                 self.track_end(now, radio);
-                self.open(now, Window::Contention(timing.contention(start, octets)), radio);
+                self.open(now, AccessWindow::Contention(timing.contention(start, octets)), radio);
             }
         }
     }
@@ -159,7 +159,7 @@ impl Device {
                 let slot = coordinator.slot.expect("a slot was given");
                 self.track_end(now, radio);
                 let end = coordinator.beacon + coordinator.timing.guaranteed_end(slot);
-                self.open(now, Window::Guaranteed { end }, radio);
+                self.open(now, AccessWindow::Guaranteed { end }, radio);
             }
             Event::ActivePartEnded => {
                 self.rest_in(self.inactive_state, radio);
@@ -201,7 +201,7 @@ impl Device {
         radio.track_after(near, Event::BeaconNear);
     }
 
-    fn open(&mut self, now: SimTime, window: Window, radio: &mut impl Radio) {
+    fn open(&mut self, now: SimTime, window: AccessWindow, radio: &mut impl Radio) {
         let (resting, base) = (self.csma.resting_state(), self.base);
         self.csma.open(now, window, &mut Resting { radio, resting, base });
     }

@@ -27,7 +27,7 @@ pub use header::{Header, HeaderAddress};
 
 use crate::fcs;
 use crate::timing::MAX_MPDU_OCTETS;
-use control::{Control, Kind};
+use control::{Control, FrameKind};
 use cursor::Cursor;
 
 /// Revision of the standard that a frame follows.
@@ -290,10 +290,10 @@ impl<'a> Frame<'a> {
         let same_pan = |(from, to): (Endpoint, Endpoint)| from.pan == to.pan;
         Control {
             kind: match self.body {
-                FrameBody::Beacon(_) => Kind::Beacon,
-                FrameBody::Data(_) => Kind::Data,
-                FrameBody::Acknowledgement => Kind::Acknowledgement,
-                FrameBody::Command { .. } => Kind::Command,
+                FrameBody::Beacon(_) => FrameKind::Beacon,
+                FrameBody::Data(_) => FrameKind::Data,
+                FrameBody::Acknowledgement => FrameKind::Acknowledgement,
+                FrameBody::Command { .. } => FrameKind::Command,
             },
             frame_pending: self.frame_pending,
             ack_request: self.ack_request,
@@ -306,15 +306,15 @@ impl<'a> Frame<'a> {
 }
 
 impl<'a> FrameBody<'a> {
-    fn parse(kind: Kind, cursor: &mut Cursor<'a>) -> Result<Self, ParseError> {
+    fn parse(kind: FrameKind, cursor: &mut Cursor<'a>) -> Result<Self, ParseError> {
         match kind {
-            Kind::Beacon => Ok(FrameBody::Beacon(Beacon::parse(cursor)?)),
-            Kind::Data => Ok(FrameBody::Data(cursor.rest())),
-            Kind::Acknowledgement => match cursor.rest() {
+            FrameKind::Beacon => Ok(FrameBody::Beacon(Beacon::parse(cursor)?)),
+            FrameKind::Data => Ok(FrameBody::Data(cursor.rest())),
+            FrameKind::Acknowledgement => match cursor.rest() {
                 [] => Ok(FrameBody::Acknowledgement),
                 surplus => Err(ParseError::AcknowledgementWithPayload(surplus.len())),
             },
-            Kind::Command => {
+            FrameKind::Command => {
                 let id = cursor.u8("command identifier")?;
                 let command = MacCommand::ALL.into_iter().find(|&command| command as u8 == id);
                 let command = command.ok_or(ParseError::ReservedCommand(id))?;

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use sextant_kernel::SimTime;
 
-use crate::csma::sending::{Sending, Step};
+use crate::csma::sending::{Sending, SendingStep};
 use crate::csma::{Attempt, CsmaSettings, Event, Outcome, OutgoingFrame, Radio, Report};
 use crate::superframe::Contention;
 use crate::{Phy, RadioState};
@@ -26,7 +26,7 @@ const SAVING_MIN_BE: u8 = 2;
 
 /// When a device may send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Window {
+pub enum AccessWindow {
     /// In a contention access period.
     Contention(Contention),
     /// In a guaranteed slot, without carrier sense.
@@ -36,7 +36,7 @@ pub enum Window {
     },
 }
 
-impl Window {
+impl AccessWindow {
     const fn end(&self) -> SimTime {
         match self {
             Self::Contention(contention) => contention.end(),
@@ -75,7 +75,7 @@ enum State {
 pub struct SlottedCsma {
     settings: CsmaSettings,
     phy: Phy,
-    window: Option<Window>,
+    window: Option<AccessWindow>,
     state: State,
 }
 
@@ -122,12 +122,12 @@ impl SlottedCsma {
 
     /// A window opens now; a waiting frame continues. A guaranteed slot must be opened one turnaround before it
     /// starts, so that the first bit is sent at its start.
-    pub fn open(&mut self, now: SimTime, window: Window, radio: &mut impl Radio) {
+    pub fn open(&mut self, now: SimTime, window: AccessWindow, radio: &mut impl Radio) {
         self.window = Some(window);
         let State::Deferred(attempt, resume) = self.state else { return };
         self.state = match (window, resume) {
-            (Window::Contention(contention), Resume::Draw) => self.back_off(now, contention, attempt, radio),
-            (Window::Contention(contention), Resume::Count(periods)) => {
+            (AccessWindow::Contention(contention), Resume::Draw) => self.back_off(now, contention, attempt, radio),
+            (AccessWindow::Contention(contention), Resume::Count(periods)) => {
                 self.count(now, contention, attempt, periods, radio)
             }
             _ => self.access(now, attempt, radio),
@@ -156,9 +156,11 @@ impl SlottedCsma {
             }
             (State::Sensing(attempt, _), Event::CcaEnded { busy: true }) => self.defer(now, attempt, radio),
             (State::Sending(attempt, sending), event) => match sending.handle(attempt, event, self.phy, radio) {
-                Step::On(attempt, sending) => (State::Sending(attempt, sending), None),
-                Step::Ended(attempt, outcome) => (self.space(attempt.frame, radio), Some(attempt.report(outcome))),
-                Step::Unanswered { attempt, waited } => self.retry(now, attempt, waited, radio),
+                SendingStep::On(attempt, sending) => (State::Sending(attempt, sending), None),
+                SendingStep::Ended(attempt, outcome) => {
+                    (self.space(attempt.frame, radio), Some(attempt.report(outcome)))
+                }
+                SendingStep::Unanswered { attempt, waited } => self.retry(now, attempt, waited, radio),
             },
             (State::Spacing(None), Event::InterframeSpaceEnded) => (State::Idle, None),
             (State::Spacing(Some(attempt)), Event::InterframeSpaceEnded) => (self.access(now, attempt, radio), None),
@@ -174,8 +176,8 @@ impl SlottedCsma {
         match self.window {
             Some(window) if window.end() <= now => State::Deferred(attempt, Resume::Access),
             None => State::Deferred(attempt, Resume::Access),
-            Some(Window::Guaranteed { end }) => self.seize(now, end, attempt, radio),
-            Some(Window::Contention(contention)) => {
+            Some(AccessWindow::Guaranteed { end }) => self.seize(now, end, attempt, radio),
+            Some(AccessWindow::Contention(contention)) => {
                 let min_be = self.settings.min_be();
                 let exponent = if contention.is_battery_saving() { min_be.min(SAVING_MIN_BE) } else { min_be };
                 self.back_off(now, contention, Attempt { busy: 0, exponent, ..attempt }, radio)
@@ -231,7 +233,7 @@ impl SlottedCsma {
         let exponent = (attempt.exponent + 1).min(self.settings.max_be());
         let attempt = Attempt { busy, exponent, ..attempt };
         match self.window {
-            Some(Window::Contention(contention)) => (self.back_off(now, contention, attempt, radio), None),
+            Some(AccessWindow::Contention(contention)) => (self.back_off(now, contention, attempt, radio), None),
             _ => unreachable!("the channel is sensed in contention only"),
         }
     }

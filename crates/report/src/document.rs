@@ -11,7 +11,7 @@ use super::world::World;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// What it is of.
-    pub kind: Kind,
+    pub kind: DocumentKind,
     /// Its title: the name of a scenario, a log or a table.
     pub title: String,
     /// Where the data are from.
@@ -43,7 +43,7 @@ pub struct Report {
 /// What a report is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum DocumentKind {
     /// A run.
     Run,
     /// Maps of a log.
@@ -74,7 +74,7 @@ pub struct Origin {
 
 impl Report {
     /// An empty report of what is in `file`.
-    pub(super) fn new(kind: Kind, title: &str, file: &str) -> Self {
+    pub(super) fn new(kind: DocumentKind, title: &str, file: &str) -> Self {
         let origin =
             Origin { file: file.to_owned(), reported_by: env!("CARGO_PKG_VERSION").to_owned(), ..Origin::default() };
         Self {

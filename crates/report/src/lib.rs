@@ -32,7 +32,7 @@ mod world;
 
 pub use applications::{Application, Captures, Predictions, TimeSeries};
 pub use column::Column;
-pub use document::{Kind, Origin, Report};
+pub use document::{DocumentKind, Origin, Report};
 pub use error::ReportError;
 pub use frame::Frame;
 pub use map::{Map, NodeDetails, Snapshot};

@@ -5,7 +5,7 @@ use sextant::summary::Summary;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{Places, RecordedWorld};
 
-use super::document::{Kind, Report};
+use super::document::{DocumentKind, Report};
 use super::frame::Frame;
 use super::map::{Map, NodeDetails, Snapshot, errors};
 use super::run::known_places;
@@ -24,7 +24,7 @@ impl Report {
         summary: &Summary,
     ) -> Self {
         let title = file.rsplit_once('.').map_or(file, |(stem, _)| if stem.is_empty() { file } else { stem });
-        let mut report = Self::new(Kind::Log, title, file);
+        let mut report = Self::new(DocumentKind::Log, title, file);
         report.notes = summary.notes.clone();
         report.summary = Some(Summary { timing: None, ..summary.clone() }.to_json());
         report.scenario = input.scenario.clone();

@@ -10,7 +10,7 @@ use flate2::{Compression, GzBuilder};
 
 use sextant_recording::admission::REPORT_TITLE;
 
-use super::document::{Kind, Report};
+use super::document::{DocumentKind, Report};
 use super::policy::policy;
 use super::text::{bdi, isolated};
 
@@ -74,7 +74,7 @@ impl Report {
     }
 }
 
-impl Kind {
+impl DocumentKind {
     /// What the report is of, in words.
     fn words(self) -> &'static str {
         match self {
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn a_title_is_text_and_not_code() {
-        let report = Report::new(Kind::Run, "</title><script>alert('x')</script>\u{7}", "a&b<c>.mcap");
+        let report = Report::new(DocumentKind::Run, "</title><script>alert('x')</script>\u{7}", "a&b<c>.mcap");
         let html = report.to_html();
         assert!(html.contains("&lt;/title&gt;&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;\\u{7}</bdi>"));
         assert!(html.contains("a&amp;b&lt;c&gt;.mcap"));

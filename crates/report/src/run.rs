@@ -12,7 +12,7 @@ use sextant_recording::{
 
 use super::applications::Application;
 use super::column::Column;
-use super::document::{Kind, Report};
+use super::document::{DocumentKind, Report};
 use super::error::ReportError;
 use super::frame::Frame;
 use super::map::{Map, NodeDetails, Snapshot, errors};
@@ -46,7 +46,7 @@ impl Report {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let about = run.metadata.get(ORIGIN_METADATA);
         let said = |key: &str| about.and_then(|about| about.get(key)).cloned();
-        let mut report = Self::new(Kind::Run, &said("scenario").unwrap_or_else(|| stem.into_owned()), &file);
+        let mut report = Self::new(DocumentKind::Run, &said("scenario").unwrap_or_else(|| stem.into_owned()), &file);
         report.origin.scenario = said("scenario");
         report.origin.seed = said("seed");
         report.origin.version = said("version");

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use sextant_study::sweep::TableError;
 
-use super::document::{Kind, Report};
+use super::document::{DocumentKind, Report};
 use super::error::ReportError;
 use super::reproduction::{self, Reproduction};
 use super::sweep::SweepTable;
@@ -21,7 +21,7 @@ impl Report {
         let name = whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let title = if path.is_dir() { name.clone() } else { stem(&whole) };
         let reproduction = Some(Reproduction::read(path, titles)?);
-        Ok(Self { reproduction, ..Self::new(Kind::Reproduction, &title, &name) })
+        Ok(Self { reproduction, ..Self::new(DocumentKind::Reproduction, &title, &name) })
     }
 
     /// A report of the CSV table of a sweep.
@@ -31,7 +31,7 @@ impl Report {
     pub fn of_sweep(path: &Path) -> Result<Self, ReportError> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let sweep = Some(SweepTable::read(path)?);
-        Ok(Self { sweep, ..Self::new(Kind::Sweep, &stem(path), &name) })
+        Ok(Self { sweep, ..Self::new(DocumentKind::Sweep, &stem(path), &name) })
     }
 
     /// A report of a CSV table: that of a sweep, or one of a reproduction.

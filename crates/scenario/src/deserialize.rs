@@ -12,7 +12,7 @@ use serde::de::{
 };
 use serde::forward_to_deserialize_any;
 
-use super::document::key_path::{KeyPath, Step};
+use super::document::key_path::{KeyPath, PathStep};
 use super::document::{Document, Entry, Placeholder, Table, Value};
 use super::error::ScenarioError;
 use super::refusal::Refusal;
@@ -255,7 +255,7 @@ impl<'de> SeqAccess<'de> for Items<'_> {
         };
         let index = self.read;
         self.read += 1;
-        seed.deserialize(Reader(&entry.value)).map(Some).map_err(|refused| refused.below(Step::Index(index)))
+        seed.deserialize(Reader(&entry.value)).map(Some).map_err(|refused| refused.below(PathStep::Index(index)))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -279,12 +279,12 @@ impl<'de> MapAccess<'de> for Settings<'_> {
             return Ok(None);
         };
         let name: StrDeserializer<'_, Refused> = key.as_str().into_deserializer();
-        seed.deserialize(name).map(Some).map_err(|refused| refused.below(Step::Key(key.clone())))
+        seed.deserialize(name).map(Some).map_err(|refused| refused.below(PathStep::Key(key.clone())))
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refused> {
         let (key, entry) = self.current.expect("a value is read after its key");
-        seed.deserialize(Reader(&entry.value)).map_err(|refused| refused.below(Step::Key(key.clone())))
+        seed.deserialize(Reader(&entry.value)).map_err(|refused| refused.below(PathStep::Key(key.clone())))
     }
 }
 

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use sextant_kernel::{SettingError, SettingProblem};
 
 use super::deserialize::read;
-use super::document::key_path::{KeyPath, Step};
+use super::document::key_path::{KeyPath, PathStep};
 use super::document::{Document, Entry, Placeholder, Value};
 use super::error::{ScenarioError, ScenarioErrors};
 use super::refusal::{Refusal, closest};
@@ -173,7 +173,7 @@ impl<T: DeserializeOwned> Diagnosis<'_, T> {
                 }
             }
             Refusal::MissingField(field) => {
-                let key = path.child(Step::Key((*field).to_owned()));
+                let key = path.child(PathStep::Key((*field).to_owned()));
                 if !self.is_set_aside(&key) {
                     self.note(refusal, path);
                 }
@@ -216,7 +216,7 @@ impl<T: DeserializeOwned> Diagnosis<'_, T> {
         let Some(entry) = settings.remove(name) else { return false };
         if let Some(meant) = closest(name, expected).filter(|meant| !settings.contains_key(*meant)) {
             settings.insert(meant.to_owned(), entry);
-            self.guesses.push(table.child(Step::Key(meant.to_owned())));
+            self.guesses.push(table.child(PathStep::Key(meant.to_owned())));
         }
         true
     }

@@ -5,7 +5,7 @@ use std::fmt;
 use sextant_kernel::text::shortened;
 use sextant_kernel::{SettingError, SettingProblem};
 
-use super::document::key_path::{KeyPath, Step};
+use super::document::key_path::{KeyPath, PathStep};
 use super::document::{Document, Entry, Value};
 use super::error::ScenarioError;
 use super::source::Origin;
@@ -68,7 +68,7 @@ impl Document {
             Refusal::UnknownField { field, expected } => {
                 let this = ScenarioError::new(format!("unknown key `{}` in {place}", shortened(field)));
                 let label = suggestion(field, expected, "no such key");
-                let key = table.child(Step::Key((*field).clone()));
+                let key = table.child(PathStep::Key((*field).clone()));
                 let this = this.about(key, Some(field), Some(names(expected)));
                 self.pointing_at_key(this, &entry_of.origin, label).help(allowed("keys allowed here", expected))
             }
@@ -86,7 +86,7 @@ impl Document {
             }
             Refusal::MissingField(field) => {
                 let this = ScenarioError::new(format!("`{field}` is missing in {place}"));
-                let key = path.child(Step::Key((*field).to_owned()));
+                let key = path.child(PathStep::Key((*field).to_owned()));
                 let help = format!("write `{} = ..`", shortened(&key.to_string()));
                 let this = this.about(key, None, None::<&str>);
                 self.pointing_at_key(this, &entry.origin, "this table needs it").help(help)
@@ -114,7 +114,7 @@ impl Document {
     /// key or at its table.
     pub(super) fn named_in(&self, path: &KeyPath, name: &str) -> (KeyPath, &Entry) {
         let (entry, _) = self.nearest(path);
-        let step = Step::Key(name.to_owned());
+        let step = PathStep::Key(name.to_owned());
         match (path.0.split_last(), entry.child(&step)) {
             (_, Some(child)) => (path.clone(), child),
             (Some((last, above)), None) if *last == step => (KeyPath(above.to_vec()), entry),

@@ -6,7 +6,7 @@ use std::num::NonZeroU32;
 use serde::{Deserialize, Serialize};
 
 use super::document::effective;
-use super::document::key_path::{KeyPath, MOST_STEPS, Step, TOO_DEEP};
+use super::document::key_path::{KeyPath, MOST_STEPS, PathStep, TOO_DEEP};
 use super::document::{Document, Entry, Value};
 use super::error::ScenarioError;
 use super::refusal::Refusal;
@@ -65,14 +65,14 @@ pub struct SweepAxes {
 impl SweepAxes {
     /// The sweep of a document.
     pub(super) fn of(document: &Document) -> Result<Self, ScenarioError> {
-        let path = KeyPath(vec![Step::Key("sweep".to_owned())]);
+        let path = KeyPath(vec![PathStep::Key("sweep".to_owned())]);
         let mut runs = DEFAULT_RUNS;
         let mut groups: Vec<Vec<Vec<Setting>>> = Vec::new();
         let mut places = BTreeMap::new();
         if let Some(entry) = document.root.child(&path.0[0]) {
             let reader = Reader { document };
             for (key, entry) in reader.table(entry, &path)? {
-                let path = path.child(Step::Key(key.clone()));
+                let path = path.child(PathStep::Key(key.clone()));
                 match key.as_str() {
                     "runs" => runs = reader.runs(entry, &path)?,
                     "product" => {
@@ -232,7 +232,7 @@ impl<'a> Reader<'a> {
         let mut cells = Vec::new();
         for (i, item) in items.iter().enumerate() {
             let mut cell = Vec::new();
-            self.leaves(item, &path.child(Step::Index(i)), &KeyPath::default(), &mut |_, key, value| {
+            self.leaves(item, &path.child(PathStep::Index(i)), &KeyPath::default(), &mut |_, key, value| {
                 cell.push(Setting { key, value: effective::inline(value) });
                 Ok(())
             })?;
@@ -251,7 +251,7 @@ impl<'a> Reader<'a> {
         visit: &mut impl FnMut(&KeyPath, String, &Value) -> Result<(), ScenarioError>,
     ) -> Result<(), ScenarioError> {
         for (name, entry) in self.table(entry, path)? {
-            let path = path.child(Step::Key(name.clone()));
+            let path = path.child(PathStep::Key(name.clone()));
             let steps = KeyPath::parse(name).map_err(|error| {
                 self.unfit(&path, format!("no path of a setting: {}", error.message), "path.to.key")
             })?;

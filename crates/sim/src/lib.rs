@@ -121,7 +121,7 @@ pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub use application::{Application, BoxedApplication, DriveAhead, Driving, Port};
 pub use applications::broadcast::{Broadcast, DuplicateBroadcast};
 pub use applications::controller::{
-    CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation, StopsLeftOut,
+    CommandOutcome, Controller, Duplicate, Ending, HeardNode, RobotCommand, Situation, StopsLeftOut,
 };
 pub use applications::node_traffic::NodeTraffic;
 pub use applications::robot::{Robot, RobotTask};
@@ -160,8 +160,8 @@ pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, Discover
 pub use simulation::{Applications, LeftOut, ReadySimulation, Simulation, Team};
 pub use snapshot::{RobotSnapshot, Snapshot};
 pub use station::{
-    Kind, Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RobotPose,
-    RoleConfig, Sink, SinkConfig,
+    Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RobotPose,
+    RoleConfig, Sink, SinkConfig, StationKind,
 };
 pub use world::anchors::{AnchorsConfig, OptimisedAnchorsConfig};
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};

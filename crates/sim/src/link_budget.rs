@@ -10,7 +10,7 @@ use crate::engine::bands::{Bands, bands};
 use crate::network::Network;
 use crate::service::network_id::NetworkId;
 use crate::setup::Setup;
-use crate::station::{Kind, Roll};
+use crate::station::{Roll, StationKind};
 
 /// Size of a frame if nobody in the network has any (octets).
 const FRAME_OCTETS: u16 = 20;
@@ -130,7 +130,7 @@ impl LinkBudgets {
 
     /// What a station is.
     #[must_use]
-    pub fn kind(&self, station: StationId) -> Kind {
+    pub fn kind(&self, station: StationId) -> StationKind {
         self.roll.kind(station)
     }
 
@@ -218,8 +218,8 @@ impl LinkBudgets {
 
     fn node(&self, station: StationId) -> Option<NodeId> {
         match self.roll.kind(station) {
-            Kind::Node(node) => Some(NodeId::from_index(node)),
-            Kind::Robot(_) | Kind::Sink(_) => None,
+            StationKind::Node(node) => Some(NodeId::from_index(node)),
+            StationKind::Robot(_) | StationKind::Sink(_) => None,
         }
     }
 

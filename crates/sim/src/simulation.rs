@@ -28,7 +28,7 @@ use crate::region::{Reach, SimulatedRegion};
 use crate::service::network_id::NetworkId;
 use crate::service::packets::{Packets, TooFar};
 use crate::setup::Setup;
-use crate::station::{Kind, Roll};
+use crate::station::{Roll, StationKind};
 pub use applications::Applications;
 pub use ready::{LeftOut, ReadySimulation};
 use stations::Stations;
@@ -212,12 +212,12 @@ impl Outcome {
         let mut journeys = Vec::new();
         for (station, application) in roll.stations().zip(applications) {
             match (application, roll.kind(station)) {
-                (Standard::Own(node), Kind::Node(_)) => own.nodes.push(node),
-                (Standard::Own(application), Kind::Robot(robot)) => {
+                (Standard::Own(node), StationKind::Node(_)) => own.nodes.push(node),
+                (Standard::Own(application), StationKind::Robot(robot)) => {
                     own.robots.push(application);
                     journeys.push(in_logs(robot));
                 }
-                (Standard::Own(sink), Kind::Sink(_)) => own.sinks.push(sink),
+                (Standard::Own(sink), StationKind::Sink(_)) => own.sinks.push(sink),
                 (Standard::Robot(journey), _) => journeys.push(journey.into_record()),
                 (Standard::Sink | Standard::Absent, _) => {}
             }

@@ -6,12 +6,12 @@ pub(crate) struct Page {
     /// The name of its file, without extension.
     pub(crate) name: String,
     /// The parts, in their order. The first is the title.
-    pub(crate) parts: Vec<Part>,
+    pub(crate) parts: Vec<PagePart>,
 }
 
 /// A part of a page.
 #[derive(Clone, Debug)]
-pub(crate) enum Part {
+pub(crate) enum PagePart {
     /// A heading of this depth; 1 is the title.
     Heading(u8, String),
     /// A paragraph.
@@ -62,17 +62,17 @@ impl Page {
         let mut text = String::new();
         for part in &self.parts {
             match part {
-                Part::Heading(depth, title) => {
+                PagePart::Heading(depth, title) => {
                     text += &format!("{} {}\n\n", "#".repeat(usize::from(*depth)), plain_markdown(title));
                 }
-                Part::Text(spans) => text += &format!("{}\n\n", markdown(spans)),
-                Part::List(items) => {
+                PagePart::Text(spans) => text += &format!("{}\n\n", markdown(spans)),
+                PagePart::List(items) => {
                     for item in items {
                         text += &format!("- {}\n", markdown(item));
                     }
                     text += "\n";
                 }
-                Part::Table(header, rows) => {
+                PagePart::Table(header, rows) => {
                     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
                     text += &line(header.iter().map(|cell| plain_markdown(cell)).collect());
                     text += &line(vec!["---".to_owned(); header.len()]);
@@ -81,7 +81,7 @@ impl Page {
                     }
                     text += "\n";
                 }
-                Part::Figure { file, title, .. } => text += &format!("![{}]({file})\n\n", plain_markdown(title)),
+                PagePart::Figure { file, title, .. } => text += &format!("![{}]({file})\n\n", plain_markdown(title)),
             }
         }
         format!("{}\n", text.trim_end())
@@ -93,18 +93,18 @@ impl Page {
         let mut title = self.name.as_str();
         for part in &self.parts {
             match part {
-                Part::Heading(depth, text) => {
+                PagePart::Heading(depth, text) => {
                     if *depth == 1 {
                         title = text;
                     }
                     body += &format!("<h{depth}>{}</h{depth}>\n", escaped(text));
                 }
-                Part::Text(spans) => body += &format!("<p>{}</p>\n", html(spans)),
-                Part::List(items) => {
+                PagePart::Text(spans) => body += &format!("<p>{}</p>\n", html(spans)),
+                PagePart::List(items) => {
                     let items: String = items.iter().map(|item| format!("<li>{}</li>\n", html(item))).collect();
                     body += &format!("<ul>\n{items}</ul>\n");
                 }
-                Part::Table(header, rows) => {
+                PagePart::Table(header, rows) => {
                     let cells = |tag: &str, cells: Vec<String>| {
                         let cells: String = cells.iter().map(|cell| format!("<{tag}>{cell}</{tag}>")).collect();
                         format!("<tr>{cells}</tr>\n")
@@ -118,7 +118,7 @@ impl Page {
                         "<div class=\"wide\"><table>\n<thead>\n{head}</thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
                     );
                 }
-                Part::Figure { title, svg, .. } => {
+                PagePart::Figure { title, svg, .. } => {
                     let picture = svg.find("<svg").map_or("", |start| &svg[start..]);
                     let title = escaped(title);
                     body += &format!("<figure>\n{picture}\n<figcaption>{title}</figcaption>\n</figure>\n");
@@ -192,11 +192,15 @@ mod tests {
         let page = Page {
             name: "p".into(),
             parts: vec![
-                Part::Heading(1, "A < B".into()),
-                Part::Text(vec!["See ".into(), Span::Page("two".into(), "second".into()), Span::Code("x|y".into())]),
-                Part::Table(vec!["a".into()], vec![vec!["1 | 2".into()]]),
-                Part::List(vec![vec![Span::File("all".into(), "a.csv".into())]]),
-                Part::Figure { file: "f.svg".into(), title: "F".into(), svg: "<?xml?>\n<svg>s</svg>".into() },
+                PagePart::Heading(1, "A < B".into()),
+                PagePart::Text(vec![
+                    "See ".into(),
+                    Span::Page("two".into(), "second".into()),
+                    Span::Code("x|y".into()),
+                ]),
+                PagePart::Table(vec!["a".into()], vec![vec!["1 | 2".into()]]),
+                PagePart::List(vec![vec![Span::File("all".into(), "a.csv".into())]]),
+                PagePart::Figure { file: "f.svg".into(), title: "F".into(), svg: "<?xml?>\n<svg>s</svg>".into() },
             ],
         };
         insta::assert_snapshot!(page.markdown(), @r"

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::costs::Costs;
 use super::experiment::Experiment;
 use super::line::Line;
-use super::page::{Page, Part, Span};
+use super::page::{Page, PagePart, Span};
 use super::results::Results;
 use super::tables::experiments;
 use super::tally::{Tally, by_chapter};
@@ -36,36 +36,36 @@ fn file_name(chapter: u8) -> String {
 
 fn index(results: &[Results], chapters: &[u8]) -> Page {
     let mut parts = vec![
-        Part::Heading(1, "Results of the reproduction".to_owned()),
-        Part::Text(vec![
+        PagePart::Heading(1, "Results of the reproduction".to_owned()),
+        PagePart::Text(vec![
             "The tables and figures of the thesis (Gunathillake, 2018), published values beside ours. All files of this \
              folder are written by "
                 .into(),
             Span::Code("sextant reproduce".to_owned()),
             format!(", version {}. The runs of a scenario have the seeds 1, 2, ..", env!("CARGO_PKG_VERSION")).into(),
         ]),
-        Part::Heading(2, "Verdicts".to_owned()),
-        Part::Table(
+        PagePart::Heading(2, "Verdicts".to_owned()),
+        PagePart::Table(
             std::iter::once("").chain(Tally::header()).map(str::to_owned).collect(),
             by_chapter(results).into_iter().map(|(name, tally)| row(name, tally.cells())).collect(),
         ),
-        Part::List(MEANING.map(|meaning| vec![meaning.into()]).to_vec()),
-        Part::Heading(2, "Experiments".to_owned()),
-        Part::Table(
+        PagePart::List(MEANING.map(|meaning| vec![meaning.into()]).to_vec()),
+        PagePart::Heading(2, "Experiments".to_owned()),
+        PagePart::Table(
             ["", "what", "runs", "conclusions of the thesis that hold", "numbers within interval or 20 %"]
                 .map(str::to_owned)
                 .to_vec(),
             results.iter().map(experiment_row).collect(),
         ),
-        Part::List(
+        PagePart::List(
             chapters.iter().map(|&n| vec![Span::Page(format!("Chapter {n}"), file_name(n))]).collect(),
         ),
     ];
     let all = experiments();
     let left_out: Vec<&Experiment> = all.iter().filter(|of| results.iter().all(|made| made.id != of.id)).collect();
     if !left_out.is_empty() {
-        parts.push(Part::Heading(2, "Not in these pages".to_owned()));
-        parts.push(Part::List(left_out.into_iter().map(left_out_item).collect()));
+        parts.push(PagePart::Heading(2, "Not in these pages".to_owned()));
+        parts.push(PagePart::List(left_out.into_iter().map(left_out_item).collect()));
     }
     Page { name: "index".to_owned(), parts }
 }
@@ -116,11 +116,11 @@ fn left_out_item(experiment: &Experiment) -> Vec<Span> {
 fn chapter(chapter: u8, results: &[Results], out: &Path) -> Result<Page, OutputError> {
     let of_chapter: Vec<&Results> = results.iter().filter(|of| of.chapter == chapter).collect();
     let mut parts = vec![
-        Part::Heading(1, format!("Chapter {chapter}")),
-        Part::Text(vec![Span::Page("All chapters, and what the verdicts mean".to_owned(), "index".to_owned())]),
+        PagePart::Heading(1, format!("Chapter {chapter}")),
+        PagePart::Text(vec![Span::Page("All chapters, and what the verdicts mean".to_owned(), "index".to_owned())]),
     ];
     let verdicts = by_chapter(&of_chapter.iter().map(|&of| of.clone()).collect::<Vec<_>>());
-    parts.push(Part::Table(
+    parts.push(PagePart::Table(
         std::iter::once("").chain(Tally::header()).map(str::to_owned).collect(),
         verdicts.into_iter().map(|(name, tally)| row(name, tally.cells())).collect(),
     ));
@@ -130,8 +130,8 @@ fn chapter(chapter: u8, results: &[Results], out: &Path) -> Result<Page, OutputE
     Ok(Page { name: file_name(chapter), parts })
 }
 
-fn experiment(of: &Results, out: &Path, parts: &mut Vec<Part>) -> Result<(), OutputError> {
-    parts.push(Part::Heading(2, format!("{} {}", of.id, of.title)));
+fn experiment(of: &Results, out: &Path, parts: &mut Vec<PagePart>) -> Result<(), OutputError> {
+    parts.push(PagePart::Heading(2, format!("{} {}", of.id, of.title)));
     let csv = format!("{}.csv", of.id);
     let mut text: Vec<Span> = vec![format!("{}. Command: ", of.runs()).into()];
     text.extend([
@@ -140,7 +140,7 @@ fn experiment(of: &Results, out: &Path, parts: &mut Vec<Part>) -> Result<(), Out
         Span::File(csv.clone(), csv),
         ".".into(),
     ]);
-    parts.push(Part::Text(text));
+    parts.push(PagePart::Text(text));
     // The numbers that the thesis states; of an experiment for which it states none, all.
     let states = of.lines.iter().any(|line| line.published.is_some());
     let lines: Vec<&Line> = of.lines.iter().filter(|line| line.published.is_some() || !states).collect();
@@ -157,7 +157,10 @@ fn experiment(of: &Results, out: &Path, parts: &mut Vec<Part>) -> Result<(), Out
                 if states { vec![what, published, source, ours, runs, verdict] } else { vec![what, ours, runs] };
             cells.into_iter().map(Span::from).collect()
         };
-        parts.push(Part::Table(header.into_iter().map(str::to_owned).collect(), lines.iter().map(cells).collect()));
+        parts.push(PagePart::Table(
+            header.into_iter().map(str::to_owned).collect(),
+            lines.iter().map(cells).collect(),
+        ));
     }
     if !of.conclusions.is_empty() {
         let header = ["conclusion", "published", "in", "margin", "runs", "verdict"].map(str::to_owned).to_vec();
@@ -168,16 +171,16 @@ fn experiment(of: &Results, out: &Path, parts: &mut Vec<Part>) -> Result<(), Out
             let margin = ours.trim_start_matches("margin ").to_owned();
             [what, published, source, margin, runs, verdict].map(Span::from).to_vec()
         };
-        parts.push(Part::Table(header, of.conclusions.iter().map(cells).collect()));
+        parts.push(PagePart::Table(header, of.conclusions.iter().map(cells).collect()));
     }
     for (name, title) in &of.figures {
         let file = format!("{name}.svg");
         let path = out.join(&file);
         let svg = std::fs::read_to_string(&path).map_err(|error| OutputError::new(&path, &error))?;
-        parts.push(Part::Figure { file, title: title.clone(), svg });
+        parts.push(PagePart::Figure { file, title: title.clone(), svg });
     }
     if !of.notes.is_empty() {
-        parts.push(Part::List(of.notes.iter().map(|note| with_code(note)).collect()));
+        parts.push(PagePart::List(of.notes.iter().map(|note| with_code(note)).collect()));
     }
     Ok(())
 }

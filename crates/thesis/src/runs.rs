@@ -8,7 +8,7 @@ use super::error::ReproductionError;
 use sextant::summary::Measure;
 use sextant_kernel::Watch;
 use sextant_kernel::text::counted;
-use sextant_study::sweep::{self, Mean, Row, Share, Sweep};
+use sextant_study::sweep::{self, Mean, RunRow, Share, Sweep};
 
 /// A measure of a cell of a scenario.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl RunCounts {
 pub struct Runs {
     folder: PathBuf,
     counts: RunCounts,
-    of: BTreeMap<String, (Sweep, Vec<Row>)>,
+    of: BTreeMap<String, (Sweep, Vec<RunRow>)>,
 }
 
 impl Runs {
@@ -112,7 +112,7 @@ impl Runs {
     }
 
     /// Adds the rows of a scenario.
-    pub fn insert(&mut self, scenario: &str, (plan, rows): (Sweep, Vec<Row>)) {
+    pub fn insert(&mut self, scenario: &str, (plan, rows): (Sweep, Vec<RunRow>)) {
         self.of.insert(scenario.to_owned(), (plan, rows));
     }
 
@@ -161,7 +161,7 @@ impl Runs {
     }
 
     /// The scenarios with their plans and rows.
-    pub fn scenarios(&self) -> impl Iterator<Item = (&str, &Sweep, &[Row])> {
+    pub fn scenarios(&self) -> impl Iterator<Item = (&str, &Sweep, &[RunRow])> {
         self.of.iter().map(|(scenario, (plan, rows))| (scenario.as_str(), plan, rows.as_slice()))
     }
 

@@ -9,7 +9,7 @@ use super::*;
 use sextant::scenario::Scenario;
 use sextant::summary::Measure;
 use sextant_kernel::Unwatched;
-use sextant_study::sweep::{self, Row, Sweep};
+use sextant_study::sweep::{self, RunRow, Sweep};
 
 /// Invented runs.
 const RUNS: NonZeroU32 = NonZeroU32::new(3).expect("three is above zero");
@@ -187,7 +187,7 @@ fn made_up(plans: &BTreeMap<String, Sweep>, value: impl Fn(&str, usize, &Measure
         let row = |cell: usize, replicate: u32| {
             let scatter = 1.0 + 1e-6 * f64::from(replicate);
             let values = plan.measures().iter().map(|measure| Some(scatter * value(scenario, cell, measure)?));
-            Row { cell, replicate, outcome: Ok(values.collect()) }
+            RunRow { cell, replicate, outcome: Ok(values.collect()) }
         };
         let rows = (0..plan.cells().len()).flat_map(|cell| (0..plan.runs()).map(move |replicate| (cell, replicate)));
         runs.insert(scenario, (plan.clone(), rows.map(|(cell, replicate)| row(cell, replicate)).collect()));

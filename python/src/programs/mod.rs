@@ -17,7 +17,7 @@ use sextant::scenario::Scenario;
 use sextant::{Run, RunError, RunObserver, run_with};
 
 use crate::entries::each_entry_of_dict;
-use crate::names::{Kind, Names};
+use crate::names::{Names, StationKind};
 use crate::work::Supervisor;
 use application::PyApplication;
 use controller::PyController;
@@ -44,7 +44,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 pub(crate) struct Given {
     names: Arc<Names>,
     controllers: Vec<(String, Py<PyAny>)>,
-    applications: Vec<(Kind, String, Py<PyAny>)>,
+    applications: Vec<(StationKind, String, Py<PyAny>)>,
 }
 
 impl Given {
@@ -115,9 +115,9 @@ impl Given {
                 PyApplication::new(py, (&station, object), scenario, Arc::clone(&self.names), supervisor.brake())?;
             let application = Box::new(application);
             programs = match kind {
-                Kind::Node => programs.with_node(&station, application),
-                Kind::Robot => programs.with_robot(&station, application),
-                Kind::Sink => programs.with_sink(&station, application),
+                StationKind::Node => programs.with_node(&station, application),
+                StationKind::Robot => programs.with_robot(&station, application),
+                StationKind::Sink => programs.with_sink(&station, application),
             };
         }
         Ok(programs)

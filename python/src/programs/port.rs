@@ -17,7 +17,7 @@ use super::robot::{checked_arc, direction};
 use super::seeded::Seeded;
 use crate::entries::each_entry_of_dict;
 use crate::error::RunError;
-use crate::names::{Kind, Names};
+use crate::names::{Names, StationKind};
 
 /// Gives the port of the library to whoever asks.
 trait Lend {
@@ -45,7 +45,7 @@ const LONGEST_S: f64 = 1e9;
 #[pyclass(frozen, module = "sextant")]
 pub(crate) struct Port {
     station: StationId,
-    kind: Kind,
+    kind: StationKind,
     networks: u8,
     names: Arc<Names>,
     seeded: Seeded,
@@ -87,7 +87,7 @@ impl Port {
 
     /// As [`ask`](Self::ask), of a robot.
     fn ask_robot<T>(&self, ask: impl FnOnce(&mut sim::Port<'_>) -> T) -> PyResult<T> {
-        if self.kind != Kind::Robot {
+        if self.kind != StationKind::Robot {
             let (name, kind) = (self.names.name(self.station), self.kind());
             return Err(PyRuntimeError::new_err(format!("`{name}` is a {kind}; only robots can do this")));
         }
@@ -150,9 +150,9 @@ impl Port {
     #[getter]
     fn kind(&self) -> &'static str {
         match self.kind {
-            Kind::Node => "node",
-            Kind::Robot => "robot",
-            Kind::Sink => "sink",
+            StationKind::Node => "node",
+            StationKind::Robot => "robot",
+            StationKind::Sink => "sink",
         }
     }
 
@@ -324,7 +324,7 @@ impl Port {
         let mut receptions = Vec::new();
         each_entry_of_dict(heard, "a node", |name, heard| {
             let (received, sent, rssi_dbm): (u32, u32, Option<f64>) = heard.extract()?;
-            let node = self.names.station(&name).filter(|station| self.names.kind(*station) == Kind::Node);
+            let node = self.names.station(&name).filter(|station| self.names.kind(*station) == StationKind::Node);
             let node = node.ok_or_else(|| PyKeyError::new_err(format!("there is no node `{name}`")))?;
             if received > sent || rssi_dbm.is_some_and(|rssi_dbm| !rssi_dbm.is_finite()) {
                 let found = format!("{received} of {sent} packets, {rssi_dbm:?} dBm");

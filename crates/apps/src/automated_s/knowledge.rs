@@ -1,7 +1,7 @@
 //! What a survey robot knows: where it listened, what it heard there, and which obstacles it met.
 
 use sextant_channel::{Bounds, Position};
-use sextant_sim::{Heard, Situation};
+use sextant_sim::{HeardNode, Situation};
 
 use super::rules::Rules;
 use super::visit::Visit;
@@ -54,7 +54,7 @@ const ROUND: u32 = 16;
 impl Knowledge {
     /// Records a stop: the nodes heard, and the directions that are free. Places that `rules` do not allow do not
     /// count as free.
-    pub(super) fn note_stop(&mut self, situation: &Situation<'_>, heard: &[Heard], rules: &Rules) {
+    pub(super) fn note_stop(&mut self, situation: &Situation<'_>, heard: &[HeardNode], rules: &Rules) {
         let settings = &rules.settings;
         self.nodes.resize(situation.node_count.max(self.nodes.len()), Acquaintance::default());
         let place = situation.position;

@@ -3,11 +3,11 @@
 use sextant_channel::Position;
 
 use super::sweep::Sweep;
-use super::task::{Step, Task};
+use super::task::{SurveyStep, SurveyTask};
 use super::view::{Move, View};
 
 /// Drives over to the next lane. If the way is blocked, the robot goes back along this lane to find another way.
-pub(super) fn shift(sweep: &mut Sweep, view: &View<'_>, from: Position) -> Step {
+pub(super) fn shift(sweep: &mut Sweep, view: &View<'_>, from: Position) -> SurveyStep {
     let here = view.here();
     let (step_m, lane_m) = (view.rules.settings.step_m, view.rules.settings.lane_spacing_m);
     let done_m = (here.x_m - from.x_m).abs();
@@ -22,9 +22,9 @@ pub(super) fn shift(sweep: &mut Sweep, view: &View<'_>, from: Position) -> Step 
         return sweep.begin_lane(here, view.knowledge);
     }
     if done_m < 0.01 * step_m && !has_room_over(sweep, view) {
-        return if has_way_over(sweep, view) { Step::Begin(Task::Retreat) } else { Step::EndSweep };
+        return if has_way_over(sweep, view) { SurveyStep::Begin(SurveyTask::Retreat) } else { SurveyStep::EndSweep };
     }
-    if is_stopped || is_at_border { Step::Begin(Task::Retreat) } else { Step::Drive(place) }
+    if is_stopped || is_at_border { SurveyStep::Begin(SurveyTask::Retreat) } else { SurveyStep::Drive(place) }
 }
 
 /// Whether the area extends from this place at least half the way to the next lane.
@@ -41,23 +41,23 @@ fn has_way_over(sweep: &Sweep, view: &View<'_>) -> bool {
 
 /// Drives back along the lane to a place with a way over to the next one. If there is none up to the end of the lane,
 /// the sweep ends.
-pub(super) fn retreat(sweep: &Sweep, view: &View<'_>) -> Step {
+pub(super) fn retreat(sweep: &Sweep, view: &View<'_>) -> SurveyStep {
     let here = view.here();
     let (step_m, lane_m) = (view.rules.settings.step_m, view.rules.settings.lane_spacing_m);
     let over = Position::new(sweep.direction * lane_m, 0.0, 0.0);
     if view.rules.allow(here + over) && view.situation.clearance_m(over, lane_m) >= lane_m {
-        return Step::Begin(Task::Shift { from: here });
+        return SurveyStep::Begin(SurveyTask::Shift { from: here });
     }
     let back = -sweep.lane.heading;
     if view.last_move == Move::Blocked || sweep.lane.left_of_network_m(here.y_m, back) < -step_m {
-        return Step::EndSweep;
+        return SurveyStep::EndSweep;
     }
-    Step::Drive(here + Position::new(0.0, back * step_m, 0.0))
+    SurveyStep::Drive(here + Position::new(0.0, back * step_m, 0.0))
 }
 
 /// Drives to the lane at `x_m` that an obstacle cut short (`obstacleRegistry` of the thesis). The drive began at
 /// `from`.
-pub(super) fn go_behind(sweep: &mut Sweep, view: &View<'_>, x_m: f64, from: Position) -> Step {
+pub(super) fn go_behind(sweep: &mut Sweep, view: &View<'_>, x_m: f64, from: Position) -> SurveyStep {
     let here = view.here();
     let step_m = view.rules.settings.step_m;
     let left_m = (here.x_m - x_m).abs();
@@ -69,5 +69,5 @@ pub(super) fn go_behind(sweep: &mut Sweep, view: &View<'_>, x_m: f64, from: Posi
         }
         return sweep.begin_lane(here, view.knowledge);
     }
-    Step::Drive(place)
+    SurveyStep::Drive(place)
 }

@@ -11,7 +11,7 @@ use super::rules::Rules;
 use super::settings::{AfterLanes, AutomatedSConfig, Settings, Until};
 use super::shift;
 use super::sweep::Sweep;
-use super::task::{Step, Task};
+use super::task::{SurveyStep, SurveyTask};
 use super::trip::{Goal, Trip};
 use super::view::{Move, View};
 use crate::area::Area;
@@ -39,7 +39,7 @@ pub struct AutomatedS {
     knowledge: Knowledge,
     sweep: Sweep,
     layer: Layer,
-    task: Task,
+    task: SurveyTask,
     /// Whether the robot met an obstacle and stopped to listen before it reacts.
     is_blocked: bool,
     steps: u32,
@@ -65,7 +65,7 @@ impl AutomatedS {
             knowledge: Knowledge::default(),
             sweep: Sweep::first(start),
             layer: Layer::first(start.z_m),
-            task: Task::Search { side: 0, from: Position::ORIGIN },
+            task: SurveyTask::Search { side: 0, from: Position::ORIGIN },
             is_blocked: false,
             steps: 0,
         })
@@ -78,7 +78,7 @@ impl Controller for AutomatedS {
         let Settings { step_m, lane_spacing_m, max_steps, .. } = self.rules.settings;
         let last_move = match situation.outcome {
             CommandOutcome::Started => {
-                self.task = Task::Search { side: 0, from: here };
+                self.task = SurveyTask::Search { side: 0, from: here };
                 return RobotCommand::Listen;
             }
             CommandOutcome::Arrived if self.passes_by(here) => Move::Free,
@@ -86,7 +86,7 @@ impl Controller for AutomatedS {
             CommandOutcome::Blocked(contact) => {
                 self.knowledge.note_contact(situation, contact, 2.0 * lane_spacing_m);
                 let is_new = !self.knowledge.was_near(here, 0.5 * step_m, 0..self.knowledge.stops());
-                if is_new && !matches!(self.task, Task::Travel(_)) {
+                if is_new && !matches!(self.task, SurveyTask::Travel(_)) {
                     self.is_blocked = true;
                     return RobotCommand::Listen;
                 }
@@ -94,7 +94,7 @@ impl Controller for AutomatedS {
             }
             CommandOutcome::Listened(heard) => {
                 self.knowledge.note_stop(situation, heard, &self.rules);
-                if self.task == Task::Lane {
+                if self.task == SurveyTask::Lane {
                     self.sweep.count_stop(here, &self.knowledge);
                 }
                 if self.is_complete() {
@@ -115,8 +115,8 @@ impl AutomatedS {
     /// Whether the robot need not listen here, because it is on a trip or has listened here before.
     fn passes_by(&self, here: Position) -> bool {
         match &self.task {
-            Task::Travel(trip) => trip.is_under_way(),
-            Task::Retreat => {
+            SurveyTask::Travel(trip) => trip.is_under_way(),
+            SurveyTask::Retreat => {
                 self.knowledge.was_near(here, 0.5 * self.rules.settings.step_m, 0..self.knowledge.stops())
             }
             _ => false,
@@ -137,19 +137,19 @@ impl AutomatedS {
             let view = View { situation, last_move, rules: &self.rules, knowledge: &self.knowledge };
             let sweep = &mut self.sweep;
             let step = match self.task.clone() {
-                Task::Search { side, from } => self.search(situation, side, from, last_move),
-                Task::Lane => sweep.drive_lane(&view),
-                Task::Shift { from } => shift::shift(sweep, &view, from),
-                Task::Retreat => shift::retreat(sweep, &view),
-                Task::Behind { x_m, from } => shift::go_behind(sweep, &view, x_m, from),
-                Task::Climb { to_z_m } => self.climb(situation, to_z_m, last_move),
-                Task::Travel(trip) => self.travel(situation, trip, last_move),
-                Task::Finish(ending) => return RobotCommand::Finish(ending),
+                SurveyTask::Search { side, from } => self.search(situation, side, from, last_move),
+                SurveyTask::Lane => sweep.drive_lane(&view),
+                SurveyTask::Shift { from } => shift::shift(sweep, &view, from),
+                SurveyTask::Retreat => shift::retreat(sweep, &view),
+                SurveyTask::Behind { x_m, from } => shift::go_behind(sweep, &view, x_m, from),
+                SurveyTask::Climb { to_z_m } => self.climb(situation, to_z_m, last_move),
+                SurveyTask::Travel(trip) => self.travel(situation, trip, last_move),
+                SurveyTask::Finish(ending) => return RobotCommand::Finish(ending),
             };
             self.task = match step {
-                Step::Drive(place) => return RobotCommand::Drive(place),
-                Step::Begin(task) => task,
-                Step::EndSweep => self.after_sweep(situation),
+                SurveyStep::Drive(place) => return RobotCommand::Drive(place),
+                SurveyStep::Begin(task) => task,
+                SurveyStep::EndSweep => self.after_sweep(situation),
             };
             last_move = Move::Free;
         }
@@ -157,7 +157,7 @@ impl AutomatedS {
     }
 
     /// Drives a square spiral until a node is heard. Its turns are one lane spacing apart.
-    fn search(&mut self, situation: &Situation<'_>, side: u32, from: Position, last_move: Move) -> Step {
+    fn search(&mut self, situation: &Situation<'_>, side: u32, from: Position, last_move: Move) -> SurveyStep {
         let here = situation.position;
         if self.knowledge.hears_somebody() {
             self.layer = Layer::first(here.z_m);
@@ -169,61 +169,65 @@ impl AutomatedS {
         let (east, north) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][(side % 4) as usize];
         let place = here + Position::new(east, north, 0.0) * self.rules.stride_m(left_m);
         if last_move == Move::Blocked || left_m <= 0.01 * step_m || !self.rules.allow(place) {
-            return Step::Begin(Task::Search { side: side + 1, from: here });
+            return SurveyStep::Begin(SurveyTask::Search { side: side + 1, from: here });
         }
-        Step::Drive(place)
+        SurveyStep::Drive(place)
     }
 
     /// Climbs up or down to the layer at `to_z_m`, with stops on the way.
-    fn climb(&mut self, situation: &Situation<'_>, to_z_m: f64, last_move: Move) -> Step {
+    fn climb(&mut self, situation: &Situation<'_>, to_z_m: f64, last_move: Move) -> SurveyStep {
         let here = situation.position;
         let left_m = to_z_m - here.z_m;
         if last_move == Move::Blocked || left_m.abs() <= 0.01 * self.rules.settings.step_m {
             return self.enter_layer(situation);
         }
-        Step::Drive(Position { z_m: here.z_m + self.rules.stride_m(left_m.abs()).copysign(left_m), ..here })
+        SurveyStep::Drive(Position { z_m: here.z_m + self.rules.stride_m(left_m.abs()).copysign(left_m), ..here })
     }
 
     /// Begins the layer at this height. If nothing is heard here, or the climb was blocked, there is no layer in this
     /// direction.
-    fn enter_layer(&mut self, situation: &Situation<'_>) -> Step {
+    fn enter_layer(&mut self, situation: &Situation<'_>) -> SurveyStep {
         let here = situation.position;
-        let Some(layers) = self.rules.settings.layers else { return Step::Begin(self.task.clone()) };
+        let Some(layers) = self.rules.settings.layers else { return SurveyStep::Begin(self.task.clone()) };
         if self.layer.is_left(here, &layers) && self.knowledge.hears_somebody() {
             self.layer.enter(here);
             return self.sweep.begin_layer(here, &self.knowledge);
         }
-        Step::Begin(if self.layer.turn_down() { self.leave_layer(situation) } else { self.after_layers(situation) })
+        SurveyStep::Begin(if self.layer.turn_down() {
+            self.leave_layer(situation)
+        } else {
+            self.after_layers(situation)
+        })
     }
 
     /// Continues a trip. At its end, begins what the trip was made for.
-    fn travel(&mut self, situation: &Situation<'_>, mut trip: Trip, last_move: Move) -> Step {
+    fn travel(&mut self, situation: &Situation<'_>, mut trip: Trip, last_move: Move) -> SurveyStep {
         let view = View { situation, last_move, rules: &self.rules, knowledge: &self.knowledge };
         if let Some(place) = trip.next(&view) {
-            self.task = Task::Travel(trip);
-            return Step::Drive(place);
+            self.task = SurveyTask::Travel(trip);
+            return SurveyStep::Drive(place);
         }
         let here = situation.position;
         match trip.then {
             Goal::OtherSide if self.rules.settings.layers.is_some() => {
                 self.sweep.begin_other_side(here, &self.knowledge)
             }
-            Goal::OtherSide => Step::Begin(self.sweep.begin_back(here, &self.knowledge, &self.rules)),
-            Goal::Climb { to_z_m } => Step::Begin(Task::Climb { to_z_m }),
+            Goal::OtherSide => SurveyStep::Begin(self.sweep.begin_back(here, &self.knowledge, &self.rules)),
+            Goal::Climb { to_z_m } => SurveyStep::Begin(SurveyTask::Climb { to_z_m }),
             Goal::Check => {
                 self.knowledge.give_up_opening(trip.goal);
-                Step::Begin(self.check(situation))
+                SurveyStep::Begin(self.check(situation))
             }
         }
     }
 
     /// What to do after a sweep. The first sweep of a layer leads to the nearer border, because the robot enters a
     /// layer near the place where it left the last one.
-    fn after_sweep(&mut self, situation: &Situation<'_>) -> Task {
+    fn after_sweep(&mut self, situation: &Situation<'_>) -> SurveyTask {
         self.sweep.end();
         let is_first = self.sweep.finished == 1;
         if self.is_complete() {
-            return Task::Finish(Ending::Complete);
+            return SurveyTask::Finish(Ending::Complete);
         }
         let checks = self.rules.settings.after_lanes == AfterLanes::Check;
         let is_bounded = self.rules.settings.layers.is_some() || self.rules.area.is_some();
@@ -231,7 +235,7 @@ impl AutomatedS {
             return self.check(situation);
         }
         if is_first && let Some(trip) = self.trip_to_other_side(situation) {
-            return Task::Travel(trip);
+            return SurveyTask::Travel(trip);
         }
         if self.rules.settings.layers.is_some() {
             self.leave_layer(situation)
@@ -240,7 +244,7 @@ impl AutomatedS {
         } else if checks {
             self.check(situation)
         } else {
-            Task::Finish(Ending::Complete)
+            SurveyTask::Finish(Ending::Complete)
         }
     }
 
@@ -251,27 +255,27 @@ impl AutomatedS {
     }
 
     /// Begins the trip to the next layer.
-    fn leave_layer(&mut self, situation: &Situation<'_>) -> Task {
+    fn leave_layer(&mut self, situation: &Situation<'_>) -> SurveyTask {
         let view = View { situation, last_move: Move::Free, rules: &self.rules, knowledge: &self.knowledge };
         let trip = self.rules.settings.layers.and_then(|layers| self.layer.leave(&view, &layers));
-        trip.map_or_else(|| self.after_layers(situation), Task::Travel)
+        trip.map_or_else(|| self.after_layers(situation), SurveyTask::Travel)
     }
 
     /// What to do when all layers are swept.
-    fn after_layers(&mut self, situation: &Situation<'_>) -> Task {
+    fn after_layers(&mut self, situation: &Situation<'_>) -> SurveyTask {
         if self.is_complete() {
-            Task::Finish(Ending::Complete)
+            SurveyTask::Finish(Ending::Complete)
         } else if self.rules.settings.after_lanes == AfterLanes::Check {
             self.check(situation)
         } else {
-            Task::Finish(self.ending_with_misses())
+            SurveyTask::Finish(self.ending_with_misses())
         }
     }
 
     /// Drives to a place where missing nodes may be heard.
-    fn check(&mut self, situation: &Situation<'_>) -> Task {
+    fn check(&mut self, situation: &Situation<'_>) -> SurveyTask {
         let trip = check::next_trip(&mut self.knowledge, &self.rules, situation);
-        trip.map_or_else(|| Task::Finish(self.ending_with_misses()), Task::Travel)
+        trip.map_or_else(|| SurveyTask::Finish(self.ending_with_misses()), SurveyTask::Travel)
     }
 
     /// How a survey ends if packets are missing and no place is left to visit. A robot with an area has finished its

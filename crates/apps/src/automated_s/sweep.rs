@@ -6,7 +6,7 @@ use super::knowledge::Knowledge;
 use super::lane::{Cut, HEARING_STOPS, Lane};
 use super::rules::Rules;
 use super::settings::Settings;
-use super::task::{Step, Task};
+use super::task::{SurveyStep, SurveyTask};
 use super::view::{Move, View};
 
 /// Number of consecutive silent lanes that end a sweep. One is enough if it covers the whole lane before it.
@@ -53,13 +53,13 @@ impl Sweep {
     }
 
     /// Begins the first lane where a node was heard.
-    pub(super) fn begin(&mut self, here: Position, knowledge: &Knowledge) -> Step {
+    pub(super) fn begin(&mut self, here: Position, knowledge: &Knowledge) -> SurveyStep {
         self.start = here;
         self.begin_lane(here, knowledge)
     }
 
     /// Begins the first sweep of another layer.
-    pub(super) fn begin_layer(&mut self, here: Position, knowledge: &Knowledge) -> Step {
+    pub(super) fn begin_layer(&mut self, here: Position, knowledge: &Knowledge) -> SurveyStep {
         self.start = here;
         self.finished = 0;
         self.begin_side(Lane::FIRST, here, knowledge)
@@ -67,12 +67,12 @@ impl Sweep {
 
     /// Begins the sweep of the other side of a layer, where its first lane began. The first lane is the part behind
     /// the start.
-    pub(super) fn begin_other_side(&mut self, here: Position, knowledge: &Knowledge) -> Step {
+    pub(super) fn begin_other_side(&mut self, here: Position, knowledge: &Knowledge) -> SurveyStep {
         self.direction = -self.direction;
         self.begin_side(Lane::SOUTHWARD, here, knowledge)
     }
 
-    fn begin_side(&mut self, lane: Lane, here: Position, knowledge: &Knowledge) -> Step {
+    fn begin_side(&mut self, lane: Lane, here: Position, knowledge: &Knowledge) -> SurveyStep {
         self.first_stop = knowledge.stops();
         self.empty_lanes_to_end = EMPTY_LANES;
         self.lane = lane;
@@ -81,14 +81,14 @@ impl Sweep {
 
     /// Begins a sweep in the other direction from here. If lanes were driven there before, the new lanes lie between
     /// them.
-    pub(super) fn begin_back(&mut self, here: Position, knowledge: &Knowledge, rules: &Rules) -> Task {
+    pub(super) fn begin_back(&mut self, here: Position, knowledge: &Knowledge, rules: &Rules) -> SurveyTask {
         self.direction = -self.direction;
         self.first_stop = knowledge.stops();
         let is_outside = self.finished > 1;
         self.empty_lanes_to_end = if is_outside { EMPTY_LANES_OUTSIDE } else { EMPTY_LANES };
         let aside = if self.direction < 0.0 { AGAIN } else { 1.0 - AGAIN };
         let ahead_m = if is_outside { aside * rules.settings.lane_spacing_m } else { 0.0 };
-        Task::Shift { from: here - Position::new(self.direction * ahead_m, 0.0, 0.0) }
+        SurveyTask::Shift { from: here - Position::new(self.direction * ahead_m, 0.0, 0.0) }
     }
 
     /// Ends the sweep.
@@ -99,10 +99,10 @@ impl Sweep {
     }
 
     /// Begins the next lane.
-    pub(super) fn begin_lane(&mut self, here: Position, knowledge: &Knowledge) -> Step {
+    pub(super) fn begin_lane(&mut self, here: Position, knowledge: &Knowledge) -> SurveyStep {
         self.lane = self.lane.next(here, knowledge.stops().saturating_sub(1));
         self.count_stop(here, knowledge);
-        Step::Begin(Task::Lane)
+        SurveyStep::Begin(SurveyTask::Lane)
     }
 
     /// Counts the last stop as part of the lane.
@@ -115,7 +115,7 @@ impl Sweep {
     }
 
     /// Continues along the lane.
-    pub(super) fn drive_lane(&mut self, view: &View<'_>) -> Step {
+    pub(super) fn drive_lane(&mut self, view: &View<'_>) -> SurveyStep {
         let here = view.here();
         let heading = self.lane.heading;
         let settings = &view.rules.settings;
@@ -124,7 +124,7 @@ impl Sweep {
             return self.end_lane(view);
         }
         if let Some(x_m) = self.uncovered_behind(view) {
-            return Step::Begin(Task::Behind { x_m, from: here });
+            return SurveyStep::Begin(SurveyTask::Behind { x_m, from: here });
         }
         let is_silent = self.lane.silent_run >= settings.silent_stops_to_turn;
         let is_beyond = self.lane.left_of_network_m(here.y_m, heading) <= 0.0;
@@ -135,7 +135,7 @@ impl Sweep {
         {
             return self.end_lane(view);
         }
-        Step::Drive(place)
+        SurveyStep::Drive(place)
     }
 
     /// Whether the rest of the lane was driven before in this sweep.
@@ -156,7 +156,7 @@ impl Sweep {
     }
 
     /// Ends the lane: moves over to the next one, or ends the sweep if the network lies behind.
-    fn end_lane(&mut self, view: &View<'_>) -> Step {
+    fn end_lane(&mut self, view: &View<'_>) -> SurveyStep {
         let was_empty = self.lane.hearing_stops == 0;
         if was_empty {
             self.empty_lanes += 1;
@@ -166,9 +166,9 @@ impl Sweep {
         let missed_m = self.lane.left_of_network_m(self.lane.start_y_m, -self.lane.heading);
         let was_whole = missed_m <= view.rules.settings.lane_spacing_m && self.empty_lanes_to_end == EMPTY_LANES;
         if was_empty && (was_whole || self.empty_lanes >= self.empty_lanes_to_end) {
-            Step::EndSweep
+            SurveyStep::EndSweep
         } else {
-            Step::Begin(Task::Shift { from: view.here() })
+            SurveyStep::Begin(SurveyTask::Shift { from: view.here() })
         }
     }
 

@@ -7,7 +7,7 @@ use super::trip::Trip;
 
 /// The current task of the robot.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Task {
+pub(super) enum SurveyTask {
     /// Searches in a square spiral, because no node was heard yet. Number of the current side, and where it began.
     Search { side: u32, from: Position },
     /// Drives along a lane.
@@ -28,11 +28,11 @@ pub(super) enum Task {
 
 /// What a task decides.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Step {
+pub(super) enum SurveyStep {
     /// Drive to this place.
     Drive(Position),
     /// Begin another task.
-    Begin(Task),
+    Begin(SurveyTask),
     /// End the sweep.
     EndSweep,
 }

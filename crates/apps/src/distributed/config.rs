@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, SimTime};
 use sextant_mapper::{AnchorSilence, DirectionRule, EstimateKind, OwnPlace, OwnPlaceConfig, PlaceModel};
 
-use super::schedule::{Schedule, Window};
+use super::schedule::{BeaconWindow, Schedule};
 
 /// Settings of a map that is computed in the nodes, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -186,7 +186,7 @@ impl DistributedMapping {
     #[must_use]
     pub fn longest(&self, has_sectors: bool) -> Duration {
         let schedule = self.schedule(has_sectors);
-        let end = (0..).find(|&number| schedule.at(number).1 == Window::End).expect("iterations end");
+        let end = (0..).find(|&number| schedule.at(number).1 == BeaconWindow::End).expect("iterations end");
         schedule.start_of(end) - SimTime::ZERO
     }
 

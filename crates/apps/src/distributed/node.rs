@@ -18,7 +18,7 @@ use super::message::{Beacon, Directions, Message};
 use super::neighbours::{HeardBy, Neighbours};
 use super::patterns::Patterns;
 use super::record::{MappingRecord, MappingRole};
-use super::schedule::{Schedule, Window};
+use super::schedule::{BeaconWindow, Schedule};
 
 /// The timer of the next window; those of the messages of a window follow.
 const WINDOW: Timer = Timer(0);
@@ -141,13 +141,13 @@ impl MappingNode {
         let (iteration, window) = self.schedule.at(self.window);
         self.outbox.clear();
         match window {
-            Window::Place => {
+            BeaconWindow::Place => {
                 self.filter(iteration, port);
                 if let (true, Some(belief)) = (self.joins, self.belief) {
                     self.put(&Message::Place(belief));
                 }
             }
-            Window::Report => {
+            BeaconWindow::Report => {
                 let heard = self.neighbours.asking(iteration);
                 if let (true, Some(belief)) = (self.is_anchor(), self.belief) {
                     for report in Message::reports(belief, &heard, self.largest_octets()) {
@@ -155,7 +155,7 @@ impl MappingNode {
                     }
                 }
             }
-            Window::Beacon => {
+            BeaconWindow::Beacon => {
                 if !self.schedule.asks {
                     self.filter(iteration, port);
                 }
@@ -169,7 +169,7 @@ impl MappingNode {
                     }
                 }
             }
-            Window::Coordinates => {
+            BeaconWindow::Coordinates => {
                 if self.locate(iteration)
                     && let Some(belief) = self.belief
                 {
@@ -179,7 +179,7 @@ impl MappingNode {
                     });
                 }
             }
-            Window::End => {
+            BeaconWindow::End => {
                 self.locate(iteration);
                 if !self.is_anchor() {
                     port.finish();

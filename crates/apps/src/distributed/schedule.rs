@@ -9,7 +9,7 @@ use sextant_kernel::SimTime;
 
 /// What is sent in a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Window {
+pub(super) enum BeaconWindow {
     Place,
     Report,
     Beacon,
@@ -32,15 +32,15 @@ pub(super) struct Schedule {
     pub(super) iterations: u32,
 }
 
-const JOINING: [Window; 3] = [Window::Place, Window::Report, Window::Beacon];
+const JOINING: [BeaconWindow; 3] = [BeaconWindow::Place, BeaconWindow::Report, BeaconWindow::Beacon];
 
 impl Schedule {
-    fn joining(&self) -> &'static [Window] {
+    fn joining(&self) -> &'static [BeaconWindow] {
         if self.asks { &JOINING } else { &JOINING[2..] }
     }
 
     /// What is sent in window number `number`, and in which iteration; 0 is the joining of the initial anchors.
-    pub(super) fn at(&self, number: u32) -> (u32, Window) {
+    pub(super) fn at(&self, number: u32) -> (u32, BeaconWindow) {
         let joining = self.joining();
         let first = u32::try_from(joining.len()).expect("at most 3 windows");
         let of = |index: u32| joining[usize::try_from(index).expect("at most 3 windows")];
@@ -49,9 +49,9 @@ impl Schedule {
         }
         let (iteration, window) = ((number - first) / (first + 1) + 1, (number - first) % (first + 1));
         if iteration > self.iterations {
-            return (self.iterations, Window::End);
+            return (self.iterations, BeaconWindow::End);
         }
-        (iteration, if window == 0 { Window::Coordinates } else { of(window - 1) })
+        (iteration, if window == 0 { BeaconWindow::Coordinates } else { of(window - 1) })
     }
 
     /// Start of window number `number`.
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn anchors_join_before_the_first_iteration_and_in_each() {
-        use Window::{Beacon, Coordinates, End, Place, Report};
+        use BeaconWindow::{Beacon, Coordinates, End, Place, Report};
         let windows = |schedule: Schedule, count: u32| (0..count).map(move |number| schedule.at(number));
         let with_sectors: Vec<_> = windows(schedule(true), 12).collect();
         let joining = |iteration| [(iteration, Place), (iteration, Report), (iteration, Beacon)];

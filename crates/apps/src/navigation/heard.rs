@@ -15,7 +15,7 @@ const FLOORS: [f64; 3] = [1.0, 0.1, 0.01];
 const SLOPE_DB: f64 = 5.0 * 3.0 / std::f64::consts::LN_10;
 
 /// An error (dB), and its derivatives along x and y (dB/m).
-type Row = (f64, [f64; 2]);
+type LinkRow = (f64, [f64; 2]);
 
 /// What a robot heard last of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +87,7 @@ impl Neighbourhood {
     /// The place of least squares that is found from `start`; squared distances are not resolved below `floor` (m²).
     fn fitted(&self, start: Position, floor: f64) -> Position {
         let count = self.heard.len() as f64;
-        let errors_at = |place: Position| -> Vec<Row> {
+        let errors_at = |place: Position| -> Vec<LinkRow> {
             let row = |heard: &HeardNode| {
                 let (x, y) = (place.x_m - heard.place.x_m, place.y_m - heard.place.y_m);
                 let square = x * x + y * y + floor;
@@ -96,14 +96,14 @@ impl Neighbourhood {
                 (heard.gain.0 + SLOPE_DB * libm::log(square), [slope * x, slope * y])
             };
             let mut rows: Vec<_> = self.heard.values().map(row).collect();
-            let total = |sum: [f64; 3], &(error, [x, y]): &Row| [sum[0] + error, sum[1] + x, sum[2] + y];
+            let total = |sum: [f64; 3], &(error, [x, y]): &LinkRow| [sum[0] + error, sum[1] + x, sum[2] + y];
             let [error, x, y] = rows.iter().fold([0.0; 3], total).map(|sum| sum / count);
             for row in &mut rows {
                 *row = (row.0 - error, [row.1[0] - x, row.1[1] - y]);
             }
             rows
         };
-        let cost = |rows: &[Row]| rows.iter().map(|row| row.0 * row.0).sum::<f64>();
+        let cost = |rows: &[LinkRow]| rows.iter().map(|row| row.0 * row.0).sum::<f64>();
         let (mut place, mut rows) = (start, errors_at(start));
         let mut damping = 1e-2;
         for _ in 0..ITERATIONS {

@@ -13,13 +13,13 @@ use super::settings::PseudoGradient;
 #[derive(Clone, Debug)]
 pub(super) struct GradientPilot {
     method: PseudoGradient,
-    heard: BTreeMap<TargetId, BTreeMap<StationId, Heard>>,
+    heard: BTreeMap<TargetId, BTreeMap<StationId, HeardHops>>,
     /// The latest round that it heard of, and when it heard the first node of it.
     latest: Option<(u16, SimTime)>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Heard {
+struct HeardHops {
     round: u16,
     value: f64,
     detected: SimTime,
@@ -46,7 +46,7 @@ impl GradientPilot {
         if self.latest.is_none_or(|(latest, _)| is_later(round, latest)) {
             self.latest = Some((round, now));
         }
-        let heard = Heard { round, value, detected, rssi };
+        let heard = HeardHops { round, value, detected, rssi };
         let of_target = self.heard.entry(message.target).or_default();
         // Only the latest round counts; the one before stays until the next one is under way.
         of_target.retain(|_, other| {

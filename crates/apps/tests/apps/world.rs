@@ -4,7 +4,7 @@ use sextant_apps::Surroundings;
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
 use sextant_kernel::{Files, NodeId, Purpose, Seed, SimTime};
 use sextant_sim::layout::NodesConfig;
-use sextant_sim::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
+use sextant_sim::{CommandOutcome, Controller, Ending, HeardNode, RobotCommand, Situation};
 
 /// How near to an obstacle a blocked robot halts (m).
 const HALT_M: f64 = 1e-3;
@@ -149,7 +149,7 @@ impl World {
         (halt, Some(from + direction * (clear_m + self.robot_radius_m)))
     }
 
-    fn listen(&self, place: Position, stop: u64, seed: Seed) -> Vec<Heard> {
+    fn listen(&self, place: Position, stop: u64, seed: Seed) -> Vec<HeardNode> {
         let (exponent, sigma_db) = self.fading.unwrap_or((2.0, 0.0));
         let hear = |(i, node): (usize, &Position)| {
             let distance_m = node.distance_m(place);
@@ -157,7 +157,7 @@ impl World {
             let loss_db = 10.0 * exponent * distance_m.max(0.1).log10() + self.field.loss(*node, place).0;
             let rssi_dbm = -50.0 - loss_db + shadowing_db;
             let is_heard = distance_m <= self.reach_m && (self.fading.is_none() || rssi_dbm >= -90.0);
-            is_heard.then_some(Heard { node: NodeId::from_index(i), packets: 1, sent: 1, rssi_dbm })
+            is_heard.then_some(HeardNode { node: NodeId::from_index(i), packets: 1, sent: 1, rssi_dbm })
         };
         self.nodes.iter().enumerate().filter_map(hear).collect()
     }

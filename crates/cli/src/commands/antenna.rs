@@ -24,12 +24,12 @@ use crate::terminal::{stdout, warn};
 pub(crate) struct Arguments {
     /// What to do.
     #[command(subcommand)]
-    pub(crate) task: Task,
+    pub(crate) task: AntennaTask,
 }
 
 /// What is done with an antenna.
 #[derive(Clone, Debug, Subcommand)]
-pub(crate) enum Task {
+pub(crate) enum AntennaTask {
     /// Print what each sector covers, and draw its pattern and where it is the best
     Show(ShowArguments),
     /// Make a code book of a measurement in another format
@@ -144,8 +144,8 @@ impl From<Unit> for GainUnit {
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     match &arguments.task {
-        Task::Show(arguments) => show(arguments, interrupt),
-        Task::Convert(arguments) => convert_file(arguments),
+        AntennaTask::Show(arguments) => show(arguments, interrupt),
+        AntennaTask::Convert(arguments) => convert_file(arguments),
     }
 }
 

@@ -23,7 +23,7 @@ use sextant::summary::Measure;
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{OutputKind, Outputs, Replace};
 use sextant_study::sweep::{
-    Column, Mean, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, extend, rows_of, write_table,
+    Column, Mean, RunRow, Shard, Sweep, SweepError, TableFormat, clear_parts, extend, rows_of, write_table,
 };
 
 /// Arguments of `sextant sweep`.
@@ -116,10 +116,10 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
 fn swept(
     arguments: &Arguments,
     plan: &Sweep,
-    known: Vec<Row>,
+    known: Vec<RunRow>,
     out: &Path,
     interrupt: &Interrupt,
-) -> Result<Vec<Row>, Failure> {
+) -> Result<Vec<RunRow>, Failure> {
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let rows = extend(plan, known, arguments.shard, out, arguments.resume, &watcher);
@@ -162,7 +162,7 @@ const MOST_CELLS: usize = 100;
 /// The rows of a sweep, summarised for each cell.
 pub(super) struct Results<'a> {
     pub(super) plan: &'a Sweep,
-    pub(super) rows: &'a [Row],
+    pub(super) rows: &'a [RunRow],
 }
 
 impl Results<'_> {
@@ -270,7 +270,7 @@ impl Results<'_> {
     }
 }
 
-fn failed(rows: &[Row]) -> usize {
+fn failed(rows: &[RunRow]) -> usize {
     rows.iter().filter(|row| row.outcome.is_err()).count()
 }
 
@@ -287,11 +287,11 @@ fn shortened(keys: &[Column]) -> impl Iterator<Item = String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_study::sweep::Kind;
+    use sextant_study::sweep::ColumnKind;
 
     #[test]
     fn keys_are_shortened_but_stay_distinct() {
-        let keys = ["a.b.p0", "a.c.range_m", "a.d.range_m", "seed"].map(|key| Column::new(key, Kind::Real));
+        let keys = ["a.b.p0", "a.c.range_m", "a.d.range_m", "seed"].map(|key| Column::new(key, ColumnKind::Real));
         assert_eq!(shortened(&keys).collect::<Vec<_>>(), ["p0", "c.range_m", "d.range_m", "seed"]);
     }
 }

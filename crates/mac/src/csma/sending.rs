@@ -17,7 +17,7 @@ pub(crate) enum Sending {
 
 /// Result of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Step {
+pub(crate) enum SendingStep {
     /// The frame is still under way.
     On(Attempt, Sending),
     /// It is over.
@@ -44,35 +44,35 @@ impl Sending {
     ///
     /// # Panics
     /// If the event is impossible in the current state: the machine did not ask for it.
-    pub(crate) fn handle(self, attempt: Attempt, event: Event, phy: Phy, radio: &mut impl Radio) -> Step {
+    pub(crate) fn handle(self, attempt: Attempt, event: Event, phy: Phy, radio: &mut impl Radio) -> SendingStep {
         match (self, event) {
             (Self::TurningToTransmit, Event::TransmitReady) => {
                 radio.enter(RadioState::Transmit);
                 radio.start_transmission(attempt.frame);
-                Step::On(attempt.with_transmission(), Self::Transmitting)
+                SendingStep::On(attempt.with_transmission(), Self::Transmitting)
             }
             (Self::Transmitting, Event::TransmissionEnded) if attempt.frame.ack_request => {
                 radio.enter(RadioState::Turnaround);
                 radio.after(phy.turnaround(), Event::ReceiveReady);
-                Step::On(attempt, Self::TurningToReceive)
+                SendingStep::On(attempt, Self::TurningToReceive)
             }
-            (Self::Transmitting, Event::TransmissionEnded) => Step::Ended(attempt, Outcome::Sent),
+            (Self::Transmitting, Event::TransmissionEnded) => SendingStep::Ended(attempt, Outcome::Sent),
             (Self::TurningToReceive, Event::ReceiveReady) => {
                 radio.enter(RadioState::Receive);
                 radio.after(phy.ack_wait() - phy.turnaround(), Event::AckWaitExpired);
-                Step::On(attempt, Self::AwaitingAck)
+                SendingStep::On(attempt, Self::AwaitingAck)
             }
             (Self::AwaitingAck, Event::AckReceived { sequence }) if sequence == attempt.frame.sequence => {
                 radio.cancel_timer();
-                Step::Ended(attempt, Outcome::Acknowledged)
+                SendingStep::Ended(attempt, Outcome::Acknowledged)
             }
             (Self::AwaitingAck, Event::AckReceived { .. }) => {
                 radio.cancel_timer();
                 // The receiver heard all of it, from its first symbol on.
-                Step::Unanswered { attempt, waited: phy.turnaround() + phy.ack_airtime() }
+                SendingStep::Unanswered { attempt, waited: phy.turnaround() + phy.ack_airtime() }
             }
-            (Self::AwaitingAck, Event::AckWaitExpired) => Step::Unanswered { attempt, waited: phy.ack_wait() },
-            (sending, Event::AckReceived { .. }) => Step::On(attempt, sending),
+            (Self::AwaitingAck, Event::AckWaitExpired) => SendingStep::Unanswered { attempt, waited: phy.ack_wait() },
+            (sending, Event::AckReceived { .. }) => SendingStep::On(attempt, sending),
             (sending, event) => panic!("{event:?} cannot happen in {sending:?}"),
         }
     }

@@ -27,7 +27,7 @@ mod report;
 mod tests;
 
 pub use answers::Answer;
-use gathering::Window;
+use gathering::FeedbackWindow;
 pub use report::{Access, InitiatorOutcome, InitiatorReport, SweepPurpose};
 
 /// A sweep under way.
@@ -50,11 +50,11 @@ enum State {
     /// Silent before the frame with this index.
     Spacing(Sweep, u16),
     /// Listening for answers of all stations.
-    Gathering(Sweep, Window),
+    Gathering(Sweep, FeedbackWindow),
     /// Sending feedback to this one of them.
-    Informing(Sweep, Window, MacAddress),
+    Informing(Sweep, FeedbackWindow, MacAddress),
     /// Listening for its report of all sectors.
-    AwaitingReport(Sweep, Window, MacAddress),
+    AwaitingReport(Sweep, FeedbackWindow, MacAddress),
     /// Listening for the answer of one station until its sweep must have ended.
     AwaitingAnswer(Sweep, SimTime),
     /// Sending it feedback.
@@ -309,7 +309,7 @@ impl Initiator {
         match sweep.purpose {
             SweepPurpose::Gather => {
                 let opens = now + MBIFS;
-                self.watch(sweep, Window { opens, closes: opens + self.settings.window() }, now, radio)
+                self.watch(sweep, FeedbackWindow { opens, closes: opens + self.settings.window() }, now, radio)
             }
             SweepPurpose::Train { layout, .. } => {
                 let until = now + MBIFS + layout.sweep_duration() + AIR_PROPAGATION * 2;

@@ -12,7 +12,7 @@ const VERSION: u32 = 12;
 const SOURCE_MODE: u32 = 14;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum FrameKind {
     Beacon,
     Data,
     Acknowledgement,
@@ -22,7 +22,7 @@ pub(super) enum Kind {
 /// The frame control field (IEEE 802.15.4-2006, 7.2.1.1), of frames without security.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Control {
-    pub(super) kind: Kind,
+    pub(super) kind: FrameKind,
     pub(super) frame_pending: bool,
     pub(super) ack_request: bool,
     /// The source PAN is omitted: it is the same as the destination PAN.
@@ -41,10 +41,10 @@ impl Control {
             Some(Width::Extended) => 3,
         };
         let kind = match self.kind {
-            Kind::Beacon => 0,
-            Kind::Data => 1,
-            Kind::Acknowledgement => 2,
-            Kind::Command => 3,
+            FrameKind::Beacon => 0,
+            FrameKind::Data => 1,
+            FrameKind::Acknowledgement => 2,
+            FrameKind::Command => 3,
         };
         let version = match self.version {
             Version::V2003 => 0,
@@ -68,10 +68,10 @@ impl Control {
             _ => return Err(ParseError::UnsupportedVersion(3)),
         };
         let kind = match bits & 7 {
-            0 => Kind::Beacon,
-            1 => Kind::Data,
-            2 => Kind::Acknowledgement,
-            3 => Kind::Command,
+            0 => FrameKind::Beacon,
+            1 => FrameKind::Data,
+            2 => FrameKind::Acknowledgement,
+            3 => FrameKind::Command,
             _ => return Err(ParseError::ReservedType(bits.to_le_bytes()[0] & 7)),
         };
         if is_set(SECURITY_ENABLED) {

@@ -76,7 +76,7 @@ impl Script {
         None
     }
 
-    fn open(&mut self, csma: &mut SlottedCsma, now: u64, window: Window) {
+    fn open(&mut self, csma: &mut SlottedCsma, now: u64, window: AccessWindow) {
         self.now = at(now);
         csma.open(self.now, window, self);
     }
@@ -143,13 +143,13 @@ fn machine() -> SlottedCsma {
 }
 
 /// Contention from boundary 0 to `end` symbols.
-fn until(end: u64) -> Window {
-    Window::Contention(Contention::new(PHY, at(0), at(end)))
+fn until(end: u64) -> AccessWindow {
+    AccessWindow::Contention(Contention::new(PHY, at(0), at(end)))
 }
 
 /// Contention in the superframe that starts at `start`.
-fn between(start: u64, end: u64) -> Window {
-    Window::Contention(Contention::new(PHY, at(start), at(end)))
+fn between(start: u64, end: u64) -> AccessWindow {
+    AccessWindow::Contention(Contention::new(PHY, at(start), at(end)))
 }
 
 #[test]
@@ -331,7 +331,7 @@ fn a_retry_that_does_not_fit_continues_in_the_next_window() {
 fn battery_life_extension_starts_with_an_exponent_of_two_at_most() {
     let window = |saving: bool| {
         let contention = Contention::new(PHY, at(0), at(10_000));
-        Window::Contention(if saving { contention.with_battery_life_extension() } else { contention })
+        AccessWindow::Contention(if saving { contention.with_battery_life_extension() } else { contention })
     };
     for (min_be, saving, max) in [(3, true, 3), (1, true, 1), (3, false, 7), (5, true, 3)] {
         let config = CsmaConfig { min_be, ..CsmaConfig::default() };
@@ -348,7 +348,7 @@ fn battery_life_extension_starts_with_an_exponent_of_two_at_most() {
     radio.start(&mut csma, 40, FRAME);
     assert_eq!(radio.timer, None);
     let next = Contention::new(PHY, at(5000), at(9000)).with_battery_life_extension();
-    radio.open(&mut csma, 5000, Window::Contention(next));
+    radio.open(&mut csma, 5000, AccessWindow::Contention(next));
     radio.run(&mut csma);
     assert_eq!(radio.instants(Step::Cca), [5020, 5040]);
 }
@@ -359,7 +359,7 @@ fn in_a_guaranteed_slot_a_frame_goes_out_at_its_start_without_carrier_sense() {
     let mut csma = machine();
     radio.start(&mut csma, 0, FRAME);
     // The slot starts at 900; its window opens a turnaround before. 100 + 40 symbols are just enough.
-    radio.open(&mut csma, 888, Window::Guaranteed { end: at(900 + 140) });
+    radio.open(&mut csma, 888, AccessWindow::Guaranteed { end: at(900 + 140) });
     let report = radio.run(&mut csma).expect("it is sent");
     let expected = [
         (888, Step::Enter(RadioState::Turnaround)),
@@ -378,7 +378,7 @@ fn a_guaranteed_slot_that_is_a_symbol_too_short_is_left_unused() {
             let mut radio = Script::new(&[], &[], &[]);
             let mut csma = machine();
             radio.start(&mut csma, 0, frame);
-            radio.open(&mut csma, 888, Window::Guaranteed { end: at(900 + length) });
+            radio.open(&mut csma, 888, AccessWindow::Guaranteed { end: at(900 + length) });
             assert_eq!(radio.timer.iter().count(), sent, "{length} symbols for {frame:?}");
         }
     }
@@ -391,11 +391,11 @@ fn a_second_copy_goes_out_in_the_same_guaranteed_slot_if_it_fits() {
     let mut csma = machine();
     radio.start(&mut csma, 0, UNICAST);
     // Frame and wait take 154 symbols, the turnaround 12, the second copy with acknowledgement and spacing 174.
-    radio.open(&mut csma, 888, Window::Guaranteed { end: at(900 + 154 + 12 + 174) });
+    radio.open(&mut csma, 888, AccessWindow::Guaranteed { end: at(900 + 154 + 12 + 174) });
     assert_eq!(radio.run(&mut csma), None);
     assert_eq!(radio.instants(Step::Transmit), [900, 1066]);
     // The third waits for the slot of the next superframe.
-    radio.open(&mut csma, 2888, Window::Guaranteed { end: at(3200) });
+    radio.open(&mut csma, 2888, AccessWindow::Guaranteed { end: at(3200) });
     radio.run(&mut csma);
     assert_eq!(radio.instants(Step::Transmit), [900, 1066, 2900]);
 }
@@ -404,7 +404,7 @@ fn a_second_copy_goes_out_in_the_same_guaranteed_slot_if_it_fits() {
 fn a_frame_that_comes_within_a_guaranteed_slot_still_uses_it() {
     let mut radio = Script::new(&[], &[], &[]);
     let mut csma = machine();
-    radio.open(&mut csma, 888, Window::Guaranteed { end: at(1300) });
+    radio.open(&mut csma, 888, AccessWindow::Guaranteed { end: at(1300) });
     radio.start(&mut csma, 950, FRAME);
     radio.run(&mut csma);
     assert_eq!(radio.instants(Step::Transmit), [962]);

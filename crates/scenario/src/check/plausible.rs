@@ -3,7 +3,7 @@
 use sextant_kernel::SettingError;
 
 use super::errors::Errors;
-use crate::document::key_path::{KeyPath, Step};
+use crate::document::key_path::{KeyPath, PathStep};
 use crate::document::{Document, Entry, Value};
 
 /// What a number may be: its size, or 0.
@@ -39,14 +39,14 @@ fn check(entry: &Entry, path: &mut KeyPath, key: &str, errors: &mut Errors) {
     match &entry.value {
         Value::Table(table) => {
             for (key, entry) in table {
-                path.0.push(Step::Key(key.clone()));
+                path.0.push(PathStep::Key(key.clone()));
                 check(entry, path, key, errors);
                 path.0.pop();
             }
         }
         Value::Array(items) => {
             for (i, item) in items.iter().enumerate().filter(|(_, item)| matches!(item.value, Value::Table(_))) {
-                path.0.push(Step::Index(i));
+                path.0.push(PathStep::Index(i));
                 check(item, path, key, errors);
                 path.0.pop();
             }

@@ -5,7 +5,7 @@ use serde::de::{self, DeserializeSeed, Deserializer, EnumAccess, IntoDeserialize
 
 use super::Reader;
 use super::refused::Refused;
-use crate::document::key_path::Step;
+use crate::document::key_path::PathStep;
 use crate::document::{Table, Value};
 use crate::refusal::Refusal;
 
@@ -47,7 +47,7 @@ pub(super) struct Choice<'a> {
 impl Choice<'_> {
     /// Adds the variant to the path of an error.
     fn below(&self, refused: Refused) -> Refused {
-        refused.below(Step::Key(self.name.to_owned()))
+        refused.below(PathStep::Key(self.name.to_owned()))
     }
 
     /// The content; an empty table for a name alone. So `mac = "csma_unslotted"` means the default settings.

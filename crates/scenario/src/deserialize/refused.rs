@@ -4,16 +4,16 @@ use std::fmt;
 
 use serde::de::{self, Expected, Unexpected};
 
-use crate::document::key_path::Step;
+use crate::document::key_path::PathStep;
 use crate::refusal::Refusal;
 
 /// An error, and the steps of the path to it in reverse order.
 #[derive(Debug)]
-pub(super) struct Refused(pub(super) Box<(Refusal, Vec<Step>)>);
+pub(super) struct Refused(pub(super) Box<(Refusal, Vec<PathStep>)>);
 
 impl Refused {
     /// Adds the step above the error to its path.
-    pub(super) fn below(mut self, step: Step) -> Self {
+    pub(super) fn below(mut self, step: PathStep) -> Self {
         self.0.1.push(step);
         self
     }

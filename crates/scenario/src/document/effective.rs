@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::key_path::{KeyPath, Step};
+use super::key_path::{KeyPath, PathStep};
 use super::{Entry, Value};
 use crate::source::{SETTING, Source};
 
@@ -29,7 +29,7 @@ fn settings(entry: &Entry, path: &KeyPath, text: &mut String) {
     match &entry.value {
         Value::Table(table) if !table.is_empty() || path.0.is_empty() => {
             for (key, entry) in table {
-                settings(entry, &path.child(Step::Key(key.clone())), text);
+                settings(entry, &path.child(PathStep::Key(key.clone())), text);
             }
         }
         value => {
@@ -53,9 +53,9 @@ pub(crate) fn inline(value: &Value) -> String {
             format!("[{}]", items.iter().map(|item| inline(&item.value)).collect::<Vec<_>>().join(", "))
         }
         Value::Table(table) => {
-            let settings = table
-                .iter()
-                .map(|(key, entry)| format!("{} = {}", KeyPath(vec![Step::Key(key.clone())]), inline(&entry.value)));
+            let settings = table.iter().map(|(key, entry)| {
+                format!("{} = {}", KeyPath(vec![PathStep::Key(key.clone())]), inline(&entry.value))
+            });
             format!("{{ {} }}", settings.collect::<Vec<_>>().join(", "))
         }
     }

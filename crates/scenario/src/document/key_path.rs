@@ -5,14 +5,14 @@ use std::ops::Range;
 
 /// One step of a path, into a table or an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Step {
+pub(crate) enum PathStep {
     /// Into a table, by key. A key of digits may also be an index: `robots.0`.
     Key(String),
     /// Into an array, by index from 0.
     Index(usize),
 }
 
-impl Step {
+impl PathStep {
     /// The step as an index into an array, if it can be one.
     pub(crate) fn index(&self) -> Option<usize> {
         match self {
@@ -24,7 +24,7 @@ impl Step {
 
 /// The steps from the top of a scenario to a setting. It is printed as users write it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct KeyPath(pub(crate) Vec<Step>);
+pub(crate) struct KeyPath(pub(crate) Vec<PathStep>);
 
 /// An error in a key path: the bytes, and the message.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl KeyPath {
     }
 
     /// Parses a path into its steps and the bytes of each step.
-    pub(crate) fn parse_spanned(text: &str) -> Result<Vec<(Step, Range<usize>)>, PathError> {
+    pub(crate) fn parse_spanned(text: &str) -> Result<Vec<(PathStep, Range<usize>)>, PathError> {
         let mut steps = Vec::new();
         let mut at = 0;
         loop {
@@ -62,13 +62,13 @@ impl KeyPath {
                 let Ok(index) = rest[1..close].trim().parse() else {
                     return fail(close + 1, "an index must be a whole number, 0 or above");
                 };
-                steps.push((Step::Index(index), at..at + close + 1));
+                steps.push((PathStep::Index(index), at..at + close + 1));
                 at += close + 1;
             } else if let Some(quoted) = rest.strip_prefix('"') {
                 let Some(length) = quoted.find('"') else {
                     return fail(rest.len(), "the closing quote is missing");
                 };
-                steps.push((Step::Key(quoted[..length].to_owned()), at..at + length + 2));
+                steps.push((PathStep::Key(quoted[..length].to_owned()), at..at + length + 2));
                 at += length + 2;
             } else {
                 let length = rest.find(['.', '[']).unwrap_or(rest.len());
@@ -76,7 +76,7 @@ impl KeyPath {
                 if key.is_empty() {
                     return fail(length.max(usize::from(!rest.is_empty())), "a key is missing here");
                 }
-                steps.push((Step::Key(key.to_owned()), at..at + length));
+                steps.push((PathStep::Key(key.to_owned()), at..at + length));
                 at += length;
             }
             match text[at..].chars().next() {
@@ -93,8 +93,9 @@ impl KeyPath {
 
     /// Whether it is `other`, or a path to something in it.
     pub(crate) fn is_within(&self, other: &Self) -> bool {
-        let same =
-            |(step, other): (&Step, &Step)| step == other || step.index().is_some_and(|i| other.index() == Some(i));
+        let same = |(step, other): (&PathStep, &PathStep)| {
+            step == other || step.index().is_some_and(|i| other.index() == Some(i))
+        };
         self.0.len() >= other.0.len() && self.0.iter().zip(&other.0).all(same)
     }
 
@@ -105,7 +106,7 @@ impl KeyPath {
     }
 
     /// The path with one more step.
-    pub(crate) fn child(&self, step: Step) -> Self {
+    pub(crate) fn child(&self, step: PathStep) -> Self {
         let mut steps = self.0.clone();
         steps.push(step);
         Self(steps)
@@ -116,8 +117,8 @@ impl fmt::Display for KeyPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, step) in self.0.iter().enumerate() {
             match step {
-                Step::Index(index) => write!(f, "[{index}]")?,
-                Step::Key(key) => {
+                PathStep::Index(index) => write!(f, "[{index}]")?,
+                PathStep::Key(key) => {
                     let dot = if i > 0 { "." } else { "" };
                     let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
                     if !key.is_empty() && key.chars().all(bare) {

@@ -13,7 +13,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::ScenarioError;
 use super::source::{Origin, Source};
-use key_path::{KeyPath, Step};
+use key_path::{KeyPath, PathStep};
 
 /// A setting and its place in the source texts.
 #[derive(Clone, Debug)]
@@ -97,7 +97,7 @@ impl Document {
                 entry.value = Value::Table(Table::new());
             }
             match (&mut entry.value, step) {
-                (Value::Table(table), Step::Key(key)) => Some(table.entry(key.clone()).or_insert(fresh)),
+                (Value::Table(table), PathStep::Key(key)) => Some(table.entry(key.clone()).or_insert(fresh)),
                 (Value::Array(items), step) => items.get_mut(step.index()?),
                 _ => None,
             }
@@ -107,18 +107,18 @@ impl Document {
 
 impl Entry {
     /// The entry one step down.
-    pub(crate) fn child(&self, step: &Step) -> Option<&Self> {
+    pub(crate) fn child(&self, step: &PathStep) -> Option<&Self> {
         match (&self.value, step) {
-            (Value::Table(table), Step::Key(key)) => table.get(key),
+            (Value::Table(table), PathStep::Key(key)) => table.get(key),
             (Value::Array(items), step) => items.get(step.index()?),
             _ => None,
         }
     }
 
     /// The entry one step down, to change.
-    pub(crate) fn child_mut(&mut self, step: &Step) -> Option<&mut Self> {
+    pub(crate) fn child_mut(&mut self, step: &PathStep) -> Option<&mut Self> {
         match (&mut self.value, step) {
-            (Value::Table(table), Step::Key(key)) => table.get_mut(key),
+            (Value::Table(table), PathStep::Key(key)) => table.get_mut(key),
             (Value::Array(items), step) => items.get_mut(step.index()?),
             _ => None,
         }

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::key_path::{KeyPath, Step};
+use super::key_path::{KeyPath, PathStep};
 use super::{Document, Entry, Table, Value, parse_value};
 use crate::error::ScenarioError;
 use crate::source::{Origin, SETTING, Source};
@@ -48,7 +48,7 @@ struct Line<'a> {
     source: &'a Source,
     index: usize,
     /// The steps of the key, and the bytes of each.
-    steps: Vec<(Step, Range<usize>)>,
+    steps: Vec<(PathStep, Range<usize>)>,
     value: Value,
     value_span: Range<usize>,
 }
@@ -112,14 +112,14 @@ impl<'a> Line<'a> {
         &self,
         entry: &'e mut Entry,
         path: &KeyPath,
-        step: &Step,
+        step: &PathStep,
         span: &Range<usize>,
     ) -> Result<&'e mut Entry, ScenarioError> {
         let refuse = |problem: String, label: String| {
             Err(ScenarioError::new(format!("{}: {problem}", self.source.name)).at(self.source, span.clone(), label))
         };
         match (&mut entry.value, step) {
-            (Value::Table(table), Step::Key(key)) => {
+            (Value::Table(table), PathStep::Key(key)) => {
                 let fresh = || self.entry(Value::Table(Table::new()), span.clone());
                 Ok(table.entry(key.clone()).or_insert_with(fresh))
             }

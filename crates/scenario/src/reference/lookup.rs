@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::listing::{key_reference, of_choice, of_key, of_view};
 use super::view::View;
 use super::{KeyReference, path, words};
-use crate::document::key_path::{KeyPath, Step};
+use crate::document::key_path::{KeyPath, PathStep};
 use crate::schema::schema;
 
 /// What [`explain`] found.
@@ -66,7 +66,7 @@ pub fn explain(key: &str) -> Result<Explanation, ExplainError> {
     match found.as_slice() {
         [] => Err(ExplainError::Unknown { key: key.to_owned(), near: near(&all, &names) }),
         [only] => {
-            let steps: Vec<Step> = path::parts(&only.path).map(|part| Step::Key(part.to_owned())).collect();
+            let steps: Vec<PathStep> = path::parts(&only.path).map(|part| PathStep::Key(part.to_owned())).collect();
             walk(&root, &steps)
                 .map(|found| found.explanation(&all))
                 .ok_or_else(|| ExplainError::Unknown { key: key.to_owned(), near: vec![only.path.clone()] })
@@ -76,16 +76,16 @@ pub fn explain(key: &str) -> Result<Explanation, ExplainError> {
 }
 
 /// The steps of a path. `[]` means nothing, and `-` in a name is `_`.
-fn steps(key: &str) -> Result<Vec<Step>, ExplainError> {
+fn steps(key: &str) -> Result<Vec<PathStep>, ExplainError> {
     let path = KeyPath::parse(&key.trim().replace("[]", ""))
         .map_err(|error| ExplainError::Malformed { key: key.to_owned(), message: error.message })?;
     Ok(path.0)
 }
 
-fn name(step: &Step) -> Option<&str> {
+fn name(step: &PathStep) -> Option<&str> {
     match step {
-        Step::Key(name) if step.index().is_none() => Some(name),
-        Step::Key(_) | Step::Index(_) => None,
+        PathStep::Key(name) if step.index().is_none() => Some(name),
+        PathStep::Key(_) | PathStep::Index(_) => None,
     }
 }
 
@@ -103,7 +103,7 @@ struct Found<'a> {
 }
 
 /// The key at `steps`. Indices are left out, and a name that is the user's own may be any.
-fn walk<'a>(root: &'a Value, steps: &[Step]) -> Option<Found<'a>> {
+fn walk<'a>(root: &'a Value, steps: &[PathStep]) -> Option<Found<'a>> {
     let view = View::of(root, root);
     let mut found = Found { root, key: of_view("", &view), view };
     for step in steps {
@@ -113,11 +113,11 @@ fn walk<'a>(root: &'a Value, steps: &[Step]) -> Option<Found<'a>> {
 }
 
 impl<'a> Found<'a> {
-    fn step(self, step: &Step) -> Option<Self> {
+    fn step(self, step: &PathStep) -> Option<Self> {
         if let (Some(_), Some(_)) = (self.view.entries, step.index()) {
             return Some(self);
         }
-        let Step::Key(name) = step else { return None };
+        let PathStep::Key(name) = step else { return None };
         let inside = self.inside();
         let path = inside.key.path.clone();
         if let Some(key) = inside.view.keys.iter().find(|key| same(key.name, name)) {

@@ -8,7 +8,7 @@ use sextant_apps::ControllerConfig;
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_scenario::Scenario;
-use sextant_sim::{CommandOutcome, Heard, Listening, Robot, RobotBody, RobotCommand, RobotTask, Situation};
+use sextant_sim::{CommandOutcome, HeardNode, Listening, Robot, RobotBody, RobotCommand, RobotTask, Situation};
 
 use super::network::Reach;
 
@@ -95,7 +95,7 @@ impl<'a> Way<'a> {
         let mut place = self.body.start;
         let mut heading_rad = 0.0_f64;
         let mut met: Option<Position> = None;
-        let mut heard: Option<Vec<Heard>> = None;
+        let mut heard: Option<Vec<HeardNode>> = None;
         let mut has_arrived = false;
         // What was expected so far, so that a node is heard once it is to be expected.
         let mut due: BTreeMap<NodeId, f64> = BTreeMap::new();
@@ -159,7 +159,7 @@ impl<'a> Way<'a> {
     }
 
     /// Listens at `place`: what is heard, if what is expected comes true.
-    fn listen(&mut self, place: Position, due: &mut BTreeMap<NodeId, f64>) -> Vec<Heard> {
+    fn listen(&mut self, place: Position, due: &mut BTreeMap<NodeId, f64>) -> Vec<HeardNode> {
         self.stops.push(place);
         let mut heard = Vec::new();
         for reach in &self.reaches {
@@ -182,7 +182,7 @@ impl<'a> Way<'a> {
                     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to u32::MAX")]
                     let packets = packets as u32;
                     let rssi_dbm = reach.network.technology.sensitivity().0;
-                    heard.push(Heard { node: *node, packets, sent: packets, rssi_dbm });
+                    heard.push(HeardNode { node: *node, packets, sent: packets, rssi_dbm });
                 }
             }
         }

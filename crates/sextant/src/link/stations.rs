@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 use sextant_kernel::StationId;
-use sextant_sim::{Kind, RobotBody, Setup, Sink};
+use sextant_sim::{RobotBody, Setup, Sink, StationKind};
 
 use super::LinkError;
 use super::report::LinkEnd;
@@ -47,14 +47,19 @@ impl Stations {
         let name = name.trim();
         let Setup { world, robots, sinks, .. } = &self.setup;
         if let Some(node) = world.nodes.iter().position(|node| node.name == name) {
-            return Ok(self.end(node, name, Kind::Node(node), world.nodes[node].position));
+            return Ok(self.end(node, name, StationKind::Node(node), world.nodes[node].position));
         }
         if let Some(robot) = robots.iter().position(|robot| robot.body.name == name) {
-            return Ok(self.end(world.nodes.len() + robot, name, Kind::Robot(robot), robots[robot].body.start));
+            return Ok(self.end(
+                world.nodes.len() + robot,
+                name,
+                StationKind::Robot(robot),
+                robots[robot].body.start,
+            ));
         }
         if let Some(sink) = sinks.iter().position(|sink| sink.name == name) {
             let station = world.nodes.len() + robots.len() + sink;
-            return Ok(self.end(station, name, Kind::Sink(sink), sinks[sink].position));
+            return Ok(self.end(station, name, StationKind::Sink(sink), sinks[sink].position));
         }
         if let Some(agent) = self.agents.iter().find(|agent| agent.name == name) {
             let place = agent.start;
@@ -67,11 +72,11 @@ impl Stations {
         }
     }
 
-    fn end(&self, station: usize, name: &str, kind: Kind, place: Position) -> End {
+    fn end(&self, station: usize, name: &str, kind: StationKind, place: Position) -> End {
         let kind = match kind {
-            Kind::Node(_) => "node",
-            Kind::Robot(_) => "robot, at its start",
-            Kind::Sink(_) => "sink",
+            StationKind::Node(_) => "node",
+            StationKind::Robot(_) => "robot, at its start",
+            StationKind::Sink(_) => "sink",
         };
         End { station: StationId::from_index(station), name: name.to_owned(), kind, place }
     }

@@ -70,7 +70,7 @@ impl Default for Receiver {
 
 /// A frame at the end of its time at a receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Heard {
+pub(crate) struct EndedSignal {
     pub(crate) power: Milliwatts,
     /// Smallest ratio of signal to interference and noise while it was followed, as a factor.
     pub(crate) sinr: f64,
@@ -176,14 +176,14 @@ impl Receiver {
         packet: u64,
         rules: &ReceptionRules,
         luck: impl FnOnce() -> f64,
-    ) -> Option<Heard> {
+    ) -> Option<EndedSignal> {
         let place = self.present.iter().position(|present| present.packet == packet)?;
         self.settle(now, rules);
         let power = self.remove(place);
         self.strong -= u32::from(is_strong(power, rules));
         let alone = power.ratio(rules.noise);
         let Some((signal, locked)) = self.take(packet) else {
-            return Some(Heard { power, sinr: alone, outcome: FrameOutcome::Weak });
+            return Some(EndedSignal { power, sinr: alone, outcome: FrameOutcome::Weak });
         };
         let drowned = |least: f64| if alone < least { FrameOutcome::Weak } else { FrameOutcome::Collided };
         let fate = if let Some(deafness) = signal.missed {
@@ -208,7 +208,7 @@ impl Receiver {
                 ReceptionModel::Ber => FrameOutcome::Weak,
             }
         };
-        Some(Heard { power, sinr: signal.least_sinr.min(alone), outcome: fate })
+        Some(EndedSignal { power, sinr: signal.least_sinr.min(alone), outcome: fate })
     }
 
     /// Removes the signal in a place from the antenna; returns its power.

@@ -7,7 +7,7 @@ use sextant_kernel::{SimTime, StationId};
 
 use super::footprint::Audible;
 use super::listener::Listener;
-use super::receiver::Heard;
+use super::receiver::EndedSignal;
 use super::receiver_id::ReceiverId;
 use super::signal::{Emission, Outline, Signal};
 use super::{Air, Interface, note_carrier};
@@ -169,7 +169,7 @@ impl Air {
             let luck = || seed.uniform(purpose::RECEPTION, signal.draw_at(receiver));
             let rules = &self.rules[self.rules_of[receiver.index()] as usize];
             let radio = &mut self.receivers[receiver.index()];
-            if let Some(Heard { power, sinr, outcome }) = radio.end(now, signal.packet, rules, luck) {
+            if let Some(EndedSignal { power, sinr, outcome }) = radio.end(now, signal.packet, rules, luck) {
                 note_carrier(radio, station, rules, &mut self.carrier_changes);
                 // A signal that cannot be received is told only to the radio that it is for, and to collectors.
                 let is_told = outcome != FrameOutcome::Weak

@@ -15,7 +15,7 @@ use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sensed::{FieldId, TargetId};
 use crate::service::sweep::{SweepError, SweepKind};
-use crate::station::{Curve, Kind, Pose, RangeSensors};
+use crate::station::{Curve, Pose, RangeSensors, StationKind};
 
 /// What the application of one station can know and do.
 pub struct Port<'a> {
@@ -56,7 +56,7 @@ impl Port<'_> {
 
     /// What the station is.
     #[must_use]
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> StationKind {
         self.model.scene.roll.kind(self.station)
     }
 
@@ -210,8 +210,10 @@ impl Port<'_> {
     #[must_use]
     pub fn pose_at(&self, time: SimTime) -> Pose {
         match self.kind() {
-            Kind::Robot(robot) => self.model.vehicles[robot].believed_at(time),
-            Kind::Node(_) | Kind::Sink(_) => self.model.scene.motions[self.station.index()].pose_at(time),
+            StationKind::Robot(robot) => self.model.vehicles[robot].believed_at(time),
+            StationKind::Node(_) | StationKind::Sink(_) => {
+                self.model.scene.motions[self.station.index()].pose_at(time)
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use crate::station::RangeSensors;
 
 /// What a robot heard of one node during a listening slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
+pub struct HeardNode {
     /// The node that was heard.
     pub node: NodeId,
     /// Packets received during the slot.
@@ -19,7 +19,7 @@ pub struct Heard {
     pub rssi_dbm: f64,
 }
 
-impl Heard {
+impl HeardNode {
     /// Adds what was heard of the same node in another network; returns `true`.
     pub(crate) fn add(&mut self, other: &Self) -> bool {
         let packets = self.packets + other.packets;
@@ -41,7 +41,7 @@ pub enum CommandOutcome<'a> {
     /// An obstacle is in the way, and the robot has stopped in front of it. The point of contact on the obstacle (m).
     Blocked(Position),
     /// A listening slot is over: the nodes heard, by node.
-    Listened(&'a [Heard]),
+    Listened(&'a [HeardNode]),
 }
 
 /// Everything that a robot knows when it must decide.

@@ -21,7 +21,7 @@ const SWEEP: Duration = Duration::from_millis(2);
 pub(crate) struct Hello {
     says: Says,
     /// What was received of each other node.
-    pub(crate) heard: BTreeMap<NodeId, Heard>,
+    pub(crate) heard: BTreeMap<NodeId, HeardHellos>,
 }
 
 /// What a node sends.
@@ -44,7 +44,7 @@ pub(crate) struct Announcer {
 
 /// What was received of another node.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Heard {
+pub(crate) struct HeardHellos {
     /// Number of packets: frames, or sweeps of which a frame was received.
     pub(crate) packets: u32,
     /// Sum of their powers (dBm); of a sweep, the power of its best frame.
@@ -81,7 +81,7 @@ impl Announcer {
     }
 }
 
-impl Heard {
+impl HeardHellos {
     /// A frame of a sweep: only the best one counts.
     fn note_sweep(&mut self, now: SimTime, power_dbm: f64) {
         match &mut self.last {

@@ -8,7 +8,9 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{RobotId, SimTime};
 
 use super::broadcast::{Broadcast, Broadcasting};
-use super::controller::{CommandOutcome, Controller, Ending, Heard, Identity, RobotCommand, Situation, StopsLeftOut};
+use super::controller::{
+    CommandOutcome, Controller, Ending, HeardNode, Identity, RobotCommand, Situation, StopsLeftOut,
+};
 use super::slot::Slot;
 use super::survey::Survey;
 use crate::application::{Application, DriveAhead, Driving, Port};
@@ -99,7 +101,7 @@ impl Work {
     }
 
     /// The slot is over. Returns what was heard, by node.
-    fn end(&mut self, slot: &Slot, port: &mut Port<'_>) -> Vec<Heard> {
+    fn end(&mut self, slot: &Slot, port: &mut Port<'_>) -> Vec<HeardNode> {
         match self {
             Self::Survey(survey) => survey.end(slot, port),
             Self::Broadcast(_) => Vec::new(),

@@ -8,7 +8,7 @@ use crate::service::network_id::NetworkId;
 use crate::service::report::SendReport;
 use crate::service::sensed::Sensed;
 use crate::service::sweep::{Announcement, SweepAnswer};
-use crate::station::Kind;
+use crate::station::StationKind;
 
 /// The application of a station of a scenario. Nodes have applications of the type `N`, and robots and sinks may.
 pub(crate) enum Standard<N> {
@@ -63,7 +63,7 @@ impl<N: Application> Application for Standard<N> {
     fn started(&mut self, port: &mut Port<'_>) {
         match self {
             Self::Own(own) => {
-                if matches!(port.kind(), Kind::Robot(_)) {
+                if matches!(port.kind(), StationKind::Robot(_)) {
                     port.tell_start();
                 }
                 own.started(port);

@@ -4,7 +4,7 @@ mod tally;
 
 use sextant_channel::Reception;
 
-use super::controller::Heard;
+use super::controller::HeardNode;
 use super::slot::Slot;
 use crate::application::Port;
 use crate::event::Timer;
@@ -107,8 +107,8 @@ impl Survey {
     }
 
     /// The slot is over: writes the stop. Returns what was heard, by node.
-    pub(super) fn end(&mut self, slot: &Slot, port: &mut Port<'_>) -> Vec<Heard> {
-        let mut heard: Vec<Heard> = Vec::new();
+    pub(super) fn end(&mut self, slot: &Slot, port: &mut Port<'_>) -> Vec<HeardNode> {
+        let mut heard: Vec<HeardNode> = Vec::new();
         for surveyed in &mut self.networks {
             let log = surveyed.tally.take();
             heard.extend(log.receptions.iter().map(heard_of));
@@ -137,7 +137,7 @@ impl Survey {
     }
 }
 
-fn heard_of(reception: &Reception) -> Heard {
+fn heard_of(reception: &Reception) -> HeardNode {
     let &Reception { node, received, sent, rssi_dbm, .. } = reception;
-    Heard { node, packets: received, sent, rssi_dbm: rssi_dbm.unwrap_or(f64::NAN) }
+    HeardNode { node, packets: received, sent, rssi_dbm: rssi_dbm.unwrap_or(f64::NAN) }
 }

@@ -13,7 +13,7 @@ use sextant_mac::dmg::{SectorLayout, TxSector};
 
 use crate::air::{Holder, Mount};
 use crate::purpose;
-use crate::station::{Kind, Roll};
+use crate::station::{Roll, StationKind};
 
 /// Most tilts of the antennas of nodes.
 const MOST_TILTS: usize = 256;
@@ -255,10 +255,10 @@ impl Antennas {
     }
 
     /// The antenna of a kind of stations; if it is raised by several angles, by the first one.
-    pub(crate) fn of(&self, kind: Kind) -> &Arc<Antenna> {
+    pub(crate) fn of(&self, kind: StationKind) -> &Arc<Antenna> {
         match kind {
-            Kind::Node(_) => &self.nodes[0],
-            Kind::Robot(_) | Kind::Sink(_) => &self.robots,
+            StationKind::Node(_) => &self.nodes[0],
+            StationKind::Robot(_) | StationKind::Sink(_) => &self.robots,
         }
     }
 
@@ -266,12 +266,12 @@ impl Antennas {
     pub(crate) fn mount(&self, roll: &Roll, station: StationId, seed: Seed) -> Mount {
         let kind = roll.kind(station);
         let (antenna, orientation, holder) = match kind {
-            Kind::Node(_) => {
+            StationKind::Node(_) => {
                 let orientation = Orientation::heading(self.heading_rad(seed, station));
                 (&self.nodes[self.tilt(seed, station)], orientation, Holder::World)
             }
-            Kind::Robot(_) => (&self.robots, self.robot_mount, self.robot_holder),
-            Kind::Sink(_) => (&self.robots, Orientation::LEVEL, Holder::World),
+            StationKind::Robot(_) => (&self.robots, self.robot_mount, self.robot_holder),
+            StationKind::Sink(_) => (&self.robots, Orientation::LEVEL, Holder::World),
         };
         let antenna = Arc::clone(antenna);
         Mount { ripple: antenna.ripple(seed, station), antenna, orientation, holder }

@@ -17,7 +17,7 @@ use crate::service::report::Destination;
 
 /// The track of the packet that a station has under way. It exists only if packets are traced.
 #[derive(Debug, Default)]
-pub(super) struct Track {
+pub(super) struct PacketTrack {
     begun: Option<SimTime>,
     /// Start of the backoff under way.
     backoff: Option<SimTime>,
@@ -54,7 +54,7 @@ pub(super) struct TransmissionEnd {
     pub(super) air: usize,
 }
 
-impl Track {
+impl PacketTrack {
     /// The packet is first in its queue now.
     pub(super) fn begin(&mut self, now: SimTime) {
         self.begun = Some(now);

@@ -16,7 +16,7 @@ use crate::sensing::Sensing;
 use crate::service::estimate::Estimate;
 use crate::service::network_id::NetworkId;
 use crate::service::sensed::{FieldId, TargetId};
-use crate::station::{Kind, Pose};
+use crate::station::{Pose, StationKind};
 use crate::world::World;
 
 pub(crate) use driving::Course;
@@ -69,8 +69,8 @@ impl Model {
     /// If the station is no robot.
     pub(crate) fn robot(&self, station: StationId) -> RobotId {
         match self.scene.roll.kind(station) {
-            Kind::Robot(robot) => RobotId::from_index(robot),
-            Kind::Node(_) | Kind::Sink(_) => panic!("{station} is no robot: it cannot drive"),
+            StationKind::Robot(robot) => RobotId::from_index(robot),
+            StationKind::Node(_) | StationKind::Sink(_) => panic!("{station} is no robot: it cannot drive"),
         }
     }
 

@@ -9,7 +9,7 @@ use sextant_channel::{Link, NeighbourLog};
 use sextant_kernel::{Interrupted, NodeId, Seed, SettingError, SimTime, StationId, Watch, Work};
 use sextant_mac::EnergySpent;
 
-use crate::applications::hello::{Announcer, Heard, Hello, Says};
+use crate::applications::hello::{Announcer, HeardHellos, Hello, Says};
 use crate::applications::source::Source;
 use crate::applications::traffic::{PeriodicConfig, Traffic, TrafficConfig};
 use crate::engine::{Ended, Engine, Extras};
@@ -192,7 +192,7 @@ fn gathered(ended: Ended<Hello>, nodes: usize) -> Discovered {
     let packets: Packets = network.packets.iter().copied().sum();
     let mut links = Vec::new();
     for (listener, hello) in applications.iter().enumerate() {
-        links.extend(hello.heard.iter().map(|(&sender, &Heard { packets: received, sum_dbm, .. })| Link {
+        links.extend(hello.heard.iter().map(|(&sender, &HeardHellos { packets: received, sum_dbm, .. })| Link {
             listener: NodeId::from_index(listener),
             sender,
             received,

@@ -39,7 +39,7 @@ pub struct Team {
 type Group = Vec<usize>;
 
 /// What the simulation of a group leaves behind.
-struct Part {
+struct TeamPart {
     ended: Ended<Standard<NodeTraffic>>,
     calls: Calls,
     /// How far from a robot nodes were awake (m).
@@ -122,7 +122,7 @@ impl Team {
 
     /// Simulates the groups in parallel, each until its robots are done, then all until the last one is. Returns also whether
     /// the observer ended it.
-    fn simulate(&self, groups: &[Group], observer: &mut dyn Observer) -> (Vec<Part>, bool) {
+    fn simulate(&self, groups: &[Group], observer: &mut dyn Observer) -> (Vec<TeamPart>, bool) {
         let progress: Vec<GroupProgress> = groups.iter().map(|_| GroupProgress::default()).collect();
         let begun = |(group, progress): (&Group, &GroupProgress)| {
             let mut engine = self.simulation(Some(group)).engine;
@@ -139,13 +139,13 @@ impl Team {
             let observer = &mut RememberingObserver::new(&mut calls);
             engine.go_on_until(end, observer);
             let ended = engine.conclude(end, observer);
-            Part { ended, calls, reach_m }
+            TeamPart { ended, calls, reach_m }
         };
         (begun.into_par_iter().map(ended).collect(), interrupted)
     }
 
     /// Two groups that came so near each other that they must be simulated as one.
-    fn meeting(&self, parts: &[Part], groups: &[Group]) -> Option<(usize, usize)> {
+    fn meeting(&self, parts: &[TeamPart], groups: &[Group]) -> Option<(usize, usize)> {
         let courses: Vec<Vec<Course>> = (parts.iter().zip(groups))
             .map(|(part, group)| group.iter().map(|&robot| part.calls.course(robot)).collect())
             .collect();
@@ -162,11 +162,11 @@ impl Team {
     }
 
     /// Joins the parts, and tells the observer what happened in all, in the order of time.
-    fn join(&self, parts: Vec<Part>, groups: &[Group], interrupted: bool, observer: &mut dyn Observer) -> Survey {
+    fn join(&self, parts: Vec<TeamPart>, groups: &[Group], interrupted: bool, observer: &mut dyn Observer) -> Survey {
         let Setup { world, robots, networks, .. } = &self.setup;
         let mut logs = Logs::new(networks.iter().map(|_| None::<SectorTable>), world.nodes.len());
         let (mut all_calls, mut all_ended) = (Vec::new(), Vec::new());
-        for Part { ended, calls, .. } in parts {
+        for TeamPart { ended, calls, .. } in parts {
             all_calls.push(calls);
             all_ended.push(ended);
         }

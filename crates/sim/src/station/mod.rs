@@ -33,7 +33,7 @@ pub(crate) struct Roll {
 
 /// What a station is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum StationKind {
     /// A sensor node, with its number among the nodes.
     Node(usize),
     /// A robot, with its number among the robots.
@@ -47,14 +47,14 @@ impl Roll {
         self.nodes + self.robots + self.sinks
     }
 
-    pub(crate) fn kind(&self, station: StationId) -> Kind {
+    pub(crate) fn kind(&self, station: StationId) -> StationKind {
         let index = station.index();
         if index < self.nodes {
-            Kind::Node(index)
+            StationKind::Node(index)
         } else if index < self.nodes + self.robots {
-            Kind::Robot(index - self.nodes)
+            StationKind::Robot(index - self.nodes)
         } else {
-            Kind::Sink(index - self.nodes - self.robots)
+            StationKind::Sink(index - self.nodes - self.robots)
         }
     }
 
@@ -63,7 +63,7 @@ impl Roll {
     }
 
     pub(crate) fn is_robot(&self, station: StationId) -> bool {
-        matches!(self.kind(station), Kind::Robot(_))
+        matches!(self.kind(station), StationKind::Robot(_))
     }
 
     pub(crate) fn robot(&self, robot: usize) -> StationId {

@@ -41,7 +41,7 @@ use sextant_recording::disk;
 use sextant_recording::output::OutputError;
 use sextant_recording::output::store::Store;
 
-use crate::sweep::{CellCheckError, Done, FinishedRuns, Row, Sweep, Trial, check_cells, unit};
+use crate::sweep::{CellCheckError, Done, FinishedRuns, RunRow, Sweep, Trial, check_cells, unit};
 use plan_file::PlanFile;
 
 /// A sweep as a plan in a folder.
@@ -213,7 +213,7 @@ impl Campaign {
     ///
     /// # Errors
     /// If a run is missing, or a part cannot be read or is of another plan.
-    pub fn collect(&self) -> Result<Vec<Row>, CampaignError> {
+    pub fn collect(&self) -> Result<Vec<RunRow>, CampaignError> {
         let parts = self.parts().read()?;
         let progress = Progress::of(&self.sweep, &parts);
         if progress.missing() > 0 {
@@ -223,7 +223,7 @@ impl Campaign {
                 ranges: progress.missing_ranges(),
             });
         }
-        let mut rows: Vec<Row> = parts.rows.into_values().collect();
+        let mut rows: Vec<RunRow> = parts.rows.into_values().collect();
         rows.sort_by_key(|row| (row.cell, row.replicate));
         Ok(rows)
     }

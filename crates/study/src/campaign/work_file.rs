@@ -9,7 +9,7 @@ use sextant_recording::ForeignFolder;
 use sextant_recording::output::{OutputError, PartFile};
 
 use super::error::CampaignError;
-use crate::sweep::{CellRun, Kind, Sweep};
+use crate::sweep::{CellRun, ColumnKind, Sweep};
 #[cfg(feature = "parquet")]
 use crate::sweep::{Column, write_texts};
 
@@ -78,8 +78,8 @@ fn lines(sweep: &Sweep) -> impl Iterator<Item = Line<'_>> {
         let CellRun { cell, replicate } = work.get(run);
         let settings = sweep.keys().iter().zip(sweep.values(cell)).filter(|(_, value)| !value.is_empty());
         let value = |kind, text: String| match kind {
-            Kind::Text => Value::String(text),
-            Kind::Integer | Kind::Real => text.parse().map_or(Value::String(text), Value::Number),
+            ColumnKind::Text => Value::String(text),
+            ColumnKind::Integer | ColumnKind::Real => text.parse().map_or(Value::String(text), Value::Number),
         };
         Line {
             run,
@@ -96,8 +96,8 @@ fn lines(sweep: &Sweep) -> impl Iterator<Item = Line<'_>> {
 
 #[cfg(feature = "parquet")]
 fn columns(sweep: &Sweep) -> Vec<Column> {
-    let numbers = ["run", "cell", "replicate", "seed", "survey"].map(|name| Column::new(name, Kind::Integer));
-    let texts = ["sha256", "version"].map(|name| Column::new(name, Kind::Text));
+    let numbers = ["run", "cell", "replicate", "seed", "survey"].map(|name| Column::new(name, ColumnKind::Integer));
+    let texts = ["sha256", "version"].map(|name| Column::new(name, ColumnKind::Text));
     numbers.into_iter().chain(sweep.keys().iter().cloned()).chain(texts).collect()
 }
 

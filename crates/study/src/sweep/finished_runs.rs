@@ -11,7 +11,7 @@ use sextant_recording::output::store::{PartName, Store, StoreError, UnfinishedPa
 use sextant_recording::output::{CsvFile, EmptyCell, OutputError};
 
 use super::plan::Sweep;
-use super::row::Row;
+use super::row::RunRow;
 
 /// The disk is waited for this often (s), so that little is lost with a machine.
 const SYNCED_EVERY_S: f64 = 30.0;
@@ -34,7 +34,7 @@ pub(crate) struct Written {
 #[derive(Debug, Default)]
 pub(crate) struct Done {
     /// By number in the work list. A run that succeeded in any part has succeeded.
-    pub(crate) rows: BTreeMap<usize, Row>,
+    pub(crate) rows: BTreeMap<usize, RunRow>,
     whole: Vec<NumberRange>,
     pub(crate) unfinished: Vec<PartName>,
     pub(crate) written: Vec<Written>,
@@ -42,7 +42,7 @@ pub(crate) struct Done {
 
 /// A part that is being done.
 #[derive(Debug)]
-pub(crate) struct Part<'a> {
+pub(crate) struct RunsPart<'a> {
     runs: &'a FinishedRuns<'a>,
     start: Stopwatch,
     /// The file of this process, and when the disk was waited for (s).
@@ -92,7 +92,7 @@ impl<'a> FinishedRuns<'a> {
                 None => format!("line {}", rows + 2),
                 Some(_) => format!("row {}", rows + 1),
             };
-            let row = record.and_then(|record| Row::parse(&record, measures));
+            let row = record.and_then(|record| RunRow::parse(&record, measures));
             let row = row.ok_or_else(|| invalid(format!("{} is no row of the plan", place(numbers.len()))))?;
             let number = self.sweep.work().number_of(row.run()).filter(|number| part.range.has(*number));
             let number = number.ok_or_else(|| invalid(format!("{} is of a run outside it", place(numbers.len()))))?;
@@ -116,8 +116,8 @@ impl<'a> FinishedRuns<'a> {
     }
 
     /// Begins the part `range`.
-    pub(crate) fn begin(&self, range: NumberRange) -> Result<Part<'_>, OutputError> {
-        Ok(Part { runs: self, start: Stopwatch::start(), own: Mutex::new((self.store.begin(range)?, 0.0)) })
+    pub(crate) fn begin(&self, range: NumberRange) -> Result<RunsPart<'_>, OutputError> {
+        Ok(RunsPart { runs: self, start: Stopwatch::start(), own: Mutex::new((self.store.begin(range)?, 0.0)) })
     }
 
     /// Removes parts, once all that they have is in another one.
@@ -127,7 +127,7 @@ impl<'a> FinishedRuns<'a> {
 }
 
 impl Done {
-    fn add(&mut self, number: usize, row: Row) {
+    fn add(&mut self, number: usize, row: RunRow) {
         let known = self.rows.entry(number).or_insert_with(|| row.clone());
         if known.outcome.is_err() && row.outcome.is_ok() {
             *known = row;
@@ -145,9 +145,9 @@ impl Done {
     }
 }
 
-impl Part<'_> {
+impl RunsPart<'_> {
     /// Adds rows that are finished.
-    pub(crate) fn append(&self, rows: &[Row]) -> Result<(), OutputError> {
+    pub(crate) fn append(&self, rows: &[RunRow]) -> Result<(), OutputError> {
         let text = text(rows);
         let wall_s = self.start.elapsed_s();
         let mut guard = self.own.lock().unwrap_or_else(PoisonError::into_inner);
@@ -166,7 +166,7 @@ impl Part<'_> {
     }
 
     /// Writes the finished part, which has all of these `rows`.
-    pub(crate) fn finish<'r>(self, rows: impl IntoIterator<Item = &'r Row>) -> Result<(), OutputError> {
+    pub(crate) fn finish<'r>(self, rows: impl IntoIterator<Item = &'r RunRow>) -> Result<(), OutputError> {
         let own = self.own.into_inner().unwrap_or_else(PoisonError::into_inner).0.name();
         self.runs.store.finish(own.range, &text(rows), self.start.elapsed_s())?;
         self.runs.store.remove(own);
@@ -174,7 +174,7 @@ impl Part<'_> {
     }
 }
 
-fn text<'r>(rows: impl IntoIterator<Item = &'r Row>) -> Vec<u8> {
+fn text<'r>(rows: impl IntoIterator<Item = &'r RunRow>) -> Vec<u8> {
     let mut file = CsvFile::headless(EmptyCell::Bare);
     rows.into_iter().for_each(|row| file.row(row.record()));
     file.take()
@@ -203,7 +203,7 @@ mod tests {
         part.append(&rows[..1]).unwrap();
         part.append(&rows[2..]).unwrap();
         let done = runs.read().unwrap();
-        let by_number: BTreeMap<usize, Row> =
+        let by_number: BTreeMap<usize, RunRow> =
             [0, 2, 3].map(|i| (plan.work().number_of(rows[i].run()).unwrap(), rows[i].clone())).into();
         assert_eq!((&done.rows, done.unfinished.len()), (&by_number, 1));
         assert!(!done.has_whole(ALL) && !done.is_done(plan.work().number_of(rows[3].run()).unwrap()));
@@ -212,7 +212,7 @@ mod tests {
         let done = runs.read_within(ALL).unwrap();
         assert_eq!((done.rows.len(), done.unfinished.len(), done.has_whole(ALL)), (4, 0, true));
 
-        let refused = |rows: &[Row]| {
+        let refused = |rows: &[RunRow]| {
             let part = runs.begin(NumberRange { start: 0, end: 2 }).unwrap();
             part.append(rows).unwrap();
             let error = runs.read().unwrap_err().to_string();
@@ -220,10 +220,10 @@ mod tests {
             error
         };
         let CellRun { cell, replicate } = plan.work().get(0);
-        let first = Row { cell, replicate, outcome: Err("no".into()) };
-        let short = Row { outcome: Ok(vec![None; 3]), ..first.clone() };
+        let first = RunRow { cell, replicate, outcome: Err("no".into()) };
+        let short = RunRow { outcome: Ok(vec![None; 3]), ..first.clone() };
         assert!(refused(&[first.clone(), short]).contains("row 2 is no row of the plan"));
-        assert!(refused(&[Row { cell: 9, ..first.clone() }]).contains("row 1 is of a run outside it"));
+        assert!(refused(&[RunRow { cell: 9, ..first.clone() }]).contains("row 1 is of a run outside it"));
         assert!(refused(&rows).contains("is of a run outside it"), "of another part");
         assert!(refused(&[first.clone(), first]).contains("row 2 is of a run that it has before"));
     }

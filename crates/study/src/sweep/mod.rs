@@ -27,13 +27,13 @@ mod trial;
 pub(crate) mod unit;
 mod work_list;
 
-pub use column::{Column, Kind};
+pub use column::{Column, ColumnKind};
 pub use described::{ColumnSubject, DescribedColumn, described_columns};
 pub use error::{SweepError, TableError};
 pub use figures::{StudyDrawing, StudyFigures};
 pub use finished_table::FinishedTable;
 pub use plan::{Cell, Sweep, rows_of};
-pub use row::Row;
+pub use row::RunRow;
 pub use shard::Shard;
 pub use share::Share;
 pub use statistics::{Mean, students_t_975};
@@ -62,7 +62,13 @@ use sextant_recording::output::store::{self, Begun, Store};
 ///
 /// # Errors
 /// If a file cannot be written, or `watch` stops the work. A run that fails gives a row with its error.
-pub fn run(plan: &Sweep, shard: Shard, out: &Path, resume: bool, watch: &dyn Watch) -> Result<Vec<Row>, SweepError> {
+pub fn run(
+    plan: &Sweep,
+    shard: Shard,
+    out: &Path,
+    resume: bool,
+    watch: &dyn Watch,
+) -> Result<Vec<RunRow>, SweepError> {
     extend(plan, Vec::new(), shard, out, resume, watch)
 }
 
@@ -73,18 +79,18 @@ pub fn run(plan: &Sweep, shard: Shard, out: &Path, resume: bool, watch: &dyn Wat
 /// As [`run`].
 pub fn extend(
     plan: &Sweep,
-    known: Vec<Row>,
+    known: Vec<RunRow>,
     shard: Shard,
     out: &Path,
     resume: bool,
     watch: &dyn Watch,
-) -> Result<Vec<Row>, SweepError> {
+) -> Result<Vec<RunRow>, SweepError> {
     let (work, folder) = (plan.work(), folder_beside(out));
     let (store, begun) = Store::alone(&folder, &format!("{}{}", plan.fingerprint(), shard.suffix()))?;
     if begun == Begun::Before && !resume {
         return Err(SweepError::Unfinished { folder });
     }
-    let are_known: BTreeSet<CellRun> = known.iter().map(Row::run).collect();
+    let are_known: BTreeSet<CellRun> = known.iter().map(RunRow::run).collect();
     let is_wanted = |number: usize| shard.has(work.survey_of(number)) && !are_known.contains(&work.get(number));
     let runs = FinishedRuns::of(plan, store);
     let mut before = runs.read()?.rows;
@@ -107,7 +113,7 @@ pub fn extend(
 ///
 /// # Errors
 /// If `watch` stops the work; the rows finished until then are returned as well.
-pub fn rows(plans: &[Sweep], watch: &dyn Watch) -> (Vec<Vec<Row>>, Result<(), SweepError>) {
+pub fn rows(plans: &[Sweep], watch: &dyn Watch) -> (Vec<Vec<RunRow>>, Result<(), SweepError>) {
     let units = plans.iter().enumerate().flat_map(|(i, plan)| plan.work().units().map(move |unit| (i, unit)));
     let (made, outcome) = each(units.collect(), "running", watch, |(i, unit)| {
         let rows = unit::run(&plans[*i], unit, watch).ok_or(Interrupted)?;
@@ -148,7 +154,7 @@ fn each<U: Sync, T: Send>(
 }
 
 /// By cell, then replicate.
-fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
+fn sorted(mut rows: Vec<RunRow>) -> Vec<RunRow> {
     rows.sort_by_key(|row| (row.cell, row.replicate));
     rows
 }
@@ -157,14 +163,14 @@ fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
-pub fn write_table(path: &Path, plan: &Sweep, rows: &[Row]) -> Result<(), TableError> {
+pub fn write_table(path: &Path, plan: &Sweep, rows: &[RunRow]) -> Result<(), TableError> {
     let (columns, texts) = tidy::table(plan, rows);
     table_file::write_table(path, &columns, texts)
 }
 
 /// The same table in memory: its columns, without measures that have no value, and its texts. A cell without a value is empty.
 #[must_use]
-pub fn table(plan: &Sweep, rows: &[Row]) -> (Vec<Column>, Vec<Vec<String>>) {
+pub fn table(plan: &Sweep, rows: &[RunRow]) -> (Vec<Column>, Vec<Vec<String>>) {
     let (columns, texts) = tidy::table(plan, rows);
     (columns, texts.collect())
 }

@@ -12,9 +12,9 @@ use sextant_scenario::{
 };
 use sha2::{Digest, Sha256};
 
-use super::column::{Column, Kind};
+use super::column::{Column, ColumnKind};
 use super::facts::{self, Contents, flags};
-use super::row::Row;
+use super::row::RunRow;
 use super::statistics::Mean;
 use super::work_list::WorkList;
 
@@ -260,16 +260,16 @@ impl Sweep {
     /// The values of a measure in the successful runs of a cell, each with the number of the run. The rows are in the order
     /// of their cells.
     #[must_use]
-    pub fn values_of(&self, rows: &[Row], cell: usize, measure: &Measure) -> Vec<(u32, f64)> {
+    pub fn values_of(&self, rows: &[RunRow], cell: usize, measure: &Measure) -> Vec<(u32, f64)> {
         let Some(at) = self.measures.iter().position(|other| other == measure) else { return Vec::new() };
-        let value = |row: &Row| Some((row.replicate, row.outcome.as_ref().ok()?[at]?));
+        let value = |row: &RunRow| Some((row.replicate, row.outcome.as_ref().ok()?[at]?));
         rows_of(rows, cell).iter().filter_map(value).collect()
     }
 
     /// The mean of a measure over the successful runs of a cell; `None` if there are none, or it does not apply. The rows are in
     /// the order of their cells.
     #[must_use]
-    pub fn mean(&self, rows: &[Row], cell: usize, measure: &Measure) -> Option<Mean> {
+    pub fn mean(&self, rows: &[RunRow], cell: usize, measure: &Measure) -> Option<Mean> {
         let values: Vec<f64> = self.values_of(rows, cell, measure).into_iter().map(|(_, value)| value).collect();
         Mean::of(&values)
     }
@@ -324,7 +324,7 @@ fn identity<'a>(cells: impl Iterator<Item = &'a str>, seed: u64, measures: &[Mea
 
 /// The rows of a cell, of rows in the order of their cells.
 #[must_use]
-pub fn rows_of(rows: &[Row], cell: usize) -> &[Row] {
+pub fn rows_of(rows: &[RunRow], cell: usize) -> &[RunRow] {
     let start = rows.partition_point(|row| row.cell < cell);
     let end = rows.partition_point(|row| row.cell <= cell);
     &rows[start..end]
@@ -344,13 +344,13 @@ fn keys(cells: &[Vec<Setting>]) -> Vec<Column> {
 }
 
 /// The kind of a column with these TOML values.
-fn kind(values: &[&str]) -> Kind {
+fn kind(values: &[&str]) -> ColumnKind {
     if values.iter().all(|value| value.parse::<i64>().is_ok()) {
-        Kind::Integer
+        ColumnKind::Integer
     } else if values.iter().all(|value| value.parse::<f64>().is_ok()) {
-        Kind::Real
+        ColumnKind::Real
     } else {
-        Kind::Text
+        ColumnKind::Text
     }
 }
 
@@ -366,9 +366,9 @@ mod tests {
 
     #[test]
     fn the_kind_of_a_column_is_the_narrowest_that_fits() {
-        assert_eq!(kind(&["1", "2"]), Kind::Integer);
-        assert_eq!(kind(&["1", "2.5"]), Kind::Real);
-        assert_eq!(kind(&["1", "\"suburban\""]), Kind::Text);
+        assert_eq!(kind(&["1", "2"]), ColumnKind::Integer);
+        assert_eq!(kind(&["1", "2.5"]), ColumnKind::Real);
+        assert_eq!(kind(&["1", "\"suburban\""]), ColumnKind::Text);
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use serde_json::Number;
 use sextant_kernel::text::of_cell;
 
-use super::column::Kind;
+use super::column::ColumnKind;
 use super::work_list::CellRun;
 
 /// One run of one cell.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct RunRow {
     /// Number of the cell, from 0.
     pub cell: usize,
     /// Number of the run, from 0.
@@ -17,7 +17,7 @@ pub struct Row {
     pub outcome: Result<Vec<Option<f64>>, String>,
 }
 
-impl Row {
+impl RunRow {
     /// Which run it is of.
     pub(crate) fn run(&self) -> CellRun {
         CellRun { cell: self.cell, replicate: self.replicate }
@@ -48,9 +48,9 @@ impl Row {
 
 /// A number as written in a table: an integer without a decimal point, any other number with as many digits as it takes
 /// to read the same number back.
-pub(super) fn written(value: f64, kind: Kind) -> String {
+pub(super) fn written(value: f64, kind: ColumnKind) -> String {
     match (kind, Number::from_f64(value)) {
-        (Kind::Real, Some(number)) => number.to_string(),
+        (ColumnKind::Real, Some(number)) => number.to_string(),
         _ => value.to_string(),
     }
 }
@@ -61,11 +61,11 @@ mod tests {
 
     #[test]
     fn numbers_read_back_equal() {
-        assert_eq!(written(12.0, Kind::Integer), "12");
-        assert_eq!(written(1e15, Kind::Integer), "1000000000000000");
-        assert_eq!(written(1.0, Kind::Real), "1.0");
+        assert_eq!(written(12.0, ColumnKind::Integer), "12");
+        assert_eq!(written(1e15, ColumnKind::Integer), "1000000000000000");
+        assert_eq!(written(1.0, ColumnKind::Real), "1.0");
         for value in [0.1 + 0.2, 1e-7, 2.5e-5, f64::MIN_POSITIVE, 1e300] {
-            assert_eq!(written(value, Kind::Real).parse(), Ok(value));
+            assert_eq!(written(value, ColumnKind::Real).parse(), Ok(value));
         }
     }
 }

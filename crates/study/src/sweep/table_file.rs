@@ -108,13 +108,13 @@ fn csv(columns: &[Column], rows: impl Iterator<Item = Vec<String>>) -> CsvFile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::column::Kind;
+    use crate::sweep::column::ColumnKind;
 
     pub(super) fn table() -> (Vec<Column>, Vec<Vec<String>>) {
         let columns = vec![
-            Column::new("cell", Kind::Integer),
-            Column::new("error", Kind::Text),
-            Column::new("ml-tm.connectivity_error", Kind::Real),
+            Column::new("cell", ColumnKind::Integer),
+            Column::new("error", ColumnKind::Text),
+            Column::new("ml-tm.connectivity_error", ColumnKind::Real),
         ];
         let row = |texts: [&str; 3]| texts.map(str::to_owned).to_vec();
         (columns, vec![row(["0", "", "0.1"]), row(["1", "no, \"never\"", ""])])

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::error::TableError;
 use super::plan::Sweep;
-use super::row::Row;
+use super::row::RunRow;
 use super::table_file::{Texts, read_texts};
 use super::tidy::{ERROR, IDENTITY, MAP, Measured, SWEEP, measured};
 
@@ -14,7 +14,7 @@ use super::tidy::{ERROR, IDENTITY, MAP, Measured, SWEEP, measured};
 ///
 /// # Errors
 /// If the file cannot be read, or is the table of another sweep.
-pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<Row>, TableError> {
+pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<RunRow>, TableError> {
     rows(&read_texts(path)?, plan).map_err(|why| TableError::Other { path: path.to_owned(), why })
 }
 
@@ -23,7 +23,7 @@ pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<Row>, TableError> {
 ///
 /// # Errors
 /// If the file cannot be read, or is the table of another sweep.
-pub fn read_own_table(path: &Path, plan: &Sweep) -> Result<Vec<Row>, TableError> {
+pub fn read_own_table(path: &Path, plan: &Sweep) -> Result<Vec<RunRow>, TableError> {
     let texts = read_texts(path)?;
     let other = |why: String| TableError::Other { path: path.to_owned(), why };
     if texts.columns.last().is_none_or(|column| column != SWEEP) {
@@ -37,7 +37,7 @@ pub fn read_own_table(path: &Path, plan: &Sweep) -> Result<Vec<Row>, TableError>
 }
 
 /// The rows of texts; why they are not of `plan`.
-fn rows(texts: &Texts, plan: &Sweep) -> Result<Vec<Row>, String> {
+fn rows(texts: &Texts, plan: &Sweep) -> Result<Vec<RunRow>, String> {
     let head: Vec<&str> =
         IDENTITY.into_iter().chain(plan.keys().iter().map(|key| key.name.as_str())).chain([MAP, ERROR]).collect();
     for (i, expected) in head.iter().enumerate() {
@@ -54,7 +54,7 @@ fn rows(texts: &Texts, plan: &Sweep) -> Result<Vec<Row>, String> {
             None => return Err(format!("it has a column `{name}`, which this scenario has not")),
         }
     }
-    let mut runs: BTreeMap<(usize, u32), Row> = BTreeMap::new();
+    let mut runs: BTreeMap<(usize, u32), RunRow> = BTreeMap::new();
     for (i, texts) in texts.rows.iter().enumerate() {
         let row = row(texts, plan, &columns).ok_or_else(|| format!("row {} is none of this scenario", i + 1))?;
         match runs.entry((row.cell, row.replicate)) {
@@ -70,7 +70,7 @@ fn rows(texts: &Texts, plan: &Sweep) -> Result<Vec<Row>, String> {
 }
 
 /// The row of texts: cell, replicate, seed, settings, map, error, values. It has the values of one map.
-fn row(texts: &[String], plan: &Sweep, columns: &[(usize, &Measured)]) -> Option<Row> {
+fn row(texts: &[String], plan: &Sweep, columns: &[(usize, &Measured)]) -> Option<RunRow> {
     let (cell, replicate): (usize, u32) = (texts.first()?.parse().ok()?, texts.get(1)?.parse().ok()?);
     let map_at = IDENTITY.len() + plan.keys().len();
     let settings = texts.get(IDENTITY.len()..map_at)?;
@@ -82,7 +82,7 @@ fn row(texts: &[String], plan: &Sweep, columns: &[(usize, &Measured)]) -> Option
     }
     let (map, error) = (texts.get(map_at)?, texts.get(map_at + 1)?);
     if !error.is_empty() {
-        return Some(Row { cell, replicate, outcome: Err(error.clone()) });
+        return Some(RunRow { cell, replicate, outcome: Err(error.clone()) });
     }
     if !map.is_empty() && !plan.maps().contains(map) {
         return None;
@@ -94,7 +94,7 @@ fn row(texts: &[String], plan: &Sweep, columns: &[(usize, &Measured)]) -> Option
             values[measured.measure(map)?] = Some(text.parse().ok()?);
         }
     }
-    Some(Row { cell, replicate, outcome: Ok(values) })
+    Some(RunRow { cell, replicate, outcome: Ok(values) })
 }
 
 /// Whether two values of a setting are the same; a number may be written in two ways.
@@ -104,7 +104,7 @@ fn is_same(a: &str, b: &str) -> bool {
 }
 
 /// Adds the values of another map of the same run; nothing if the two contradict each other.
-fn join(run: &mut Row, other: Row) -> Option<()> {
+fn join(run: &mut RunRow, other: RunRow) -> Option<()> {
     let (Ok(values), Ok(others)) = (&mut run.outcome, other.outcome) else { return None };
     for (value, other) in values.iter_mut().zip(others) {
         match (*value, other) {
@@ -139,7 +139,7 @@ pub(super) mod tests {
     pub(in crate::sweep) const STEPS: &str = "maps.0.algorithm.ml_tm.grid_step_m = [0.5, 1.0]";
 
     /// Rows with two maps, one map, none, and an error.
-    pub(in crate::sweep) fn made_up(plan: &Sweep) -> Vec<Row> {
+    pub(in crate::sweep) fn made_up(plan: &Sweep) -> Vec<RunRow> {
         let values = |maps: &[&str], seed: u32| {
             let value = |(i, measure): (u32, &sextant::summary::Measure)| {
                 let has = measure.map().is_none_or(|map| maps.contains(&map));
@@ -148,10 +148,10 @@ pub(super) mod tests {
             Ok((0..).zip(plan.measures()).map(value).collect())
         };
         vec![
-            Row { cell: 0, replicate: 0, outcome: values(&["ml-tm", "fine"], 1) },
-            Row { cell: 0, replicate: 1, outcome: values(&["fine"], 2) },
-            Row { cell: 1, replicate: 0, outcome: values(&[], 3) },
-            Row { cell: 1, replicate: 1, outcome: Err("a, \"b\"".into()) },
+            RunRow { cell: 0, replicate: 0, outcome: values(&["ml-tm", "fine"], 1) },
+            RunRow { cell: 0, replicate: 1, outcome: values(&["fine"], 2) },
+            RunRow { cell: 1, replicate: 0, outcome: values(&[], 3) },
+            RunRow { cell: 1, replicate: 1, outcome: Err("a, \"b\"".into()) },
         ]
     }
 

@@ -1,9 +1,9 @@
 //! The tidy form of the rows of a sweep: one row for each cell, seed and map. A run without maps, and one that failed, has
 //! one row without a map.
 
-use super::column::{Column, Kind};
+use super::column::{Column, ColumnKind};
 use super::plan::Sweep;
-use super::row::{Row, written};
+use super::row::{RunRow, written};
 
 /// The columns before the settings.
 pub(super) const IDENTITY: [&str; 3] = ["cell", "replicate", "seed"];
@@ -77,21 +77,21 @@ pub(super) fn measured(plan: &Sweep) -> Vec<Measured> {
 
 /// The columns of measures with those before and after them.
 fn framed(plan: &Sweep, measures: impl Iterator<Item = Column>) -> Vec<Column> {
-    let identity = IDENTITY.map(|name| Column::new(name, Kind::Integer));
-    let [map, error, mark] = [MAP, ERROR, SWEEP].map(|name| Column::new(name, Kind::Text));
+    let identity = IDENTITY.map(|name| Column::new(name, ColumnKind::Integer));
+    let [map, error, mark] = [MAP, ERROR, SWEEP].map(|name| Column::new(name, ColumnKind::Text));
     identity.into_iter().chain(plan.keys().to_vec()).chain([map, error]).chain(measures).chain([mark]).collect()
 }
 
 /// The table of `rows`, one row for each cell, run and map: its columns, without measures that have no value, and its texts, which
 /// are made one row after the other. A cell without a value is empty.
-pub(super) fn table(plan: &Sweep, rows: &[Row]) -> (Vec<Column>, impl Iterator<Item = Vec<String>>) {
+pub(super) fn table(plan: &Sweep, rows: &[RunRow]) -> (Vec<Column>, impl Iterator<Item = Vec<String>>) {
     let measured: Vec<_> = measured(plan).into_iter().filter(|measured| has_value(measured, rows)).collect();
     let columns = framed(plan, measured.iter().map(|measured| measured.column.clone()));
     (columns, rows.iter().flat_map(move |row| texts(plan, &measured, row)))
 }
 
 /// The rows of a run in the table.
-fn texts(plan: &Sweep, measured: &[Measured], row: &Row) -> Vec<Vec<String>> {
+fn texts(plan: &Sweep, measured: &[Measured], row: &RunRow) -> Vec<Vec<String>> {
     let head = [row.cell.to_string(), row.replicate.to_string(), plan.seed_of(row.replicate).to_string()];
     let head: Vec<String> = head.into_iter().chain(plan.values(row.cell)).collect();
     let (error, values) = match &row.outcome {
@@ -110,9 +110,9 @@ fn texts(plan: &Sweep, measured: &[Measured], row: &Row) -> Vec<Vec<String>> {
 }
 
 /// Whether any row has a value of a column.
-fn has_value(measured: &Measured, rows: &[Row]) -> bool {
+fn has_value(measured: &Measured, rows: &[RunRow]) -> bool {
     let values =
-        |row: &Row| row.outcome.as_ref().is_ok_and(|values| measured.of.iter().any(|(_, i)| values[*i].is_some()));
+        |row: &RunRow| row.outcome.as_ref().is_ok_and(|values| measured.of.iter().any(|(_, i)| values[*i].is_some()));
     rows.iter().any(values)
 }
 

@@ -6,11 +6,11 @@ use sextant_kernel::{Unreported, Watch};
 use sextant_scenario::{Scenario, ScenarioErrors};
 
 use super::plan::Sweep;
-use super::row::Row;
+use super::row::RunRow;
 use super::work_list::Unit;
 
 /// The rows of `unit`; `None` if the work is stopped. Its cells share their survey.
-pub(crate) fn run(plan: &Sweep, unit: &Unit, watch: &dyn Watch) -> Option<Vec<Row>> {
+pub(crate) fn run(plan: &Sweep, unit: &Unit, watch: &dyn Watch) -> Option<Vec<RunRow>> {
     let watch = &Unreported(watch);
     let mut surveyed: Option<Option<Surveyed>> = None;
     let mut rows = Vec::with_capacity(unit.cells.len());
@@ -24,7 +24,7 @@ pub(crate) fn run(plan: &Sweep, unit: &Unit, watch: &dyn Watch) -> Option<Vec<Ro
         if watch.is_stopped() {
             return None;
         }
-        rows.push(Row { cell, replicate: unit.replicate, outcome });
+        rows.push(RunRow { cell, replicate: unit.replicate, outcome });
     }
     Some(rows)
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use sextant_kernel::text::counted;
-use sextant_study::sweep::{Row, Shard, Sweep, TableError, read_own_table};
+use sextant_study::sweep::{RunRow, Shard, Sweep, TableError, read_own_table};
 
 use super::Arguments;
 use crate::diagnostic::Failure;
@@ -11,9 +11,9 @@ use crate::diagnostic::Failure;
 /// What to do, and the rows that are there already.
 pub(super) enum Start {
     /// These rows are known, or none; the others are run.
-    Run(Vec<Row>),
+    Run(Vec<RunRow>),
     /// All rows are there.
-    Finished(Vec<Row>),
+    Finished(Vec<RunRow>),
 }
 
 const WAYS_OUT: &str = "`--force` replaces it, `--out TABLE` names another table";

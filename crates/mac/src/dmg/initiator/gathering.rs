@@ -14,7 +14,7 @@ use crate::dmg::timing::{
 
 /// The time for answers of many stations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Window {
+pub(super) struct FeedbackWindow {
     pub(super) opens: SimTime,
     pub(super) closes: SimTime,
 }
@@ -26,7 +26,7 @@ impl Initiator {
         now: SimTime,
         frame: &SweepFrame,
         sinr: Db,
-        window: Window,
+        window: FeedbackWindow,
         radio: &mut impl Radio,
     ) -> Option<InitiatorReport> {
         let SweepBody::Rss { cdown, sector, feedback } = frame.body else { return None };
@@ -42,7 +42,7 @@ impl Initiator {
     }
 
     /// When feedback to the sweep of a responder is due, of which a frame was decoded now; `None` without feedback.
-    fn feedback_due(&self, now: SimTime, window: Window, cdown: u16, duration_us: u16) -> Option<SimTime> {
+    fn feedback_due(&self, now: SimTime, window: FeedbackWindow, cdown: u16, duration_us: u16) -> Option<SimTime> {
         match self.settings.contention() {
             Contention::CsmaFeedback { .. } => {
                 let tail = self.settings.taken_after_answer(self.layout.total());
@@ -62,7 +62,7 @@ impl Initiator {
     pub(super) fn watch(
         &mut self,
         sweep: Sweep,
-        window: Window,
+        window: FeedbackWindow,
         now: SimTime,
         radio: &mut impl Radio,
     ) -> Option<InitiatorReport> {
@@ -105,7 +105,7 @@ impl Initiator {
     pub(super) fn expect_report(
         &mut self,
         sweep: Sweep,
-        window: Window,
+        window: FeedbackWindow,
         responder: MacAddress,
         now: SimTime,
         radio: &mut impl Radio,
@@ -123,7 +123,7 @@ impl Initiator {
     /// channel was idle for AIFS and the largest backoff, the time to notice a signal, and a sweep whose frames point
     /// elsewhere but for the last. A station that gets no feedback contends again with a larger backoff, so then only the
     /// end of the window counts.
-    fn check(&self, window: Window, now: SimTime) -> SimTime {
+    fn check(&self, window: FeedbackWindow, now: SimTime) -> SimTime {
         if self.settings.contention() != Contention::Csma {
             return window.closes;
         }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use sextant_kernel::{EventKey, EventQueue, Rank, SimTime, StationId};
 use sextant_mac::csma::{self, CsmaSettings, OutgoingFrame, Report};
-use sextant_mac::slotted::{SlottedCsma, Window};
+use sextant_mac::slotted::{AccessWindow, SlottedCsma};
 use sextant_mac::superframe::Contention;
 use sextant_mac::{Class, Phy, RadioState};
 
@@ -154,7 +154,7 @@ impl Medium {
         let now = air.now;
         let mut radio = StationRadio { air, station };
         let mut machine = SlottedCsma::new(CsmaSettings::default(), PHY);
-        let window = Window::Contention(Contention::new(PHY, SimTime::ZERO, END));
+        let window = AccessWindow::Contention(Contention::new(PHY, SimTime::ZERO, END));
         machine.open(now, window, &mut radio);
         machine.start(now, self.frame(), &mut radio);
         machine

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::book::{Owner, Row, Rows};
+use super::book::{Owner, Rows, TableRow};
 use super::mat::Array;
 use super::names::{AZIMUTH, ArrayOrder, Axis, ColumnName, ELEVATION, GAIN, SECTOR, find};
 use super::{AngleNames, ConvertError, Source, SourceNames, angles};
@@ -53,7 +53,7 @@ pub(super) fn rows(variables: &BTreeMap<String, Array>, names: &SourceNames) -> 
 /// One gain for each place of vectors of equal length.
 fn listed(sectors: &Array, azimuths: &Array, elevations: &Array, gains: &Array) -> Result<Rows, ConvertError> {
     let row = |i: usize| {
-        Ok(Row {
+        Ok(TableRow {
             owner: Owner::of(sectors.values[i], || format!("sector number {}", i + 1))?,
             azimuth_deg: azimuths.values[i],
             elevation_deg: elevations.values[i.min(elevations.values.len() - 1)],
@@ -121,7 +121,7 @@ fn on_axes(
         }
         let sector = at[Axis::Sector as usize];
         let identity = sectors.map_or(sector as f64, |sectors| sectors.values[sector]);
-        rows.push(Row {
+        rows.push(TableRow {
             owner: Owner::of(identity, || format!("sector number {}", sector + 1))?,
             azimuth_deg: azimuths.values[at[Axis::Azimuth as usize]],
             elevation_deg: elevations.values[at[Axis::Elevation as usize]],

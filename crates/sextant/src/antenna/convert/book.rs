@@ -34,7 +34,7 @@ impl Owner {
 /// One gain of a measurement. Its angles are as written until [`settle`](super::angles::settle) makes degrees and elevations of
 /// them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Row {
+pub(super) struct TableRow {
     pub(super) owner: Owner,
     pub(super) azimuth_deg: f64,
     pub(super) elevation_deg: f64,
@@ -44,7 +44,7 @@ pub(super) struct Row {
 
 /// The gains of a measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Rows(pub(super) Vec<Row>);
+pub(super) struct Rows(pub(super) Vec<TableRow>);
 
 /// A measurement as a code book.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,7 +149,7 @@ impl Rows {
 }
 
 /// Azimuth from −180 to below 180 degrees, and elevation from the horizontal plane.
-fn directed(row: &Row, place: impl Fn() -> String) -> Result<(Angle, Angle), ConvertError> {
+fn directed(row: &TableRow, place: impl Fn() -> String) -> Result<(Angle, Angle), ConvertError> {
     let invalid = |found: String, allowed: &str| {
         Err(ConvertError::Invalid { place: place(), found, allowed: allowed.to_owned() })
     };

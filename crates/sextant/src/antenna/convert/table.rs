@@ -1,6 +1,6 @@
 //! Tables of tools: a row for each sector and direction, a column for each sector, or one pattern.
 
-use super::book::{Owner, Row, Rows};
+use super::book::{Owner, Rows, TableRow};
 use super::gain_unit::GainUnit;
 use super::names::{AZIMUTH, ColumnName, ELEVATION, GAIN, SECTOR, find, plain};
 use super::{AngleNames, ConvertError, Source, SourceNames, angles};
@@ -72,7 +72,7 @@ pub(super) fn rows(text: &str, names: &SourceNames) -> Result<Source, ConvertErr
                 (None, Some(column)) => Owner::of(value(column)?, || format!("line {number}"))?,
                 (None, None) => Owner::Sector(0),
             };
-            rows.push(Row { owner, azimuth_deg, elevation_deg, gain: value(column)? });
+            rows.push(TableRow { owner, azimuth_deg, elevation_deg, gain: value(column)? });
         }
     }
     let mut rows = Rows(rows);

@@ -23,7 +23,7 @@ use super::error::RunError;
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use crate::summary::Summary;
 use air::Air;
-use track::Track;
+use track::CommandTrack;
 
 /// Records a run to a file: `PATH.part` while the run goes on, `PATH` when it is complete. After the first failure it
 /// ends the simulation, and the run returns the failure; what was recorded until then stays in `PATH.part`.
@@ -49,7 +49,7 @@ struct RecordedSimulation {
     frames: bool,
     /// Whether every packet is recorded.
     packets: bool,
-    robots: Vec<Track>,
+    robots: Vec<CommandTrack>,
     /// Names of the targets.
     targets: Vec<String>,
     /// The fields, with the sources that were removed so far.
@@ -80,7 +80,7 @@ impl RecordedSimulation {
         Self {
             frames: scenario.recording().frames,
             packets: scenario.recording().packets,
-            robots: start.robots.iter().map(|name| Track::new(name)).collect(),
+            robots: start.robots.iter().map(|name| CommandTrack::new(name)).collect(),
             targets: scenario.world().targets.iter().map(|target| target.name().to_owned()).collect(),
             fields: scenario.world().fields.clone(),
             others,

@@ -10,7 +10,7 @@ const LEAST_PLACES: usize = 8;
 const NEW_SHARE: usize = 8;
 
 /// The path of a robot.
-pub(super) struct Track {
+pub(super) struct CommandTrack {
     pub(super) name: String,
     pub(super) places: Vec<Position>,
     pub(super) heading_rad: f64,
@@ -18,7 +18,7 @@ pub(super) struct Track {
     drawn: usize,
 }
 
-impl Track {
+impl CommandTrack {
     /// That of a robot that was not seen yet.
     pub(super) fn new(name: &str) -> Self {
         Self { name: name.to_owned(), places: Vec::new(), heading_rad: 0.0, drawn: 0 }

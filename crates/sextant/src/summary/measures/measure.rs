@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::known::{self, Known};
+use super::known::{self, KnownMeasure};
 use super::unit::Unit;
 
 /// A number of a run, of one of its maps or of one of its applications, by its path in the summary:
@@ -12,7 +12,7 @@ use super::unit::Unit;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Measure {
     of: Of,
-    known: Known<'static>,
+    known: KnownMeasure<'static>,
 }
 
 /// What a number is of; a map and an application have a name.
@@ -186,7 +186,7 @@ impl FromStr for Measure {
 }
 
 /// The measure whose path is a name, then one of `known`. A name may have dots.
-fn named<I: Iterator<Item = Known<'static>>>(
+fn named<I: Iterator<Item = KnownMeasure<'static>>>(
     path: &str,
     of: fn(String) -> Of,
     known: impl Fn() -> I,
@@ -207,7 +207,7 @@ fn of_run_shortened(path: &str) -> &str {
 #[must_use]
 pub fn all(subjects: &Subjects) -> Vec<Measure> {
     let Subjects { maps, by_nodes, applications, searches } = subjects;
-    let measure = |of: Of, known: Known<'static>| Measure { of, known };
+    let measure = |of: Of, known: KnownMeasure<'static>| Measure { of, known };
     let mut measures: Vec<_> = known::of_run(!by_nodes.is_empty()).map(|number| measure(Of::Run, number)).collect();
     for map in maps {
         let numbers = known::of_map(by_nodes.contains(map));

@@ -22,7 +22,7 @@ pub(super) struct Trace {
 
 /// One row of the table.
 #[derive(Deserialize)]
-struct Row {
+struct TraceRow {
     t_s: f64,
     node: String,
     mpdu_octets: u8,
@@ -68,7 +68,7 @@ fn parse(text: &str, file: &str, nodes: &[PlacedNode]) -> Result<Trace, SettingE
     for record in reader.records() {
         let record = record.map_err(|error| refuse(line_of(text, error.position()), row_fault(&error), COLUMNS))?;
         let line = line_of(text, record.position());
-        let row: Row = record
+        let row: TraceRow = record
             .deserialize(Some(&header))
             .map_err(|error| refuse(line, cell_fault(&error, &header, &record), COLUMNS))?;
         if !(0.0..=LATEST_S).contains(&row.t_s) {

@@ -37,7 +37,7 @@ use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 use crate::service::upcall::Upcall;
-use crate::station::{Kind, Roll};
+use crate::station::{Roll, StationKind};
 
 /// A network of IEEE 802.11ad: the links of all its stations.
 pub(crate) struct Links {
@@ -87,7 +87,7 @@ impl Links {
             let mount = antennas.mount(&roll, station, scene.seed);
             scene.airs[air].mount(radios.receiver(station), mount);
         }
-        let standing = roll.stations().filter(|&station| !matches!(roll.kind(station), Kind::Robot(_)));
+        let standing = roll.stations().filter(|&station| !matches!(roll.kind(station), StationKind::Robot(_)));
         let interface = |station| Interface { receiver: radios.receiver(station), station };
         let standing: Vec<_> = standing.map(|station| (interface(station), scene.place(station))).collect();
         scene.airs[air].know_standing(standing.into_iter());

@@ -18,7 +18,7 @@ pub(super) struct Stack {
     pub(super) responder: Responder,
     pub(super) radio: RadioStack,
     /// What its initiator does, or will do once the responder is idle.
-    pub(super) task: Option<Task>,
+    pub(super) task: Option<RadioTask>,
     /// The sweep that comes next.
     pub(super) next_sweep: Option<SweepKind>,
     /// Broadcasts that wait, the first one first.
@@ -75,7 +75,7 @@ pub(super) struct RadioStack {
 
 /// What the initiator of a station does.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Task {
+pub(super) enum RadioTask {
     /// A sweep of its sectors.
     Sweep(SweepKind),
     /// A broadcast from each of its sectors.

@@ -2,15 +2,15 @@
 
 use sextant_kernel::{SimTime, StationId};
 
-use crate::link::track::Track;
+use crate::link::track::PacketTrack;
 
 /// The tracks of what a station has under way.
 #[derive(Debug, Default)]
 pub(super) struct Tracks {
     /// That of the sweep or the broadcast.
-    pub(super) task: Track,
+    pub(super) task: PacketTrack,
     /// That of the answer.
-    pub(super) answer: Track,
+    pub(super) answer: PacketTrack,
     /// When the last sweep was offered.
     pub(super) sweep_offered: SimTime,
     /// Number of sweeps that have ended.

@@ -42,7 +42,7 @@ use crate::service::outcome::FrameOutcome;
 use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::upcall::Upcall;
-use crate::station::Kind;
+use crate::station::StationKind;
 use sending::data_frame;
 
 /// A network of IEEE 802.15.4: the links of all its stations.
@@ -84,11 +84,11 @@ impl Links {
         let stack = |station: StationId| {
             let state = if is_node(station) { mac.initial_state() } else { RadioState::Receive };
             let (clock, levels) = match scene.roll.kind(station) {
-                Kind::Node(node) => {
+                StationKind::Node(node) => {
                     let node = NodeId::from_index(node);
                     (radio.clock(scene.seed, network, node), radio.levels(node))
                 }
-                Kind::Robot(_) | Kind::Sink(_) => (Clock::default(), radio.common_levels()),
+                StationKind::Robot(_) | StationKind::Sink(_) => (Clock::default(), radio.common_levels()),
             };
             let mut stack = Stack::new(state, first_sequence(scene.seed, station, network), clock, levels);
             if mac.csma().has_idle_turnarounds() {
@@ -124,9 +124,9 @@ impl Links {
     fn listens_at_rest(&self, station: StationId, scene: &Scene) -> bool {
         match scene.roll.kind(station) {
             // What a node with superframes hears are beacons.
-            Kind::Node(_) => self.macs[station.index()].follows_beacons() || self.hears[station.index()],
-            Kind::Robot(_) => false,
-            Kind::Sink(_) => true,
+            StationKind::Node(_) => self.macs[station.index()].follows_beacons() || self.hears[station.index()],
+            StationKind::Robot(_) => false,
+            StationKind::Sink(_) => true,
         }
     }
 

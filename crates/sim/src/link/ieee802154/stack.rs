@@ -10,7 +10,7 @@ use super::radio::Levels;
 use crate::air::Transmission;
 use crate::event::ieee802154::Event;
 use crate::link::clock::Clock;
-use crate::link::track::Track;
+use crate::link::track::PacketTrack;
 use crate::service::outcome::{Deafness, FrameOutcome};
 
 /// What channel access waits for, and when that comes.
@@ -93,7 +93,7 @@ pub(super) struct Stack {
     /// The sender of the frame that was received last: whom an acknowledgement answers.
     pub(super) answered: Option<StationId>,
     /// The track of the frame under way, if packets are traced.
-    pub(super) track: Option<Box<Track>>,
+    pub(super) track: Option<Box<PacketTrack>>,
 }
 
 impl Stack {

@@ -22,7 +22,7 @@ pub struct CsvConfig {
 
 /// One row of the table.
 #[derive(Deserialize)]
-struct Row {
+struct NodeRow {
     node: String,
     x_m: f64,
     y_m: f64,
@@ -67,7 +67,7 @@ impl CsvConfig {
                 refuse(line, row_fault(&error), COLUMNS)
             })?;
             let line = line_of(text, record.position());
-            let row: Row = record
+            let row: NodeRow = record
                 .deserialize(Some(&header))
                 .map_err(|error| refuse(line, cell_fault(&error, &header, &record), COLUMNS))?;
             if row.node.is_empty() {

@@ -27,7 +27,7 @@ use sextant_recording::disk;
 
 use super::error::CampaignError;
 use super::{Campaign, Progress};
-use scheduler::Task;
+use scheduler::ArrayTask;
 use script::{EACH_TASK, Script, ScriptFolder, each_chunk, line_word};
 use submission::{Array, Record, Submission};
 
@@ -197,7 +197,7 @@ impl Campaign {
     fn queued(&self, before: &[Submission]) -> Result<Vec<bool>, CampaignError> {
         let mut queued = vec![false; self.sweep.work().len()];
         let jobs: Vec<JobId> = before.iter().flat_map(Submission::jobs).collect();
-        for Task { job, index } in scheduler::queued(&jobs)? {
+        for ArrayTask { job, index } in scheduler::queued(&jobs)? {
             for submission in before {
                 if let Some(chunk) = submission.chunk_of(&job, index) {
                     queued.iter_mut().take(chunk.end).skip(chunk.start).for_each(|queued| *queued = true);

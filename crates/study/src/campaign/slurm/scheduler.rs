@@ -14,7 +14,7 @@ const USUAL_GREATEST_ARRAY: usize = 1001;
 
 /// A task of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Task {
+pub(super) struct ArrayTask {
     pub(super) job: JobId,
     pub(super) index: usize,
 }
@@ -50,7 +50,7 @@ fn job(command: &mut Command) -> Result<JobId, CampaignError> {
 }
 
 /// The tasks of `jobs` that wait or run.
-pub(super) fn queued(jobs: &[JobId]) -> Result<Vec<Task>, CampaignError> {
+pub(super) fn queued(jobs: &[JobId]) -> Result<Vec<ArrayTask>, CampaignError> {
     if jobs.is_empty() {
         return Ok(Vec::new());
     }
@@ -61,7 +61,7 @@ pub(super) fn queued(jobs: &[JobId]) -> Result<Vec<Task>, CampaignError> {
 }
 
 /// A line `JOB INDEX STATE`, unless the task has ended.
-fn task(line: &str) -> Option<Task> {
+fn task(line: &str) -> Option<ArrayTask> {
     let mut words = line.split_whitespace();
     let (job, index, state) = (words.next()?, words.next()?, words.next()?);
     let is_queued =
@@ -70,7 +70,7 @@ fn task(line: &str) -> Option<Task> {
     if !is_queued {
         return None;
     }
-    Some(Task { job: job.parse().ok()?, index: index.parse().ok()? })
+    Some(ArrayTask { job: job.parse().ok()?, index: index.parse().ok()? })
 }
 
 /// Cancels jobs.
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn only_tasks_that_wait_or_run_are_queued() {
-        let running = Some(Task { job: "12".parse().unwrap(), index: 3 });
+        let running = Some(ArrayTask { job: "12".parse().unwrap(), index: 3 });
         assert_eq!(task("12 3 RUNNING"), running);
         assert_eq!(task("12 3 PENDING"), running);
         for other in ["12 3 COMPLETED", "12 3 TIMEOUT", "12 3 NODE_FAIL", "12 N/A RUNNING", ""] {

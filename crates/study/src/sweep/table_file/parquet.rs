@@ -14,7 +14,7 @@ use parquet::record::Field;
 use parquet::schema::types::Type;
 
 use super::Texts;
-use crate::sweep::column::{Column, Kind};
+use crate::sweep::column::{Column, ColumnKind};
 use crate::sweep::row::written;
 
 /// The values of a column, and for each row whether it has one.
@@ -32,9 +32,9 @@ enum Typed {
 impl Values {
     fn of(column: &Column) -> Self {
         let values = match column.kind {
-            Kind::Integer => Typed::Integer(Vec::new()),
-            Kind::Real => Typed::Real(Vec::new()),
-            Kind::Text => Typed::Text(Vec::new()),
+            ColumnKind::Integer => Typed::Integer(Vec::new()),
+            ColumnKind::Real => Typed::Real(Vec::new()),
+            ColumnKind::Text => Typed::Text(Vec::new()),
         };
         Self { present: Vec::new(), values }
     }
@@ -92,9 +92,9 @@ fn in_one_group(columns: &[Column], rows: impl Iterator<Item = Vec<String>>) -> 
 
 fn field(column: &Column) -> Result<Arc<Type>, ParquetError> {
     let (physical, converted) = match column.kind {
-        Kind::Integer => (Physical::INT64, ConvertedType::NONE),
-        Kind::Real => (Physical::DOUBLE, ConvertedType::NONE),
-        Kind::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
+        ColumnKind::Integer => (Physical::INT64, ConvertedType::NONE),
+        ColumnKind::Real => (Physical::DOUBLE, ConvertedType::NONE),
+        ColumnKind::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
     };
     let builder = Type::primitive_type_builder(&column.name, physical);
     Ok(Arc::new(builder.with_repetition(Repetition::OPTIONAL).with_converted_type(converted).build()?))
@@ -119,7 +119,7 @@ fn text(field: &Field) -> String {
     match field {
         Field::Null => String::new(),
         Field::Str(text) => text.clone(),
-        Field::Double(value) => written(*value, Kind::Real),
+        Field::Double(value) => written(*value, ColumnKind::Real),
         other => other.to_string(),
     }
 }

@@ -2,12 +2,12 @@
 
 use std::sync::LazyLock;
 
-use super::{Count, Joule, Known, Made, Metre, Second, known};
+use super::{Count, Joule, KnownMeasure, Made, Metre, Second, known};
 use crate::summary::SEARCH_INSTANTS_S;
 use crate::summary::Unit::{Outcome, PerSecond, Plain};
 
 /// Of any application.
-pub(super) const APPLICATION: &[Known<'static>] = &[
+pub(super) const APPLICATION: &[KnownMeasure<'static>] = &[
     known("captured", Outcome, "share of runs that captured all targets"),
     known("arrived", Outcome, "share of runs that arrived at the level or the source"),
     known("time_s", Second, "time to the last capture or the first arrival"),

@@ -3,12 +3,12 @@
 use std::sync::LazyLock;
 
 use super::super::derived::{NEAR_LIMIT, NEAR_SCATTERING_EDGES, SCATTERING_EDGES};
-use super::{Count, Joule, Known, Made, MeanCount, Metre, Share, known};
+use super::{Count, Joule, KnownMeasure, Made, MeanCount, Metre, Share, known};
 use crate::summary::Unit::Degree;
 use crate::summary::{NODE_ERRORS, POSITION_ERRORS_M};
 
 /// Of any map.
-pub(super) const MAP: &[Known<'static>] = &[
+pub(super) const MAP: &[KnownMeasure<'static>] = &[
     known("mapped", Count, "nodes with a place on the map"),
     known("unmapped", Count, "nodes without a place: never heard"),
     known("infeasible", Count, "nodes whose receptions agree with no place"),
@@ -57,7 +57,7 @@ pub(super) const MAP: &[Known<'static>] = &[
 ];
 
 /// Of a map that nodes compute.
-pub(super) const BY_NODES: &[Known<'static>] = &[
+pub(super) const BY_NODES: &[KnownMeasure<'static>] = &[
     known("distributed.iterations", Count, "iterations: the last one with a change"),
     known("distributed.converged", Share, "converged: 1 if no placed node was bad at the end, and 0 if not"),
     known("distributed.bad", Count, "placed nodes with bad coordinates"),

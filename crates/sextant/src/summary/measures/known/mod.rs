@@ -9,7 +9,7 @@ use super::unit::Unit::{self, Count, Joule, MeanCount, Metre, Second, Share};
 
 /// A number that is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Known<'a> {
+pub(super) struct KnownMeasure<'a> {
     /// Its path in the run, the map or the application.
     pub(super) path: &'a str,
     pub(super) unit: Unit,
@@ -25,28 +25,31 @@ struct Made {
     meaning: String,
 }
 
-const fn known<'a>(path: &'a str, unit: Unit, meaning: &'a str) -> Known<'a> {
-    Known { path, unit, meaning }
+const fn known<'a>(path: &'a str, unit: Unit, meaning: &'a str) -> KnownMeasure<'a> {
+    KnownMeasure { path, unit, meaning }
 }
 
 /// All of a map that may be computed by nodes.
-pub(super) fn of_map(is_by_nodes: bool) -> impl Iterator<Item = Known<'static>> {
+pub(super) fn of_map(is_by_nodes: bool) -> impl Iterator<Item = KnownMeasure<'static>> {
     let (work, scattering) =
         if is_by_nodes { (map::BY_NODES, map::SCATTERING.as_slice()) } else { Default::default() };
     all(map::MAP, &map::DISTRIBUTIONS).chain(all(work, scattering))
 }
 
 /// All of an application that may be a search for targets.
-pub(super) fn of_application(is_search: bool) -> impl Iterator<Item = Known<'static>> {
+pub(super) fn of_application(is_search: bool) -> impl Iterator<Item = KnownMeasure<'static>> {
     all(application::APPLICATION, if is_search { application::COURSE.as_slice() } else { Default::default() })
 }
 
 /// All of a run in which nodes may compute a map.
-pub(super) fn of_run(has_maps_by_nodes: bool) -> impl Iterator<Item = Known<'static>> {
+pub(super) fn of_run(has_maps_by_nodes: bool) -> impl Iterator<Item = KnownMeasure<'static>> {
     all(run::RUN, &[]).chain(all(if has_maps_by_nodes { run::WITH_MAPS_BY_NODES } else { &[] }, &[]))
 }
 
-fn all(written: &'static [Known<'static>], made: &'static [Made]) -> impl Iterator<Item = Known<'static>> {
+fn all(
+    written: &'static [KnownMeasure<'static>],
+    made: &'static [Made],
+) -> impl Iterator<Item = KnownMeasure<'static>> {
     written.iter().copied().chain(made.iter().map(|Made { path, unit, meaning }| known(path, *unit, meaning)))
 }
 
@@ -58,7 +61,7 @@ mod tests {
     fn each_number_has_a_name_of_its_own_that_fits_on_an_axis() {
         for numbers in [of_run(true).collect::<Vec<_>>(), of_map(true).collect(), of_application(true).collect()] {
             let mut names = Vec::new();
-            for Known { path, meaning, .. } in numbers {
+            for KnownMeasure { path, meaning, .. } in numbers {
                 let name = meaning.split(':').next().unwrap_or_default();
                 assert!((4..=85).contains(&name.chars().count()), "{path}: {name}");
                 assert!(!names.contains(&name), "{path}: another number is called `{name}` too");

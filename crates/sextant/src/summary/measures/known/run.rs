@@ -1,10 +1,10 @@
 //! The numbers of a run as a whole.
 
-use super::{Count, Joule, Known, Second, Share, known};
+use super::{Count, Joule, KnownMeasure, Second, Share, known};
 use crate::summary::Unit::{BitPerSecond, Metre};
 
 /// Of any run.
-pub(super) const RUN: &[Known<'static>] = &[
+pub(super) const RUN: &[KnownMeasure<'static>] = &[
     known("simulation.nodes", Count, "nodes"),
     known("simulation.obstacles", Count, "obstacles"),
     known("gathering.stops", Count, "stops: places where robots listened"),
@@ -68,5 +68,5 @@ pub(super) const RUN: &[Known<'static>] = &[
 ];
 
 /// Of a run in which nodes compute a map.
-pub(super) const WITH_MAPS_BY_NODES: &[Known<'static>] =
+pub(super) const WITH_MAPS_BY_NODES: &[KnownMeasure<'static>] =
     &[known("simulation.sim_time_s", Second, "simulated time until the last event")];

@@ -6,7 +6,7 @@ use sextant_mac::dmg::{MAX_BEACON_PAYLOAD_OCTETS, TxSector, beacon_octets, beaco
 
 use super::Links;
 use crate::link::ieee80211ad::broadcast::Broadcast;
-use crate::link::ieee80211ad::stack::Task;
+use crate::link::ieee80211ad::stack::RadioTask;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
@@ -70,7 +70,7 @@ impl Links {
     /// A frame of the broadcast of `station` has ended with this outcome. If it was received, its payload is kept for the
     /// applications.
     pub(super) fn note_beacon(&mut self, station: StationId, outcome: FrameOutcome, now: SimTime) {
-        let Some(Task::Broadcast(broadcast)) = &mut self.stacks[station.index()].task else {
+        let Some(RadioTask::Broadcast(broadcast)) = &mut self.stacks[station.index()].task else {
             unreachable!("beacons belong to broadcasts")
         };
         broadcast.frames += 1;

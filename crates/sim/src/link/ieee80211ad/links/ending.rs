@@ -7,7 +7,7 @@ use sextant_mac::dmg::{Enclosed, ResponderOutcome, ResponderReport, SweepBody, S
 use super::Links;
 use crate::air::Transmission;
 use crate::link::collectors::tell_collectors;
-use crate::link::ieee80211ad::stack::{Role, Stack, Task};
+use crate::link::ieee80211ad::stack::{RadioTask, Role, Stack};
 use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
@@ -161,7 +161,7 @@ impl Links {
     ) {
         let source = &self.stacks[transmission.source().index()];
         let enclosed = match (frame.body, &source.task) {
-            (SweepBody::Beacon { .. }, Some(Task::Broadcast(broadcast))) => {
+            (SweepBody::Beacon { .. }, Some(RadioTask::Broadcast(broadcast))) => {
                 Enclosed::Payload(broadcast.payload(&self.payloads))
             }
             (SweepBody::Brp { .. }, _) => Enclosed::Measurements(source.responder.measurements()),

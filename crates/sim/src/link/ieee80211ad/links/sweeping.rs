@@ -5,7 +5,7 @@ use sextant_kernel::StationId;
 use sextant_mac::dmg::{Access, InitiatorReport, SectorMeasurement, SweepPurpose};
 
 use super::{Gathered, Links, read};
-use crate::link::ieee80211ad::stack::{Role, Task};
+use crate::link::ieee80211ad::stack::{RadioTask, Role};
 use crate::purpose;
 use crate::scene::Scene;
 use crate::service::sweep::SweepKind;
@@ -20,8 +20,8 @@ impl Links {
             return;
         }
         if stack.task.is_none() {
-            let sweep = stack.next_sweep.take().map(Task::Sweep);
-            stack.task = sweep.or_else(|| stack.waiting.pop_front().map(Task::Broadcast));
+            let sweep = stack.next_sweep.take().map(RadioTask::Sweep);
+            stack.task = sweep.or_else(|| stack.waiting.pop_front().map(RadioTask::Broadcast));
             if stack.task.is_some() {
                 if let Some(tracks) = &mut stack.tracks {
                     tracks.task.begin(scene.now);
@@ -54,21 +54,21 @@ impl Links {
     }
 
     /// Begins the sweep of one tilt.
-    fn start(&mut self, station: StationId, task: Task, scene: &mut Scene) {
+    fn start(&mut self, station: StationId, task: RadioTask, scene: &mut Scene) {
         // Whoever alone speaks first needs no contention.
         let is_alone = self.roll.robots + self.roll.sinks == 1 && !self.has_broadcasts;
         let (purpose, access) = match task {
-            Task::Sweep(SweepKind::Gather) if is_alone => (SweepPurpose::Gather, Access::AtOnce),
-            Task::Sweep(SweepKind::Gather) => (SweepPurpose::Gather, Access::Contend),
-            Task::Sweep(SweepKind::Announce) => (SweepPurpose::Announce, Access::Contend),
-            Task::Broadcast(broadcast) => {
+            RadioTask::Sweep(SweepKind::Gather) if is_alone => (SweepPurpose::Gather, Access::AtOnce),
+            RadioTask::Sweep(SweepKind::Gather) => (SweepPurpose::Gather, Access::Contend),
+            RadioTask::Sweep(SweepKind::Announce) => (SweepPurpose::Announce, Access::Contend),
+            RadioTask::Broadcast(broadcast) => {
                 let (sequence, payload_octets) = (broadcast.sequence(), broadcast.payload_octets);
                 (SweepPurpose::Broadcast { sequence, payload_octets }, Access::Contend)
             }
         };
         let now = scene.now;
         let (mut radio, initiator, responder) = self.transceiver(station, Role::Initiator, scene);
-        if let Task::Broadcast(_) = task {
+        if let RadioTask::Broadcast(_) = task {
             // The initiator of a node hears no frames while it is idle, but its responder does.
             initiator.is_claimed_until(now, responder.claimed_until());
         }
@@ -78,7 +78,7 @@ impl Links {
     /// The sweep of one tilt is over.
     pub(super) fn end_sweep(&mut self, station: StationId, report: InitiatorReport, scene: &mut Scene) {
         let task = self.stacks[station.index()].task.expect("a sweep is under way");
-        if let Task::Sweep(_) = task {
+        if let RadioTask::Sweep(_) = task {
             self.gather(station, scene);
         }
         let packets = &mut self.ledger.packets[station.index()];
@@ -93,7 +93,7 @@ impl Links {
         }
         self.stacks[station.index()].task = None;
         match task {
-            Task::Sweep(_) => {
+            RadioTask::Sweep(_) => {
                 let packets = &mut self.ledger.packets[station.index()];
                 packets.sent += 1;
                 packets.received += 1;
@@ -102,7 +102,7 @@ impl Links {
                 self.ledger.deliveries[station.index()] += answers as u64;
                 scene.upcalls.push(Upcall::Swept { station });
             }
-            Task::Broadcast(broadcast) => self.end_broadcast(station, broadcast, scene),
+            RadioTask::Broadcast(broadcast) => self.end_broadcast(station, broadcast, scene),
         }
         self.proceed(station, scene);
     }

@@ -7,9 +7,9 @@ use sextant_mac::dmg::{ResponderOutcome, SweepBody, SweepFrame, beacon_octets};
 use super::Links;
 use crate::air::Transmission;
 use crate::link::ieee80211ad::broadcast::Broadcast;
-use crate::link::ieee80211ad::stack::Task;
+use crate::link::ieee80211ad::stack::RadioTask;
 use crate::link::ieee80211ad::tracks::Tracks;
-use crate::link::track::{Traced, Track, TransmissionEnd};
+use crate::link::track::{PacketTrack, Traced, TransmissionEnd};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
@@ -98,7 +98,7 @@ impl Links {
         *sweeps += 1;
         // A sweep that waits for the end of a broadcast has no track yet.
         match self.stacks[station.index()].next_sweep {
-            Some(_) => self.tell(&mut Track::default(), &traced, scene),
+            Some(_) => self.tell(&mut PacketTrack::default(), &traced, scene),
             None => self.tell(task, &traced, scene),
         }
         self.stacks[station.index()].tracks = Some(tracks);
@@ -123,7 +123,7 @@ impl Links {
             fate: PacketFate::LostQueue,
             ..self.traced(station, scene.now)
         };
-        self.tell(&mut Track::default(), &traced, scene);
+        self.tell(&mut PacketTrack::default(), &traced, scene);
     }
 
     /// Traces a broadcast of `station` that was sent from all its sectors.
@@ -143,19 +143,19 @@ impl Links {
                 continue;
             }
             let station = StationId::from_index(i);
-            if let Some(Task::Broadcast(broadcast)) = self.stacks[i].task {
+            if let Some(RadioTask::Broadcast(broadcast)) = self.stacks[i].task {
                 let sequence = Some(broadcast.sequence());
                 let traced = Traced { sequence, ..self.traced_broadcast(station, &broadcast) };
                 let mut track = self.stacks[i].tracks.as_mut().map(|tracks| std::mem::take(&mut tracks.task));
                 self.tell(track.get_or_insert_default(), &traced, scene);
             }
-            let is_sweeping = matches!(self.stacks[i].task, Some(Task::Sweep(_)));
+            let is_sweeping = matches!(self.stacks[i].task, Some(RadioTask::Sweep(_)));
             if is_sweeping || self.stacks[i].next_sweep.is_some() {
                 self.end_sweep_track(station, PacketEnd::Pending, PacketFate::Pending, scene);
             }
             for place in 0..self.stacks[i].waiting.len() {
                 let traced = self.traced_broadcast(station, &self.stacks[i].waiting[place]);
-                self.tell(&mut Track::default(), &traced, scene);
+                self.tell(&mut PacketTrack::default(), &traced, scene);
             }
             self.end_answer(station, PacketEnd::Pending, PacketFate::Pending, scene);
         }
@@ -187,7 +187,7 @@ impl Links {
         }
     }
 
-    fn tell(&self, track: &mut Track, traced: &Traced, scene: &mut Scene) {
+    fn tell(&self, track: &mut PacketTrack, traced: &Traced, scene: &mut Scene) {
         scene.traced.push(track.end(traced, &self.ledger.radio_states, self.radios.power, scene.now));
     }
 }

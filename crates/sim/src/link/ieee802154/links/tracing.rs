@@ -5,7 +5,7 @@ use sextant_mac::csma::{self, Outcome};
 
 use super::Links;
 use crate::link::ieee802154::frame_queue::QueuedFrame;
-use crate::link::track::{Traced, Track};
+use crate::link::track::{PacketTrack, Traced};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
@@ -28,7 +28,7 @@ impl Links {
         }
         let (end, fate) = (PacketEnd::QueueFull, PacketFate::LostQueue);
         let traced = self.traced(station, id, to, mpdu_octets, scene.now).with_end(end, fate);
-        self.tell(&mut Track::default(), station, &traced, scene);
+        self.tell(&mut PacketTrack::default(), station, &traced, scene);
     }
 
     /// Traces a frame of `station` that has left its MAC.
@@ -76,7 +76,7 @@ impl Links {
             for place in 0..self.stacks[i].waiting.len() {
                 let frame = self.stacks[i].waiting[place];
                 let traced = self.traced_frame(station, &frame).with_end(PacketEnd::Pending, PacketFate::Pending);
-                self.tell(&mut Track::default(), station, &traced, scene);
+                self.tell(&mut PacketTrack::default(), station, &traced, scene);
             }
         }
     }
@@ -110,7 +110,7 @@ impl Links {
         }
     }
 
-    fn tell(&self, track: &mut Track, station: StationId, traced: &Traced, scene: &mut Scene) {
+    fn tell(&self, track: &mut PacketTrack, station: StationId, traced: &Traced, scene: &mut Scene) {
         let power = self.stacks[station.index()].tx_power;
         scene.traced.push(track.end(traced, &self.ledger.radio_states, power, scene.now));
     }
