@@ -158,7 +158,7 @@ pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use setup::Setup;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use simulation::{Applications, LeftOut, ReadySimulation, Simulation, Team};
-pub use snapshot::{RobotSnapshot, Snapshot};
+pub use snapshot::{Reached, RobotSnapshot, Snapshot};
 pub use station::{
     Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RobotPose,
     RoleConfig, Sink, SinkConfig, StationKind,

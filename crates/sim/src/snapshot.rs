@@ -5,6 +5,15 @@ use sextant_kernel::SimTime;
 use crate::service::packets::Packets;
 use crate::station::RobotPose;
 
+/// How far a simulation has gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reached {
+    /// The time; where the simulation has ended, its end.
+    pub time: SimTime,
+    /// Whether it has ended: by itself, or because an observer ended it.
+    pub has_ended: bool,
+}
+
 /// What a simulation is like at one time: what happens at that instant is still to come.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {

@@ -3,7 +3,7 @@
 use sextant_kernel::{SimTime, Watch};
 use sextant_recording::Phase;
 use sextant_scenario::{Application, Scenario};
-use sextant_sim::{Snapshot, Survey};
+use sextant_sim::{Reached, Snapshot, Survey};
 
 use super::application::{Performance, ReadyApplication, Stage, UnalignedMap};
 use super::bound::{NoBound, SurveyBound};
@@ -114,7 +114,12 @@ impl<'a> StartedRun<'a> {
         }
     }
 
-    /// What the survey is like now; `None` if the scenario has none.
+    /// How far the survey has gone; `None` if the scenario has none.
+    pub(super) fn reached(&self) -> Option<Reached> {
+        self.simulator.as_ref().map(Simulator::reached)
+    }
+
+    /// What it is like now.
     pub(super) fn snapshot(&self) -> Option<Snapshot> {
         self.simulator.as_ref().map(Simulator::snapshot)
     }

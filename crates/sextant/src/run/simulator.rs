@@ -3,7 +3,7 @@
 use sextant_apps::distributed::{MappingNode, MappingRecord};
 use sextant_kernel::SimTime;
 use sextant_scenario::Scenario;
-use sextant_sim::{LeftOut, Observer, ReadySimulation, Snapshot, Survey, Team};
+use sextant_sim::{LeftOut, Observer, Reached, ReadySimulation, Snapshot, Survey, Team};
 
 use super::error::RunError;
 use super::programs::{ProgrammedRobots, Programs};
@@ -76,6 +76,14 @@ impl<'a> Simulator<'a> {
         match &mut self.stations {
             Stations::Plain(simulation) => simulation.until(time, observer),
             Stations::OfNodes(simulation) => simulation.until(time, observer),
+        }
+    }
+
+    /// How far it has gone.
+    pub(super) fn reached(&self) -> Reached {
+        match &self.stations {
+            Stations::Plain(simulation) => simulation.reached(),
+            Stations::OfNodes(simulation) => simulation.reached(),
         }
     }
 

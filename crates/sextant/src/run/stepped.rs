@@ -76,13 +76,13 @@ impl<'a, O: RunObserver> SteppedRun<'a, O> {
     /// The time until which it has gone on; where the survey has ended, its end.
     #[must_use]
     pub fn time(&self) -> SimTime {
-        self.snapshot().map_or(SimTime::ZERO, |snapshot| snapshot.time)
+        self.run.reached().map_or(SimTime::ZERO, |reached| reached.time)
     }
 
     /// Whether the survey has ended, or the scenario has none.
     #[must_use]
     pub fn has_ended(&self) -> bool {
-        self.snapshot().is_none_or(|snapshot| snapshot.has_ended)
+        self.run.reached().is_none_or(|reached| reached.has_ended)
     }
 
     /// Where the robots are, and what was sent and heard so far; `None` if the scenario has no survey.

@@ -17,6 +17,16 @@ fn distributed() -> Scenario {
         .fold(shipped("dmtm/rf.toml"), |scenario, (key, value)| scenario.with(key, value).expect("a good setting"))
 }
 
+/// A robot that sweeps its sectors, in a corner of a warehouse.
+fn sectors() -> Scenario {
+    let area = "robots.0.controller.automated_s.area.box.max_m";
+    [(area, "[6.0, 6.0, 0.4]"), ("maps.0.algorithm.mmtm.grid_step_m", "1.0")]
+        .iter()
+        .fold(shipped("mmtm/one-sweep-warehouse-vaa.toml"), |scenario, (key, value)| {
+            scenario.with(key, value).expect("a good setting")
+        })
+}
+
 /// The summary without its timing, and the octets of the recording, of a run with a step every `step`.
 fn stepped(scenario: &Scenario, step: Duration) -> (String, Vec<u8>) {
     let folder = tempfile::tempdir().expect("a folder");
@@ -34,7 +44,8 @@ fn stepped(scenario: &Scenario, step: Duration) -> (String, Vec<u8>) {
 
 #[test]
 fn steps_of_any_size_change_no_octet() {
-    let scenarios = [shipped("smoke.toml"), shipped("mac/packet-trace.toml"), star(), robots_apart(), distributed()];
+    let scenarios =
+        [shipped("smoke.toml"), shipped("mac/packet-trace.toml"), star(), robots_apart(), distributed(), sectors()];
     for scenario in scenarios {
         let whole = results(&scenario, Programs::default());
         for step in [1_000_000, 333_333_333, 7_700_000_000, 5_000_000_000_000].map(Duration::from_nanos) {

@@ -7,17 +7,23 @@ use super::running::Stage;
 use crate::application::Application;
 use crate::link::Links;
 use crate::service::packets::Packets;
-use crate::snapshot::{RobotSnapshot, Snapshot};
+use crate::snapshot::{Reached, RobotSnapshot, Snapshot};
 use crate::station::RobotPose;
 
 impl<A: Application> Engine<A> {
-    /// How it is now, or at its end.
-    pub(crate) fn snapshot(&self) -> Snapshot {
+    /// How far it has gone.
+    pub(crate) fn reached(&self) -> Reached {
         let time = match self.stage {
             Stage::Ready => SimTime::ZERO,
             Stage::Waiting { at, .. } => at,
             Stage::Ended { .. } => self.now(),
         };
+        Reached { time, has_ended: matches!(self.stage, Stage::Ended { .. }) }
+    }
+
+    /// How it is now, or at its end.
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        let Reached { time, has_ended } = self.reached();
         let robots = (0..).zip(&self.model.vehicles).map(|(robot, vehicle)| RobotSnapshot {
             name: vehicle.body.name.clone(),
             pose: self.pose_at(time, robot),
@@ -27,7 +33,7 @@ impl<A: Application> Engine<A> {
             |network: &Links| network.packets()[..nodes].iter().map(|&packets| packets.with_pending()).sum();
         Snapshot {
             time,
-            has_ended: matches!(self.stage, Stage::Ended { .. }),
+            has_ended,
             robots: robots.collect(),
             stops: self.logs.stops(),
             receptions: self.logs.receptions,

@@ -10,7 +10,7 @@ use crate::observer::{Observer, RememberingObserver};
 use crate::outcome::Survey;
 use crate::region::SimulatedRegion;
 use crate::setup::Setup;
-use crate::snapshot::Snapshot;
+use crate::snapshot::{Reached, Snapshot};
 
 /// A simulation that runs once, to its end, and leaves a [`Survey`] and an `R` behind. It does not say of what type its
 /// applications are: its engine is compiled in the crate that knows them, and not once more in each crate that runs it.
@@ -19,6 +19,7 @@ pub struct ReadySimulation<'a, R = ()>(Box<dyn Steps<R> + 'a>);
 /// A simulation that leaves an `R` behind, whatever its type.
 trait Steps<R> {
     fn until(&mut self, time: SimTime, observer: &mut dyn Observer);
+    fn reached(&self) -> Reached;
     fn snapshot(&self) -> Snapshot;
     fn run(self: Box<Self>, observer: &mut dyn Observer) -> (Survey, R);
 }
@@ -52,6 +53,12 @@ impl<R> ReadySimulation<'_, R> {
         self.0.until(time, observer);
     }
 
+    /// How far it has gone.
+    #[must_use]
+    pub fn reached(&self) -> Reached {
+        self.0.reached()
+    }
+
     /// What it is like now.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
@@ -67,6 +74,10 @@ impl<R> ReadySimulation<'_, R> {
 impl<N: Application, R, F: FnOnce(Applications<N>) -> R> Steps<R> for Recorded<N, F> {
     fn until(&mut self, time: SimTime, observer: &mut dyn Observer) {
         self.simulation.until(time, observer);
+    }
+
+    fn reached(&self) -> Reached {
+        self.simulation.engine.reached()
     }
 
     fn snapshot(&self) -> Snapshot {
@@ -88,6 +99,13 @@ impl Steps<()> for TeamOrOne {
                 *self = Self::One(one);
             }
             Self::One(one) => one.until(time, observer),
+        }
+    }
+
+    fn reached(&self) -> Reached {
+        match self {
+            Self::Team(_) => Reached { time: SimTime::ZERO, has_ended: false },
+            Self::One(one) => one.engine.reached(),
         }
     }
 
