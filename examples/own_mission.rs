@@ -10,7 +10,7 @@ use sextant::apps::navigation::NavigationMap;
 use sextant::apps::{Mission, MissionArrival, MissionGoal, MissionOutcome, MissionTeam};
 use sextant::channel::Position;
 use sextant::kernel::{SettingError, StationId};
-use sextant::scenario::{Application as MissionOfRun, ApplicationMap};
+use sextant::scenario::{MissionMap, PlannedMission as MissionOfRun};
 use sextant::sim::{
     Application, Applications, Delivery, Destination, DriveEnd, Driving, NetworkId, Payload, Port, ReadySimulation,
     Setup, Simulation, Timer,
@@ -152,7 +152,7 @@ fn outcome(robots: Vec<Station>) -> MissionOutcome {
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mission = MissionOfRun {
         name: "batteries".to_owned(),
-        map: ApplicationMap::Physical,
+        map: MissionMap::Physical,
         robots: vec![0],
         network: NETWORK,
         duration: Duration::from_secs(200),

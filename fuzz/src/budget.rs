@@ -41,5 +41,5 @@ pub(crate) fn is_small(scenario: &Scenario) -> bool {
     nodes <= MOST_NODES
         && cost().is_some_and(|cost| cost.events <= MOST_EVENTS && cost.sim_time_s <= LONGEST_S)
         && scenario.maps().len() <= 3
-        && scenario.applications().is_empty()
+        && scenario.missions().is_empty()
 }

@@ -9,7 +9,7 @@ use sextant::channel::ReceptionLog;
 use sextant::kernel::NodeId;
 use sextant::mapping::Input;
 use sextant::recording::read_tables;
-use sextant::run::{ApplicationEnd, SimulationStart, SurveyEnd};
+use sextant::run::{MissionEnd, SimulationStart, SurveyEnd};
 use sextant::scenario::Scenario as Checked;
 use sextant::sim::{Observer, Progress};
 use sextant::{RunError, RunObserver, RunRecorder};
@@ -71,11 +71,11 @@ impl Observer for Told<'_> {
 
 impl RunObserver for Told<'_> {
     fn simulation_started(&mut self, start: &SimulationStart<'_>) -> Result<(), RunError> {
-        let duration = match start.application {
+        let duration = match start.mission {
             Some(application) => Some(application.duration),
             None => start.scenario.config().duration_s.map(std::time::Duration::from_secs_f64),
         };
-        let surveys = start.application.is_none() && !start.robots.is_empty();
+        let surveys = start.mission.is_none() && !start.robots.is_empty();
         self.of = match duration.filter(|_| !surveys) {
             Some(duration) => Some(Of::Seconds(duration.as_secs())),
             None => Some(Of::NodesHeard(start.scenario.world().nodes.len() as u64)),
@@ -88,7 +88,7 @@ impl RunObserver for Told<'_> {
         Ok(())
     }
 
-    fn application_finished(&mut self, _end: &ApplicationEnd<'_>) -> Result<(), RunError> {
+    fn mission_finished(&mut self, _end: &MissionEnd<'_>) -> Result<(), RunError> {
         self.of = None;
         Ok(())
     }

@@ -28,7 +28,6 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
 
 mod a_star;
-mod application;
 mod area;
 mod automated_s;
 mod controller;
@@ -38,6 +37,7 @@ mod height_range;
 mod hilbert;
 mod itinerary;
 mod mission;
+mod missions;
 pub mod navigation;
 mod octets;
 mod partition;
@@ -52,7 +52,6 @@ mod surroundings;
 pub mod target_search;
 mod waypoints;
 
-pub use application::{AlgorithmConfig, ApplicationConfig, MapSourceConfig};
 pub use automated_s::{AutomatedS, AutomatedSConfig, LayersConfig, Until};
 pub use controller::ControllerConfig;
 pub use expected_way::ExpectedWay;
@@ -61,6 +60,7 @@ pub use mission::{
     Mission, MissionArrival, MissionGoal, MissionOutcome, MissionPlace, MissionRobots, MissionSettings, MissionTeam,
     SoughtField,
 };
+pub use missions::{AlgorithmConfig, MapSourceConfig, MissionConfig};
 pub use octets::MessageError;
 pub use partition::{BalanceConfig, CutConfig, FreeArea, PartitionConfig, RobotPart, partition};
 pub use planned_path::{PathPart, drive_planned};

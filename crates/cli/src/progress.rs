@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant::run::{ApplicationEnd, RunError, RunObserver, SimulationStart, SurveyEnd};
+use sextant::run::{MissionEnd, RunError, RunObserver, SimulationStart, SurveyEnd};
 use sextant::scenario::MissionGoal;
 use sextant_sim::Observer;
 
@@ -48,7 +48,7 @@ impl<'a> RunProgress<'a> {
 /// What the bar of a simulation is called, how many steps it has, and what it shows.
 fn of_simulation(start: &SimulationStart<'_>) -> (&'static str, u64, Shown) {
     let scenario = start.scenario;
-    if let Some(application) = start.application {
+    if let Some(application) = start.mission {
         let name = match application.goal() {
             MissionGoal::Targets => "searching",
             MissionGoal::Field(_) => "seeking",
@@ -106,7 +106,7 @@ impl RunObserver for RunProgress<'_> {
         Ok(())
     }
 
-    fn application_finished(&mut self, _end: &ApplicationEnd<'_>) -> Result<(), RunError> {
+    fn mission_finished(&mut self, _end: &MissionEnd<'_>) -> Result<(), RunError> {
         self.clear();
         Ok(())
     }

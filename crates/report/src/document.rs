@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::applications::Application;
+use super::missions::ReportedMission;
 use super::reproduction::Reproduction;
 use super::sweep::SweepTable;
 use super::world::World;
@@ -28,7 +28,7 @@ pub struct Report {
     pub world: Option<World>,
     /// The applications.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub applications: Vec<Application>,
+    pub applications: Vec<ReportedMission>,
     /// The table of a sweep.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sweep: Option<SweepTable>,

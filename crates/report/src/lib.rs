@@ -12,13 +12,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod applications;
 mod column;
 mod document;
 mod error;
 mod frame;
 mod log;
 mod map;
+mod missions;
 mod page;
 mod plane;
 mod policy;
@@ -30,12 +30,12 @@ mod tables;
 mod text;
 mod world;
 
-pub use applications::{Application, Captures, Predictions, TimeSeries};
 pub use column::Column;
 pub use document::{DocumentKind, Origin, Report};
 pub use error::ReportError;
 pub use frame::Frame;
 pub use map::{Map, NodeDetails, Snapshot};
+pub use missions::{Captures, Predictions, ReportedMission, TimeSeries};
 pub use plane::Plane;
 pub use reproduction::{Claims, Reproduction};
 pub use survey::{Contacts, Receptions, Sector, Stops, Survey};

@@ -10,12 +10,12 @@ use sextant_recording::{
     SUMMARY_ATTACHMENT,
 };
 
-use super::applications::Application;
 use super::column::Column;
 use super::document::{DocumentKind, Report};
 use super::error::ReportError;
 use super::frame::Frame;
 use super::map::{Map, NodeDetails, Snapshot, errors};
+use super::missions::ReportedMission;
 use super::plane::Plane;
 use super::survey::{Contacts, Survey};
 use super::world::{Body, Marks, PhaseSpan, Solid, Way, World};
@@ -58,7 +58,7 @@ impl Report {
             report.scenario = Some(String::from_utf8_lossy(&text.data).into_owned());
         }
         let frame = frame(&run, &drawn, &course);
-        report.applications = drawn.applications.iter().map(|one| Application::of(one, &frame)).collect();
+        report.applications = drawn.applications.iter().map(|one| ReportedMission::of(one, &frame)).collect();
         report.world = Some(world(&run, &drawn, &course, frame));
         report.summary = summary;
         Ok(report)

@@ -45,8 +45,8 @@ pub mod template;
 mod unit;
 
 pub use check::maps::MapJob;
-pub use check::missions::applications::{Application, ApplicationMap};
 pub use check::missions::distributed::NodeMapJob;
+pub use check::missions::planned::{MissionMap, PlannedMission};
 pub use check::networks::surveyed::PacketsPerStop;
 pub use check::networks::tables::ForeignChip;
 pub use config::detail::DetailConfig;

@@ -13,8 +13,8 @@ use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleCon
 use super::check::errors::Errors;
 use super::check::maps::MapJob;
 use super::check::maps::grids::check_grids;
-use super::check::missions::applications::{Application, ApplicationMap, LEAST_PLACES, TakenNames};
 use super::check::missions::distributed::NodeMapJob;
+use super::check::missions::planned::{LEAST_PLACES, MissionMap, PlannedMission, TakenNames};
 use super::check::networks::surveyed::PacketsPerStop;
 use super::check::networks::tables::ForeignChip;
 use super::check::plausible::check_numbers;
@@ -128,22 +128,22 @@ impl Scenario {
     /// # Errors
     /// `mission.name` if it is not plain or something else has that name; `network` if it is none of IEEE 802.15.4; `robots` if there are none, or one
     /// is not of the scenario; `map` if no map has that name, or the world has less than three nodes.
-    pub fn with_mission(mut self, mission: Application) -> Result<Self, SettingError> {
+    pub fn with_mission(mut self, mission: PlannedMission) -> Result<Self, SettingError> {
         self.check_mission(&mission)?;
         self.parts.applications.push(mission);
         Ok(self)
     }
 
     /// Checks a mission that is not written in the scenario against it.
-    fn check_mission(&self, mission: &Application) -> Result<(), SettingError> {
+    fn check_mission(&self, mission: &PlannedMission) -> Result<(), SettingError> {
         let refuse = |key: &str, found: String, allowed: &str| Err(SettingError::new(key, found, allowed));
         let maps = || {
             let of_nodes = self.distributed().map(|map| map.name.as_str());
             self.maps().iter().map(|map| map.name.as_str()).chain(of_nodes)
         };
         let mut errors = Errors::default();
-        let (distributed, applications) = (self.distributed(), self.applications());
-        TakenNames { maps: self.maps(), distributed, applications }.check(&mission.name, "mission", &mut errors);
+        let (distributed, missions) = (self.distributed(), self.missions());
+        TakenNames { maps: self.maps(), distributed, missions }.check(&mission.name, "mission", &mut errors);
         if let Some(error) = errors.found.pop() {
             return Err(error);
         }
@@ -162,15 +162,15 @@ impl Scenario {
             _ if nodes < LEAST_PLACES => {
                 refuse("map", format!("a map of {}", counted(nodes, "node")), "three nodes or more")
             }
-            ApplicationMap::Computed(name) if !maps().any(|map| map == name) => {
+            MissionMap::Computed(name) if !maps().any(|map| map == name) => {
                 refuse("map", format!("`{name}`"), "the name of a map of the scenario")
             }
-            ApplicationMap::File { places, .. } if places.len() != nodes => refuse(
+            MissionMap::File { places, .. } if places.len() != nodes => refuse(
                 "map",
                 format!("{} places", places.len()),
                 &format!("a place, or none, for each of {nodes} nodes"),
             ),
-            ApplicationMap::Physical | ApplicationMap::Computed(_) | ApplicationMap::File { .. } => Ok(()),
+            MissionMap::Physical | MissionMap::Computed(_) | MissionMap::File { .. } => Ok(()),
         }
     }
 
@@ -347,7 +347,7 @@ impl Scenario {
 
     /// What robots and nodes do on maps of the nodes.
     #[must_use]
-    pub fn applications(&self) -> &[Application] {
+    pub fn missions(&self) -> &[PlannedMission] {
         &self.parts.applications
     }
 
@@ -385,7 +385,7 @@ impl Scenario {
     #[must_use]
     pub fn outline(&self) -> String {
         let world = self.world();
-        let applications = Some(self.applications().len()).filter(|&count| count > 0);
+        let applications = Some(self.missions().len()).filter(|&count| count > 0);
         let applications = applications.map(|count| counted(count, "application"));
         [
             counted(world.nodes.len(), "node"),

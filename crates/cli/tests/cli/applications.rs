@@ -350,5 +350,5 @@ fn the_schema_has_applications() {
     let output = sextant().arg("schema").output().unwrap();
     let schema: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(schema["properties"]["applications"].is_object());
-    assert!(schema["$defs"]["ApplicationConfig"]["properties"]["allow_slower"].is_object(), "{schema}");
+    assert!(schema["$defs"]["MissionConfig"]["properties"]["allow_slower"].is_object(), "{schema}");
 }

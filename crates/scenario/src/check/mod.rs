@@ -21,8 +21,8 @@ use sextant_sim::{
 use super::config::ScenarioConfig;
 use errors::Errors;
 use maps::{MapJob, check_log_of_maps, check_maps};
-use missions::applications::{Application, Surroundings, check_applications};
 use missions::distributed::{NodeMapInput, NodeMapJob, check_distributed};
+use missions::planned::{PlannedMission, Surroundings, check_missions};
 use networks::Networks;
 use networks::surveyed::PacketsPerStop;
 use networks::tables::{ForeignChip, Named};
@@ -44,7 +44,7 @@ pub(crate) struct Parts {
     pub(crate) foreign_chips: Vec<ForeignChip>,
     pub(crate) maps: Vec<MapJob>,
     pub(crate) distributed: Option<NodeMapJob>,
-    pub(crate) applications: Vec<Application>,
+    pub(crate) applications: Vec<PlannedMission>,
     /// What is left out of the counts at the start.
     pub(crate) warm_up: Duration,
     /// Which part of the nodes' traffic is simulated.
@@ -110,7 +110,7 @@ fn check_in_world(
         maps: &maps,
         distributed: distributed.as_ref(),
     };
-    let applications = check_applications(&surroundings, errors);
+    let applications = check_missions(&surroundings, errors);
     let (packets_per_stop, foreign_chips) = (networks.packets_per_stop(), networks.foreign_chips());
     let parts = Parts {
         setup,

@@ -12,7 +12,7 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 use sextant_apps::distributed::DistributedMappingConfig;
-use sextant_apps::{ApplicationConfig, ControllerConfig};
+use sextant_apps::{ControllerConfig, MissionConfig};
 use sextant_channel::ChannelConfig;
 use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
@@ -114,7 +114,7 @@ pub struct ScenarioConfig {
     /// What robots and nodes do on a map of the nodes, one after the other: each is a separate simulation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
-    pub applications: Vec<ApplicationConfig>,
+    pub applications: Vec<MissionConfig>,
     /// How maps are compared with the truth.
     #[serde(default)]
     pub metrics: MetricsConfig,

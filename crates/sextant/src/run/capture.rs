@@ -9,7 +9,7 @@ use sextant_scenario::Scenario;
 use sextant_sim::{FrameFormat, FrameOnAir, Network, Observer, Progress};
 
 use super::error::RunError;
-use super::observer::{ApplicationEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
+use super::observer::{MissionEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use crate::summary::Summary;
 
 /// Captures the frames of a run in a file for Wireshark: all frames on air, or those that one robot receives. The file is
@@ -150,7 +150,7 @@ impl RunObserver for RunCapture {
         self.check()
     }
 
-    fn application_finished(&mut self, _end: &ApplicationEnd<'_>) -> Result<(), RunError> {
+    fn mission_finished(&mut self, _end: &MissionEnd<'_>) -> Result<(), RunError> {
         self.check()
     }
 

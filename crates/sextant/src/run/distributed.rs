@@ -11,9 +11,9 @@ use sextant_recording::messages::MappedNodeMessage;
 use sextant_scenario::{NodeMapJob, Scenario};
 use sextant_sim::{Network, NetworkRecord, RobotRecord, RoleConfig};
 
-use super::application::UnalignedMap;
 use super::evaluation::{Evaluation, sector_displacement, truth};
 use super::mapped_node;
+use super::mission::UnalignedMap;
 use super::scattering;
 use super::simulator::Simulated;
 use crate::measure::{Dimensions, Subject, Truth, measure};

@@ -6,11 +6,11 @@ use sextant_mapper::{EstimatorFindings, MapError, SectorDisplacement, TopologyMa
 use sextant_scenario::{MapJob, Scenario};
 use sextant_sim::{NetworkId, Survey};
 
-use super::application::UnalignedMap;
 use super::bound::{self, NoBound, SurveyBound};
 use super::discovery::Discoveries;
 use super::error::RunError;
 use super::message_energy::message_energy_j;
+use super::mission::UnalignedMap;
 use super::operations::CountedWork;
 use crate::mapping::MapLogs;
 use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};

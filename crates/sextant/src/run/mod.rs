@@ -1,6 +1,5 @@
 //! A run: simulate, map, measure, apply, summarise. What else comes of it are observers.
 
-mod application;
 mod bound;
 mod capture;
 mod discovery;
@@ -11,6 +10,7 @@ mod evaluation;
 mod mac;
 mod mapped_node;
 mod message_energy;
+mod mission;
 mod observer;
 mod operations;
 mod outcome;
@@ -23,13 +23,13 @@ mod stepped;
 mod stop;
 mod witness;
 
-pub use application::{Performance, UnalignedMap};
 pub use bound::{NoBound, SurveyBound};
 pub use capture::RunCapture;
 pub use discovery::Discoveries;
 pub use error::RunError;
 pub use evaluation::Evaluation;
-pub use observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
+pub use mission::{Performance, UnalignedMap};
+pub use observer::{MapEnd, MissionEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 pub use pipeline::{Run, Surveyed, run, run_on, run_with, survey};
 pub use programs::{ProgramError, ProgrammedRobots, Programs};
 pub use recorder::RunRecorder;

@@ -2,13 +2,13 @@
 
 use sextant_kernel::{SimTime, Watch};
 use sextant_mapper::EstimatorFindings;
-use sextant_scenario::{Application, MapJob, Scenario};
+use sextant_scenario::{MapJob, PlannedMission, Scenario};
 use sextant_sim::{Observer, Survey};
 
-use super::application::Performance;
 use super::discovery::Discoveries;
 use super::error::RunError;
 use super::evaluation::Evaluation;
+use super::mission::Performance;
 use super::simulator::Simulated;
 use crate::summary::Summary;
 
@@ -23,7 +23,7 @@ pub trait RunObserver: Observer {
         Ok(())
     }
 
-    /// A simulation begins: the survey or an application. The events of [`Observer`] follow.
+    /// A simulation begins: the survey or a mission. The events of [`Observer`] follow.
     ///
     /// # Errors
     /// Whatever ends the run.
@@ -47,11 +47,11 @@ pub trait RunObserver: Observer {
         Ok(())
     }
 
-    /// An application is over.
+    /// A mission is over.
     ///
     /// # Errors
     /// Whatever ends the run, above all what went wrong during the simulation.
-    fn application_finished(&mut self, _end: &ApplicationEnd<'_>) -> Result<(), RunError> {
+    fn mission_finished(&mut self, _end: &MissionEnd<'_>) -> Result<(), RunError> {
         Ok(())
     }
 
@@ -78,8 +78,8 @@ pub struct RunStart<'a> {
 pub struct SimulationStart<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
-    /// The application that is simulated; `None` for the survey.
-    pub application: Option<&'a Application>,
+    /// The mission that is simulated; `None` for the survey.
+    pub mission: Option<&'a PlannedMission>,
     /// The names of the robots that take part; the events name them by their index.
     pub robots: &'a [String],
     /// Time 0 of the simulation in the whole run: phases of a run follow each other.
@@ -132,13 +132,13 @@ impl MapEnd<'_> {
     }
 }
 
-/// An application that is over.
+/// A mission that is over.
 #[derive(Clone, Copy)]
-pub struct ApplicationEnd<'a> {
+pub struct MissionEnd<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
-    /// The application.
-    pub application: &'a Application,
+    /// The mission.
+    pub mission: &'a PlannedMission,
     /// Time 0 of its simulation in the whole run.
     pub start: SimTime,
     /// What its simulation left behind.
@@ -166,8 +166,8 @@ impl<O: RunObserver + ?Sized> RunObserver for &mut O {
         (**self).map_finished(map)
     }
 
-    fn application_finished(&mut self, end: &ApplicationEnd<'_>) -> Result<(), RunError> {
-        (**self).application_finished(end)
+    fn mission_finished(&mut self, end: &MissionEnd<'_>) -> Result<(), RunError> {
+        (**self).mission_finished(end)
     }
 
     fn run_finished(&mut self, summary: &Summary) -> Result<(), RunError> {
@@ -192,8 +192,8 @@ impl<O: RunObserver> RunObserver for Option<O> {
         self.as_mut().map_or(Ok(()), |observer| observer.map_finished(map))
     }
 
-    fn application_finished(&mut self, end: &ApplicationEnd<'_>) -> Result<(), RunError> {
-        self.as_mut().map_or(Ok(()), |observer| observer.application_finished(end))
+    fn mission_finished(&mut self, end: &MissionEnd<'_>) -> Result<(), RunError> {
+        self.as_mut().map_or(Ok(()), |observer| observer.mission_finished(end))
     }
 
     fn run_finished(&mut self, summary: &Summary) -> Result<(), RunError> {
@@ -223,9 +223,9 @@ impl<A: RunObserver, B: RunObserver> RunObserver for (A, B) {
         first.and(self.1.map_finished(map))
     }
 
-    fn application_finished(&mut self, end: &ApplicationEnd<'_>) -> Result<(), RunError> {
-        let first = self.0.application_finished(end);
-        first.and(self.1.application_finished(end))
+    fn mission_finished(&mut self, end: &MissionEnd<'_>) -> Result<(), RunError> {
+        let first = self.0.mission_finished(end);
+        first.and(self.1.mission_finished(end))
     }
 
     fn run_finished(&mut self, summary: &Summary) -> Result<(), RunError> {

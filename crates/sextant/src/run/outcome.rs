@@ -12,9 +12,8 @@ use super::ending;
 use super::mac;
 use super::simulator::Simulated;
 use crate::summary::{
-    ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary,
-    RegionSummary, ScenarioSummary, SectorReportsSummary, SensingSummary, SensorErrorCounts, SimulationSummary,
-    Summary,
+    EnergySummary, FaultsSummary, GatheringSummary, MapSummary, MissionSummary, NotListenedSummary, RegionSummary,
+    ScenarioSummary, SectorReportsSummary, SensingSummary, SensorErrorCounts, SimulationSummary, Summary,
 };
 
 /// The summary of a run without timing: of its survey, if it has one, of the discovery before it, of its maps and of its
@@ -25,11 +24,11 @@ pub(super) fn sum_up(
     simulated: Option<&Simulated>,
     discoveries: &Discoveries,
     maps: Vec<MapSummary>,
-    applications: Vec<ApplicationSummary>,
+    applications: Vec<MissionSummary>,
 ) -> Summary {
     let of_survey = simulated.map(|simulated| of_survey(scenario, simulated)).unwrap_or_default();
     let survey = simulated.map(|simulated| &simulated.survey);
-    let time = |of: fn(&ApplicationSummary) -> f64| applications.iter().map(of).sum::<f64>();
+    let time = |of: fn(&MissionSummary) -> f64| applications.iter().map(of).sum::<f64>();
     let events: u64 = applications.iter().map(|application| application.events).sum();
     Summary {
         scenario: Some(identity(scenario)),

@@ -2,21 +2,21 @@
 
 use sextant_kernel::{SimTime, Watch};
 use sextant_recording::Phase;
-use sextant_scenario::{Application, Scenario};
+use sextant_scenario::{PlannedMission, Scenario};
 use sextant_sim::{Reached, Snapshot, Survey};
 
-use super::application::{Performance, ReadyApplication, Stage, UnalignedMap};
 use super::bound::{NoBound, SurveyBound};
 use super::discovery::Discoveries;
 use super::distributed::evaluate_distributed;
 use super::error::RunError;
 use super::evaluation::{Evaluation, evaluate, survey_bound};
-use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
+use super::mission::{Performance, ReadyMission, Stage, UnalignedMap};
+use super::observer::{MapEnd, MissionEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use super::outcome::sum_up;
 use super::programs::Programs;
 use super::simulator::{Simulated, Simulator};
 use super::stop::Stop;
-use crate::summary::{ApplicationSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
+use crate::summary::{MapSummary, MissionSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
 /// A scenario that was run.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ pub struct Surveyed {
     pub bound: SurveyBound,
 }
 
-/// Runs `scenario`: simulates its survey, computes and measures its maps, and runs its applications. If `watch` stops the
+/// Runs `scenario`: simulates its survey, computes and measures its maps, and runs its missions. If `watch` stops the
 /// work, the result is what was done until then, and its summary says `interrupted`.
 ///
 /// # Errors
@@ -216,12 +216,7 @@ fn is_interrupted(outcome: Result<(), RunError>) -> Result<bool, RunError> {
 /// Tells `observer` that the survey begins.
 fn start_survey(scenario: &Scenario, observer: &mut dyn RunObserver) -> Result<(), RunError> {
     let robots: Vec<String> = scenario.robots_of_survey().map(|robot| robot.name.clone()).collect();
-    observer.simulation_started(&SimulationStart {
-        scenario,
-        application: None,
-        robots: &robots,
-        start: SimTime::ZERO,
-    })
+    observer.simulation_started(&SimulationStart { scenario, mission: None, robots: &robots, start: SimTime::ZERO })
 }
 
 /// Simulates the survey to its end.
@@ -292,24 +287,24 @@ impl Maps<'_> {
     }
 }
 
-/// Runs the applications one after the other, until the work is stopped. Returns their summaries, and whether it was.
+/// Runs the missions one after the other, until the work is stopped. Returns their summaries, and whether it was.
 fn apply_all(
     scenario: &Scenario,
     evaluations: &[Evaluation],
     survey: Option<&Survey>,
     observer: &mut dyn RunObserver,
     watch: &dyn Watch,
-) -> Result<(Vec<ApplicationSummary>, bool), RunError> {
+) -> Result<(Vec<MissionSummary>, bool), RunError> {
     let made: Vec<&UnalignedMap> = evaluations.iter().map(|evaluation| &evaluation.made).collect();
     let mut end = survey.map(|survey| survey.end);
     let mut summaries = Vec::new();
-    for application in scenario.applications() {
+    for mission in scenario.missions() {
         if watch.is_stopped() {
             return Ok((summaries, true));
         }
         let start = end.map_or(SimTime::ZERO, Phase::start_after);
         let stage = Stage { scenario, made: &made, survey, start };
-        let performance = perform(&stage, application, observer, watch)?;
+        let performance = perform(&stage, mission, observer, watch)?;
         end = Some(start + (performance.end - SimTime::ZERO));
         summaries.push(performance.summary);
     }
@@ -317,24 +312,19 @@ fn apply_all(
     Ok((summaries, interrupted))
 }
 
-/// Runs an application on one of the maps.
+/// Runs a mission on one of the maps.
 fn perform(
     stage: &Stage<'_>,
-    application: &Application,
+    mission: &PlannedMission,
     observer: &mut dyn RunObserver,
     watch: &dyn Watch,
 ) -> Result<Performance, RunError> {
     let Stage { scenario, start, .. } = *stage;
-    let ready = ReadyApplication::new(stage, application)?;
+    let ready = ReadyMission::new(stage, mission)?;
     let robots = ready.robots();
-    observer.simulation_started(&SimulationStart {
-        scenario,
-        application: Some(application),
-        robots: &robots,
-        start,
-    })?;
+    observer.simulation_started(&SimulationStart { scenario, mission: Some(mission), robots: &robots, start })?;
     let (survey, performance) = ready.run(&mut &mut *observer, watch);
-    let end = ApplicationEnd { scenario, application, start, survey: &survey, performance: &performance };
-    observer.application_finished(&end)?;
+    let end = MissionEnd { scenario, mission, start, survey: &survey, performance: &performance };
+    observer.mission_finished(&end)?;
     Ok(performance)
 }

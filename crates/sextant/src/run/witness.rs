@@ -1,4 +1,4 @@
-//! What happens in an application: where everybody truly is, and what the application works out.
+//! What happens in a mission: where everybody truly is, and what the mission works out.
 
 use sextant_channel::Position;
 use sextant_kernel::{SimTime, StationId};
@@ -7,7 +7,7 @@ use sextant_sim::{Estimate, Field, FieldId, Observer, TargetId};
 use sextant_recording::Way;
 use sextant_scenario::Scenario;
 
-/// What happened in an application; instants are those of its simulation.
+/// What happened in a mission; instants are those of its simulation.
 #[derive(Clone, Debug)]
 pub(super) struct Witness {
     /// The true ways of the robots.
@@ -33,7 +33,7 @@ pub(super) struct Captured {
 }
 
 impl Witness {
-    /// Of an application of this many robots in the world of `scenario`.
+    /// Of a mission of this many robots in the world of `scenario`.
     pub(super) fn new(scenario: &Scenario, robots: usize) -> Self {
         let targets = scenario.world().targets.len();
         Self {

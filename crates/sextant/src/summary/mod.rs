@@ -3,8 +3,6 @@
 //! Numbers are in SI units. A key that does not apply is absent. New keys may be added; existing keys do not change.
 //! Everything except [`Summary::timing`] depends on scenario and seed alone.
 
-mod applications;
-mod applications_table;
 mod distributed;
 mod distributed_table;
 mod gathering;
@@ -13,16 +11,14 @@ mod mac;
 mod mac_table;
 mod map;
 pub mod measures;
+mod missions;
+mod missions_table;
 mod results;
 mod robots;
 mod sensing;
 mod table;
 mod timing;
 
-pub(crate) use applications::SEARCH_INSTANTS_S;
-pub use applications::{
-    ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary, SearchInstant,
-};
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
 };
@@ -37,6 +33,8 @@ pub use map::{
 };
 pub(crate) use map::{NODE_ERRORS, POSITION_ERRORS_M};
 pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
+pub(crate) use missions::SEARCH_INSTANTS_S;
+pub use missions::{ArrivalSummary, MissionMessages, MissionRobot, MissionSummary, MissionTarget, SearchInstant};
 pub use results::{FaultsSummary, RegionSummary, ScenarioSummary, SimulationSummary, Summary};
 pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};
 pub use sensing::{SensingSummary, SensorErrorCounts};

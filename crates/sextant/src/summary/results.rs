@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::applications::ApplicationSummary;
 use super::gathering::{DiscoverySummary, GatheringSummary};
 use super::mac::MacSummary;
 use super::map::MapSummary;
+use super::missions::MissionSummary;
 use super::sensing::SensingSummary;
 use super::timing::Timing;
 use sextant_recording::output::{OutputError, write_file};
@@ -50,7 +50,7 @@ pub struct Summary {
     pub maps: Vec<MapSummary>,
     /// The applications, in the order of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub applications: Vec<ApplicationSummary>,
+    pub applications: Vec<MissionSummary>,
     /// Time and memory on this machine: the only part that differs from run to run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,

@@ -4,13 +4,13 @@ use std::io::{self, Write};
 
 use sextant_mapper::{Concern, Section};
 
-use super::applications_table;
 use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
 use super::map::{
     AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn, SectorsSummary,
 };
+use super::missions_table;
 use super::results::{RegionSummary, Summary};
 use super::timing::Timing;
 use crate::columns::{Align, columns};
@@ -76,7 +76,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         writeln!(out)?;
     }
     if !summary.applications.is_empty() {
-        applications_table::write(&summary.applications, out)?;
+        missions_table::write(&summary.applications, out)?;
     }
     if let Some(timing) = &summary.timing {
         writeln!(out, "{}", timing_line(timing))?;

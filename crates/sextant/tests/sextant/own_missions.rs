@@ -1,14 +1,14 @@
 //! Missions that stand in no file of a scenario.
 
 use sextant::Scenario;
-use sextant::scenario::{Application, ApplicationMap};
+use sextant::scenario::{MissionMap, PlannedMission};
 use sextant::sim::NetworkId;
 
 /// What is wrong with a mission that differs from one of the scenario by `change`: the key, and what is allowed.
-fn refused(change: impl FnOnce(&mut Application)) -> Option<(String, String)> {
+fn refused(change: impl FnOnce(&mut PlannedMission)) -> Option<(String, String)> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/target/case-1.toml");
     let scenario = Scenario::load(file).expect("a good scenario");
-    let mut mission = scenario.applications()[0].clone();
+    let mut mission = scenario.missions()[0].clone();
     mission.name = "another".to_owned();
     change(&mut mission);
     let error = scenario.with_mission(mission).err()?;
@@ -18,15 +18,15 @@ fn refused(change: impl FnOnce(&mut Application)) -> Option<(String, String)> {
 #[test]
 fn a_mission_that_the_scenario_cannot_have_is_refused_with_its_key() {
     assert_eq!(refused(|_| {}), None);
-    let key = |change: fn(&mut Application)| refused(change).map(|(key, _)| key);
+    let key = |change: fn(&mut PlannedMission)| refused(change).map(|(key, _)| key);
     assert_eq!(key(|mission| mission.name = "survey".to_owned()).as_deref(), Some("mission.name"));
     assert_eq!(key(|mission| mission.name = "detarsk-thesis".to_owned()).as_deref(), Some("mission.name"));
     assert_eq!(key(|mission| mission.name = "a/b".to_owned()).as_deref(), Some("mission.name"));
     assert_eq!(key(|mission| mission.network = NetworkId(7)).as_deref(), Some("network"));
     assert_eq!(key(|mission| mission.robots.clear()).as_deref(), Some("robots"));
     assert_eq!(key(|mission| mission.robots = vec![99]).as_deref(), Some("robots"));
-    assert_eq!(key(|mission| mission.map = ApplicationMap::Computed("none".to_owned())).as_deref(), Some("map"));
-    let short = ApplicationMap::File { name: "places.csv".to_owned(), places: vec![None] };
+    assert_eq!(key(|mission| mission.map = MissionMap::Computed("none".to_owned())).as_deref(), Some("map"));
+    let short = MissionMap::File { name: "places.csv".to_owned(), places: vec![None] };
     let (_, allowed) = refused(|mission| mission.map = short).expect("one place for many nodes");
     assert!(allowed.starts_with("a place, or none, for each of"), "{allowed}");
 }

@@ -50,14 +50,14 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
     let scenario = scenario?;
     let by_nodes: Vec<String> = scenario.distributed().map(|map| map.name.clone()).into_iter().collect();
     let maps = scenario.maps().iter().map(|named| named.name.clone());
-    let searches = scenario.applications().iter().filter(|application| application.goal().is_targets());
+    let searches = scenario.missions().iter().filter(|application| application.goal().is_targets());
     Ok(CellFacts {
         survey: scenario.survey_identity(),
         seed: scenario.seed().0,
         subjects: Subjects {
             maps: by_nodes.iter().cloned().chain(maps).collect(),
             by_nodes,
-            applications: scenario.applications().iter().map(|application| application.name.clone()).collect(),
+            applications: scenario.missions().iter().map(|application| application.name.clone()).collect(),
             searches: searches.map(|application| application.name.clone()).collect(),
         },
         text: Sha256::digest(scenario.text()).into(),

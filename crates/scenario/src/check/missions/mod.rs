@@ -1,7 +1,7 @@
 //! What robots and nodes do on maps, and the maps that nodes compute themselves.
 
-pub(crate) mod applications;
 pub(crate) mod distributed;
+pub(crate) mod planned;
 
 use sextant_kernel::{NodeId, SettingError};
 use sextant_sim::{MacConfig, Network};

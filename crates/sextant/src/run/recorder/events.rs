@@ -42,7 +42,7 @@ impl Observer for RunRecorder {
     }
 
     fn met(&mut self, contact: Contact) {
-        // What a robot meets in an application is not knowledge of the survey.
+        // What a robot meets in a mission is not knowledge of the survey.
         if self.simulation.application.is_none() {
             self.record(contact.time, |recorder, simulation, _| {
                 recorder.contact(&simulation.robots[contact.robot.index()].name, &contact)

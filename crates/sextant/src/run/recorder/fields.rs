@@ -31,8 +31,8 @@ pub(super) fn record(
     Ok(())
 }
 
-/// Records `fields` in the phase of an application, which lasts `end` and begins after `offset` in the recording: at the
-/// instants that the scenario names and, if the application `seeks` a source, also at the beginning.
+/// Records `fields` in the phase of a mission, which lasts `end` and begins after `offset` in the recording: at the
+/// instants that the scenario names and, if the mission `seeks` a source, also at the beginning.
 pub(super) fn record_phase(
     scenario: &Scenario,
     fields: &[Field],

@@ -1,10 +1,10 @@
 //! The recording of a run, as an observer.
 
 mod air;
-mod application;
 mod events;
 mod fields;
 mod maps;
+mod mission;
 mod opening;
 mod packets;
 mod track;
@@ -20,7 +20,7 @@ use sextant_sim::{Field, NetworkId};
 
 use super::ending;
 use super::error::RunError;
-use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
+use super::observer::{MapEnd, MissionEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use crate::summary::Summary;
 use air::Air;
 use track::CommandTrack;
@@ -60,7 +60,7 @@ struct RecordedSimulation {
     network_names: Vec<String>,
     /// From time 0 of the recording to time 0 of the simulation.
     offset: Duration,
-    /// Name of the application that is simulated; `None` for the survey.
+    /// Name of the mission that is simulated; `None` for the survey.
     application: Option<String>,
     /// Where the nodes really are (m).
     nodes: Vec<Position>,
@@ -86,7 +86,7 @@ impl RecordedSimulation {
             others,
             network_names,
             offset: start.start - SimTime::ZERO,
-            application: start.application.map(|application| application.name.clone()),
+            application: start.mission.map(|mission| mission.name.clone()),
             nodes: scenario.world().nodes.iter().map(|node| node.position).collect(),
             sinks: scenario.config().sinks.iter().map(|sink| sink.position_m).collect(),
             air: Air::default(),
@@ -140,7 +140,7 @@ impl RunRecorder {
 
 impl RunObserver for RunRecorder {
     fn run_started(&mut self, start: &RunStart<'_>) -> Result<(), RunError> {
-        self.has_applications = !start.scenario.applications().is_empty();
+        self.has_applications = !start.scenario.missions().is_empty();
         let recorder = self.recorder.insert(FileRecorder::create(&self.path)?);
         if let Some(relay) = self.relay.take() {
             recorder.set_relay(relay);
@@ -153,8 +153,8 @@ impl RunObserver for RunRecorder {
     fn simulation_started(&mut self, start: &SimulationStart<'_>) -> Result<(), RunError> {
         self.simulation = RecordedSimulation::new(start);
         let recorder = self.file();
-        if let Some(application) = start.application {
-            application::open(recorder, start, application)?;
+        if let Some(mission) = start.mission {
+            mission::open(recorder, start, mission)?;
         }
         set_sensitivities(recorder, start.scenario);
         Ok(())
@@ -187,10 +187,10 @@ impl RunObserver for RunRecorder {
         maps::record(self.file(), map)
     }
 
-    fn application_finished(&mut self, end: &ApplicationEnd<'_>) -> Result<(), RunError> {
+    fn mission_finished(&mut self, end: &MissionEnd<'_>) -> Result<(), RunError> {
         self.check()?;
         let recorder = self.recorder.as_mut().expect("the file is created when the run begins");
-        let phase = application::close(recorder, &mut self.simulation, end)?;
+        let phase = mission::close(recorder, &mut self.simulation, end)?;
         self.phases.push(phase);
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::summary::{
-    ApplicationSummary, ConnectivitySummary, DistributedSummary, EnergySummary, MapSummary, SEARCH_INSTANTS_S,
+    ConnectivitySummary, DistributedSummary, EnergySummary, MapSummary, MissionSummary, SEARCH_INSTANTS_S,
 };
 
 /// Upper edges of the bins of the error of neighbour scattering that have columns.
@@ -96,7 +96,7 @@ fn of_scattering(work: &DistributedSummary, derived: &mut Derived) {
 }
 
 /// Those of an application: counts, rates, arrivals, and the course of a search.
-pub(super) fn of_application(application: &ApplicationSummary) -> Derived {
+pub(super) fn of_mission(application: &MissionSummary) -> Derived {
     let mut derived = Derived::new();
     let mut add = |name: &str, value: Option<f64>| {
         derived.extend(value.map(|value| (name.to_owned(), value)));
@@ -153,13 +153,13 @@ mod tests {
             prediction_error_m: Some(100.0 + i as f64),
         };
         let course = (0..SEARCH_INSTANTS_S.len()).map(instant).collect();
-        let derived = of_application(&ApplicationSummary { course, ..ApplicationSummary::default() });
+        let derived = of_mission(&MissionSummary { course, ..MissionSummary::default() });
         for (i, time_s) in SEARCH_INSTANTS_S.into_iter().enumerate() {
             let found = |what: &str| derived.get(&format!("{what}.at_{time_s}_s")).copied();
             assert_eq!(found("distance_to_target_m"), Some(i as f64));
             assert_eq!(found("prediction_error_m"), Some(100.0 + i as f64));
         }
-        assert!(!of_application(&ApplicationSummary::default()).contains_key("distance_to_target_m.at_4_s"));
+        assert!(!of_mission(&MissionSummary::default()).contains_key("distance_to_target_m.at_4_s"));
     }
 
     fn scattered(scattering: Vec<(f64, usize, f64, f64)>) -> Derived {

@@ -20,7 +20,7 @@ pub struct Measure {
 pub(super) enum Of {
     Run,
     Map(String),
-    Application(String),
+    Mission(String),
 }
 
 /// There is no measure of this path.
@@ -79,7 +79,7 @@ impl Measure {
         match &self.of {
             Of::Run => of_run_shortened(path).to_owned(),
             Of::Map(_) => path.to_owned(),
-            Of::Application(_) => self.path(),
+            Of::Mission(_) => self.path(),
         }
     }
 
@@ -90,7 +90,7 @@ impl Measure {
         let path = self.known.path;
         match &self.of {
             Of::Run => of_run_shortened(path).to_owned(),
-            Of::Map(name) | Of::Application(name) => format!("{name}.{path}"),
+            Of::Map(name) | Of::Mission(name) => format!("{name}.{path}"),
         }
     }
 
@@ -101,7 +101,7 @@ impl Measure {
         match &self.of {
             Of::Run => path.to_owned(),
             Of::Map(name) => format!("maps.{name}.{path}"),
-            Of::Application(name) => format!("applications.{name}.{path}"),
+            Of::Mission(name) => format!("applications.{name}.{path}"),
         }
     }
 
@@ -138,7 +138,7 @@ impl Measure {
     pub fn map(&self) -> Option<&str> {
         match &self.of {
             Of::Map(name) => Some(name),
-            Of::Run | Of::Application(_) => None,
+            Of::Run | Of::Mission(_) => None,
         }
     }
 
@@ -150,7 +150,7 @@ impl Measure {
             return Some(Self { of: Of::Run, known });
         }
         match column.strip_prefix("applications.") {
-            Some(rest) => named(rest, Of::Application, || known::of_application(true)),
+            Some(rest) => named(rest, Of::Mission, || known::of_mission(true)),
             None => {
                 let known = known::of_map(true).find(|known| known.path == column)?;
                 Some(Self { of: Of::Map(map.to_owned()), known })
@@ -178,7 +178,7 @@ impl FromStr for Measure {
         };
         let found = match path.split_once('.') {
             Some(("maps", rest)) => named(rest, Of::Map, || known::of_map(true)),
-            Some(("applications", rest)) => named(rest, Of::Application, || known::of_application(true)),
+            Some(("applications", rest)) => named(rest, Of::Mission, || known::of_mission(true)),
             _ => of_run(),
         };
         found.ok_or_else(|| UnknownMeasure(path.to_owned()))
@@ -214,8 +214,8 @@ pub fn all(subjects: &Subjects) -> Vec<Measure> {
         measures.extend(numbers.map(|number| measure(Of::Map(map.clone()), number)));
     }
     for name in applications {
-        let numbers = known::of_application(searches.contains(name));
-        measures.extend(numbers.map(|number| measure(Of::Application(name.clone()), number)));
+        let numbers = known::of_mission(searches.contains(name));
+        measures.extend(numbers.map(|number| measure(Of::Mission(name.clone()), number)));
     }
     measures
 }
@@ -225,7 +225,7 @@ mod tests {
     use super::super::numbers::Numbers;
     use super::*;
     use crate::summary::{
-        ApplicationSummary, DistributedSummary, EnergySummary, ErrorSummary, GatheringSummary, MapSummary,
+        DistributedSummary, EnergySummary, ErrorSummary, GatheringSummary, MapSummary, MissionSummary,
         SectorsSummary, Summary,
     };
 
@@ -247,8 +247,7 @@ mod tests {
             ..MapSummary::default()
         };
         let gathering = GatheringSummary { stops: 12, energy_j: Some(energy), ..GatheringSummary::default() };
-        let search =
-            ApplicationSummary { name: "p-g".into(), captured: Some(false), ..ApplicationSummary::default() };
+        let search = MissionSummary { name: "p-g".into(), captured: Some(false), ..MissionSummary::default() };
         let (maps, applications) = (vec![map], vec![search]);
         let summary = Summary { gathering: Some(gathering), maps, applications, ..Summary::default() };
         let numbers = Numbers::of(&summary);

@@ -27,7 +27,7 @@ impl Numbers {
         let applications = summary
             .applications
             .iter()
-            .map(|application| (Of::Application(application.name.clone()), derived::of_application(application)));
+            .map(|application| (Of::Mission(application.name.clone()), derived::of_mission(application)));
         let mut numbers = BTreeMap::new();
         let parts = list(&mut tree, "maps").into_iter().zip(maps);
         for (part, (of, derived)) in parts.chain(list(&mut tree, "applications").into_iter().zip(applications)) {

@@ -1,8 +1,8 @@
 //! What is measured: the numbers of a run, of a map and of an application, by path, in the order of the columns of tables.
 //! A path leads through the keys of the summary, or is a name that [`derived`](super::derived) works out.
 
-mod application;
 mod map;
+mod mission;
 mod run;
 
 use super::unit::Unit::{self, Count, Joule, MeanCount, Metre, Second, Share};
@@ -37,8 +37,8 @@ pub(super) fn of_map(is_by_nodes: bool) -> impl Iterator<Item = KnownMeasure<'st
 }
 
 /// All of an application that may be a search for targets.
-pub(super) fn of_application(is_search: bool) -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(application::APPLICATION, if is_search { application::COURSE.as_slice() } else { Default::default() })
+pub(super) fn of_mission(is_search: bool) -> impl Iterator<Item = KnownMeasure<'static>> {
+    all(mission::APPLICATION, if is_search { mission::COURSE.as_slice() } else { Default::default() })
 }
 
 /// All of a run in which nodes may compute a map.
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn each_number_has_a_name_of_its_own_that_fits_on_an_axis() {
-        for numbers in [of_run(true).collect::<Vec<_>>(), of_map(true).collect(), of_application(true).collect()] {
+        for numbers in [of_run(true).collect::<Vec<_>>(), of_map(true).collect(), of_mission(true).collect()] {
             let mut names = Vec::new();
             for KnownMeasure { path, meaning, .. } in numbers {
                 let name = meaning.split(':').next().unwrap_or_default();

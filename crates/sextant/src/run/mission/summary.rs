@@ -1,4 +1,4 @@
-//! The summary of an application.
+//! The summary of a mission.
 
 use std::time::Duration;
 
@@ -6,36 +6,34 @@ use sextant_apps::{MissionArrival, MissionGoal, MissionOutcome, SoughtField};
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::Way;
-use sextant_scenario::{Application, Scenario};
+use sextant_scenario::{PlannedMission, Scenario};
 use sextant_sim::{Estimate, Field, Survey};
 
 use super::maps::WorkingMap;
 use super::score::{self, Scored};
 use crate::run::outcome::sensor_errors;
 use crate::run::witness::Witness;
-use crate::summary::{
-    ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary, EnergySummary,
-};
+use crate::summary::{ArrivalSummary, EnergySummary, MissionMessages, MissionRobot, MissionSummary, MissionTarget};
 
-/// The summary of `application`, from what its stations did and what truly happened.
+/// The summary of `mission`, from what its stations did and what truly happened.
 pub(super) fn sum_up(
     scenario: &Scenario,
-    application: &Application,
+    mission: &PlannedMission,
     map: &WorkingMap,
     (survey, outcome): (&Survey, MissionOutcome),
     (witness, scored): (&Witness, &[Scored]),
-) -> ApplicationSummary {
+) -> MissionSummary {
     let nodes = scenario.world().nodes.len();
-    let record = &survey.networks[application.network.index()];
+    let record = &survey.networks[mission.network.index()];
     let errors_m = map.placement.errors_m();
     let map_error_m = (!errors_m.is_empty()).then(|| errors_m.iter().sum::<f64>() / errors_m.len() as f64);
     let energy = survey.energy;
-    let network = &scenario.networks()[application.network.index()];
+    let network = &scenario.networks()[mission.network.index()];
     let is_member: Vec<bool> = (0..nodes).map(|node| network.has(NodeId::from_index(node))).collect();
-    let summary = ApplicationSummary {
-        name: application.name.clone(),
-        algorithm: application.algorithm,
-        map: application.map.name().to_owned(),
+    let summary = MissionSummary {
+        name: mission.name.clone(),
+        algorithm: mission.algorithm,
+        map: mission.map.name().to_owned(),
         map_error_m,
         sim_time_s: survey.end.as_secs_f64(),
         events: survey.events,
@@ -43,27 +41,27 @@ pub(super) fn sum_up(
         path_length_m: survey.robots.iter().map(|robot| robot.path_length_m).sum(),
         nodes: is_member.iter().filter(|&&is_member| is_member).count(),
         nodes_on_map: is_member.iter().zip(&map.places).filter(|&(&is, place)| is && place.is_some()).count(),
-        sinks: sinks(scenario, application),
-        robots: robots(application, survey, witness, nodes),
+        sinks: sinks(scenario, mission),
+        robots: robots(mission, survey, witness, nodes),
         prediction_error_m: score::errors(scored, |estimate| matches!(estimate, Estimate::TargetPlace { .. })),
         own_place_error_m: score::errors(scored, |estimate| matches!(estimate, Estimate::OwnPlace(_))),
         field_error: score::errors(scored, |estimate| matches!(estimate, Estimate::FieldValue { .. })),
         sensor_errors: sensor_errors(scenario, survey),
-        messages: ApplicationMessages {
+        messages: MissionMessages {
             sent: record.packets.iter().map(|packets| packets.sent).sum(),
             kinds: outcome.messages,
             octets: Some(outcome.octets),
         },
         steps: outcome.steps,
         energy_j: EnergySummary { tx: energy.tx_j, rx: energy.rx_j, idle: energy.idle_j + energy.sleep_j },
-        ..ApplicationSummary::default()
+        ..MissionSummary::default()
     };
-    match application.goal() {
+    match mission.goal() {
         MissionGoal::Targets => {
-            let summary = of_search(summary, targets(scenario, application, witness));
+            let summary = of_search(summary, targets(scenario, mission, witness));
             let captured = summary.captured == Some(true);
-            let course = score::course((witness, scored), (application.duration, survey.end), captured);
-            ApplicationSummary { course, ..summary }
+            let course = score::course((witness, scored), (mission.duration, survey.end), captured);
+            MissionSummary { course, ..summary }
         }
         MissionGoal::Field(sought) => of_seeking(scenario, sought, summary, &outcome.arrivals, witness),
         MissionGoal::Other => summary,
@@ -71,18 +69,18 @@ pub(super) fn sum_up(
 }
 
 /// Names of the sinks of its network.
-fn sinks(scenario: &Scenario, application: &Application) -> Vec<String> {
+fn sinks(scenario: &Scenario, mission: &PlannedMission) -> Vec<String> {
     let setup = scenario.setup();
-    let is_in = |sink: &&sextant_sim::Sink| sink.is_in(application.network);
+    let is_in = |sink: &&sextant_sim::Sink| sink.is_in(mission.network);
     setup.sinks.iter().filter(is_in).map(|sink| sink.name.clone()).collect()
 }
 
-fn robots(application: &Application, survey: &Survey, witness: &Witness, nodes: usize) -> Vec<ApplicationRobot> {
-    let energy = &survey.networks[application.network.index()].energy;
-    let robot = |(i, record): (usize, &sextant_sim::RobotRecord)| ApplicationRobot {
+fn robots(mission: &PlannedMission, survey: &Survey, witness: &Witness, nodes: usize) -> Vec<MissionRobot> {
+    let energy = &survey.networks[mission.network.index()].energy;
+    let robot = |(i, record): (usize, &sextant_sim::RobotRecord)| MissionRobot {
         name: record.name.clone(),
         path_length_m: record.path_length_m,
-        captures: application
+        captures: mission
             .goal()
             .is_targets()
             .then(|| witness.captures.iter().filter(|captured| captured.robot == i).count()),
@@ -92,11 +90,11 @@ fn robots(application: &Application, survey: &Survey, witness: &Witness, nodes: 
 }
 
 /// What became of each target.
-fn targets(scenario: &Scenario, application: &Application, witness: &Witness) -> Vec<ApplicationTarget> {
-    let robot = |number: usize| scenario.bodies()[application.robots[number]].name.clone();
+fn targets(scenario: &Scenario, mission: &PlannedMission, witness: &Witness) -> Vec<MissionTarget> {
+    let robot = |number: usize| scenario.bodies()[mission.robots[number]].name.clone();
     let target = |(i, target): (usize, &sextant_sim::Target)| {
         let captured = witness.captures.iter().find(|captured| captured.target.index() == i);
-        ApplicationTarget {
+        MissionTarget {
             name: target.name().to_owned(),
             captured_s: captured.map(|captured| captured.time.as_secs_f64()),
             robot: captured.map(|captured| robot(captured.robot)),
@@ -106,9 +104,9 @@ fn targets(scenario: &Scenario, application: &Application, witness: &Witness) ->
     scenario.world().targets.iter().enumerate().map(target).collect()
 }
 
-fn of_search(summary: ApplicationSummary, targets: Vec<ApplicationTarget>) -> ApplicationSummary {
+fn of_search(summary: MissionSummary, targets: Vec<MissionTarget>) -> MissionSummary {
     let times: Option<Vec<f64>> = targets.iter().map(|target| target.captured_s).collect();
-    ApplicationSummary {
+    MissionSummary {
         captured: Some(times.is_some()),
         time_s: times.and_then(|times| times.into_iter().reduce(f64::max)),
         targets,
@@ -119,10 +117,10 @@ fn of_search(summary: ApplicationSummary, targets: Vec<ApplicationTarget>) -> Ap
 fn of_seeking(
     scenario: &Scenario,
     sought: SoughtField,
-    summary: ApplicationSummary,
+    summary: MissionSummary,
     arrivals: &[MissionArrival],
     witness: &Witness,
-) -> ApplicationSummary {
+) -> MissionSummary {
     let field = &witness.fields[sought.field.index()];
     let arrival = |arrival: &MissionArrival| {
         let (place, time) = (witness.robot_at(arrival.robot, arrival.time), before(arrival.time));
@@ -138,7 +136,7 @@ fn of_seeking(
     arrivals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let along = witness.robots.iter().flat_map(|way| way.points());
     let largest = along.map(|&(time, place)| field.value(place, before(time))).max_by(f64::total_cmp);
-    ApplicationSummary {
+    MissionSummary {
         arrived: Some(!arrivals.is_empty()),
         time_s: arrivals.first().map(|arrival| arrival.time_s),
         source_m: arrivals.first().and_then(|arrival| arrival.source_m),

@@ -12,7 +12,7 @@ use crate::target_search::{DetarskConfig, PGConfig};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct ApplicationConfig {
+pub struct MissionConfig {
     /// Name in tables and recordings; that of the algorithm if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,

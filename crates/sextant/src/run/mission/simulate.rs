@@ -1,33 +1,33 @@
-//! The simulation of an application.
+//! The simulation of a mission.
 
 use std::sync::Arc;
 
 use sextant_apps::navigation::NavigationMap;
 use sextant_apps::{MissionOutcome, MissionTeam};
-use sextant_scenario::{Application, Scenario};
+use sextant_scenario::{PlannedMission, Scenario};
 use sextant_sim::{Network, ReadySimulation, Robot, RobotBody, RobotTask, Setup, Survey, TrafficPlan};
 
 use super::maps::WorkingMap;
 use crate::run::error::RunError;
 
-/// The simulation of `application` on its map, ready to run. Robots that have surveyed start where the `survey` ended for
+/// The simulation of `mission` on its map, ready to run. Robots that have surveyed start where the `survey` ended for
 /// them.
 pub(super) fn prepared(
     scenario: &Scenario,
-    application: &Application,
+    mission: &PlannedMission,
     map: &WorkingMap,
     survey: Option<&Survey>,
 ) -> Result<ReadySimulation<'static, MissionOutcome>, RunError> {
     let whole = scenario.setup();
     let bodies: Vec<RobotBody> =
-        application.robots.iter().map(|&robot| body(&scenario.bodies()[robot], application, survey)).collect();
+        mission.robots.iter().map(|&robot| body(&scenario.bodies()[robot], mission, survey)).collect();
     let nodes = &whole.world.nodes;
     let traffic = TrafficPlan::silent(nodes.len());
     let networks = whole.networks.into_iter().map(|network| Network { traffic: traffic.clone(), ..network });
     let networks: Vec<Network> = networks.collect();
     let known = NavigationMap::new(map.places.clone(), map.frame).map(Arc::new);
     let known = known.expect("a map with fewer than three places is refused before");
-    let radio = networks[application.network.index()].technology.ieee802154();
+    let radio = networks[mission.network.index()].technology.ieee802154();
     let radio = &radio.expect("the check of the scenario refuses applications over other technologies").radio;
     let radio = radio.clone();
     let own = |body: &RobotBody| Robot { body: body.clone(), task: RobotTask::Own };
@@ -37,18 +37,18 @@ pub(super) fn prepared(
         robots: &bodies,
         sinks: whole.sinks.len(),
         targets: whole.world.targets.len(),
-        network: application.network,
+        network: mission.network,
         radio: &radio,
-        duration: application.duration,
+        duration: mission.duration,
     };
-    let setup = Setup { networks, robots, duration: Some(application.duration), ..whole };
-    Ok(Arc::clone(&application.mission).prepare(&known, team, setup)?)
+    let setup = Setup { networks, robots, duration: Some(mission.duration), ..whole };
+    Ok(Arc::clone(&mission.mission).prepare(&known, team, setup)?)
 }
 
-/// The body of a robot in the network of the application, where it starts.
-fn body(body: &RobotBody, application: &Application, survey: Option<&Survey>) -> RobotBody {
+/// The body of a robot in the network of the mission, where it starts.
+fn body(body: &RobotBody, mission: &PlannedMission, survey: Option<&Survey>) -> RobotBody {
     let ended = survey.and_then(|survey| survey.robots.iter().find(|robot| robot.name == body.name));
-    let networks = vec![application.network];
+    let networks = vec![mission.network];
     match ended {
         None => RobotBody { networks, ..body.clone() },
         Some(ended) => RobotBody {

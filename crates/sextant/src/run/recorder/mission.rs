@@ -1,48 +1,48 @@
-//! An application in the recording of a run.
+//! A mission in the recording of a run.
 
 use std::time::Duration;
 
 use sextant_kernel::{SimTime, StationId};
 use sextant_recording::messages::{ApplicationMessage, CaptureMessage, EstimateMessage};
 use sextant_recording::{FileRecorder, Level, Phase, RecordingError};
-use sextant_scenario::{Application, Scenario};
+use sextant_scenario::{PlannedMission, Scenario};
 use sextant_sim::Estimate;
 
 use super::{RecordedSimulation, fields};
-use crate::run::application::{Scored, distances_to_target};
-use crate::run::observer::{ApplicationEnd, SimulationStart};
+use crate::run::mission::{Scored, distances_to_target};
+use crate::run::observer::{MissionEnd, SimulationStart};
 use crate::run::witness::Witness;
 
-/// Records that an application begins.
+/// Records that a mission begins.
 pub(super) fn open(
     recorder: &mut FileRecorder,
     start: &SimulationStart<'_>,
-    application: &Application,
+    mission: &PlannedMission,
 ) -> Result<(), RecordingError> {
-    recorder.application(start.start, &description(start.scenario, application, start.robots))?;
-    let note = format!("begins on the map `{}`", application.map.name());
-    recorder.note(start.start, Level::Info, &application.name, &note)
+    recorder.application(start.start, &description(start.scenario, mission, start.robots))?;
+    let note = format!("begins on the map `{}`", mission.map.name());
+    recorder.note(start.start, Level::Info, &mission.name, &note)
 }
 
 /// Records what is known at the end of an application, and returns its phase.
 pub(super) fn close(
     recorder: &mut FileRecorder,
     simulation: &mut RecordedSimulation,
-    end: &ApplicationEnd<'_>,
+    end: &MissionEnd<'_>,
 ) -> Result<Phase, RecordingError> {
-    let ApplicationEnd { scenario, application, start, survey, performance } = *end;
-    let (name, offset) = (&application.name, simulation.offset);
+    let MissionEnd { scenario, mission, start, survey, performance } = *end;
+    let (name, offset) = (&mission.name, simulation.offset);
     let stop = survey.end + offset;
     for track in &mut simulation.robots {
         recorder.application_path(stop, name, &track.name, &track.places)?;
         track.close(stop, Some(name), recorder)?;
         track.stay(stop, recorder)?;
     }
-    let seeks = application.goal().field().is_some();
+    let seeks = mission.goal().field().is_some();
     simulation.air.draw(offset, recorder)?;
     fields::record_phase(scenario, &simulation.fields, (survey.end, offset), seeks, recorder)?;
     let names: Vec<String> = simulation.robots.iter().map(|track| track.name.clone()).collect();
-    let recording = Recording { scenario, application, names: &names, offset };
+    let recording = Recording { scenario, mission, names: &names, offset };
     recording.captures(&performance.witness, recorder)?;
     recording.estimates(&performance.scored, recorder)?;
     recording.distances(&performance.witness, survey.end, recorder)?;
@@ -51,12 +51,12 @@ pub(super) fn close(
     Ok(Phase { name: name.clone(), start, end: stop })
 }
 
-fn description(scenario: &Scenario, application: &Application, robots: &[String]) -> ApplicationMessage {
-    let sought = application.goal().field();
+fn description(scenario: &Scenario, mission: &PlannedMission, robots: &[String]) -> ApplicationMessage {
+    let sought = mission.goal().field();
     ApplicationMessage {
-        name: application.name.clone(),
-        algorithm: application.algorithm.to_owned(),
-        map: application.map.name().to_owned(),
+        name: mission.name.clone(),
+        algorithm: mission.algorithm.to_owned(),
+        map: mission.map.name().to_owned(),
         robots: robots.to_vec(),
         field: sought
             .map_or_else(String::new, |sought| scenario.world().fields[sought.field.index()].name().to_owned()),
@@ -67,7 +67,7 @@ fn description(scenario: &Scenario, application: &Application, robots: &[String]
 /// The recording of what was found after the simulation.
 struct Recording<'a> {
     scenario: &'a Scenario,
-    application: &'a Application,
+    mission: &'a PlannedMission,
     /// Names of the robots.
     names: &'a [String],
     offset: Duration,
@@ -86,7 +86,7 @@ impl Recording<'_> {
                 y_m: place.y_m,
                 z_m: place.z_m,
             };
-            recorder.capture(&self.application.name, &message)
+            recorder.capture(&self.mission.name, &message)
         })
     }
 
@@ -94,12 +94,12 @@ impl Recording<'_> {
     fn estimates(&self, scored: &[Scored], recorder: &mut FileRecorder) -> Result<(), RecordingError> {
         for scored in scored {
             let time = scored.time + self.offset;
-            recorder.estimate(&self.application.name, &self.message(scored))?;
+            recorder.estimate(&self.mission.name, &self.message(scored))?;
             if let Some(place) = scored.place {
                 let of = (self.station(scored.station), what(&scored.estimate));
-                recorder.estimated_place(time, &self.application.name, of, (place, scored.error))?;
+                recorder.estimated_place(time, &self.mission.name, of, (place, scored.error))?;
             }
-            let series = |what: &str| format!("{}/{}/{what}", self.application.name, self.station(scored.station));
+            let series = |what: &str| format!("{}/{}/{what}", self.mission.name, self.station(scored.station));
             match (scored.estimate, scored.error) {
                 (Estimate::OwnPlace(_), Some(error_m)) => recorder.metric(time, &series("map_error_m"), error_m)?,
                 (Estimate::TargetPlace { .. }, Some(error_m)) => {
@@ -119,11 +119,11 @@ impl Recording<'_> {
 
     /// The distance of each robot to the nearest target, if there are targets to search.
     fn distances(&self, witness: &Witness, end: SimTime, recorder: &mut FileRecorder) -> Result<(), RecordingError> {
-        if !self.application.goal().is_targets() {
+        if !self.mission.goal().is_targets() {
             return Ok(());
         }
         for (robot, name) in self.names.iter().enumerate() {
-            let series = format!("{}/{name}/distance_to_target_m", self.application.name);
+            let series = format!("{}/{name}/distance_to_target_m", self.mission.name);
             for (time, distance_m) in distances_to_target(witness, robot, end) {
                 recorder.metric(time + self.offset, &series, distance_m)?;
             }

@@ -1,29 +1,29 @@
-//! Applications as a printed table.
+//! Missions as a printed table.
 
 use std::io::{self, Write};
 
-use super::applications::{ApplicationSummary, ApplicationTarget, ArrivalSummary};
+use super::missions::{ArrivalSummary, MissionSummary, MissionTarget};
 use super::sensing::SensorErrorCounts;
 use crate::columns::{Align, columns};
 
-/// Writes one row for each application, and what it took below.
-pub(super) fn write(applications: &[ApplicationSummary], out: &mut impl Write) -> io::Result<()> {
+/// Writes one row for each mission, and what it took below.
+pub(super) fn write(missions: &[MissionSummary], out: &mut impl Write) -> io::Result<()> {
     let header =
         ["application", "algorithm", "map", "map error", "result", "time", "prediction error", "path", "energy"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
-    for application in applications {
+    for mission in missions {
         let metres = |length_m: Option<f64>| length_m.map_or_else(|| "-".to_owned(), |m| format!("{m:.2} m"));
-        let seconds = application.time_s.map_or_else(|| "-".to_owned(), |time_s| format!("{time_s:.1} s"));
-        let energy = application.energy_j;
+        let seconds = mission.time_s.map_or_else(|| "-".to_owned(), |time_s| format!("{time_s:.1} s"));
+        let energy = mission.energy_j;
         rows.push(vec![
-            application.name.clone(),
-            application.algorithm.to_owned(),
-            application.map.clone(),
-            metres(application.map_error_m),
-            result(application),
+            mission.name.clone(),
+            mission.algorithm.to_owned(),
+            mission.map.clone(),
+            metres(mission.map_error_m),
+            result(mission),
             seconds,
-            metres(application.prediction_error_m.map(|error| error.mean)),
-            format!("{:.1} m", application.path_length_m),
+            metres(mission.prediction_error_m.map(|error| error.mean)),
+            format!("{:.1} m", mission.path_length_m),
             format!("{:.1} J", energy.tx + energy.rx + energy.idle),
         ]);
     }
@@ -39,17 +39,17 @@ pub(super) fn write(applications: &[ApplicationSummary], out: &mut impl Write) -
         Align::Right,
     ];
     columns(&rows, &align, out)?;
-    for application in applications {
-        details(application, out)?;
+    for mission in missions {
+        details(mission, out)?;
     }
     writeln!(out)
 }
 
 /// What it came to, in words.
-fn result(application: &ApplicationSummary) -> String {
-    let captured = application.targets.iter().filter(|target| target.captured_s.is_some()).count();
-    match (application.captured, application.arrived) {
-        (Some(_), _) => format!("{captured} of {} captured", application.targets.len()),
+fn result(mission: &MissionSummary) -> String {
+    let captured = mission.targets.iter().filter(|target| target.captured_s.is_some()).count();
+    match (mission.captured, mission.arrived) {
+        (Some(_), _) => format!("{captured} of {} captured", mission.targets.len()),
         (None, Some(true)) => "arrived".to_owned(),
         (None, Some(false)) => "did not arrive".to_owned(),
         (None, None) => "-".to_owned(),
@@ -57,33 +57,29 @@ fn result(application: &ApplicationSummary) -> String {
 }
 
 /// Robots, captures, arrivals and messages, one line each.
-fn details(application: &ApplicationSummary, out: &mut impl Write) -> io::Result<()> {
-    let name = &application.name;
-    writeln!(out, "{name}: {}", application.participants())?;
-    for target in &application.targets {
+fn details(mission: &MissionSummary, out: &mut impl Write) -> io::Result<()> {
+    let name = &mission.name;
+    writeln!(out, "{name}: {}", mission.participants())?;
+    for target in &mission.targets {
         writeln!(out, "{name}: {} {}", target.name, fate(target))?;
     }
-    for arrival in &application.arrivals {
+    for arrival in &mission.arrivals {
         let ArrivalSummary { robot, time_s, believed, value, source_m } = arrival;
         let source = source_m.map_or_else(String::new, |source_m| format!(", {source_m:.2} m from the source"));
         writeln!(out, "{name}: {robot} arrived after {time_s:.1} s, at {value:.2} (believed {believed:.2}){source}")?;
     }
-    if let Some(largest) = application.largest_value {
-        let sought = application.level.map_or_else(|| "the source".to_owned(), |level| format!("{level:.2}"));
-        let least = application.law_minimum_s.map_or_else(String::new, |least_s| {
+    if let Some(largest) = mission.largest_value {
+        let sought = mission.level.map_or_else(|| "the source".to_owned(), |level| format!("{level:.2}"));
+        let least = mission.law_minimum_s.map_or_else(String::new, |least_s| {
             format!(", which the control law reaches in the exact field in no less than {least_s:.1} s")
         });
         writeln!(out, "{name}: sought {sought}{least}; largest value on the way {largest:.2}")?;
     }
-    if let Some(SensorErrorCounts { missed_detections, false_detections }) = application.sensor_errors {
+    if let Some(SensorErrorCounts { missed_detections, false_detections }) = mission.sensor_errors {
         writeln!(out, "{name}: sensors: {missed_detections} missed and {false_detections} false detections")?;
     }
-    let kinds: Vec<String> = application
-        .messages
-        .kinds
-        .iter()
-        .map(|(kind, count)| format!("{count} {}", kind.replace('_', " ")))
-        .collect();
+    let kinds: Vec<String> =
+        mission.messages.kinds.iter().map(|(kind, count)| format!("{count} {}", kind.replace('_', " "))).collect();
     if !kinds.is_empty() {
         writeln!(out, "{name}: messages: {}", kinds.join(", "))?;
     }
@@ -91,7 +87,7 @@ fn details(application: &ApplicationSummary, out: &mut impl Write) -> io::Result
 }
 
 /// What became of a target.
-fn fate(target: &ApplicationTarget) -> String {
+fn fate(target: &MissionTarget) -> String {
     match (target.captured_s, target.left_s) {
         (Some(time_s), _) => {
             let by = target.robot.as_ref().map_or_else(String::new, |robot| format!(" by {robot}"));

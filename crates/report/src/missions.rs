@@ -10,7 +10,7 @@ use super::world::{Body, Way};
 
 /// An application.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Application {
+pub struct ReportedMission {
     /// Its name.
     pub name: String,
     /// Its algorithm.
@@ -77,7 +77,7 @@ pub struct TimeSeries {
     pub values: Column,
 }
 
-impl Application {
+impl ReportedMission {
     /// What is recorded of an application.
     pub(super) fn of(recorded: &RecordedApplication, frame: &Frame) -> Self {
         let RecordedApplication { target_places, captures, .. } = recorded;

@@ -1,14 +1,14 @@
-//! The maps that applications are given.
+//! The maps that missions are given.
 
 use sextant_apps::navigation::MapFrame;
 use sextant_channel::Position;
 use sextant_mapper::{CoordinateFrame, Reflection, TopologyMap};
-use sextant_scenario::{Application, ApplicationMap, Scenario};
+use sextant_scenario::{MissionMap, PlannedMission, Scenario};
 
 use crate::measure::Placement;
 use crate::run::error::RunError;
 
-/// A map that was computed in this run, as an application gets it: not aligned to the truth.
+/// A map that was computed in this run, as a mission gets it: not aligned to the truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnalignedMap {
     /// Its name.
@@ -54,17 +54,17 @@ impl WorkingMap {
     /// The map of `application`, which is one of those that were `made` or is known before.
     pub(super) fn of(
         scenario: &Scenario,
-        application: &Application,
+        mission: &PlannedMission,
         made: &[&UnalignedMap],
     ) -> Result<Self, RunError> {
         let truth: Vec<Position> = scenario.world().nodes.iter().map(|node| node.position).collect();
-        let (places, frame) = match &application.map {
-            ApplicationMap::Physical => {
+        let (places, frame) = match &mission.map {
+            MissionMap::Physical => {
                 let places = truth.into_iter().map(Some).collect();
                 return Ok(Self { places, frame: MapFrame::Robot, placement: Placement::of_truth() });
             }
-            ApplicationMap::File { places, .. } => (places.clone(), MapFrame::Robot),
-            ApplicationMap::Computed(name) => {
+            MissionMap::File { places, .. } => (places.clone(), MapFrame::Robot),
+            MissionMap::Computed(name) => {
                 let made = made.iter().find(|made| made.name == *name);
                 let made = made.expect("the check of the scenario refuses unknown maps, and all are made before");
                 (made.places.clone(), made.frame)
@@ -77,8 +77,8 @@ impl WorkingMap {
         let neighbourhood_m = scenario.metrics().neighbourhood_m.first().copied().unwrap_or(NEIGHBOURHOOD_M);
         let placement =
             Placement::of_map(&places, &truth, reflection, neighbourhood_m).ok_or_else(|| RunError::FewPlaces {
-                map: application.map.name().to_owned(),
-                application: application.name.clone(),
+                map: mission.map.name().to_owned(),
+                application: mission.name.clone(),
                 places: places.iter().flatten().count(),
             })?;
         Ok(Self { places, frame, placement })

@@ -1,9 +1,9 @@
-//! The applications of a scenario.
+//! The missions of a scenario.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use sextant_apps::{ApplicationConfig, MapSourceConfig, Mission, MissionGoal, MissionPlace, MissionRobots};
+use sextant_apps::{MapSourceConfig, Mission, MissionConfig, MissionGoal, MissionPlace, MissionRobots};
 use sextant_channel::Position;
 use sextant_kernel::text::counted;
 use sextant_kernel::{Files, SettingError};
@@ -17,13 +17,13 @@ use crate::check::maps::{MapJob, check_name};
 use crate::check::networks::Networks;
 use crate::config::ScenarioConfig;
 
-/// An application that has been checked.
+/// A mission that has been checked.
 #[derive(Clone, Debug)]
-pub struct Application {
+pub struct PlannedMission {
     /// Its name in tables and recordings; unique in the scenario.
     pub name: String,
     /// The map that it is given.
-    pub map: ApplicationMap,
+    pub map: MissionMap,
     /// The numbers of its robots among those of the scenario.
     pub robots: Vec<usize>,
     /// The network of its messages.
@@ -36,7 +36,7 @@ pub struct Application {
     pub mission: Arc<dyn Mission>,
 }
 
-impl Application {
+impl PlannedMission {
     /// What it is after.
     #[must_use]
     pub fn goal(&self) -> MissionGoal {
@@ -44,9 +44,9 @@ impl Application {
     }
 }
 
-/// The map that an application is given.
+/// The map that a mission is given.
 #[derive(Clone, Debug, PartialEq)]
-pub enum ApplicationMap {
+pub enum MissionMap {
     /// The true places of the nodes.
     Physical,
     /// The map of this name that is computed in the same run.
@@ -60,7 +60,7 @@ pub enum ApplicationMap {
     },
 }
 
-impl ApplicationMap {
+impl MissionMap {
     /// Its name in tables.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -74,7 +74,7 @@ impl ApplicationMap {
 /// A map with fewer places does not tell where a robot is.
 pub(crate) const LEAST_PLACES: usize = 3;
 
-/// What applications may name.
+/// What missions may name.
 pub(crate) struct Surroundings<'a> {
     pub(crate) config: &'a ScenarioConfig,
     pub(crate) files: &'a Files,
@@ -85,13 +85,13 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) distributed: Option<&'a NodeMapJob>,
 }
 
-/// The applications of the scenario, with unique names.
-pub(crate) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors) -> Vec<Application> {
-    let mut applications: Vec<Application> = Vec::new();
+/// The missions of the scenario, with unique names.
+pub(crate) fn check_missions(around: &Surroundings<'_>, errors: &mut Errors) -> Vec<PlannedMission> {
+    let mut missions: Vec<PlannedMission> = Vec::new();
     for (i, written) in around.config.applications.iter().enumerate() {
         let table = format!("applications[{i}]");
         let name = written.name.clone().unwrap_or_else(|| written.algorithm.settings().name().to_owned());
-        let taken = TakenNames { maps: around.maps, distributed: around.distributed, applications: &applications };
+        let taken = TakenNames { maps: around.maps, distributed: around.distributed, missions: &missions };
         taken.check(&name, &table, errors);
         let map = errors.take(&table, around.map(written));
         // The numbers of robots are not known if one of them was refused.
@@ -120,17 +120,17 @@ pub(crate) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors)
             (map, robots, network, duration, mission)
         {
             let algorithm = algorithm.name();
-            applications.push(Application { name, map, robots, network, duration, algorithm, mission });
+            missions.push(PlannedMission { name, map, robots, network, duration, algorithm, mission });
         }
     }
-    applications
+    missions
 }
 
 /// What has names that a mission may not have.
 pub(crate) struct TakenNames<'a> {
     pub(crate) maps: &'a [MapJob],
     pub(crate) distributed: Option<&'a NodeMapJob>,
-    pub(crate) applications: &'a [Application],
+    pub(crate) missions: &'a [PlannedMission],
 }
 
 impl TakenNames<'_> {
@@ -139,7 +139,7 @@ impl TakenNames<'_> {
         check_name(name, table, self.maps, errors);
         let taken = match name {
             "survey" => "the name of the first phase",
-            _ if self.applications.iter().any(|other| other.name == name) => "the name of an earlier application",
+            _ if self.missions.iter().any(|other| other.name == name) => "the name of an earlier application",
             _ if self.distributed.is_some_and(|map| map.name == name) => "the name of the map of the nodes",
             _ => return,
         };
@@ -152,19 +152,19 @@ impl Surroundings<'_> {
         &self.setup.world.nodes
     }
 
-    /// The map of an application.
-    fn map(&self, written: &ApplicationConfig) -> Result<ApplicationMap, SettingError> {
+    /// The map of a mission.
+    fn map(&self, written: &MissionConfig) -> Result<MissionMap, SettingError> {
         if self.nodes().len() < LEAST_PLACES {
             let found = format!("a map of {}", counted(self.nodes().len(), "node"));
             return Err(SettingError::new("map", found, format!("a world with at least {LEAST_PLACES} nodes")));
         }
         match &written.map {
-            MapSourceConfig::Physical {} => Ok(ApplicationMap::Physical),
+            MapSourceConfig::Physical {} => Ok(MissionMap::Physical),
             MapSourceConfig::Computed(name) => {
                 let of_nodes = self.distributed.iter().map(|map| map.name.as_str());
                 let known: Vec<&str> = of_nodes.chain(self.maps.iter().map(|map| map.name.as_str())).collect();
                 if known.contains(&name.as_str()) {
-                    return Ok(ApplicationMap::Computed(name.clone()));
+                    return Ok(MissionMap::Computed(name.clone()));
                 }
                 let allowed = match &known[..] {
                     [] => "the name of a map in `[[maps]]`, of which the scenario has none".to_owned(),
@@ -194,13 +194,13 @@ impl Surroundings<'_> {
                 }
                 let places = nodes.iter().map(|node| read.get(&node.name).copied()).collect();
                 let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                Ok(ApplicationMap::File { name, places })
+                Ok(MissionMap::File { name, places })
             }
         }
     }
 
-    /// The robots of an application.
-    fn robots(&self, written: &ApplicationConfig) -> Result<Vec<usize>, SettingError> {
+    /// The robots of a mission.
+    fn robots(&self, written: &MissionConfig) -> Result<Vec<usize>, SettingError> {
         let number = |name: &String| self.bodies.iter().position(|body| body.name == *name);
         let mut robots = Vec::new();
         for (i, name) in written.robots.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What an application worked out, compared with the truth.
+//! What a mission worked out, compared with the truth.
 
 use std::time::Duration;
 
@@ -31,7 +31,7 @@ pub(in crate::run) struct Scored {
     pub(in crate::run) truth: Option<f64>,
 }
 
-/// Compares all estimates of an application with `nodes` nodes with the truth.
+/// Compares all estimates of a mission with `nodes` nodes with the truth.
 pub(super) fn score(witness: &Witness, nodes: usize, placement: &Placement) -> Vec<Scored> {
     let scored = |&(station, time, estimate): &(StationId, SimTime, Estimate)| {
         let robot = station.index().checked_sub(nodes).filter(|&robot| robot < witness.robots.len());

@@ -1,4 +1,4 @@
-//! What applications on maps of the nodes came to.
+//! What missions on maps of the nodes came to.
 
 use std::collections::BTreeMap;
 
@@ -9,9 +9,9 @@ use super::map::ErrorSummary;
 use super::sensing::SensorErrorCounts;
 use sextant_kernel::text::{counted, listed};
 
-/// What an application on a map of the nodes came to. Times count from the start of its phase.
+/// What a mission on a map of the nodes came to. Times count from the start of its phase.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ApplicationSummary {
+pub struct MissionSummary {
     /// Its name in tables and recordings.
     pub name: String,
     /// Its algorithm: `detarsk`, `p-g`, `level-set` or `gradient`.
@@ -19,7 +19,7 @@ pub struct ApplicationSummary {
     /// Name of the map that it was given: `physical`, the name of a map of the scenario, or that of a file.
     pub map: String,
     /// Distances of the nodes of the map from where they really are, after the alignment that all places of the
-    /// application are compared with (m): the mean. Absent for the true places.
+    /// mission are compared with (m): the mean. Absent for the true places.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_error_m: Option<f64>,
     /// Whether all targets were captured. Absent if it seeks the source of a field.
@@ -49,10 +49,10 @@ pub struct ApplicationSummary {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sinks: Vec<String>,
     /// The robots.
-    pub robots: Vec<ApplicationRobot>,
+    pub robots: Vec<MissionRobot>,
     /// The targets, if it searches them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub targets: Vec<ApplicationTarget>,
+    pub targets: Vec<MissionTarget>,
     /// Distances between where stations thought that targets were and where they were (m). Absent if no station thought so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prediction_error_m: Option<ErrorSummary>,
@@ -90,12 +90,12 @@ pub struct ApplicationSummary {
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub sensor_errors: Option<SensorErrorCounts>,
     /// The messages.
-    pub messages: ApplicationMessages,
+    pub messages: MissionMessages,
     /// Energy of the radios of all nodes (J).
     pub energy_j: EnergySummary,
 }
 
-impl ApplicationSummary {
+impl MissionSummary {
     /// Who takes part, and on which map, in words.
     #[must_use]
     pub(crate) fn participants(&self) -> String {
@@ -139,16 +139,16 @@ pub(crate) const SEARCH_INSTANTS_S: [u8; 21] =
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SearchInstant {
     /// Distance of the robots from the nearest target that is still there (m), and 0 once all are captured. Absent after
-    /// the duration of the application, and once the last target left.
+    /// the duration of the mission, and once the last target left.
     pub distance_to_target_m: Option<f64>,
     /// Distance between where stations thought that targets were and where they were (m): the mean since the previous
     /// instant. Absent if no station thought so.
     pub prediction_error_m: Option<f64>,
 }
 
-/// A robot of an application.
+/// A robot of a mission.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ApplicationRobot {
+pub struct MissionRobot {
     /// Its name.
     pub name: String,
     /// Length of its path (m).
@@ -160,9 +160,9 @@ pub struct ApplicationRobot {
     pub energy_j: f64,
 }
 
-/// A target of an application.
+/// A target of a mission.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ApplicationTarget {
+pub struct MissionTarget {
     /// Its name.
     pub name: String,
     /// When it was captured (s). Absent if it was not.
@@ -192,9 +192,9 @@ pub struct ArrivalSummary {
     pub source_m: Option<f64>,
 }
 
-/// The messages of an application.
+/// The messages of a mission.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ApplicationMessages {
+pub struct MissionMessages {
     /// Number of messages of each kind that were made, by name.
     #[serde(flatten)]
     pub kinds: BTreeMap<&'static str, u64>,
