@@ -14,6 +14,7 @@ pub(crate) mod ieee802154;
 mod ledger;
 pub(crate) mod links;
 mod payloads;
+mod radios;
 pub(crate) mod settings;
 mod technology;
 mod track;

@@ -10,16 +10,15 @@ use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
 use std::time::Duration;
 
-use sextant_channel::Milliwatts;
+use sextant_channel::{Dbm, Milliwatts};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::RadioState;
 use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, SectorMeasurement, TxSector};
 
 use super::settings::Ieee80211ad;
 use super::stack::{RadioStack, Role, SectorNumbers, Stack};
-use super::transceiver::{Radios, Transceiver};
-use crate::air::{Arrival, CarrierChange, Interface};
-use crate::event::Event as EngineEvent;
+use super::transceiver::Transceiver;
+use crate::air::{Arrival, CarrierChange};
 use crate::event::ieee80211ad::Event;
 use crate::event::link::LinkEvent;
 use crate::link::antennas::Antennas;
@@ -27,6 +26,7 @@ use crate::link::books::{Books, FrameSpans, RadioUse};
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
 use crate::link::payloads::Payloads;
+use crate::link::radios::Radios;
 use crate::link::settings::Placement;
 use crate::link::transmitter::Transmitter;
 use crate::observer::{HeardFrame, Observer};
@@ -41,7 +41,7 @@ use crate::station::{Roll, StationKind};
 
 /// A network of IEEE 802.11ad: the links of all its stations.
 pub(crate) struct Links {
-    radios: Radios,
+    radios: Radios<Dbm>,
     antennas: Antennas,
     roll: Roll,
     stacks: Vec<Stack>,
@@ -82,13 +82,13 @@ impl Links {
         let roll = scene.roll;
         let ledger = Ledger::new(&placement, roll);
         let Placement { network, air, first_receiver, hears, .. } = placement;
-        let radios = Radios { network, power: radio.tx_power(), air, first_receiver };
+        let radios = Radios { network, air, first_receiver, radio: radio.tx_power() };
         for station in roll.stations() {
             let mount = antennas.mount(&roll, station, scene.seed);
             scene.airs[air].mount(radios.receiver(station), mount);
         }
         let standing = roll.stations().filter(|&station| !matches!(roll.kind(station), StationKind::Robot(_)));
-        let interface = |station| Interface { receiver: radios.receiver(station), station };
+        let interface = |station| radios.interface(station);
         let standing: Vec<_> = standing.map(|station| (interface(station), scene.place(station))).collect();
         scene.airs[air].know_standing(standing.into_iter());
         let stack = |station: StationId| {
@@ -242,8 +242,8 @@ impl NetworkLinks for Links {
     }
 
     fn transmitter(&self, station: StationId) -> Option<Transmitter> {
-        let Radios { air, power, .. } = self.radios;
-        let radio = Interface { receiver: self.radios.receiver(station), station };
+        let (air, power) = (self.radios.air, self.radios.power());
+        let radio = self.radios.interface(station);
         // A radio that does not sweep listens: only that of a dead station is asleep.
         let is_there = self.ledger.has(station) && self.stacks[station.index()].radio.state != RadioState::Sleep;
         let sectors = self.antennas.of(self.roll.kind(station)).sector_count();
@@ -287,7 +287,7 @@ impl NetworkLinks for Links {
 
     fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
         let event = LinkEvent::Ieee80211ad(Event::ListeningOver);
-        let over = scene.after(span, EngineEvent::Link(station, self.radios.network, event));
+        let over = self.radios.after(span, station, event, scene);
         if let Some(earlier) = self.stacks[station.index()].listening_over.replace(over) {
             scene.queue.cancel(earlier);
         }
@@ -307,7 +307,7 @@ impl NetworkLinks for Links {
         for (i, stack) in self.stacks.iter_mut().enumerate() {
             let state = stack.radio.state;
             stack.radio.meter.enter(state, now);
-            let (meter, tx_power) = (stack.radio.meter, self.radios.power);
+            let (meter, tx_power) = (stack.radio.meter, self.radios.power());
             radios.push(RadioUse { meter, tx_power, rests_in: sextant_mac::RadioState::Receive });
             self.ledger.packets[i] = self.ledger.packets[i].with_pending();
         }

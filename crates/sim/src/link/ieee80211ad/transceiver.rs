@@ -8,35 +8,17 @@ use sextant_mac::RadioState;
 use sextant_mac::dmg::{self, MacAddress, SweepFrame};
 
 use super::stack::{RadioStack, Role, SectorNumbers};
-use crate::air::{Aim, Emission, Interface, ReceiverId};
-use crate::event::Event as EngineEvent;
+use crate::air::{Aim, Emission};
 use crate::event::ieee80211ad::Event;
 use crate::event::link::LinkEvent;
+use crate::link::radios::Radios;
 use crate::scene::Scene;
-use crate::service::network_id::NetworkId;
 use crate::service::outcome::Deafness;
 use crate::station::Pose;
 
-/// What all radios of a network have in common.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Radios {
-    pub(super) network: NetworkId,
-    pub(super) power: Dbm,
-    /// Number of the air of its band.
-    pub(super) air: usize,
-    /// Number of the first station's receiver.
-    pub(super) first_receiver: u32,
-}
-
-impl Radios {
-    pub(super) fn receiver(&self, station: StationId) -> ReceiverId {
-        ReceiverId(self.first_receiver + station.0)
-    }
-}
-
 /// The radio of one station, as one of its machines sees it.
 pub(super) struct Transceiver<'a> {
-    pub(super) radios: &'a Radios,
+    pub(super) radios: &'a Radios<Dbm>,
     pub(super) stack: &'a mut RadioStack,
     pub(super) scene: &'a mut Scene,
     pub(super) station: StationId,
@@ -51,14 +33,12 @@ impl Transceiver<'_> {
             Role::Initiator => Event::initiator(event),
             Role::Responder => Event::responder(event),
         };
-        let event = EngineEvent::Link(self.station, self.radios.network, LinkEvent::Ieee80211ad(event));
-        self.scene.after(span, event)
+        self.radios.after(span, self.station, LinkEvent::Ieee80211ad(event), self.scene)
     }
 
     /// Brings the receiver in line with the state of the radio.
     pub(super) fn tune(&mut self) {
-        let (now, receiver) = (self.scene.now, self.radios.receiver(self.station));
-        self.stack.meter.enter(self.stack.state, now);
+        self.stack.meter.enter(self.stack.state, self.scene.now);
         let deafness = match self.stack.state {
             RadioState::Receive => None,
             // Also idle between two frames of its sweep.
@@ -66,11 +46,7 @@ impl Transceiver<'_> {
             // Only a station that has died.
             RadioState::Sleep => Some(Deafness::Off),
         };
-        if deafness == self.stack.deafness {
-            return;
-        }
-        self.stack.deafness = deafness;
-        self.scene.tune(self.radios.air, Interface { receiver, station: self.station }, deafness);
+        self.radios.tune(self.station, deafness, &mut self.stack.deafness, self.scene);
     }
 }
 
@@ -107,10 +83,10 @@ impl dmg::Radio for Transceiver<'_> {
     fn start_transmission(&mut self, frame: SweepFrame, airtime: Duration) {
         let now = self.scene.now;
         let Pose { position: place, heading_rad } = self.scene.motions[self.station.index()].pose_at(now);
-        let sender = Interface { receiver: self.radios.receiver(self.station), station: self.station };
+        let sender = self.radios.interface(self.station);
         let to = (frame.to != MacAddress::BROADCAST).then(|| frame.to.station()).flatten();
         let to = to.map(|to| self.radios.receiver(to));
-        let emission = Emission { power: self.radios.power, aim: self.stack.aim };
+        let emission = Emission { power: self.radios.power(), aim: self.stack.aim };
         let air = &mut self.scene.airs[self.radios.air];
         air.turn(sender.receiver, heading_rad);
         let transmission = air.begin(now, sender, to, place, emission, airtime);

@@ -16,16 +16,15 @@ use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
-use sextant_mac::{RadioState, csma};
+use sextant_mac::{Phy, RadioState, csma};
 
 use super::addressing::{first_sequence, pan};
 use super::frame_queue::QueuedFrame;
 use super::mac::NodeMac;
 use super::settings::Ieee802154;
 use super::stack::Stack;
-use super::transceiver::{Radios, Transceiver};
-use crate::air::{Arrival, Interface, Transmission};
-use crate::event::Event as EngineEvent;
+use super::transceiver::Transceiver;
+use crate::air::{Arrival, Transmission};
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
 use crate::link::books::{Books, FrameSpans, RadioUse};
@@ -33,6 +32,7 @@ use crate::link::clock::Clock;
 use crate::link::ledger::Ledger;
 use crate::link::links::{Cut, NetworkLinks};
 use crate::link::payloads::Payloads;
+use crate::link::radios::Radios;
 use crate::link::settings::Placement;
 use crate::link::transmitter::Transmitter;
 use crate::observer::{HeardFrame, Observer};
@@ -48,7 +48,7 @@ use sending::data_frame;
 /// A network of IEEE 802.15.4: the links of all its stations.
 pub(crate) struct Links {
     pan: u16,
-    radios: Radios,
+    radios: Radios<Phy>,
     macs: Vec<NodeMac>,
     stacks: Vec<Stack>,
     responders: Vec<Responder>,
@@ -98,7 +98,7 @@ impl Links {
         };
         Self {
             pan,
-            radios: Radios { network, phy, air, first_receiver },
+            radios: Radios { network, air, first_receiver, radio: phy },
             macs: stations()
                 .map(|station| if is_node(station) { mac.of(station, phy) } else { mac.of_collector(phy) })
                 .collect(),
@@ -144,7 +144,7 @@ impl Links {
     }
 
     fn schedule(&self, station: StationId, span: Duration, event: Event, scene: &mut Scene) -> EventKey {
-        scene.after(span, EngineEvent::Link(station, self.radios.network, LinkEvent::Ieee802154(event)))
+        self.radios.after(span, station, LinkEvent::Ieee802154(event), scene)
     }
 }
 
@@ -264,7 +264,7 @@ impl NetworkLinks for Links {
                 }
             }
         }
-        let phy = self.radios.phy;
+        let phy = self.radios.phy();
         // To receiving, and from there to transmitting.
         let access = 2 * phy.turnaround() + phy.cca();
         self.ledger.close(radios, FrameSpans { header: phy.header(), octet: phy.octet(), access })
@@ -298,7 +298,7 @@ impl NetworkLinks for Links {
 
     fn transmitter(&self, station: StationId) -> Option<Transmitter> {
         let stack = &self.stacks[station.index()];
-        let radio = Interface { receiver: self.radios.receiver(station), station };
+        let radio = self.radios.interface(station);
         let is_there = self.ledger.has(station) && !stack.is_dead;
         is_there.then_some(Transmitter { air: self.radios.air, radio, tx_power: stack.tx_power, sectors: None })
     }

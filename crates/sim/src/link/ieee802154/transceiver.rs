@@ -6,34 +6,16 @@ use sextant_kernel::{EventKey, StationId};
 use sextant_mac::{Phy, RadioState, coordinator, csma, device, responder};
 
 use super::stack::{Due, Stack};
-use crate::air::{Aim, Emission, Interface, ReceiverId, Sense};
-use crate::event::Event as EngineEvent;
+use crate::air::{Aim, Emission, Sense};
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
+use crate::link::radios::Radios;
 use crate::scene::Scene;
-use crate::service::network_id::NetworkId;
 use crate::service::report::Destination;
-
-/// What all radios of a network have in common.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Radios {
-    pub(super) network: NetworkId,
-    pub(super) phy: Phy,
-    /// Number of the air of its band.
-    pub(super) air: usize,
-    /// Number of the first station's receiver.
-    pub(super) first_receiver: u32,
-}
-
-impl Radios {
-    pub(super) fn receiver(&self, station: StationId) -> ReceiverId {
-        ReceiverId(self.first_receiver + station.0)
-    }
-}
 
 /// The radio of one station, as its protocol machines see it.
 pub(super) struct Transceiver<'a> {
-    pub(super) radios: &'a Radios,
+    pub(super) radios: &'a Radios<Phy>,
     pub(super) stack: &'a mut Stack,
     pub(super) scene: &'a mut Scene,
     pub(super) station: StationId,
@@ -49,20 +31,19 @@ impl Transceiver<'_> {
     }
 
     fn schedule_exactly(&mut self, span: Duration, event: Event) -> EventKey {
-        let event = EngineEvent::Link(self.station, self.radios.network, LinkEvent::Ieee802154(event));
-        self.scene.after(span, event)
+        self.radios.after(span, self.station, LinkEvent::Ieee802154(event), self.scene)
     }
 
     /// Whether the station finds the channel busy in the window that ends now. A station that sent an
     /// acknowledgement in it, or is about to, does.
     pub(super) fn senses_busy(&mut self) -> bool {
         let now = self.scene.now;
-        let from = now.saturating_sub(self.radios.phy.cca());
+        let from = now.saturating_sub(self.radios.phy().cca());
         if self.stack.overriding.is_some() || self.stack.overridden_until > from {
             return true;
         }
         let sense = Sense {
-            radio: Interface { receiver: self.radios.receiver(self.station), station: self.station },
+            radio: self.radios.interface(self.station),
             place: self.scene.place(self.station),
             from,
             to: now,
@@ -84,20 +65,15 @@ impl Transceiver<'_> {
 
     /// Brings the receiver in line with the state of the radio.
     pub(super) fn tune(&mut self) {
-        let (now, receiver) = (self.scene.now, self.radios.receiver(self.station));
-        self.stack.meter.enter(self.stack.state(), now);
+        self.stack.meter.enter(self.stack.state(), self.scene.now);
         let deafness = self.stack.deafness_now();
-        if deafness == self.stack.deafness {
-            return;
-        }
-        self.stack.deafness = deafness;
-        self.scene.tune(self.radios.air, Interface { receiver, station: self.station }, deafness);
+        self.radios.tune(self.station, deafness, &mut self.stack.deafness, self.scene);
     }
 
     /// Puts a frame on air, to one station or to all.
     fn begin_transmission(&mut self, to: Option<StationId>, airtime: Duration) -> crate::air::Transmission {
         let (now, place) = (self.scene.now, self.scene.place(self.station));
-        let sender = Interface { receiver: self.radios.receiver(self.station), station: self.station };
+        let sender = self.radios.interface(self.station);
         let to = to.map(|to| self.radios.receiver(to));
         let emission = Emission { power: self.stack.tx_power, aim: Aim::Omnidirectional };
         self.scene.airs[self.radios.air].begin(now, sender, to, place, emission, airtime)
@@ -142,13 +118,13 @@ impl csma::Radio for Transceiver<'_> {
         if let Some(track) = &mut self.stack.track {
             track.begin_assessment(self.scene.now);
         }
-        self.stack.meter.wake(self.radios.phy.turnaround());
-        let span = self.stack.clock.span(self.radios.phy.cca());
+        self.stack.meter.wake(self.radios.phy().turnaround());
+        let span = self.stack.clock.span(self.radios.phy().cca());
         self.await_access(span, Event::CcaEnded);
     }
 
     fn start_transmission(&mut self, frame: csma::OutgoingFrame) {
-        let airtime = self.stack.clock.span(self.radios.phy.airtime(frame.mpdu_octets));
+        let airtime = self.stack.clock.span(self.radios.phy().airtime(frame.mpdu_octets));
         let to = self.stack.frame.and_then(|frame| match frame.to {
             Destination::Station(to) => Some(to),
             Destination::All => None,
@@ -180,7 +156,7 @@ impl responder::Radio for Transceiver<'_> {
     }
 
     fn start_acknowledgement(&mut self, sequence: u8) {
-        let airtime = self.stack.clock.span(self.radios.phy.ack_airtime());
+        let airtime = self.stack.clock.span(self.radios.phy().ack_airtime());
         self.stack.acknowledgement = Some((self.begin_transmission(self.stack.answered, airtime), sequence));
         self.schedule_exactly(airtime, Event::Responder(responder::Event::TransmissionEnded));
     }
@@ -203,7 +179,7 @@ impl coordinator::Radio for Beaconing<'_> {
 
     fn start_beacon(&mut self, mpdu_octets: u8) {
         // The coordinator has an exact clock: it is a robot or a sink.
-        let airtime = self.transceiver.radios.phy.airtime(mpdu_octets);
+        let airtime = self.transceiver.radios.phy().airtime(mpdu_octets);
         *self.beacon = Some(self.transceiver.begin_transmission(None, airtime));
         self.transceiver.schedule(airtime, Event::Coordinator(coordinator::Event::TransmissionEnded));
     }

@@ -188,6 +188,6 @@ impl Links {
     }
 
     fn tell(&self, track: &mut PacketTrack, traced: &Traced, scene: &mut Scene) {
-        scene.traced.push(track.end(traced, &self.ledger.radio_states, self.radios.power, scene.now));
+        scene.traced.push(track.end(traced, &self.ledger.radio_states, self.radios.power(), scene.now));
     }
 }

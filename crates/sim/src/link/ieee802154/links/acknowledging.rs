@@ -82,7 +82,7 @@ impl Links {
     pub(super) fn ack_gap(&self, station: StationId, now: SimTime) -> Duration {
         match &self.coordinator {
             Some((coordinator, machine)) if *coordinator == station => machine.ack_gap(now),
-            _ => self.radios.phy.turnaround(),
+            _ => self.radios.phy().turnaround(),
         }
     }
 }

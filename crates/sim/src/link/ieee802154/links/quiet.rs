@@ -13,18 +13,19 @@ use std::time::Duration;
 
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::csma::{self, Contention, Csma};
-use sextant_mac::{Cycles, RadioState};
+use sextant_mac::{Cycles, Phy, RadioState};
 
 use super::Links;
-use crate::air::{Interface, Sense};
+use crate::air::Sense;
 use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
 use crate::link::clock::Clock;
 use crate::link::ieee802154::mac::NodeMac;
 use crate::link::ieee802154::stack::{Due, Plan, Stack};
-use crate::link::ieee802154::transceiver::{Radios, Transceiver};
+use crate::link::ieee802154::transceiver::Transceiver;
 use crate::link::links::Cut;
+use crate::link::radios::Radios;
 use crate::scene::Scene;
 
 impl Links {
@@ -46,9 +47,9 @@ impl Links {
             // The spacing after the last frame: nothing follows, unless there is another frame before its end.
             return;
         }
-        let (cca, air) = (self.radios.phy.cca(), self.radios.air);
+        let (cca, air) = (self.radios.phy().cca(), self.radios.air);
         let mut sense = Sense {
-            radio: Interface { receiver: self.radios.receiver(station), station },
+            radio: self.radios.interface(station),
             place: scene.place(station),
             from: due.at,
             to: due.at,
@@ -86,8 +87,8 @@ impl Links {
                 let greatest = contention.defer();
                 let drawn = ahead.due.at.as_nanos();
                 let periods = scene.backoff(self.radios.network, station, drawn, greatest);
-                let resting = clock.span(self.radios.phy.backoff_period() * periods);
-                cycles.add(on, resting, self.radios.phy.turnaround());
+                let resting = clock.span(self.radios.phy().backoff_period() * periods);
+                cycles.add(on, resting, self.radios.phy().turnaround());
                 start = ahead.due.at + resting;
                 steps += 2;
             }
@@ -127,7 +128,7 @@ impl Links {
         stack.awaits_ack = false;
         // The air need not know: the radio is as deaf as at rest, and what follows the assessment tells the air.
         stack.meter.enter(stack.wanted, plan.first.at);
-        stack.meter.wake(self.radios.phy.turnaround());
+        stack.meter.wake(self.radios.phy().turnaround());
         stack.meter.cycle(resting, &plan.cycles, plan.start);
         stack.clock = plan.clock;
         (stack.due, stack.plan) = (stack.queued, None);
@@ -226,7 +227,7 @@ impl Ahead {
 /// What a copy of the machine of a quiet station acts on: it only finds out what comes when.
 struct AheadRadio<'a> {
     ahead: &'a mut Ahead,
-    radios: &'a Radios,
+    radios: &'a Radios<Phy>,
     scene: &'a Scene,
     station: StationId,
 }
@@ -257,7 +258,7 @@ impl csma::Radio for AheadRadio<'_> {
 
     #[inline]
     fn start_cca(&mut self) {
-        self.wait(self.radios.phy.cca(), Event::CcaEnded);
+        self.wait(self.radios.phy().cca(), Event::CcaEnded);
     }
 
     fn start_transmission(&mut self, _frame: csma::OutgoingFrame) {
