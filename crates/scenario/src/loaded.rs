@@ -7,7 +7,7 @@ use std::time::Duration;
 use sextant_apps::ControllerConfig;
 use sextant_channel::Anchor;
 use sextant_kernel::text::counted;
-use sextant_kernel::{Files, Seed, SettingError};
+use sextant_kernel::{Files, NodeId, Seed, SettingError};
 use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, SimulatedRegion, World};
 
 use super::check::errors::Errors;
@@ -126,8 +126,8 @@ impl Scenario {
     /// of the scenario: [`with`](Self::with) and [`with_all`](Self::with_all) leave it out again.
     ///
     /// # Errors
-    /// `mission.name` if it is not plain or something else has that name; `network` if it is none of IEEE 802.15.4; `robots` if there are none, or one
-    /// is not of the scenario; `map` if no map has that name, or the world has less than three nodes.
+    /// `mission.name` if it is not plain or something else has that name; `network` if it is none of IEEE 802.15.4, does not
+    /// have all nodes, or its nodes do not listen all the time; `robots` if there are none, or one is not of the scenario; `map` if no map has that name, or the world has less than three nodes.
     pub fn with_mission(mut self, mission: PlannedMission) -> Result<Self, SettingError> {
         self.check_mission(&mission)?;
         self.parts.applications.push(mission);
@@ -151,6 +151,16 @@ impl Scenario {
         if networks.get(mission.network.index()).is_none_or(|network| network.technology.ieee802154().is_none()) {
             let found = format!("number {}", mission.network.index());
             return refuse("network", found, "the number of a network of IEEE 802.15.4");
+        }
+        let network = &networks[mission.network.index()];
+        let outside = (0..self.world().nodes.len()).filter(|&node| !network.has(NodeId::from_index(node))).count();
+        if outside > 0 {
+            let found = format!("one without {}", counted(outside, "node"));
+            return refuse("network", found, "the number of a network of all nodes");
+        }
+        if network.technology.ieee802154().is_some_and(|radios| !radios.hear_at_any_time()) {
+            let found = "one whose nodes do not listen all the time".to_owned();
+            return refuse("network", found, "the number of a network whose nodes hear each other at any time");
         }
         let robots = self.bodies().len();
         if mission.robots.is_empty() || mission.robots.iter().any(|&robot| robot >= robots) {

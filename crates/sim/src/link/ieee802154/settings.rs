@@ -6,7 +6,7 @@ use sextant_channel::{Db, Dbm};
 use sextant_kernel::{Files, NodeId, Seed, SettingError, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::DataFrame;
-use sextant_mac::{Band, Phy, oqpsk};
+use sextant_mac::{Band, Phy, RadioState, oqpsk};
 
 use super::addressing::pan;
 use super::plan::coordinator;
@@ -57,6 +57,12 @@ impl Ieee802154 {
         let settings = Self { radio, reception, mac };
         settings.check_clocks().map_err(|error| vec![LinkError::Invalid { table: "radio", error }])?;
         Ok(settings)
+    }
+
+    /// Whether all nodes listen whenever they do not send.
+    #[must_use]
+    pub fn hear_at_any_time(&self) -> bool {
+        matches!(self.mac, Mac::CsmaUnslotted(csma) if csma.resting_state() == RadioState::Receive)
     }
 
     /// Refuses clocks that drift where nodes follow beacons, with a key below the radio.
