@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use sextant_kernel::{LARGEST_FILE, read_text_at_most};
 
-use super::super::bag_error::BagError;
+use crate::error::bag_error::BagError;
 
 /// The first octets of files.
 const ROS1_MAGIC: &[u8] = b"#ROSBAG V";

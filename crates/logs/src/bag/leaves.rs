@@ -2,8 +2,8 @@
 
 use sextant_kernel::text::choices;
 
-use super::super::field_path::{Element, FieldPath, Step};
 use super::definition::{Definitions, Extent, Field, Kind, Number};
+use super::field_path::{Element, FieldPath, Step};
 
 /// What a path leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

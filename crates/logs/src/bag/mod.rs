@@ -7,6 +7,7 @@
 mod body;
 mod clock;
 mod definition;
+mod field_path;
 mod files;
 mod fixes;
 mod leaves;
@@ -33,16 +34,16 @@ use self::packet_fields::PacketFields;
 use self::packets::{BagPacket, PacketSource};
 use self::poses::{PoseSource, TimedPosition};
 use self::transforms::Chain;
-use super::bag_error::BagError;
-use super::bag_options::BagClock;
-use super::doctor::origin;
-use super::error::RobotLogError;
-use super::gatherer::Gatherer;
-use super::local_plane::LocalPlane;
-use super::options::ReadOptions;
-use super::packet::Packet;
-use super::path::{Path, Pose};
-use super::reciprocal::Roles;
+use crate::error::bag_error::BagError;
+use crate::error::robot_log_error::RobotLogError;
+use crate::options::bag_options::BagClock;
+use crate::options::read_options::ReadOptions;
+use crate::packets::gatherer::Gatherer;
+use crate::packets::packet::Packet;
+use crate::packets::reciprocal::Roles;
+use crate::path::robot_path::{Path, Pose};
+use crate::place::local_plane::LocalPlane;
+use crate::place::without_fix::leave_out;
 
 pub(super) use self::clock::LeastDelay;
 pub(super) use self::topics::Bag;
@@ -93,7 +94,7 @@ impl<'a> BagPath<'a> {
         let topic = &self.source.topic().name;
         // Of fixes, the messages themselves told.
         let left_out = if self.skips_no_fix && self.plane().is_none() {
-            origin::leave_out(&mut poses, |pose| (pose.time, pose.position))
+            leave_out(&mut poses, |pose| (pose.time, pose.position))
         } else {
             0
         };

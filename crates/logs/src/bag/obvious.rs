@@ -1,7 +1,7 @@
 //! The fields of a packet that are obvious from their names.
 
-use super::super::field_path::{Element, FieldPath, Step};
 use super::definition::Definitions;
+use super::field_path::{Element, FieldPath, Step};
 use super::leaves::{Content, Leaf, leaves};
 use super::packet_fields::PacketFields;
 

@@ -1,8 +1,8 @@
 //! Reads chosen fields of a message and skips the others, by its definition.
 
-use super::super::field_path::{Element, FieldPath, Step};
 use super::body::Body;
 use super::definition::{Definitions, Dialect, Extent, Field, Kind, Number};
+use super::field_path::{Element, FieldPath, Step};
 use super::leaves::{Content, listing};
 
 /// A value of a message.

@@ -7,12 +7,12 @@ use sextant_channel::Position;
 use sextant_kernel::SimTime;
 use sextant_kernel::text::choices;
 
-use super::super::bag_error::BagError;
-use super::super::bag_options::{BagClock, BagOptions};
-use super::super::field_path::FieldPath;
 use super::clock::{LeastDelay, Moment};
+use super::field_path::FieldPath;
 use super::selection::{Selection, Value};
 use super::topics::{Bag, Topic};
+use crate::error::bag_error::BagError;
+use crate::options::bag_options::{BagClock, BagOptions};
 
 /// The types of messages with transforms.
 pub(super) const MESSAGE_TYPES: [&str; 2] = ["tf2_msgs/TFMessage", "tf/tfMessage"];

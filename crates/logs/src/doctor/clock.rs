@@ -8,12 +8,12 @@
 
 use sextant_kernel::SimTime;
 
-use super::super::path::Path;
 use super::finding::Finding;
-use super::node_fit::plane_m;
 use super::route::Route;
 use super::samples::Samples;
 use super::track::{AtDelay, COVERED, Track, background, profile};
+use crate::path::robot_path::Path;
+use crate::place::distance::plane_m;
 
 /// Steps of the search on either side of 0: as many as leave most nodes on the path. Each is divided into so many finer ones
 /// around the best of them.

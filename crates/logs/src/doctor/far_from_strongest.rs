@@ -4,7 +4,7 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use super::finding::Finding;
-use super::node_fit::plane_m;
+use crate::place::distance::plane_m;
 use sextant_kernel::text::{counted, listed};
 
 /// A node that was heard with a strength at fewer stops says nothing.

@@ -9,6 +9,8 @@
 use nalgebra::{Matrix2, Matrix4, Matrix4x2, Vector2, Vector4};
 use sextant_channel::Position;
 
+use crate::place::distance::plane_m;
+
 /// The distance below which the law is flat (m).
 const LEAST_M: f64 = 0.5;
 /// Most steps of a search.
@@ -207,11 +209,6 @@ fn by_parameters(at: &Vector4<f64>, observation: &Observation, log: f64, pattern
     let by_x = Vector2::new(hx, -hy) / distance_m - along * (dx / square);
     let by_y = Vector2::new(hy, hx) / distance_m - along * (dy / square);
     Vector4::new(pattern.dot(&by_x) - at.w * dx / square, pattern.dot(&by_y) - at.w * dy / square, 1.0, -log)
-}
-
-/// Distance in the plane (m).
-pub(super) fn plane_m(a: Position, b: Position) -> f64 {
-    libm::hypot(a.x_m - b.x_m, a.y_m - b.y_m)
 }
 
 /// `d² + d₀²` between a node and a place (m²).

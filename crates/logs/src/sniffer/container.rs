@@ -9,10 +9,10 @@ use std::path::Path;
 
 use sextant_kernel::{SimTime, seen};
 
-use super::super::sniffer_error::SnifferError;
 use super::captured::{Captured, End};
 use super::parts::{LONGEST, Parts};
 use super::pcapng::{SECTION, Sections};
+use crate::error::sniffer_error::SnifferError;
 
 /// Magic numbers of pcap: microseconds and nanoseconds.
 const MICROSECONDS: u32 = 0xA1B2_C3D4;

@@ -8,13 +8,13 @@ use serde::Serialize;
 use sextant_kernel::SimTime;
 use sextant_kernel::text::{counted, printable};
 
-use super::super::instant;
-use super::super::sniffer_error::SnifferError;
-use super::super::sniffer_options::{FcsField, SnifferOptions};
 use super::captured::{Captured, End};
 use super::sender::{self, PanNames, SenderAddress};
 use super::skipped::{Count, Skipped};
 use super::{container, links};
+use crate::error::sniffer_error::SnifferError;
+use crate::options::sniffer_options::{FcsField, SnifferOptions};
+use crate::time::instant;
 
 /// What a capture has.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -25,12 +25,12 @@ use sextant_kernel::text::choices;
 use self::captured::{Captured, End};
 use self::sender::{Heard, PanNames, Sender, SenderAddress};
 use self::skipped::{Count, Skipped};
-use super::error::RobotLogError;
-use super::gatherer::Gatherer;
-use super::packet::Packet;
-use super::reciprocal::Roles;
-use super::sniffer_error::SnifferError;
-use super::sniffer_options::{FcsField, SnifferOptions};
+use crate::error::robot_log_error::RobotLogError;
+use crate::error::sniffer_error::SnifferError;
+use crate::options::sniffer_options::{FcsField, SnifferOptions};
+use crate::packets::gatherer::Gatherer;
+use crate::packets::packet::Packet;
+use crate::packets::reciprocal::Roles;
 
 pub(super) use self::contents::contents;
 pub use self::contents::{CaptureContents, CapturedLink, CapturedSender};

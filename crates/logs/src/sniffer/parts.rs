@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use super::super::sniffer_error::SnifferError;
+use crate::error::sniffer_error::SnifferError;
 
 /// Maximum length of a packet or block (octets). A damaged length is detected before memory is allocated.
 pub(super) const LONGEST: u32 = 1 << 24;

@@ -2,9 +2,9 @@
 
 use sextant_kernel::SimTime;
 
-use super::super::sniffer_error::SnifferError;
 use super::captured::{Captured, End};
 use super::parts::{LONGEST, Parts};
+use crate::error::sniffer_error::SnifferError;
 
 /// The type of the first block, the same in both byte orders, and what follows it.
 pub(super) const SECTION: u32 = 0x0A0D_0D0A;

@@ -5,11 +5,11 @@ use std::fmt;
 use sextant_mac::fcs;
 use sextant_mac::frame::{Address, Header};
 
-use super::super::sniffer_options::FcsField;
 use super::ieee80211::{MacAddress, transmitter};
 use super::radiotap;
 use super::skipped::Skipped;
 use super::tap;
+use crate::options::sniffer_options::FcsField;
 
 /// Types of link-layer headers, as tcpdump.org numbers them.
 pub(super) mod link {
