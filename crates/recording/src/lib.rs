@@ -24,7 +24,7 @@
 
 pub mod admission;
 pub mod antenna_text;
-mod capture;
+pub mod capture;
 mod course;
 mod descriptor;
 mod detail;
@@ -54,7 +54,9 @@ mod traffic;
 mod way;
 mod world;
 
-pub use capture::{Capture, CapturedDmgFrame, CapturedFrame, FileCapture, Signal, Technologies};
+pub use capture::frame::{CapturedDmgFrame, CapturedFrame, Signal};
+pub use capture::technologies::Technologies;
+pub use capture::writer::{Capture, FileCapture};
 pub use course::{RecordedCourse, read_course};
 pub use drawing::{GridPlane, PlacedNode, Solid};
 pub use error::RecordingError;

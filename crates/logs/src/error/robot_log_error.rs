@@ -7,13 +7,14 @@ use std::time::Duration;
 use sextant_channel::LogError;
 use sextant_kernel::SimTime;
 use sextant_kernel::text::choices;
+use sextant_recording::capture::CaptureError;
+use sextant_recording::mcap_file::McapFileError;
 
 use super::bag_error::BagError;
 use super::log_part::{LogPart, RowAddress};
 use super::path_error::PathError;
 use super::sniffer_error::SnifferError;
 use crate::time::instant;
-use sextant_recording::mcap_file::McapFileError;
 
 /// Why the log of a robot cannot be read or written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -279,6 +280,12 @@ fn ranges_note(ranges: Option<&str>) -> String {
              give `packets={name}`"
         )
     })
+}
+
+impl From<CaptureError> for RobotLogError {
+    fn from(why: CaptureError) -> Self {
+        Self::Sniffer(why.into())
+    }
 }
 
 impl RobotLogError {

@@ -1,36 +1,15 @@
 //! Errors of captures.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+
+use sextant_recording::capture::CaptureError;
 
 /// Why a capture cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SnifferError {
-    /// The file cannot be opened or read.
-    #[error("cannot read `{}`: {why}", .path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's answer.
-        why: String,
-    },
-    /// The file is of another format.
-    #[error("`{}` is not a capture (pcap, pcapng), but {seen}", .path.display())]
-    NotCapture {
-        /// The file.
-        path: PathBuf,
-        /// What it is.
-        seen: String,
-    },
-    /// The file is damaged.
-    #[error("`{}` is damaged before byte {at_byte}: it has {problem}", .path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// Number of octets read.
-        at_byte: u64,
-        /// The error.
-        problem: String,
-    },
+    /// The file cannot be read as a capture.
+    #[error(transparent)]
+    Capture(#[from] CaptureError),
     /// The frames are of another technology.
     #[error(
         "`{}` has frames of link type {link} ({name}), which do not say which node was heard; allowed: 195 and 230 (IEEE \
@@ -52,10 +31,4 @@ pub enum SnifferError {
         /// What was skipped, and why.
         skipped: String,
     },
-}
-
-impl SnifferError {
-    pub(crate) fn read(path: &Path, why: &std::io::Error) -> Self {
-        Self::Read { path: path.to_owned(), why: why.to_string() }
-    }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::capture::is_of_simulation;
+use crate::capture::technologies::is_of_simulation;
 use crate::output::{PART, RECOVERING};
 use crate::sink::has_own_library;
 

@@ -3,69 +3,15 @@
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
-use sextant_channel::Dbm;
 use sextant_kernel::SimTime;
 
-use super::error::RecordingError;
+use super::frame::{CapturedDmgFrame, CapturedFrame};
+use super::technologies::{LinkType, Technologies};
+use super::{radiotap, tap};
 use crate::disk::DiskFile;
+use crate::error::RecordingError;
 use crate::output::{Draft, DraftError, PART};
-
-mod container;
-mod radiotap;
-
-use super::link_quality::link_quality;
-use container::LinkType;
-pub use container::Technologies;
-pub(crate) use container::is_of_simulation;
-pub use radiotap::CapturedDmgFrame;
-
-/// Types of the fields of a TAP header (IEEE 802.15.4 TAP, section 4).
-mod field {
-    pub(super) const FCS_TYPE: u16 = 0;
-    pub(super) const RSS: u16 = 1;
-    pub(super) const CHANNEL_ASSIGNMENT: u16 = 3;
-    pub(super) const START_OF_FRAME: u16 = 5;
-    pub(super) const END_OF_FRAME: u16 = 6;
-    pub(super) const LINK_QUALITY: u16 = 10;
-}
-/// FCS type of a 16-bit CRC.
-const CRC_16: u8 = 1;
-
-/// A frame of IEEE 802.15.4 in a capture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CapturedFrame<'a> {
-    /// First symbol on air.
-    pub start: SimTime,
-    /// Time on air.
-    pub airtime: Duration,
-    /// The MAC frame (MPDU) with its check sequence.
-    pub mpdu: &'a [u8],
-    /// Number of the radio channel.
-    pub channel: u8,
-    /// Channel page: 0, or 1 for ASK and 2 for O-QPSK below 1 GHz.
-    pub page: u8,
-    /// How it was received, if the capture is by one receiver.
-    pub signal: Option<Signal>,
-}
-
-/// How a frame was received.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Signal {
-    /// Received signal strength (dBm).
-    pub power: Dbm,
-    /// The lowest power that this receiver can receive (dBm).
-    pub sensitivity: Dbm,
-}
-
-impl Signal {
-    /// Its link quality: see [`link_quality`].
-    #[must_use]
-    pub fn link_quality(&self) -> u8 {
-        link_quality(self.power, self.sensitivity)
-    }
-}
 
 /// Writes a capture. The timestamp of a frame is its end, when a receiver has all of it; its start is in its header. After
 /// the first failure, every call returns the same failure.
@@ -101,26 +47,9 @@ impl<W: Write> Capture<W> {
     /// # Panics
     /// If the capture is not for this technology.
     pub fn frame(&mut self, frame: &CapturedFrame<'_>) -> Result<(), RecordingError> {
-        let end = frame.start + frame.airtime;
         self.record.clear();
-        // Version, reserved octet, length of the TAP header.
-        self.record.extend([0; 4]);
-        self.field(field::FCS_TYPE, &[CRC_16]);
-        if let Some(signal) = frame.signal {
-            #[expect(clippy::cast_possible_truncation, reason = "the format has single precision")]
-            let power_dbm = signal.power.0 as f32;
-            self.field(field::RSS, &power_dbm.to_le_bytes());
-        }
-        self.field(field::CHANNEL_ASSIGNMENT, &[frame.channel, 0, frame.page]);
-        self.field(field::START_OF_FRAME, &frame.start.as_nanos().to_le_bytes());
-        self.field(field::END_OF_FRAME, &end.as_nanos().to_le_bytes());
-        if let Some(signal) = frame.signal {
-            self.field(field::LINK_QUALITY, &[signal.link_quality()]);
-        }
-        let header_octets = u16::try_from(self.record.len()).expect("six fields of at most 12 octets");
-        self.record[2..4].copy_from_slice(&header_octets.to_le_bytes());
-        self.record.extend(frame.mpdu);
-        self.write_record(LinkType::Tap, end)
+        tap::write(frame, &mut self.record);
+        self.write_record(LinkType::Tap, frame.start + frame.airtime)
     }
 
     /// Writes a frame of IEEE 802.11ad.
@@ -134,15 +63,6 @@ impl<W: Write> Capture<W> {
         self.record.clear();
         radiotap::write(frame, &mut self.record);
         self.write_record(LinkType::Radiotap, frame.start + frame.airtime)
-    }
-
-    /// A field of the TAP header: type, length, value, zeros up to a multiple of four octets.
-    fn field(&mut self, kind: u16, value: &[u8]) {
-        let octets = u16::try_from(value.len()).expect("at most eight octets");
-        self.record.extend(kind.to_le_bytes());
-        self.record.extend(octets.to_le_bytes());
-        self.record.extend(value);
-        self.record.extend(std::iter::repeat_n(0, value.len().next_multiple_of(4) - value.len()));
     }
 
     fn write_record(&mut self, link: LinkType, stamp: SimTime) -> Result<(), RecordingError> {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use crate::error::sniffer_error::SnifferError;
+use super::error::CaptureError;
 
 /// Maximum length of a packet or block (octets). A damaged length is detected before memory is allocated.
 pub(super) const LONGEST: u32 = 1 << 24;
@@ -22,13 +22,13 @@ pub(super) struct Parts<'p> {
 
 impl<'p> Parts<'p> {
     /// The start of the file `path`.
-    pub(super) fn open(path: &'p Path) -> Result<Self, SnifferError> {
-        let file = File::open(path).map_err(|why| SnifferError::read(path, &why))?;
+    pub(super) fn open(path: &'p Path) -> Result<Self, CaptureError> {
+        let file = File::open(path).map_err(|why| CaptureError::read(path, &why))?;
         Ok(Self { path, input: BufReader::new(file), at_byte: 0, is_big_endian: false, octets: Vec::new() })
     }
 
     /// Reads the next `count` octets. Returns whether there were so many.
-    pub(super) fn fill(&mut self, count: usize) -> Result<bool, SnifferError> {
+    pub(super) fn fill(&mut self, count: usize) -> Result<bool, CaptureError> {
         self.octets.resize(count, 0);
         match self.input.read_exact(&mut self.octets) {
             Ok(()) => {
@@ -36,12 +36,12 @@ impl<'p> Parts<'p> {
                 Ok(true)
             }
             Err(why) if why.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
-            Err(why) => Err(SnifferError::read(self.path, &why)),
+            Err(why) => Err(CaptureError::read(self.path, &why)),
         }
     }
 
-    pub(super) fn is_at_end(&mut self) -> Result<bool, SnifferError> {
-        self.input.fill_buf().map(<[u8]>::is_empty).map_err(|why| SnifferError::read(self.path, &why))
+    pub(super) fn is_at_end(&mut self) -> Result<bool, CaptureError> {
+        self.input.fill_buf().map(<[u8]>::is_empty).map_err(|why| CaptureError::read(self.path, &why))
     }
 
     pub(super) fn u16(&self, at: usize) -> u16 {
@@ -54,7 +54,7 @@ impl<'p> Parts<'p> {
         if self.is_big_endian { u32::from_be_bytes(octets) } else { u32::from_le_bytes(octets) }
     }
 
-    pub(super) fn damaged(&self, problem: String) -> SnifferError {
-        SnifferError::Damaged { path: self.path.to_owned(), at_byte: self.at_byte, problem }
+    pub(super) fn damaged(&self, problem: String) -> CaptureError {
+        CaptureError::Damaged { path: self.path.to_owned(), at_byte: self.at_byte, problem }
     }
 }

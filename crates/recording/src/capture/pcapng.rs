@@ -1,16 +1,19 @@
-//! Files of pcapng (IETF draft draft-ietf-opsawg-pcapng): sections of blocks.
+//! Files of pcapng (IETF draft draft-ietf-opsawg-pcapng), written and read: sections of blocks.
 
 use sextant_kernel::SimTime;
 
-use super::captured::{Captured, End};
+use super::error::CaptureError;
+use super::frame::{CaptureEnd, CaptureRecord, SNAP_LENGTH};
 use super::parts::{LONGEST, Parts};
-use crate::error::sniffer_error::SnifferError;
 
 /// The type of the first block, the same in both byte orders, and what follows it.
 pub(super) const SECTION: u32 = 0x0A0D_0D0A;
+/// Tells the order of octets in a section.
 const BYTE_ORDER: u32 = 0x1A2B_3C4D;
+/// Version of pcapng, major and minor.
+const VERSION: [u16; 2] = [1, 0];
 
-/// Types of blocks.
+/// Types of blocks (section 4).
 mod block {
     pub(super) const INTERFACE: u32 = 1;
     pub(super) const PACKET: u32 = 2;
@@ -21,6 +24,64 @@ mod block {
 /// Options of an interface.
 const TIME_RESOLUTION: u16 = 9;
 const TIME_OFFSET: u16 = 14;
+
+/// Appends the start of a section.
+pub(super) fn write_section(file: &mut Vec<u8>) {
+    let [major, minor] = VERSION;
+    write_block(SECTION, file, |body| {
+        body.extend(BYTE_ORDER.to_le_bytes());
+        body.extend(major.to_le_bytes());
+        body.extend(minor.to_le_bytes());
+        // The length of the section is not given.
+        body.extend(u64::MAX.to_le_bytes());
+    });
+}
+
+/// Appends the description of an interface whose records have the type `link`, and whose timestamps are nanoseconds.
+pub(super) fn write_interface(link: u16, file: &mut Vec<u8>) {
+    write_block(block::INTERFACE, file, |body| {
+        body.extend(link.to_le_bytes());
+        body.extend([0; 2]);
+        body.extend(SNAP_LENGTH.to_le_bytes());
+        body.extend(TIME_RESOLUTION.to_le_bytes());
+        body.extend(1_u16.to_le_bytes());
+        // Nanoseconds, padding, end of the options.
+        body.extend([9, 0, 0, 0, 0, 0, 0, 0]);
+    });
+}
+
+/// Appends a packet of an interface, which was captured at `stamp`.
+pub(super) fn write_packet(interface: u32, stamp: SimTime, record: &[u8], file: &mut Vec<u8>) {
+    let octets = u32::try_from(record.len()).expect("a frame and its header are short");
+    write_block(block::ENHANCED_PACKET, file, |body| {
+        body.extend(interface.to_le_bytes());
+        // Most significant half first.
+        let [low, high] = halves(stamp.as_nanos());
+        body.extend(high.to_le_bytes());
+        body.extend(low.to_le_bytes());
+        body.extend(octets.to_le_bytes());
+        body.extend(octets.to_le_bytes());
+        body.extend(record);
+        body.extend(std::iter::repeat_n(0, record.len().next_multiple_of(4) - record.len()));
+    });
+}
+
+/// A block of pcapng: type, length, body, length again.
+fn write_block(kind: u32, file: &mut Vec<u8>, body: impl FnOnce(&mut Vec<u8>)) {
+    let start = file.len();
+    file.extend(kind.to_le_bytes());
+    file.extend([0; 4]);
+    body(file);
+    let length = u32::try_from(file.len() + 4 - start).expect("a block is short").to_le_bytes();
+    file[start + 4..start + 8].copy_from_slice(&length);
+    file.extend(length);
+}
+
+/// Low and high 32 bits.
+fn halves(number: u64) -> [u32; 2] {
+    let [a, b, c, d, e, f, g, h] = number.to_le_bytes();
+    [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
+}
 
 /// An interface of a pcapng file.
 #[derive(Clone, Copy, Debug)]
@@ -45,21 +106,21 @@ impl<'p> Sections<'p> {
     }
 
     /// The frames, after the type of the first block.
-    pub(super) fn frames<E: From<SnifferError>>(
+    pub(super) fn frames<E: From<CaptureError>>(
         mut self,
-        visit: &mut dyn FnMut(Captured<'_>) -> Result<(), E>,
-    ) -> Result<End, E> {
+        visit: &mut dyn FnMut(CaptureRecord<'_>) -> Result<(), E>,
+    ) -> Result<CaptureEnd, E> {
         loop {
             // The octets hold the type of a block.
             let is_section = self.source.octets == SECTION.to_le_bytes();
             let kind = self.source.u32(0);
             if !self.source.fill(4)? {
-                return Ok(End::Truncated);
+                return Ok(CaptureEnd::Truncated);
             }
             let mut length_octets = self.source.octets.clone();
             if is_section {
                 if !self.source.fill(4)? {
-                    return Ok(End::Truncated);
+                    return Ok(CaptureEnd::Truncated);
                 }
                 self.interfaces.clear();
                 self.source.is_big_endian = self.source.octets == BYTE_ORDER.to_be_bytes();
@@ -75,7 +136,7 @@ impl<'p> Sections<'p> {
                 return Err(self.source.damaged(problem).into());
             }
             if !self.source.fill((length - read) as usize)? {
-                return Ok(End::Truncated);
+                return Ok(CaptureEnd::Truncated);
             }
             let body = (length - read - 4) as usize;
             let repeated = self.source.u32(body);
@@ -94,16 +155,16 @@ impl<'p> Sections<'p> {
                 _ => {}
             }
             if self.source.is_at_end()? {
-                return Ok(End::Whole);
+                return Ok(CaptureEnd::Whole);
             }
             if !self.source.fill(4)? {
-                return Ok(End::Truncated);
+                return Ok(CaptureEnd::Truncated);
             }
         }
     }
 
     /// The description of an interface, of `body` octets.
-    fn interface(&self, body: usize) -> Result<Interface, SnifferError> {
+    fn interface(&self, body: usize) -> Result<Interface, CaptureError> {
         let source = &self.source;
         if body < 8 {
             return Err(source.damaged("an interface without its link type".to_owned()));
@@ -140,7 +201,7 @@ impl<'p> Sections<'p> {
     }
 
     /// The frame of a block of type `kind` with `body` octets.
-    fn packet(&self, kind: u32, body: usize) -> Result<Captured<'_>, SnifferError> {
+    fn packet(&self, kind: u32, body: usize) -> Result<CaptureRecord<'_>, CaptureError> {
         let source = &self.source;
         let header = if kind == block::SIMPLE_PACKET { 4 } else { 20 };
         if body < header {
@@ -165,10 +226,10 @@ impl<'p> Sections<'p> {
         let octets = source.octets[header..body].get(..captured as usize).ok_or_else(|| {
             source.damaged(format!("a packet of {captured} octets in a block of {} octets", body + 12))
         })?;
-        Ok(Captured { time, link: interface.link, octets, is_cut: captured < original })
+        Ok(CaptureRecord { time, link: interface.link, octets, is_cut: captured < original })
     }
 
-    fn time(&self, interface: &Interface, ticks: u128) -> Result<SimTime, SnifferError> {
+    fn time(&self, interface: &Interface, ticks: u128) -> Result<SimTime, CaptureError> {
         let (seconds, rest) = (ticks / interface.resolution, ticks % interface.resolution);
         // Below 2^64 ticks, so the product fits, except for resolutions that no clock has.
         let nanos = rest.checked_mul(1_000_000_000).map_or(0, |nanos| nanos / interface.resolution);
@@ -200,11 +261,11 @@ mod tests {
         let mut found = Vec::new();
         let mut source = Parts::open(file.path()).unwrap();
         assert_eq!(source.fill(4), Ok(true));
-        let end = Sections::new(source).frames::<SnifferError>(&mut |frame| {
+        let end = Sections::new(source).frames::<CaptureError>(&mut |frame| {
             found.push((frame.link, frame.time.map(SimTime::as_nanos), frame.octets.to_vec()));
             Ok(())
         });
-        assert_eq!(end, Ok(End::Whole));
+        assert_eq!(end, Ok(CaptureEnd::Whole));
         found
     }
 
