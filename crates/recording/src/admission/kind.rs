@@ -8,8 +8,8 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use crate::capture::technologies::is_of_simulation;
+use crate::container::sink::has_own_library;
 use crate::output::{PART, RECOVERING};
-use crate::sink::has_own_library;
 
 /// What a command writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@ use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 use sextant_channel::SectorConfig;
 
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// The networks that robots survey, if there are several.
 #[derive(Clone, PartialEq, prost::Message)]

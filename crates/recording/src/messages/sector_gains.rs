@@ -8,7 +8,7 @@ use sextant_channel::{Antenna, ListenerAntennaConfig, Orientation, OrientationCo
 use sextant_kernel::Files;
 
 use super::super::antenna_text;
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// The antenna of the robots whose sectors the log has, and how it is turned in the frame of the stops.
 #[derive(Clone, PartialEq, prost::Message)]

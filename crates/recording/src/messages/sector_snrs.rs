@@ -5,7 +5,7 @@ use prost::bytes::BufMut;
 use sextant_channel::SectorReport;
 use sextant_kernel::NodeId;
 
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// The signal-to-noise ratios of the robot's sectors that nodes reported at a stop. The columns have one value for each
 /// sector that a node reported, in the same order.

@@ -3,7 +3,7 @@
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// The sensors that all nodes have. What is absent they do not have.
 #[derive(Clone, PartialEq, prost::Message)]

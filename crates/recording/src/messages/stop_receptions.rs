@@ -5,8 +5,8 @@ use prost::bytes::BufMut;
 use sextant_channel::{Dbm, Reception};
 use sextant_kernel::NodeId;
 
-use super::super::descriptor::{self, Declaration};
 use super::super::link_quality::link_quality;
+use super::descriptor::{self, Declaration};
 
 /// The value of a column of numbers where a reception has none.
 const NONE: u32 = 256;

@@ -8,9 +8,9 @@ use sextant_channel::{Reception, SectorReport};
 
 use super::row::{Cell, CellKind, TableColumn};
 use super::{Message, OwnedRow};
-use crate::descriptor::{Declaration, Field, Kind};
 use crate::messages::declarations;
-use crate::names::{ApplicationTopics, LogTopics};
+use crate::messages::descriptor::{Declaration, Field, Kind};
+use crate::messages::names::{ApplicationTopics, LogTopics};
 
 /// The columns of the table of receptions.
 const RECEPTION_COLUMNS: [(&str, CellKind); 8] = [

@@ -8,8 +8,10 @@ use super::declared::name_of;
 use super::row::{Cell, CellKind, TableColumn};
 use super::{Message, Rows};
 use crate::drawing;
-use crate::names::{ApplicationTopics, FIELDS_TOPICS, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC};
-use crate::world::plane;
+use crate::messages::names::{
+    ApplicationTopics, FIELDS_TOPICS, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+};
+use crate::reader::world::plane;
 
 use CellKind::{Integer, Real, Text};
 

@@ -10,9 +10,9 @@ use std::path::Path;
 use super::antenna_text;
 use super::error::RecordingError;
 use super::messages;
-use super::names::LogTopics;
-use super::reader::sound;
 use crate::mcap_file::Piece;
+use crate::messages::names::LogTopics;
+use crate::reader::run::sound;
 use declared::Columns;
 use prost::Message as _;
 

@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 use super::identity::is_claimed;
 use super::{OutputError, write_file};
 use crate::disk::{self, DiskFile};
-use crate::foreign_folder::ForeignFolder;
+use crate::output::foreign_folder::ForeignFolder;
 use blocks::{Blocks, block};
 
 /// Begins the first line of a part.

@@ -8,9 +8,9 @@ use std::path::Path;
 use serde::Serialize;
 use sextant_kernel::text::shortened;
 
-use super::error::RecordingError;
+use super::sink::OWN_LIBRARY;
+use crate::error::RecordingError;
 use crate::mcap_file::{Damage, Piece, scan};
-use crate::sink::OWN_LIBRARY;
 
 /// The contents of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]

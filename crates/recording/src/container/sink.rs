@@ -8,18 +8,18 @@ use mcap::records::{MessageHeader, Metadata, op};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 
-use super::error::RecordingError;
 use crate::disk::DiskFile;
+use crate::error::RecordingError;
 use crate::output::Draft;
 
 /// Name of the writer in the header of a recording; fixed, so that equal runs give equal bytes.
 const LIBRARY: &str = concat!("sextant ", env!("CARGO_PKG_VERSION"));
 
 /// How the name of the library begins that writes recordings, of any version.
-pub(super) const OWN_LIBRARY: &str = "sextant ";
+pub(crate) const OWN_LIBRARY: &str = "sextant ";
 
 /// Whether a file that begins with the octets `head` was written by this program, of any version: its header says so.
-pub(super) fn has_own_library(head: &[u8]) -> bool {
+pub(crate) fn has_own_library(head: &[u8]) -> bool {
     /// Length of the profile, and the profile; the same of the library.
     fn text(octets: &[u8]) -> Option<(&[u8], &[u8])> {
         let (length, rest) = octets.split_first_chunk()?;
@@ -39,7 +39,7 @@ const OCTETS_PER_CHUNK: u64 = 1 << 20;
 
 /// A container being written. It does not seek, so that a killed process leaves complete chunks and at most one
 /// incomplete chunk.
-pub(super) struct Sink<W: Write> {
+pub(crate) struct Sink<W: Write> {
     /// None after the first failure.
     writer: Option<Writer<NoSeek<W>>>,
     failure: Option<RecordingError>,
@@ -49,7 +49,7 @@ pub(super) struct Sink<W: Write> {
 
 impl<W: Write> Sink<W> {
     /// A container that is written to `output`; `path` is its name in errors.
-    pub(super) fn new(output: W, path: &Path) -> Result<Self, RecordingError> {
+    pub(crate) fn new(output: W, path: &Path) -> Result<Self, RecordingError> {
         let writer = WriteOptions::new()
             .compression(Some(Compression::Zstd))
             .compression_threads(0)
@@ -83,7 +83,7 @@ impl<W: Write> Sink<W> {
     }
 
     /// Adds the channel `topic` with messages of `schema`. Ids are given in the order of first use.
-    pub(super) fn channel(&mut self, topic: &str, schema: &foxglove::Schema) -> Result<u16, RecordingError> {
+    pub(crate) fn channel(&mut self, topic: &str, schema: &foxglove::Schema) -> Result<u16, RecordingError> {
         self.act(|writer| {
             let schema = writer.add_schema(&schema.name, &schema.encoding, &schema.data)?;
             writer.add_channel(schema, topic, "protobuf", &BTreeMap::new())
@@ -91,7 +91,7 @@ impl<W: Write> Sink<W> {
     }
 
     /// Adds the same channel as in another container, with the same id.
-    pub(super) fn copied_channel(&mut self, channel: &mcap::Channel<'_>) -> Result<(), RecordingError> {
+    pub(crate) fn copied_channel(&mut self, channel: &mcap::Channel<'_>) -> Result<(), RecordingError> {
         self.act(|writer| {
             let schema = match &channel.schema {
                 Some(schema) => writer.add_schema_with_id(schema.id, &schema.name, &schema.encoding, &schema.data)?,
@@ -104,34 +104,34 @@ impl<W: Write> Sink<W> {
     }
 
     /// Writes a message. Call [`Sink::settle`] where a chunk may end.
-    pub(super) fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), RecordingError> {
+    pub(crate) fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), RecordingError> {
         self.in_chunk += 1;
         self.act(|writer| writer.write_to_known_channel(header, data))
     }
 
     /// Ends the chunk if it has enough messages. Call it only between messages that do not belong together.
-    pub(super) fn settle(&mut self) -> Result<(), RecordingError> {
+    pub(crate) fn settle(&mut self) -> Result<(), RecordingError> {
         if self.in_chunk >= MESSAGES_PER_CHUNK { self.end_chunk() } else { Ok(()) }
     }
 
     /// Ends the chunk and flushes it.
-    pub(super) fn end_chunk(&mut self) -> Result<(), RecordingError> {
+    pub(crate) fn end_chunk(&mut self) -> Result<(), RecordingError> {
         self.in_chunk = 0;
         self.act(Writer::flush)
     }
 
-    pub(super) fn attach(&mut self, attachment: &Attachment<'_>) -> Result<(), RecordingError> {
+    pub(crate) fn attach(&mut self, attachment: &Attachment<'_>) -> Result<(), RecordingError> {
         self.in_chunk = 0;
         self.act(|writer| writer.attach(attachment))
     }
 
-    pub(super) fn metadata(&mut self, metadata: &Metadata) -> Result<(), RecordingError> {
+    pub(crate) fn metadata(&mut self, metadata: &Metadata) -> Result<(), RecordingError> {
         self.in_chunk = 0;
         self.act(|writer| writer.write_metadata(metadata))
     }
 
     /// Writes the summary section, flushes, and returns the output.
-    pub(super) fn finish(mut self) -> Result<W, RecordingError> {
+    pub(crate) fn finish(mut self) -> Result<W, RecordingError> {
         self.act(Writer::finish)?;
         let writer = self.writer.take().expect("there is a writer until the first failure");
         let mut output = writer.into_inner().into_inner();
@@ -142,12 +142,12 @@ impl<W: Write> Sink<W> {
 
 impl Sink<BufWriter<DiskFile>> {
     /// A container in a new file, which has the temporary name of `draft`.
-    pub(super) fn create(draft: &Draft) -> Result<Self, RecordingError> {
+    pub(crate) fn create(draft: &Draft) -> Result<Self, RecordingError> {
         Self::new(draft.open()?, &draft.part)
     }
 
     /// Finishes the container and gives the file its final name.
-    pub(super) fn publish(self, draft: &Draft) -> Result<(), RecordingError> {
+    pub(crate) fn publish(self, draft: &Draft) -> Result<(), RecordingError> {
         Ok(draft.name(self.finish()?)?)
     }
 }

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::error::RecordingError;
 use super::packets::{self, RecordedPacket};
-use super::reader::{RecordedRun, RunReading, sound};
+use super::run::{RecordedRun, RunReading, sound};
 use super::world::{RecordedWorld, WorldReading};
+use crate::error::RecordingError;
 
 /// Everything in a recording that figures need.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +18,8 @@ pub struct Recording {
     pub packets: Vec<RecordedPacket>,
 }
 
-/// Reads the recording `path` of a run: what [`read_run`](super::read_run), [`read_world`](super::read_world) and
-/// [`read_packets`](super::read_packets) read, in a third of the time.
+/// Reads the recording `path` of a run: what [`read_run`](crate::read_run), [`read_world`](crate::read_world) and
+/// [`read_packets`](crate::read_packets) read, in a third of the time.
 ///
 /// # Errors
 /// Those of these three.

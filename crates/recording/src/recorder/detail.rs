@@ -2,7 +2,7 @@
 
 /// How much a recording has. Neither leaves out anything of the reception log.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Detail {
+pub(crate) enum Detail {
     /// A message for each reception, and lines from each stop to the nodes that were heard there.
     #[default]
     Full,

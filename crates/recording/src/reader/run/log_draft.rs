@@ -115,7 +115,11 @@ mod tests {
     use sextant_kernel::{Files, RobotId, SimTime, Unwatched};
 
     use super::*;
-    use crate::{Recorder, TablePiece, read_log, read_tables, stream_log};
+    use crate::Recorder;
+    use crate::TablePiece;
+    use crate::read_log;
+    use crate::read_tables;
+    use crate::stream_log;
 
     const BOOK: &str = "code_book.azimuths_deg = [-120, 0, 120]\ncode_book.elevations_deg = [0]\n\
         code_book.sectors = [{ sector = 2, gain_dbi = [[1.1, 2.2, -3.3]] }, { sector = 9, gain_dbi = [[-4, 0.1, 7]] }]";

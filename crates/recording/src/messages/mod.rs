@@ -4,7 +4,7 @@
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 
-use super::descriptor::{self, Declaration};
+use self::descriptor::Declaration;
 
 /// Gives message types their stable names and their descriptors. The descriptors of one `file` are in each recording that
 /// has a message of it, so a new message in an old file would change the bytes of recordings without that message.
@@ -44,11 +44,15 @@ macro_rules! recorded {
 }
 
 pub(super) mod applications;
+pub(crate) mod descriptor;
 pub(super) mod distributed;
+pub(crate) mod names;
 pub(super) mod networks;
 pub(super) mod packets;
+pub(crate) mod phase;
 pub(super) mod sector_gains;
 pub(super) mod sector_snrs;
+pub(crate) mod sensation;
 pub(super) mod sensing;
 pub(super) mod stop_receptions;
 

@@ -7,11 +7,11 @@ use mcap::records::Metadata;
 use serde::Serialize;
 use sextant_kernel::Watch;
 
-use super::error::RecordingError;
-use super::names::RECOVERED_METADATA;
 use super::sink::Sink;
 use crate::disk;
+use crate::error::RecordingError;
 use crate::mcap_file::{Damage, Piece, scan};
+use crate::messages::names::RECOVERED_METADATA;
 use crate::output::{Draft, FileIdentity, RECOVERING};
 
 /// The result of a recovery.

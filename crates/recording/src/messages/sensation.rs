@@ -13,7 +13,7 @@ pub enum Sensation {
 
 impl Sensation {
     /// Its word in a message.
-    pub(super) fn word(self) -> &'static str {
+    pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Entered => "entered",
             Self::Left => "left",
@@ -22,7 +22,7 @@ impl Sensation {
     }
 
     /// The sample, if it is one.
-    pub(super) fn value(self) -> Option<f64> {
+    pub(crate) fn value(self) -> Option<f64> {
         match self {
             Self::Sampled(value) => Some(value),
             Self::Entered | Self::Left => None,
@@ -30,7 +30,7 @@ impl Sensation {
     }
 
     /// The sensation with this word and value, if there is one.
-    pub(super) fn read(word: &str, value: Option<f64>) -> Option<Self> {
+    pub(crate) fn read(word: &str, value: Option<f64>) -> Option<Self> {
         match (word, value) {
             ("entered", None) => Some(Self::Entered),
             ("left", None) => Some(Self::Left),

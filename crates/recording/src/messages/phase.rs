@@ -35,7 +35,7 @@ impl Phase {
 }
 
 /// The phases as a metadata record: lists with commas.
-pub(super) fn record(phases: &[Phase]) -> BTreeMap<String, String> {
+pub(crate) fn record(phases: &[Phase]) -> BTreeMap<String, String> {
     let list = |of: fn(&Phase) -> String| phases.iter().map(of).collect::<Vec<_>>().join(",");
     [
         ("names", list(|phase| phase.name.clone())),
@@ -47,7 +47,7 @@ pub(super) fn record(phases: &[Phase]) -> BTreeMap<String, String> {
 }
 
 /// The phases in a metadata record; `None` if it has another form.
-pub(super) fn read(record: &BTreeMap<String, String>) -> Option<Vec<Phase>> {
+pub(crate) fn read(record: &BTreeMap<String, String>) -> Option<Vec<Phase>> {
     let times = |key: &str| -> Option<Vec<SimTime>> {
         record.get(key)?.split(',').map(|nanos| nanos.parse().ok().map(SimTime::from_nanos)).collect()
     };

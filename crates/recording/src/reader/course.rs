@@ -6,15 +6,15 @@ use foxglove::messages::FrameTransform;
 use prost::Message as _;
 use sextant_kernel::SimTime;
 
-use super::drawing;
-use super::error::RecordingError;
-use super::messages::MappedNodeMessage;
-use super::names::{MAPPED_NODES_TOPIC, PHASES_METADATA};
-use super::phase::{self, Phase};
-use super::reader::sound;
+use super::run::sound;
 use super::way::Way;
 use super::world::{Places, places};
+use crate::drawing;
+use crate::error::RecordingError;
 use crate::mcap_file::Piece;
+use crate::messages::MappedNodeMessage;
+use crate::messages::names::{MAPPED_NODES_TOPIC, PHASES_METADATA};
+use crate::messages::phase::{self, Phase};
 
 /// Everything in a recording that has a time and a place, except targets and applications.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,7 +32,7 @@ pub struct RecordedCourse {
 /// Reads everything that moves or grows from the recording `path`.
 ///
 /// # Errors
-/// If the file cannot be read, is damaged, or has a drawing with another layout than [`super::Recorder`] writes.
+/// If the file cannot be read, is damaged, or has a drawing with another layout than [`crate::Recorder`] writes.
 pub fn read_course(path: &Path) -> Result<RecordedCourse, RecordingError> {
     let mut course = RecordedCourse::default();
     sound(path, &mut |piece| match piece {

@@ -11,45 +11,45 @@ pub const SUMMARY_ATTACHMENT: &str = "summary.json";
 /// Name of the metadata record with `seed`, `version` and `scenario`.
 pub const ORIGIN_METADATA: &str = "sextant";
 /// Name of the metadata record that says what a compact recording leaves out.
-pub(super) const DETAIL_METADATA: &str = "detail";
+pub(crate) const DETAIL_METADATA: &str = "detail";
 /// Name of the metadata record with the phases of a run that has applications.
-pub(super) const PHASES_METADATA: &str = "phases";
+pub(crate) const PHASES_METADATA: &str = "phases";
 /// Key of the metadata record with the name of a topic of links that has none: their number, 0.
-pub(super) const LINKS_KEY: &str = "links";
+pub(crate) const LINKS_KEY: &str = "links";
 /// Topic of receptions between nodes.
-pub(super) const NEIGHBOURS_TOPIC: &str = "/neighbours";
+pub(crate) const NEIGHBOURS_TOPIC: &str = "/neighbours";
 /// Topic of receptions of the anchors' packets by nodes.
-pub(super) const BEACONS_TOPIC: &str = "/beacons";
+pub(crate) const BEACONS_TOPIC: &str = "/beacons";
 /// Topic of the nodes that know their position.
-pub(super) const ANCHORS_TOPIC: &str = "/anchors";
+pub(crate) const ANCHORS_TOPIC: &str = "/anchors";
 /// Topic of what nodes found that computed a map themselves.
-pub(super) const MAPPED_NODES_TOPIC: &str = "/distributed/nodes";
+pub(crate) const MAPPED_NODES_TOPIC: &str = "/distributed/nodes";
 /// Topic of the sensors that the nodes have.
-pub(super) const SENSORS_TOPIC: &str = "/sensors";
+pub(crate) const SENSORS_TOPIC: &str = "/sensors";
 /// Topic of the packets that stations offered.
-pub(super) const PACKETS_TOPIC: &str = "/mac/packets";
+pub(crate) const PACKETS_TOPIC: &str = "/mac/packets";
 /// Topic of the assessments of the channel for these packets.
-pub(super) const ASSESSMENTS_TOPIC: &str = "/mac/assessments";
+pub(crate) const ASSESSMENTS_TOPIC: &str = "/mac/assessments";
 /// Topic of the transmissions of these packets.
-pub(super) const TRANSMISSIONS_TOPIC: &str = "/mac/transmissions";
+pub(crate) const TRANSMISSIONS_TOPIC: &str = "/mac/transmissions";
 /// Topic of what sensors said.
-pub(super) const SENSED_TOPIC: &str = "/sensed";
+pub(crate) const SENSED_TOPIC: &str = "/sensed";
 /// Start of the topics of targets; their names follow.
-pub(super) const TARGETS_TOPICS: &str = "/world/targets/";
+pub(crate) const TARGETS_TOPICS: &str = "/world/targets/";
 /// Start of the topics of fields; their names follow.
-pub(super) const FIELDS_TOPICS: &str = "/world/fields/";
+pub(crate) const FIELDS_TOPICS: &str = "/world/fields/";
 /// Topic of the true positions of the nodes.
-pub(super) const WORLD_NODES_TOPIC: &str = "/world/nodes";
+pub(crate) const WORLD_NODES_TOPIC: &str = "/world/nodes";
 /// Topic of the positions of the sinks.
-pub(super) const WORLD_SINKS_TOPIC: &str = "/world/sinks";
+pub(crate) const WORLD_SINKS_TOPIC: &str = "/world/sinks";
 /// Topic of the names of the nodes, at their true positions.
-pub(super) const WORLD_NAMES_TOPIC: &str = "/world/names";
+pub(crate) const WORLD_NAMES_TOPIC: &str = "/world/names";
 /// Topic of the frames on air as lines.
-pub(super) const AIR_TOPIC: &str = "/mac/air";
+pub(crate) const AIR_TOPIC: &str = "/mac/air";
 /// Name of the metadata record of a recovered recording.
-pub(super) const RECOVERED_METADATA: &str = "recovered";
+pub(crate) const RECOVERED_METADATA: &str = "recovered";
 /// Topic of the names of the surveyed networks.
-pub(super) const NETWORKS_TOPIC: &str = "/networks";
+pub(crate) const NETWORKS_TOPIC: &str = "/networks";
 /// Start of the topics of networks; their names follow.
 const NETWORKS_TOPICS: &str = "/networks/";
 /// Topics of a reception log.
@@ -62,17 +62,17 @@ const SECTOR_SNRS_TOPIC: &str = "/sector_snrs";
 const LOG_TOPICS: [&str; 5] = [STOPS_TOPIC, RECEPTIONS_TOPIC, SECTORS_TOPIC, SECTOR_GAINS_TOPIC, SECTOR_SNRS_TOPIC];
 
 /// The topics of the reception log of one network.
-pub(super) struct LogTopics {
-    pub(super) stops: Cow<'static, str>,
-    pub(super) receptions: Cow<'static, str>,
-    pub(super) sectors: Cow<'static, str>,
-    pub(super) sector_gains: Cow<'static, str>,
-    pub(super) sector_snrs: Cow<'static, str>,
+pub(crate) struct LogTopics {
+    pub(crate) stops: Cow<'static, str>,
+    pub(crate) receptions: Cow<'static, str>,
+    pub(crate) sectors: Cow<'static, str>,
+    pub(crate) sector_gains: Cow<'static, str>,
+    pub(crate) sector_snrs: Cow<'static, str>,
 }
 
 impl LogTopics {
     /// The topics of the first surveyed network, or those of the `other` one.
-    pub(super) fn new(other: Option<&str>) -> Self {
+    pub(crate) fn new(other: Option<&str>) -> Self {
         let topic = |topic: &'static str| match other {
             None => Cow::Borrowed(topic),
             Some(name) => Cow::Owned(format!("{NETWORKS_TOPICS}{name}{topic}")),
@@ -87,7 +87,7 @@ impl LogTopics {
     }
 
     /// Name of the network to whose log `topic` belongs; `None` for the first one.
-    pub(super) fn network(topic: &str) -> Option<&str> {
+    pub(crate) fn network(topic: &str) -> Option<&str> {
         let rest = topic.strip_prefix(NETWORKS_TOPICS)?;
         LOG_TOPICS.iter().find_map(|end| rest.strip_suffix(end))
     }
@@ -97,22 +97,22 @@ impl LogTopics {
 const APPLICATION_TOPICS: &str = "/application/";
 
 /// The topics of an application.
-pub(super) struct ApplicationTopics {
+pub(crate) struct ApplicationTopics {
     /// What it is.
-    pub(super) description: String,
-    pub(super) estimates: String,
-    pub(super) captures: String,
+    pub(crate) description: String,
+    pub(crate) estimates: String,
+    pub(crate) captures: String,
     /// Start of the topics of the paths of its robots; their names follow.
-    pub(super) paths: String,
+    pub(crate) paths: String,
     /// The captured targets as marks.
-    pub(super) captured: String,
+    pub(crate) captured: String,
     /// Start of the topics of estimated places; station and kind follow.
-    pub(super) places: String,
+    pub(crate) places: String,
 }
 
 impl ApplicationTopics {
     /// Those of the application called `name`.
-    pub(super) fn new(name: &str) -> Self {
+    pub(crate) fn new(name: &str) -> Self {
         let topic = |end: &str| format!("{APPLICATION_TOPICS}{name}{end}");
         Self {
             description: topic(""),
@@ -125,23 +125,23 @@ impl ApplicationTopics {
     }
 
     /// Name of the application to which `topic` belongs, and the rest of the topic.
-    pub(super) fn application(topic: &str) -> Option<(&str, &str)> {
+    pub(crate) fn application(topic: &str) -> Option<(&str, &str)> {
         let rest = topic.strip_prefix(APPLICATION_TOPICS)?;
         Some(rest.split_once('/').unwrap_or((rest, "")))
     }
 }
 
 /// The topics of the way of a robot, as viewers draw it while a recording plays.
-pub(super) struct WayTopics {
+pub(crate) struct WayTopics {
     /// The whole way so far.
-    pub(super) way: String,
+    pub(crate) way: String,
     /// The legs since the last message on `way`.
-    pub(super) legs: String,
+    pub(crate) legs: String,
 }
 
 impl WayTopics {
     /// Those of `robot` in the survey, or in the `application`.
-    pub(super) fn new(application: Option<&str>, robot: &str) -> Self {
+    pub(crate) fn new(application: Option<&str>, robot: &str) -> Self {
         match application {
             None => Self { way: format!("/robot/{robot}/way"), legs: format!("/robot/{robot}/legs") },
             Some(name) => Self {

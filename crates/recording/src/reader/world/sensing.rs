@@ -4,11 +4,11 @@ use prost::Message as _;
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 
-use super::super::drawing::GridPlane;
-use super::super::messages::{SensedMessage, SensorsMessage};
-use super::super::sensation::Sensation;
 use super::super::way::Way;
 use super::RecordedWorld;
+use crate::drawing::GridPlane;
+use crate::messages::sensation::Sensation;
+use crate::messages::{SensedMessage, SensorsMessage};
 
 /// A target and its way.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use prost::Message as _;
 use sextant_kernel::NodeId;
 
-use super::super::messages::MappedNodeMessage;
+use crate::messages::MappedNodeMessage;
 
 /// A node that took part in a map which the nodes computed.
 #[derive(Clone, Copy, Debug, PartialEq)]

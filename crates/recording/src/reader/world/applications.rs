@@ -4,13 +4,13 @@ use prost::Message as _;
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
-use super::super::drawing::{self, place};
-use super::super::messages::MetricMessage;
-use super::super::messages::applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
-use super::super::phase::Phase;
 use super::super::way::Way;
 use super::RecordedWorld;
 use super::sensing::{RecordedField, RecordedTarget};
+use crate::drawing::{self, place};
+use crate::messages::MetricMessage;
+use crate::messages::applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
+use crate::messages::phase::Phase;
 
 /// An application and its phase. All instants are those of the recording.
 #[derive(Clone, Debug, Default, PartialEq)]

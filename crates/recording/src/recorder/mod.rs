@@ -2,6 +2,7 @@
 
 mod applications;
 mod compact;
+mod detail;
 mod drawings;
 mod file;
 mod packets;
@@ -26,16 +27,16 @@ use sextant_channel::{
 };
 use sextant_kernel::SimTime;
 
-use super::detail::Detail;
+use self::detail::Detail;
 use super::drawing;
 use super::error::RecordingError;
 use super::link_quality::link_quality;
 use super::messages;
-use super::names::{
+use crate::container::sink::Sink;
+use crate::messages::names::{
     ANCHORS_TOPIC, BEACONS_TOPIC, FILES_ATTACHMENTS, LINKS_KEY, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC,
     NETWORKS_TOPIC, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
 };
-use super::sink::Sink;
 
 /// A chunk is closed after this many stops, even if it has few messages.
 const STOPS_PER_CHUNK: u32 = 32;

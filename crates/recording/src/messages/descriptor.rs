@@ -7,21 +7,21 @@ use prost_types::{
 };
 
 /// A message type: its name in the package `sextant`, and its fields.
-pub(super) struct Declaration {
-    pub(super) name: &'static str,
-    pub(super) fields: &'static [Field],
+pub(crate) struct Declaration {
+    pub(crate) name: &'static str,
+    pub(crate) fields: &'static [Field],
 }
 
 /// A field with its stable number.
-pub(super) struct Field {
-    pub(super) name: &'static str,
-    pub(super) number: i32,
-    pub(super) kind: Kind,
+pub(crate) struct Field {
+    pub(crate) name: &'static str,
+    pub(crate) number: i32,
+    pub(crate) kind: Kind,
 }
 
 /// The type of a field.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     Uint32,
     OptionalUint32,
     Uint32s,
@@ -58,7 +58,7 @@ impl Kind {
 }
 
 /// The serialised `FileDescriptorSet` of one `file` (proto3, package `sextant`) with all `declarations`.
-pub(super) fn file_set(file: &str, declarations: &[Declaration]) -> Vec<u8> {
+pub(crate) fn file_set(file: &str, declarations: &[Declaration]) -> Vec<u8> {
     let file = FileDescriptorProto {
         name: Some(file.to_owned()),
         package: Some("sextant".to_owned()),
@@ -98,11 +98,11 @@ fn message(declaration: &Declaration) -> DescriptorProto {
 mod tests {
     use std::collections::BTreeSet;
 
-    use super::super::messages::declarations;
+    use crate::messages::declarations;
 
     #[test]
     fn the_documentation_lists_every_field_with_its_number() {
-        let page = include_str!("../../../docs/recording.md");
+        let page = include_str!("../../../../docs/recording.md");
         for declaration in declarations() {
             let (_, section) = page
                 .split_once(&format!("message {} {{", declaration.name))

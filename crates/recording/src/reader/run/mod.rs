@@ -6,19 +6,19 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::robot_names::RobotNames;
+use crate::reader::robot_names::RobotNames;
 use foxglove::messages::PointCloud;
 use prost::Message as _;
 use sextant_channel::{Contact, LogError, NetworkLog, NetworkLogs, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::text::choices;
 use sextant_kernel::{Files, NodeId, SimTime};
 
-use super::drawing;
-use super::error::RecordingError;
-use super::messages;
-use super::names::{FILES_ATTACHMENTS, LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
 use super::recorded_summary::{ClaimedObstacle, RecordedMap, RecordedSummary};
+use crate::drawing;
+use crate::error::RecordingError;
 use crate::mcap_file::{Piece, scan};
+use crate::messages;
+use crate::messages::names::{FILES_ATTACHMENTS, LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
 use log_draft::LogDraft;
 
 /// The reception log of a recording, with its metadata and attachments.
@@ -33,7 +33,7 @@ pub struct RecordedRun {
     pub cut_stops: usize,
     /// Whether signal-to-noise ratios of all sectors were left out, because receptions were passed on one by one.
     pub leaves_out_sector_snrs: bool,
-    /// Metadata records by name. A recording of `run` has [`super::ORIGIN_METADATA`].
+    /// Metadata records by name. A recording of `run` has [`crate::ORIGIN_METADATA`].
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
     /// Attachments in the order of the file.
     pub attachments: Vec<Attachment>,
@@ -158,7 +158,7 @@ fn read_with(path: &Path, stream: Option<Stream<'_>>) -> Result<(RecordedRun, Ve
 
 /// A run that is being read.
 #[derive(Default)]
-pub(super) struct RunReading<'a> {
+pub(crate) struct RunReading<'a> {
     draft: RunDraft<'a>,
     topics: Vec<String>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
@@ -167,7 +167,7 @@ pub(super) struct RunReading<'a> {
 
 impl RunReading<'_> {
     /// Takes a piece of the recording `path`.
-    pub(super) fn take(&mut self, path: &Path, piece: &Piece<'_>) -> Result<(), RecordingError> {
+    pub(crate) fn take(&mut self, path: &Path, piece: &Piece<'_>) -> Result<(), RecordingError> {
         match piece {
             Piece::Header { .. } => {}
             Piece::Message { channel, data, .. } => {
@@ -193,7 +193,7 @@ impl RunReading<'_> {
     }
 
     /// The run, now that all pieces of the recording `path` were taken.
-    pub(super) fn finish(mut self, path: &Path) -> Result<RecordedRun, RecordingError> {
+    pub(crate) fn finish(mut self, path: &Path) -> Result<RecordedRun, RecordingError> {
         let cut_stops = self.draft.cut_last_stops();
         let paths = std::mem::take(&mut self.draft.paths);
         let leaves_out_sector_snrs = self.draft.leaves_out_sector_snrs;
@@ -239,7 +239,7 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
 }
 
 /// Scans a file and rejects damage.
-pub(super) fn sound(
+pub(crate) fn sound(
     path: &Path,
     visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
 ) -> Result<(), RecordingError> {

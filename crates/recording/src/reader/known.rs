@@ -6,11 +6,11 @@ use prost::Message as _;
 use sextant_channel::{Anchor, Link, NeighbourLog, Position};
 use sextant_kernel::NodeId;
 
-use super::error::RecordingError;
-use super::messages;
-use super::names::{ANCHORS_TOPIC, BEACONS_TOPIC, LINKS_KEY, NEIGHBOURS_TOPIC};
-use super::reader::sound;
+use super::run::sound;
+use crate::error::RecordingError;
 use crate::mcap_file::Piece;
+use crate::messages;
+use crate::messages::names::{ANCHORS_TOPIC, BEACONS_TOPIC, LINKS_KEY, NEIGHBOURS_TOPIC};
 
 /// What the nodes know of each other.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -78,7 +78,7 @@ fn link(data: &[u8]) -> Result<Link, String> {
     Ok(Link { listener: NodeId(listener), sender: NodeId(sender), received, sent, rssi_dbm })
 }
 
-pub(super) fn anchor(data: &[u8], nodes: usize) -> Result<Anchor, String> {
+pub(crate) fn anchor(data: &[u8], nodes: usize) -> Result<Anchor, String> {
     let messages::AnchorMessage { node, x_m, y_m, z_m } =
         messages::AnchorMessage::decode(data).map_err(|why| why.to_string())?;
     let position = Position::new(x_m, y_m, z_m);

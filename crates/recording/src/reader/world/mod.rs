@@ -1,8 +1,8 @@
 //! Reads from a recording what figures show: positions, shapes and likelihood surfaces.
 
-pub(super) mod applications;
-pub(super) mod distributed;
-pub(super) mod sensing;
+pub(crate) mod applications;
+pub(crate) mod distributed;
+pub(crate) mod sensing;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,15 +12,15 @@ use prost::Message as _;
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 
-use super::drawing::{self, GridPlane, Solid, place};
-use super::error::RecordingError;
-use super::names::{
+use crate::drawing::{self, GridPlane, Solid, place};
+use crate::error::RecordingError;
+use crate::mcap_file::Piece;
+use crate::messages::names::{
     ANCHORS_TOPIC, ApplicationTopics, FIELDS_TOPICS, MAPPED_NODES_TOPIC, PHASES_METADATA, SENSED_TOPIC,
     SENSORS_TOPIC, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
 };
-use super::phase::{self, Phase};
-use super::reader::sound;
-use crate::mcap_file::Piece;
+use crate::messages::phase::{self, Phase};
+use crate::reader::run::sound;
 use applications::RecordedApplication;
 use distributed::RecordedNode;
 use sensing::{Detection, RecordedField, RecordedTarget, Sample};
@@ -76,7 +76,7 @@ pub struct RecordedLikelihood {
 /// Reads everything with a position from the recording `path`.
 ///
 /// # Errors
-/// If the file cannot be read, is damaged, or has a drawing with another layout than [`super::Recorder`] writes.
+/// If the file cannot be read, is damaged, or has a drawing with another layout than [`crate::Recorder`] writes.
 pub fn read_world(path: &Path) -> Result<RecordedWorld, RecordingError> {
     let mut reading = WorldReading::default();
     sound(path, &mut |piece| reading.take(path, &piece))?;
@@ -85,14 +85,14 @@ pub fn read_world(path: &Path) -> Result<RecordedWorld, RecordingError> {
 
 /// A world that is being read.
 #[derive(Default)]
-pub(super) struct WorldReading {
+pub(crate) struct WorldReading {
     drawn: RecordedWorld,
     phases: Vec<Phase>,
 }
 
 impl WorldReading {
     /// Takes a piece of the recording `path`.
-    pub(super) fn take(&mut self, path: &Path, piece: &Piece<'_>) -> Result<(), RecordingError> {
+    pub(crate) fn take(&mut self, path: &Path, piece: &Piece<'_>) -> Result<(), RecordingError> {
         let (channel, header, data) = match piece {
             Piece::Message { channel, header, data } => (channel, header, data),
             Piece::Metadata(record) if record.name == PHASES_METADATA => {
@@ -110,7 +110,7 @@ impl WorldReading {
     }
 
     /// The world, now that all pieces were taken.
-    pub(super) fn finish(mut self) -> RecordedWorld {
+    pub(crate) fn finish(mut self) -> RecordedWorld {
         self.drawn.divide(&self.phases);
         self.drawn
     }
@@ -177,7 +177,7 @@ fn replace<T>(list: &mut Vec<(String, T)>, name: &str, value: T) {
     }
 }
 
-pub(super) fn places(data: &[u8]) -> Result<Places, String> {
+pub(crate) fn places(data: &[u8]) -> Result<Places, String> {
     let cloud = PointCloud::decode(data).map_err(|why| why.to_string())?;
     let nodes = drawing::nodes_of(&cloud)?;
     nodes.into_iter().map(|(node, p)| Ok((node, place(p.x_m, p.y_m, p.z_m)?))).collect()
@@ -203,7 +203,7 @@ fn solids(data: &[u8]) -> Result<Vec<Solid>, String> {
     Ok(solids)
 }
 
-pub(super) fn plane(data: &[u8]) -> Result<GridPlane, String> {
+pub(crate) fn plane(data: &[u8]) -> Result<GridPlane, String> {
     let grid = Grid::decode(data).map_err(|why| why.to_string())?;
     let (Some(corner), Some(cell)) = (grid.pose.and_then(|pose| pose.position), grid.cell_size) else {
         return Err("a grid without a pose or a cell size".to_owned());

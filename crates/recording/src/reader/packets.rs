@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::error::RecordingError;
-use super::messages::{AssessmentMessage, PacketMessage, TransmissionMessage};
-use super::names::{ASSESSMENTS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC};
-use super::reader::sound;
+use super::run::sound;
+use crate::error::RecordingError;
 use crate::mcap_file::Piece;
+use crate::messages::names::{ASSESSMENTS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC};
+use crate::messages::{AssessmentMessage, PacketMessage, TransmissionMessage};
 
 /// A packet with its assessments and transmissions.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,7 +31,7 @@ pub fn read_packets(path: &Path) -> Result<Vec<RecordedPacket>, RecordingError> 
 }
 
 /// Takes a piece of the recording `path`.
-pub(super) fn take(packets: &mut Vec<RecordedPacket>, path: &Path, piece: &Piece<'_>) -> Result<(), RecordingError> {
+pub(crate) fn take(packets: &mut Vec<RecordedPacket>, path: &Path, piece: &Piece<'_>) -> Result<(), RecordingError> {
     let Piece::Message { channel, data, .. } = piece else { return Ok(()) };
     let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
     add(packets, &channel.topic, data).map_err(wrong)

@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use super::names::SUMMARY_ATTACHMENT;
-use super::reader::RecordedRun;
+use super::run::RecordedRun;
+use crate::messages::names::SUMMARY_ATTACHMENT;
 
 /// The traffic in a network, as the summary counts it.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
