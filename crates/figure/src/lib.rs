@@ -40,7 +40,7 @@ pub use paint::file::{Figure, FileFormat};
 pub use pictures::antenna::of_antenna;
 pub use pictures::gallery::{all, all_of_maps};
 pub use pictures::maps::estimated::{EstimatedMap, Model, ReceptionCurve};
-pub use pictures::packets::{PacketSource, Window, of_packets};
+pub use pictures::packets::{PacketSource, TimeWindow, of_packets};
 pub use pictures::source::Source;
 pub use plot::bars::Bars;
 pub use plot::curves::{Curves, Series};

@@ -53,7 +53,7 @@ pub use messages::phase::{Phase, SURVEY};
 pub use messages::sensation::Sensation;
 pub use output::foreign_folder::ForeignFolder;
 pub use reader::course::{RecordedCourse, read_course};
-pub use reader::known::{Known, read_known};
+pub use reader::known::{MutualKnowledge, read_known};
 pub use reader::packets::{RecordedPacket, read_packets};
 pub use reader::recorded_summary::ClaimedObstacle;
 pub use reader::recording::{Recording, read_recording};

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// A step of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Step {
+pub(crate) struct FieldStep {
     pub(crate) name: String,
     pub(crate) element: Element,
 }
@@ -22,7 +22,7 @@ pub(crate) enum Element {
 
 /// The path of a field in a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct FieldPath(pub(crate) Vec<Step>);
+pub(crate) struct FieldPath(pub(crate) Vec<FieldStep>);
 
 impl FieldPath {
     /// Reads `NAME`, `NAME[INDEX]` or `NAME[]`, joined by points.
@@ -42,7 +42,7 @@ impl FieldPath {
                 ),
             };
             let is_name = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
-            if is_name { Ok(Step { name: name.to_owned(), element }) } else { Err(invalid()) }
+            if is_name { Ok(FieldStep { name: name.to_owned(), element }) } else { Err(invalid()) }
         };
         text.split('.').map(step).collect::<Result<_, _>>().map(Self)
     }
@@ -50,7 +50,7 @@ impl FieldPath {
 
 impl fmt::Display for FieldPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, Step { name, element }) in self.0.iter().enumerate() {
+        for (index, FieldStep { name, element }) in self.0.iter().enumerate() {
             let point = if index == 0 { "" } else { "." };
             write!(f, "{point}{name}")?;
             match element {

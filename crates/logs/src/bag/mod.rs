@@ -64,7 +64,7 @@ pub(super) fn holds_bag(path: &FilePath) -> bool {
 pub(super) struct BagPath<'a> {
     bag: &'a Bag,
     source: PoseSource<'a>,
-    track: Track,
+    track: BagTrack,
     /// Whether places that are no fix are left out.
     skips_no_fix: bool,
 }
@@ -76,7 +76,7 @@ impl<'a> BagPath<'a> {
     /// If the bag cannot be read, has no such poses, or `options` do not fit them.
     pub(super) fn read(bag: &'a Bag, options: &ReadOptions) -> Result<Self, BagError> {
         let source = PoseSource::choose(bag, &options.bag)?;
-        let track = Track::read(bag, source, options)?;
+        let track = BagTrack::read(bag, source, options)?;
         Ok(Self { bag, source, track, skips_no_fix: options.repair.skip_no_fix })
     }
 
@@ -118,8 +118,8 @@ impl<'a> BagPath<'a> {
     pub(super) fn described(&self) -> String {
         let topic = self.source.topic();
         let frames = match &self.track {
-            Track::Positions(_) | Track::Fixes(_) => topic.message_type.clone(),
-            Track::Transforms(chain) => chain.frames(),
+            BagTrack::Positions(_) | BagTrack::Fixes(_) => topic.message_type.clone(),
+            BagTrack::Transforms(chain) => chain.frames(),
         };
         format!("`{}` ({frames})", topic.name)
     }
@@ -127,7 +127,7 @@ impl<'a> BagPath<'a> {
     /// What the user should know of it.
     pub(super) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        if let Track::Fixes(Fixes { missing: missing @ 1.., .. }) = &self.track {
+        if let BagTrack::Fixes(Fixes { missing: missing @ 1.., .. }) = &self.track {
             notes.push(format!("{missing} messages of `{}` without a fix are skipped", self.source.topic().name));
         }
         let transforms = || self.bag.topics().find(|topic| topic.name == "/tf");
@@ -218,13 +218,13 @@ impl<'a> BagPackets<'a> {
 }
 
 /// Where the robot was.
-enum Track {
+enum BagTrack {
     Positions(Vec<TimedPosition>),
     Transforms(Chain),
     Fixes(Fixes),
 }
 
-impl Track {
+impl BagTrack {
     fn read(bag: &Bag, source: PoseSource<'_>, options: &ReadOptions) -> Result<Self, BagError> {
         match source {
             PoseSource::Poses(topic, position) => poses::read(bag, topic, position).map(Self::Positions),

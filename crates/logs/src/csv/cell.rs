@@ -6,12 +6,12 @@ use sextant_kernel::text::shortened;
 use sextant_kernel::{RobotId, SimTime};
 
 use super::memory_table::{Cell, whole};
-use super::table::{Column, Row};
+use super::table::{Column, TableRow};
 use super::times::Times;
 use crate::error::robot_log_error::RobotLogError;
 use sextant_recording::RobotNames;
 
-impl Row<'_> {
+impl TableRow<'_> {
     /// The text of the cell, without the spaces around it; `None` if it is empty or there is no such column.
     pub(crate) fn filled(&self, column: Column) -> Option<Cow<'_, str>> {
         let text = match self.cell(column) {

@@ -22,7 +22,7 @@ pub(crate) struct Header {
 
 /// The columns that a file may have.
 #[derive(Clone, Copy)]
-pub(crate) struct Known<'a> {
+pub(crate) struct KnownColumns<'a> {
     pub(crate) required: &'a [&'static str],
     pub(crate) optional: &'a [&'static str],
     /// The names of the user for them.
@@ -46,11 +46,11 @@ impl Header {
     /// absent: a misspelt `sent` would silently count as absent.
     pub(crate) fn new<'n>(
         names: impl Iterator<Item = &'n str>,
-        known: Known<'_>,
+        known: KnownColumns<'_>,
         part: &LogPart,
     ) -> Result<Self, String> {
         let written: Vec<String> = names.map(|name| name.trim().to_owned()).collect();
-        let Known { required, optional, names: given, others } = known;
+        let KnownColumns { required, optional, names: given, others } = known;
         let known = [required, optional].concat();
         let columns = given.rename(&written, &known, part)?;
         let has = |name: &str| columns.iter().any(|column| column == name);

@@ -8,7 +8,7 @@ use csv::StringRecord;
 use sextant_kernel::text::{of_cell, shortened};
 
 use super::csv_file::{CsvFile, CsvStyle, Heading};
-use super::header::{self, Known, Others};
+use super::header::{self, KnownColumns, Others};
 use super::memory_table::{Cell, MemoryTable};
 use super::table_file::TableFile;
 use super::table_head::Head;
@@ -20,11 +20,11 @@ use crate::options::field_names::FieldNames;
 /// A table whose header was read.
 pub(crate) struct Table<'a> {
     head: Head,
-    body: Body<'a>,
+    body: TableBody<'a>,
 }
 
 /// The rows of a table.
-enum Body<'a> {
+enum TableBody<'a> {
     Files {
         files: Vec<TableFile>,
         heading: Heading,
@@ -49,7 +49,7 @@ impl Column {
 }
 
 /// A row of a table.
-pub(crate) struct Row<'a> {
+pub(crate) struct TableRow<'a> {
     pub(crate) head: &'a Head,
     cells: Cells<'a>,
     /// Where the row is: its offset in the file (octets), without a byte order mark, or its number in the table, from 0.
@@ -70,25 +70,28 @@ impl<'a> Table<'a> {
         required: &[&'static str],
         optional: &[&'static str],
     ) -> Result<Self, RobotLogError> {
-        let known = Known { required, optional, names: &FieldNames::default(), others: Others::Ignored };
+        let known = KnownColumns { required, optional, names: &FieldNames::default(), others: Others::Ignored };
         Self::open_known(source, known)
     }
 
     /// The same with names of the user for columns.
-    pub(crate) fn open_known(source: impl Into<TableSource<'a>>, known: Known<'_>) -> Result<Self, RobotLogError> {
+    pub(crate) fn open_known(
+        source: impl Into<TableSource<'a>>,
+        known: KnownColumns<'_>,
+    ) -> Result<Self, RobotLogError> {
         match source.into() {
             TableSource::File(path) => Self::open_files(vec![TableFile::alone(&path)], known),
             TableSource::Files(files) => Self::open_files(files, known),
             TableSource::Memory(table) => {
                 let part = LogPart::Table(table.name().to_owned());
                 let head = Head::of(part, CsvStyle::default()).with_columns(table.column_names(), known)?;
-                Ok(Self { head, body: Body::Memory(table) })
+                Ok(Self { head, body: TableBody::Memory(table) })
             }
         }
     }
 
     /// Files that are one table: it has all columns that any of them has, and the cells that their names give.
-    fn open_files(files: Vec<TableFile>, known: Known<'_>) -> Result<Self, RobotLogError> {
+    fn open_files(files: Vec<TableFile>, known: KnownColumns<'_>) -> Result<Self, RobotLogError> {
         let heading = if known.names.has_numbers() { Heading::Numbered } else { Heading::Named };
         let mut names: Vec<String> = Vec::new();
         let mut whole: Option<Head> = None;
@@ -123,7 +126,7 @@ impl<'a> Table<'a> {
         }
         let head = whole.unwrap_or_else(|| Head::of_file(Path::new(""), CsvStyle::default()));
         let head = head.with_columns(names.iter().map(String::as_str), known)?;
-        Ok(Self { head, body: Body::Files { files, heading, first } })
+        Ok(Self { head, body: TableBody::Files { files, heading, first } })
     }
 
     /// The column `name`.
@@ -171,11 +174,11 @@ impl<'a> Table<'a> {
     /// Calls `visit` with each row. Returns what is known of the table besides.
     pub(crate) fn rows(
         self,
-        mut visit: impl FnMut(&Row<'_>) -> Result<(), RobotLogError>,
+        mut visit: impl FnMut(&TableRow<'_>) -> Result<(), RobotLogError>,
     ) -> Result<Head, RobotLogError> {
         let Self { head, body } = self;
         match body {
-            Body::Files { files, heading, mut first } => {
+            TableBody::Files { files, heading, mut first } => {
                 for file in &files {
                     let csv = match first.take() {
                         Some(csv) => *csv,
@@ -184,9 +187,9 @@ impl<'a> Table<'a> {
                     rows_of_file((file, csv), &head, &mut visit)?;
                 }
             }
-            Body::Memory(table) => {
+            TableBody::Memory(table) => {
                 for row in 0..table.rows() {
-                    visit(&Row { head: &head, cells: Cells::Memory { table, row }, offset: row as u64 })?;
+                    visit(&TableRow { head: &head, cells: Cells::Memory { table, row }, offset: row as u64 })?;
                 }
             }
         }
@@ -194,7 +197,7 @@ impl<'a> Table<'a> {
     }
 }
 
-impl Row<'_> {
+impl TableRow<'_> {
     /// The text of the cell, with the spaces around it; empty if there is no such column.
     pub(crate) fn text(&self, column: Column) -> Cow<'_, str> {
         self.cell(column).text()
@@ -248,7 +251,7 @@ fn open_file(file: &TableFile, heading: Heading) -> Result<(Head, CsvFile), Robo
 fn rows_of_file(
     (file, mut csv): (&TableFile, CsvFile),
     whole: &Head,
-    visit: &mut impl FnMut(&Row<'_>) -> Result<(), RobotLogError>,
+    visit: &mut impl FnMut(&TableRow<'_>) -> Result<(), RobotLogError>,
 ) -> Result<(), RobotLogError> {
     let head = whole.for_file(&file.path, csv.style);
     let is_whole = file.cells.is_empty() && csv.names == whole.all_written();
@@ -262,14 +265,14 @@ fn rows_of_file(
     while csv.read(&mut record).map_err(|why| head.malformed(&why))? {
         let offset = record.position().map_or(0, csv::Position::byte);
         if is_whole {
-            visit(&Row { head: &head, cells: Cells::File(&record), offset })?;
+            visit(&TableRow { head: &head, cells: Cells::File(&record), offset })?;
             continue;
         }
         row.clear();
         for (place, given) in places.iter().zip(&given) {
             row.push_field(place.map_or(*given, |place| record.get(place).unwrap_or_default()));
         }
-        visit(&Row { head: &head, cells: Cells::File(&row), offset })?;
+        visit(&TableRow { head: &head, cells: Cells::File(&row), offset })?;
     }
     Ok(())
 }

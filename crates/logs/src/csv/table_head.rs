@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::csv_file::CsvStyle;
-use super::header::{Header, Known};
+use super::header::{Header, KnownColumns};
 use crate::error::log_part::{LogPart, RowAddress};
 use crate::error::robot_log_error::RobotLogError;
 
@@ -34,7 +34,7 @@ impl Head {
     pub(crate) fn with_columns<'n>(
         mut self,
         names: impl Iterator<Item = &'n str>,
-        known: Known<'_>,
+        known: KnownColumns<'_>,
     ) -> Result<Self, RobotLogError> {
         let header = Header::new(names, known, &self.part);
         self.header = header.map_err(|problem| self.wrong_header(problem))?;

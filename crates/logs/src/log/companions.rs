@@ -11,7 +11,7 @@ use crate::error::log_part::{LogPart, RowAddress};
 use crate::error::robot_log_error::RobotLogError;
 use crate::place::local_plane::LocalPlane;
 use crate::stops::antenna_file;
-use crate::stops::sector_snrs::{self, Known};
+use crate::stops::sector_snrs::{self, KnownParts};
 use crate::stops::sectors;
 use crate::stops::stop_table;
 use crate::time::time_zone::TimeZone;
@@ -90,7 +90,7 @@ impl Companions<'_> {
         &self,
         log: ReceptionLog,
         reports: Option<Vec<SectorReport>>,
-        known: Known<'_>,
+        known: KnownParts<'_>,
         notes: &mut Vec<String>,
     ) -> Result<ReceptionLog, RobotLogError> {
         let reports = match (reports, &self.sector_snrs) {

@@ -5,7 +5,7 @@ use std::path::Path;
 use sextant_kernel::{FileForm, root_of_xml};
 
 use super::form::PathKind;
-use crate::csv::header::{Known, Others};
+use crate::csv::header::{KnownColumns, Others};
 use crate::csv::table::Table;
 use crate::error::robot_log_error::RobotLogError;
 use crate::options::field_names::FieldNames;
@@ -51,7 +51,7 @@ pub(crate) fn are_ranges(file: &Path) -> bool {
         return true;
     }
     let none = FieldNames::default();
-    let known = Known { required: &[], optional: &[], names: &none, others: Others::Ignored };
+    let known = KnownColumns { required: &[], optional: &[], names: &none, others: Others::Ignored };
     let table = Table::open_known(file, known);
     table.is_ok_and(|table| {
         let names: Vec<String> = table.unknown().map(|(_, name)| name.to_lowercase()).collect();
@@ -94,7 +94,7 @@ fn start(file: &Path) -> String {
 /// Whether a CSV file has a column with the names of nodes.
 pub(crate) fn names_nodes(file: &Path, form: &FormOptions) -> bool {
     let none = FieldNames::default();
-    let known = Known { required: &[], optional: &[], names: &none, others: Others::Ignored };
+    let known = KnownColumns { required: &[], optional: &[], names: &none, others: Others::Ignored };
     let given = |key: &str| form.packet_fields.as_ref().and_then(|names| names.name(key));
     if form.packet_fields.as_ref().is_some_and(FieldNames::has_numbers) {
         return given("node").or_else(|| given("receiver")).is_some();

@@ -22,7 +22,7 @@ use crate::packets::rssi_check::RssiCheck;
 use crate::packets::signal::{Signal, Strength};
 use crate::packets::strengths::Strengths;
 use crate::stops::pair_notes::{Listing, PartNames};
-use crate::stops::pairs::{Collected, Collector, Count, Kept, Rule, Seen};
+use crate::stops::pairs::{Collected, Collector, Kept, PairCount, Rule, Seen};
 use crate::stops::receptions::{self, OfRows, ReadRow, SignalKind};
 use crate::stops::stop_table::{self, Stops};
 
@@ -149,7 +149,7 @@ impl RowLog {
 
 /// Passes a row on.
 fn pass(row: &ReadRow, stops: &Stops, take: TakeRow<'_>) -> Result<(), Interrupted> {
-    let &ReadRow { node, stop, count: Count { received, sent }, sector, rssi_dbm, snr_db } = row;
+    let &ReadRow { node, stop, count: PairCount { received, sent }, sector, rssi_dbm, snr_db } = row;
     let sent = sent.unwrap_or(UNSTATED);
     let reception = Reception { node: NodeId(node), stop, received, sent, sector, rssi_dbm, snr_db };
     take(reception, stops.stops[stop as usize].position)
@@ -159,7 +159,7 @@ fn pass(row: &ReadRow, stops: &Stops, take: TakeRow<'_>) -> Result<(), Interrupt
 fn collected<S: Kept>(listing: Listing, rows: impl IntoIterator<Item = Reception>) -> Collected<S> {
     let mut collector = Collector::<S>::new(listing);
     for Reception { node, stop, received, sent, sector, rssi_dbm, snr_db } in rows {
-        let count = Count { received, sent: Some(sent).filter(|&sent| sent != UNSTATED) };
+        let count = PairCount { received, sent: Some(sent).filter(|&sent| sent != UNSTATED) };
         collector.push(node.0, stop, count, Signal::new(received, sector, rssi_dbm, snr_db));
     }
     collector.collect()

@@ -68,7 +68,7 @@ pub(crate) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
     let log = receptions.build(names, places, contacts).and_then(|log| log.with_robots(robots.into_vec()));
     let log = log.map_err(|why| RobotLogError::Log { part: companions.log.clone(), why })?;
     let log = companions.with_sectors(log, &mut notes)?;
-    let known = sector_snrs::Known { stops: &stops, receptions: &name };
+    let known = sector_snrs::KnownParts { stops: &stops, receptions: &name };
     let log = companions.with_sector_snrs(log, reports, known, &mut notes)?;
     Ok(RobotLog { findings: findings(&log, plane.as_ref(), rssi.findings()), log, plane, notes, clock: None })
 }

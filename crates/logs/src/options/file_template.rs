@@ -7,12 +7,12 @@ use std::str::FromStr;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileTemplate {
     text: String,
-    parts: Vec<Part>,
+    parts: Vec<TemplatePart>,
 }
 
 /// A part of a template.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Part {
+enum TemplatePart {
     Word(String),
     AnyText,
     Field { key: &'static str, width: Option<usize> },
@@ -28,7 +28,7 @@ pub(crate) type NameCells = Vec<(&'static str, String)>;
 impl FileTemplate {
     /// Whether names of files have this field, by its column.
     pub(crate) fn has(&self, column: &str) -> bool {
-        self.parts.iter().any(|part| matches!(part, Part::Field { key, .. } if *key == column))
+        self.parts.iter().any(|part| matches!(part, TemplatePart::Field { key, .. } if *key == column))
     }
 
     /// Whether names say where the robot stood.
@@ -62,7 +62,7 @@ const MOST_SHOWN: usize = 3;
 const MOST_WAYS: usize = 100;
 
 /// Adds to `ways` each way in which `text` is made of these parts, after what is already `found`.
-fn ways_of(parts: &[Part], text: &str, found: &mut NameCells, ways: &mut Vec<NameCells>) {
+fn ways_of(parts: &[TemplatePart], text: &str, found: &mut NameCells, ways: &mut Vec<NameCells>) {
     if ways.len() >= MOST_WAYS {
         return;
     }
@@ -74,13 +74,13 @@ fn ways_of(parts: &[Part], text: &str, found: &mut NameCells, ways: &mut Vec<Nam
     };
     let ends = || text.char_indices().map(|(at, _)| at).chain([text.len()]);
     match part {
-        Part::Word(word) => {
+        TemplatePart::Word(word) => {
             if let Some(after) = text.strip_prefix(word.as_str()) {
                 ways_of(rest, after, found, ways);
             }
         }
-        Part::AnyText => ends().for_each(|end| ways_of(rest, &text[end..], found, ways)),
-        Part::Field { key, width } => {
+        TemplatePart::AnyText => ends().for_each(|end| ways_of(rest, &text[end..], found, ways)),
+        TemplatePart::Field { key, width } => {
             for end in ends().skip(1) {
                 let (value, after) = text.split_at(end);
                 let fits = width.is_none_or(|width| value.chars().count() == width);
@@ -117,10 +117,10 @@ impl FromStr for FileTemplate {
                 return refused("a brace that is not opened");
             }
             if !word.is_empty() {
-                parts.push(Part::Word(word.to_owned()));
+                parts.push(TemplatePart::Word(word.to_owned()));
             }
             if let Some(after) = field.strip_prefix('*') {
-                parts.push(Part::AnyText);
+                parts.push(TemplatePart::AnyText);
                 rest = after;
                 continue;
             }
@@ -138,17 +138,17 @@ impl FromStr for FileTemplate {
                 Some(width) => width,
                 None => None,
             };
-            if parts.iter().any(|part| matches!(part, Part::Field { key: other, .. } if other == key)) {
+            if parts.iter().any(|part| matches!(part, TemplatePart::Field { key: other, .. } if other == key)) {
                 return refused(&format!("`{{{inner}}}` twice"));
             }
-            parts.push(Part::Field { key, width });
+            parts.push(TemplatePart::Field { key, width });
             rest = after;
         }
         if rest.contains('}') {
             return refused("a brace that is not opened");
         }
         if !rest.is_empty() {
-            parts.push(Part::Word(rest.to_owned()));
+            parts.push(TemplatePart::Word(rest.to_owned()));
         }
         let template = Self { text: text.to_owned(), parts };
         let has = |column| template.has(column);

@@ -74,9 +74,9 @@ mod tests {
     use sextant_kernel::{Purpose, Seed};
 
     #[derive(Clone, Debug, PartialEq)]
-    struct Row(u64, Vec<u32>);
+    struct NumberedRow(u64, Vec<u32>);
 
-    impl Keyed for Row {
+    impl Keyed for NumberedRow {
         type Key = u64;
 
         fn key(&self) -> u64 {
@@ -96,13 +96,13 @@ mod tests {
             for at in 0..rows {
                 let draw = Seed(3).uniform(Purpose::new(8), [u64::from(at), 0, 0]).to_bits() >> 20;
                 let key = draw % keys;
-                gathered.push(Row(key, vec![at]));
+                gathered.push(NumberedRow(key, vec![at]));
                 expected.entry(key).or_default().push(at);
                 assert!(gathered.rows.len() <= FEWEST.max(2 * expected.len()));
             }
             let (found, merged) = gathered.finish();
             assert_eq!(merged, rows as usize - expected.len());
-            assert_eq!(found, expected.into_iter().map(|(key, all)| Row(key, all)).collect::<Vec<_>>());
+            assert_eq!(found, expected.into_iter().map(|(key, all)| NumberedRow(key, all)).collect::<Vec<_>>());
         }
     }
 }

@@ -8,7 +8,7 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::cover::{self, Cover};
 use super::gathered::Gathered;
-use super::heard::{Heard, reception};
+use super::heard::{HeardPackets, reception};
 use super::interval::{Gaps, Intervals, intervals};
 use super::packet::Packet;
 use super::rssi_check::RssiCheck;
@@ -58,14 +58,14 @@ pub(crate) const MOST_SILENT_PAIRS: usize = 4_000_000;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Gatherer {
-    tracks: Vec<Track>,
+    tracks: Vec<RobotTrack>,
     robots: Vec<String>,
     stops: Vec<Stop>,
     contacts: Vec<Contact>,
     interval: Option<Duration>,
     names: Vec<String>,
     nodes: BTreeMap<String, u32>,
-    heard: Gathered<Heard>,
+    heard: Gathered<HeardPackets>,
     cover: Cover,
     strengths: Strengths,
     /// What is taken off the times of packets (s).
@@ -80,7 +80,7 @@ pub struct Gatherer {
 
 /// A robot: its path, cut into slots.
 #[derive(Clone, Debug)]
-struct Track {
+struct RobotTrack {
     path: Path,
     slots: Vec<Slot>,
     /// The stop of each slot.
@@ -127,7 +127,7 @@ impl Gatherer {
         for path in paths {
             let (slots, rule) = slot::cut(&path, options.stop_every).ok_or(RobotLogError::TooManyStops)?;
             gatherer.note_path(&path, slots.len(), rule);
-            gatherer.tracks.push(Track { path, slots, stops: Vec::new(), gaps: Vec::new() });
+            gatherer.tracks.push(RobotTrack { path, slots, stops: Vec::new(), gaps: Vec::new() });
         }
         gatherer.number_stops();
         Ok(gatherer)
@@ -216,7 +216,7 @@ impl Gatherer {
                     Report::Heard(rssi_dbm) => (1, Signal::new(1, packet.sector, rssi_dbm, packet.snr_db)),
                     Report::Noise => (0, Signal::NONE),
                 };
-                self.heard.push(Heard {
+                self.heard.push(HeardPackets {
                     node,
                     stop: track.stops[slot],
                     received,
@@ -304,7 +304,7 @@ impl Gatherer {
     }
 
     /// How many packets the node of the rows `heard` sent at each stop.
-    fn count_sent(&self, heard: &[Heard], interval: Duration, sent: &mut [u32]) -> Result<(), RobotLogError> {
+    fn count_sent(&self, heard: &[HeardPackets], interval: Duration, sent: &mut [u32]) -> Result<(), RobotLogError> {
         let mut times: Vec<SimTime> = heard.iter().flat_map(|row| [row.first, row.last]).collect();
         times.sort_unstable();
         times.dedup();

@@ -8,7 +8,7 @@ use super::signal::{OfSector, Signal, merged};
 
 /// The packets of one sector of a node that were heard at a stop.
 #[derive(Clone, Debug)]
-pub(crate) struct Heard {
+pub(crate) struct HeardPackets {
     pub(crate) node: u32,
     pub(crate) stop: u32,
     pub(crate) received: u32,
@@ -20,7 +20,7 @@ pub(crate) struct Heard {
     pub(crate) last: SimTime,
 }
 
-impl Keyed for Heard {
+impl Keyed for HeardPackets {
     type Key = (u32, u32, Option<u8>);
 
     fn key(&self) -> Self::Key {
@@ -37,7 +37,7 @@ impl Keyed for Heard {
 }
 
 /// What was heard of a node at a stop, in each sector. `sent` is `None` if it is unknown.
-pub(crate) fn reception(pair: &[Heard], sent: Option<u32>) -> Reception {
+pub(crate) fn reception(pair: &[HeardPackets], sent: Option<u32>) -> Reception {
     let received = pair.iter().fold(0, |sum: u32, row| sum.saturating_add(row.received));
     let reported = pair.iter().fold(received, |sum, row| sum.saturating_add(row.missed));
     let sectors = pair.iter().map(|row| OfSector { received: row.received, signal: row.signal });

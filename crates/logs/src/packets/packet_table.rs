@@ -6,8 +6,8 @@ use sextant_kernel::text::choices;
 use super::gatherer::Gatherer;
 use super::packet::Packet;
 use super::reciprocal::{Roles, Transmitter};
-use crate::csv::header::{Known, Others};
-use crate::csv::table::{Column, Row, Table};
+use crate::csv::header::{KnownColumns, Others};
+use crate::csv::table::{Column, Table, TableRow};
 use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
 use crate::csv::written::Written;
@@ -37,7 +37,8 @@ pub(crate) fn read<'a>(
         Roles::Turned(_) => ("receiver", ["node"].as_slice()),
     };
     let optional = [&instant::COLUMNS[..], &["rssi_dbm", "snr_db", "sector"], ends].concat();
-    let known = Known { required: &[required], optional: &optional, names: &written.names, others: Others::Ignored };
+    let known =
+        KnownColumns { required: &[required], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;
     notes.extend(table.ignored());
     let time = Times::of(&table, written.time_zone, notes)?;
@@ -88,7 +89,7 @@ impl Robots<'_> {
     }
 
     /// The robot that the cell names.
-    fn of(self, row: &Row<'_>, mover: Column, allowed: &str) -> Result<RobotId, RobotLogError> {
+    fn of(self, row: &TableRow<'_>, mover: Column, allowed: &str) -> Result<RobotId, RobotLogError> {
         match row.filled(mover) {
             Some(name) => {
                 let known = || format!("one of the robots in {}: {}", self.path, choices(self.names));
@@ -103,7 +104,7 @@ impl Robots<'_> {
     /// The path of the transmitter that the cell names; `None` if the user wants another one.
     fn transmitter(
         self,
-        row: &Row<'_>,
+        row: &TableRow<'_>,
         mover: Column,
         transmitter: &mut Transmitter,
     ) -> Result<Option<RobotId>, RobotLogError> {

@@ -30,7 +30,7 @@ impl Fix {
 
 /// Puts fixes into the plane around the first of them.
 #[derive(Default)]
-pub(crate) struct Track {
+pub(crate) struct FixTrack {
     /// Whether places that are no fix are left out.
     skips_no_fix: bool,
     plane: Option<LocalPlane>,
@@ -51,7 +51,7 @@ struct Refused {
     first: Option<(usize, String)>,
 }
 
-impl Track {
+impl FixTrack {
     pub(crate) fn new(skips_no_fix: bool) -> Self {
         Self { skips_no_fix, ..Self::default() }
     }

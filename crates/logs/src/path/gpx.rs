@@ -4,7 +4,7 @@ use std::path::Path as FilePath;
 
 use roxmltree::{Document, Node};
 
-use super::fix::{Fix, Track};
+use super::fix::{Fix, FixTrack};
 use super::paths::Paths;
 use crate::error::robot_log_error::RobotLogError;
 use crate::time::instant;
@@ -23,7 +23,7 @@ pub(crate) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
     let document = Document::parse(text).map_err(|why| wrong(why.pos().row as usize, why.to_string()))?;
     let line = |node: Node<'_, '_>| document.text_pos_at(node.range().start).row as usize;
     let points = document.descendants().filter(|node| node.tag_name().name() == "trkpt");
-    let mut track = Track::new(skips_no_fix);
+    let mut track = FixTrack::new(skips_no_fix);
     let (mut placed, mut timeless) = (0_u64, 0_u64);
     for point in points {
         match fix(point) {

@@ -8,7 +8,7 @@ use std::path::Path as FilePath;
 
 use sextant_kernel::SimTime;
 
-use super::fix::{Fix, Track};
+use super::fix::{Fix, FixTrack};
 use super::paths::Paths;
 use crate::error::robot_log_error::RobotLogError;
 use crate::time::instant;
@@ -28,7 +28,7 @@ struct Place {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sentence {
     line: usize,
-    kind: Kind,
+    kind: SentenceKind,
     /// Time of the day (ns).
     of_day_ns: i64,
     /// Days since 1970, if it has the date.
@@ -38,7 +38,7 @@ struct Sentence {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum SentenceKind {
     Gga,
     /// Of several systems of satellites together.
     Gns,
@@ -48,7 +48,7 @@ enum Kind {
 }
 
 /// What gives places, the best first.
-const PLACES: [Kind; 4] = [Kind::Gga, Kind::Gns, Kind::Rmc, Kind::Gll];
+const PLACES: [SentenceKind; 4] = [SentenceKind::Gga, SentenceKind::Gns, SentenceKind::Rmc, SentenceKind::Gll];
 
 /// Reads the path in the file `path`. Sentences with a wrong checksum, and those without a fix, are skipped; those at
 /// 0, 0 only if `skips_no_fix`, because their receiver says that it has one.
@@ -64,9 +64,9 @@ pub(crate) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
             Err(Damaged) => damaged += 1,
         }
     }
-    let has = |kind: &Kind| sentences.iter().any(|at| at.kind == *kind);
-    let kind = PLACES.into_iter().find(|kind| has(kind)).unwrap_or(Kind::Rmc);
-    let (mut track, mut lost) = (Track::new(skips_no_fix), 0_u64);
+    let has = |kind: &SentenceKind| sentences.iter().any(|at| at.kind == *kind);
+    let kind = PLACES.into_iter().find(|kind| has(kind)).unwrap_or(SentenceKind::Rmc);
+    let (mut track, mut lost) = (FixTrack::new(skips_no_fix), 0_u64);
     let first = sentences.iter().find_map(Sentence::date);
     if !PLACES.iter().any(has) {
         let problem =
@@ -141,13 +141,13 @@ fn body(line: &str) -> Result<Option<&str>, Damaged> {
 }
 
 /// The kind of a sentence, whatever system of satellites it is from: `GPGGA`, `GNGGA`.
-fn kind(body: &str) -> Option<Kind> {
+fn kind(body: &str) -> Option<SentenceKind> {
     match body.split(',').next()?.get(2..)? {
-        "GGA" => Some(Kind::Gga),
-        "GNS" => Some(Kind::Gns),
-        "GLL" => Some(Kind::Gll),
-        "RMC" => Some(Kind::Rmc),
-        "ZDA" => Some(Kind::Zda),
+        "GGA" => Some(SentenceKind::Gga),
+        "GNS" => Some(SentenceKind::Gns),
+        "GLL" => Some(SentenceKind::Gll),
+        "RMC" => Some(SentenceKind::Rmc),
+        "ZDA" => Some(SentenceKind::Zda),
         _ => None,
     }
 }
@@ -159,7 +159,7 @@ fn sentence(line: usize, text: &str) -> Result<Option<Sentence>, Damaged> {
     let fields: Vec<&str> = body.split(',').collect();
     let field = |at: usize| fields.get(at).copied().unwrap_or("");
     // A receiver that has no time yet leaves it out.
-    let time = if kind == Kind::Gll { 5 } else { 1 };
+    let time = if kind == SentenceKind::Gll { 5 } else { 1 };
     let Some(of_day_ns) = time_of_day(field(time)) else { return Ok(None) };
     let place = |at: usize, height_m: Option<f64>| {
         let lat_deg = angle(field(at), field(at + 1), ["N", "S"])?;
@@ -167,12 +167,14 @@ fn sentence(line: usize, text: &str) -> Result<Option<Sentence>, Damaged> {
         Some(Place { lat_deg, lon_deg, height_m })
     };
     let (day, place) = match kind {
-        Kind::Gga => (None, place(2, field(9).parse().ok()).filter(|_| !["", "0"].contains(&field(6)))),
+        SentenceKind::Gga => (None, place(2, field(9).parse().ok()).filter(|_| !["", "0"].contains(&field(6)))),
         // A letter for each system of satellites: N if it gives no fix.
-        Kind::Gns => (None, place(2, field(9).parse().ok()).filter(|_| field(6).contains(|mode| mode != 'N'))),
-        Kind::Gll => (None, place(1, None).filter(|_| field(6) == "A")),
-        Kind::Rmc => (date(field(9)), place(3, None).filter(|_| field(2) == "A")),
-        Kind::Zda => (date_of(field(2), field(3), field(4).parse().ok()), None),
+        SentenceKind::Gns => {
+            (None, place(2, field(9).parse().ok()).filter(|_| field(6).contains(|mode| mode != 'N')))
+        }
+        SentenceKind::Gll => (None, place(1, None).filter(|_| field(6) == "A")),
+        SentenceKind::Rmc => (date(field(9)), place(3, None).filter(|_| field(2) == "A")),
+        SentenceKind::Zda => (date_of(field(2), field(3), field(4).parse().ok()), None),
     };
     Ok(Some(Sentence { line, kind, of_day_ns, day, place }))
 }

@@ -2,7 +2,7 @@
 
 use super::paths::Paths;
 use super::robot_path::{Path, Pose};
-use crate::csv::header::{Known, Others};
+use crate::csv::header::{KnownColumns, Others};
 use crate::csv::table::Table;
 use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
@@ -24,7 +24,7 @@ pub(crate) fn read<'a>(
     let optional = [&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat();
     let table = Table::open_known(
         source,
-        Known { required: &[], optional: &optional, names: &written.names, others: Others::Ignored },
+        KnownColumns { required: &[], optional: &optional, names: &written.names, others: Others::Ignored },
     )?;
     notes.extend(table.ignored());
     let time = Times::of(&table, written.time_zone, notes)?;

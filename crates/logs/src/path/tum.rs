@@ -28,7 +28,7 @@ pub(crate) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
         if is_blank(&text) {
             continue;
         }
-        let unit = *unit.get_or_insert_with(|| Unit::of(&text));
+        let unit = *unit.get_or_insert_with(|| TimeDigits::of(&text));
         match pose(&text, unit) {
             Some(pose) if pose.position.is_finite() => poses.push((pose, line)),
             Some(pose) if skips_no_fix && pose.position.x_m.is_nan() && pose.position.y_m.is_nan() => left_out += 1,
@@ -59,7 +59,7 @@ pub(crate) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
 
 /// Whether `line`, which is not blank, is one of such a file.
 pub(crate) fn is_pose(line: &str) -> bool {
-    pose(line, Unit::of(line)).is_some()
+    pose(line, TimeDigits::of(line)).is_some()
 }
 
 /// Whether a line holds nothing: it is empty or a comment.
@@ -70,13 +70,13 @@ pub(crate) fn is_blank(line: &str) -> bool {
 
 /// A unit of time.
 #[derive(Clone, Copy)]
-struct Unit {
+struct TimeDigits {
     name: &'static str,
     /// How many of it are a second, as a power of ten.
     places: usize,
 }
 
-impl Unit {
+impl TimeDigits {
     /// The unit of the time in a line: seconds, unless it has so many digits that they would be thousands of years after 1970.
     fn of(line: &str) -> Self {
         let time = line.split_whitespace().next().unwrap_or_default();
@@ -92,7 +92,7 @@ impl Unit {
     }
 }
 
-fn pose(line: &str, unit: Unit) -> Option<Pose> {
+fn pose(line: &str, unit: TimeDigits) -> Option<Pose> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let (time, numbers) = words.split_first()?;
     let numbers: Vec<f64> = numbers.iter().map(|word| word.parse().ok()).collect::<Option<_>>()?;

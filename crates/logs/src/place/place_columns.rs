@@ -3,7 +3,7 @@
 use sextant_channel::Position;
 
 use super::local_plane::LocalPlane;
-use crate::csv::table::{Column, Row, Table};
+use crate::csv::table::{Column, Table, TableRow};
 use crate::error::robot_log_error::RobotLogError;
 
 /// The columns of a place that a file may have.
@@ -103,7 +103,7 @@ impl Places {
     }
 
     /// Whether the receiver had no fix in a row: both coordinates are empty or NaN or, by latitude and longitude, 0.
-    pub(crate) fn is_without_fix(self, row: &Row<'_>) -> bool {
+    pub(crate) fn is_without_fix(self, row: &TableRow<'_>) -> bool {
         match self {
             Self::Metres { x, y, .. } => row.is_blank(x) && row.is_blank(y),
             Self::Geodetic { lat, lon, .. } => {
@@ -113,7 +113,7 @@ impl Places {
     }
 
     /// The place in a row. The first place by latitude and longitude becomes the origin of `plane`.
-    pub(crate) fn read(self, row: &Row<'_>, plane: &mut Option<LocalPlane>) -> Result<Position, RobotLogError> {
+    pub(crate) fn read(self, row: &TableRow<'_>, plane: &mut Option<LocalPlane>) -> Result<Position, RobotLogError> {
         match self {
             Self::Metres { x, y, z } => {
                 let z_m = if z.exists() { metres(row, z)? } else { 0.0 };
@@ -125,13 +125,13 @@ impl Places {
 }
 
 /// A coordinate.
-fn metres(row: &Row<'_>, column: Column) -> Result<f64, RobotLogError> {
+fn metres(row: &TableRow<'_>, column: Column) -> Result<f64, RobotLogError> {
     let value_m = row.finite(column)?.filter(|value_m| value_m.abs() <= Position::FARTHEST_M);
     value_m.ok_or_else(|| row.wrong(column, "a number of metres from -1e9 to 1e9"))
 }
 
 fn geodetic(
-    row: &Row<'_>,
+    row: &TableRow<'_>,
     (lat, lon, height): (Column, Column, Height),
     plane: &mut Option<LocalPlane>,
 ) -> Result<Position, RobotLogError> {

@@ -7,7 +7,7 @@ use sextant_channel::Position;
 
 use super::local_plane::LocalPlane;
 use super::place_columns::{COLUMNS, Frame, Places};
-use crate::csv::header::{Known, Others};
+use crate::csv::header::{KnownColumns, Others};
 use crate::csv::memory_table::MemoryTable;
 use crate::csv::table::Table;
 use crate::csv::table_source::TableSource;
@@ -60,7 +60,7 @@ pub(crate) fn read_places<'a>(
     notes: &mut Vec<String>,
 ) -> Result<TrueNodes, RobotLogError> {
     let optional = [&COLUMNS, other].concat();
-    let known = Known { required: &["node"], optional: &optional, names, others: Others::Ignored };
+    let known = KnownColumns { required: &["node"], optional: &optional, names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::of(plane), notes)?;

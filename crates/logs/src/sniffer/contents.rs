@@ -10,7 +10,7 @@ use sextant_kernel::text::{counted, printable};
 use sextant_recording::capture::{CaptureEnd, CaptureRecord, link_type, read_capture};
 
 use super::sender::{self, PanNames, SenderAddress};
-use super::skipped::{Count, Skipped};
+use super::skipped::{FrameCount, Skipped};
 use crate::error::sniffer_error::SnifferError;
 use crate::options::sniffer_options::{FcsField, SnifferOptions};
 use crate::time::instant;
@@ -75,7 +75,7 @@ pub(in super::super) fn contents(path: &Path, options: &SnifferOptions) -> Resul
     let mut found = CaptureContents::default();
     let mut of_links: BTreeMap<u16, u64> = BTreeMap::new();
     let mut of_senders: BTreeMap<(Option<u16>, String), Sum> = BTreeMap::new();
-    let mut count = Count::default();
+    let mut count = FrameCount::default();
     let mut span: Option<(SimTime, SimTime)> = None;
     let fcs = options.fcs.unwrap_or(FcsField::Checked);
     let end = read_capture::<SnifferError>(path, &mut |CaptureRecord { time, link, octets, is_cut }| {

@@ -16,8 +16,8 @@ use sextant_kernel::SimTime;
 use sextant_kernel::text::choices;
 use sextant_recording::capture::{self, CaptureEnd, CaptureError, CaptureRecord, link_type};
 
-use self::sender::{Heard, PanNames, Sender, SenderAddress};
-use self::skipped::{Count, Skipped};
+use self::sender::{HeardFrame, PanNames, Sender, SenderAddress};
+use self::skipped::{FrameCount, Skipped};
 use crate::error::robot_log_error::RobotLogError;
 use crate::error::sniffer_error::SnifferError;
 use crate::options::sniffer_options::{FcsField, SnifferOptions};
@@ -49,7 +49,7 @@ pub(super) fn read(
     let mut pans = BTreeSet::new();
     for capture in captures {
         frames::<SnifferError>(capture, options, &mut |_, frame| {
-            if let Ok(Heard { sender: Sender { pan, address: SenderAddress::Short(_) }, .. }) = frame {
+            if let Ok(HeardFrame { sender: Sender { pan, address: SenderAddress::Short(_) }, .. }) = frame {
                 pans.insert(pan);
             }
             Ok(())
@@ -87,11 +87,11 @@ fn gather(
     (roles, receiver): (&mut Roles, &str),
     gatherer: &mut Gatherer,
 ) -> Result<Vec<String>, RobotLogError> {
-    let mut count = Count::default();
+    let mut count = FrameCount::default();
     let mut name = String::new();
     let end = frames::<RobotLogError>(capture, options, &mut |time, frame| {
         count.take(&frame);
-        let Ok(Heard { sender, rssi_dbm }) = frame else { return Ok(()) };
+        let Ok(HeardFrame { sender, rssi_dbm }) = frame else { return Ok(()) };
         name.clear();
         sender.write(pans, &mut name).expect("a string grows");
         let node = match roles {
@@ -168,7 +168,7 @@ pub(super) fn check_link(capture: &FilePath) -> Result<(), SnifferError> {
 fn frames<E: From<SnifferError> + From<CaptureError>>(
     capture: &FilePath,
     options: &SnifferOptions,
-    visit: &mut dyn FnMut(SimTime, Result<Heard, Skipped>) -> Result<(), E>,
+    visit: &mut dyn FnMut(SimTime, Result<HeardFrame, Skipped>) -> Result<(), E>,
 ) -> Result<CaptureEnd, E> {
     let (pan, fcs) = (options.pan, options.fcs.unwrap_or(FcsField::Checked));
     capture::read_capture::<E>(capture, &mut |CaptureRecord { time, link, octets, is_cut }| {
@@ -177,7 +177,7 @@ fn frames<E: From<SnifferError> + From<CaptureError>>(
             link,
             name: link_type::name(link),
         })?;
-        let is_wanted = |heard: &Heard| pan.is_none() || heard.sender.pan == pan;
+        let is_wanted = |heard: &HeardFrame| pan.is_none() || heard.sender.pan == pan;
         let frame = frame.and_then(|heard| if is_wanted(&heard) { Ok(heard) } else { Err(Skipped::OtherPan) });
         match time {
             Some(time) => visit(time, frame),

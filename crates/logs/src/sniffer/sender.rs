@@ -60,15 +60,15 @@ fn octets(octets: &[u8], name: &mut impl fmt::Write) -> fmt::Result {
 
 /// A frame whose sender is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Heard {
+pub(super) struct HeardFrame {
     pub(super) sender: Sender,
     pub(super) rssi_dbm: Option<f64>,
 }
 
 /// The sender of a frame with a header of type `link`; `None` if the type is not known. At the end of frames of link type 195
 /// is `fcs`; if the frame is cut, it is missing.
-pub(super) fn heard(link: u16, octets: &[u8], is_cut: bool, fcs: FcsField) -> Option<Result<Heard, Skipped>> {
-    let without_level = |sender| Heard { sender, rssi_dbm: None };
+pub(super) fn heard(link: u16, octets: &[u8], is_cut: bool, fcs: FcsField) -> Option<Result<HeardFrame, Skipped>> {
+    let without_level = |sender| HeardFrame { sender, rssi_dbm: None };
     Some(match link {
         link_type::WITH_FCS if is_cut => ieee802154(octets).map(without_level),
         link_type::WITH_FCS => match fcs {
@@ -85,16 +85,16 @@ pub(super) fn heard(link: u16, octets: &[u8], is_cut: bool, fcs: FcsField) -> Op
 
 /// A frame in whose last two octets a chip of Texas Instruments wrote its RSSI, and whether the check sequence was right:
 /// table 23 of the data sheet of the CC2420 (SWRS041), figure 23-15 of the manual of the CC2530 (SWRU191).
-fn with_rssi(frame: &[u8], offset_db: f64) -> Result<Heard, Skipped> {
+fn with_rssi(frame: &[u8], offset_db: f64) -> Result<HeardFrame, Skipped> {
     const CRC_OK: u8 = 0x80;
     let (frame, &[rssi, correlation]) = frame.split_last_chunk().ok_or(Skipped::TooShort)?;
     if correlation & CRC_OK == 0 {
         return Err(Skipped::BadFcs);
     }
-    Ok(Heard { sender: ieee802154(frame)?, rssi_dbm: Some(f64::from(rssi.cast_signed()) + offset_db) })
+    Ok(HeardFrame { sender: ieee802154(frame)?, rssi_dbm: Some(f64::from(rssi.cast_signed()) + offset_db) })
 }
 
-fn from_tap(octets: &[u8], is_cut: bool) -> Result<Heard, Skipped> {
+fn from_tap(octets: &[u8], is_cut: bool) -> Result<HeardFrame, Skipped> {
     let (header, frame) = tap::parse(octets).ok_or(Skipped::Invalid)?;
     let frame = match header.fcs {
         _ if is_cut => frame,
@@ -102,16 +102,16 @@ fn from_tap(octets: &[u8], is_cut: bool) -> Result<Heard, Skipped> {
         TapFcs::Crc16 => checked_16(frame)?,
         TapFcs::Crc32 => checked_32(frame)?,
     };
-    Ok(Heard { sender: ieee802154(frame)?, rssi_dbm: header.rssi_dbm })
+    Ok(HeardFrame { sender: ieee802154(frame)?, rssi_dbm: header.rssi_dbm })
 }
 
-fn from_radiotap(octets: &[u8]) -> Result<Heard, Skipped> {
+fn from_radiotap(octets: &[u8]) -> Result<HeardFrame, Skipped> {
     let (header, frame) = radiotap::parse(octets).ok_or(Skipped::Invalid)?;
     if header.has_bad_fcs {
         return Err(Skipped::BadFcs);
     }
     let sender = Sender { pan: None, address: SenderAddress::Mac(transmitter(frame)?) };
-    Ok(Heard { sender, rssi_dbm: header.signal_dbm.map(f64::from) })
+    Ok(HeardFrame { sender, rssi_dbm: header.signal_dbm.map(f64::from) })
 }
 
 /// The frame before its 16-bit check sequence, if that is right.
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn a_check_sequence_is_checked_where_there_is_one() {
-        let expected = Some(Ok(Heard { sender: SENDER, rssi_dbm: None }));
+        let expected = Some(Ok(HeardFrame { sender: SENDER, rssi_dbm: None }));
         let good = [&DATA[..], &fcs(&DATA).to_le_bytes()].concat();
         let mut bad = good.clone();
         bad[9] ^= 1;
@@ -192,12 +192,12 @@ mod tests {
         let bad = [&DATA[..], &[0xF4, 107]].concat();
         assert_eq!(
             heard(link_type::WITH_FCS, &good, false, ti),
-            Some(Ok(Heard { sender: SENDER, rssi_dbm: Some(-85.0) }))
+            Some(Ok(HeardFrame { sender: SENDER, rssi_dbm: Some(-85.0) }))
         );
         assert_eq!(heard(link_type::WITH_FCS, &bad, false, ti), Some(Err(Skipped::BadFcs)));
         assert_eq!(heard(link_type::WITH_FCS, &[0x80], false, ti), Some(Err(Skipped::TooShort)));
         // Frames of other link types have no such octets.
-        let without = Some(Ok(Heard { sender: SENDER, rssi_dbm: None }));
+        let without = Some(Ok(HeardFrame { sender: SENDER, rssi_dbm: None }));
         assert_eq!(heard(link_type::WITHOUT_FCS, &DATA, false, ti), without);
         assert_eq!(heard(link_type::WITH_FCS, &DATA, false, FcsField::None), without);
         assert_eq!(heard(link_type::WITH_FCS, &bad, false, FcsField::None), without);
@@ -209,7 +209,7 @@ mod tests {
         let tap = |fcs_type: u8| {
             [&[0, 0, 20, 0, 0, 0, 1, 0, fcs_type, 0, 0, 0, 1, 0, 4, 0][..], &(-70.5_f32).to_le_bytes()].concat()
         };
-        let expected = Some(Ok(Heard { sender: SENDER, rssi_dbm: Some(-70.5) }));
+        let expected = Some(Ok(HeardFrame { sender: SENDER, rssi_dbm: Some(-70.5) }));
         assert_eq!(heard(link_type::TAP, &[&tap(0), &DATA[..]].concat(), false, FcsField::Checked), expected);
         let short = [&tap(1), &DATA[..], &fcs(&DATA).to_le_bytes()].concat();
         assert_eq!(heard(link_type::TAP, &short, false, FcsField::Checked), expected);

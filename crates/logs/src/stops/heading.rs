@@ -1,6 +1,6 @@
 //! How the antenna of the robot is turned at each stop: one of two columns of `stops.csv`.
 
-use crate::csv::table::{Column, Row, Table};
+use crate::csv::table::{Column, Table, TableRow};
 use crate::error::robot_log_error::RobotLogError;
 
 /// The columns of a heading that a file may have: radians and degrees.
@@ -8,14 +8,14 @@ pub(crate) const COLUMNS: [&str; 2] = ["heading_rad", "heading_deg"];
 
 /// The column with the headings: of all rows, or of none.
 pub(crate) struct Headings {
-    unit: Unit,
+    unit: HeadingColumn,
     /// Whether the first row has one.
     given: Option<bool>,
 }
 
 /// The unit of the column.
 #[derive(Clone, Copy)]
-enum Unit {
+enum HeadingColumn {
     /// The file has none: the antenna does not turn, or has no sectors.
     Absent,
     Radians(Column),
@@ -27,12 +27,12 @@ impl Headings {
     pub(crate) fn find(table: &Table<'_>, notes: &mut Vec<String>) -> Self {
         let [radians, degrees] = COLUMNS.map(|name| table.column(name));
         let unit = match (radians.exists(), degrees.exists()) {
-            (false, false) => Unit::Absent,
-            (false, true) => Unit::Degrees(degrees),
+            (false, false) => HeadingColumn::Absent,
+            (false, true) => HeadingColumn::Degrees(degrees),
             (true, has_degrees) => {
                 let [used, unused] = COLUMNS;
                 notes.extend(has_degrees.then(|| table.ignored_beside(unused, "the headings", used)));
-                Unit::Radians(radians)
+                HeadingColumn::Radians(radians)
             }
         };
         Self { unit, given: None }
@@ -42,11 +42,11 @@ impl Headings {
     ///
     /// # Errors
     /// If the cell is no finite number, or this row has a heading and the first one has not, or the other way round.
-    pub(crate) fn read(&mut self, row: &Row<'_>) -> Result<Option<f64>, RobotLogError> {
+    pub(crate) fn read(&mut self, row: &TableRow<'_>) -> Result<Option<f64>, RobotLogError> {
         let (column, factor) = match self.unit {
-            Unit::Absent => return Ok(None),
-            Unit::Radians(column) => (column, 1.0),
-            Unit::Degrees(column) => (column, 1.0_f64.to_radians()),
+            HeadingColumn::Absent => return Ok(None),
+            HeadingColumn::Radians(column) => (column, 1.0),
+            HeadingColumn::Degrees(column) => (column, 1.0_f64.to_radians()),
         };
         let heading = row.finite(column)?;
         if *self.given.get_or_insert(heading.is_some()) != heading.is_some() {

@@ -12,7 +12,7 @@ use crate::packets::signal::{OfSector, Signal, Strength, merged};
 
 /// The packets of a row.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Count {
+pub(crate) struct PairCount {
     pub(crate) received: u32,
     /// As the row states it.
     pub(crate) sent: Option<u32>,
@@ -145,7 +145,7 @@ impl<S: Kept> Collector<S> {
     }
 
     /// Adds a row.
-    pub(crate) fn push(&mut self, node: u32, stop: u32, Count { received, sent }: Count, signal: Signal) {
+    pub(crate) fn push(&mut self, node: u32, stop: u32, PairCount { received, sent }: PairCount, signal: Signal) {
         self.has_counts |= received > 1;
         let sent = match (sent, self.listing) {
             (Some(sent), _) => sent,

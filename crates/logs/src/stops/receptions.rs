@@ -6,12 +6,12 @@ use sextant_channel::{ReceptionLogBuilder, SectorReport};
 use sextant_kernel::NodeId;
 
 use super::pair_notes::{Listing, PartNames};
-use super::pairs::{Collector, Count, Kept};
+use super::pairs::{Collector, Kept, PairCount};
 use super::sector_snrs;
 use super::stop_table::Stops;
-use crate::csv::header::{Known, Others};
+use crate::csv::header::{KnownColumns, Others};
 use crate::csv::lookup::Lookup;
-use crate::csv::table::{Column, Row, Table};
+use crate::csv::table::{Column, Table, TableRow};
 use crate::csv::table_source::TableSource;
 use crate::error::robot_log_error::RobotLogError;
 use crate::options::field_names::FieldNames;
@@ -101,8 +101,10 @@ pub(crate) fn open<'a>(
     } else {
         (&["node", "stop"][..], measured.to_vec())
     };
-    let table =
-        Table::open_known(source, Known { required, optional: &optional, names: &names, others: Others::Ignored })?;
+    let table = Table::open_known(
+        source,
+        KnownColumns { required, optional: &optional, names: &names, others: Others::Ignored },
+    )?;
     notes.extend(table.ignored());
     let [received, sent] = ["received", "sent"].map(|name| table.column(name));
     let (node, stop) = ends(&table, &stops.name, form.reciprocal)?;
@@ -164,7 +166,7 @@ pub(crate) struct Rows<'a> {
 pub(crate) struct ReadRow {
     pub(crate) node: u32,
     pub(crate) stop: u32,
-    pub(crate) count: Count,
+    pub(crate) count: PairCount,
     pub(crate) sector: Option<u8>,
     pub(crate) rssi_dbm: Option<f64>,
     pub(crate) snr_db: Option<f64>,
@@ -257,7 +259,7 @@ impl Rows<'_> {
                 Report::Heard(rssi_dbm) => take(&ReadRow { node, stop, count, sector, rssi_dbm, snr_db }, of_sectors),
                 // Noise says nothing of any sector.
                 Report::Noise => {
-                    let count = Count { received: 0, sent: count.sent.or(Some(count.received)) };
+                    let count = PairCount { received: 0, sent: count.sent.or(Some(count.received)) };
                     take(&ReadRow { node, stop, count, sector: None, rssi_dbm: None, snr_db: None }, Vec::new())
                 }
             }
@@ -267,11 +269,11 @@ impl Rows<'_> {
 }
 
 /// The packets of a row. The table of stops may say how many a node sent there.
-fn count(row: &Row<'_>, columns: Columns, (stop, stops): (u32, &Stops)) -> Result<Count, RobotLogError> {
+fn count(row: &TableRow<'_>, columns: Columns, (stop, stops): (u32, &Stops)) -> Result<PairCount, RobotLogError> {
     if !columns.received.exists() {
         // A row is a packet; without a level, it names a node of which nothing was heard.
         let received = u32::from(row.filled(columns.rssi).is_some());
-        return Ok(Count { received, sent: None });
+        return Ok(PairCount { received, sent: None });
     }
     let received = row.whole(columns.received, MOST_SENT)?;
     let received = received.ok_or_else(|| row.wrong(columns.received, "a whole number, 0 or above"))?;
@@ -283,7 +285,7 @@ fn count(row: &Row<'_>, columns: Columns, (stop, stops): (u32, &Stops)) -> Resul
         let whose = if is_of_stop { format!(" at this stop as {} has it", stops.name) } else { String::new() };
         return Err(row.wrong(columns.received, format!("at most {most}, the packets sent{whose}")));
     }
-    Ok(Count { received, sent })
+    Ok(PairCount { received, sent })
 }
 
 fn known_stops(Stops { ids, name, .. }: &Stops) -> String {

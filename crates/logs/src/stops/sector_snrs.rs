@@ -8,7 +8,7 @@ use sextant_kernel::NodeId;
 
 use super::stop_table::Stops;
 use crate::csv::output::Output;
-use crate::csv::table::{Column, Row, Table};
+use crate::csv::table::{Column, Table, TableRow};
 use crate::csv::table_source::TableSource;
 use crate::error::robot_log_error::RobotLogError;
 
@@ -20,14 +20,14 @@ const ALLOWED: &str = "pairs of a sector (0 to 255) and its SNR in dB, with spac
 
 /// What is known of the log whose ratios are read.
 #[derive(Clone, Copy)]
-pub(crate) struct Known<'a> {
+pub(crate) struct KnownParts<'a> {
     pub(crate) stops: &'a Stops,
     /// Name of the file or table of receptions, for messages.
     pub(crate) receptions: &'a str,
 }
 
 /// The sectors and ratios of a cell of the column of `receptions.csv`.
-pub(crate) fn of_cell(row: &Row<'_>, column: Column) -> Result<Vec<(u8, f64)>, RobotLogError> {
+pub(crate) fn of_cell(row: &TableRow<'_>, column: Column) -> Result<Vec<(u8, f64)>, RobotLogError> {
     if !column.exists() {
         return Ok(Vec::new());
     }
@@ -44,7 +44,7 @@ pub(crate) fn of_cell(row: &Row<'_>, column: Column) -> Result<Vec<(u8, f64)>, R
 pub(crate) fn read(
     source: TableSource<'_>,
     log: &ReceptionLog,
-    Known { stops, receptions }: Known<'_>,
+    KnownParts { stops, receptions }: KnownParts<'_>,
     notes: &mut Vec<String>,
 ) -> Result<Vec<SectorReport>, RobotLogError> {
     let table = Table::open(source, &COLUMNS, &[])?;

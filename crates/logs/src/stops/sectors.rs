@@ -5,7 +5,7 @@ use std::path::Path;
 use sextant_channel::{SectorConfig, SectorTable};
 
 use crate::csv::output::Output;
-use crate::csv::table::{Row, Table};
+use crate::csv::table::{Table, TableRow};
 use crate::csv::table_source::TableSource;
 use crate::error::robot_log_error::RobotLogError;
 
@@ -20,7 +20,7 @@ pub(crate) fn read(source: TableSource<'_>, notes: &mut Vec<String>) -> Result<S
     let elevations = ELEVATIONS.map(|name| table.column(name));
     notes.extend(table.ignored());
     let mut sectors: Vec<SectorConfig> = Vec::new();
-    let head = table.rows(|row: &Row<'_>| {
+    let head = table.rows(|row: &TableRow<'_>| {
         let angle = |column| row.finite(column)?.ok_or_else(|| row.wrong(column, "a finite number"));
         let id = row.sector(sector)?;
         let config = SectorConfig {

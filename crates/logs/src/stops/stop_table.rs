@@ -6,7 +6,7 @@ use sextant_channel::{Contact, Stop};
 use sextant_kernel::SimTime;
 
 use super::heading::{self, Headings};
-use crate::csv::header::{Known, Others};
+use crate::csv::header::{KnownColumns, Others};
 use crate::csv::table::Table;
 use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
@@ -53,7 +53,8 @@ pub(crate) fn read(
     notes: &mut Vec<String>,
 ) -> Result<Stops, RobotLogError> {
     let optional = [&COLUMNS[..], &instant::COLUMNS, &heading::COLUMNS, &["robot", "sent"]].concat();
-    let known = Known { required: &["stop"], optional: &optional, names: &written.names, others: Others::Ignored };
+    let known =
+        KnownColumns { required: &["stop"], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::Any, notes)?;

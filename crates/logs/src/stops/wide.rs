@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use sextant_channel::{Contact, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
-use crate::csv::header::{Known, Others};
-use crate::csv::table::{Row, Table};
+use crate::csv::header::{KnownColumns, Others};
+use crate::csv::table::{Table, TableRow};
 use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
 use crate::csv::written::Written;
@@ -87,7 +87,7 @@ pub(crate) fn read(
     let part = source.part();
     let optional = [&COLUMNS[..], &instant::COLUMNS, &["robot", "stop"]].concat();
     let others = if form.node_columns.is_empty() { Others::Read } else { Others::Named };
-    let known = Known { required: &[], optional: &optional, names: &written.names, others };
+    let known = KnownColumns { required: &[], optional: &optional, names: &written.names, others };
     let again = source.clone();
     let table = Table::open_known(source, known)?;
     let file = table.name();
@@ -240,7 +240,7 @@ fn nodes(
 
 impl Reading<'_> {
     /// Adds a row to a stop.
-    fn scan(&mut self, row: &Row<'_>, stop: usize) -> Result<(), RobotLogError> {
+    fn scan(&mut self, row: &TableRow<'_>, stop: usize) -> Result<(), RobotLogError> {
         self.rows += 1;
         for (&at, scans) in self.nodes.iter().zip(&mut self.scans[stop]) {
             let text = row.text_at(at);

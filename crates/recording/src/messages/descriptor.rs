@@ -16,12 +16,12 @@ pub(crate) struct Declaration {
 pub(crate) struct Field {
     pub(crate) name: &'static str,
     pub(crate) number: i32,
-    pub(crate) kind: Kind,
+    pub(crate) kind: FieldKind,
 }
 
 /// The type of a field.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum FieldKind {
     Uint32,
     OptionalUint32,
     Uint32s,
@@ -36,7 +36,7 @@ pub(crate) enum Kind {
     Bytes,
 }
 
-impl Kind {
+impl FieldKind {
     fn wire(self) -> (Type, Label) {
         match self {
             Self::Uint32 | Self::OptionalUint32 => (Type::Uint32, Label::Optional),

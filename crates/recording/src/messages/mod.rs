@@ -14,7 +14,7 @@ macro_rules! recorded {
         /// compare them, and decode them with an independent reader.
         pub(in crate) const DECLARATIONS: &[Declaration] = &[$(Declaration {
             name: $name,
-            fields: &[$(descriptor::Field { name: $field, number: $number, kind: descriptor::Kind::$kind }),+],
+            fields: &[$(descriptor::Field { name: $field, number: $number, kind: descriptor::FieldKind::$kind }),+],
         }),+];
 
         $(impl Encode for $message {

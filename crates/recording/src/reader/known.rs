@@ -14,7 +14,7 @@ use crate::messages::names::{ANCHORS_TOPIC, BEACONS_TOPIC, LINKS_KEY, NEIGHBOURS
 
 /// What the nodes know of each other.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Known {
+pub struct MutualKnowledge {
     /// Receptions of hello packets between nodes, if they listened to each other.
     pub neighbours: Option<NeighbourLog>,
     /// Receptions of the anchors' packets, if they listened to them.
@@ -27,9 +27,9 @@ pub struct Known {
 ///
 /// # Errors
 /// If the file cannot be read, is damaged, or refers to nodes that do not exist.
-pub fn read_known(path: &Path, nodes: usize) -> Result<Known, RecordingError> {
+pub fn read_known(path: &Path, nodes: usize) -> Result<MutualKnowledge, RecordingError> {
     let (mut neighbours, mut beacons) = (None, None);
-    let mut known = Known::default();
+    let mut known = MutualKnowledge::default();
     sound(path, &mut |piece| {
         let (channel, data) = match piece {
             Piece::Message { channel, data, .. } => (channel, data),

@@ -57,13 +57,13 @@ impl RecordedRun {
     #[must_use]
     pub fn traffic(&self) -> Vec<RecordedTraffic> {
         #[derive(Deserialize)]
-        struct RecordedSummary {
+        struct TrafficSummary {
             mac: Option<RecordedTraffic>,
             #[serde(default)]
             other_networks: Vec<RecordedTraffic>,
         }
         let summary = self.attachment(SUMMARY_ATTACHMENT).map(|attachment| &attachment.data);
-        let summary = summary.and_then(|data| serde_json::from_slice::<RecordedSummary>(data).ok());
+        let summary = summary.and_then(|data| serde_json::from_slice::<TrafficSummary>(data).ok());
         let networks = summary.map(|summary| summary.mac.into_iter().chain(summary.other_networks).collect());
         networks.unwrap_or_default()
     }

@@ -65,7 +65,7 @@ pub(crate) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
         let mut legend = legend(
             source,
             estimated.map,
-            &Shown { places, bar: bar.as_ref(), radius, regions: regions.len(), views: &views },
+            &ShownMarks { places, bar: bar.as_ref(), radius, regions: regions.len(), views: &views },
         );
         legend.extend(claims::entries(&claims));
         Sheet { title, note, bar: bar.clone(), legend }
@@ -179,7 +179,7 @@ fn draw_survey(picture: &mut Picture, panel: &Panel, source: &Source<'_>) {
 }
 
 /// What is drawn, for the legend.
-struct Shown<'a> {
+struct ShownMarks<'a> {
     places: &'a Places,
     bar: Option<&'a ColourBar>,
     radius: f64,
@@ -188,8 +188,8 @@ struct Shown<'a> {
     views: &'a Views,
 }
 
-fn legend(source: &Source<'_>, map: &TopologyMap, shown: &Shown<'_>) -> Vec<Entry> {
-    let Shown { places, bar, radius, regions, views } = *shown;
+fn legend(source: &Source<'_>, map: &TopologyMap, shown: &ShownMarks<'_>) -> Vec<Entry> {
+    let ShownMarks { places, bar, radius, regions, views } = *shown;
     let truth = &source.drawn.nodes;
     let mut legend = Vec::new();
     let mut add = |symbol, text: &str| legend.push(Entry { symbol, text: text.to_owned() });

@@ -21,12 +21,12 @@ pub struct PacketSource<'a> {
     /// What the summary says of the traffic, for recordings without packets.
     pub traffic: &'a [RecordedTraffic],
     /// The instants that the time line shows.
-    pub window: Window,
+    pub window: TimeWindow,
 }
 
 /// A part of the simulated time (s); where an end is absent, the first busy time is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Window {
+pub struct TimeWindow {
     /// Its start.
     pub from_s: Option<f64>,
     /// Its end.

@@ -6,7 +6,7 @@ use plotters::style::RGBColor;
 use sextant_recording::RecordedPacket;
 
 use super::PacketSource;
-use super::Window;
+use super::TimeWindow;
 use super::seconds;
 use crate::paint::palette::{CURVES, GRID, INK, OBSTACLE, OBSTACLE_RIM};
 use crate::paint::picture::{Anchor, Area, Picture, Point, Stroke, shortened};
@@ -131,7 +131,7 @@ fn draw_times(axes: &Axes, picture: &mut Picture) {
 
 /// The window that is shown (s); `None` if nothing was sent.
 fn window(source: &PacketSource<'_>) -> Option<(f64, f64)> {
-    let Window { from_s, to_s } = source.window;
+    let TimeWindow { from_s, to_s } = source.window;
     let all = || source.packets.iter().flat_map(|packet| &packet.transmissions);
     let first = |is: &dyn Fn(&str) -> bool| {
         let sent = all().filter(|sent| is(&sent.outcome)).min_by_key(|sent| sent.start_ns)?;
@@ -233,7 +233,7 @@ mod tests {
             names: &[],
             packets: &packets,
             traffic: &[],
-            window: Window { from_s, to_s },
+            window: TimeWindow { from_s, to_s },
         };
         assert_eq!(window(&at(Some(1.0), Some(2.0))), Some((1.0, 2.0)));
         assert_eq!(window(&at(Some(2.0), Some(1.0))), None);
