@@ -44,7 +44,8 @@ impl Labels {
     /// The names of `dots`, all with the same `radius` (px); the first ones get the best places. They keep clear of the
     /// crosses at `marks` too.
     pub(crate) fn of<'a>(
-        (dots, radius): (impl IntoIterator<Item = (Point, &'a str)> + Clone, f64),
+        dots: impl IntoIterator<Item = (Point, &'a str)> + Clone,
+        radius: f64,
         marks: impl IntoIterator<Item = Point>,
         frame: Area,
         style: TextStyle,
@@ -150,7 +151,7 @@ mod tests {
             .collect();
         let width = 60.0 + step * f64::from(side - 1);
         let frame = Area { left: 0.0, top: 0.0, width, height: width };
-        Labels::of((dots.iter().map(|(at, name)| (*at, name.as_str())), 3.0), [Point::new(30.0, 30.0)], frame, STYLE)
+        Labels::of(dots.iter().map(|(at, name)| (*at, name.as_str())), 3.0, [Point::new(30.0, 30.0)], frame, STYLE)
     }
 
     #[test]

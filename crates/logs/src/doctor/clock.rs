@@ -63,7 +63,7 @@ pub struct ClockOffset {
 impl ClockOffset {
     /// The delay, if it is clear and there is no rival (s).
     #[must_use]
-    pub fn told_s(&self) -> Option<f64> {
+    pub(crate) fn told_s(&self) -> Option<f64> {
         (self.is_clear && self.rival_s.is_none()).then_some(self.delay_s)
     }
 

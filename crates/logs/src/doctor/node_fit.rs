@@ -106,7 +106,7 @@ impl NodeFit {
         let mut loss = total(&at, observations, (law, pattern), &mut logs);
         let mut damping = 1e-2;
         for _ in 0..STEPS {
-            let (slope, curvature) = derivatives(&at, observations, (law, pattern), &logs);
+            let (slope, curvature) = derivatives(&at, observations, law, pattern, &logs);
             let mut improved = false;
             for _ in 0..6 {
                 let mut damped = curvature;
@@ -177,7 +177,7 @@ impl NodeFit {
     ) -> (Vector2<f64>, Matrix2<f64>) {
         let at = &self.parameters;
         let logs: Vec<f64> = observations.iter().map(|observation| log_m(at, observation.at)).collect();
-        let (_, own) = derivatives(at, observations, (law, pattern), &logs);
+        let (_, own) = derivatives(at, observations, law, pattern, &logs);
         let (mut slope, mut curvature, mut mixed) = (Vector2::zeros(), Matrix2::zeros(), Matrix4x2::zeros());
         for (observation, &log) in observations.iter().zip(&logs) {
             let along = direction(at, observation);
@@ -247,7 +247,8 @@ fn total(at: &Vector4<f64>, observations: &[Observation], (law, pattern): (Law, 
 fn derivatives(
     at: &Vector4<f64>,
     observations: &[Observation],
-    (law, pattern): (Law, &Pattern),
+    law: Law,
+    pattern: &Pattern,
     logs: &[f64],
 ) -> (Vector4<f64>, Matrix4<f64>) {
     let [mean, deviation] = law.prior();
@@ -319,7 +320,7 @@ mod tests {
             total(at, &observations, (law, pattern), &mut vec![0.0; observations.len()])
         };
         total(&at, &observations, (law, &pattern), &mut logs);
-        let (slope, _) = derivatives(&at, &observations, (law, &pattern), &logs);
+        let (slope, _) = derivatives(&at, &observations, law, &pattern, &logs);
         for i in 0..4 {
             let mut step = Vector4::zeros();
             step[i] = 1e-5;

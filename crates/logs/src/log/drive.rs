@@ -40,7 +40,7 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
     let has_stamps =
         bag_path.as_ref().is_none_or(BagPath::has_stamps) && bag_packets.as_ref().is_none_or(BagPackets::has_stamps);
     let clock = options.bag.bag_clock.unwrap_or(if has_stamps { BagClock::Stamp } else { BagClock::Log });
-    tell_bags(drive, (bag_path.as_ref(), bag_packets.as_ref()), clock, &mut notes);
+    tell_bags(drive, bag_path.as_ref(), bag_packets.as_ref(), clock, &mut notes);
 
     let skips_no_fix = options.repair.skip_no_fix;
     if path.kind != PathKind::Bag {
@@ -67,7 +67,7 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
         Some(folder) => Companions::of_folder(folder, options.form.time_zone),
         None => Companions::none(path.file.as_path().into()),
     };
-    gather((paths, &companions), options, notes, |known, roles, gatherer, notes| match (&bag_packets, packets) {
+    gather(paths, &companions, options, notes, |known, roles, gatherer, notes| match (&bag_packets, packets) {
         (Some(bag), _) => {
             let delay = bag.gather(clock, roles, gatherer, notes)?;
             if let (Some(path), BagClock::Stamp) = (&bag_path, clock) {
@@ -90,7 +90,8 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
 
 /// Reads the log of a path and packets in tables.
 pub(crate) fn read_tables(
-    (path, packets): (TableSource<'_>, TableSource<'_>),
+    path: TableSource<'_>,
+    packets: TableSource<'_>,
     companions: &Companions<'_>,
     options: &ReadOptions,
 ) -> Result<RobotLog, RobotLogError> {
@@ -98,7 +99,7 @@ pub(crate) fn read_tables(
     let name = path.part().name();
     let written = Written::of_places(&options.form);
     let paths = path_file::read(path, &written, options.repair.skip_no_fix, &mut notes)?;
-    gather((paths, companions), options, notes, |known, roles, gatherer, notes| {
+    gather(paths, companions, options, notes, |known, roles, gatherer, notes| {
         let written = Written::of_packets(&options.form);
         packet_table::read(packets, &written, Robots { names: known, path: &name }, roles, gatherer, notes)
     })
@@ -107,7 +108,8 @@ pub(crate) fn read_tables(
 /// The log of robots that drove these paths. `hear` gives the gatherer the packets that they heard; it gets the names of the
 /// robots with a path, if they have names.
 fn gather(
-    (paths, companions): (Paths, &Companions<'_>),
+    paths: Paths,
+    companions: &Companions<'_>,
     options: &ReadOptions,
     mut notes: Vec<String>,
     hear: impl FnOnce(&[String], &mut Roles, &mut Gatherer, &mut Vec<String>) -> Result<(), RobotLogError>,
@@ -131,7 +133,8 @@ fn gather(
 /// Notes what is read from bags.
 fn tell_bags(
     Drive { path: path_part, packets: packet_part, .. }: &Drive,
-    (path, packets): (Option<&BagPath<'_>>, Option<&BagPackets<'_>>),
+    path: Option<&BagPath<'_>>,
+    packets: Option<&BagPackets<'_>>,
     clock: BagClock,
     notes: &mut Vec<String>,
 ) {

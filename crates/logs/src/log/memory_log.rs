@@ -57,7 +57,7 @@ impl<'a> MemoryLog<'a> {
         if has_stops {
             stop_log::read(StopLog { stops: places.into(), receptions: heard.into(), companions }, options)
         } else {
-            drive::read_tables((places.into(), heard.into()), &companions, options)
+            drive::read_tables(places.into(), heard.into(), &companions, options)
         }
     }
 

@@ -80,12 +80,8 @@ impl RowLog {
         let file = folder.join(RECEPTIONS);
         let mut rssi = RssiCheck::new(&options.repair.rssi_missing);
         let mut strengths = Strengths::of(&options.form);
-        let (rows, kind) = receptions::open(
-            file.as_path().into(),
-            (&stops, &options.form),
-            (&mut rssi, &mut strengths),
-            &mut notes,
-        )?;
+        let (rows, kind) =
+            receptions::open(file.as_path().into(), &stops, &options.form, &mut rssi, &mut strengths, &mut notes)?;
         let listing = rows.listing;
         notes.extend(unused_sector_snrs(&companions, rows.have_sector_snrs()));
         let OfRows { name: receptions, names, left_out } = rows.each(|row, _| Ok(pass(row, &stops, &mut *take)?))?;
@@ -109,9 +105,14 @@ impl RowLog {
     pub fn rows(&self, take: TakeRow<'_>) -> Result<(), RobotLogError> {
         let mut rssi = RssiCheck::new(&self.options.repair.rssi_missing);
         let mut strengths = Strengths::of(&self.options.form);
-        let form = (&self.stops, &self.options.form);
-        let (rows, _) =
-            receptions::open(self.file.as_path().into(), form, (&mut rssi, &mut strengths), &mut Vec::new())?;
+        let (rows, _) = receptions::open(
+            self.file.as_path().into(),
+            &self.stops,
+            &self.options.form,
+            &mut rssi,
+            &mut strengths,
+            &mut Vec::new(),
+        )?;
         rows.each(|row, _| Ok(pass(row, &self.stops, &mut *take)?)).map(|_| ())
     }
 

@@ -135,13 +135,13 @@ impl Gatherer {
 
     /// The same with places where robots met obstacles.
     #[must_use]
-    pub fn with_contacts(self, contacts: Vec<Contact>) -> Self {
+    pub(crate) fn with_contacts(self, contacts: Vec<Contact>) -> Self {
         Self { contacts, ..self }
     }
 
     /// The same of places in the plane of latitudes and longitudes, if `plane` is one.
     #[must_use]
-    pub fn with_plane(self, plane: Option<LocalPlane>) -> Self {
+    pub(crate) fn with_plane(self, plane: Option<LocalPlane>) -> Self {
         Self { plane, ..self }
     }
 
@@ -308,10 +308,10 @@ impl Gatherer {
         let mut times: Vec<SimTime> = heard.iter().flat_map(|row| [row.first, row.last]).collect();
         times.sort_unstable();
         times.dedup();
-        let span = cover::span(self.tracks.iter().map(|track| &track.path));
+        let (from, to) = cover::span(self.tracks.iter().map(|track| &track.path));
         for track in &self.tracks {
             let mut counts = vec![0; track.slots.len()];
-            sending::count(&track.slots, &mut counts, &times, interval, span);
+            sending::count(&track.slots, &mut counts, &times, interval, from, to);
             for ((&stop, slot), count) in track.stops.iter().zip(&track.slots).zip(counts) {
                 let fits = u32::try_from(count).ok().filter(|&count| count <= MOST_SENT);
                 sent[stop as usize] = fits.ok_or_else(|| RobotLogError::TooManySent {

@@ -21,7 +21,8 @@ pub(crate) fn count(
     counts: &mut [u64],
     heard: &[SimTime],
     interval: Duration,
-    (from, to): (SimTime, SimTime),
+    from: SimTime,
+    to: SimTime,
 ) {
     let interval_ns = u64::try_from(interval.as_nanos()).unwrap_or(u64::MAX).max(1);
     let (Some(&first), Some(&last)) = (heard.first(), heard.last()) else { return };

@@ -119,7 +119,7 @@ impl Places {
                 let z_m = if z.exists() { metres(row, z)? } else { 0.0 };
                 Ok(Position::new(metres(row, x)?, metres(row, y)?, z_m))
             }
-            Self::Geodetic { lat, lon, height } => geodetic(row, (lat, lon, height), plane),
+            Self::Geodetic { lat, lon, height } => geodetic(row, lat, lon, height, plane),
         }
     }
 }
@@ -132,7 +132,9 @@ fn metres(row: &TableRow<'_>, column: Column) -> Result<f64, RobotLogError> {
 
 fn geodetic(
     row: &TableRow<'_>,
-    (lat, lon, height): (Column, Column, Height),
+    lat: Column,
+    lon: Column,
+    height: Height,
     plane: &mut Option<LocalPlane>,
 ) -> Result<Position, RobotLogError> {
     const NEAR_POLE: &str = "degrees north from -89.9 to 89.9, because at a pole east and north have no meaning";

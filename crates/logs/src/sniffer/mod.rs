@@ -74,7 +74,7 @@ pub(super) fn read(
             );
             return Err(RobotLogError::Form { problem });
         }
-        notes.extend(gather(capture, pan_names, options, (roles, &receiver), gatherer)?);
+        notes.extend(gather(capture, pan_names, options, roles, &receiver, gatherer)?);
     }
     Ok(())
 }
@@ -84,7 +84,8 @@ fn gather(
     capture: &FilePath,
     pans: PanNames,
     options: &SnifferOptions,
-    (roles, receiver): (&mut Roles, &str),
+    roles: &mut Roles,
+    receiver: &str,
     gatherer: &mut Gatherer,
 ) -> Result<Vec<String>, RobotLogError> {
     let mut count = FrameCount::default();

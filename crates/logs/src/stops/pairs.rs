@@ -87,20 +87,36 @@ impl<S: Kept> Keyed for Entry<S> {
     }
 
     fn add(&mut self, later: &Self) {
-        self.sent = add_sent((self.received, self.sent), (later.received, later.sent));
+        self.sent = self.packets().sent_with(later.packets());
         self.received = self.received.saturating_add(later.received).min(UNSTATED - 1);
         self.signal.add(&later.signal);
     }
 }
 
-/// The packets sent of two rows, given as received and sent. A row that does not state them counts as one, or as those that
-/// were received, if another row states them.
-fn add_sent((received, sent): (u32, u32), (later_received, later_sent): (u32, u32)) -> u32 {
-    let at_least = |received: u32, sent: u32| if sent == UNSTATED { received.max(1) } else { sent };
-    if sent == UNSTATED && later_sent == UNSTATED {
-        return UNSTATED;
+impl<S> Entry<S> {
+    fn packets(&self) -> RowPackets {
+        RowPackets { received: self.received, sent: self.sent }
     }
-    at_least(received, sent).saturating_add(at_least(later_received, later_sent)).min(UNSTATED - 1)
+}
+
+/// The packets of a row.
+#[derive(Clone, Copy)]
+struct RowPackets {
+    received: u32,
+    /// [`UNSTATED`] if the row does not state it.
+    sent: u32,
+}
+
+impl RowPackets {
+    /// The packets sent of two rows. A row that does not state them counts as one, or as those that were received, if another
+    /// row states them.
+    fn sent_with(self, later: Self) -> u32 {
+        let at_least = |row: Self| if row.sent == UNSTATED { row.received.max(1) } else { row.sent };
+        if self.sent == UNSTATED && later.sent == UNSTATED {
+            return UNSTATED;
+        }
+        at_least(self).saturating_add(at_least(later)).min(UNSTATED - 1)
+    }
 }
 
 /// The packets of a pair of a node and a stop, in all sectors.
@@ -115,17 +131,17 @@ struct Pair {
 impl Pair {
     fn of<S: Kept>(entries: &[Entry<S>]) -> Self {
         let [Entry { node, stop, .. }, ..] = entries else { unreachable!("a pair has a row") };
-        let mut sum = (0, entries[0].sent);
+        let mut sum = RowPackets { received: 0, sent: entries[0].sent };
         for (at, entry) in entries.iter().enumerate() {
             if at > 0 {
-                sum.1 = add_sent(sum, (entry.received, entry.sent));
+                sum.sent = sum.sent_with(entry.packets());
             }
-            sum.0 = sum.0.saturating_add(entry.received).min(UNSTATED - 1);
+            sum.received = sum.received.saturating_add(entry.received).min(UNSTATED - 1);
         }
         let of_sector =
             |entry: &Entry<S>| Some(OfSector { received: entry.received, signal: entry.signal.signal()? });
         let signal = merged(entries.iter().filter_map(of_sector));
-        Self { node: *node, stop: *stop, received: sum.0, sent: sum.1, signal }
+        Self { node: *node, stop: *stop, received: sum.received, sent: sum.sent, signal }
     }
 }
 

@@ -77,7 +77,7 @@ pub(crate) fn read(
     notes: &mut Vec<String>,
 ) -> Result<Receptions, RobotLogError> {
     let mut strengths = Strengths::of(form);
-    let (rows, kind) = open(source, (stops, form), (rssi, &mut strengths), notes)?;
+    let (rows, kind) = open(source, stops, form, rssi, &mut strengths, notes)?;
     let read = match kind {
         SignalKind::Whole => rows.read::<Signal>(notes),
         SignalKind::Strength => rows.read::<Strength>(notes),
@@ -90,8 +90,10 @@ pub(crate) fn read(
 /// Opens a table for its rows.
 pub(crate) fn open<'a>(
     source: TableSource<'a>,
-    (stops, form): (&'a Stops, &FormOptions),
-    (rssi, strengths): (&'a mut RssiCheck, &'a mut Strengths),
+    stops: &'a Stops,
+    form: &FormOptions,
+    rssi: &'a mut RssiCheck,
+    strengths: &'a mut Strengths,
     notes: &mut Vec<String>,
 ) -> Result<(Rows<'a>, SignalKind), RobotLogError> {
     let names = FieldNames::of_packets(form.packet_fields.as_ref());

@@ -40,7 +40,7 @@ pub enum OutputKind<'a> {
 const HEAD: u64 = 8192;
 
 /// How a map begins.
-pub const MAP_HEADER: &str = "node,x_m,y_m,z_m,ties,infeasible,concern";
+const MAP_HEADER: &str = "node,x_m,y_m,z_m,ties,infeasible,concern";
 
 /// What ends the title of a report.
 pub const REPORT_TITLE: &str = "Sextant report</title>";

@@ -37,7 +37,7 @@ const READER_COMES_WITHIN: Duration = Duration::from_millis(500);
 ///
 /// # Errors
 /// Those of the system; [`io::ErrorKind::TimedOut`] if it is a pipe that no process reads.
-pub fn write_device(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn write_device(path: &Path, bytes: &[u8]) -> io::Result<()> {
     // The system opens a pipe when somebody reads it, and gives no word before.
     let (opened, device) = mpsc::channel();
     let name = path.to_owned();

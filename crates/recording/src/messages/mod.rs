@@ -58,135 +58,136 @@ pub(super) mod stop_receptions;
 
 pub use applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
 pub use distributed::MappedNodeMessage;
-pub use networks::{NetworksMessage, SectorMessage};
+pub(crate) use networks::{NetworksMessage, SectorMessage};
 pub use packets::{AssessmentMessage, PacketMessage, TransmissionMessage};
-pub use sector_gains::SectorGainsMessage;
-pub use sector_snrs::SectorSnrsMessage;
-pub use sensing::{SensedMessage, SensorsMessage};
-pub use stop_receptions::StopReceptionsMessage;
+pub(crate) use sector_gains::SectorGainsMessage;
+pub(crate) use sector_snrs::SectorSnrsMessage;
+pub(crate) use sensing::SensedMessage;
+pub use sensing::SensorsMessage;
+pub(crate) use stop_receptions::StopReceptionsMessage;
 
 /// Names of the nodes that the robot knows, heard or not, without positions.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct NodesMessage {
+pub(crate) struct NodesMessage {
     /// Index of the first of `names`.
     #[prost(uint32, tag = "1")]
-    pub first: u32,
+    pub(crate) first: u32,
     /// Names of the nodes `first`, `first + 1`, ...
     #[prost(string, repeated, tag = "2")]
-    pub names: Vec<String>,
+    pub(crate) names: Vec<String>,
 }
 
 /// A place where a robot listened.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct StopMessage {
+pub(crate) struct StopMessage {
     /// Index of the stop in the recording, counted from 0 without gaps.
     #[prost(uint32, tag = "1")]
-    pub stop: u32,
+    pub(crate) stop: u32,
     /// When listening began (ns of simulated time).
     #[prost(uint64, tag = "2")]
-    pub time_ns: u64,
+    pub(crate) time_ns: u64,
     /// East (m).
     #[prost(double, tag = "3")]
-    pub x_m: f64,
+    pub(crate) x_m: f64,
     /// North (m).
     #[prost(double, tag = "4")]
-    pub y_m: f64,
+    pub(crate) y_m: f64,
     /// Up (m).
     #[prost(double, tag = "5")]
-    pub z_m: f64,
+    pub(crate) z_m: f64,
     /// Name of the robot.
     #[prost(string, tag = "6")]
-    pub robot: String,
+    pub(crate) robot: String,
     /// Number of the receptions of this stop, which follow it: as many `Reception` messages, or one `StopReceptions`. With
     /// it a reader detects an incomplete stop.
     #[prost(uint32, tag = "7")]
-    pub receptions: u32,
+    pub(crate) receptions: u32,
     /// How the robot's antenna was turned, counterclockwise from x (rad), if its sectors turn with it.
     #[prost(double, optional, tag = "8")]
-    pub heading_rad: Option<f64>,
+    pub(crate) heading_rad: Option<f64>,
 }
 
 /// The packets received from one node at one stop.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct ReceptionMessage {
+pub(crate) struct ReceptionMessage {
     /// Index of the node.
     #[prost(uint32, tag = "1")]
-    pub node: u32,
+    pub(crate) node: u32,
     /// Index of the stop.
     #[prost(uint32, tag = "2")]
-    pub stop: u32,
+    pub(crate) stop: u32,
     /// Packets received, at most `sent`.
     #[prost(uint32, tag = "3")]
-    pub received: u32,
+    pub(crate) received: u32,
     /// Packets that the node is known to have sent while the robot listened. 0 received of 0 sent is no evidence.
     #[prost(uint32, tag = "4")]
-    pub sent: u32,
+    pub(crate) sent: u32,
     /// Antenna sector with the best reception, 0 to 255.
     #[prost(uint32, optional, tag = "5")]
-    pub sector: Option<u32>,
+    pub(crate) sector: Option<u32>,
     /// Mean received signal strength (dBm).
     #[prost(double, optional, tag = "6")]
-    pub rssi_dbm: Option<f64>,
+    pub(crate) rssi_dbm: Option<f64>,
     /// Signal-to-noise ratio of the robot's own best packet, as the node reported it (dB).
     #[prost(double, optional, tag = "7")]
-    pub snr_db: Option<f64>,
+    pub(crate) snr_db: Option<f64>,
     /// Link quality of IEEE 802.15.4 at the mean received signal strength: 0 at the sensitivity, 255 at 40 dB or more above it.
     #[prost(uint32, optional, tag = "8")]
-    pub lqi: Option<u32>,
+    pub(crate) lqi: Option<u32>,
 }
 
 /// A point of an obstacle that the range sensor of a robot detected.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct ContactMessage {
+pub(crate) struct ContactMessage {
     /// When (ns of simulated time).
     #[prost(uint64, tag = "1")]
-    pub time_ns: u64,
+    pub(crate) time_ns: u64,
     /// East (m).
     #[prost(double, tag = "2")]
-    pub x_m: f64,
+    pub(crate) x_m: f64,
     /// North (m).
     #[prost(double, tag = "3")]
-    pub y_m: f64,
+    pub(crate) y_m: f64,
     /// Up (m).
     #[prost(double, tag = "4")]
-    pub z_m: f64,
+    pub(crate) z_m: f64,
 }
 
 /// The packets that one node received from another node or from an anchor.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct LinkMessage {
+pub(crate) struct LinkMessage {
     /// Index of the node that heard.
     #[prost(uint32, tag = "1")]
-    pub listener: u32,
+    pub(crate) listener: u32,
     /// Index of the node that was heard.
     #[prost(uint32, tag = "2")]
-    pub sender: u32,
+    pub(crate) sender: u32,
     /// Packets received, at most `sent`.
     #[prost(uint32, tag = "3")]
-    pub received: u32,
+    pub(crate) received: u32,
     /// Packets that the sender sent.
     #[prost(uint32, tag = "4")]
-    pub sent: u32,
+    pub(crate) sent: u32,
     /// Mean received signal strength (dBm).
     #[prost(double, optional, tag = "5")]
-    pub rssi_dbm: Option<f64>,
+    pub(crate) rssi_dbm: Option<f64>,
 }
 
 /// A node that knows its position.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct AnchorMessage {
+pub(crate) struct AnchorMessage {
     /// Index of the node.
     #[prost(uint32, tag = "1")]
-    pub node: u32,
+    pub(crate) node: u32,
     /// East (m).
     #[prost(double, tag = "2")]
-    pub x_m: f64,
+    pub(crate) x_m: f64,
     /// North (m).
     #[prost(double, tag = "3")]
-    pub y_m: f64,
+    pub(crate) y_m: f64,
     /// Up (m).
     #[prost(double, tag = "4")]
-    pub z_m: f64,
+    pub(crate) z_m: f64,
 }
 
 /// A frame that was on air.
@@ -221,16 +222,16 @@ pub struct FrameMessage {
 
 /// One value of a time series.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct MetricMessage {
+pub(crate) struct MetricMessage {
     /// When (ns of simulated time).
     #[prost(uint64, tag = "1")]
-    pub time_ns: u64,
+    pub(crate) time_ns: u64,
     /// Name, ending in its unit: `path_length_m`.
     #[prost(string, tag = "2")]
-    pub name: String,
+    pub(crate) name: String,
     /// Value in the unit of `name`.
     #[prost(double, tag = "3")]
-    pub value: f64,
+    pub(crate) value: f64,
 }
 
 /// All own messages.

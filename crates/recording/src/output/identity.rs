@@ -62,7 +62,7 @@ impl FileIdentity {
     /// # Errors
     /// If one of them cannot be looked at.
     #[cfg(unix)]
-    pub fn is_at(file: &File, path: &Path) -> io::Result<bool> {
+    pub(crate) fn is_at(file: &File, path: &Path) -> io::Result<bool> {
         Ok(number_of(&file.metadata()?) == number(path)?)
     }
 
@@ -71,7 +71,7 @@ impl FileIdentity {
     /// # Errors
     /// Never.
     #[cfg(not(unix))]
-    pub fn is_at(_file: &File, path: &Path) -> io::Result<bool> {
+    pub(crate) fn is_at(_file: &File, path: &Path) -> io::Result<bool> {
         Ok(path.exists())
     }
 }

@@ -76,7 +76,7 @@ pub(crate) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
         let dots = places
             .iter()
             .filter_map(|(node, &place)| Some((panel.at(place), source.log.names().get(node.index())?.as_str())));
-        Labels::of((dots, radius), truth.values().map(|&place| panel.at(place)), panel.axes.area, NAME)
+        Labels::of(dots, radius, truth.values().map(|&place| panel.at(place)), panel.axes.area, NAME)
     };
     let left_out = views.panels(&areas).first().filter(|_| has_names).map_or(0, |panel| names(panel).left_out());
     let sheet = sheet(left_out);
