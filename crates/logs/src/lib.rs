@@ -33,6 +33,8 @@ mod place;
 mod robot_log;
 mod sniffer;
 mod stops;
+#[cfg(test)]
+mod test_kit;
 mod time;
 
 pub use crate::csv::memory_table::{MemoryColumn, MemoryTable};

@@ -34,12 +34,11 @@ pub fn is_part_of_log(path: &Path, read: Option<&Path>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_kit::folder_of;
 
-    /// A folder with these files.
+    /// A folder with files of these names.
     fn folder(names: &[&str]) -> tempfile::TempDir {
-        let folder = tempfile::tempdir().unwrap();
-        names.iter().for_each(|name| std::fs::write(folder.path().join(name), "a,b\n").unwrap());
-        folder
+        folder_of(names.iter().map(|name| (*name, "a,b\n")))
     }
 
     /// Those of `names` that may not be written, if the folder is read, and if another log is.

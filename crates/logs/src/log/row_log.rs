@@ -170,6 +170,7 @@ fn collected<S: Kept>(listing: Listing, rows: impl IntoIterator<Item = Reception
 mod tests {
     use super::*;
     use crate::log::stop_log::StopLog;
+    use crate::test_kit::folder_of;
 
     /// The receptions of a log in two halves of its nodes, and its notes.
     fn in_halves(folder: &Path) -> (Vec<Reception>, Vec<String>) {
@@ -211,9 +212,7 @@ mod tests {
             "node,stop,received\na,A,3\nb,A,2\nc,C,1\nd,B,7\na,A,2\n",
             "node,stop,received,sector,snr_db\na,A,3,1,2.5\nb,A,2,2,\nc,C,1,1,3\na,A,2,2,9\n",
         ] {
-            let folder = tempfile::tempdir().expect("there is room");
-            std::fs::write(folder.path().join("stops.csv"), stops).expect("there is room");
-            std::fs::write(folder.path().join("receptions.csv"), receptions).expect("there is room");
+            let folder = folder_of([("stops.csv", stops), ("receptions.csv", receptions)]);
             let whole = crate::log::stop_log::read(
                 StopLog::of_folder(folder.path(), &FormOptions::default()),
                 &ReadOptions::default(),

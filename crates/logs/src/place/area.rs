@@ -96,14 +96,13 @@ fn corners(ring: &Value) -> Result<Vec<[f64; 2]>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_kit::folder_of;
 
     const RING: &str = "[[[0,0],[4,0,7],[4,2],[0,2],[0,0]]]";
 
     fn area(text: &str) -> Result<Area, String> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("area.csv");
-        std::fs::write(&path, text).unwrap();
-        read_area(&path, None).map_err(|error| error.to_string())
+        let folder = folder_of([("area.csv", text)]);
+        read_area(&folder.path().join("area.csv"), None).map_err(|error| error.to_string())
     }
 
     #[test]

@@ -62,12 +62,11 @@ mod tests {
 
     use crate::ReadOptions;
     use crate::RobotLog;
+    use crate::test_kit::folder_of;
     use crate::write;
 
     fn read(stops: &str) -> Result<RobotLog, String> {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("stops.csv"), stops).unwrap();
-        std::fs::write(folder.path().join("receptions.csv"), "node,stop,received\nlamp,A,1\n").unwrap();
+        let folder = folder_of([("stops.csv", stops), ("receptions.csv", "node,stop,received\nlamp,A,1\n")]);
         let read = crate::read(folder.path(), &ReadOptions::default());
         read.map_err(|why| why.to_string().replace(&format!("{}/", folder.path().display()), ""))
     }

@@ -97,16 +97,13 @@ mod tests {
     use super::*;
     use crate::ReadOptions;
     use crate::RobotLogError;
+    use crate::test_kit::folder_of;
 
     const STOPS: &str = "stop,t_s,x_m,y_m\nA,0,0,0\nB,1,1,0\nC,2,2,0\n";
     const RECEPTIONS: &str = "node,stop,received,sector\nlamp,A,1,3\ndoor,B,1,0\nlamp,C,1,1\ndoor,C,0,\n";
 
     fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
-        let folder = tempfile::tempdir().unwrap();
-        for (name, text) in [("stops.csv", STOPS), ("receptions.csv", RECEPTIONS)].iter().chain(files) {
-            std::fs::write(folder.path().join(name), text).unwrap();
-        }
-        folder
+        folder_of([("stops.csv", STOPS), ("receptions.csv", RECEPTIONS)].iter().chain(files).copied())
     }
 
     fn read(files: &[(&str, &str)]) -> ReceptionLog {
@@ -255,13 +252,11 @@ mod tests {
 
     #[test]
     fn ratios_beside_a_log_whose_stops_have_no_names_are_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let files = [
+        let folder = folder_of([
             ("path.csv", "t_s,x_m,y_m\n0,0,0\n9,9,0\n"),
             ("packets.csv", "t_s,node\n1,lamp\n2,lamp\n"),
             ("sector_snrs.csv", "node,stop,sector,snr_db\n"),
-        ];
-        files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).unwrap());
+        ]);
         let why = crate::read(folder.path(), &ReadOptions::default()).unwrap_err();
         assert!(matches!(&why, RobotLogError::Row { problem, .. } if problem.contains("no names")), "{why}");
         std::fs::remove_file(folder.path().join("sector_snrs.csv")).unwrap();
