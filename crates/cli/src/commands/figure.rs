@@ -11,7 +11,7 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::stdout;
 use sextant::Scenario;
-use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, Window};
+use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, TimeWindow};
 use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::disk;
 use sextant_recording::output::write_file;
@@ -164,7 +164,7 @@ impl Arguments {
     }
 
     /// The window of the time line.
-    fn window(&self, packets: &[RecordedPacket]) -> Result<Window, Failure> {
+    fn window(&self, packets: &[RecordedPacket]) -> Result<TimeWindow, Failure> {
         let &Self { from, to, .. } = self;
         if let (Some(from), Some(to)) = (from, to)
             && (to <= from || !(from + to).is_finite())
@@ -179,7 +179,7 @@ impl Arguments {
                 "record them: `sextant run SCENARIO.toml --set recording.packets=true`",
             ));
         }
-        Ok(Window { from_s: from, to_s: to })
+        Ok(TimeWindow { from_s: from, to_s: to })
     }
 }
 

@@ -5,7 +5,7 @@ use super::definition::{Dialect, Number};
 
 /// The octets of a message from a place on. Places count from the start of the body, after the encapsulation header.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Body<'a> {
+pub(super) struct MessageBody<'a> {
     octets: &'a [u8],
     at: usize,
     is_big_endian: bool,
@@ -15,7 +15,7 @@ pub(super) struct Body<'a> {
 /// The message ends before a value that its definition has.
 const TOO_SHORT: &str = "the message is shorter than its definition says";
 
-impl<'a> Body<'a> {
+impl<'a> MessageBody<'a> {
     /// The body of a message.
     ///
     /// # Errors
@@ -109,30 +109,30 @@ mod tests {
     #[test]
     fn numbers_are_aligned_from_the_start_of_the_body_in_ros_2_only() {
         let data = [0, 1, 0, 0, 7, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0];
-        let mut body = Body::new(Dialect::Ros2, &data).unwrap();
+        let mut body = MessageBody::new(Dialect::Ros2, &data).unwrap();
         assert_eq!(body.take(1).unwrap(), [7]);
         assert_eq!(body.u32(), Ok(1));
         assert_eq!(body.little().map(u64::from_le_bytes), Ok(2));
         assert_eq!(body.left(), 0);
-        let mut body = Body::new(Dialect::Ros1, &[7, 1, 0, 0, 0]).unwrap();
+        let mut body = MessageBody::new(Dialect::Ros1, &[7, 1, 0, 0, 0]).unwrap();
         assert_eq!(body.take(1).unwrap(), [7]);
         assert_eq!(body.u32(), Ok(1));
     }
 
     #[test]
     fn both_byte_orders_are_read() {
-        let mut body = Body::new(Dialect::Ros2, &[0, 0, 0, 0, 0, 0, 1, 2]).unwrap();
+        let mut body = MessageBody::new(Dialect::Ros2, &[0, 0, 0, 0, 0, 0, 1, 2]).unwrap();
         assert_eq!(body.u32(), Ok(0x0102));
-        let mut body = Body::new(Dialect::Ros2, &[0, 1, 0, 0, 2, 1, 0, 0]).unwrap();
+        let mut body = MessageBody::new(Dialect::Ros2, &[0, 1, 0, 0, 2, 1, 0, 0]).unwrap();
         assert_eq!(body.u32(), Ok(0x0102));
     }
 
     #[test]
     fn a_message_that_is_too_short_or_encoded_otherwise_is_an_error() {
-        assert_eq!(Body::new(Dialect::Ros2, &[0, 1]).unwrap_err(), TOO_SHORT);
-        let xcdr2 = Body::new(Dialect::Ros2, &[0, 7, 0, 0, 0]).unwrap_err();
+        assert_eq!(MessageBody::new(Dialect::Ros2, &[0, 1]).unwrap_err(), TOO_SHORT);
+        let xcdr2 = MessageBody::new(Dialect::Ros2, &[0, 7, 0, 0, 0]).unwrap_err();
         assert_eq!(xcdr2, "its encapsulation is 0x0007; allowed: 0x0000 and 0x0001 (CDR)");
-        let mut long = Body::new(Dialect::Ros2, &[0, 1, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF]).unwrap();
+        let mut long = MessageBody::new(Dialect::Ros2, &[0, 1, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF]).unwrap();
         assert_eq!(long.text().unwrap_err(), "it has a list of 4294967295 values, but only 0 octets follow");
     }
 }

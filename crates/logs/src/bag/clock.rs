@@ -2,7 +2,7 @@
 
 use sextant_kernel::SimTime;
 
-use super::super::bag_options::BagClock;
+use crate::options::bag_options::BagClock;
 
 /// A clock of one topic can be off by this much before a note says so (ns).
 const NOTABLE_NS: i128 = 100_000_000;

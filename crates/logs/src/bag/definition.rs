@@ -40,7 +40,7 @@ impl Number {
 
 /// What a field holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum FieldKind {
     Number(Number),
     Text,
     /// A string of wide characters. Its size on the wire differs between implementations, so it cannot be read.
@@ -63,9 +63,9 @@ pub(super) enum Extent {
 
 /// A field of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Field {
+pub(super) struct MessageField {
     pub(super) name: String,
-    pub(super) kind: Kind,
+    pub(super) kind: FieldKind,
     pub(super) extent: Extent,
     /// Its type as written, for people.
     pub(super) type_text: String,
@@ -76,7 +76,7 @@ pub(super) struct Field {
 pub(super) struct Definitions {
     pub(super) dialect: Dialect,
     /// The fields of each message; the first is the whole one.
-    messages: Vec<Vec<Field>>,
+    messages: Vec<Vec<MessageField>>,
 }
 
 impl Definitions {
@@ -112,7 +112,7 @@ impl Definitions {
         }
         let definitions = Self { dialect, messages };
         let Size { fields, .. } =
-            definitions.size(Self::WHOLE, 1, &mut vec![Known::Nothing; sections.len()], &sections)?;
+            definitions.size(Self::WHOLE, 1, &mut vec![KnownSize::Nothing; sections.len()], &sections)?;
         if fields > MOST_FIELDS {
             return Err(format!(
                 "its definition has {fields} fields with those of inner messages; allowed: up to {MOST_FIELDS}"
@@ -122,7 +122,7 @@ impl Definitions {
     }
 
     /// The fields of the message with this index.
-    pub(super) fn fields(&self, message: usize) -> &[Field] {
+    pub(super) fn fields(&self, message: usize) -> &[MessageField] {
         &self.messages[message]
     }
 
@@ -134,20 +134,20 @@ impl Definitions {
         &self,
         message: usize,
         depth: usize,
-        sizes: &mut [Known],
+        sizes: &mut [KnownSize],
         sections: &[Section<'_>],
     ) -> Result<Size, String> {
         match sizes[message] {
-            Known::Size(size) => return Ok(size),
-            Known::Open => {
+            KnownSize::Size(size) => return Ok(size),
+            KnownSize::Open => {
                 return Err(format!("its definition is circular: `{}` holds itself", sections[message].name));
             }
-            Known::Nothing => sizes[message] = Known::Open,
+            KnownSize::Nothing => sizes[message] = KnownSize::Open,
         }
         let mut whole = Size { fields: 0, depth: 1 };
         for field in &self.messages[message] {
             whole.fields = whole.fields.saturating_add(1);
-            if let Kind::Message(inner) = field.kind {
+            if let FieldKind::Message(inner) = field.kind {
                 // The depth is looked at here too, because this function calls itself.
                 if depth < MOST_DEPTH {
                     let size = self.size(inner, depth + 1, sizes, sections)?;
@@ -161,7 +161,7 @@ impl Definitions {
                 }
             }
         }
-        sizes[message] = Known::Size(whole);
+        sizes[message] = KnownSize::Size(whole);
         Ok(whole)
     }
 }
@@ -182,7 +182,7 @@ struct Size {
 
 /// What is known of the size of a message.
 #[derive(Clone, Copy)]
-enum Known {
+enum KnownSize {
     Nothing,
     /// It is being worked out.
     Open,
@@ -210,7 +210,12 @@ fn is_separator(line: &str) -> bool {
 }
 
 /// The field of a line; `None` if the line is empty, a comment or a constant.
-fn field(dialect: Dialect, line: &str, scope: &str, sections: &[Section<'_>]) -> Result<Option<Field>, String> {
+fn field(
+    dialect: Dialect,
+    line: &str,
+    scope: &str,
+    sections: &[Section<'_>],
+) -> Result<Option<MessageField>, String> {
     // A string constant may hold `#`, but only after its name.
     let line = line.split('#').next().unwrap_or_default().trim();
     if line.is_empty() {
@@ -242,10 +247,10 @@ fn field(dialect: Dialect, line: &str, scope: &str, sections: &[Section<'_>]) ->
     };
     let kind = kind(dialect, element, scope, sections)
         .ok_or_else(|| format!("field `{name}` has the type `{element}`, which its definition does not define"))?;
-    Ok(Some(Field { name: name.to_owned(), kind, extent, type_text: type_text.to_owned() }))
+    Ok(Some(MessageField { name: name.to_owned(), kind, extent, type_text: type_text.to_owned() }))
 }
 
-fn kind(dialect: Dialect, element: &str, scope: &str, sections: &[Section<'_>]) -> Option<Kind> {
+fn kind(dialect: Dialect, element: &str, scope: &str, sections: &[Section<'_>]) -> Option<FieldKind> {
     let bounded = element.split("<=").next().unwrap_or_default();
     let number = match bounded {
         "bool" => Number::Bool,
@@ -260,26 +265,26 @@ fn kind(dialect: Dialect, element: &str, scope: &str, sections: &[Section<'_>]) 
         "uint64" => Number::UInt64,
         "float32" => Number::Float32,
         "float64" => Number::Float64,
-        "string" => return Some(Kind::Text),
-        "wstring" => return Some(Kind::WideText),
-        "time" | "duration" if dialect == Dialect::Ros1 => return Some(Kind::Instant),
+        "string" => return Some(FieldKind::Text),
+        "wstring" => return Some(FieldKind::WideText),
+        "time" | "duration" if dialect == Dialect::Ros1 => return Some(FieldKind::Instant),
         _ => {
             let full = match element.contains('/') {
                 true => short_name(element),
                 false => format!("{}/{element}", scope.split('/').next().unwrap_or_default()),
             };
             if full == "builtin_interfaces/Time" {
-                return Some(Kind::Instant);
+                return Some(FieldKind::Instant);
             }
             let found = sections.iter().position(|section| section.name == full);
             let header = || {
                 let is_header = element == "Header";
                 sections.iter().position(|section| is_header && section.name == "std_msgs/Header")
             };
-            return found.or_else(header).map(Kind::Message);
+            return found.or_else(header).map(FieldKind::Message);
         }
     };
-    Some(Kind::Number(number))
+    Some(FieldKind::Number(number))
 }
 
 #[cfg(test)]

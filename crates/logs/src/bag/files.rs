@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use sextant_kernel::{LARGEST_FILE, read_text_at_most};
 
-use super::super::bag_error::BagError;
+use crate::error::bag_error::BagError;
 
 /// The first octets of files.
 const ROS1_MAGIC: &[u8] = b"#ROSBAG V";
@@ -154,13 +154,11 @@ fn order(name: &str) -> Vec<(String, u64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_kit::folder_of;
 
     #[test]
     fn the_files_of_a_folder_are_in_the_order_of_their_numbers() {
-        let folder = tempfile::tempdir().unwrap();
-        for name in ["walk_10.mcap", "walk_9.mcap", "walk_0.mcap", "notes.txt"] {
-            std::fs::write(folder.path().join(name), "").unwrap();
-        }
+        let folder = folder_of(["walk_10.mcap", "walk_9.mcap", "walk_0.mcap", "notes.txt"].map(|name| (name, "")));
         let files = files(folder.path()).unwrap();
         let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["walk_0.mcap", "walk_9.mcap", "walk_10.mcap"]);
@@ -203,8 +201,7 @@ mod tests {
 
     #[test]
     fn a_missing_split_and_compressed_messages_are_errors() {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("walk_0.mcap"), "").unwrap();
+        let folder = folder_of([("walk_0.mcap", "")]);
         let metadata = "rosbag2_bagfile_information:\n  version: 9\n  storage_identifier: mcap\n  \
             relative_file_paths:\n    - walk_0.mcap\n    - \"walk_1.mcap\"\n  duration:\n    nanoseconds: 1\n";
         for (metadata, expected) in [

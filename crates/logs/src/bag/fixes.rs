@@ -1,11 +1,11 @@
 //! The path of the robot from the fixes of a satellite receiver.
 
-use super::super::bag_error::BagError;
-use super::super::local_plane::LocalPlane;
 use super::clock::Moment;
 use super::poses::{TimedPosition, rows};
 use super::selection::Value;
 use super::topics::{Bag, Topic};
+use crate::error::bag_error::BagError;
+use crate::place::local_plane::LocalPlane;
 
 /// Where the robot was, in the plane around its first fix.
 #[derive(Clone, Debug, Default)]

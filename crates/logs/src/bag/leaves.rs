@@ -2,8 +2,8 @@
 
 use sextant_kernel::text::choices;
 
-use super::super::field_path::{Element, FieldPath, Step};
-use super::definition::{Definitions, Extent, Field, Kind, Number};
+use super::definition::{Definitions, Extent, FieldKind, MessageField, Number};
+use super::field_path::{Element, FieldPath, FieldStep};
 
 /// What a path leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,16 +30,16 @@ impl Content {
 
     /// The content of `field` if its value is taken as a whole, or one of its values if `is_element`; `None` if that is a
     /// message, a list or cannot be read.
-    pub(super) fn of(field: &Field, is_element: bool) -> Option<Self> {
+    pub(super) fn of(field: &MessageField, is_element: bool) -> Option<Self> {
         let is_list = field.extent != Extent::One && !is_element;
         match field.kind {
-            Kind::Number(Number::UInt8 | Number::Int8) if is_list => Some(Self::Octets),
+            FieldKind::Number(Number::UInt8 | Number::Int8) if is_list => Some(Self::Octets),
             _ if is_list => None,
-            Kind::Number(Number::Float32 | Number::Float64) => Some(Self::Real),
-            Kind::Number(_) => Some(Self::Integer),
-            Kind::Text => Some(Self::Text),
-            Kind::Instant => Some(Self::Instant),
-            Kind::WideText | Kind::Message(_) => None,
+            FieldKind::Number(Number::Float32 | Number::Float64) => Some(Self::Real),
+            FieldKind::Number(_) => Some(Self::Integer),
+            FieldKind::Text => Some(Self::Text),
+            FieldKind::Instant => Some(Self::Instant),
+            FieldKind::WideText | FieldKind::Message(_) => None,
         }
     }
 }
@@ -60,7 +60,7 @@ pub(super) fn leaves(definitions: &Definitions) -> Vec<Leaf> {
     found
 }
 
-fn gather(definitions: &Definitions, message: usize, outer: &mut Vec<Step>, found: &mut Vec<Leaf>) {
+fn gather(definitions: &Definitions, message: usize, outer: &mut Vec<FieldStep>, found: &mut Vec<Leaf>) {
     let has_list = outer.iter().any(|step| step.element == Element::Each);
     for field in definitions.fields(message) {
         let content = Content::of(field, false);
@@ -69,9 +69,9 @@ fn gather(definitions: &Definitions, message: usize, outer: &mut Vec<Step>, foun
             continue;
         }
         let element = if each { Element::Each } else { Element::Whole };
-        outer.push(Step { name: field.name.clone(), element });
+        outer.push(FieldStep { name: field.name.clone(), element });
         match (field.kind, content.or_else(|| Content::of(field, each))) {
-            (Kind::Message(inner), _) => gather(definitions, inner, outer, found),
+            (FieldKind::Message(inner), _) => gather(definitions, inner, outer, found),
             (_, Some(content)) => {
                 found.push(Leaf { path: FieldPath(outer.clone()), content, type_text: field.type_text.clone() });
             }

@@ -7,6 +7,7 @@
 mod body;
 mod clock;
 mod definition;
+mod field_path;
 mod files;
 mod fixes;
 mod leaves;
@@ -33,16 +34,16 @@ use self::packet_fields::PacketFields;
 use self::packets::{BagPacket, PacketSource};
 use self::poses::{PoseSource, TimedPosition};
 use self::transforms::Chain;
-use super::bag_error::BagError;
-use super::bag_options::BagClock;
-use super::doctor::origin;
-use super::error::RobotLogError;
-use super::gatherer::Gatherer;
-use super::local_plane::LocalPlane;
-use super::options::ReadOptions;
-use super::packet::Packet;
-use super::path::{Path, Pose};
-use super::reciprocal::Roles;
+use crate::error::bag_error::BagError;
+use crate::error::robot_log_error::RobotLogError;
+use crate::options::bag_options::BagClock;
+use crate::options::read_options::ReadOptions;
+use crate::packets::gatherer::Gatherer;
+use crate::packets::packet::Packet;
+use crate::packets::reciprocal::Roles;
+use crate::path::robot_path::{Path, Pose};
+use crate::place::local_plane::LocalPlane;
+use crate::place::without_fix::leave_out;
 
 pub(super) use self::clock::LeastDelay;
 pub(super) use self::topics::Bag;
@@ -63,7 +64,7 @@ pub(super) fn holds_bag(path: &FilePath) -> bool {
 pub(super) struct BagPath<'a> {
     bag: &'a Bag,
     source: PoseSource<'a>,
-    track: Track,
+    track: BagTrack,
     /// Whether places that are no fix are left out.
     skips_no_fix: bool,
 }
@@ -75,7 +76,7 @@ impl<'a> BagPath<'a> {
     /// If the bag cannot be read, has no such poses, or `options` do not fit them.
     pub(super) fn read(bag: &'a Bag, options: &ReadOptions) -> Result<Self, BagError> {
         let source = PoseSource::choose(bag, &options.bag)?;
-        let track = Track::read(bag, source, options)?;
+        let track = BagTrack::read(bag, source, options)?;
         Ok(Self { bag, source, track, skips_no_fix: options.repair.skip_no_fix })
     }
 
@@ -93,7 +94,7 @@ impl<'a> BagPath<'a> {
         let topic = &self.source.topic().name;
         // Of fixes, the messages themselves told.
         let left_out = if self.skips_no_fix && self.plane().is_none() {
-            origin::leave_out(&mut poses, |pose| (pose.time, pose.position))
+            leave_out(&mut poses, |pose| (pose.time, pose.position))
         } else {
             0
         };
@@ -117,8 +118,8 @@ impl<'a> BagPath<'a> {
     pub(super) fn described(&self) -> String {
         let topic = self.source.topic();
         let frames = match &self.track {
-            Track::Positions(_) | Track::Fixes(_) => topic.message_type.clone(),
-            Track::Transforms(chain) => chain.frames(),
+            BagTrack::Positions(_) | BagTrack::Fixes(_) => topic.message_type.clone(),
+            BagTrack::Transforms(chain) => chain.frames(),
         };
         format!("`{}` ({frames})", topic.name)
     }
@@ -126,7 +127,7 @@ impl<'a> BagPath<'a> {
     /// What the user should know of it.
     pub(super) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        if let Track::Fixes(Fixes { missing: missing @ 1.., .. }) = &self.track {
+        if let BagTrack::Fixes(Fixes { missing: missing @ 1.., .. }) = &self.track {
             notes.push(format!("{missing} messages of `{}` without a fix are skipped", self.source.topic().name));
         }
         let transforms = || self.bag.topics().find(|topic| topic.name == "/tf");
@@ -217,13 +218,13 @@ impl<'a> BagPackets<'a> {
 }
 
 /// Where the robot was.
-enum Track {
+enum BagTrack {
     Positions(Vec<TimedPosition>),
     Transforms(Chain),
     Fixes(Fixes),
 }
 
-impl Track {
+impl BagTrack {
     fn read(bag: &Bag, source: PoseSource<'_>, options: &ReadOptions) -> Result<Self, BagError> {
         match source {
             PoseSource::Poses(topic, position) => poses::read(bag, topic, position).map(Self::Positions),

@@ -1,7 +1,7 @@
 //! The fields of a packet that are obvious from their names.
 
-use super::super::field_path::{Element, FieldPath, Step};
 use super::definition::Definitions;
+use super::field_path::{Element, FieldPath, FieldStep};
 use super::leaves::{Content, Leaf, leaves};
 use super::packet_fields::PacketFields;
 
@@ -76,11 +76,11 @@ pub(super) fn obvious_fields(definitions: &Definitions) -> Option<PacketFields> 
     preferred.iter().all(|fields| part(fields) == part(first)).then(|| (*first).clone())
 }
 
-fn last(path: &FieldPath) -> Option<&Step> {
+fn last(path: &FieldPath) -> Option<&FieldStep> {
     path.0.last().filter(|step| step.element == Element::Whole)
 }
 
-fn is_named(step: &Step, name: &str) -> bool {
+fn is_named(step: &FieldStep, name: &str) -> bool {
     step.name.eq_ignore_ascii_case(name)
 }
 

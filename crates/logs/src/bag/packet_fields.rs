@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use super::super::error::RobotLogError;
-use super::super::field_names::FieldNames;
-use super::super::field_path::FieldPath;
-use super::super::form_options::FormOptions;
+use super::field_path::FieldPath;
+use crate::error::robot_log_error::RobotLogError;
+use crate::options::field_names::FieldNames;
+use crate::options::form_options::FormOptions;
 
 /// The fields of the messages of packets.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -2,15 +2,15 @@
 
 use std::fmt::Write as _;
 
-use super::super::bag_error::BagError;
-use super::super::bag_options::{BagClock, BagOptions};
-use super::super::field_path::FieldPath;
 use super::clock::Moment;
+use super::field_path::FieldPath;
 use super::leaves::{Content, listing};
 use super::obvious::{obvious_fields, stamp_beside};
 use super::packet_fields::{PacketFields, TimeUnit};
 use super::selection::{Selection, Value};
 use super::topics::{Bag, Topic};
+use crate::error::bag_error::BagError;
+use crate::options::bag_options::{BagClock, BagOptions};
 
 /// What gives the packets.
 #[derive(Clone, Debug)]

@@ -2,13 +2,13 @@
 
 use sextant_channel::Position;
 
-use super::super::bag_error::BagError;
-use super::super::bag_options::BagOptions;
-use super::super::field_path::FieldPath;
 use super::clock::Moment;
+use super::field_path::FieldPath;
 use super::selection::{Selection, Value};
 use super::topics::{Bag, Topic};
 use super::transforms;
+use crate::error::bag_error::BagError;
+use crate::options::bag_options::BagOptions;
 
 /// The types of messages with one pose in the frame of a map, and the path of its position.
 const POSE_TYPES: [(&str, &str); 3] = [

@@ -1,8 +1,8 @@
 //! Reads chosen fields of a message and skips the others, by its definition.
 
-use super::super::field_path::{Element, FieldPath, Step};
-use super::body::Body;
-use super::definition::{Definitions, Dialect, Extent, Field, Kind, Number};
+use super::body::MessageBody;
+use super::definition::{Definitions, Dialect, Extent, FieldKind, MessageField, Number};
+use super::field_path::{Element, FieldPath, FieldStep};
 use super::leaves::{Content, listing};
 
 /// A value of a message.
@@ -34,11 +34,11 @@ struct Wanted {
     /// Where in the row the value itself goes.
     slots: Vec<usize>,
     /// What is wanted of its fields, in their order.
-    parts: Vec<Part>,
+    parts: Vec<WantedField>,
 }
 
 #[derive(Clone, Debug)]
-struct Part {
+struct WantedField {
     field: usize,
     element: Element,
     wanted: Wanted,
@@ -46,8 +46,8 @@ struct Part {
 
 /// The list whose values give the rows.
 struct List<'s, 'a> {
-    field: &'s Field,
-    start: Body<'a>,
+    field: &'s MessageField,
+    start: MessageBody<'a>,
     length: usize,
     wanted: &'s Wanted,
 }
@@ -67,7 +67,7 @@ impl Selection {
             selection.contents.push(content);
         }
         let lists: Vec<_> = paths.iter().filter_map(list_of).collect();
-        let is_nested = |list: &&[Step]| list.iter().filter(|step| step.element == Element::Each).count() > 1;
+        let is_nested = |list: &&[FieldStep]| list.iter().filter(|step| step.element == Element::Each).count() > 1;
         if lists.iter().any(is_nested) || lists.windows(2).any(|pair| pair[0] != pair[1]) {
             let problem =
                 "the paths go through each value of more than one list; allowed: `[]` at one list".to_owned();
@@ -93,7 +93,7 @@ impl Selection {
     ) -> Result<Result<(), E>, String> {
         let mut row = vec![Value::Absent; self.contents.len()];
         let mut list = None;
-        let mut body = Body::new(self.definitions.dialect, data)?;
+        let mut body = MessageBody::new(self.definitions.dialect, data)?;
         self.message(Definitions::WHOLE, &self.wanted, &mut body, &mut row, &mut list)?;
         let Some(List { field, start: mut body, length, wanted }) = list else {
             return Ok(if self.has_list { Ok(()) } else { visit(&row) });
@@ -113,7 +113,7 @@ impl Selection {
         &'s self,
         message: usize,
         wanted: &'s Wanted,
-        body: &mut Body<'a>,
+        body: &mut MessageBody<'a>,
         row: &mut [Value<'a>],
         list: &mut Option<List<'s, 'a>>,
     ) -> Result<(), String> {
@@ -137,9 +137,9 @@ impl Selection {
 
     fn field<'s, 'a>(
         &'s self,
-        field: &'s Field,
-        parts: &'s [Part],
-        body: &mut Body<'a>,
+        field: &'s MessageField,
+        parts: &'s [WantedField],
+        body: &mut MessageBody<'a>,
         row: &mut [Value<'a>],
         list: &mut Option<List<'s, 'a>>,
     ) -> Result<(), String> {
@@ -176,27 +176,27 @@ impl Selection {
     /// Reads one value of `field`.
     fn value<'s, 'a>(
         &'s self,
-        field: &'s Field,
+        field: &'s MessageField,
         wanted: &'s Wanted,
-        body: &mut Body<'a>,
+        body: &mut MessageBody<'a>,
         row: &mut [Value<'a>],
         list: &mut Option<List<'s, 'a>>,
     ) -> Result<(), String> {
         let value = match field.kind {
-            Kind::Message(inner) => return self.message(inner, wanted, body, row, list),
-            Kind::Number(number) => number_value(number, body)?,
-            Kind::Text => {
+            FieldKind::Message(inner) => return self.message(inner, wanted, body, row, list),
+            FieldKind::Number(number) => number_value(number, body)?,
+            FieldKind::Text => {
                 let octets = body.text()?;
                 Value::Text(std::str::from_utf8(octets).map_err(|_| format!("`{}` is not UTF-8 text", field.name))?)
             }
-            Kind::Instant => self.instant(body)?,
-            Kind::WideText => return self.skip(field.kind, 1, body),
+            FieldKind::Instant => self.instant(body)?,
+            FieldKind::WideText => return self.skip(field.kind, 1, body),
         };
         wanted.slots.iter().for_each(|&slot| row[slot] = value);
         Ok(())
     }
 
-    fn instant<'a>(&self, body: &mut Body<'a>) -> Result<Value<'a>, String> {
+    fn instant<'a>(&self, body: &mut MessageBody<'a>) -> Result<Value<'a>, String> {
         let [seconds, nanos] = [body.u32()?, body.u32()?];
         let seconds = match self.definitions.dialect {
             Dialect::Ros1 => i64::from(seconds),
@@ -206,14 +206,14 @@ impl Selection {
     }
 
     /// Skips `count` values.
-    fn skip(&self, kind: Kind, count: usize, body: &mut Body<'_>) -> Result<(), String> {
+    fn skip(&self, kind: FieldKind, count: usize, body: &mut MessageBody<'_>) -> Result<(), String> {
         match kind {
-            Kind::Number(number) => body.skip(number, count),
-            Kind::Instant => body.skip(Number::UInt32, 2 * count),
-            Kind::Text => (0..count).try_for_each(|_| body.text().map(drop)),
-            Kind::Message(inner) => (0..count).try_for_each(|_| self.skip_message(inner, body)),
-            Kind::WideText if count == 0 => Ok(()),
-            Kind::WideText => {
+            FieldKind::Number(number) => body.skip(number, count),
+            FieldKind::Instant => body.skip(Number::UInt32, 2 * count),
+            FieldKind::Text => (0..count).try_for_each(|_| body.text().map(drop)),
+            FieldKind::Message(inner) => (0..count).try_for_each(|_| self.skip_message(inner, body)),
+            FieldKind::WideText if count == 0 => Ok(()),
+            FieldKind::WideText => {
                 Err("a field of type `wstring` comes before the wanted ones; it cannot be read, because \
                  its size differs between implementations of ROS 2"
                     .to_owned())
@@ -221,7 +221,7 @@ impl Selection {
         }
     }
 
-    fn skip_message(&self, message: usize, body: &mut Body<'_>) -> Result<(), String> {
+    fn skip_message(&self, message: usize, body: &mut MessageBody<'_>) -> Result<(), String> {
         let fields = self.definitions.fields(message);
         if fields.is_empty() && self.definitions.dialect == Dialect::Ros2 {
             body.take(1)?;
@@ -238,7 +238,7 @@ impl Selection {
     }
 }
 
-fn number_value<'a>(number: Number, body: &mut Body<'a>) -> Result<Value<'a>, String> {
+fn number_value<'a>(number: Number, body: &mut MessageBody<'a>) -> Result<Value<'a>, String> {
     let integer = match number {
         Number::Float32 => return body.little().map(|octets| Value::Real(f32::from_le_bytes(octets).into())),
         Number::Float64 => return body.little().map(|octets| Value::Real(f64::from_le_bytes(octets))),
@@ -255,7 +255,7 @@ fn number_value<'a>(number: Number, body: &mut Body<'a>) -> Result<Value<'a>, St
 }
 
 /// The path of the list that `path` goes through.
-fn list_of(path: &FieldPath) -> Option<&[Step]> {
+fn list_of(path: &FieldPath) -> Option<&[FieldStep]> {
     let last = path.0.iter().rposition(|step| step.element == Element::Each)?;
     Some(&path.0[..=last])
 }
@@ -265,10 +265,10 @@ fn add(
     definitions: &Definitions,
     message: usize,
     wanted: &mut Wanted,
-    steps: &[Step],
+    steps: &[FieldStep],
     slot: usize,
 ) -> Result<Content, String> {
-    let [Step { name, element }, rest @ ..] = steps else {
+    let [FieldStep { name, element }, rest @ ..] = steps else {
         return Err("it is a message".to_owned());
     };
     let fields = definitions.fields(message);
@@ -291,13 +291,13 @@ fn add(
     let sought = key(index, *element);
     let at = wanted.parts.partition_point(|part| key(part.field, part.element) < sought);
     if wanted.parts.get(at).is_none_or(|part| key(part.field, part.element) != sought) {
-        wanted.parts.insert(at, Part { field: index, element: *element, wanted: Wanted::default() });
+        wanted.parts.insert(at, WantedField { field: index, element: *element, wanted: Wanted::default() });
     }
     let inner = &mut wanted.parts[at].wanted;
     match (field.kind, rest) {
-        (Kind::Message(message), rest) => add(definitions, message, inner, rest, slot),
+        (FieldKind::Message(message), rest) => add(definitions, message, inner, rest, slot),
         (_, [step, ..]) => Err(format!("`{name}` is no message and has no `{}`", step.name)),
-        (Kind::WideText, []) => Err(format!("`{name}` is a `wstring`, which cannot be read")),
+        (FieldKind::WideText, []) => Err(format!("`{name}` is a `wstring`, which cannot be read")),
         (_, []) => {
             inner.slots.push(slot);
             Content::of(field, *element != Element::Whole).ok_or_else(|| format!("`{name}` is not a value"))

@@ -11,8 +11,8 @@ use std::sync::Arc;
 use mcap::{Channel, Schema};
 use rusqlite::{Connection, OpenFlags, OptionalExtension};
 
-use super::super::bag_error::BagError;
 use super::standard_types;
+use crate::error::bag_error::BagError;
 
 /// Why the file is not read.
 struct Problem(String);

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use mcap::{Channel, Schema};
 use sextant_kernel::text::{choices, shortened};
 
-use super::super::bag_error::BagError;
 use super::definition::{Definitions, Dialect, short_name};
 use super::files::files;
+use crate::error::bag_error::BagError;
 use sextant_recording::mcap_file::{Damage, DamageKind, Piece, scan};
 
 /// A topic of a bag.

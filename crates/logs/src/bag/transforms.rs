@@ -7,12 +7,12 @@ use sextant_channel::Position;
 use sextant_kernel::SimTime;
 use sextant_kernel::text::choices;
 
-use super::super::bag_error::BagError;
-use super::super::bag_options::{BagClock, BagOptions};
-use super::super::field_path::FieldPath;
 use super::clock::{LeastDelay, Moment};
+use super::field_path::FieldPath;
 use super::selection::{Selection, Value};
 use super::topics::{Bag, Topic};
+use crate::error::bag_error::BagError;
+use crate::options::bag_options::{BagClock, BagOptions};
 
 /// The types of messages with transforms.
 pub(super) const MESSAGE_TYPES: [&str; 2] = ["tf2_msgs/TFMessage", "tf/tfMessage"];
@@ -45,22 +45,22 @@ pub(super) struct Chain {
 struct Link {
     parent: String,
     child: String,
-    samples: Vec<Sample>,
+    samples: Vec<TimedTransform>,
     /// Whether it does not change.
     is_fixed: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Sample {
+struct TimedTransform {
     moment: Moment,
     transform: Isometry3<f64>,
 }
 
 /// One transform of a message.
-struct Row<'a> {
+struct TransformRow<'a> {
     parent: &'a str,
     child: &'a str,
-    sample: Sample,
+    sample: TimedTransform,
     is_fixed: bool,
 }
 
@@ -125,7 +125,7 @@ impl Chain {
     /// to the last one. Between two transforms, the translation is linear and the rotation spherically linear, as in tf2.
     pub(super) fn positions(&self, clock: BagClock) -> Vec<(SimTime, Position)> {
         let timed = |link: &Link| {
-            let sample = |sample: &Sample| Some((sample.moment.time(clock)?, sample.transform));
+            let sample = |sample: &TimedTransform| Some((sample.moment.time(clock)?, sample.transform));
             let mut samples: Vec<_> = link.samples.iter().filter_map(sample).collect();
             samples.sort_by_key(|(time, _)| *time);
             if link.is_fixed {
@@ -220,7 +220,11 @@ fn pairs(parents: &BTreeMap<String, String>, options: &BagOptions) -> Result<Vec
 }
 
 /// Calls `take` with each transform of `topic` and of the fixed ones beside it.
-fn visit(bag: &Bag, topic: &Topic, mut take: impl FnMut(Row<'_>) -> Result<(), String>) -> Result<(), BagError> {
+fn visit(
+    bag: &Bag,
+    topic: &Topic,
+    mut take: impl FnMut(TransformRow<'_>) -> Result<(), String>,
+) -> Result<(), BagError> {
     let own_fixed = format!("{}{FIXED_SUFFIX}", topic.name);
     let mut selections: Vec<(&str, bool, Selection)> = Vec::new();
     for (name, is_fixed) in [(topic.name.as_str(), false), (&own_fixed, true), (FIXED_TOPIC, true)] {
@@ -256,7 +260,7 @@ fn select(topic: &Topic) -> Result<Selection, String> {
     Selection::new(topic.definitions()?, &paths.into_iter().collect::<Result<Vec<_>, _>>()?)
 }
 
-fn transform<'a>(row: &[Value<'a>], log_ns: u64, is_fixed: bool) -> Result<Row<'a>, String> {
+fn transform<'a>(row: &[Value<'a>], log_ns: u64, is_fixed: bool) -> Result<TransformRow<'a>, String> {
     let [Value::Instant(stamp_ns), Value::Text(parent), Value::Text(child), numbers @ ..] = row else {
         return Err("its transforms have no stamp or no names of frames".to_owned());
     };
@@ -282,7 +286,7 @@ fn transform<'a>(row: &[Value<'a>], log_ns: u64, is_fixed: bool) -> Result<Row<'
     // Names of ROS 1 can begin with a slash.
     let [parent, child] = [parent, child].map(|name| name.trim_start_matches('/'));
     let moment = Moment { stamp_ns: Some(*stamp_ns), log_ns };
-    Ok(Row { parent, child, sample: Sample { moment, transform }, is_fixed })
+    Ok(TransformRow { parent, child, sample: TimedTransform { moment, transform }, is_fixed })
 }
 
 #[cfg(test)]
@@ -296,13 +300,13 @@ mod tests {
     const SECOND_NS: u64 = 1_000_000_000;
 
     /// A sample at a second: a translation along x, and a rotation about z.
-    fn sample(second: u64, x_m: f64, yaw: f64) -> Sample {
+    fn sample(second: u64, x_m: f64, yaw: f64) -> TimedTransform {
         let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
         let moment = Moment { stamp_ns: Some((second * SECOND_NS).cast_signed()), log_ns: 0 };
-        Sample { moment, transform: Isometry3::from_parts(Translation3::new(x_m, 0.0, 0.0), rotation) }
+        TimedTransform { moment, transform: Isometry3::from_parts(Translation3::new(x_m, 0.0, 0.0), rotation) }
     }
 
-    fn link(is_fixed: bool, samples: &[Sample]) -> Link {
+    fn link(is_fixed: bool, samples: &[TimedTransform]) -> Link {
         Link { parent: String::new(), child: String::new(), samples: samples.to_vec(), is_fixed }
     }
 
@@ -310,7 +314,7 @@ mod tests {
     fn transforms_are_interpolated_between_their_times() {
         // The map turns the odometry by 90° within 4 s, while the robot stays 2 m ahead; the antenna is 1 m before it.
         let map = link(false, &[sample(10, 0.0, 0.0), sample(14, 0.0, FRAC_PI_2)]);
-        let robot: Vec<Sample> = (9..=15).map(|second| sample(second, 2.0, 0.0)).collect();
+        let robot: Vec<TimedTransform> = (9..=15).map(|second| sample(second, 2.0, 0.0)).collect();
         let chain = Chain { links: vec![map, link(false, &robot), link(true, &[sample(0, 1.0, 0.0)])] };
         let positions = chain.positions(BagClock::Stamp);
         let times: Vec<u64> = positions.iter().map(|(time, _)| time.as_nanos() / SECOND_NS).collect();

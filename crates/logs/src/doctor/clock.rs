@@ -8,12 +8,12 @@
 
 use sextant_kernel::SimTime;
 
-use super::super::path::Path;
 use super::finding::Finding;
-use super::node_fit::plane_m;
 use super::route::Route;
 use super::samples::Samples;
-use super::track::{AtDelay, COVERED, Track, background, profile};
+use super::track::{AtDelay, COVERED, PacketTrack, background, profile};
+use crate::path::robot_path::Path;
+use crate::place::distance::plane_m;
 
 /// Steps of the search on either side of 0: as many as leave most nodes on the path. Each is divided into so many finer ones
 /// around the best of them.
@@ -63,7 +63,7 @@ pub struct ClockOffset {
 impl ClockOffset {
     /// The delay, if it is clear and there is no rival (s).
     #[must_use]
-    pub fn told_s(&self) -> Option<f64> {
+    pub(crate) fn told_s(&self) -> Option<f64> {
         (self.is_clear && self.rival_s.is_none()).then_some(self.delay_s)
     }
 
@@ -106,14 +106,14 @@ pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> 
     let span_s = paths.iter().map(|path| seconds(path.span().1) - seconds(path.span().0)).fold(0.0, f64::max);
     let routes: Vec<Route<'_>> = paths.iter().map(|path| Route::new(path)).collect();
     let background = background(&routes);
-    let tracks = || samples.nodes().map(|packets| Track::of(packets, &routes, &background));
-    let mut tracks: Vec<Track<'_>> = tracks().flatten().collect();
+    let tracks = || samples.nodes().map(|packets| PacketTrack::of(packets, &routes, &background));
+    let mut tracks: Vec<PacketTrack<'_>> = tracks().flatten().collect();
     // One antenna for all: decibels of strengths, or shares of packets.
     let strong = tracks.iter().filter(|track| track.has_strengths()).count();
     let has_strengths = 2 * strong >= tracks.len();
     tracks.retain(|track| track.has_strengths() == has_strengths);
     // Of short paths, only small delays leave the packets on the path.
-    let covers = |track: &Track<'_>, steps: f64| {
+    let covers = |track: &PacketTrack<'_>, steps: f64| {
         [-steps - 2.0, steps + 2.0].iter().all(|steps| track.observations(steps * step_s).is_some())
     };
     let is_wide = |steps: &f64| {

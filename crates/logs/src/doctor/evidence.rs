@@ -8,8 +8,8 @@
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::Position;
 
-use super::node_fit::plane_m;
 use super::node_strengths::NodeStrengths;
+use crate::place::distance::plane_m;
 
 /// Mean and standard deviation of `b` (dB over a factor of e): a path-loss exponent of 2.5 ± 1.2.
 const SLOPE_DB: [f64; 2] = [10.857, 5.212];

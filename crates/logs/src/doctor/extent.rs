@@ -4,7 +4,7 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use super::finding::Finding;
-use super::node_fit::plane_m;
+use crate::place::distance::plane_m;
 
 /// The diagonal of a survey of several places is at least this (m).
 const LEAST_M: f64 = 0.3;

@@ -4,7 +4,7 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use super::finding::Finding;
-use super::node_fit::plane_m;
+use crate::place::distance::plane_m;
 use sextant_kernel::text::{counted, listed};
 
 /// A node that was heard with a strength at fewer stops says nothing.
@@ -18,7 +18,7 @@ const WEAKER_DB: f64 = 10.0;
 const SEVERAL: usize = 2;
 
 /// The stops that heard a node: where, and how strong (dBm).
-type Heard = Vec<(Position, f64)>;
+type HeardLevels = Vec<(Position, f64)>;
 
 /// What is odd of the `places` of a map of `log`.
 pub(super) fn finding(log: &ReceptionLog, places: &[Option<Position>]) -> Option<Finding> {
@@ -26,11 +26,11 @@ pub(super) fn finding(log: &ReceptionLog, places: &[Option<Position>]) -> Option
         let place = (*places.get(node)?)?;
         let rows = log.of(NodeId::from_index(node));
         let rows = rows.iter().filter(|row| row.received > 0);
-        let heard: Heard =
+        let heard: HeardLevels =
             rows.filter_map(|row| Some((log.stops()[row.stop as usize].position, row.rssi_dbm?))).collect();
         (heard.len() >= LEAST).then_some((node, place, heard))
     };
-    let nodes: Vec<(usize, Position, Heard)> = (0..log.node_count()).filter_map(of_node).collect();
+    let nodes: Vec<(usize, Position, HeardLevels)> = (0..log.node_count()).filter_map(of_node).collect();
     let links: Vec<f64> = nodes.iter().filter_map(|(.., heard)| ln_link(heard)).collect();
     let usual_m = libm::exp(links.iter().sum::<f64>() / links.len() as f64);
     let far: Vec<String> = nodes
@@ -55,12 +55,12 @@ pub(super) fn finding(log: &ReceptionLog, places: &[Option<Position>]) -> Option
 }
 
 /// The strongest of the stops that heard a node.
-fn strongest(heard: &Heard) -> Option<(Position, f64)> {
+fn strongest(heard: &HeardLevels) -> Option<(Position, f64)> {
     heard.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The mean logarithm of the distances of the stops that heard a node from its strongest.
-fn ln_link(heard: &Heard) -> Option<f64> {
+fn ln_link(heard: &HeardLevels) -> Option<f64> {
     let (middle, _) = strongest(heard)?;
     let distances = heard.iter().map(|(at, _)| plane_m(*at, middle)).filter(|distance_m| *distance_m > 0.0);
     let logs: Vec<f64> = distances.map(libm::log).collect();
@@ -68,7 +68,7 @@ fn ln_link(heard: &Heard) -> Option<f64> {
 }
 
 /// How far `place` is from the strongest stop, if that is far (m). Links are `usual_m` long.
-fn far_m(place: Position, heard: &Heard, usual_m: f64) -> Option<f64> {
+fn far_m(place: Position, heard: &HeardLevels, usual_m: f64) -> Option<f64> {
     let (best, best_dbm) = strongest(heard)?;
     let mut by_distance: Vec<(f64, f64)> =
         heard.iter().map(|(at, level_dbm)| (plane_m(*at, place), *level_dbm)).collect();

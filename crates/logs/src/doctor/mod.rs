@@ -20,7 +20,7 @@ mod moved;
 mod no_distance;
 mod node_fit;
 mod node_strengths;
-pub(super) mod origin;
+mod origin;
 #[cfg(test)]
 mod rivals;
 mod route;
@@ -37,8 +37,8 @@ mod wide_sectors;
 use sextant_channel::{Position, ReceptionLog};
 use sextant_mapper::EstimatorFindings;
 
-use super::local_plane::LocalPlane;
-use super::path::Path;
+use crate::path::robot_path::Path;
+use crate::place::local_plane::LocalPlane;
 pub use clock::ClockOffset;
 pub(super) use clock::offset;
 use distance_law::DistanceLaw;
@@ -46,7 +46,6 @@ pub use finding::Finding;
 pub(super) use levels::Levels;
 pub(super) use samples::Samples;
 use survey::Survey;
-pub(super) use survey::places_of;
 
 /// What is odd of the paths of robots that heard `log`: poses without a fix or, if there are none, speeds. `plane` is that of the
 /// places, if they were given by latitude and longitude.

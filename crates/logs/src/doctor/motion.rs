@@ -7,8 +7,9 @@ use sextant_channel::Position;
 
 use super::extent;
 use super::finding::Finding;
-use super::node_fit::plane_m;
-use super::survey::{Place, Points, Survey};
+use super::survey::{Points, Survey};
+use crate::place::distance::plane_m;
+use crate::place::without_fix::TimedPlace;
 
 /// What drives on the ground or flies is usually slower: places in metres (m/s), and fixes of satellites, which ride on trains and
 /// planes too.
@@ -49,14 +50,14 @@ const USUAL: [f64; 2] = [0.02, 3.5];
 
 /// A straight line between two places.
 struct Leg {
-    from: Place,
+    from: TimedPlace,
     length_m: f64,
     span_s: f64,
 }
 
 /// What is odd of the speeds in a survey.
 pub(super) fn finding(survey: &Survey<'_>) -> Option<Finding> {
-    let of_pair = |pair: &[Place]| {
+    let of_pair = |pair: &[TimedPlace]| {
         let span_s = pair[1].0.saturating_since(pair[0].0).as_secs_f64();
         (span_s > 0.0).then(|| Leg { from: pair[0], length_m: plane_m(pair[0].1, pair[1].1), span_s })
     };
@@ -150,7 +151,7 @@ struct Changes {
 
 impl Changes {
     /// Those on `paths` whose places are a second apart at most as a rule; no changes otherwise.
-    fn of(paths: &[Vec<Place>]) -> Self {
+    fn of(paths: &[Vec<TimedPlace>]) -> Self {
         let mut changes = Self::default();
         for places in paths {
             let spans = sorted(places.windows(2).map(|pair| pair[1].0.saturating_since(pair[0].0).as_secs_f64()));
@@ -182,10 +183,10 @@ impl Changes {
 
 /// Where a robot was each second from the start on. Where it has no place for more than two seconds, a new start is made by leaving
 /// these out.
-fn each_second(places: &[Place]) -> Vec<Position> {
+fn each_second(places: &[TimedPlace]) -> Vec<Position> {
     let mut found = Vec::new();
     let Some(&(start, _)) = places.first() else { return found };
-    let seconds = |place: &Place| place.0.saturating_since(start).as_secs_f64();
+    let seconds = |place: &TimedPlace| place.0.saturating_since(start).as_secs_f64();
     let mut next_s = 0.0;
     for pair in places.windows(2) {
         let (from_s, to_s) = (seconds(&pair[0]), seconds(&pair[1]));
@@ -225,7 +226,7 @@ fn jumps(legs: &[Leg], usual: f64, points: Points) -> Option<Finding> {
             fastest.length_m / fastest.span_s,
             fastest.length_m,
             fastest.span_s,
-            super::super::instant::format(fastest.from.0)
+            crate::time::instant::format(fastest.from.0)
         ),
         cost: "what was heard near a jump is placed up to as far away from where it was heard".to_owned(),
         remedy: format!("remove the {} that are outliers, or smooth the path (a robot cannot jump)", points.noun()),
@@ -254,7 +255,8 @@ mod tests {
     use sextant_kernel::SimTime;
 
     use super::*;
-    use crate::{LocalPlane, instant};
+    use crate::LocalPlane;
+    use crate::time::instant;
 
     fn empty() -> ReceptionLog {
         ReceptionLog::new(Vec::new(), Vec::new(), Vec::new(), Vec::new()).unwrap()

@@ -13,8 +13,8 @@ use sextant_kernel::NodeId;
 use super::distance_law::DistanceLaw;
 use super::evidence::{NodeField, Shadowing, ln_mean};
 use super::finding::Finding;
-use super::node_fit::plane_m;
 use super::node_strengths::{NodeStrengths, floors};
+use crate::place::distance::plane_m;
 use sextant_kernel::text::listed;
 
 /// A node is checked if it was heard at so many stops at least, and so many before and after it may have moved.

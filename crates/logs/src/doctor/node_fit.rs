@@ -9,6 +9,8 @@
 use nalgebra::{Matrix2, Matrix4, Matrix4x2, Vector2, Vector4};
 use sextant_channel::Position;
 
+use crate::place::distance::plane_m;
+
 /// The distance below which the law is flat (m).
 const LEAST_M: f64 = 0.5;
 /// Most steps of a search.
@@ -104,7 +106,7 @@ impl NodeFit {
         let mut loss = total(&at, observations, (law, pattern), &mut logs);
         let mut damping = 1e-2;
         for _ in 0..STEPS {
-            let (slope, curvature) = derivatives(&at, observations, (law, pattern), &logs);
+            let (slope, curvature) = derivatives(&at, observations, law, pattern, &logs);
             let mut improved = false;
             for _ in 0..6 {
                 let mut damped = curvature;
@@ -175,7 +177,7 @@ impl NodeFit {
     ) -> (Vector2<f64>, Matrix2<f64>) {
         let at = &self.parameters;
         let logs: Vec<f64> = observations.iter().map(|observation| log_m(at, observation.at)).collect();
-        let (_, own) = derivatives(at, observations, (law, pattern), &logs);
+        let (_, own) = derivatives(at, observations, law, pattern, &logs);
         let (mut slope, mut curvature, mut mixed) = (Vector2::zeros(), Matrix2::zeros(), Matrix4x2::zeros());
         for (observation, &log) in observations.iter().zip(&logs) {
             let along = direction(at, observation);
@@ -207,11 +209,6 @@ fn by_parameters(at: &Vector4<f64>, observation: &Observation, log: f64, pattern
     let by_x = Vector2::new(hx, -hy) / distance_m - along * (dx / square);
     let by_y = Vector2::new(hy, hx) / distance_m - along * (dy / square);
     Vector4::new(pattern.dot(&by_x) - at.w * dx / square, pattern.dot(&by_y) - at.w * dy / square, 1.0, -log)
-}
-
-/// Distance in the plane (m).
-pub(super) fn plane_m(a: Position, b: Position) -> f64 {
-    libm::hypot(a.x_m - b.x_m, a.y_m - b.y_m)
 }
 
 /// `d² + d₀²` between a node and a place (m²).
@@ -250,7 +247,8 @@ fn total(at: &Vector4<f64>, observations: &[Observation], (law, pattern): (Law, 
 fn derivatives(
     at: &Vector4<f64>,
     observations: &[Observation],
-    (law, pattern): (Law, &Pattern),
+    law: Law,
+    pattern: &Pattern,
     logs: &[f64],
 ) -> (Vector4<f64>, Matrix4<f64>) {
     let [mean, deviation] = law.prior();
@@ -322,7 +320,7 @@ mod tests {
             total(at, &observations, (law, pattern), &mut vec![0.0; observations.len()])
         };
         total(&at, &observations, (law, &pattern), &mut logs);
-        let (slope, _) = derivatives(&at, &observations, (law, &pattern), &logs);
+        let (slope, _) = derivatives(&at, &observations, law, &pattern, &logs);
         for i in 0..4 {
             let mut step = Vector4::zeros();
             step[i] = 1e-5;

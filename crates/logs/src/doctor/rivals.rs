@@ -44,7 +44,7 @@ fn nodes_that_move_far_are_found_whatever_the_others_do() {
     let (mut far, mut found) = (0, 0);
     for number in 0..NODES {
         let there = Position::new(if node(number).x_m < 10.0 { 18.0 } else { 2.0 }, 6.0, 0.0);
-        if node_fit::plane_m(there, node(number)) >= 9.0 {
+        if crate::place::distance::plane_m(there, node(number)) >= 9.0 {
             far += 1;
             let log = log_of(&places, |of, stop| if of == number && stop >= 77 { there } else { node(of) });
             let told = findings(&log);

@@ -3,9 +3,9 @@
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
-use super::super::instant;
-use super::super::path::Path;
-use super::node_fit::plane_m;
+use crate::path::robot_path::Path;
+use crate::place::distance::plane_m;
+use crate::time::instant;
 
 /// The direction at a pose is that from the last pose which is at least this far away (m): a robot that rests keeps it, and
 /// places that scatter do not turn it.
@@ -53,8 +53,8 @@ impl<'a> Route<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::path::Pose;
     use super::*;
+    use crate::path::robot_path::Pose;
 
     #[test]
     fn a_robot_that_rests_keeps_its_direction() {

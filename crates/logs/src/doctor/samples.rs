@@ -9,7 +9,7 @@ const PACKETS: usize = 200;
 
 /// A packet that was kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sample {
+pub(super) struct PacketSample {
     pub(super) robot: RobotId,
     pub(super) time: SimTime,
     pub(super) rssi_dbm: Option<f64>,
@@ -26,7 +26,7 @@ struct OfNode {
     seen: u64,
     /// Every so many packets are kept.
     every: u64,
-    kept: Vec<Sample>,
+    kept: Vec<PacketSample>,
 }
 
 impl Samples {
@@ -50,14 +50,14 @@ impl Samples {
                 of_node.every *= 2;
             }
             if of_node.seen.is_multiple_of(of_node.every) {
-                of_node.kept.push(Sample { robot, time, rssi_dbm });
+                of_node.kept.push(PacketSample { robot, time, rssi_dbm });
             }
         }
         of_node.seen += 1;
     }
 
     /// The packets that were kept, by node.
-    pub(super) fn nodes(&self) -> impl Iterator<Item = &[Sample]> {
+    pub(super) fn nodes(&self) -> impl Iterator<Item = &[PacketSample]> {
         self.nodes.iter().map(|of_node| of_node.kept.as_slice())
     }
 }

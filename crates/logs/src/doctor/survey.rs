@@ -1,13 +1,10 @@
 //! Where the robots of a log were: what of its places can be judged without what they heard.
 
-use sextant_channel::{Position, ReceptionLog, Stop};
-use sextant_kernel::SimTime;
+use sextant_channel::ReceptionLog;
 
-use super::super::local_plane::LocalPlane;
-use super::super::path::Path;
-
-/// Where a robot was at a time.
-pub(crate) type Place = (SimTime, Position);
+use crate::path::robot_path::Path;
+use crate::place::local_plane::LocalPlane;
+use crate::place::without_fix::{TimedPlace, places_of};
 
 /// What the places of a survey are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +29,7 @@ impl Points {
 #[derive(Clone, Debug)]
 pub(super) struct Survey<'a> {
     /// The places of each robot, in the order of time.
-    pub(super) robots: Vec<Vec<Place>>,
+    pub(super) robots: Vec<Vec<TimedPlace>>,
     pub(super) points: Points,
     /// The plane of the places, if they were given by latitude and longitude.
     pub(super) plane: Option<&'a LocalPlane>,
@@ -55,17 +52,4 @@ impl<'a> Survey<'a> {
     pub(super) fn of_stops(log: &'a ReceptionLog, plane: Option<&'a LocalPlane>) -> Self {
         Self { robots: places_of(log.stops()), points: Points::Stops, plane, log }
     }
-}
-
-/// The places of `stops` by robot, in their order.
-pub(crate) fn places_of<'a>(stops: impl IntoIterator<Item = &'a Stop>) -> Vec<Vec<Place>> {
-    let mut robots: Vec<Vec<Place>> = Vec::new();
-    for stop in stops {
-        let robot = stop.robot.index();
-        if robots.len() <= robot {
-            robots.resize_with(robot + 1, Vec::new);
-        }
-        robots[robot].push((stop.time, stop.position));
-    }
-    robots
 }

@@ -3,8 +3,8 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 
-use super::super::path::{Path, Pose};
 use super::*;
+use crate::path::robot_path::{Path, Pose};
 
 pub(super) const NODES: u32 = 12;
 const WIDTH_M: f64 = 20.0;
@@ -206,7 +206,7 @@ fn an_exponent_of_no_surroundings_is_told_with_its_uncertainty() {
 pub(super) fn path(speed: f64) -> Path {
     let (mut poses, mut time_s, mut at, mut heading) = (Vec::new(), 100.0, Position::ORIGIN, 1.0);
     let mut add = |time_s: f64, at: Position| {
-        let time = super::super::instant::shifted(SimTime::ZERO, time_s).unwrap();
+        let time = crate::time::instant::shifted(SimTime::ZERO, time_s).unwrap();
         poses.push(Pose { time, position: at });
     };
     while at.y_m <= DEPTH_M {
@@ -243,20 +243,20 @@ pub(super) fn clock_of_body(
     let mut samples = Samples::default();
     let (start, end) = path.span();
     for number in 0..NODES {
-        let mut time = super::super::instant::shifted(start, share(6, [u64::from(number), 0])).unwrap();
+        let mut time = crate::time::instant::shifted(start, share(6, [u64::from(number), 0])).unwrap();
         let mut packet = 0;
         while time < end {
             let at = path.at(time).unwrap();
             let [hx, hy] = route.at(time).unwrap().1;
             let way = node(number) - at;
-            let cosine = (hx * way.x_m + hy * way.y_m) / node_fit::plane_m(node(number), at).max(0.1);
+            let cosine = (hx * way.x_m + hy * way.y_m) / crate::place::distance::plane_m(node(number), at).max(0.1);
             let faded = strength_dbm(number, node(number), at) + 3.0 * draw(7, [u64::from(number), packet]);
             let level = faded - loss_db(cosine);
             if level > if has_strengths { -80.0 } else { -60.0 } {
-                let stamp = super::super::instant::shifted(time, delay_s).unwrap();
+                let stamp = crate::time::instant::shifted(time, delay_s).unwrap();
                 samples.take(number, RobotId(0), stamp, has_strengths.then(|| level.round()));
             }
-            time = super::super::instant::shifted(time, 0.5).unwrap();
+            time = crate::time::instant::shifted(time, 0.5).unwrap();
             packet += 1;
         }
     }

@@ -11,7 +11,7 @@ use sextant_channel::Position;
 
 use super::node_fit::{Law, NodeFit, Observation, Pattern};
 use super::route::Route;
-use super::samples::Sample;
+use super::samples::PacketSample;
 
 /// A node with fewer packets says nothing.
 pub(super) const LEAST_OF_NODE: usize = 12;
@@ -34,16 +34,16 @@ const SHORTEST_DB: f64 = 0.12;
 type Observed = (Vec<Observation>, Vec<usize>);
 
 /// The packets of a node, and how what they say depends on the place.
-pub(super) struct Track<'a> {
-    pub(super) packets: &'a [Sample],
+pub(super) struct PacketTrack<'a> {
+    pub(super) packets: &'a [PacketSample],
     routes: &'a [Route<'a>],
     background: &'a [(Position, [f64; 2])],
     law: Law,
 }
 
-impl<'a> Track<'a> {
+impl<'a> PacketTrack<'a> {
     pub(super) fn of(
-        packets: &'a [Sample],
+        packets: &'a [PacketSample],
         routes: &'a [Route<'a>],
         background: &'a [(Position, [f64; 2])],
     ) -> Option<Self> {
@@ -137,7 +137,7 @@ struct Explained {
 
 impl Explained {
     /// The places and the pattern that explain what was `observed` best, searched for from those of a neighbouring delay.
-    fn of(tracks: &[Track<'_>], observed: &[Option<Observed>], start: Option<&Self>) -> Self {
+    fn of(tracks: &[PacketTrack<'_>], observed: &[Option<Observed>], start: Option<&Self>) -> Self {
         let seen = || tracks.par_iter().zip(observed).enumerate();
         let mut pattern = start.map_or_else(Pattern::zeros, |start| start.pattern);
         let mut starts: Vec<Option<Vector4<f64>>> = match start {
@@ -146,7 +146,7 @@ impl Explained {
         };
         let mut step = 0;
         loop {
-            let fit = |(at, (track, observed)): (usize, (&Track<'_>, &Option<Observed>))| {
+            let fit = |(at, (track, observed)): (usize, (&PacketTrack<'_>, &Option<Observed>))| {
                 let (observations, _) = observed.as_ref()?;
                 match starts[at] {
                     Some(start) => NodeFit::from(start, observations, track.law, &pattern),
@@ -155,7 +155,7 @@ impl Explained {
             };
             let fits: Vec<Option<NodeFit>> = seen().map(fit).collect();
             let precision = PATTERN_DB.powi(-2);
-            let slopes = |(at, (track, observed)): (usize, (&Track<'_>, &Option<Observed>))| {
+            let slopes = |(at, (track, observed)): (usize, (&PacketTrack<'_>, &Option<Observed>))| {
                 let ((observations, _), fit) = (observed.as_ref()?, fits[at].filter(|_| track.has_strengths())?);
                 Some(fit.pattern_slopes(observations, track.law, &pattern))
             };
@@ -189,7 +189,7 @@ pub(super) struct AtDelay {
 }
 
 /// What explains all tracks best at each of `delays_s`. The places and the pattern are searched for from those of neighbours.
-pub(super) fn profile(tracks: &[Track<'_>], delays_s: &[f64]) -> Vec<AtDelay> {
+pub(super) fn profile(tracks: &[PacketTrack<'_>], delays_s: &[f64]) -> Vec<AtDelay> {
     let observed: Vec<Vec<Option<Observed>>> = delays_s
         .iter()
         .map(|&delay_s| tracks.par_iter().map(|track| track.observations(delay_s)).collect())
@@ -212,7 +212,7 @@ pub(super) fn profile(tracks: &[Track<'_>], delays_s: &[f64]) -> Vec<AtDelay> {
     }
     let of_delay = |(observed, explained): (&Vec<Option<Observed>>, &Option<Explained>)| {
         let explained = explained.as_ref().expect("each delay was tried");
-        let of_track = |(at, track): (usize, &Track<'_>)| match (&observed[at], &explained.fits[at]) {
+        let of_track = |(at, track): (usize, &PacketTrack<'_>)| match (&observed[at], &explained.fits[at]) {
             (Some(observed), Some(fit)) => track.losses(observed, fit, &explained.pattern),
             _ => [f64::INFINITY; PARTS],
         };

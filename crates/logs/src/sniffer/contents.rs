@@ -7,14 +7,13 @@ use std::path::Path;
 use serde::Serialize;
 use sextant_kernel::SimTime;
 use sextant_kernel::text::{counted, printable};
+use sextant_recording::capture::{CaptureEnd, CaptureRecord, link_type, read_capture};
 
-use super::super::instant;
-use super::super::sniffer_error::SnifferError;
-use super::super::sniffer_options::{FcsField, SnifferOptions};
-use super::captured::{Captured, End};
 use super::sender::{self, PanNames, SenderAddress};
-use super::skipped::{Count, Skipped};
-use super::{container, links};
+use super::skipped::{FrameCount, Skipped};
+use crate::error::sniffer_error::SnifferError;
+use crate::options::sniffer_options::{FcsField, SnifferOptions};
+use crate::time::instant;
 
 /// What a capture has.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -76,10 +75,10 @@ pub(in super::super) fn contents(path: &Path, options: &SnifferOptions) -> Resul
     let mut found = CaptureContents::default();
     let mut of_links: BTreeMap<u16, u64> = BTreeMap::new();
     let mut of_senders: BTreeMap<(Option<u16>, String), Sum> = BTreeMap::new();
-    let mut count = Count::default();
+    let mut count = FrameCount::default();
     let mut span: Option<(SimTime, SimTime)> = None;
     let fcs = options.fcs.unwrap_or(FcsField::Checked);
-    let end = container::frames::<SnifferError>(path, &mut |Captured { time, link, octets, is_cut }| {
+    let end = read_capture::<SnifferError>(path, &mut |CaptureRecord { time, link, octets, is_cut }| {
         found.frames += 1;
         *of_links.entry(link).or_default() += 1;
         if let Some(time) = time {
@@ -104,10 +103,12 @@ pub(in super::super) fn contents(path: &Path, options: &SnifferOptions) -> Resul
         Ok(())
     })?;
     let date = |time: SimTime| instant::format_date(i64::try_from(time.as_nanos()).unwrap_or(i64::MAX));
-    found.is_cut = end == End::Truncated;
+    found.is_cut = end == CaptureEnd::Truncated;
     (found.first, found.last) = span.map(|(first, last)| (date(first), date(last))).unzip();
-    found.links =
-        of_links.into_iter().map(|(link, frames)| CapturedLink { link, name: links::name(link), frames }).collect();
+    found.links = of_links
+        .into_iter()
+        .map(|(link, frames)| CapturedLink { link, name: link_type::name(link), frames })
+        .collect();
     found.skipped = count.reasons();
     let mut pans: Vec<_> = of_senders.keys().filter_map(|(pan, _)| *pan).collect();
     pans.dedup();

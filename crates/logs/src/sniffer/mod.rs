@@ -4,33 +4,26 @@
 //! names its sender is a packet of this node. Frames that are sent again are packets too: they were received. A capture is
 //! read twice from start to end, with one frame in memory: first for the PANs, then for the packets.
 
-mod captured;
-mod container;
 mod contents;
 mod ieee80211;
-mod links;
-mod parts;
-mod pcapng;
-mod radiotap;
 mod sender;
 mod skipped;
-mod tap;
 
 use std::collections::BTreeSet;
 use std::path::{Path as FilePath, PathBuf};
 
 use sextant_kernel::SimTime;
 use sextant_kernel::text::choices;
+use sextant_recording::capture::{self, CaptureEnd, CaptureError, CaptureRecord, link_type};
 
-use self::captured::{Captured, End};
-use self::sender::{Heard, PanNames, Sender, SenderAddress};
-use self::skipped::{Count, Skipped};
-use super::error::RobotLogError;
-use super::gatherer::Gatherer;
-use super::packet::Packet;
-use super::reciprocal::Roles;
-use super::sniffer_error::SnifferError;
-use super::sniffer_options::{FcsField, SnifferOptions};
+use self::sender::{HeardFrame, PanNames, Sender, SenderAddress};
+use self::skipped::{FrameCount, Skipped};
+use crate::error::robot_log_error::RobotLogError;
+use crate::error::sniffer_error::SnifferError;
+use crate::options::sniffer_options::{FcsField, SnifferOptions};
+use crate::packets::gatherer::Gatherer;
+use crate::packets::packet::Packet;
+use crate::packets::reciprocal::Roles;
 
 pub(super) use self::contents::contents;
 pub use self::contents::{CaptureContents, CapturedLink, CapturedSender};
@@ -38,7 +31,7 @@ pub use self::contents::{CaptureContents, CapturedLink, CapturedSender};
 /// Whether the file `path` is a capture.
 #[must_use]
 pub(super) fn is_capture(path: &FilePath) -> bool {
-    path.is_file() && container::is_capture(path)
+    path.is_file() && capture::is_capture(path)
 }
 
 /// Gives the packets of `captures` to `gatherer`. If roles are turned, each capture is that of a receiver with the name of the
@@ -56,7 +49,7 @@ pub(super) fn read(
     let mut pans = BTreeSet::new();
     for capture in captures {
         frames::<SnifferError>(capture, options, &mut |_, frame| {
-            if let Ok(Heard { sender: Sender { pan, address: SenderAddress::Short(_) }, .. }) = frame {
+            if let Ok(HeardFrame { sender: Sender { pan, address: SenderAddress::Short(_) }, .. }) = frame {
                 pans.insert(pan);
             }
             Ok(())
@@ -81,7 +74,7 @@ pub(super) fn read(
             );
             return Err(RobotLogError::Form { problem });
         }
-        notes.extend(gather(capture, pan_names, options, (roles, &receiver), gatherer)?);
+        notes.extend(gather(capture, pan_names, options, roles, &receiver, gatherer)?);
     }
     Ok(())
 }
@@ -91,14 +84,15 @@ fn gather(
     capture: &FilePath,
     pans: PanNames,
     options: &SnifferOptions,
-    (roles, receiver): (&mut Roles, &str),
+    roles: &mut Roles,
+    receiver: &str,
     gatherer: &mut Gatherer,
 ) -> Result<Vec<String>, RobotLogError> {
-    let mut count = Count::default();
+    let mut count = FrameCount::default();
     let mut name = String::new();
     let end = frames::<RobotLogError>(capture, options, &mut |time, frame| {
         count.take(&frame);
-        let Ok(Heard { sender, rssi_dbm }) = frame else { return Ok(()) };
+        let Ok(HeardFrame { sender, rssi_dbm }) = frame else { return Ok(()) };
         name.clear();
         sender.write(pans, &mut name).expect("a string grows");
         let node = match roles {
@@ -137,7 +131,7 @@ fn gather(
              (a CC2530, CC2531 or CC2538 has -73, a CC2420 -45, a CC2520 -76: `fcs=ti:-45`)"
         ));
     }
-    if end == End::Truncated {
+    if end == CaptureEnd::Truncated {
         notes.push(format!("`{shown}` ends in the middle of a packet, as after a crash of the sniffer"));
     }
     Ok(notes)
@@ -160,6 +154,11 @@ pub(super) fn check_link(capture: &FilePath) -> Result<(), SnifferError> {
             Self::Refused(why)
         }
     }
+    impl From<CaptureError> for First {
+        fn from(why: CaptureError) -> Self {
+            Self::Refused(why.into())
+        }
+    }
     match frames::<First>(capture, &SnifferOptions::default(), &mut |_, _| Err(First::Seen)) {
         Err(First::Refused(why)) => Err(why),
         Err(First::Seen) | Ok(_) => Ok(()),
@@ -167,19 +166,19 @@ pub(super) fn check_link(capture: &FilePath) -> Result<(), SnifferError> {
 }
 
 /// Calls `visit` with the time and the sender of each frame, of the PAN of `options` only if it is given.
-fn frames<E: From<SnifferError>>(
+fn frames<E: From<SnifferError> + From<CaptureError>>(
     capture: &FilePath,
     options: &SnifferOptions,
-    visit: &mut dyn FnMut(SimTime, Result<Heard, Skipped>) -> Result<(), E>,
-) -> Result<End, E> {
+    visit: &mut dyn FnMut(SimTime, Result<HeardFrame, Skipped>) -> Result<(), E>,
+) -> Result<CaptureEnd, E> {
     let (pan, fcs) = (options.pan, options.fcs.unwrap_or(FcsField::Checked));
-    container::frames::<E>(capture, &mut |Captured { time, link, octets, is_cut }| {
+    capture::read_capture::<E>(capture, &mut |CaptureRecord { time, link, octets, is_cut }| {
         let frame = sender::heard(link, octets, is_cut, fcs).ok_or_else(|| SnifferError::UnknownLink {
             path: capture.to_owned(),
             link,
-            name: links::name(link),
+            name: link_type::name(link),
         })?;
-        let is_wanted = |heard: &Heard| pan.is_none() || heard.sender.pan == pan;
+        let is_wanted = |heard: &HeardFrame| pan.is_none() || heard.sender.pan == pan;
         let frame = frame.and_then(|heard| if is_wanted(&heard) { Ok(heard) } else { Err(Skipped::OtherPan) });
         match time {
             Some(time) => visit(time, frame),

@@ -4,20 +4,12 @@ use std::fmt;
 
 use sextant_mac::fcs;
 use sextant_mac::frame::{Address, Header};
+use sextant_recording::capture::tap::TapFcs;
+use sextant_recording::capture::{link_type, radiotap, tap};
 
-use super::super::sniffer_options::FcsField;
 use super::ieee80211::{MacAddress, transmitter};
-use super::radiotap;
 use super::skipped::Skipped;
-use super::tap;
-
-/// Types of link-layer headers, as tcpdump.org numbers them.
-pub(super) mod link {
-    pub(in super::super) const RADIOTAP: u16 = 127;
-    pub(in super::super) const WITH_FCS: u16 = 195;
-    pub(in super::super) const WITHOUT_FCS: u16 = 230;
-    pub(in super::super) const TAP: u16 = 283;
-}
+use crate::options::sniffer_options::FcsField;
 
 /// The sender of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,58 +60,58 @@ fn octets(octets: &[u8], name: &mut impl fmt::Write) -> fmt::Result {
 
 /// A frame whose sender is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Heard {
+pub(super) struct HeardFrame {
     pub(super) sender: Sender,
     pub(super) rssi_dbm: Option<f64>,
 }
 
 /// The sender of a frame with a header of type `link`; `None` if the type is not known. At the end of frames of link type 195
 /// is `fcs`; if the frame is cut, it is missing.
-pub(super) fn heard(link: u16, octets: &[u8], is_cut: bool, fcs: FcsField) -> Option<Result<Heard, Skipped>> {
-    let without_level = |sender| Heard { sender, rssi_dbm: None };
+pub(super) fn heard(link: u16, octets: &[u8], is_cut: bool, fcs: FcsField) -> Option<Result<HeardFrame, Skipped>> {
+    let without_level = |sender| HeardFrame { sender, rssi_dbm: None };
     Some(match link {
-        link::WITH_FCS if is_cut => ieee802154(octets).map(without_level),
-        link::WITH_FCS => match fcs {
+        link_type::WITH_FCS if is_cut => ieee802154(octets).map(without_level),
+        link_type::WITH_FCS => match fcs {
             FcsField::Checked => checked_16(octets).and_then(ieee802154).map(without_level),
             FcsField::None => ieee802154(octets).map(without_level),
             FcsField::Ti { offset_db } => with_rssi(octets, offset_db),
         },
-        link::WITHOUT_FCS => ieee802154(octets).map(without_level),
-        link::TAP => from_tap(octets, is_cut),
-        link::RADIOTAP => from_radiotap(octets),
+        link_type::WITHOUT_FCS => ieee802154(octets).map(without_level),
+        link_type::TAP => from_tap(octets, is_cut),
+        link_type::RADIOTAP => from_radiotap(octets),
         _ => return None,
     })
 }
 
 /// A frame in whose last two octets a chip of Texas Instruments wrote its RSSI, and whether the check sequence was right:
 /// table 23 of the data sheet of the CC2420 (SWRS041), figure 23-15 of the manual of the CC2530 (SWRU191).
-fn with_rssi(frame: &[u8], offset_db: f64) -> Result<Heard, Skipped> {
+fn with_rssi(frame: &[u8], offset_db: f64) -> Result<HeardFrame, Skipped> {
     const CRC_OK: u8 = 0x80;
     let (frame, &[rssi, correlation]) = frame.split_last_chunk().ok_or(Skipped::TooShort)?;
     if correlation & CRC_OK == 0 {
         return Err(Skipped::BadFcs);
     }
-    Ok(Heard { sender: ieee802154(frame)?, rssi_dbm: Some(f64::from(rssi.cast_signed()) + offset_db) })
+    Ok(HeardFrame { sender: ieee802154(frame)?, rssi_dbm: Some(f64::from(rssi.cast_signed()) + offset_db) })
 }
 
-fn from_tap(octets: &[u8], is_cut: bool) -> Result<Heard, Skipped> {
+fn from_tap(octets: &[u8], is_cut: bool) -> Result<HeardFrame, Skipped> {
     let (header, frame) = tap::parse(octets).ok_or(Skipped::Invalid)?;
     let frame = match header.fcs {
         _ if is_cut => frame,
-        tap::Fcs::None => frame,
-        tap::Fcs::Crc16 => checked_16(frame)?,
-        tap::Fcs::Crc32 => checked_32(frame)?,
+        TapFcs::None => frame,
+        TapFcs::Crc16 => checked_16(frame)?,
+        TapFcs::Crc32 => checked_32(frame)?,
     };
-    Ok(Heard { sender: ieee802154(frame)?, rssi_dbm: header.rssi_dbm })
+    Ok(HeardFrame { sender: ieee802154(frame)?, rssi_dbm: header.rssi_dbm })
 }
 
-fn from_radiotap(octets: &[u8]) -> Result<Heard, Skipped> {
+fn from_radiotap(octets: &[u8]) -> Result<HeardFrame, Skipped> {
     let (header, frame) = radiotap::parse(octets).ok_or(Skipped::Invalid)?;
     if header.has_bad_fcs {
         return Err(Skipped::BadFcs);
     }
     let sender = Sender { pan: None, address: SenderAddress::Mac(transmitter(frame)?) };
-    Ok(Heard { sender, rssi_dbm: header.signal_dbm.map(f64::from) })
+    Ok(HeardFrame { sender, rssi_dbm: header.signal_dbm.map(f64::from) })
 }
 
 /// The frame before its 16-bit check sequence, if that is right.
@@ -180,15 +172,15 @@ mod tests {
 
     #[test]
     fn a_check_sequence_is_checked_where_there_is_one() {
-        let expected = Some(Ok(Heard { sender: SENDER, rssi_dbm: None }));
+        let expected = Some(Ok(HeardFrame { sender: SENDER, rssi_dbm: None }));
         let good = [&DATA[..], &fcs(&DATA).to_le_bytes()].concat();
         let mut bad = good.clone();
         bad[9] ^= 1;
-        assert_eq!(heard(link::WITH_FCS, &good, false, FcsField::Checked), expected);
-        assert_eq!(heard(link::WITH_FCS, &bad, false, FcsField::Checked), Some(Err(Skipped::BadFcs)));
-        assert_eq!(heard(link::WITHOUT_FCS, &DATA, false, FcsField::Checked), expected);
+        assert_eq!(heard(link_type::WITH_FCS, &good, false, FcsField::Checked), expected);
+        assert_eq!(heard(link_type::WITH_FCS, &bad, false, FcsField::Checked), Some(Err(Skipped::BadFcs)));
+        assert_eq!(heard(link_type::WITHOUT_FCS, &DATA, false, FcsField::Checked), expected);
         // A cut frame has lost it.
-        assert_eq!(heard(link::WITH_FCS, &good[..9], true, FcsField::Checked), expected);
+        assert_eq!(heard(link_type::WITH_FCS, &good[..9], true, FcsField::Checked), expected);
         assert_eq!(heard(1, &good, false, FcsField::Checked), None);
     }
 
@@ -199,16 +191,16 @@ mod tests {
         let good = [&DATA[..], &[0xF4, 0x80 | 107]].concat();
         let bad = [&DATA[..], &[0xF4, 107]].concat();
         assert_eq!(
-            heard(link::WITH_FCS, &good, false, ti),
-            Some(Ok(Heard { sender: SENDER, rssi_dbm: Some(-85.0) }))
+            heard(link_type::WITH_FCS, &good, false, ti),
+            Some(Ok(HeardFrame { sender: SENDER, rssi_dbm: Some(-85.0) }))
         );
-        assert_eq!(heard(link::WITH_FCS, &bad, false, ti), Some(Err(Skipped::BadFcs)));
-        assert_eq!(heard(link::WITH_FCS, &[0x80], false, ti), Some(Err(Skipped::TooShort)));
+        assert_eq!(heard(link_type::WITH_FCS, &bad, false, ti), Some(Err(Skipped::BadFcs)));
+        assert_eq!(heard(link_type::WITH_FCS, &[0x80], false, ti), Some(Err(Skipped::TooShort)));
         // Frames of other link types have no such octets.
-        let without = Some(Ok(Heard { sender: SENDER, rssi_dbm: None }));
-        assert_eq!(heard(link::WITHOUT_FCS, &DATA, false, ti), without);
-        assert_eq!(heard(link::WITH_FCS, &DATA, false, FcsField::None), without);
-        assert_eq!(heard(link::WITH_FCS, &bad, false, FcsField::None), without);
+        let without = Some(Ok(HeardFrame { sender: SENDER, rssi_dbm: None }));
+        assert_eq!(heard(link_type::WITHOUT_FCS, &DATA, false, ti), without);
+        assert_eq!(heard(link_type::WITH_FCS, &DATA, false, FcsField::None), without);
+        assert_eq!(heard(link_type::WITH_FCS, &bad, false, FcsField::None), without);
     }
 
     #[test]
@@ -217,23 +209,26 @@ mod tests {
         let tap = |fcs_type: u8| {
             [&[0, 0, 20, 0, 0, 0, 1, 0, fcs_type, 0, 0, 0, 1, 0, 4, 0][..], &(-70.5_f32).to_le_bytes()].concat()
         };
-        let expected = Some(Ok(Heard { sender: SENDER, rssi_dbm: Some(-70.5) }));
-        assert_eq!(heard(link::TAP, &[&tap(0), &DATA[..]].concat(), false, FcsField::Checked), expected);
+        let expected = Some(Ok(HeardFrame { sender: SENDER, rssi_dbm: Some(-70.5) }));
+        assert_eq!(heard(link_type::TAP, &[&tap(0), &DATA[..]].concat(), false, FcsField::Checked), expected);
         let short = [&tap(1), &DATA[..], &fcs(&DATA).to_le_bytes()].concat();
-        assert_eq!(heard(link::TAP, &short, false, FcsField::Checked), expected);
-        assert_eq!(heard(link::TAP, &short[..short.len() - 1], false, FcsField::Checked), Some(Err(Skipped::BadFcs)));
+        assert_eq!(heard(link_type::TAP, &short, false, FcsField::Checked), expected);
+        assert_eq!(
+            heard(link_type::TAP, &short[..short.len() - 1], false, FcsField::Checked),
+            Some(Err(Skipped::BadFcs))
+        );
         let long = [&tap(2), &DATA[..], &crc32fast::hash(&DATA).to_le_bytes()].concat();
-        assert_eq!(heard(link::TAP, &long, false, FcsField::Checked), expected);
-        assert_eq!(heard(link::TAP, &[0, 0, 9], false, FcsField::Checked), Some(Err(Skipped::Invalid)));
+        assert_eq!(heard(link_type::TAP, &long, false, FcsField::Checked), expected);
+        assert_eq!(heard(link_type::TAP, &[0, 0, 9], false, FcsField::Checked), Some(Err(Skipped::Invalid)));
     }
 
     #[test]
     fn acknowledgements_and_invalid_frames_are_skipped_with_a_reason() {
         let ack = [0x02, 0x00, 0x6A, 0xE4, 0x79];
-        assert_eq!(heard(link::WITH_FCS, &ack, false, FcsField::Checked), Some(Err(Skipped::NoSource)));
-        assert_eq!(heard(link::WITHOUT_FCS, &DATA[..7], false, FcsField::Checked), Some(Err(Skipped::TooShort)));
+        assert_eq!(heard(link_type::WITH_FCS, &ack, false, FcsField::Checked), Some(Err(Skipped::NoSource)));
+        assert_eq!(heard(link_type::WITHOUT_FCS, &DATA[..7], false, FcsField::Checked), Some(Err(Skipped::TooShort)));
         assert_eq!(
-            heard(link::WITHOUT_FCS, &[0x04, 0x00, 0x01], false, FcsField::Checked),
+            heard(link_type::WITHOUT_FCS, &[0x04, 0x00, 0x01], false, FcsField::Checked),
             Some(Err(Skipped::Invalid))
         );
     }

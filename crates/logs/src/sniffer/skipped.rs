@@ -35,12 +35,12 @@ impl Skipped {
 
 /// How many frames were used and skipped.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Count {
+pub(super) struct FrameCount {
     used: u64,
     skipped: BTreeMap<Skipped, u64>,
 }
 
-impl Count {
+impl FrameCount {
     /// Counts a frame.
     pub(super) fn take<T>(&mut self, frame: &Result<T, Skipped>) {
         match frame {

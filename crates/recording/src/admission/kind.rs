@@ -7,9 +7,9 @@ use std::path::Path;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::capture::is_of_simulation;
+use crate::capture::technologies::is_of_simulation;
+use crate::container::sink::has_own_library;
 use crate::output::{PART, RECOVERING};
-use crate::sink::has_own_library;
 
 /// What a command writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub enum OutputKind<'a> {
 const HEAD: u64 = 8192;
 
 /// How a map begins.
-pub const MAP_HEADER: &str = "node,x_m,y_m,z_m,ties,infeasible,concern";
+const MAP_HEADER: &str = "node,x_m,y_m,z_m,ties,infeasible,concern";
 
 /// What ends the title of a report.
 pub const REPORT_TITLE: &str = "Sextant report</title>";

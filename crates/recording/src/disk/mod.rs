@@ -1,11 +1,16 @@
 //! The one place where files and folders are changed, so that a test can put a disk that fails under all of them.
 //!
-//! The functions do what those of [`std::fs`] do. Before each [`Change`] below a folder that has a [`Disk`], that disk is
-//! asked. Without one, which is always so in the program, nothing is asked.
+//! The functions do what those of [`std::fs`] do. With the feature `failing-disk`, which only tests turn on, the disk that
+//! a test put below a folder is asked before each change there. The program has neither such disks nor the question.
 
+mod change;
 mod file;
+#[cfg(feature = "failing-disk")]
 mod replaced;
+#[cfg(feature = "failing-disk")]
 mod simulated;
+#[cfg(not(feature = "failing-disk"))]
+mod system;
 
 use std::fs;
 use std::io::{self, Write};
@@ -14,63 +19,16 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
+pub use change::{Change, FileNumber};
 pub use file::DiskFile;
+#[cfg(feature = "failing-disk")]
 pub use replaced::{Disk, Replaced, replace};
+#[cfg(feature = "failing-disk")]
+use replaced::{FileDisk, permit};
+#[cfg(feature = "failing-disk")]
 pub use simulated::{Luck, SimulatedDisk, Trouble};
-
-/// The number of an opened file. A file that is opened again gets another one.
-pub type FileNumber = u64;
-
-/// A change that is about to be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change<'a> {
-    /// An empty file gets this name, or an existing empty one is opened.
-    Open {
-        /// The file.
-        file: FileNumber,
-        /// Its name.
-        path: &'a Path,
-    },
-    /// Octets are added to a file: all are written from their beginning to their end.
-    Write {
-        /// The file.
-        file: FileNumber,
-        /// What is added.
-        bytes: &'a [u8],
-    },
-    /// What a file has reaches the disk.
-    Sync {
-        /// The file.
-        file: FileNumber,
-    },
-    /// A file or folder gets another name. A file that has this name is replaced.
-    Rename {
-        /// Its name.
-        from: &'a Path,
-        /// Its new name.
-        to: &'a Path,
-    },
-    /// A file loses its name.
-    Remove {
-        /// Its name.
-        path: &'a Path,
-    },
-    /// A new, empty folder.
-    CreateFolder {
-        /// Its name.
-        path: &'a Path,
-    },
-    /// A folder is removed with all that is in it.
-    RemoveFolder {
-        /// Its name.
-        path: &'a Path,
-    },
-    /// The names in a folder reach the disk.
-    SyncFolder {
-        /// The folder.
-        path: &'a Path,
-    },
-}
+#[cfg(not(feature = "failing-disk"))]
+use system::{FileDisk, permit};
 
 /// So long is waited for a process that reads a pipe: less than the time in which a signal ends the program.
 const READER_COMES_WITHIN: Duration = Duration::from_millis(500);
@@ -79,7 +37,7 @@ const READER_COMES_WITHIN: Duration = Duration::from_millis(500);
 ///
 /// # Errors
 /// Those of the system; [`io::ErrorKind::TimedOut`] if it is a pipe that no process reads.
-pub fn write_device(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn write_device(path: &Path, bytes: &[u8]) -> io::Result<()> {
     // The system opens a pipe when somebody reads it, and gives no word before.
     let (opened, device) = mpsc::channel();
     let name = path.to_owned();
@@ -95,7 +53,7 @@ pub fn write_device(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// Those of the system.
 pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
-    replaced::permit(to, &Change::Rename { from, to })?;
+    permit(to, &Change::Rename { from, to })?;
     fs::rename(from, to)
 }
 
@@ -104,7 +62,7 @@ pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
 /// # Errors
 /// Those of the system.
 pub fn remove_file(path: &Path) -> io::Result<()> {
-    replaced::permit(path, &Change::Remove { path })?;
+    permit(path, &Change::Remove { path })?;
     fs::remove_file(path)
 }
 
@@ -113,7 +71,7 @@ pub fn remove_file(path: &Path) -> io::Result<()> {
 /// # Errors
 /// Those of the system.
 pub fn create_folder(path: &Path) -> io::Result<()> {
-    replaced::permit(path, &Change::CreateFolder { path })?;
+    permit(path, &Change::CreateFolder { path })?;
     fs::create_dir(path)
 }
 
@@ -137,7 +95,7 @@ pub fn create_folders(path: &Path) -> io::Result<()> {
 /// # Errors
 /// Those of the system.
 pub fn remove_folder(path: &Path) -> io::Result<()> {
-    replaced::permit(path, &Change::RemoveFolder { path })?;
+    permit(path, &Change::RemoveFolder { path })?;
     fs::remove_dir_all(path)
 }
 
@@ -147,7 +105,7 @@ pub fn remove_folder(path: &Path) -> io::Result<()> {
 /// Those of the system.
 pub fn sync_folder_of(path: &Path) -> io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    replaced::permit(path, &Change::SyncFolder { path: folder })?;
+    permit(path, &Change::SyncFolder { path: folder })?;
     sync_folder(folder)
 }
 

@@ -3,7 +3,7 @@
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// An application, where its phase begins.
 #[derive(Clone, PartialEq, prost::Message)]

@@ -3,7 +3,7 @@
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// What a node has found when it computed its own place, and what that took.
 #[derive(Clone, PartialEq, prost::Message)]

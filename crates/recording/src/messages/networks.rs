@@ -4,34 +4,34 @@ use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 use sextant_channel::SectorConfig;
 
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// The networks that robots survey, if there are several.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct NetworksMessage {
+pub(crate) struct NetworksMessage {
     /// Their names. The log of the first one has the topics of a log of one network.
     #[prost(string, repeated, tag = "1")]
-    pub names: Vec<String>,
+    pub(crate) names: Vec<String>,
 }
 
 /// The directions of one antenna sector of the robots, in the frame of the stops.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct SectorMessage {
+pub(crate) struct SectorMessage {
     /// Identity of the sector in the log, 0 to 255.
     #[prost(uint32, tag = "1")]
-    pub sector: u32,
+    pub(crate) sector: u32,
     /// Azimuth at which it begins, counterclockwise from x (degrees).
     #[prost(double, tag = "2")]
-    pub azimuth_from_deg: f64,
+    pub(crate) azimuth_from_deg: f64,
     /// Azimuth at which it ends, counterclockwise from its beginning (degrees).
     #[prost(double, tag = "3")]
-    pub azimuth_to_deg: f64,
+    pub(crate) azimuth_to_deg: f64,
     /// Lowest elevation, up from the horizontal plane (degrees).
     #[prost(double, tag = "4")]
-    pub elevation_from_deg: f64,
+    pub(crate) elevation_from_deg: f64,
     /// Highest elevation (degrees).
     #[prost(double, tag = "5")]
-    pub elevation_to_deg: f64,
+    pub(crate) elevation_to_deg: f64,
 }
 
 impl From<&SectorConfig> for SectorMessage {

@@ -3,7 +3,7 @@
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// A packet that a station offered to its link, and what became of it.
 #[derive(Clone, PartialEq, prost::Message)]

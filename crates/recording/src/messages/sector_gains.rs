@@ -8,24 +8,24 @@ use sextant_channel::{Antenna, ListenerAntennaConfig, Orientation, OrientationCo
 use sextant_kernel::Files;
 
 use super::super::antenna_text;
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// The antenna of the robots whose sectors the log has, and how it is turned in the frame of the stops.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct SectorGainsMessage {
+pub(crate) struct SectorGainsMessage {
     /// The settings of the antenna as a text of TOML: the table `sectors` or `code_book`, with the grid and the gains of a
     /// code book in it.
     #[prost(string, tag = "1")]
-    pub antenna: String,
+    pub(crate) antenna: String,
     /// Rotation about the vertical axis, counterclockwise seen from above (rad).
     #[prost(double, tag = "2")]
-    pub yaw_rad: f64,
+    pub(crate) yaw_rad: f64,
     /// Tilt of the forward axis above the horizontal plane (rad).
     #[prost(double, tag = "3")]
-    pub pitch_rad: f64,
+    pub(crate) pitch_rad: f64,
     /// Rotation about the forward axis, the left side up (rad).
     #[prost(double, tag = "4")]
-    pub roll_rad: f64,
+    pub(crate) roll_rad: f64,
 }
 
 impl SectorGainsMessage {

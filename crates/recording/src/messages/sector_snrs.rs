@@ -5,24 +5,24 @@ use prost::bytes::BufMut;
 use sextant_channel::SectorReport;
 use sextant_kernel::NodeId;
 
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// The signal-to-noise ratios of the robot's sectors that nodes reported at a stop. The columns have one value for each
 /// sector that a node reported, in the same order.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct SectorSnrsMessage {
+pub(crate) struct SectorSnrsMessage {
     /// Index of the stop.
     #[prost(uint32, tag = "1")]
-    pub stop: u32,
+    pub(crate) stop: u32,
     /// Indices of the nodes.
     #[prost(uint32, repeated, tag = "2")]
-    pub node: Vec<u32>,
+    pub(crate) node: Vec<u32>,
     /// Identities of the sectors, 0 to 255.
     #[prost(uint32, repeated, tag = "3")]
-    pub sector: Vec<u32>,
+    pub(crate) sector: Vec<u32>,
     /// Signal-to-noise ratios at the nodes (dB).
     #[prost(double, repeated, tag = "4")]
-    pub snr_db: Vec<f64>,
+    pub(crate) snr_db: Vec<f64>,
 }
 
 impl SectorSnrsMessage {

@@ -3,7 +3,7 @@
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 
-use super::super::descriptor::{self, Declaration};
+use super::descriptor::{self, Declaration};
 
 /// The sensors that all nodes have. What is absent they do not have.
 #[derive(Clone, PartialEq, prost::Message)]
@@ -24,22 +24,22 @@ pub struct SensorsMessage {
 
 /// What a sensor of a node said.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct SensedMessage {
+pub(crate) struct SensedMessage {
     /// When (ns of simulated time).
     #[prost(uint64, tag = "1")]
-    pub time_ns: u64,
+    pub(crate) time_ns: u64,
     /// Index of the node.
     #[prost(uint32, tag = "2")]
-    pub node: u32,
+    pub(crate) node: u32,
     /// `entered` or `left` of a target, `sampled` of a field.
     #[prost(string, tag = "3")]
-    pub what: String,
+    pub(crate) what: String,
     /// Name of the target or of the field.
     #[prost(string, tag = "4")]
-    pub name: String,
+    pub(crate) name: String,
     /// The sample, in the unit of the field.
     #[prost(double, optional, tag = "5")]
-    pub value: Option<f64>,
+    pub(crate) value: Option<f64>,
 }
 
 recorded! {

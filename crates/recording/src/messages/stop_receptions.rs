@@ -5,8 +5,8 @@ use prost::bytes::BufMut;
 use sextant_channel::{Dbm, Reception};
 use sextant_kernel::NodeId;
 
-use super::super::descriptor::{self, Declaration};
 use super::super::link_quality::link_quality;
+use super::descriptor::{self, Declaration};
 
 /// The value of a column of numbers where a reception has none.
 const NONE: u32 = 256;
@@ -14,31 +14,31 @@ const NONE: u32 = 256;
 /// All receptions of a stop. The columns have one value for each reception, in the same order; a column is empty if no
 /// reception has a value, and `received` and `sent` also if all are 1.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct StopReceptionsMessage {
+pub(crate) struct StopReceptionsMessage {
     /// Index of the stop.
     #[prost(uint32, tag = "1")]
-    pub stop: u32,
+    pub(crate) stop: u32,
     /// Indices of the nodes.
     #[prost(uint32, repeated, tag = "2")]
-    pub node: Vec<u32>,
+    pub(crate) node: Vec<u32>,
     /// Packets received, at most `sent`.
     #[prost(uint32, repeated, tag = "3")]
-    pub received: Vec<u32>,
+    pub(crate) received: Vec<u32>,
     /// Packets that the nodes are known to have sent while the robot listened.
     #[prost(uint32, repeated, tag = "4")]
-    pub sent: Vec<u32>,
+    pub(crate) sent: Vec<u32>,
     /// Antenna sectors with the best reception, 0 to 255; 256 for none.
     #[prost(uint32, repeated, tag = "5")]
-    pub sector: Vec<u32>,
+    pub(crate) sector: Vec<u32>,
     /// Mean received signal strengths (dBm); NaN for none.
     #[prost(double, repeated, tag = "6")]
-    pub rssi_dbm: Vec<f64>,
+    pub(crate) rssi_dbm: Vec<f64>,
     /// Signal-to-noise ratios of the robot's own best packets (dB); NaN for none.
     #[prost(double, repeated, tag = "7")]
-    pub snr_db: Vec<f64>,
+    pub(crate) snr_db: Vec<f64>,
     /// Link qualities of IEEE 802.15.4, as in a `Reception`; 256 for none.
     #[prost(uint32, repeated, tag = "8")]
-    pub lqi: Vec<u32>,
+    pub(crate) lqi: Vec<u32>,
 }
 
 impl StopReceptionsMessage {

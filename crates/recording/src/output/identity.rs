@@ -9,33 +9,33 @@ use std::path::{Component, Path, PathBuf};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileIdentity {
     /// A file or folder that exists.
-    Existing(FileNumber),
+    Existing(SystemNumber),
     /// One that does not: the nearest folder above it that exists, and the way from there in small letters, because some
     /// file systems do not distinguish them from capital ones.
-    Missing(Option<FileNumber>, String),
+    Missing(Option<SystemNumber>, String),
 }
 
 /// What the system calls a file: its file system, and its number there.
 #[cfg(unix)]
-type FileNumber = (u64, u64);
+type SystemNumber = (u64, u64);
 
 /// Without such numbers: the only path without links.
 #[cfg(not(unix))]
-type FileNumber = PathBuf;
+type SystemNumber = PathBuf;
 
 #[cfg(unix)]
-fn number(path: &Path) -> io::Result<FileNumber> {
+fn number(path: &Path) -> io::Result<SystemNumber> {
     Ok(number_of(&std::fs::metadata(path)?))
 }
 
 #[cfg(unix)]
-fn number_of(metadata: &std::fs::Metadata) -> FileNumber {
+fn number_of(metadata: &std::fs::Metadata) -> SystemNumber {
     use std::os::unix::fs::MetadataExt;
     (metadata.dev(), metadata.ino())
 }
 
 #[cfg(not(unix))]
-fn number(path: &Path) -> io::Result<FileNumber> {
+fn number(path: &Path) -> io::Result<SystemNumber> {
     path.canonicalize()
 }
 
@@ -62,7 +62,7 @@ impl FileIdentity {
     /// # Errors
     /// If one of them cannot be looked at.
     #[cfg(unix)]
-    pub fn is_at(file: &File, path: &Path) -> io::Result<bool> {
+    pub(crate) fn is_at(file: &File, path: &Path) -> io::Result<bool> {
         Ok(number_of(&file.metadata()?) == number(path)?)
     }
 
@@ -71,7 +71,7 @@ impl FileIdentity {
     /// # Errors
     /// Never.
     #[cfg(not(unix))]
-    pub fn is_at(_file: &File, path: &Path) -> io::Result<bool> {
+    pub(crate) fn is_at(_file: &File, path: &Path) -> io::Result<bool> {
         Ok(path.exists())
     }
 }

@@ -4,6 +4,7 @@ mod csv_file;
 mod draft;
 mod error;
 mod folder;
+pub(crate) mod foreign_folder;
 mod identity;
 mod part_file;
 mod scratch;

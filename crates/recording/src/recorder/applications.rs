@@ -9,9 +9,9 @@ use sextant_kernel::SimTime;
 use super::super::drawing;
 use super::super::error::RecordingError;
 use super::super::messages::applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
-use super::super::names::{ApplicationTopics, PHASES_METADATA};
-use super::super::phase::{self, Phase};
 use super::Recorder;
+use crate::messages::names::{ApplicationTopics, PHASES_METADATA};
+use crate::messages::phase::{self, Phase};
 
 impl<W: Write> Recorder<W> {
     /// Writes the phases of the run, at its end.

@@ -4,10 +4,10 @@ use std::io::Write;
 
 use mcap::records::Metadata;
 
-use super::super::detail::Detail;
 use super::super::error::RecordingError;
-use super::super::names::DETAIL_METADATA;
 use super::Recorder;
+use super::detail::Detail;
+use crate::messages::names::DETAIL_METADATA;
 
 impl<W: Write> Recorder<W> {
     /// Makes the recording a compact one, and says so in it: `difference` is what is different from a full one, and `keep` the
@@ -33,7 +33,9 @@ mod tests {
     use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 
     use super::*;
-    use crate::{FileRecorder, read_log, read_recording};
+    use crate::FileRecorder;
+    use crate::read_log;
+    use crate::read_recording;
 
     /// A survey of 40 stops at each of which 200 of 17 000 nodes were heard, with strengths.
     fn log() -> ReceptionLog {

@@ -7,8 +7,8 @@ use sextant_kernel::SimTime;
 
 use super::super::drawing::{self, GridPlane, PlacedNode, Solid};
 use super::super::error::RecordingError;
-use super::super::names::{WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC};
 use super::Recorder;
+use crate::messages::names::{WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC};
 
 impl<W: Write> Recorder<W> {
     /// Writes the position of `robot` and its heading (rad, counterclockwise from x).

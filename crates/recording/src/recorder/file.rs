@@ -4,8 +4,8 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use super::super::error::RecordingError;
-use super::super::sink::Sink;
 use super::Recorder;
+use crate::container::sink::Sink;
 use crate::disk::DiskFile;
 use crate::output::{Draft, PART};
 

@@ -6,8 +6,8 @@ use sextant_kernel::SimTime;
 
 use super::super::error::RecordingError;
 use super::super::messages::{AssessmentMessage, PacketMessage, TransmissionMessage};
-use super::super::names::{ASSESSMENTS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC};
 use super::Recorder;
+use crate::messages::names::{ASSESSMENTS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC};
 
 impl<W: Write> Recorder<W> {
     /// Writes a packet at the time of its end, with its assessments and transmissions. A chunk never ends within it.

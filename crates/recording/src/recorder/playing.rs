@@ -6,12 +6,12 @@ use std::time::Duration;
 use sextant_channel::{Position, Stop};
 use sextant_kernel::SimTime;
 
-use super::super::detail::Detail;
 use super::super::drawing::playing;
 use super::super::error::RecordingError;
 use super::super::messages::CaptureMessage;
-use super::super::names::{AIR_TOPIC, ApplicationTopics, WORLD_NAMES_TOPIC, WayTopics};
 use super::Recorder;
+use super::detail::Detail;
+use crate::messages::names::{AIR_TOPIC, ApplicationTopics, WORLD_NAMES_TOPIC, WayTopics};
 
 impl<W: Write> Recorder<W> {
     /// Writes the names of nodes beside their true places.

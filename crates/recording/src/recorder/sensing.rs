@@ -8,9 +8,9 @@ use sextant_kernel::{NodeId, SimTime};
 use super::super::drawing::{self, GridPlane};
 use super::super::error::RecordingError;
 use super::super::messages::{SensedMessage, SensorsMessage};
-use super::super::names::{FIELDS_TOPICS, SENSED_TOPIC, SENSORS_TOPIC, TARGETS_TOPICS};
-use super::super::sensation::Sensation;
 use super::Recorder;
+use crate::messages::names::{FIELDS_TOPICS, SENSED_TOPIC, SENSORS_TOPIC, TARGETS_TOPICS};
+use crate::messages::sensation::Sensation;
 
 impl<W: Write> Recorder<W> {
     /// Writes which sensors the nodes have.

@@ -8,9 +8,9 @@ use sextant_channel::{Reception, SectorReport};
 
 use super::row::{Cell, CellKind, TableColumn};
 use super::{Message, OwnedRow};
-use crate::descriptor::{Declaration, Field, Kind};
 use crate::messages::declarations;
-use crate::names::{ApplicationTopics, LogTopics};
+use crate::messages::descriptor::{Declaration, Field, FieldKind};
+use crate::messages::names::{ApplicationTopics, LogTopics};
 
 /// The columns of the table of receptions.
 const RECEPTION_COLUMNS: [(&str, CellKind); 8] = [
@@ -69,29 +69,29 @@ pub(super) fn network_table(table: &str, topic: &str) -> String {
 const STOP: &str = "Stop";
 
 /// The table of each message type: its name, the fields that are the index of a node, and whether the topic says more.
-const TABLES: [(&str, &str, &[&str], Origin); 17] = [
-    (STOP, "stops", &[], Origin::Network),
-    ("Reception", "receptions", &["node"], Origin::Network),
-    ("Sector", "sectors", &[], Origin::Network),
-    ("Contact", "contacts", &[], Origin::Robot),
-    ("Anchor", "anchors", &["node"], Origin::Topic),
-    ("Link", "", &["listener", "sender"], Origin::Link),
-    ("Frame", "mac_frames", &[], Origin::Topic),
-    ("Packet", "mac_packets", &[], Origin::Topic),
-    ("Transmission", "mac_transmissions", &[], Origin::Topic),
-    ("Assessment", "mac_assessments", &[], Origin::Topic),
-    ("Metric", "metrics", &[], Origin::Topic),
-    ("Sensors", "sensors", &[], Origin::Topic),
-    ("Sensed", "sensed", &["node"], Origin::Topic),
-    ("Application", "applications", &[], Origin::Topic),
-    ("Estimate", "estimates", &[], Origin::Application),
-    ("Capture", "captures", &[], Origin::Application),
-    ("MappedNode", "distributed_nodes", &["node"], Origin::Topic),
+const TABLES: [(&str, &str, &[&str], NamedByTopic); 17] = [
+    (STOP, "stops", &[], NamedByTopic::Network),
+    ("Reception", "receptions", &["node"], NamedByTopic::Network),
+    ("Sector", "sectors", &[], NamedByTopic::Network),
+    ("Contact", "contacts", &[], NamedByTopic::Robot),
+    ("Anchor", "anchors", &["node"], NamedByTopic::Topic),
+    ("Link", "", &["listener", "sender"], NamedByTopic::Link),
+    ("Frame", "mac_frames", &[], NamedByTopic::Topic),
+    ("Packet", "mac_packets", &[], NamedByTopic::Topic),
+    ("Transmission", "mac_transmissions", &[], NamedByTopic::Topic),
+    ("Assessment", "mac_assessments", &[], NamedByTopic::Topic),
+    ("Metric", "metrics", &[], NamedByTopic::Topic),
+    ("Sensors", "sensors", &[], NamedByTopic::Topic),
+    ("Sensed", "sensed", &["node"], NamedByTopic::Topic),
+    ("Application", "applications", &[], NamedByTopic::Topic),
+    ("Estimate", "estimates", &[], NamedByTopic::Application),
+    ("Capture", "captures", &[], NamedByTopic::Application),
+    ("MappedNode", "distributed_nodes", &["node"], NamedByTopic::Topic),
 ];
 
 /// What the topic of a message says besides its type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Origin {
+enum NamedByTopic {
     /// Nothing.
     Topic,
     /// The network, which is a folder of tables.
@@ -139,9 +139,9 @@ impl Columns {
         let columns = self.by_type.entry(name.to_owned()).or_insert_with(|| {
             let mut columns: Vec<_> = fields().map(|field| column(field, is_node(field))).collect();
             match origin {
-                Origin::Robot => columns.push(TableColumn::new("robot", CellKind::Text)),
-                Origin::Application => columns.push(TableColumn::new("application", CellKind::Text)),
-                Origin::Topic | Origin::Network | Origin::Link => {}
+                NamedByTopic::Robot => columns.push(TableColumn::new("robot", CellKind::Text)),
+                NamedByTopic::Application => columns.push(TableColumn::new("application", CellKind::Text)),
+                NamedByTopic::Topic | NamedByTopic::Network | NamedByTopic::Link => {}
             }
             if name == STOP {
                 columns.push(TableColumn::new("sent", CellKind::Integer));
@@ -154,14 +154,14 @@ impl Columns {
         }
         let mut table = table.to_owned();
         match origin {
-            Origin::Topic => {}
-            Origin::Network => table = network_table(&table, message.topic),
-            Origin::Robot => {
+            NamedByTopic::Topic => {}
+            NamedByTopic::Network => table = network_table(&table, message.topic),
+            NamedByTopic::Robot => {
                 let robot = message.topic.strip_prefix("/robot/").and_then(|rest| rest.strip_suffix("/contacts"));
                 cells.push(robot.map_or(Cell::Missing, |robot| Cell::Text(robot.to_owned())));
             }
-            Origin::Link => table = message.topic.trim_start_matches('/').to_owned(),
-            Origin::Application => {
+            NamedByTopic::Link => table = message.topic.trim_start_matches('/').to_owned(),
+            NamedByTopic::Application => {
                 let application = ApplicationTopics::application(message.topic);
                 cells.push(application.map_or(Cell::Missing, |(name, _)| Cell::Text(name.to_owned())));
             }
@@ -181,9 +181,15 @@ fn column(field: &Field, is_node: bool) -> TableColumn {
     let kind = match field.kind {
         _ if is_node => CellKind::Text,
         _ if field.name.ends_with("_ns") => CellKind::Real,
-        Kind::Uint32 | Kind::OptionalUint32 | Kind::Uint64 | Kind::OptionalUint64 | Kind::Bool => CellKind::Integer,
-        Kind::Double | Kind::OptionalDouble => CellKind::Real,
-        Kind::String | Kind::Strings | Kind::Bytes | Kind::Uint32s | Kind::Doubles => CellKind::Text,
+        FieldKind::Uint32
+        | FieldKind::OptionalUint32
+        | FieldKind::Uint64
+        | FieldKind::OptionalUint64
+        | FieldKind::Bool => CellKind::Integer,
+        FieldKind::Double | FieldKind::OptionalDouble => CellKind::Real,
+        FieldKind::String | FieldKind::Strings | FieldKind::Bytes | FieldKind::Uint32s | FieldKind::Doubles => {
+            CellKind::Text
+        }
     };
     match field.name.strip_suffix("_ns") {
         Some("time") => TableColumn::new("t_s", kind),
@@ -193,12 +199,14 @@ fn column(field: &Field, is_node: bool) -> TableColumn {
 }
 
 /// The value of a field that is not in a message.
-fn absent(kind: Kind) -> Cell {
+fn absent(kind: FieldKind) -> Cell {
     match kind {
-        Kind::OptionalUint32 | Kind::OptionalUint64 | Kind::OptionalDouble => Cell::Missing,
-        Kind::Uint32 | Kind::Uint64 | Kind::Bool => Cell::Integer(0),
-        Kind::Double => Cell::Real(0.0),
-        Kind::String | Kind::Strings | Kind::Bytes | Kind::Uint32s | Kind::Doubles => Cell::Text(String::new()),
+        FieldKind::OptionalUint32 | FieldKind::OptionalUint64 | FieldKind::OptionalDouble => Cell::Missing,
+        FieldKind::Uint32 | FieldKind::Uint64 | FieldKind::Bool => Cell::Integer(0),
+        FieldKind::Double => Cell::Real(0.0),
+        FieldKind::String | FieldKind::Strings | FieldKind::Bytes | FieldKind::Uint32s | FieldKind::Doubles => {
+            Cell::Text(String::new())
+        }
     }
 }
 
@@ -215,7 +223,7 @@ fn values(declaration: &Declaration, data: &[u8]) -> Result<BTreeMap<i32, Cell>,
         };
         let value = value(field, wire, &mut rest)?;
         match (values.get_mut(&field.number), value) {
-            (Some(Cell::Text(text)), Cell::Text(more)) if field.kind == Kind::Strings => {
+            (Some(Cell::Text(text)), Cell::Text(more)) if field.kind == FieldKind::Strings => {
                 text.push(',');
                 text.push_str(&more);
             }
@@ -232,20 +240,24 @@ fn value(field: &Field, wire: WireType, rest: &mut &[u8]) -> Result<Cell, String
     let wrong = || format!("field {} has another type", field.name);
     match (field.kind, wire) {
         (
-            Kind::Uint32 | Kind::OptionalUint32 | Kind::Uint64 | Kind::OptionalUint64 | Kind::Bool,
+            FieldKind::Uint32
+            | FieldKind::OptionalUint32
+            | FieldKind::Uint64
+            | FieldKind::OptionalUint64
+            | FieldKind::Bool,
             WireType::Varint,
         ) => Ok(i64::try_from(varint(rest)?).map_or(Cell::Missing, Cell::Integer)),
-        (Kind::Double | Kind::OptionalDouble, WireType::SixtyFourBit) => {
+        (FieldKind::Double | FieldKind::OptionalDouble, WireType::SixtyFourBit) => {
             let (octets, after) = rest.split_first_chunk().ok_or_else(wrong)?;
             *rest = after;
             Ok(Cell::Real(f64::from_le_bytes(*octets)))
         }
-        (Kind::String | Kind::Strings | Kind::Bytes, WireType::LengthDelimited) => {
+        (FieldKind::String | FieldKind::Strings | FieldKind::Bytes, WireType::LengthDelimited) => {
             let length = usize::try_from(varint(rest)?).map_err(|why| why.to_string())?;
             let (octets, after) = rest.split_at_checked(length).ok_or_else(wrong)?;
             *rest = after;
             Ok(Cell::Text(match field.kind {
-                Kind::Bytes => octets.iter().map(|octet| format!("{octet:02x}")).collect(),
+                FieldKind::Bytes => octets.iter().map(|octet| format!("{octet:02x}")).collect(),
                 _ => String::from_utf8(octets.to_vec()).map_err(|why| why.to_string())?,
             }))
         }

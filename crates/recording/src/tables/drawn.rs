@@ -6,17 +6,19 @@ use sextant_channel::Position;
 
 use super::declared::name_of;
 use super::row::{Cell, CellKind, TableColumn};
-use super::{Message, Rows};
+use super::{Message, TableRows};
 use crate::drawing;
-use crate::names::{ApplicationTopics, FIELDS_TOPICS, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC};
-use crate::world::plane;
+use crate::messages::names::{
+    ApplicationTopics, FIELDS_TOPICS, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+};
+use crate::reader::world::plane;
 
 use CellKind::{Integer, Real, Text};
 
 const PLACE: [(&str, CellKind); 3] = [("x_m", Real), ("y_m", Real), ("z_m", Real)];
 
 /// The rows that a drawing is; `None` if it is no table.
-pub(super) fn rows(message: &Message<'_>, names: &[String]) -> Result<Option<Rows>, String> {
+pub(super) fn rows(message: &Message<'_>, names: &[String]) -> Result<Option<TableRows>, String> {
     let &Message { topic, schema, time_ns, data } = message;
     let time = Cell::Nanos(time_ns);
     let map = topic.strip_prefix("/map/");
@@ -118,12 +120,12 @@ fn columns(
     [first, place, last].concat().into_iter().map(|(name, kind)| TableColumn::new(name, kind)).collect()
 }
 
-fn table(name: &str, columns: &[TableColumn], rows: impl IntoIterator<Item = Vec<Cell>>) -> Rows {
-    Rows { table: name.to_owned(), columns: columns.to_vec(), cells: rows.into_iter().collect() }
+fn table(name: &str, columns: &[TableColumn], rows: impl IntoIterator<Item = Vec<Cell>>) -> TableRows {
+    TableRows { table: name.to_owned(), columns: columns.to_vec(), cells: rows.into_iter().collect() }
 }
 
 /// The row of a pose with its heading, counterclockwise from x.
-fn poses(name: &str, first: Vec<Cell>, place: Position, rotation: Option<Quaternion>) -> Rows {
+fn poses(name: &str, first: Vec<Cell>, place: Position, rotation: Option<Quaternion>) -> TableRows {
     let columns = columns(&[("t_s", Real), ("robot", Text)], &PLACE, &[("heading_rad", Real)]);
     let heading = rotation.map_or(Cell::Missing, |turn| Cell::Real(2.0 * libm::atan2(turn.z, turn.w)));
     table(name, &columns, [[first, cells(place), vec![heading]].concat()])

@@ -10,9 +10,9 @@ use std::path::Path;
 use super::antenna_text;
 use super::error::RecordingError;
 use super::messages;
-use super::names::LogTopics;
-use super::reader::sound;
 use crate::mcap_file::Piece;
+use crate::messages::names::LogTopics;
+use crate::reader::run::sound;
 use declared::Columns;
 use prost::Message as _;
 
@@ -50,8 +50,8 @@ pub fn read_tables(
     visit: &mut dyn FnMut(TablePiece<'_>) -> Result<(), RecordingError>,
 ) -> Result<LeftOut, RecordingError> {
     let mut reading = Reading::default();
-    let show = |rows: &Rows, visit: &mut dyn FnMut(TablePiece<'_>) -> Result<(), RecordingError>| {
-        let Rows { table, columns, cells } = rows;
+    let show = |rows: &TableRows, visit: &mut dyn FnMut(TablePiece<'_>) -> Result<(), RecordingError>| {
+        let TableRows { table, columns, cells } = rows;
         cells.iter().try_for_each(|cells| visit(TablePiece::Row(TableRow { table, columns, cells })))
     };
     sound(path, &mut |piece| match piece {
@@ -95,13 +95,13 @@ struct Message<'a> {
 pub type OwnedRow = (String, Vec<TableColumn>, Vec<Cell>);
 
 /// Rows of one table.
-struct Rows {
+struct TableRows {
     table: String,
     columns: Vec<TableColumn>,
     cells: Vec<Vec<Cell>>,
 }
 
-impl From<OwnedRow> for Rows {
+impl From<OwnedRow> for TableRows {
     fn from((table, columns, cells): OwnedRow) -> Self {
         Self { table, columns, cells: vec![cells] }
     }
@@ -141,7 +141,7 @@ enum FirstStop {
 
 impl Reading {
     /// The rows that a message is.
-    fn rows(&mut self, message: &Message<'_>) -> Result<Vec<Rows>, String> {
+    fn rows(&mut self, message: &Message<'_>) -> Result<Vec<TableRows>, String> {
         match message.schema {
             "sextant.Nodes" => {
                 let nodes = messages::NodesMessage::decode(message.data).map_err(|why| why.to_string())?;
@@ -150,12 +150,12 @@ impl Reading {
                 let rows = (first..).zip(&self.names[first..]);
                 let cells = rows.map(|(index, name)| station(index, "node", name).2).collect();
                 let (table, columns, _) = station(first, "node", "");
-                return Ok(vec![Rows { table, columns, cells }]);
+                return Ok(vec![TableRows { table, columns, cells }]);
             }
             "sextant.Stop" => {
                 let stop = messages::StopMessage::decode(message.data).map_err(|why| why.to_string())?;
                 let row = self.columns.row("Stop", message, &self.names)?;
-                let rows = row.map(Rows::from).into_iter();
+                let rows = row.map(TableRows::from).into_iter();
                 let is_first = matches!(self.first, FirstStop::Ahead) && LogTopics::network(message.topic).is_none();
                 if is_first {
                     self.first = FirstStop::Open { stop: stop.stop, owed: stop.receptions, rows: BTreeMap::new() };
@@ -183,7 +183,7 @@ impl Reading {
                 let stop = messages::SectorSnrsMessage::decode(message.data).map_err(|why| why.to_string())?;
                 let cells = stop.reports()?.map(|report| declared::cells_of_report(&report, &self.names)).collect();
                 let table = declared::network_table("sector_snrs", message.topic);
-                return Ok(vec![Rows { table, columns: declared::report_columns(), cells }]);
+                return Ok(vec![TableRows { table, columns: declared::report_columns(), cells }]);
             }
             _ => {}
         }
@@ -204,7 +204,7 @@ impl Reading {
         message: &Message<'_>,
         (table, columns): (String, Vec<TableColumn>),
         read: Vec<(u32, Vec<Cell>)>,
-    ) -> Vec<Rows> {
+    ) -> Vec<TableRows> {
         match &mut self.first {
             FirstStop::Open { owed, rows, .. } if LogTopics::network(message.topic).is_none() => {
                 *owed = owed.saturating_sub(u32::try_from(read.len()).unwrap_or(u32::MAX));
@@ -212,13 +212,13 @@ impl Reading {
                 if *owed == 0 { self.first_stop().into_iter().collect() } else { Vec::new() }
             }
             FirstStop::Ahead | FirstStop::Open { .. } | FirstStop::Passed => {
-                vec![Rows { table, columns, cells: read.into_iter().map(|(_, cells)| cells).collect() }]
+                vec![TableRows { table, columns, cells: read.into_iter().map(|(_, cells)| cells).collect() }]
             }
         }
     }
 
     /// The receptions at the first stop: a row for each node. A node that was not heard has one without a packet.
-    fn first_stop(&mut self) -> Option<Rows> {
+    fn first_stop(&mut self) -> Option<TableRows> {
         let FirstStop::Open { stop, mut rows, .. } = std::mem::replace(&mut self.first, FirstStop::Passed) else {
             return None;
         };
@@ -230,6 +230,6 @@ impl Reading {
         };
         let nodes = (0..).zip(&self.names);
         let cells = nodes.map(|(node, name)| rows.remove(&node).unwrap_or_else(|| silent(name))).collect();
-        Some(Rows { table: "receptions".to_owned(), columns, cells })
+        Some(TableRows { table: "receptions".to_owned(), columns, cells })
     }
 }

@@ -11,7 +11,7 @@ use super::error::MapLogError;
 use crate::measure::Dimensions;
 use sextant_kernel::text::{counted, listed};
 use sextant_logs::{self as robot_log, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
-use sextant_recording::{self as recording, Known, ORIGIN_METADATA, RecordedRun, SCENARIO_ATTACHMENT};
+use sextant_recording::{self as recording, MutualKnowledge, ORIGIN_METADATA, RecordedRun, SCENARIO_ATTACHMENT};
 
 /// A reception log and what is known with it.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ pub struct Input {
     /// What the user knows of the places of nodes.
     pub prior: Option<PlacePrior>,
     /// What the nodes know of each other, for maps that use it.
-    pub known: Known,
+    pub known: MutualKnowledge,
     /// Seed of the algorithms that use random numbers.
     pub seed: Seed,
     /// Notes on the log for the user.
@@ -102,7 +102,7 @@ impl Input {
             truth: None,
             true_dimensions: Dimensions::Space,
             prior: None,
-            known: Known::default(),
+            known: MutualKnowledge::default(),
             seed: Seed(1),
             notes,
             plane,

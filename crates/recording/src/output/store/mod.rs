@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 use super::identity::is_claimed;
 use super::{OutputError, write_file};
 use crate::disk::{self, DiskFile};
-use crate::foreign_folder::ForeignFolder;
+use crate::output::foreign_folder::ForeignFolder;
 use blocks::{Blocks, block};
 
 /// Begins the first line of a part.
@@ -151,7 +151,7 @@ impl Store {
         let unreadable = |why| StoreError::Read { path: path.to_owned(), why };
         let mut text = Cursor::new(self.foreign.read_text(path, LARGEST_PART).map_err(unreadable)?.into_bytes());
         let wall_s = self.head(path, &mut text)?;
-        Ok(PartRows(Rows::Finished { text, wall_s }))
+        Ok(PartRows(FoundRows::Finished { text, wall_s }))
     }
 
     fn unfinished(&self, path: &Path) -> Result<PartRows, StoreError> {
@@ -159,9 +159,9 @@ impl Store {
         let mut text = BufReader::new(self.foreign.open(path).map_err(unreadable)?);
         let rows = match self.head(path, &mut text) {
             // A power failure left the file without its first line, and so without a row.
-            Err(StoreError::Invalid { .. }) if self.is_cut_off(path).map_err(unreadable)? => Rows::None,
+            Err(StoreError::Invalid { .. }) if self.is_cut_off(path).map_err(unreadable)? => FoundRows::None,
             Err(error) => return Err(error),
-            Ok(_) => Rows::Unfinished(Blocks::new(text)),
+            Ok(_) => FoundRows::Unfinished(Blocks::new(text)),
         };
         Ok(PartRows(rows))
     }
@@ -287,10 +287,10 @@ impl UnfinishedPart {
 
 /// The rows of a part, as text. Those that were cut off are left out.
 #[derive(Debug)]
-pub struct PartRows(Rows);
+pub struct PartRows(FoundRows);
 
 #[derive(Debug)]
-enum Rows {
+enum FoundRows {
     None,
     Finished { text: Cursor<Vec<u8>>, wall_s: f64 },
     Unfinished(Blocks<BufReader<File>>),
@@ -301,9 +301,9 @@ impl PartRows {
     #[must_use]
     pub fn wall_s(&self) -> f64 {
         match &self.0 {
-            Rows::None => 0.0,
-            Rows::Finished { wall_s, .. } => *wall_s,
-            Rows::Unfinished(blocks) => blocks.wall_s,
+            FoundRows::None => 0.0,
+            FoundRows::Finished { wall_s, .. } => *wall_s,
+            FoundRows::Unfinished(blocks) => blocks.wall_s,
         }
     }
 }
@@ -311,9 +311,9 @@ impl PartRows {
 impl Read for PartRows {
     fn read(&mut self, octets: &mut [u8]) -> io::Result<usize> {
         match &mut self.0 {
-            Rows::None => Ok(0),
-            Rows::Finished { text, .. } => text.read(octets),
-            Rows::Unfinished(blocks) => blocks.read(octets),
+            FoundRows::None => Ok(0),
+            FoundRows::Finished { text, .. } => text.read(octets),
+            FoundRows::Unfinished(blocks) => blocks.read(octets),
         }
     }
 }

@@ -1,0 +1,375 @@
+//! From packets and the paths of robots to a reception log.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use sextant_channel::{Contact, Reception, ReceptionLogBuilder, Stop};
+use sextant_kernel::{NodeId, RobotId, SimTime};
+
+use super::cover::{self, Cover};
+use super::gathered::Gathered;
+use super::heard::{HeardPackets, reception};
+use super::interval::{Gaps, Intervals, intervals};
+use super::packet::Packet;
+use super::rssi_check::RssiCheck;
+use super::sending::{self, MOST_SENT};
+use super::signal::Signal;
+use super::strengths::{Report, Strengths};
+use crate::doctor::{self, ClockOffset, Finding, Samples};
+use crate::error::robot_log_error::RobotLogError;
+use crate::options::packet_delay::PacketDelay;
+use crate::options::read_options::{ReadOptions, StopRule};
+use crate::path::robot_path::Path;
+use crate::path::slot::{self, Slot};
+use crate::place::local_plane::LocalPlane;
+use crate::robot_log::RobotLog;
+use crate::time::instant;
+
+/// Most pairs of a node and a stop that are listed although nothing was heard. Above it, an absent pair counts as one missed
+/// packet.
+pub(crate) const MOST_SILENT_PAIRS: usize = 4_000_000;
+
+/// Makes a reception log of packets and the paths of the robots that heard them. Each path is cut into stops. Memory grows
+/// with the pairs of a node and a stop, not with the packets.
+///
+/// The packets that a node sent at a stop are counted from the times at which it was heard and from its sending interval:
+/// between two packets that were heard, as many were lost as intervals fit in. At a stop at which it sent none there is no
+/// evidence (0 of 0). If the interval of a node is unknown, a stop counts as one packet, which was received if any was.
+///
+/// ```
+/// use sextant_logs::{Gatherer, Packet, Path, Pose, ReadOptions, StopRule};
+/// use sextant_channel::Position;
+/// use sextant_kernel::SimTime;
+///
+/// let at = |second: u64| SimTime::from_nanos(second * 1_000_000_000);
+/// let pose = |second, x_m| Pose { time: at(second), position: Position::new(x_m, 0.0, 0.0) };
+/// let path = Path::new(vec![pose(0, 0.0), pose(10, 10.0)])?;
+/// let every = StopRule::Distance(2.0);
+/// let options = ReadOptions { stop_every: every, packet_interval_s: Some(1.0), ..ReadOptions::default() };
+/// let mut gatherer = Gatherer::new(path, &options)?;
+/// for second in [1, 2, 4] {
+///     gatherer.take(Packet::new(at(second), "lamp"))?;
+/// }
+/// let log = gatherer.finish()?.log;
+/// assert_eq!(log.stops().len(), 5);
+/// let counts: Vec<_> = log.receptions().iter().map(|r| (r.received, r.sent)).collect();
+/// assert_eq!(counts, [(1, 2), (1, 2), (1, 2), (0, 2), (0, 3)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Gatherer {
+    tracks: Vec<RobotTrack>,
+    robots: Vec<String>,
+    stops: Vec<Stop>,
+    contacts: Vec<Contact>,
+    interval: Option<Duration>,
+    names: Vec<String>,
+    nodes: BTreeMap<String, u32>,
+    heard: Gathered<HeardPackets>,
+    cover: Cover,
+    strengths: Strengths,
+    /// What is taken off the times of packets (s).
+    delay_s: f64,
+    rssi: RssiCheck,
+    samples: Samples,
+    notes: Vec<String>,
+    findings: Vec<Finding>,
+    /// The plane of the places, if they are given by latitude and longitude.
+    plane: Option<LocalPlane>,
+}
+
+/// A robot: its path, cut into slots.
+#[derive(Clone, Debug)]
+struct RobotTrack {
+    path: Path,
+    slots: Vec<Slot>,
+    /// The stop of each slot.
+    stops: Vec<u32>,
+    /// The gaps between the packets of each node.
+    gaps: Vec<Gaps>,
+}
+
+impl Gatherer {
+    /// A gatherer for the packets of one robot, which drove `path`.
+    ///
+    /// # Errors
+    /// If the path would have too many stops.
+    pub fn new(path: Path, options: &ReadOptions) -> Result<Self, RobotLogError> {
+        Self::of_robots(vec![path], Vec::new(), options)
+    }
+
+    /// A gatherer for the packets of several robots: the path of each by its number, and their names, or no names.
+    ///
+    /// # Errors
+    /// If a path would have too many stops.
+    pub fn of_robots(paths: Vec<Path>, robots: Vec<String>, options: &ReadOptions) -> Result<Self, RobotLogError> {
+        let mut gatherer = Self {
+            tracks: Vec::new(),
+            robots,
+            stops: Vec::new(),
+            contacts: Vec::new(),
+            interval: options.packet_interval_s.map(Duration::from_secs_f64),
+            names: Vec::new(),
+            nodes: BTreeMap::new(),
+            heard: Gathered::new(),
+            cover: Cover::default(),
+            strengths: Strengths::of(&options.form),
+            delay_s: match options.repair.packet_delay {
+                PacketDelay::Seconds(delay_s) => delay_s,
+                PacketDelay::Estimated => 0.0,
+            },
+            rssi: RssiCheck::new(&options.repair.rssi_missing),
+            samples: Samples::default(),
+            notes: Vec::new(),
+            findings: Vec::new(),
+            plane: None,
+        };
+        for path in paths {
+            let (slots, rule) = slot::cut(&path, options.stop_every).ok_or(RobotLogError::TooManyStops)?;
+            gatherer.note_path(&path, slots.len(), rule);
+            gatherer.tracks.push(RobotTrack { path, slots, stops: Vec::new(), gaps: Vec::new() });
+        }
+        gatherer.number_stops();
+        Ok(gatherer)
+    }
+
+    /// The same with places where robots met obstacles.
+    #[must_use]
+    pub(crate) fn with_contacts(self, contacts: Vec<Contact>) -> Self {
+        Self { contacts, ..self }
+    }
+
+    /// The same of places in the plane of latitudes and longitudes, if `plane` is one.
+    #[must_use]
+    pub(crate) fn with_plane(self, plane: Option<LocalPlane>) -> Self {
+        Self { plane, ..self }
+    }
+
+    fn note_path(&mut self, path: &Path, stops: usize, rule: StopRule) {
+        let number = self.tracks.len();
+        let whose = match self.robots.get(number) {
+            Some(name) => format!("the path of robot `{name}`"),
+            None => "the path".to_owned(),
+        };
+        let each = match rule {
+            StopRule::Distance(distance_m) => format!(", one each {distance_m} m"),
+            StopRule::Time(span) => format!(", one each {} s", span.as_secs_f64()),
+            StopRule::Automatic => String::new(),
+        };
+        self.notes.push(format!("{whose} is cut into {stops} stops{each} (option `stop_every` sets it)"));
+        if path.late() > 0 {
+            let late = path.late();
+            self.notes.push(format!("{whose} has {late} poses that are late by at most 1 s; they were put in order"));
+        }
+    }
+
+    /// Numbers the slots of all robots in the order of time.
+    fn number_stops(&mut self) {
+        let slots = |robot: usize| (0..self.tracks[robot].slots.len()).map(move |slot| (robot, slot));
+        let mut order: Vec<(usize, usize)> = (0..self.tracks.len()).flat_map(slots).collect();
+        order.sort_by_key(|&(robot, slot)| self.tracks[robot].slots[slot].start);
+        for (robot, slot) in order {
+            let Slot { start, position, .. } = self.tracks[robot].slots[slot];
+            let number = u32::try_from(self.stops.len()).expect("at most a million stops a robot");
+            self.tracks[robot].stops.push(number);
+            self.stops.push(Stop { robot: RobotId::from_index(robot), time: start, position, heading_rad: None });
+        }
+    }
+
+    /// Takes a packet; packets may come in any order. All packets of all sources pass here, so that their times and strengths
+    /// are corrected in one place. A packet outside of the path of its robot, or in a gap of it, is
+    /// counted and not placed.
+    ///
+    /// # Errors
+    /// If the name of the node is empty, a level is not finite, or there is no such robot.
+    pub fn take(&mut self, packet: Packet<'_>) -> Result<(), RobotLogError> {
+        let refused = |problem: &str| RobotLogError::Packet { time: packet.time, problem: problem.to_owned() };
+        if packet.node.is_empty() {
+            return Err(refused("it has no name of a node"));
+        }
+        if [packet.rssi_dbm, packet.snr_db].iter().flatten().any(|level| !level.is_finite()) {
+            return Err(refused("its signal strength or signal-to-noise ratio is not a finite number"));
+        }
+        let node = self.node(packet.node);
+        let report = self.strengths.take(self.rssi.take(packet.rssi_dbm), packet.snr_db);
+        let Some(time) = instant::shifted(packet.time, -self.delay_s) else {
+            self.cover.take(SimTime::ZERO, Duration::ZERO);
+            self.cover.before += 1;
+            return Ok(());
+        };
+        let Some(track) = self.tracks.get_mut(packet.robot.index()) else {
+            return Err(refused("the robot that heard it has no path"));
+        };
+        if track.gaps.len() <= node as usize {
+            track.gaps.resize_with(node as usize + 1, Gaps::default);
+        }
+        let back = track.gaps[node as usize].heard(time);
+        self.cover.take(time, back);
+        if let Report::Heard(rssi_dbm) = report {
+            self.samples.take(node, packet.robot, time, rssi_dbm);
+        }
+        let (start, end) = track.path.span();
+        let slot = track.slots.partition_point(|slot| slot.end <= time);
+        match track.slots.get(slot).filter(|slot| slot.start <= time) {
+            Some(_) => {
+                let (received, signal) = match report {
+                    Report::Heard(rssi_dbm) => (1, Signal::new(1, packet.sector, rssi_dbm, packet.snr_db)),
+                    Report::Noise => (0, Signal::NONE),
+                };
+                self.heard.push(HeardPackets {
+                    node,
+                    stop: track.stops[slot],
+                    received,
+                    missed: 1 - received,
+                    signal,
+                    first: time,
+                    last: time,
+                });
+            }
+            None if time < start => self.cover.before += 1,
+            None if time > end => self.cover.after += 1,
+            None => self.cover.in_gaps += 1,
+        }
+        Ok(())
+    }
+
+    fn node(&mut self, name: &str) -> u32 {
+        if let Some(&node) = self.nodes.get(name) {
+            return node;
+        }
+        let node = NodeId::from_index(self.names.len()).0;
+        self.names.push(name.to_owned());
+        self.nodes.insert(name.to_owned(), node);
+        node
+    }
+
+    /// The log of all packets.
+    ///
+    /// # Errors
+    /// If there were no packets, or none on the path.
+    pub fn finish(mut self) -> Result<RobotLog, RobotLogError> {
+        self.cover.check(self.tracks.iter().map(|track| &track.path), &mut self.notes)?;
+        self.strengths.finish(&mut self.notes)?;
+        self.notes.extend(self.rssi.note());
+        self.findings.extend(self.rssi.findings());
+        let clock = self.clock();
+        let intervals = self.intervals();
+        let pairs = self.names.len().saturating_mul(self.stops.len());
+        let lists_silent = pairs <= MOST_SILENT_PAIRS;
+        if !lists_silent && intervals.of.iter().any(Option::is_some) {
+            self.notes.push(format!(
+                "{pairs} pairs of a node and a stop are too many to list (at most {MOST_SILENT_PAIRS}): at a stop without \
+                 a packet, a node counts as one missed packet"
+            ));
+        }
+        let (heard, _) = std::mem::replace(&mut self.heard, Gathered::new()).finish();
+        let mut receptions = ReceptionLogBuilder::default();
+        let mut sent = vec![0; self.stops.len()];
+        for of_node in heard.chunk_by(|a, b| a.node == b.node) {
+            let node = NodeId(of_node[0].node);
+            let interval = intervals.of[node.index()];
+            if let Some(interval) = interval {
+                self.count_sent(of_node, interval, &mut sent)?;
+            }
+            let mut pairs = of_node.chunk_by(|a, b| a.stop == b.stop).peekable();
+            for (stop, &sent) in (0..).zip(&sent) {
+                match pairs.next_if(|pair| pair[0].stop == stop) {
+                    Some(pair) => receptions.push(reception(pair, interval.map(|_| sent))),
+                    // 0 of 1 means the same as an absent pair.
+                    None if interval.is_some() && lists_silent && sent != 1 => {
+                        receptions.push(silent(node, stop, sent))
+                    }
+                    None => {}
+                }
+            }
+        }
+        let log = receptions
+            .build(self.names, self.stops, self.contacts)
+            .and_then(|log| log.with_robots(self.robots))
+            .map_err(RobotLogError::Invalid)?;
+        let usual_stop = usual_stop(self.tracks.iter().flat_map(|track| &track.slots));
+        let usual = usual_stop.zip(intervals.told.map(|told| told.median).or(self.interval));
+        let of_paths = doctor::of_paths(self.tracks.iter().map(|track| &track.path), &log, self.plane.as_ref());
+        self.findings.splice(0..0, of_paths);
+        self.findings.extend(doctor::listening::finding(&log, usual));
+        Ok(RobotLog { log, plane: self.plane, notes: self.notes, findings: self.findings, clock })
+    }
+
+    /// How late the packets are; a finding if they clearly are.
+    fn clock(&mut self) -> Option<ClockOffset> {
+        let paths: Vec<&Path> = self.tracks.iter().map(|track| &track.path).collect();
+        let clock = doctor::offset(&self.samples, &paths)?;
+        self.findings.extend(clock.finding());
+        Some(clock)
+    }
+
+    /// How many packets the node of the rows `heard` sent at each stop.
+    fn count_sent(&self, heard: &[HeardPackets], interval: Duration, sent: &mut [u32]) -> Result<(), RobotLogError> {
+        let mut times: Vec<SimTime> = heard.iter().flat_map(|row| [row.first, row.last]).collect();
+        times.sort_unstable();
+        times.dedup();
+        let (from, to) = cover::span(self.tracks.iter().map(|track| &track.path));
+        for track in &self.tracks {
+            let mut counts = vec![0; track.slots.len()];
+            sending::count(&track.slots, &mut counts, &times, interval, from, to);
+            for ((&stop, slot), count) in track.stops.iter().zip(&track.slots).zip(counts) {
+                let fits = u32::try_from(count).ok().filter(|&count| count <= MOST_SENT);
+                sent[stop as usize] = fits.ok_or_else(|| RobotLogError::TooManySent {
+                    node: self.names[heard[0].node as usize].clone(),
+                    stop,
+                    span: slot.end.saturating_since(slot.start),
+                    interval,
+                    sent: count,
+                    most: MOST_SENT,
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The sending interval of each node.
+    fn intervals(&mut self) -> Intervals {
+        if let Some(interval) = self.interval {
+            return Intervals { of: vec![Some(interval); self.names.len()], told: None };
+        }
+        let mut gaps = vec![Gaps::default(); self.names.len()];
+        for track in &mut self.tracks {
+            for (all, own) in gaps.iter_mut().zip(std::mem::take(&mut track.gaps)) {
+                all.add(own);
+            }
+        }
+        let found = intervals(&gaps);
+        let nodes = self.names.len();
+        let unknown = found.of.iter().filter(|interval| interval.is_none()).count();
+        if let Some(told) = found.told {
+            let span = |span: Duration| format!("{} s", instant::format_span(span));
+            self.notes.push(format!(
+                "the nodes send every {} (median; {} to {}), as the gaps between the packets of {} of {nodes} nodes tell \
+                 (option `packet_interval` sets it)",
+                span(told.median),
+                span(told.shortest),
+                span(told.longest),
+                told.nodes
+            ));
+        }
+        if unknown > 0 {
+            self.notes.push(format!(
+                "how often {unknown} of {nodes} nodes send cannot be told from the gaps between their packets: each stop counts \
+                 as one packet of theirs, received if any was (option `packet_interval` sets the interval)"
+            ));
+        }
+        found
+    }
+}
+
+/// The median length of `slots`.
+fn usual_stop<'a>(slots: impl Iterator<Item = &'a Slot>) -> Option<Duration> {
+    let mut spans: Vec<Duration> = slots.map(|slot| slot.end.saturating_since(slot.start)).collect();
+    let middle = spans.len() / 2;
+    (!spans.is_empty()).then(|| *spans.select_nth_unstable(middle).1)
+}
+
+/// Nothing heard of `sent` packets.
+pub(crate) fn silent(node: NodeId, stop: u32, sent: u32) -> Reception {
+    Reception { node, stop, received: 0, sent, sector: None, rssi_dbm: None, snr_db: None }
+}

@@ -1,0 +1,135 @@
+//! How often a node sends, from the times of the packets that were heard.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use sextant_kernel::SimTime;
+
+/// The gaps between the packets of a node that were heard one after the other. Memory does not grow with packets.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Gaps {
+    latest: Option<SimTime>,
+    bins: BTreeMap<u16, Bin>,
+}
+
+/// Gaps of about one length.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bin {
+    count: u64,
+    sum_ns: u128,
+}
+
+impl Bin {
+    fn mean_ns(&self) -> f64 {
+        self.sum_ns as f64 / self.count as f64
+    }
+}
+
+/// Shorter gaps are between copies of one packet.
+const SHORTEST_NS: u64 = 1_000_000;
+
+/// The interval of a node with fewer gaps is not estimated from them.
+const FEWEST_GAPS: u64 = 5;
+
+impl Gaps {
+    /// Notes that a packet was heard at a time. Returns how much earlier that is than the latest one.
+    pub(crate) fn heard(&mut self, time: SimTime) -> Duration {
+        let latest = self.latest.unwrap_or(time);
+        let gap_ns = time.as_nanos().saturating_sub(latest.as_nanos());
+        self.latest = Some(latest.max(time));
+        if gap_ns >= SHORTEST_NS {
+            let bin = self.bins.entry(bin_of(gap_ns)).or_default();
+            bin.count += 1;
+            bin.sum_ns += u128::from(gap_ns);
+        }
+        latest.saturating_since(time)
+    }
+
+    /// Adds the gaps that another robot heard.
+    pub(crate) fn add(&mut self, other: Self) {
+        for (width, bin) in other.bins {
+            let own = self.bins.entry(width).or_default();
+            own.count += bin.count;
+            own.sum_ns += bin.sum_ns;
+        }
+    }
+
+    /// The time between two packets of the node, lost ones included, if it sends at regular times and was heard often
+    /// enough.
+    ///
+    /// Of a node that sends at regular times, each gap is a multiple of the interval, and the interval itself is the most
+    /// frequent gap, whatever share of the packets is lost independently. So the most frequent gap (to ± 20 %) is the
+    /// interval under three conditions. Three quarters of the gaps up to 4.5 intervals are multiples of it to ± 15 %
+    /// of the interval. Three tenths of them are the interval itself. At most three tenths of all gaps are longer
+    /// than 4.5 intervals, as they would be if packets came in bursts.
+    pub(crate) fn interval(&self) -> Option<Duration> {
+        let bins: Vec<(f64, u64)> = self.bins.values().map(|bin| (bin.mean_ns(), bin.count)).collect();
+        let count = |from_ns: f64, to_ns: f64| -> u64 {
+            let from = bins.partition_point(|&(gap_ns, _)| gap_ns < from_ns);
+            let to = bins.partition_point(|&(gap_ns, _)| gap_ns <= to_ns);
+            bins[from..to.max(from)].iter().map(|&(_, count)| count).sum()
+        };
+        let near = |gap_ns: f64| count(0.8 * gap_ns, 1.2 * gap_ns);
+        let (peak_ns, _) =
+            bins.iter().copied().reduce(|best, bin| if near(bin.0) > near(best.0) { bin } else { best })?;
+        let mut interval_ns = peak_ns;
+        for _ in 0..2 {
+            let around: Vec<&Bin> =
+                self.bins.values().filter(|bin| (bin.mean_ns() / interval_ns - 1.0).abs() <= 0.15).collect();
+            let total: u64 = around.iter().map(|bin| bin.count).sum();
+            let sum_ns: u128 = around.iter().map(|bin| bin.sum_ns).sum();
+            interval_ns = if total == 0 { return None } else { sum_ns as f64 / total as f64 };
+        }
+        let all = count(0.0, f64::INFINITY);
+        let short = count(0.0, 4.5 * interval_ns);
+        let multiple = |m: u32| count((f64::from(m) - 0.15) * interval_ns, (f64::from(m) + 0.15) * interval_ns);
+        let multiples: u64 = (1..=4).map(multiple).sum();
+        let long = count(4.5 * interval_ns, f64::INFINITY);
+        let is_regular = short >= FEWEST_GAPS
+            && 4 * multiples >= 3 * short
+            && 10 * multiple(1) >= 3 * short
+            && 10 * long <= 3 * all;
+        is_regular.then(|| Duration::from_secs_f64(interval_ns * 1e-9))
+    }
+}
+
+/// The number of the bin of a gap: its highest bit and the six bits below it, so bins are at most 1.6 % wide.
+fn bin_of(gap_ns: u64) -> u16 {
+    let highest = gap_ns.ilog2();
+    let fraction = (gap_ns << gap_ns.leading_zeros() << 1) >> 58;
+    u16::try_from(u64::from(highest) * 64 + fraction).expect("64 highest bits, 64 fractions")
+}
+
+/// The intervals of nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Intervals {
+    /// Of each node, if it is known.
+    pub(crate) of: Vec<Option<Duration>>,
+    /// The shortest, the median and the longest of the nodes whose own gaps tell it, and how many these are.
+    pub(crate) told: Option<CommonInterval>,
+}
+
+/// What the gaps of nodes tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CommonInterval {
+    pub(crate) nodes: usize,
+    pub(crate) shortest: Duration,
+    pub(crate) median: Duration,
+    pub(crate) longest: Duration,
+}
+
+/// The interval of each node from its gaps. A node whose gaps do not tell it has the median of the others, if those
+/// agree to ± 10 %.
+pub(crate) fn intervals(gaps: &[Gaps]) -> Intervals {
+    let of: Vec<Option<Duration>> = gaps.iter().map(Gaps::interval).collect();
+    let mut known: Vec<Duration> = of.iter().copied().flatten().collect();
+    known.sort_unstable();
+    let (Some(&shortest), Some(&longest)) = (known.first(), known.last()) else {
+        return Intervals { of, told: None };
+    };
+    let median = known[(known.len() - 1) / 2];
+    let agree = shortest >= median.mul_f64(0.9) && longest <= median.mul_f64(1.1);
+    let common = agree.then_some(median);
+    let told = CommonInterval { nodes: known.len(), shortest, median, longest };
+    Intervals { of: of.into_iter().map(|own| own.or(common)).collect(), told: Some(told) }
+}

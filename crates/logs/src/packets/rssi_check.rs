@@ -1,0 +1,55 @@
+//! The signal strengths of a log as they are read.
+
+use crate::doctor::{self, Finding, Levels};
+
+/// Takes signal strengths as they are read: counts them, and leaves out the values that stand for none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RssiCheck {
+    /// Values that the user says are no measurements (dBm).
+    missing: Vec<f64>,
+    levels: Levels,
+    left_out: u64,
+}
+
+/// A strength is one of the missing values if it differs from it by less (dB).
+const SAME_DB: f64 = 1e-6;
+
+impl RssiCheck {
+    /// A check of which the values `missing` (dBm) are no measurements.
+    pub(crate) fn new(missing: &[f64]) -> Self {
+        Self { missing: missing.to_vec(), ..Self::default() }
+    }
+
+    /// The strength, if it was measured (dBm).
+    pub(crate) fn take(&mut self, rssi_dbm: Option<f64>) -> Option<f64> {
+        let level = rssi_dbm?;
+        if self.is_missing(level) {
+            self.left_out += 1;
+            return None;
+        }
+        self.levels.take(level);
+        Some(level)
+    }
+
+    /// Whether a strength (dBm) stands for none.
+    pub(crate) fn is_missing(&self, level: f64) -> bool {
+        self.missing.iter().any(|missing| (missing - level).abs() < SAME_DB)
+    }
+
+    /// What the user should know of those that were left out.
+    pub(crate) fn note(&self) -> Option<String> {
+        let values: Vec<String> = self.missing.iter().map(|value| format!("{value} dBm")).collect();
+        let left_out = self.left_out;
+        (!values.is_empty()).then(|| {
+            format!(
+                "{left_out} signal strengths of {} count as not measured (option `rssi_missing`)",
+                values.join(" or ")
+            )
+        })
+    }
+
+    /// What is odd of the others.
+    pub(crate) fn findings(&self) -> Vec<Finding> {
+        doctor::of_levels(&self.levels)
+    }
+}

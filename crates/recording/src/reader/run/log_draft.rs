@@ -1,0 +1,245 @@
+//! The reception log of one network while it is read.
+
+use sextant_channel::{Reception, ReceptionLogBuilder, SectorConfig, SectorTable, Stop};
+use sextant_kernel::NodeId;
+
+use super::Stream;
+use crate::messages;
+
+/// The reception log of one network that is being read.
+#[derive(Default)]
+pub(super) struct LogDraft {
+    pub(super) stops: Vec<Stop>,
+    pub(super) receptions: ReceptionLogBuilder,
+    /// The sectors; `None` if there are none.
+    pub(super) sectors: Option<SectorTable>,
+    /// Number of receptions of the last stop that are still missing.
+    owed: u32,
+    /// Receptions of the last stop that wait for those.
+    waiting: Vec<Reception>,
+}
+
+impl LogDraft {
+    pub(super) fn add_stop(&mut self, message: &messages::StopMessage, stop: Stop) -> Result<(), String> {
+        self.settled()?;
+        if message.stop as usize != self.stops.len() {
+            return Err(format!("found stop {}; expected: stop {}", message.stop, self.stops.len()));
+        }
+        self.owed = message.receptions;
+        self.stops.push(stop);
+        Ok(())
+    }
+
+    pub(super) fn add_sector(&mut self, message: messages::SectorMessage) -> Result<(), String> {
+        let known = self.sectors.take().unwrap_or_default();
+        if known.gains().is_some() {
+            return Err(format!("sector {} comes after the gains of all sectors", message.sector));
+        }
+        let sectors = known.iter().cloned().chain([SectorConfig::try_from(message)?]);
+        self.sectors = Some(SectorTable::new(sectors).map_err(|why| why.to_string())?);
+        Ok(())
+    }
+
+    pub(super) fn add_gains(&mut self, message: &messages::SectorGainsMessage) -> Result<(), String> {
+        let table = self.sectors.take().unwrap_or_default();
+        self.sectors = Some(table.with_gains(message.gains()?).map_err(|why| why.to_string())?);
+        Ok(())
+    }
+
+    /// The reception of a message, which its stop has announced.
+    pub(super) fn reception(&mut self, message: &messages::ReceptionMessage) -> Result<Reception, String> {
+        self.settle(1)?;
+        let sector = message.sector.map(|sector| {
+            u8::try_from(sector).map_err(|_| format!("node {}: sector {sector}; allowed: 0 to 255", message.node))
+        });
+        Ok(Reception {
+            node: NodeId(message.node),
+            stop: message.stop,
+            received: message.received,
+            sent: message.sent,
+            sector: sector.transpose()?,
+            rssi_dbm: message.rssi_dbm,
+            snr_db: message.snr_db,
+        })
+    }
+
+    /// Passes a reception on as soon as those of its stop are complete: an incomplete stop is not part of the log.
+    pub(super) fn pass(&mut self, reception: Reception, stream: &mut Stream<'_>) -> Result<(), String> {
+        self.waiting.push(reception);
+        if self.owed > 0 {
+            return Ok(());
+        }
+        for reception in self.waiting.drain(..) {
+            let known = self.stops.get(reception.stop as usize);
+            let stop =
+                known.ok_or_else(|| format!("a reception names stop {}, which was not before it", reception.stop))?;
+            if let Err(why) = (stream.take)(reception, stop) {
+                let text = why.to_string();
+                stream.failed = Some(why);
+                return Err(text);
+            }
+        }
+        Ok(())
+    }
+
+    /// So many of the receptions that the last stop has announced are here.
+    pub(super) fn settle(&mut self, receptions: usize) -> Result<(), String> {
+        let count = u32::try_from(receptions).unwrap_or(u32::MAX);
+        self.owed = self.owed.checked_sub(count).ok_or("more receptions than their stop has announced")?;
+        Ok(())
+    }
+
+    fn settled(&self) -> Result<(), String> {
+        if self.owed == 0 {
+            return Ok(());
+        }
+        Err(format!("{} receptions are missing before stop {}", self.owed, self.stops.len()))
+    }
+
+    /// Removes the last stop if it is incomplete. Returns the number of removed stops.
+    pub(super) fn cut_last_stop(&mut self) -> usize {
+        if self.owed == 0 {
+            return 0;
+        }
+        self.stops.pop();
+        self.receptions.forget_from(u32::try_from(self.stops.len()).unwrap_or(u32::MAX));
+        1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use sextant_channel::{ListenerAntennaConfig, Position, ReceptionLog, SectorGains, SectorReport, SectorTable};
+    use sextant_kernel::{Files, RobotId, SimTime, Unwatched};
+
+    use super::*;
+    use crate::Recorder;
+    use crate::TablePiece;
+    use crate::read_log;
+    use crate::read_tables;
+    use crate::stream_log;
+
+    const BOOK: &str = "code_book.azimuths_deg = [-120, 0, 120]\ncode_book.elevations_deg = [0]\n\
+        code_book.sectors = [{ sector = 2, gain_dbi = [[1.1, 2.2, -3.3]] }, { sector = 9, gain_dbi = [[-4, 0.1, 7]] }]";
+
+    fn gains(text: &str) -> SectorGains {
+        let config: ListenerAntennaConfig = toml::from_str(text).unwrap();
+        SectorGains::read(&config, &Files::default()).unwrap()
+    }
+
+    /// 40 stops, at each of which each of three nodes was heard; two of them report both sectors.
+    fn log() -> ReceptionLog {
+        let stop = |i: u32| Stop {
+            robot: RobotId(0),
+            time: SimTime::from_nanos(u64::from(i) * 1_000_000_000),
+            position: Position::new(f64::from(i), 0.0, 0.0),
+            heading_rad: None,
+        };
+        let heard = |i: u32| Reception {
+            node: NodeId(i % 3),
+            stop: i / 3,
+            received: 1,
+            sent: 1,
+            sector: Some(if i.is_multiple_of(2) { 2 } else { 9 }),
+            rssi_dbm: None,
+            snr_db: Some(3.25),
+        };
+        let reports = (0..120).filter(|i| i % 3 > 0).flat_map(|i| {
+            [2, 9].map(|sector| {
+                let snr_db = f64::from(i) / 8.0 - f64::from(sector);
+                SectorReport { node: NodeId(i % 3), stop: i / 3, sector, snr_db }
+            })
+        });
+        let names = ["a", "b", "c"].map(str::to_owned).to_vec();
+        ReceptionLog::new(names, (0..40).map(stop).collect(), (0..120).map(heard).collect(), Vec::new())
+            .and_then(|log| log.with_robots(vec!["surveyor".to_owned()]))
+            .and_then(|log| log.with_sectors(SectorTable::from(gains(BOOK))))
+            .and_then(|log| log.with_sector_snrs(reports.collect()))
+            .unwrap()
+    }
+
+    fn recorded(log: &ReceptionLog, is_compact: bool) -> Vec<u8> {
+        let mut recorder = Recorder::new(Vec::new(), Path::new("a.mcap")).unwrap();
+        if is_compact {
+            recorder.make_compact("less", "recording.detail=full").unwrap();
+        }
+        recorder.log(log).unwrap();
+        recorder.into_output().unwrap()
+    }
+
+    #[test]
+    fn gains_and_ratios_of_all_sectors_are_read_back_equal() {
+        let folder = tempfile::tempdir().unwrap();
+        for is_compact in [false, true] {
+            let path = folder.path().join("a.mcap");
+            std::fs::write(&path, recorded(&log(), is_compact)).unwrap();
+            let run = read_log(&path).unwrap();
+            assert_eq!(*run.log(), log());
+            assert!(!run.leaves_out_sector_snrs);
+            let mut receptions = Vec::new();
+            let streamed = stream_log(&path, None, &mut |reception, _| {
+                receptions.push(reception);
+                Ok(())
+            });
+            let streamed = streamed.unwrap();
+            assert!(streamed.leaves_out_sector_snrs && receptions.len() == 120);
+            assert_eq!(streamed.log().sectors(), log().sectors());
+        }
+    }
+
+    #[test]
+    fn ratios_are_a_table_and_the_antenna_is_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
+        std::fs::write(&path, recorded(&log(), false)).unwrap();
+        let (mut rows, mut files) = (Vec::new(), Vec::new());
+        let left_out = read_tables(&path, &mut |piece| {
+            match piece {
+                TablePiece::Row(row) if row.table == "sector_snrs" => {
+                    let header: Vec<_> = row.columns.iter().map(|column| column.name.to_string()).collect();
+                    assert_eq!(header, ["node", "stop", "sector", "snr_db"]);
+                    rows.push(row.cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(","));
+                }
+                TablePiece::Row(_) => {}
+                TablePiece::Attachment { name, data } => {
+                    files.push((name.to_owned(), String::from_utf8(data.to_vec()).unwrap()));
+                }
+            }
+            Ok(())
+        });
+        assert!(left_out.unwrap().topics.is_empty());
+        assert_eq!((rows.len(), rows[0].as_str(), rows[1].as_str()), (160, "b,0,2,-1.875", "b,0,9,-8.875"));
+        let [(name, text)] = files.as_slice() else { panic!("{files:?}") };
+        assert_eq!((name.as_str(), gains(text)), ("antenna.toml", gains(BOOK)));
+    }
+
+    #[test]
+    fn a_recording_that_was_cut_loses_whole_stops_only() {
+        let whole = recorded(&log(), false);
+        let folder = tempfile::tempdir().unwrap();
+        let [broken, recovered] = ["broken.mcap", "recovered.mcap"].map(|name| folder.path().join(name));
+        for tenths in [6, 8, 9] {
+            std::fs::write(&broken, &whole[..whole.len() * tenths / 10]).unwrap();
+            crate::recover(&broken, &recovered, &Unwatched).unwrap();
+            let log = read_log(&recovered).unwrap().logs.first().clone();
+            let stops = log.stops().len();
+            assert!(stops > 0 && log.sector_reports().count() == 4 * stops, "{stops} stops");
+            std::fs::remove_file(&recovered).unwrap();
+        }
+    }
+
+    #[test]
+    fn sectors_that_do_not_agree_are_rejected() {
+        let mut draft = LogDraft::default();
+        let message = |text| messages::SectorGainsMessage::new(&gains(text)).unwrap();
+        let problem = draft.add_gains(&message("sectors.azimuth_sectors = 4")).unwrap_err();
+        assert!(problem.contains("0 to 3") && problem.contains("none"), "{problem}");
+        draft.sectors = Some(SectorTable::new(SectorTable::from(gains(BOOK)).iter().cloned()).unwrap());
+        draft.add_gains(&message(BOOK)).unwrap();
+        let more = SectorTable::from(gains("sectors.azimuth_sectors = 1"));
+        let sector = messages::SectorMessage::from(more.iter().next().unwrap());
+        assert!(draft.add_sector(sector).unwrap_err().contains("after the gains"));
+    }
+}
