@@ -1,6 +1,6 @@
 //! Axis-aligned boxes.
 
-use crate::Position;
+use crate::position::Position;
 
 /// A box whose edges are parallel to the axes of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]

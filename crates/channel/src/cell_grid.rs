@@ -1,6 +1,6 @@
 //! A grid of cubic cells, for spatial indices.
 
-use crate::Position;
+use crate::position::Position;
 
 /// Cubic cells over the bounds of some places, numbered from zero, x fastest. Places outside the bounds belong to the
 /// nearest cell.

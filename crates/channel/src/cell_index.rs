@@ -1,6 +1,7 @@
 //! Finding the points near a place.
 
-use crate::{CellGrid, Position};
+use crate::cell_grid::CellGrid;
+use crate::position::Position;
 
 /// Points sorted into cubic cells. The points of a cell are adjacent in memory.
 #[derive(Debug)]

@@ -2,9 +2,14 @@
 
 use sextant_kernel::{Seed, StationId};
 
+use crate::field::ObstacleField;
+use crate::law::ChannelLaw;
+use crate::path_budget::PathBudget;
+use crate::position::Position;
+use crate::power::{Db, Dbm, Milliwatts};
 use crate::rays::{Scatterers, Surroundings, straight};
 use crate::reflection::Ray;
-use crate::{ChannelLaw, Db, Dbm, Milliwatts, ObstacleField, PathBudget, Position, Shadowing};
+use crate::shadowing::Shadowing;
 
 /// A radio channel in a world of obstacles: `P_rx = P_tx - L(d) - L_obstacles + X` (thesis eq. 3.15).
 /// Reciprocal: every result is the same, bit for bit, if the two ends are exchanged.

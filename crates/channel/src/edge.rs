@@ -2,8 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::Position;
 use crate::path_loss::LIGHT_M_PER_S;
+use crate::position::Position;
 use crate::shape::Edge;
 
 /// The vertical edges of an obstacle.

@@ -190,7 +190,7 @@ mod tests {
     fn names_are_those_of_scenarios() {
         for environment in Environment::ALL {
             let text = format!("environment = \"{}\"", environment.name());
-            let config: crate::ChannelConfig = toml::from_str(&text).unwrap();
+            let config: crate::law::ChannelConfig = toml::from_str(&text).unwrap();
             assert_eq!(config.environment, Some(environment));
             assert!(!environment.source().is_empty());
         }

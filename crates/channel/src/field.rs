@@ -2,11 +2,15 @@
 
 use sextant_kernel::SettingError;
 
+use crate::bounds::Bounds;
 use crate::material::DB_PER_NEPER;
+use crate::obstacle::Obstacle;
+use crate::path_budget::ObstacleLoss;
+use crate::position::Position;
+use crate::power::Db;
 use crate::shape::{LEVEL_M, Sweep};
 use crate::span::Span;
 use crate::tree::Tree;
-use crate::{Bounds, Db, Obstacle, ObstacleLoss, Position};
 
 /// The part of a straight line inside an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]

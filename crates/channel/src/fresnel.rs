@@ -48,7 +48,7 @@ impl Slab {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Material;
+    use crate::material::Material;
 
     fn half_space(re: f64, im: f64) -> Slab {
         Slab { permittivity: Complex { re, im }, thickness_m: f64::INFINITY }

@@ -3,7 +3,8 @@
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 
-use crate::{Bounds, Position};
+use crate::bounds::Bounds;
+use crate::position::Position;
 
 /// `p` as a vector.
 pub(crate) fn vector(p: Position) -> Vector {

@@ -4,11 +4,11 @@
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
+use crate::environment::Environment;
+use crate::path_loss::{CloseInConfig, LogDistance, LogDistanceConfig, PathLossConfig};
+use crate::power::{Db, Dbm};
 use crate::reflection::{ReflectionLaw, ReflectionsConfig};
-use crate::{
-    CloseInConfig, Db, Dbm, Environment, LogDistance, LogDistanceConfig, PathLossConfig, ShadowingConfig,
-    ShadowingLaw,
-};
+use crate::shadowing::{ShadowingConfig, ShadowingLaw};
 
 /// The radio channel as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,13 @@
 //! Flat faces that reflect: images in them, and what they do to fields.
 
 use crate::complex::Complex;
+use crate::field::ObstacleField;
 use crate::fresnel::Slab;
+use crate::obstacle::Obstacle;
+use crate::position::Position;
+use crate::power::Db;
 use crate::reflection::ReflectionLaw;
 use crate::shape::{Face, Facet, Plane};
-use crate::{Db, Obstacle, ObstacleField, Position};
 
 /// Carrier of materials in channels without one (GHz).
 pub(crate) const DEFAULT_CARRIER_GHZ: f64 = 2.45;

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
-use crate::{Db, Material, MeshConfig, Position, Shape, ShapeConfig};
+use crate::material::Material;
+use crate::position::Position;
+use crate::power::Db;
+use crate::shape::{MeshConfig, Shape, ShapeConfig};
 
 /// An obstacle as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of
 /// these and `loss_db`.

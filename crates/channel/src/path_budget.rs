@@ -1,6 +1,8 @@
 //! The loss between two places, item by item.
 
-use crate::{Db, Dbm, DistanceLoss, Milliwatts, Ray};
+use crate::path_loss::DistanceLoss;
+use crate::power::{Db, Dbm, Milliwatts};
+use crate::reflection::Ray;
 
 /// What the loss between two places consists of: [`Channel::budget`](crate::Channel::budget).
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,8 @@
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::{Db, GasConfig};
+use crate::gas::GasConfig;
+use crate::power::Db;
 
 /// Path loss as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

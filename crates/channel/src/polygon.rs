@@ -2,7 +2,7 @@
 
 use sextant_kernel::SettingError;
 
-use crate::Position;
+use crate::position::Position;
 
 /// The most corners that a polygon may have: its sides are checked in pairs.
 const MOST_CORNERS: usize = 10_000;

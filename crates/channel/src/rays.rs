@@ -4,10 +4,13 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use crate::complex::Complex;
 use crate::edge::{Corners, Detour, Side, knife_edge_loss_db};
+use crate::field::ObstacleField;
+use crate::law::ChannelLaw;
 use crate::mirror::{DEFAULT_CARRIER_GHZ, Field, Mirror, Surface, direction};
 use crate::path_loss::LIGHT_M_PER_S;
+use crate::position::Position;
+use crate::power::Db;
 use crate::reflection::{Polarisation, Ray, ReflectionLaw};
-use crate::{ChannelLaw, Db, ObstacleField, Position};
 
 /// Rays that lose more by their reflections count as none (dB).
 const MOST_LOSS_DB: f64 = 300.0;

@@ -14,7 +14,8 @@ use std::sync::Arc;
 
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
-use crate::{Position, SectorTable};
+use crate::position::Position;
+use crate::sector_table::SectorTable;
 pub use builder::ReceptionLogBuilder;
 use columns::Columns;
 pub use drive::Drive;

@@ -6,7 +6,8 @@ use sextant_kernel::SettingError;
 
 use crate::material::MaterialName;
 use crate::path_loss::LIGHT_M_PER_S;
-use crate::{Db, Position};
+use crate::position::Position;
+use crate::power::Db;
 
 /// Reflections as written in a scenario: off the flat faces of boxes, prisms, convex hulls and meshes that are solid.
 #[derive(Clone, Copy, Debug, PartialEq)]

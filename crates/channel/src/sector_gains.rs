@@ -6,11 +6,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
+use crate::antenna::{Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, Orientation, OrientationConfig};
+use crate::position::Position;
+use crate::sector::SectorDirections;
 use crate::turned_sectors::turned;
-use crate::{
-    Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, Orientation, OrientationConfig, Position,
-    SectorDirections,
-};
 
 /// The gains of the sectors of a listener in all directions, in the frame of the stops: its antenna and how it is turned
 /// there. What single antennas differ by from the pattern is not known to a mapper, so that it is not in here.

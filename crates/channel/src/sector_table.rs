@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use sextant_kernel::SettingError;
 
-use crate::sector::runs;
-use crate::{EvenSectorsConfig, SectorConfig, SectorDirections, SectorGains};
+use crate::sector::{EvenSectorsConfig, SectorConfig, SectorDirections, runs};
+use crate::sector_gains::SectorGains;
 
 /// The sectors of a listener, by their identities, with the gains of its antenna if they are known.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -7,8 +7,9 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Seed, SettingError, StationId};
 
+use crate::position::Position;
+use crate::power::Db;
 use crate::purpose;
-use crate::{Db, Position};
 
 /// Shadowing as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,8 +1,9 @@
 //! What is seen among obstacles.
 
+use crate::field::ObstacleField;
+use crate::position::Position;
 use crate::shape::{Gaze, LEVEL_M};
 use crate::span::Span;
-use crate::{ObstacleField, Position};
 
 /// Shares of a way that are nearer to each other than this are the same.
 const SAME_SHARE: f64 = 1e-13;

@@ -1,6 +1,7 @@
 //! Straight lines between two places, for the broad phase.
 
-use crate::{Bounds, Position};
+use crate::bounds::Bounds;
+use crate::position::Position;
 
 /// The straight line between two places, prepared for many tests against boxes.
 #[derive(Clone, Copy, Debug)]

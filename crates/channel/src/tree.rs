@@ -2,9 +2,10 @@
 
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 
+use crate::bounds::Bounds;
 use crate::glam::{aabb, position};
+use crate::position::Position;
 use crate::span::Span;
-use crate::{Bounds, Position};
 
 /// A hierarchy of the boxes of numbered objects. The order of its results depends only on the tree.
 #[derive(Clone, Debug, Default)]

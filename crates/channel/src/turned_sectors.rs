@@ -1,6 +1,8 @@
 //! The directions of the sectors of an antenna that is turned.
 
-use crate::{Antenna, Orientation, Position, SectorConfig, SectorDirections};
+use crate::antenna::{Antenna, Orientation};
+use crate::position::Position;
+use crate::sector::{SectorConfig, SectorDirections};
 
 /// Directions are sampled at so many degrees of azimuth and elevation.
 const STEP_DEG: f64 = 2.0;

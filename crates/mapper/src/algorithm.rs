@@ -4,13 +4,19 @@
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::{
-    AnyLog, ApitConfig, AutoConfig, CentroidConfig, DrMdsConfig, DvHopConfig, EstimatorSettings,
-    GaussianProcessConfig, JointConfig, LinkModelConfig, LogDistanceConfig, Mapper, MdsMapConfig, MlTmConfig, MmTm,
-    NtldvHopConfig, PacketCentroidConfig, ProfileSetting, RangingConfig, ReceiverSetting, RssGridConfig, RssMlConfig,
-    RssiCentroidConfig, SelfCalibratedConfig, SmacofConfig, StitchConfig, StrongestStopConfig, TpmConfig,
-    TriangleCentroidConfig, WeightedCentroidConfig,
+use crate::auto::AutoConfig;
+use crate::comparators::{
+    ApitConfig, CentroidConfig, DrMdsConfig, DvHopConfig, GaussianProcessConfig, LogDistanceConfig, MdsMapConfig,
+    NtldvHopConfig, PacketCentroidConfig, RssMlConfig, RssiCentroidConfig, SmacofConfig, StrongestStopConfig,
+    TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
 };
+use crate::estimator::{AnyLog, EstimatorSettings, Mapper, ProfileSetting, ReceiverSetting};
+use crate::grid_ml::{JointConfig, MlTmConfig, MmTm};
+use crate::link_model::LinkModelConfig;
+use crate::ranging::RangingConfig;
+use crate::rss_grid::RssGridConfig;
+use crate::self_calibrated::SelfCalibratedConfig;
+use crate::stitch::StitchConfig;
 
 /// One map to compute from the reception log, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,12 +7,17 @@ use std::sync::Arc;
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Unwatched, Watch};
 
-use crate::parts::map_parts;
-use crate::survey_frame::{Survey, in_survey};
-use crate::{
-    Axes, Comparable, EstimatorFindings, Knowledge, KnowledgeKind, LogParts, MapError, PartEstimator, PartsError,
-    PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile, Surface, TopologyMap,
-};
+use crate::comparable::Comparable;
+use crate::error::MapError;
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::parts::{LogParts, PartEstimator, PartsError, map_parts};
+use crate::posterior::PlacePrior;
+use crate::profile::{ProfileConfig, ReceptionProfile};
+use crate::ranging::RangingConfig;
+use crate::surface::Surface;
+use crate::survey_frame::{Axes, Survey, in_survey};
+use crate::topology_map::TopologyMap;
 
 /// An algorithm that maps the nodes of a log, with its settings.
 pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {

@@ -19,7 +19,10 @@ pub use pattern::{
 };
 pub use sectors::{AntennaSectorsConfig, Vertical};
 
-use crate::{Db, Position, SectorDirections, purpose};
+use crate::position::Position;
+use crate::power::Db;
+use crate::purpose;
+use crate::sector::SectorDirections;
 use code_book::CodeBook;
 use sectors::Sectors;
 

@@ -8,7 +8,7 @@ use super::clip::{Clip, GRAZE_M};
 use super::polytope::Plane;
 use super::surface::Surface;
 use super::{LEAST_SIZE_M, place, size};
-use crate::Position;
+use crate::position::Position;
 
 /// An upright box, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use sextant_kernel::SettingError;
 use super::clip::{Clip, GRAZE_M};
 use super::surface::Surface;
 use super::{place, thickness};
-use crate::Position;
+use crate::position::Position;
 
 /// An upright cylinder, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

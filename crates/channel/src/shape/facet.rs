@@ -7,7 +7,7 @@ use super::levels::LEVEL_M;
 use super::polytope::Plane;
 use super::surface::Surface;
 use super::triangle::{self, Triangle};
-use crate::Position;
+use crate::position::Position;
 
 /// A flat face of a solid.
 #[derive(Clone, Debug)]

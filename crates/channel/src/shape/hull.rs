@@ -8,8 +8,8 @@ use sextant_kernel::SettingError;
 use super::polytope::{Plane, Polytope};
 use super::surface::Surface;
 use super::triangle;
-use crate::Position;
 use crate::glam::{position, vector};
+use crate::position::Position;
 
 /// A convex hull, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::surface::Surface;
 use super::triangle;
-use crate::Position;
+use crate::position::Position;
 
 /// A place or a line this near to a level face lies in it (m). It is more than the rounding of any coordinate in a
 /// scenario or a mesh file, and less than anybody knows a height.

@@ -12,9 +12,10 @@ use super::clip::GRAZE_M;
 use super::obj::{self, Part};
 use super::surface::Surface;
 use super::triangle::{self, Meeting};
+use crate::bounds::Bounds;
+use crate::position::Position;
 use crate::span::Span;
 use crate::tree::Tree;
-use crate::{Bounds, Position};
 
 /// A closed triangle mesh, as written in a scenario: either a file, or vertices and triangles.
 /// All triangles have the same orientation; those of a cavity have the opposite one. Where parts of the mesh overlap,

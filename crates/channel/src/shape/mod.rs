@@ -27,8 +27,9 @@ pub use hull::ConvexConfig;
 pub use mesh::MeshConfig;
 pub use prism::PrismConfig;
 
+use crate::bounds::Bounds;
+use crate::position::Position;
 use crate::span::Span;
-use crate::{Bounds, Position};
 use cuboid::Cuboid;
 use cylinder::Cylinder;
 pub(crate) use facet::{Edge, Face, Facet};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::surface::Surface;
-use crate::Position;
+use crate::position::Position;
 
 /// The faces of one material, with the name that `usemtl` gives it; `None` before the first of these.
 #[derive(Clone, Debug)]

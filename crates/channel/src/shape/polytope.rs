@@ -2,7 +2,7 @@
 
 use super::clip::{Clip, GRAZE_M};
 use super::surface::Surface;
-use crate::Position;
+use crate::position::Position;
 
 /// A plane: the places p with `normal · p = offset_m`; outside is where the unit normal points.
 #[derive(Clone, Copy, Debug)]

@@ -8,7 +8,7 @@ use super::clip::GRAZE_M;
 use super::polytope::{Plane, Polytope};
 use super::surface::Surface;
 use super::thickness;
-use crate::Position;
+use crate::position::Position;
 
 /// An upright prism, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use super::cylinder::Cylinder;
 use super::surface::Surface;
 use super::triangle::Triangle;
-use crate::Position;
+use crate::position::Position;
 
 /// A corner this near to the plane of a gaze lies in it (m).
 const IN_PLANE_M: f64 = 1e-9;

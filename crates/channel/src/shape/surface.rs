@@ -1,7 +1,8 @@
 //! Surfaces made of triangles.
 
 use super::triangle::{self, Triangle};
-use crate::{Bounds, Position};
+use crate::bounds::Bounds;
+use crate::position::Position;
 
 /// A surface of triangles whose normals point out of a solid.
 #[derive(Clone, Debug, Default)]

@@ -8,8 +8,8 @@ use super::clip::GRAZE_M;
 use super::cuboid::Cuboid;
 use super::cylinder::Cylinder;
 use super::surface::Surface;
-use crate::Position;
 use crate::glam::vector;
+use crate::position::Position;
 
 /// A convex solid in the form that the geometry library casts against.
 #[derive(Clone)]
@@ -141,7 +141,7 @@ fn least(f: impl Fn(f64) -> f64, end: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::BoxConfig;
+    use crate::shape::cuboid::BoxConfig;
 
     fn sweep(y_m: f64) -> Sweep {
         let direction = Position::new(1.0, 0.0, 0.0);

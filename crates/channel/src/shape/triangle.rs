@@ -1,7 +1,7 @@
 //! Triangles: distance, solid angle, and intersection with a line.
 
 use super::clip::GRAZE_M;
-use crate::Position;
+use crate::position::Position;
 
 /// Corners of a triangle (m), counterclockwise seen from the side that its normal points to.
 pub(crate) type Triangle = [Position; 3];

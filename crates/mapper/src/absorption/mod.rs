@@ -4,7 +4,7 @@ pub(crate) mod claims;
 
 use sextant_channel::Position;
 
-use crate::SurveyFrame;
+use crate::survey_frame::SurveyFrame;
 use claims::NEGLIGIBLE;
 pub use claims::ObstacleClaim;
 

@@ -18,14 +18,21 @@ use self::opinions::{GainOfLaw, Source};
 pub use self::opinions::{Opinion, Opinions};
 use self::score::Predicted;
 pub use self::score::{ChoiceReason, Score};
+use crate::count_rule::CountRule;
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
+use crate::grid_ml::{Fit, FittedMlTm, MlTmConfig};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::link_model::{LinkFit, LinkModel, LinkModelConfig};
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{heard_nodes, reach_m};
-use crate::pattern::PatternMap;
-use crate::{
-    AnyLog, Axes, Calibration, CountRule, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
-    FittedConfig, FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper,
-    MlTmConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated, SelfCalibratedConfig, SoughtHeights,
-    TopologyMap,
-};
+use crate::pattern::{PatternFit, PatternMap};
+use crate::posterior::{EstimateKind, PlacePrior};
+use crate::profile::{FittedConfig, ProfileConfig};
+use crate::self_calibrated::{Calibration, SelfCalibrated, SelfCalibratedConfig};
+use crate::survey_frame::Axes;
+use crate::topology_map::TopologyMap;
 
 /// The choice of an estimator as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,9 @@ use super::opinions::GainOfLaw;
 use super::score::Predicted;
 use crate::link_model::{LinkFit, Placed, Predictor};
 use crate::numerics::normal::{below, quantile};
-use crate::{Calibration, Estimate, TopologyMap};
+use crate::posterior::Estimate;
+use crate::self_calibrated::Calibration;
+use crate::topology_map::TopologyMap;
 
 /// The nodes of a Gauss-Hermite rule along an axis, in standard deviations, and their weights.
 const POINTS: [(f64, f64); 3] =

@@ -5,9 +5,10 @@ use std::fmt::Write;
 use sextant_kernel::NodeId;
 
 use super::{Choice, ChoiceReason, EstimatorFit, Opinion, Opinions};
-use crate::{
-    AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing, SurveyFrame, TopologyMap,
-};
+use crate::absorption::AbsorptionMap;
+use crate::learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing};
+use crate::survey_frame::SurveyFrame;
+use crate::topology_map::TopologyMap;
 
 #[cfg(feature = "config")]
 /// The keys of a choice.

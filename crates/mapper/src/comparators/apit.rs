@@ -9,11 +9,12 @@ use super::centroid::weighted_mean;
 use super::graph::Graph;
 use super::heard_anchors::{HeardAnchor, HeardAnchors};
 use super::{check_link_share, default_link_share, node_by_node};
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::numerics::whole;
-use crate::{
-    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
-    Messages, TopologyMap,
-};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// APIT as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,8 @@
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::NodeId;
 
-use crate::{Knowledge, MapError};
+use crate::error::MapError;
+use crate::knowledge::Knowledge;
 
 /// An anchor that a node heard.
 #[derive(Clone, Copy, Debug, PartialEq)]

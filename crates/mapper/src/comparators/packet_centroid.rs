@@ -7,10 +7,12 @@ use sextant_kernel::{NodeId, SettingError, Watch};
 
 use super::weight_power;
 use crate::each_node::EachNode;
-use crate::{
-    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, FixedLaw, Knowledge, KnowledgeKind,
-    LogParts, MapError, Mapper, PartEstimator, PartsError, TopologyMap,
-};
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The packet centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

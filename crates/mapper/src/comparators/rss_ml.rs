@@ -7,12 +7,13 @@ use sextant_channel::{Link, Position};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use super::centroid::weighted_mean;
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{
-    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
-    Messages, TopologyMap,
-};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Cooperative maximum likelihood as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,14 +6,16 @@ use sextant_kernel::{Interrupted, NodeId, Watch};
 use super::fitted_ml_tm::{GridKind, map_evidence};
 use super::ml_tm_parts::fixed;
 use crate::each_node::EachNode;
-use crate::grid_ml::fitted::{GridSize, Sample, Scene, Settled, add_heard};
+use crate::error::MapError;
+use crate::grid_ml::fitted::{Fit, GridSize, Sample, Scene, Settled, add_heard};
+use crate::grid_ml::fitted_ml_tm::FittedMlTm;
+use crate::grid_ml::ml_tm::MlTm;
+use crate::knowledge::Knowledge;
+use crate::learned::EstimatorFindings;
 use crate::log_facts::reach::{HeardNode, centres, gross_m, heard_from};
 use crate::log_facts::search_box::{Limits, SearchBox};
-use crate::parts::{each_part, sample};
-use crate::{
-    EstimatorFindings, Fit, FittedMlTm, FixedLaw, Knowledge, LogParts, MapError, MlTm, PartEstimator, PartsError,
-    TopologyMap,
-};
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError, each_part, sample};
+use crate::topology_map::TopologyMap;
 
 /// A fitted profile, and what else of the whole log the map of a node depends on.
 #[derive(Debug)]

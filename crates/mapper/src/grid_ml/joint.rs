@@ -10,14 +10,21 @@ use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
 use super::ml_tm::uses_under;
+use crate::count_rule::CountRule;
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, ProfileSetting};
 use crate::grid_ml::findings::Findings;
-use crate::grid_ml::ml_tm::DEFAULT_MEMORY_MB;
+use crate::grid_ml::fitted::{Fit, NetworkFits};
+use crate::grid_ml::fitted_ml_tm::FittedMlTm;
+use crate::grid_ml::ml_tm::{DEFAULT_MEMORY_MB, MlTm, MlTmConfig};
 use crate::grid_ml::solver::{Contenders, Moments, Peak, Scratch, Search, Solver};
-use crate::{
-    CoordinateFrame, CountRule, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
-    FittedMlTm, Knowledge, KnowledgeKind, Lattice, MapError, Mapper, MlTm, MlTmConfig, NetworkFits, ProfileConfig,
-    ProfileSetting, ReceptionProfile, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
-};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::lattice::Lattice;
+use crate::learned::EstimatorFindings;
+use crate::log_facts::{SectorsConfig, SoughtHeights};
+use crate::posterior::{Estimate, EstimateKind, TieRule};
+use crate::profile::{ProfileConfig, ReceptionProfile};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// A joint map as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +72,7 @@ pub struct JointNetworkConfig {
 
 #[cfg(feature = "config")]
 fn fitted() -> ProfileConfig {
-    ProfileConfig::Fitted(crate::FittedConfig::default())
+    ProfileConfig::Fitted(crate::profile::FittedConfig::default())
 }
 
 /// A map from the logs of several networks of the same nodes, each with its own stops, profile and sectors.

@@ -6,14 +6,20 @@ use sextant_kernel::{SettingError, Watch};
 use super::ml_tm::uses_under;
 use super::ml_tm_parts::fixed;
 use crate::each_node::EachNode;
+use crate::error::MapError;
+use crate::estimator::{Estimator, Mapper, NodeOfLog};
+use crate::grid_ml::fitted::Fit;
+use crate::grid_ml::fitted_ml_tm::FittedMlTm;
+use crate::grid_ml::ml_tm::{MlTm, MlTmConfig};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SectorTolerance;
 use crate::log_facts::sectors::GainUse;
-use crate::parts::each_part;
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError, each_part};
 use crate::pattern::PatternMap;
-use crate::{
-    Estimator, EstimatorFindings, Fit, FittedMlTm, FixedLaw, Knowledge, KnowledgeKind, LogParts, MapError, Mapper,
-    MlTm, MlTmConfig, NodeOfLog, PartEstimator, PartsError, ProfileConfig, ReceptionProfile, SectorTolerance,
-    Surface, TopologyMap,
-};
+use crate::profile::{ProfileConfig, ReceptionProfile};
+use crate::surface::Surface;
+use crate::topology_map::TopologyMap;
 
 /// MmTM: [`MlTm`] on a log whose receptions have sectors. Its likelihood of node i at vertex g is the product over all
 /// stops of Z₁ (received or missed over the distance) and Z₂ (the direction from the robot to the vertex is in the sector
@@ -132,7 +138,7 @@ impl TryFrom<MlTmConfig> for MmTm {
                 FittedMlTm::new(config, fitted).map(|fitted| Self(Likelihood::Fitted(Box::new(fitted))))
             }
             #[cfg(feature = "obstacles")]
-            ProfileConfig::Channel(channel) if channel.obstacles == crate::ObstacleUse::Known => {
+            ProfileConfig::Channel(channel) if channel.obstacles == crate::profile::ObstacleUse::Known => {
                 Err(SettingError::new("profile.channel.obstacles", "known", "unknown; only ml_tm counts obstacles"))
             }
             ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => {

@@ -5,15 +5,18 @@ use sextant_channel::{Db, ObstacleField, Position, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
 use crate::each_node::EachNode;
+use crate::error::MapError;
+use crate::estimator::Estimator;
+use crate::grid_ml::ml_tm::{MlTm, MlTmConfig};
 use crate::grid_ml::ml_tm_parts::fixed;
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::Heights;
-use crate::posterior::NodeEvidence;
-use crate::posterior::local_posterior;
-use crate::profile::KnownLink;
-use crate::{
-    ChannelProfileConfig, Estimate, EstimateKind, Estimator, EstimatorFindings, FixedLaw, Knowledge, KnowledgeKind,
-    LogParts, MapError, MlTm, MlTmConfig, PartEstimator, PartsError, SoughtHeights, TopologyMap,
-};
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError};
+use crate::posterior::{Estimate, EstimateKind, NodeEvidence, local_posterior};
+use crate::profile::{ChannelProfileConfig, KnownLink};
+use crate::topology_map::TopologyMap;
 
 /// ML-TM under a known channel with known obstacles. The likelihood of a place includes, for each stop, what the
 /// obstacles on the straight line to the stop absorb.
@@ -199,7 +202,7 @@ mod tests {
     use sextant_kernel::{RobotId, SimTime, Unwatched};
 
     use super::*;
-    use crate::{ObstacleUse, ProfileConfig};
+    use crate::profile::{ObstacleUse, ProfileConfig};
 
     fn channel() -> ChannelProfileConfig {
         ChannelProfileConfig {

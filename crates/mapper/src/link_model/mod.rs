@@ -24,14 +24,18 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::check_z_range;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::below;
-use crate::posterior::{FitState, Verdict};
-use crate::{
-    AnyLog, Axes, Concern, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
-    KnowledgeKind, MapError, Mapper, PartEstimator, PlacePrior, SoughtHeights, TopologyMap,
-};
+use crate::parts::PartEstimator;
+use crate::posterior::{Concern, Estimate, FitState, PlacePrior, Verdict};
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 use fit::Found;
 use hearing::Hearing;
 pub use law::Law;

@@ -5,9 +5,12 @@ use sextant_kernel::{NodeId, Watch};
 
 use super::links::Cells;
 use super::{Learned, LinkModel};
+use crate::error::MapError;
+use crate::knowledge::Knowledge;
+use crate::learned::EstimatorFindings;
 use crate::log_facts::reach::{centres, gross_m, heard_from, reach_of_m};
-use crate::parts::{each_part, sample};
-use crate::{EstimatorFindings, FixedLaw, Knowledge, LogParts, MapError, PartEstimator, PartsError, TopologyMap};
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError, each_part, sample};
+use crate::topology_map::TopologyMap;
 
 /// The law comes from at most so many nodes, which are spread evenly over all that were heard. In one piece it comes from
 /// all.

@@ -4,7 +4,8 @@ use sextant_channel::Position;
 
 use super::links::{Links, NodeLinks};
 use crate::log_facts::reach::median;
-use crate::{HeightReason, PlacePrior, SoughtHeights};
+use crate::log_facts::{HeightReason, SoughtHeights};
+use crate::posterior::PlacePrior;
 
 /// Length over which the density of nodes falls outside the box of the places, as a share of its diagonal.
 const BEYOND: f64 = 0.05;

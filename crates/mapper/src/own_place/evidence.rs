@@ -6,9 +6,10 @@ use sextant_kernel::{RobotId, SimTime};
 use super::search_set::BLOCK;
 use super::{HeardAnchor, OwnPlace};
 use crate::grid_ml::solver::{Curve, Edges, Wedges};
+use crate::lattice::Lattice;
 use crate::log_facts::heights::{Heights, SoughtHeights};
+use crate::log_facts::{SectorTolerance, SilenceRule};
 use crate::numerics::normal::Normal;
-use crate::{Lattice, SectorTolerance, SilenceRule};
 
 /// Anchors further than this many ranges from the others are left out: their places are wrong.
 const FAR: f64 = 100.0;

@@ -18,9 +18,11 @@ use sextant_channel::{Position, Wedge};
 use sextant_kernel::SettingError;
 
 use crate::grid_ml::solver::Curve;
+use crate::log_facts::SectorTolerance;
 use crate::log_facts::heights::check_z_range;
 use crate::numerics::normal::Normal;
-use crate::{Estimate, EstimateKind, ProfileConfig, ReceptionProfile, SectorTolerance};
+use crate::posterior::{Estimate, EstimateKind};
+use crate::profile::{ProfileConfig, ReceptionProfile};
 use evidence::Evidence;
 pub use orientation::{Bearing, DirectionRule, OrientationMethod, RingOrientation, UnorientedRing};
 pub use sector_bearing::{BearingTable, SectorBearing};

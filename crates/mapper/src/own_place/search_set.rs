@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use sextant_channel::Position;
 
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// A box of vertices: their indices along each axis.
 pub(super) type Cells = [Range<usize>; 3];

@@ -12,8 +12,7 @@ use super::search_set::SearchSet;
 use crate::grid_ml::directions::{CONTRADICTED, wrapped};
 use crate::grid_ml::findings::Findings;
 use crate::grid_ml::solver::{Moments, Peak};
-use crate::posterior::{covariance, local_posterior};
-use crate::{Estimate, EstimateKind, TieRule};
+use crate::posterior::{Estimate, EstimateKind, TieRule, covariance, local_posterior};
 
 /// Number of vertices of the coarse grid.
 const COARSE: u64 = 600;

@@ -10,7 +10,7 @@ use super::octets;
 use super::search_set::SearchSet;
 use crate::grid_ml::findings::Findings;
 use crate::grid_ml::solver::{Moments, Peak};
-use crate::{EstimateKind, TieRule};
+use crate::posterior::{EstimateKind, TieRule};
 
 /// Vertices at every so many indices give a first bound of the fewest broken conditions.
 const STRIDE: usize = 4;

@@ -14,7 +14,7 @@ use super::law::PatternLaw;
 use super::naming::{self, Naming, TURN_RAD};
 use super::places::{self, Places};
 use super::scene::Scene;
-use crate::MapError;
+use crate::error::MapError;
 use crate::log_facts::search_box::SearchBox;
 
 /// By how much gains change over an angle (dB per rad): a decibel in a degree and a half.

@@ -23,8 +23,11 @@ mod tiles;
 use sextant_channel::{Position, ReceptionLog, SectorGains, Stop};
 use sextant_kernel::Watch;
 
+use crate::count_rule::CountRule;
+use crate::error::MapError;
 use crate::log_facts::reach::heard_nodes;
-use crate::{CoordinateFrame, CountRule, EstimateKind, MapError, TopologyMap};
+use crate::posterior::EstimateKind;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 pub(crate) use evidence::of_report;
 use evidence::{Pose, Sight, Tables, Turn};
 use fit::thinned;

@@ -3,7 +3,7 @@
 use sextant_channel::Position;
 
 use super::evidence::{Evidence, Likelihood};
-use crate::SoughtHeights;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::whole;
 use crate::posterior::Verdict;

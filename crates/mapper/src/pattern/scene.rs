@@ -5,7 +5,7 @@ use sextant_kernel::NodeId;
 
 use super::PatternMap;
 use super::gain_map::GainMap;
-use crate::SoughtHeights;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{HeardNode, known_reach_m, reach_of_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 

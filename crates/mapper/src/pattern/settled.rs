@@ -9,10 +9,11 @@ use super::fit::{Found, Likelihoods, Survey};
 use super::places::Places;
 use super::scene::Scene;
 use super::{PatternFit, PatternMap};
+use crate::error::MapError;
 use crate::log_facts::reach::HeardNode;
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::{Cell, FitState};
-use crate::{CoordinateFrame, Estimate, MapError, TopologyMap};
+use crate::posterior::{Cell, Estimate, FitState};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The law of a log, with all that the map of a node depends on beside what was heard of it.
 pub(super) struct Settled {

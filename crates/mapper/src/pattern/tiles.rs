@@ -9,9 +9,12 @@ use super::PatternMap;
 use super::fit::thinned;
 use super::scene::Scene;
 use super::settled::Settled;
+use crate::count_rule::CountRule;
+use crate::error::MapError;
+use crate::learned::EstimatorFindings;
 use crate::log_facts::reach::{centres, gross_m, heard_from};
-use crate::parts::{each_part, sample};
-use crate::{CoordinateFrame, CountRule, EstimatorFindings, FixedLaw, LogParts, MapError, PartsError, TopologyMap};
+use crate::parts::{FixedLaw, LogParts, PartsError, each_part, sample};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The law of a log in parts; no law if nothing was heard.
 struct LawOfParts {

@@ -4,7 +4,8 @@ use sextant_channel::Position;
 
 use super::Cell;
 use crate::log_facts::heights::Heights;
-use crate::{Estimate, EstimateKind};
+use crate::posterior::estimate::Estimate;
+use crate::posterior::estimate_kind::EstimateKind;
 
 /// Places with their posterior probabilities, and how far they spread.
 #[derive(Clone, Debug)]

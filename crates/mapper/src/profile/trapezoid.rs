@@ -118,7 +118,7 @@ impl TryFrom<TrapezoidConfig> for Trapezoid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ProfileConfig, ReceptionProfile};
+    use crate::profile::{ProfileConfig, ReceptionProfile};
 
     fn trapezoid(config: TrapezoidConfig) -> Result<Trapezoid, SettingError> {
         Trapezoid::try_from(config)

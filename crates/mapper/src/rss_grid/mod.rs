@@ -22,17 +22,21 @@ pub use self::fitted_channel::FittedChannel;
 use self::search::Search;
 use self::tiles::Tiles;
 use self::zoom::{Detail, Posterior};
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages, ReceiverSetting};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::lattice::Lattice;
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::check_z_range;
 use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, strengths};
 use crate::numerics::whole;
-use crate::posterior::FitState;
+use crate::posterior::{Estimate, EstimateKind, FitState};
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{
-    AnyLog, Axes, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings,
-    Knowledge, KnowledgeKind, Lattice, MapError, Mapper, Messages, ReceiverSetting, SoughtHeights, TopologyMap,
-};
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The Bayesian grid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,9 +8,9 @@ use sextant_kernel::Watch;
 use super::curves::Curves;
 use super::tiles::{Part, Silence, Tiles};
 use crate::grid_ml::solver::Peak;
+use crate::lattice::Lattice;
 use crate::log_facts::strengths::Strength;
-use crate::posterior::{Cell, covariance};
-use crate::{Estimate, EstimateKind, Lattice};
+use crate::posterior::{Cell, Estimate, EstimateKind, covariance};
 
 /// A vertex this far below the highest log-likelihood is left out of the mean: even 10⁹ such vertices have a weight
 /// of 10⁻²¹.
@@ -278,7 +278,7 @@ mod tests {
     use sextant_kernel::{Purpose, RobotId, Seed, SimTime, Unwatched};
 
     use super::*;
-    use crate::{Ranging, RangingConfig};
+    use crate::ranging::{Ranging, RangingConfig};
 
     /// What a scan of all vertices finds: the likeliest vertices that are not ruled out (several if they are equally
     /// likely), their log-likelihood, and the mean.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch};
 
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// Number of vertices of a tile along x, y and z, in a plane and in space. It is also the number of tiles of a block.
 const EDGES: [[usize; 3]; 2] = [[8, 8, 1], [4, 4, 4]];

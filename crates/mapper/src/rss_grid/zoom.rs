@@ -4,8 +4,7 @@ use sextant_channel::Position;
 
 use super::evidence::{Evidence, Links};
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::{Cell, Verdict};
-use crate::{Concern, Estimate, EstimateKind};
+use crate::posterior::{Cell, Concern, Estimate, EstimateKind, Verdict};
 
 /// Vertices along each axis, in the plane and in space.
 const FINE: [u32; 2] = [48, 16];

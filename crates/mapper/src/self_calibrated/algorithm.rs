@@ -10,16 +10,19 @@ use super::model::CalibratedCurve;
 use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
 use crate::absorption::AbsorptionMap;
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
 use crate::grid_ml::directions::{CoverageEdge, Directions};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::are_level;
 use crate::log_facts::reach::{is_reach_known, reach_m};
 use crate::log_facts::search_box::Limits;
 use crate::log_facts::sectors::SectorSettings;
-use crate::posterior::FitState;
-use crate::{
-    AnyLog, Axes, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
-    KnowledgeKind, MapError, Mapper, SoughtHeights, TopologyMap,
-};
+use crate::posterior::{Estimate, FitState};
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Number of grid steps over the range seen in the log, if no step is set, in the plane and in space.
 const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];

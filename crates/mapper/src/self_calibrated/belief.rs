@@ -3,8 +3,7 @@
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::Concern;
-use crate::posterior::Cell;
+use crate::posterior::{Cell, Concern};
 
 /// The current estimate of the place of one node.
 #[derive(Clone, Copy, Debug, PartialEq)]

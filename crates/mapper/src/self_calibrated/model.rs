@@ -1,6 +1,6 @@
 //! The probability that a packet is received: a curve over distance, and an efficiency of each stop.
 
-use crate::never_rising;
+use crate::numerics::never_rising;
 use crate::numerics::normal::{Normal, index, quantile};
 
 /// Number of bins over the range seen in the log.

@@ -9,11 +9,10 @@ use super::likelihood::Likelihood;
 use super::model::{FLOOR, Logarithms, Model};
 use super::shadows::Shadows;
 use super::window::{Detail, Window};
-use crate::Concern;
 use crate::absorption::AbsorptionMap;
 use crate::grid_ml::directions::Directions;
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::{Verdict, covariance};
+use crate::posterior::{Concern, Verdict, covariance};
 
 /// Probability above which a vertex counts.
 const NEGLIGIBLE: f64 = 1e-4;

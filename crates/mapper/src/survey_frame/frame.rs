@@ -4,7 +4,8 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
 use super::axes::SurveyAxes;
-use crate::{CoordinateFrame, Estimate, TopologyMap};
+use crate::posterior::Estimate;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The frame of a survey: its axes, and which stop and node of the log each of its stops and nodes is.
 #[derive(Clone, Debug)]

@@ -9,12 +9,15 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
 
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::strengths::{Strength, all_strengths};
-use crate::{
-    AnyLog, Axes, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind,
-    MapError, Mapper, Messages, SoughtHeights, TopologyMap,
-};
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The Gaussian process as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -285,7 +288,7 @@ impl EstimatorSettings for GaussianProcessConfig {
 mod tests {
     use super::super::tests::{log_of, map, square};
     use super::*;
-    use crate::AlgorithmConfig;
+    use crate::algorithm::AlgorithmConfig;
 
     #[test]
     fn a_smooth_field_of_strengths_gives_its_peak_between_the_stops() {

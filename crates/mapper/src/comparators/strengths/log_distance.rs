@@ -10,15 +10,19 @@ use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
 
 use super::rssi_centroid::{DEFAULT_G, centroid};
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::check_z_range;
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
-use crate::{
-    AnyLog, Axes, Concern, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
-    KnowledgeKind, MapError, Mapper, Messages, SoughtHeights, TopologyMap,
-};
+use crate::posterior::Concern;
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The least-squares fit as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -315,7 +319,7 @@ mod tests {
 
     use super::super::tests::{log_of, map, square};
     use super::*;
-    use crate::AlgorithmConfig;
+    use crate::algorithm::AlgorithmConfig;
 
     #[test]
     fn exact_strengths_of_any_power_and_exponent_give_the_exact_place() {

@@ -5,10 +5,9 @@ use sextant_kernel::NodeId;
 
 use super::belief::Belief;
 use super::receivers;
-use crate::TableProfile;
 use crate::grid_ml::directions::{Directions, covers};
-use crate::numerics::never_rising;
-use crate::numerics::whole;
+use crate::numerics::{never_rising, whole};
+use crate::profile::TableProfile;
 
 /// Number of bins up to the distance that 95 % of the first receptions do not exceed.
 const BINS_IN_REACH: f64 = 80.0;

@@ -14,13 +14,14 @@ pub use report::NetworkFits;
 use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorReport, Stop};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
+use crate::error::MapError;
 use crate::grid_ml::directions::{CoverageEdge, Directions};
 use crate::log_facts::heights::{Heights, SoughtHeights};
 use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::SearchBox;
 use crate::log_facts::sectors::SectorSettings;
-use crate::profile::averaged_over_cell;
-use crate::{FittedConfig, MapError, ReceptionProfile, SurveyFrame, TableProfile};
+use crate::profile::{FittedConfig, ReceptionProfile, TableProfile, averaged_over_cell};
+use crate::survey_frame::SurveyFrame;
 use belief::Belief;
 use curve::{Counts, FittedCurve};
 pub(crate) use dead_stops::add_heard;

@@ -5,12 +5,12 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, Watch, Work};
 
 use super::Fit;
+use crate::error::MapError;
 use crate::log_facts::heights::Heights;
 use crate::log_facts::reach::HeardNode;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::whole;
-use crate::posterior::{Verdict, local_posterior};
-use crate::{Estimate, EstimateKind, MapError};
+use crate::posterior::{Estimate, EstimateKind, Verdict, local_posterior};
 
 /// Places of the scan along each axis, in the plane and in space.
 const SCAN: [u32; 2] = [15, 9];

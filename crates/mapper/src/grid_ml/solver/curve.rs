@@ -2,8 +2,7 @@
 
 use super::evidence::Evidence;
 use super::single::single;
-use crate::ReceptionProfile;
-use crate::profile::DEFAULT_FLOOR;
+use crate::profile::{DEFAULT_FLOOR, ReceptionProfile};
 
 /// `S(d) = clamp(s(d), floor, top)` with the trapezoid `s(d) = slope (R − d)`, its plateau being a clamp, or the
 /// table `s(d)` of a profile.
@@ -123,7 +122,7 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ProfileConfig, TrapezoidConfig};
+    use crate::profile::{ProfileConfig, TrapezoidConfig};
 
     #[test]
     fn a_chunk_of_the_smallest_factors_does_not_underflow() {

@@ -209,7 +209,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{ProfileConfig, ReceptionProfile, TrapezoidConfig};
+    use crate::profile::{ProfileConfig, ReceptionProfile, TrapezoidConfig};
 
     const R: f64 = 10.0;
 

@@ -40,8 +40,9 @@ mod wedges;
 use sextant_channel::{CellIndex, Position, Receptions, SectorTable, Stop};
 use sextant_kernel::Watch;
 
+use crate::lattice::Lattice;
 use crate::log_facts::sectors::SectorSettings;
-use crate::{Lattice, ReceptionProfile};
+use crate::profile::ReceptionProfile;
 use admission::Admission;
 pub(crate) use curve::Curve;
 use evidence::Evidence;

@@ -10,7 +10,7 @@ use super::conditions::{Plane, Residual};
 use super::reached::Reached;
 use super::receiver::Receiver;
 use super::wedges::Wedges;
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// A factor on R² that is larger than the rounding error of squared distances, so that no vertex in range is dropped.
 const ROUNDING: f64 = 1.0 + 1e-14;

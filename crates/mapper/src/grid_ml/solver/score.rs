@@ -14,7 +14,7 @@ use super::screen::{Scene, Screen};
 use super::soft::SoftSectors;
 use super::wedges::Wedges;
 use super::{Row, Sink};
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// Vertices collected before they are scored: bounds the memory.
 const BATCH: usize = 2048;

@@ -22,8 +22,9 @@ use super::receiver::Receiver;
 use super::single::single;
 use super::soft::SoftSectors;
 use super::wedge_test::Test;
+use crate::lattice::Lattice;
 use crate::log_facts::sectors::SectorSettings;
-use crate::{Lattice, SectorTolerance, SilenceRule};
+use crate::log_facts::{SectorTolerance, SilenceRule};
 
 /// Least tolerance, so that rounding does not exclude an edge (m).
 const ROUNDING_M: f64 = 1e-9;
