@@ -20,9 +20,9 @@ impl ReflectionLaw {
             let plane = Plane { normal: Position::new(0.0, 0.0, 1.0), offset_m: z_m };
             let slab = || {
                 let permittivity = self.ground_material?.0.permittivity(carrier_ghz)?;
-                Some(Surface::Slab(Slab { permittivity, thickness_m: f64::INFINITY }))
+                Some(MirrorSurface::Slab(Slab { permittivity, thickness_m: f64::INFINITY }))
             };
-            let surface = self.loss.map(Surface::Fixed).or_else(slab);
+            let surface = self.loss.map(MirrorSurface::Fixed).or_else(slab);
             mirrors.extend(surface.map(|surface| Mirror { plane, face: Face::Whole, surface }));
         }
         for obstacle in obstacles.obstacles().iter().filter(|obstacle| obstacle.is_solid()) {
@@ -36,13 +36,13 @@ impl ReflectionLaw {
     }
 
     /// How a face of an obstacle reflects, if it does.
-    fn surface(&self, obstacle: &Obstacle, carrier_ghz: f64, thickness_m: f64) -> Option<Surface> {
+    fn surface(&self, obstacle: &Obstacle, carrier_ghz: f64, thickness_m: f64) -> Option<MirrorSurface> {
         let fixed = obstacle.reflection_loss().or(self.loss);
         let slab = || {
             let permittivity = obstacle.material()?.permittivity(carrier_ghz)?;
-            Some(Surface::Slab(Slab { permittivity, thickness_m }))
+            Some(MirrorSurface::Slab(Slab { permittivity, thickness_m }))
         };
-        fixed.map(Surface::Fixed).or_else(slab)
+        fixed.map(MirrorSurface::Fixed).or_else(slab)
     }
 }
 
@@ -51,12 +51,12 @@ impl ReflectionLaw {
 pub(crate) struct Mirror {
     plane: Plane,
     face: Face,
-    pub(crate) surface: Surface,
+    pub(crate) surface: MirrorSurface,
 }
 
 /// How a face reflects.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Surface {
+pub(crate) enum MirrorSurface {
     /// With the same loss at all angles.
     Fixed(Db),
     /// As a slab.

@@ -6,7 +6,7 @@ use crate::complex::Complex;
 use crate::edge::{Corners, Detour, Side, knife_edge_loss_db};
 use crate::field::ObstacleField;
 use crate::law::ChannelLaw;
-use crate::mirror::{DEFAULT_CARRIER_GHZ, Field, Mirror, Surface, direction};
+use crate::mirror::{DEFAULT_CARRIER_GHZ, Field, Mirror, MirrorSurface, direction};
 use crate::path_loss::LIGHT_M_PER_S;
 use crate::position::Position;
 use crate::power::Db;
@@ -162,12 +162,12 @@ impl Scatterers {
         let (mut field, mut is_slab) = (Field::along(self.antenna(first)), false);
         for &(mirror, incoming) in bounces {
             match mirror.surface {
-                Surface::Fixed(loss) => {
+                MirrorSurface::Fixed(loss) => {
                     fixed = fixed + loss;
                     turns += PI;
                     field = field.mirrored(mirror.normal());
                 }
-                Surface::Slab(slab) => {
+                MirrorSurface::Slab(slab) => {
                     is_slab = true;
                     field = field.reflected(incoming, mirror.normal(), &slab, self.carrier_ghz);
                 }

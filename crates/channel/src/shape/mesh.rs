@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use super::clip::GRAZE_M;
-use super::obj::{self, Part};
+use super::obj::{self, MaterialFaces};
 use super::surface::Surface;
 use super::triangle::{self, Meeting};
 use crate::bounds::Bounds;
@@ -68,7 +68,7 @@ impl Mesh {
     /// The solids in the file of `config`, one for each material, with its name in the file.
     pub(crate) fn read_parts(file: &Path, files: &Files) -> Result<Vec<(Option<String>, Self)>, SettingError> {
         let parts = obj::parts(&read_file(file, files)?).map_err(|flaw| flawed(file, files, &flaw))?;
-        let solid = |Part { material, surface }: Part| {
+        let solid = |MaterialFaces { material, surface }: MaterialFaces| {
             let mesh = Self::new(surface, "file").map_err(|error| match &material {
                 Some(name) => {
                     let found = format!("{} in the faces of material `{name}`", error.found());

@@ -7,7 +7,7 @@ use crate::position::Position;
 
 /// The faces of one material, with the name that `usemtl` gives it; `None` before the first of these.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub(crate) struct MaterialFaces {
     pub(crate) material: Option<String>,
     pub(crate) surface: Surface,
 }
@@ -26,7 +26,7 @@ pub(crate) fn parse(text: &str) -> Result<Surface, String> {
 ///
 /// # Errors
 /// The first flaw and its line.
-pub(crate) fn parts(text: &str) -> Result<Vec<Part>, String> {
+pub(crate) fn parts(text: &str) -> Result<Vec<MaterialFaces>, String> {
     let (vertices, runs) = read(text)?;
     let mut parts: Vec<(Option<String>, Vec<[u32; 3]>)> = Vec::new();
     for (material, triangles) in runs {
@@ -47,7 +47,7 @@ pub(crate) fn parts(text: &str) -> Result<Vec<Part>, String> {
             });
             surface.triangles.push(corners);
         }
-        Part { material, surface }
+        MaterialFaces { material, surface }
     };
     Ok(parts.into_iter().filter(|(_, triangles)| !triangles.is_empty()).map(part).collect())
 }

@@ -7,7 +7,7 @@ use sextant_kernel::{NodeId, SettingError, Watch};
 
 use super::centroid::weighted_mean;
 use super::graph::Graph;
-use super::heard_anchors::{HeardAnchor, HeardAnchors};
+use super::heard_anchors::{HeardAnchors, NamedAnchor};
 use super::{check_link_share, default_link_share, node_by_node};
 use crate::error::MapError;
 use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
@@ -112,7 +112,7 @@ impl Apit {
     /// The place of a node. If the work was ended meanwhile, the result means nothing.
     fn place(
         &self,
-        heard: &[HeardAnchor],
+        heard: &[NamedAnchor],
         neighbours: &[u32],
         beacons: &NeighbourLog,
         watch: &dyn Watch,
@@ -121,7 +121,7 @@ impl Apit {
         let seen: Vec<Vec<Option<f64>>> = neighbours
             .iter()
             .map(|&neighbour| {
-                let rssi = |anchor: &HeardAnchor| beacons.link(NodeId(neighbour), anchor.node)?.rssi_dbm;
+                let rssi = |anchor: &NamedAnchor| beacons.link(NodeId(neighbour), anchor.node)?.rssi_dbm;
                 heard.iter().map(rssi).collect()
             })
             .collect();

@@ -110,7 +110,7 @@ impl RssMl {
             .filter(|link| start[link.a].is_some() && start[link.b].is_some())
             .filter(|link| known[link.a].is_none() || known[link.b].is_none())
             .collect();
-        let fit = Fit { ranging: self.ranging, links: &links, known: &known, dimensions, watch };
+        let fit = PlacesFit { ranging: self.ranging, links: &links, known: &known, dimensions, watch };
         // A step takes some rounds of conjugate gradients, at most four per node.
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
         let operations = 4.0 * known.len() as f64 * links.len() as f64 * f64::from(self.steps);
@@ -155,7 +155,7 @@ impl RssMl {
 }
 
 /// A least-squares fit of places to links.
-struct Fit<'a> {
+struct PlacesFit<'a> {
     ranging: Ranging,
     links: &'a [Measured],
     known: &'a [Option<Position>],
@@ -163,7 +163,7 @@ struct Fit<'a> {
     watch: &'a dyn Watch,
 }
 
-impl Fit<'_> {
+impl PlacesFit<'_> {
     fn vector(&self, place: Position) -> Vector3<f64> {
         Vector3::new(place.x_m, place.y_m, if self.dimensions == 3 { place.z_m } else { 0.0 })
     }
@@ -265,7 +265,7 @@ impl Fit<'_> {
     }
 }
 
-impl LeastSquares for Fit<'_> {
+impl LeastSquares for PlacesFit<'_> {
     type Point = Vec<Position>;
     type Step = Vec<Vector3<f64>>;
     type Error = Interrupted;

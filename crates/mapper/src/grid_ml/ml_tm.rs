@@ -14,7 +14,7 @@ use crate::estimator::{Estimator, NodeOfLog};
 use crate::grid_ml::bounded_search::BoundedSink;
 use crate::grid_ml::findings::Findings;
 use crate::grid_ml::sector_errors::likeliest_sigma_db;
-use crate::grid_ml::solver::{Moments, Peak, Scratch, Solver};
+use crate::grid_ml::solver::{Moments, Peak, Solver, SolverScratch};
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::lattice::Lattice;
 use crate::learned::EstimatorFindings;
@@ -320,7 +320,7 @@ impl MlTm {
     fn estimate(
         &self,
         solver: &Solver<'_>,
-        scratch: &mut Scratch,
+        scratch: &mut SolverScratch,
         (log, node): (&ReceptionLog, NodeId),
         within: Option<&SearchBox>,
     ) -> (Option<Estimate>, u64) {

@@ -30,10 +30,10 @@ use crate::topology_map::TopologyMap;
 ///
 /// A log without sectors, or without their directions, is an error; [`MlTm`] maps it without them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MmTm(Likelihood);
+pub struct MmTm(SectorLikelihood);
 
 #[derive(Clone, Debug, PartialEq)]
-enum Likelihood {
+enum SectorLikelihood {
     Given(MlTm),
     Fitted(Box<FittedMlTm>),
 }
@@ -46,8 +46,8 @@ impl MmTm {
     #[must_use]
     pub fn profile(&self) -> Option<&ReceptionProfile> {
         match &self.0 {
-            Likelihood::Given(ml_tm) => Some(ml_tm.profile()),
-            Likelihood::Fitted(_) => None,
+            SectorLikelihood::Given(ml_tm) => Some(ml_tm.profile()),
+            SectorLikelihood::Fitted(_) => None,
         }
     }
 
@@ -56,9 +56,9 @@ impl MmTm {
     #[must_use]
     pub fn ml_tm(&self, fit: Option<&Fit>) -> Option<MlTm> {
         match (&self.0, fit) {
-            (Likelihood::Given(ml_tm), _) => Some(ml_tm.clone()),
-            (Likelihood::Fitted(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
-            (Likelihood::Fitted(_), None) => None,
+            (SectorLikelihood::Given(ml_tm), _) => Some(ml_tm.clone()),
+            (SectorLikelihood::Fitted(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
+            (SectorLikelihood::Fitted(_), None) => None,
         }
     }
 
@@ -73,11 +73,11 @@ impl MmTm {
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let (map, learned) = match &self.0 {
-            Likelihood::Given(ml_tm) => {
+            SectorLikelihood::Given(ml_tm) => {
                 ml_tm.demand_sectors(log, Self::NAME)?;
                 (ml_tm.map(log, watch)?, None)
             }
-            Likelihood::Fitted(fitted) => match gains_of(fitted, log, log.receptions().sectors().is_some())? {
+            SectorLikelihood::Fitted(fitted) => match gains_of(fitted, log, log.receptions().sectors().is_some())? {
                 Some(gains) => {
                     let (map, fit) = pattern(fitted).map(log, gains, Self::NAME, watch)?;
                     (map, fit.map(EstimatorFindings::new))
@@ -135,7 +135,7 @@ impl TryFrom<MlTmConfig> for MmTm {
         }
         match config.profile.clone() {
             ProfileConfig::Fitted(fitted) => {
-                FittedMlTm::new(config, fitted).map(|fitted| Self(Likelihood::Fitted(Box::new(fitted))))
+                FittedMlTm::new(config, fitted).map(|fitted| Self(SectorLikelihood::Fitted(Box::new(fitted))))
             }
             #[cfg(feature = "obstacles")]
             ProfileConfig::Channel(channel) if channel.obstacles == crate::profile::ObstacleUse::Known => {
@@ -147,7 +147,7 @@ impl TryFrom<MlTmConfig> for MmTm {
                     let remedy = "write `profile.fitted = {}`, or another model";
                     return Err(SettingError::conflict("sectors.model", "a profile that is given", remedy));
                 }
-                Ok(Self(Likelihood::Given(ml_tm)))
+                Ok(Self(SectorLikelihood::Given(ml_tm)))
             }
         }
     }
@@ -168,8 +168,8 @@ impl Estimator for MmTm {
 
     fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
         match &self.0 {
-            Likelihood::Given(ml_tm) => ml_tm.check_grid(stops),
-            Likelihood::Fitted(_) => Ok(()),
+            SectorLikelihood::Given(ml_tm) => ml_tm.check_grid(stops),
+            SectorLikelihood::Fitted(_) => Ok(()),
         }
     }
 
@@ -180,11 +180,11 @@ impl Estimator for MmTm {
         watch: &dyn Watch,
     ) -> Option<Result<Surface, MapError>> {
         match (&self.0, learned.and_then(EstimatorFindings::get::<Fit>)) {
-            (Likelihood::Given(ml_tm), _) => Some(ml_tm.surface(log, node, watch)),
-            (Likelihood::Fitted(fitted), Some(fit)) => {
+            (SectorLikelihood::Given(ml_tm), _) => Some(ml_tm.surface(log, node, watch)),
+            (SectorLikelihood::Fitted(fitted), Some(fit)) => {
                 Some(fitted.with_fit(fit).surface(&fit.evidence(log), node, watch))
             }
-            (Likelihood::Fitted(_), None) => None,
+            (SectorLikelihood::Fitted(_), None) => None,
         }
     }
 
@@ -219,11 +219,11 @@ impl PartEstimator for MmTm {
         watch: &dyn Watch,
     ) -> Result<Box<dyn FixedLaw + 'a>, PartsError> {
         match &self.0 {
-            Likelihood::Given(ml_tm) => {
-                let estimator = Self(Likelihood::Given(fixed(ml_tm, parts, watch)?));
+            SectorLikelihood::Given(ml_tm) => {
+                let estimator = Self(SectorLikelihood::Given(fixed(ml_tm, parts, watch)?));
                 Ok(Box::new(EachNode { estimator, knowledge }))
             }
-            Likelihood::Fitted(fitted) => {
+            SectorLikelihood::Fitted(fitted) => {
                 let mut has_sectors = false;
                 each_part(parts, watch, &mut |_, log| {
                     has_sectors |= log.receptions().sectors().is_some();

@@ -37,7 +37,7 @@ pub struct ObstacleMlTm {
 
 /// The data that all nodes share.
 #[derive(Clone, Copy)]
-struct Surroundings<'a> {
+struct SharedByNodes<'a> {
     log: &'a ReceptionLog,
     obstacles: &'a ObstacleField,
     heights: Heights,
@@ -83,7 +83,7 @@ impl ObstacleMlTm {
             .map(|(node, start)| {
                 watch.check()?;
                 let Some(start) = start else { return Ok(None) };
-                let among = Surroundings { log, obstacles, heights, watch };
+                let among = SharedByNodes { log, obstacles, heights, watch };
                 let found = self.place(&among, NodeId::from_index(node), start.position);
                 watch.check()?;
                 watch.advance(1);
@@ -105,8 +105,8 @@ impl ObstacleMlTm {
     }
 
     /// The estimate of a node. If the work was ended meanwhile, the result means nothing.
-    fn place(&self, among: &Surroundings<'_>, node: NodeId, near: Position) -> Option<Estimate> {
-        let Surroundings { log, obstacles, heights, watch } = *among;
+    fn place(&self, among: &SharedByNodes<'_>, node: NodeId, near: Position) -> Option<Estimate> {
+        let SharedByNodes { log, obstacles, heights, watch } = *among;
         let evidence = NodeEvidence::near(log, node, near, self.link.reach_m())?;
         let stops = log.stops();
         let (floor, ceiling) = (self.channel.floor, self.channel.ceiling);

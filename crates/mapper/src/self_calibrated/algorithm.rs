@@ -3,9 +3,9 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
-use super::belief::Belief;
-use super::counts::Counts;
-use super::draft::Draft;
+use super::belief::PlaceBelief;
+use super::counts::StopCounts;
+use super::draft::CalibrationDraft;
 use super::model::CalibratedCurve;
 use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
@@ -119,13 +119,13 @@ impl SelfCalibrated {
         let knowledge = if applies { self.settings.obstacles } else { ObstacleKnowledge::None };
         let directions =
             Directions::of(log, &SectorSettings::default(), start.range_m, heights.heights(), CoverageEdge::Exact)?;
-        let counts = Counts::new(log, start.range_m, directions);
-        let mut draft = Draft::new(&counts, &start, &Limits::new(log, reach_m, heights), watch);
+        let counts = StopCounts::new(log, start.range_m, directions);
+        let mut draft = CalibrationDraft::new(&counts, &start, &Limits::new(log, reach_m, heights), watch);
         watch.begin(self.work(log, start.nodes.len(), is_spatial));
         let settled = self.run(&mut draft, start.range_m, step_m, knowledge)?;
         draft.widen(step_m)?;
         let is_reach_known = is_reach_known(&start.nodes);
-        let concern = |belief: &Belief| {
+        let concern = |belief: &PlaceBelief| {
             let is_settled = !belief.is_cramped && (settled || belief.shift_m < SETTLED * step_m);
             FitState { is_reach_known, is_settled }.concern(belief.concern)
         };
@@ -173,7 +173,7 @@ impl SelfCalibrated {
     /// converged.
     fn run(
         &self,
-        draft: &mut Draft<'_>,
+        draft: &mut CalibrationDraft<'_>,
         range_m: f64,
         step_m: f64,
         knowledge: ObstacleKnowledge,

@@ -134,7 +134,7 @@ impl<'a> Process<'a> {
     pub(crate) fn likeliest(strengths: &'a [Strength]) -> Option<Self> {
         let [low, high] = corners(strengths)?;
         let diagonal_m = Position::from(low).distance_m(high.into());
-        let processes = LENGTHS.iter().filter_map(|share| Correlations::of(strengths, share * diagonal_m));
+        let processes = LENGTHS.iter().filter_map(|share| StrengthCorrelations::of(strengths, share * diagonal_m));
         let processes = processes.flat_map(|correlations| {
             NOISES.into_iter().filter_map(move |noise| Self::new(strengths, &correlations, noise))
         });
@@ -152,8 +152,8 @@ impl<'a> Process<'a> {
 
     /// The process with these correlations of the strengths and this standard deviation of the noise, relative to its own.
     /// `None` if the strengths are alike.
-    fn new(strengths: &'a [Strength], correlations: &Correlations, noise: f64) -> Option<Self> {
-        let Correlations { length_m, below } = correlations;
+    fn new(strengths: &'a [Strength], correlations: &StrengthCorrelations, noise: f64) -> Option<Self> {
+        let StrengthCorrelations { length_m, below } = correlations;
         let (length_m, count) = (*length_m, strengths.len());
         let mut whole = below.clone();
         for i in 0..count {
@@ -221,13 +221,13 @@ impl<'a> Process<'a> {
 }
 
 /// The correlations of strengths with a length scale.
-struct Correlations {
+struct StrengthCorrelations {
     length_m: f64,
     /// Below the diagonal and on it.
     below: DMatrix<f64>,
 }
 
-impl Correlations {
+impl StrengthCorrelations {
     /// `None` if the length is 0: the strengths are at one place.
     fn of(strengths: &[Strength], length_m: f64) -> Option<Self> {
         let count = strengths.len();
@@ -303,7 +303,7 @@ mod tests {
     fn a_process_without_noise_passes_through_its_strengths() {
         let strengths: Vec<Strength> =
             square().into_iter().map(|place| Strength { place, rssi_dbm: -50.0 - place.x_m.sin() }).collect();
-        let process = Process::new(&strengths, &Correlations::of(&strengths, 2.0).unwrap(), 1e-4).unwrap();
+        let process = Process::new(&strengths, &StrengthCorrelations::of(&strengths, 2.0).unwrap(), 1e-4).unwrap();
         assert!(strengths.iter().all(|strength| {
             let (mean, variance) = process.predicted(strength.place);
             (mean - strength.rssi_dbm).abs() < 1e-4 && variance < 1e-4

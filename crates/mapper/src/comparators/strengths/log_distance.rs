@@ -141,7 +141,7 @@ impl LogDistance {
         if strengths.len() < unknowns {
             return Some((middle, Some(Concern::NoEvidence)));
         }
-        let fit = Fit { strengths, exponents: self.exponents, within };
+        let fit = LogDistanceFit { strengths, exponents: self.exponents, within };
         let mut starts: Vec<(f64, Position)> =
             fit.grid().into_iter().chain([within.nearest(middle)]).map(|place| (fit.cost(&place), place)).collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -156,7 +156,7 @@ impl LogDistance {
 }
 
 /// The fit of one node.
-struct Fit<'a> {
+struct LogDistanceFit<'a> {
     strengths: &'a [Strength],
     exponents: [f64; 2],
     within: &'a SearchBox,
@@ -178,7 +178,7 @@ fn decades(place: Position, strength: &Strength) -> f64 {
     libm::log10(place.distance_m(strength.place).max(LEAST_M))
 }
 
-impl Fit<'_> {
+impl LogDistanceFit<'_> {
     /// The middles of the cells of a grid over the box.
     fn grid(&self) -> Vec<Position> {
         let count = VERTICES[usize::from(!self.within.is_level())];
@@ -217,7 +217,7 @@ impl Fit<'_> {
     }
 }
 
-impl LeastSquares for Fit<'_> {
+impl LeastSquares for LogDistanceFit<'_> {
     type Point = Position;
     type Step = Vector3<f64>;
     type Error = Infallible;

@@ -2,7 +2,7 @@
 
 /// The conditions for a vertex to be in one sector.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Test {
+pub(super) struct SectorConditions {
     /// Half-spaces: indices of their normals.
     pub(super) planes: Vec<usize>,
     /// Unit vectors across both edges of a wedge wider than half a turn: one of the half-planes suffices.
