@@ -70,6 +70,16 @@ macro_rules! estimators {
                 found
             }
 
+            /// The names of the estimators that use what is known of the places of nodes.
+            pub(crate) fn names_with_prior() -> Vec<String> {
+                Self::names_where(&[$(($key, <$settings as EstimatorSettings>::USES_PRIOR)),*])
+            }
+
+            /// The names of the estimators that map a log part by part.
+            pub(crate) fn names_by_parts() -> Vec<String> {
+                Self::names_where(&[$(($key, <$settings as EstimatorSettings>::BY_PARTS)),*])
+            }
+
             /// Its key in a scenario: `ml_tm`.
             #[must_use]
             pub fn key(&self) -> &'static str {
@@ -171,6 +181,13 @@ estimators! {
     LeastSquares(LogDistanceConfig) as "least_squares",
     /// A Gaussian process over the strengths of each node: the node is where it is greatest.
     GaussianProcess(GaussianProcessConfig) as "gaussian_process",
+}
+
+impl AlgorithmConfig {
+    /// The names, which are keys with hyphens, of the estimators to which something applies.
+    fn names_where(keys: &[(&str, bool)]) -> Vec<String> {
+        keys.iter().filter(|(_, applies)| *applies).map(|(key, _)| key.replace('_', "-")).collect()
+    }
 }
 
 #[cfg(test)]

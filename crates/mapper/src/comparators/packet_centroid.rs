@@ -123,6 +123,8 @@ impl EstimatorSettings for PacketCentroidConfig {
         settings: "{}",
     });
 
+    const BY_PARTS: bool = true;
+
     fn mapper(self) -> Result<Mapper, SettingError> {
         PacketCentroid::try_from(self).map(Mapper::new)
     }

@@ -17,6 +17,8 @@ impl EstimatorSettings for MlTmConfig {
         settings: "{ grid_step_m = 0.25, estimate = \"posterior_mean\", profile.fitted = {} }",
     });
 
+    const BY_PARTS: bool = true;
+
     fn mapper(self) -> Result<Mapper, SettingError> {
         match self.profile.clone() {
             ProfileConfig::Fitted(fitted) => FittedMlTm::new(self, fitted).map(Mapper::new),

@@ -353,7 +353,7 @@ impl Estimator for LinkModel {
     }
 
     fn uses_prior(&self) -> bool {
-        true
+        LinkModelConfig::USES_PRIOR
     }
 
     fn by_parts(&self) -> Option<&dyn PartEstimator> {
@@ -377,6 +377,10 @@ impl EstimatorSettings for LinkModelConfig {
         description: "A model of real radio links, estimated from the log; uses signal strengths where the log has them",
         settings: "{}",
     });
+
+    const USES_PRIOR: bool = true;
+
+    const BY_PARTS: bool = true;
 
     fn mapper(self) -> Result<Mapper, SettingError> {
         LinkModel::try_from(self).map(Mapper::new)
