@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
-use crate::position::Position;
-use crate::sector_table::SectorTable;
+use crate::antenna::sector_table::SectorTable;
+use crate::geometry::position::Position;
 pub use builder::ReceptionLogBuilder;
 use columns::ReceptionColumns;
 pub use drive::Drive;

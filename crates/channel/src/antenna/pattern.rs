@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::position::Position;
+use crate::geometry::position::Position;
 use crate::power::Db;
 
 /// The radiation pattern of a beam, as written in a scenario.

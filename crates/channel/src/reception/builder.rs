@@ -6,7 +6,7 @@ use sextant_kernel::NodeId;
 
 use super::columns::{ReceptionColumns, scatter};
 use super::{Contact, LogError, Reception, ReceptionLog, SectorReport, Stop};
-use crate::position::Position;
+use crate::geometry::position::Position;
 
 /// Builds a [`ReceptionLog`]. Needs the memory of the log, half as much again while the receptions are sorted,
 /// and four octets per reception if they do not come node by node.

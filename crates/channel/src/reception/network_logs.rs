@@ -93,7 +93,7 @@ mod tests {
     use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
-    use crate::position::Position;
+    use crate::geometry::position::Position;
     use crate::reception::Stop;
 
     /// A log of as many stops.

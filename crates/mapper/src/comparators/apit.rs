@@ -69,7 +69,7 @@ impl Apit {
     pub const NAME: &'static str = "apit";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] =
+    pub(crate) const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::Neighbours, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors];
 
     /// The map.

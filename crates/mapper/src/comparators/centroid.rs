@@ -31,7 +31,7 @@ impl Centroid {
     pub const NAME: &'static str = "centroid";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::AnchorReceptions, KnowledgeKind::Anchors];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::AnchorReceptions, KnowledgeKind::Anchors];
 
     /// The map.
     ///
@@ -86,7 +86,7 @@ impl WeightedCentroid {
     pub const NAME: &'static str = "weighted-centroid";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] =
+    pub(crate) const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
 
     /// The map.

@@ -69,7 +69,7 @@ impl DvHop {
     pub const NAME: &'static str = "dv-hop";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
 
     /// The map.
     ///

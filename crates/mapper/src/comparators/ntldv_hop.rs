@@ -104,7 +104,7 @@ impl NtldvHop {
     pub const NAME: &'static str = "ntldv-hop";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
 
     /// The map.
     ///

@@ -42,7 +42,7 @@ impl PacketCentroid {
     pub const NAME: &'static str = "packet-centroid";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotReceptions];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotReceptions];
 
     /// The centroid with this power of the shares.
     pub(crate) const fn with_power(power: f64) -> Self {

@@ -81,7 +81,7 @@ impl RssMl {
     pub const NAME: &'static str = "rss-ml";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] =
+    pub(crate) const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::NeighbourRssi, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
 
     /// The map.

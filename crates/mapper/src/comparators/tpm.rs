@@ -94,7 +94,7 @@ impl Tpm {
     pub const NAME: &'static str = "tpm";
 
     /// The kinds of knowledge that it uses. It never uses the places of anchors, even if hops are counted from them.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours];
 
     /// Least number of anchors for a map.
     pub(super) fn least_anchors(&self, dimensions: usize) -> usize {

@@ -96,7 +96,7 @@ impl TriangleCentroid {
     pub const NAME: &'static str = "rssi-triangle-centroid";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] =
+    pub(crate) const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
 
     /// The map.

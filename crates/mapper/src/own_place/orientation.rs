@@ -130,7 +130,7 @@ impl RingOrientation {
 
     /// Azimuth of the middle of a sector (rad), in (−π, π]; `sectors` is the number in a ring.
     #[must_use]
-    pub fn sector_azimuth_rad(&self, sector: u8, sectors: u8) -> f64 {
+    pub(crate) fn sector_azimuth_rad(&self, sector: u8, sectors: u8) -> f64 {
         wrapped(self.azimuth_rad + TAU * f64::from(sector % sectors.max(1)) / f64::from(sectors.max(1)))
     }
 

@@ -28,7 +28,7 @@ impl SurveyFrame {
 
     /// A place of the log in this frame (m).
     #[must_use]
-    pub fn in_survey(&self, place: Position) -> Position {
+    pub(crate) fn in_survey(&self, place: Position) -> Position {
         self.axes.place(place)
     }
 
@@ -52,7 +52,7 @@ impl SurveyFrame {
 
     /// Number of stops in the log.
     #[must_use]
-    pub fn stops_in_log(&self) -> usize {
+    pub(crate) fn stops_in_log(&self) -> usize {
         self.log_stops
     }
 

@@ -51,7 +51,7 @@ impl GaussianProcess {
     pub const NAME: &'static str = "gaussian-process";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
 
     /// The map. Nodes that were never heard with a strength are not placed. The result is bit-identical for any number of
     /// threads.

@@ -89,7 +89,7 @@ impl LogDistance {
     pub const NAME: &'static str = "least-squares";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
 
     /// The map. Nodes that were never heard with a strength are not placed. The result is bit-identical for any number of
     /// threads.

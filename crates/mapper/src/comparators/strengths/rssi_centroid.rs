@@ -46,7 +46,7 @@ impl RssiCentroid {
     pub const NAME: &'static str = "rssi-centroid";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
 
     /// The map. Nodes that were never heard with a strength are not placed.
     ///

@@ -34,7 +34,7 @@ impl StrongestStop {
     pub const NAME: &'static str = "strongest-stop";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
 
     /// The map. Nodes that were never heard with a strength are not placed.
     ///
