@@ -2,9 +2,14 @@
 
 use sextant_kernel::{Seed, StationId};
 
-use crate::rays::{Scatterers, Surroundings, straight};
-use crate::reflection::Ray;
-use crate::{ChannelLaw, Db, Dbm, Milliwatts, ObstacleField, PathBudget, Position, Shadowing};
+use crate::geometry::position::Position;
+use crate::obstacles::field::ObstacleField;
+use crate::obstacles::rays::{Scatterers, Surroundings, straight};
+use crate::power::{Db, Dbm, Milliwatts};
+use crate::propagation::law::ChannelLaw;
+use crate::propagation::path_budget::PathBudget;
+use crate::propagation::reflection::Ray;
+use crate::propagation::shadowing::Shadowing;
 
 /// A radio channel in a world of obstacles: `P_rx = P_tx - L(d) - L_obstacles + X` (thesis eq. 3.15).
 /// Reciprocal: every result is the same, bit for bit, if the two ends are exchanged.

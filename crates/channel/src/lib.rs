@@ -41,88 +41,50 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "oracles may be those of the C library"))]
 
 mod antenna;
-mod bounds;
-mod cell_grid;
-mod cell_index;
 #[cfg(feature = "obstacles")]
 mod channel;
-#[cfg_attr(not(feature = "obstacles"), expect(dead_code, reason = "fields are those of rays among obstacles"))]
-mod complex;
-#[cfg(feature = "obstacles")]
-mod edge;
-mod environment;
-#[cfg(feature = "obstacles")]
-mod field;
-#[cfg(feature = "obstacles")]
-mod fresnel;
-mod gas;
-#[cfg(feature = "obstacles")]
-mod glam;
-mod law;
-#[cfg_attr(not(feature = "obstacles"), expect(dead_code, reason = "materials are those of obstacles"))]
-mod material;
-#[cfg(feature = "obstacles")]
-mod mirror;
+mod geometry;
 mod neighbour;
 #[cfg(feature = "obstacles")]
-mod obstacle;
-#[cfg(feature = "obstacles")]
-mod path_budget;
-mod path_loss;
-mod polygon;
-mod position;
+mod obstacles;
 mod power;
+mod propagation;
 mod purpose;
-#[cfg(feature = "obstacles")]
-mod rays;
 mod reception;
-mod reflection;
-mod sector;
-mod sector_gains;
-mod sector_table;
-mod shadowing;
-#[cfg(feature = "obstacles")]
-mod shape;
-mod sight;
-#[cfg(feature = "obstacles")]
-mod span;
-#[cfg(feature = "obstacles")]
-mod tree;
-mod turned_sectors;
 
+pub use antenna::sector::{EvenSectorsConfig, SectorConfig, SectorDirections, Wedge};
+pub use antenna::sector_gains::{ListenerAntennaConfig, SectorGains};
+pub use antenna::sector_table::SectorTable;
 pub use antenna::{
     Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig, Gaps,
     Ieee802153cConfig, LobeEdge, OmnidirectionalConfig, Orientation, OrientationConfig, PatternConfig, SectorAddress,
     SectorEdge, SectorGainsConfig, Tr38901Config, Vertical, look_like_factors,
 };
-pub use bounds::Bounds;
-pub use cell_grid::CellGrid;
-pub use cell_index::CellIndex;
 #[cfg(feature = "obstacles")]
 pub use channel::Channel;
-pub use environment::Environment;
+pub use geometry::bounds::Bounds;
+pub use geometry::cell_grid::CellGrid;
+pub use geometry::cell_index::CellIndex;
+pub use geometry::polygon::Polygon;
+pub use geometry::position::Position;
 #[cfg(feature = "obstacles")]
-pub use field::{Crossing, ObstacleField};
-pub use gas::GasConfig;
-pub use law::{ChannelConfig, ChannelLaw};
-pub use material::{Material, MaterialName};
+pub use geometry::shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};
 pub use neighbour::{Anchor, Link, NeighbourError, NeighbourLog};
 #[cfg(feature = "obstacles")]
-pub use obstacle::{Obstacle, ObstacleConfig};
+pub use obstacles::field::{Crossing, ObstacleField};
 #[cfg(feature = "obstacles")]
-pub use path_budget::{ObstacleLoss, PathBudget};
-pub use path_loss::{CloseInConfig, DistanceLoss, LogDistance, LogDistanceConfig, PathLossConfig};
-pub use polygon::Polygon;
-pub use position::Position;
+pub use obstacles::obstacle::{Obstacle, ObstacleConfig};
 pub use power::{Db, Dbm, Milliwatts};
+pub use propagation::environment::Environment;
+pub use propagation::gas::GasConfig;
+pub use propagation::law::{ChannelConfig, ChannelLaw};
+pub use propagation::material::{Material, MaterialName};
+#[cfg(feature = "obstacles")]
+pub use propagation::path_budget::{ObstacleLoss, PathBudget};
+pub use propagation::path_loss::{CloseInConfig, DistanceLoss, LogDistance, LogDistanceConfig, PathLossConfig};
+pub use propagation::reflection::{Polarisation, Ray, ReflectionsConfig, angles_rad};
+pub use propagation::shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
 pub use reception::{
     Contact, Drive, HeardAtStop, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder,
     Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop, StopLog,
 };
-pub use reflection::{Polarisation, Ray, ReflectionsConfig, angles_rad};
-pub use sector::{EvenSectorsConfig, SectorConfig, SectorDirections, Wedge};
-pub use sector_gains::{ListenerAntennaConfig, SectorGains};
-pub use sector_table::SectorTable;
-pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
-#[cfg(feature = "obstacles")]
-pub use shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

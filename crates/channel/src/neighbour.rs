@@ -2,7 +2,7 @@
 
 use sextant_kernel::NodeId;
 
-use crate::Position;
+use crate::geometry::position::Position;
 
 /// A node that knows its position.
 #[derive(Clone, Copy, Debug, PartialEq)]

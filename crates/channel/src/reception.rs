@@ -14,9 +14,10 @@ use std::sync::Arc;
 
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
-use crate::{Position, SectorTable};
+use crate::antenna::sector_table::SectorTable;
+use crate::geometry::position::Position;
 pub use builder::ReceptionLogBuilder;
-use columns::Columns;
+use columns::ReceptionColumns;
 pub use drive::Drive;
 pub use heard_at_stop::{HeardAtStop, StopLog};
 pub use log_error::LogError;
@@ -83,7 +84,7 @@ pub struct ReceptionLog {
     /// Shared with the parts of the log.
     stops: Arc<Vec<Stop>>,
     /// Sorted by node, then by stop.
-    columns: Columns,
+    columns: ReceptionColumns,
     /// Where the receptions of each node begin, and the end of the last.
     first: Vec<usize>,
     contacts: Vec<Contact>,
@@ -99,7 +100,7 @@ impl Default for ReceptionLog {
         Self {
             names: Vec::new(),
             stops: Arc::default(),
-            columns: Columns::default(),
+            columns: ReceptionColumns::default(),
             first: vec![0],
             contacts: Vec::new(),
             robots: Vec::new(),

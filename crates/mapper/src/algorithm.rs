@@ -4,13 +4,19 @@
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::{
-    AnyLog, ApitConfig, AutoConfig, CentroidConfig, DrMdsConfig, DvHopConfig, EstimatorSettings,
-    GaussianProcessConfig, JointConfig, LinkModelConfig, LogDistanceConfig, Mapper, MdsMapConfig, MlTmConfig, MmTm,
-    NtldvHopConfig, PacketCentroidConfig, ProfileSetting, RangingConfig, ReceiverSetting, RssGridConfig, RssMlConfig,
-    RssiCentroidConfig, SelfCalibratedConfig, SmacofConfig, StitchConfig, StrongestStopConfig, TpmConfig,
-    TriangleCentroidConfig, WeightedCentroidConfig,
+use crate::auto::AutoConfig;
+use crate::comparators::{
+    ApitConfig, CentroidConfig, DrMdsConfig, DvHopConfig, GaussianProcessConfig, LogDistanceConfig, MdsMapConfig,
+    NtldvHopConfig, PacketCentroidConfig, RssMlConfig, RssiCentroidConfig, SmacofConfig, StrongestStopConfig,
+    TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
 };
+use crate::estimator::{AnyLog, EstimatorSettings, Mapper, ProfileSetting, ReceiverSetting};
+use crate::grid_ml::{JointConfig, MlTmConfig, MmTm};
+use crate::link_model::LinkModelConfig;
+use crate::ranging::RangingConfig;
+use crate::rss_grid::RssGridConfig;
+use crate::self_calibrated::SelfCalibratedConfig;
+use crate::stitch::StitchConfig;
 
 /// One map to compute from the reception log, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +68,16 @@ macro_rules! estimators {
                 let mut found: Vec<AnyLog> = all.into_iter().filter_map(own).collect();
                 found.sort_by_key(|any_log| any_log.rank);
                 found
+            }
+
+            /// The names of the estimators that use what is known of the places of nodes.
+            pub(crate) fn names_with_prior() -> Vec<String> {
+                Self::names_where(&[$(($key, <$settings as EstimatorSettings>::USES_PRIOR)),*])
+            }
+
+            /// The names of the estimators that map a log part by part.
+            pub(crate) fn names_by_parts() -> Vec<String> {
+                Self::names_where(&[$(($key, <$settings as EstimatorSettings>::BY_PARTS)),*])
             }
 
             /// Its key in a scenario: `ml_tm`.
@@ -165,6 +181,13 @@ estimators! {
     LeastSquares(LogDistanceConfig) as "least_squares",
     /// A Gaussian process over the strengths of each node: the node is where it is greatest.
     GaussianProcess(GaussianProcessConfig) as "gaussian_process",
+}
+
+impl AlgorithmConfig {
+    /// The names, which are keys with hyphens, of the estimators to which something applies.
+    fn names_where(keys: &[(&str, bool)]) -> Vec<String> {
+        keys.iter().filter(|(_, applies)| *applies).map(|(key, _)| key.replace('_', "-")).collect()
+    }
 }
 
 #[cfg(test)]

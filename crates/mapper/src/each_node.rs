@@ -3,7 +3,11 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch};
 
-use crate::{Estimator, FixedLaw, Knowledge, MapError, TopologyMap};
+use crate::error::MapError;
+use crate::estimator::Estimator;
+use crate::knowledge::Knowledge;
+use crate::parts::FixedLaw;
+use crate::topology_map::TopologyMap;
 
 /// The law of an estimator that needs none: it maps each node by itself.
 #[derive(Debug)]

@@ -7,12 +7,16 @@ use std::sync::Arc;
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Unwatched, Watch};
 
-use crate::parts::map_parts;
-use crate::survey_frame::{Survey, in_survey};
-use crate::{
-    Axes, Comparable, EstimatorFindings, Knowledge, KnowledgeKind, LogParts, MapError, PartEstimator, PartsError,
-    PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile, Surface, TopologyMap,
-};
+use crate::comparable::Comparable;
+use crate::error::MapError;
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::parts::{LogParts, PartEstimator, PartsError, map_parts};
+use crate::profile::{ProfileConfig, ReceptionProfile};
+use crate::ranging::RangingConfig;
+use crate::surface::Surface;
+use crate::survey_frame::{Axes, Survey, in_survey};
+use crate::topology_map::TopologyMap;
 
 /// An algorithm that maps the nodes of a log, with its settings.
 pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
@@ -137,25 +141,11 @@ pub enum Landmarks {
 #[derive(Clone, Debug)]
 pub struct Mapper(Arc<dyn Estimator>);
 
-/// The names of the estimators that use what is known of the places of nodes, in messages.
-const WITH_PRIOR: &str = "`auto`, `link-model`";
-
 impl Mapper {
     /// The mapper that is `estimator`.
     #[must_use]
     pub fn new(estimator: impl Estimator + 'static) -> Self {
         Self(Arc::new(estimator))
-    }
-
-    /// Checks that the estimator uses `prior`, if there is one.
-    ///
-    /// # Errors
-    /// [`MapError::UnusedPrior`] if it does not.
-    pub fn check_prior(&self, prior: Option<&PlacePrior>) -> Result<(), MapError> {
-        if prior.is_none() || self.uses_prior() {
-            return Ok(());
-        }
-        Err(MapError::UnusedPrior { algorithm: self.name(), known: WITH_PRIOR.to_owned() })
     }
 
     /// The map of the nodes in the log of `knowledge`, which may be a log alone.
@@ -201,23 +191,7 @@ fn estimate_in_survey(
     Ok((survey.frame.map_in_log(map, &nodes, knowledge.log.node_count()), learned))
 }
 
-/// The names of the estimators that map a log part by part, in messages.
-const BY_PARTS: &str = "`ml-tm`, `mmtm`, `link-model`, `packet-centroid`";
-
 impl Mapper {
-    /// Checks that the estimator can map a log part by part.
-    ///
-    /// # Errors
-    /// [`MapError::NotByParts`] if it cannot.
-    pub fn check_parts(&self) -> Result<(), MapError> {
-        self.parts_estimator().map(|_| ())
-    }
-
-    fn parts_estimator(&self) -> Result<&dyn PartEstimator, MapError> {
-        let refused = MapError::NotByParts { algorithm: self.name(), known: BY_PARTS.to_owned() };
-        self.by_parts().ok_or(refused)
-    }
-
     /// The same as [`map_and_learn`](Self::map_and_learn), with a log that is read part by part. The log of `knowledge` is not
     /// used.
     ///
@@ -255,6 +229,12 @@ impl std::ops::Deref for Mapper {
 pub trait EstimatorSettings {
     /// What suits any log, for an estimator that can be named without settings.
     const ANY_LOG: Option<AnyLog> = None;
+
+    /// Whether the estimator uses what is known of the places of nodes ([`Estimator::uses_prior`]).
+    const USES_PRIOR: bool = false;
+
+    /// Whether the estimator maps a log part by part ([`Estimator::by_parts`]).
+    const BY_PARTS: bool = false;
 
     /// The estimator with these settings.
     ///

@@ -7,7 +7,8 @@ use sextant_channel::ObstacleField;
 use sextant_channel::{Anchor, NeighbourLog, Position, ReceptionLog};
 use sextant_kernel::Seed;
 
-use crate::{MapError, PlacePrior};
+use crate::error::MapError;
+use crate::posterior::PlacePrior;
 
 /// Everything that an algorithm may use. Maximum likelihood needs only the reception log; most algorithms for
 /// comparison need more.

@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use sextant_channel::{Position, Stop};
 
+use crate::error::MapError;
+use crate::log_facts::SoughtHeights;
 use crate::numerics::whole;
-use crate::{MapError, SoughtHeights};
 
 /// Bytes per vertex of a window, for its log-likelihood.
 const OCTETS_PER_VERTEX: f64 = 8.0;

@@ -7,7 +7,10 @@ use std::sync::Arc;
 use sextant_kernel::NodeId;
 use sextant_kernel::text::counted;
 
-use crate::{AbsorptionMap, Comparable, SurveyFrame, TopologyMap};
+use crate::absorption::AbsorptionMap;
+use crate::comparable::Comparable;
+use crate::survey_frame::SurveyFrame;
+use crate::topology_map::TopologyMap;
 
 /// Something that an estimator learned from a log in addition to the map.
 pub trait Finding: Any + Comparable + fmt::Debug + Send + Sync {

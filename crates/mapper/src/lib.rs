@@ -55,6 +55,7 @@ mod ranging;
 mod rss_grid;
 mod self_calibrated;
 mod stitch;
+mod suitable;
 mod surface;
 mod survey_frame;
 mod topology_map;

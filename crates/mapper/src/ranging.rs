@@ -68,7 +68,7 @@ impl Ranging {
 
     /// Path loss per tenfold distance (dB).
     #[must_use]
-    pub fn db_per_decade(&self) -> f64 {
+    pub(crate) fn db_per_decade(&self) -> f64 {
         10.0 * self.exponent
     }
 
@@ -80,7 +80,7 @@ impl Ranging {
 
     /// Mean of a distance from one shadowed packet over the true distance: `exp(½ (σ ln 10 / 10 n)²)`.
     #[must_use]
-    pub fn bias(&self) -> f64 {
+    pub(crate) fn bias(&self) -> f64 {
         libm::exp(0.5 * (self.sigma_db * std::f64::consts::LN_10 / self.db_per_decade()).powi(2))
     }
 }

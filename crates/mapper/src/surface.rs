@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// Log-likelihood of one node on the part of the grid where it may be.
 #[derive(Clone, Debug, PartialEq)]

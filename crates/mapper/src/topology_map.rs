@@ -3,7 +3,9 @@
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::{Concern, Estimate, Reflection, Similarity, SoughtHeights};
+use crate::log_facts::SoughtHeights;
+use crate::metrics::{Reflection, Similarity};
+use crate::posterior::{Concern, Estimate};
 
 /// The places of the nodes that an algorithm estimated from a reception log.
 #[derive(Clone, Debug, PartialEq)]

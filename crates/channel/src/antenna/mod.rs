@@ -3,7 +3,11 @@
 mod code_book;
 mod orientation;
 mod pattern;
+pub(crate) mod sector;
+pub(crate) mod sector_gains;
+pub(crate) mod sector_table;
 mod sectors;
+pub(crate) mod turned_sectors;
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -19,7 +23,10 @@ pub use pattern::{
 };
 pub use sectors::{AntennaSectorsConfig, Vertical};
 
-use crate::{Db, Position, SectorDirections, purpose};
+use crate::antenna::sector::SectorDirections;
+use crate::geometry::position::Position;
+use crate::power::Db;
+use crate::purpose;
 use code_book::CodeBook;
 use sectors::Sectors;
 

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::Position;
+use crate::geometry::position::Position;
 
 /// The largest angle (degrees): ten turns. Far larger ones would leave no digits for the widths of sectors.
 const MOST_DEG: f64 = 3600.0;

@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::{Db, Position};
+use crate::geometry::position::Position;
+use crate::power::Db;
 
 /// The radiation pattern of a beam, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

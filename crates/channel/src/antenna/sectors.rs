@@ -6,7 +6,7 @@ use sextant_kernel::SettingError;
 
 use super::pattern::{Aim, Beam, Ieee802153cConfig, Pattern, SectorEdge};
 use super::{MOST_SECTORS, PatternConfig, SECTORS_OF_ANTENNA, SECTORS_OF_STATION};
-use crate::{EvenSectorsConfig, SectorDirections};
+use crate::antenna::sector::{EvenSectorsConfig, SectorDirections};
 
 /// An antenna with sectors of equal width in azimuth, in one or more rings, as written in a scenario. Sector `i` of
 /// ring `j` is number `j · azimuth_sectors + i`.

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use sextant_kernel::NodeId;
 
-use super::columns::{Columns, scatter};
+use super::columns::{ReceptionColumns, scatter};
 use super::{Contact, LogError, Reception, ReceptionLog, SectorReport, Stop};
-use crate::Position;
+use crate::geometry::position::Position;
 
 /// Builds a [`ReceptionLog`]. Needs the memory of the log, half as much again while the receptions are sorted,
 /// and four octets per reception if they do not come node by node.
@@ -27,7 +27,7 @@ use crate::Position;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct ReceptionLogBuilder {
-    columns: Columns,
+    columns: ReceptionColumns,
     nodes: Nodes,
     /// Whether the log has antenna sectors even if no reception names one.
     has_sectors: bool,
@@ -240,7 +240,7 @@ fn places(mut next: Vec<usize>, keys: impl Iterator<Item = usize>) -> impl Itera
 }
 
 /// Sorts the receptions of each node by stop.
-fn sort_each(columns: &mut Columns, first: &[usize]) {
+fn sort_each(columns: &mut ReceptionColumns, first: &[usize]) {
     let mut order = Vec::new();
     for range in first.windows(2) {
         if !columns.stops[range[0]..range[1]].is_sorted() {

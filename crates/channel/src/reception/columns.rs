@@ -6,7 +6,7 @@ use super::Reception;
 
 /// What was heard, without the nodes: each column has one value per reception.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Columns {
+pub(super) struct ReceptionColumns {
     pub(super) stops: Vec<u32>,
     /// Packets received and sent.
     pub(super) packets: Column<Packets>,
@@ -16,7 +16,7 @@ pub(super) struct Columns {
     pub(super) ratios: Column<Level>,
 }
 
-impl Columns {
+impl ReceptionColumns {
     /// Whether some reception is not one packet received of one.
     pub(super) fn has_counts(&self) -> bool {
         self.packets.0.iter().any(|&packets| packets != packets.at_least_one())

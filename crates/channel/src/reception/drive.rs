@@ -2,7 +2,7 @@
 
 use sextant_kernel::RobotId;
 
-use crate::Position;
+use crate::geometry::position::Position;
 
 /// The straight line from a stop of a robot to its next one.
 #[derive(Clone, Copy, Debug, PartialEq)]

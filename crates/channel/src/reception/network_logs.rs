@@ -93,7 +93,8 @@ mod tests {
     use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
-    use crate::{Position, Stop};
+    use crate::geometry::position::Position;
+    use crate::reception::Stop;
 
     /// A log of as many stops.
     fn log(network: Option<&str>, stops: usize) -> NetworkLog {

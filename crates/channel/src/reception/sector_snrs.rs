@@ -3,7 +3,7 @@
 use sextant_kernel::NodeId;
 
 use super::{LogError, ReceptionLog};
-use crate::SectorTable;
+use crate::antenna::sector_table::SectorTable;
 
 /// Signal-to-noise ratio of one sector of a listener, as a node measured it in a sector sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,7 +137,10 @@ mod tests {
     use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
-    use crate::{EvenSectorsConfig, Position, Reception, ReceptionLogBuilder, Stop};
+    use crate::antenna::sector::EvenSectorsConfig;
+    use crate::geometry::position::Position;
+    use crate::reception::builder::ReceptionLogBuilder;
+    use crate::reception::{Reception, Stop};
 
     fn stops(nanos: &[u64]) -> Vec<Stop> {
         let stop = |&nanos| Stop {

@@ -47,6 +47,11 @@ const FOLDERS: [&str; 15] = [
     "cli",
 ];
 
+/// The folders of the crates in which no module imports an item through the root of its crate. The root hands items on
+/// to other crates; inside, each item is imported from its module.
+const BY_MODULE_PATH: [&str; 9] =
+    ["channel", "sim", "mapper", "recording", "figure", "study", "report", "thesis", "cli"];
+
 fn modules_of(folder: &str) -> Modules {
     Modules::read(&root().join("crates").join(folder).join("src"))
 }
@@ -65,6 +70,14 @@ fn modules_use_only_those_below_them() {
     for (folder, rooms) in [("sextant", &ROOMS[..]), ("study", &STUDIES), ("cli", &COMMAND_LINE)] {
         let upwards = modules_of(folder).upwards(rooms);
         assert!(upwards.is_empty(), "{folder}: these use modules above them: {upwards:#?}");
+    }
+}
+
+#[test]
+fn no_module_imports_through_the_root_of_its_crate() {
+    for folder in BY_MODULE_PATH {
+        let through_root = modules_of(folder).through_root();
+        assert!(through_root.is_empty(), "{folder}: these are to be imported from their modules: {through_root:#?}");
     }
 }
 
@@ -123,6 +136,22 @@ fn a_circle_is_found_however_it_is_written() {
     assert_eq!(circles(&whole_and_part), Vec::<Vec<String>>::new(), "a part may use its parent");
     let around = [("lib.rs", ""), ("a.rs", "use crate::b::c::C;"), ("b/mod.rs", "use crate::a::A;"), ("b/c.rs", "")];
     assert_eq!(circles(&around), [["crate::a", "crate::b"]], "a uses a part of b, and b uses a");
+}
+
+#[test]
+fn an_import_through_the_root_is_found() {
+    let through_root = |text| {
+        let root = ("lib.rs", "mod a; mod b; pub use a::A; pub use kernel::K; struct Own;");
+        Modules::of([root, ("a.rs", "pub struct A;"), ("b/mod.rs", ""), ("b/c.rs", text)]).through_root()
+    };
+    for through in ["use crate::A;", "use crate::{a, A as C};", "use super::super::A;", "fn f() -> crate::A {}"] {
+        assert_eq!(through_root(through), ["crate::b::c uses crate::A"], "{through}");
+    }
+    assert_eq!(through_root("use crate::K;"), ["crate::b::c uses crate::K"]);
+    for direct in ["use crate::a::A;", "use crate::Own;", "use super::A;", "#[cfg(test)] mod tests { use crate::A; }"]
+    {
+        assert_eq!(through_root(direct), Vec::<String>::new(), "{direct}");
+    }
 }
 
 #[test]

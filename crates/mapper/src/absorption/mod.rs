@@ -4,7 +4,7 @@ pub(crate) mod claims;
 
 use sextant_channel::Position;
 
-use crate::SurveyFrame;
+use crate::survey_frame::SurveyFrame;
 use claims::NEGLIGIBLE;
 pub use claims::ObstacleClaim;
 
@@ -119,7 +119,7 @@ impl AbsorptionMap {
 
     /// Area of the obstacles of which the log is not sure (m²).
     #[must_use]
-    pub fn unsure_m2(&self) -> f64 {
+    pub(crate) fn unsure_m2(&self) -> f64 {
         self.claims.iter().filter(|claim| !claim.is_sure).map(|claim| claim.area_m2).sum()
     }
 

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{Estimate, TopologyMap};
+use crate::posterior::Estimate;
+use crate::topology_map::TopologyMap;
 
 /// A node counts at most by this many times what its regions tell: single nodes far off are no reason to enlarge all.
 const MOST_OF_A_NODE: f64 = 25.0;
@@ -56,7 +57,7 @@ mod tests {
     use sextant_channel::Position;
 
     use super::*;
-    use crate::CoordinateFrame;
+    use crate::topology_map::CoordinateFrame;
 
     /// A map of nodes with these places and one variance along each axis (m, m²).
     fn map(places: &[[f64; 2]], variance_m2: f64) -> TopologyMap {

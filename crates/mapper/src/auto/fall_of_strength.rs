@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use sextant_channel::Position;
 
 use super::folds::Fold;
-use crate::TopologyMap;
+use crate::topology_map::TopologyMap;
 
 /// Distances are at least this (m).
 const NEAREST_M: f64 = 0.1;

@@ -30,7 +30,7 @@ pub(super) struct Fold<'a> {
 
 /// A pair of node and stop.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
+pub(super) struct NodeAndStop {
     pub(super) stop: Stop,
     pub(super) received: u32,
     pub(super) sent: u32,
@@ -92,24 +92,24 @@ impl Folds {
 
 impl Fold<'_> {
     /// The pairs of `node` and the stops of the fold, without those that were not tried.
-    pub(super) fn pairs(&self, node: usize) -> impl Iterator<Item = Pair> {
+    pub(super) fn pairs(&self, node: usize) -> impl Iterator<Item = NodeAndStop> {
         self.pairs_at(node, true)
     }
 
     /// The pairs of `node` and the other stops, without those that were not tried.
-    pub(super) fn others(&self, node: usize) -> impl Iterator<Item = Pair> {
+    pub(super) fn others(&self, node: usize) -> impl Iterator<Item = NodeAndStop> {
         self.pairs_at(node, false)
     }
 
-    fn pairs_at(&self, node: usize, is_left_out: bool) -> impl Iterator<Item = Pair> {
+    fn pairs_at(&self, node: usize, is_left_out: bool) -> impl Iterator<Item = NodeAndStop> {
         let mut heard = self.all.of(NodeId::from_index(node)).iter().peekable();
         let stops = self.all.stops().iter().zip(self.fold_of).enumerate();
-        let pairs: Vec<Pair> = stops
+        let pairs: Vec<NodeAndStop> = stops
             .filter_map(|(number, (stop, &of))| {
                 let listed = heard.next_if(|reception| reception.stop as usize == number);
                 let (received, sent) = listed.map_or((0, 1), |reception| (reception.received, reception.sent));
                 let rssi_dbm = listed.and_then(|reception| reception.rssi_dbm).filter(|_| received > 0);
-                let pair = Pair { stop: *stop, received, sent, rssi_dbm };
+                let pair = NodeAndStop { stop: *stop, received, sent, rssi_dbm };
                 ((of == self.number) == is_left_out && sent > 0).then_some(pair)
             })
             .collect();

@@ -6,6 +6,7 @@ mod folds;
 mod opinions;
 mod predict;
 mod report;
+mod rules;
 mod score;
 
 #[cfg(feature = "config")]
@@ -16,16 +17,25 @@ use sextant_kernel::{SettingError, Watch};
 use self::folds::{Fold, Folds};
 use self::opinions::{GainOfLaw, Source};
 pub use self::opinions::{Opinion, Opinions};
+pub use self::rules::ChoiceReason;
+use self::rules::Facts;
 use self::score::Predicted;
-pub use self::score::{ChoiceReason, Score};
+pub use self::score::Score;
+use crate::count_rule::CountRule;
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
+use crate::grid_ml::{Fit, FittedMlTm, MlTmConfig};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::link_model::{LinkFit, LinkModel, LinkModelConfig};
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{heard_nodes, reach_m};
-use crate::pattern::PatternMap;
-use crate::{
-    AnyLog, Axes, Calibration, CountRule, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
-    FittedConfig, FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper,
-    MlTmConfig, PatternFit, PlacePrior, ProfileConfig, SelfCalibrated, SelfCalibratedConfig, SoughtHeights,
-    TopologyMap,
-};
+use crate::pattern::{PatternFit, PatternMap};
+use crate::posterior::{EstimateKind, PlacePrior};
+use crate::profile::{FittedConfig, ProfileConfig};
+use crate::self_calibrated::{Calibration, SelfCalibrated, SelfCalibratedConfig};
+use crate::survey_frame::Axes;
+use crate::topology_map::TopologyMap;
 
 /// The choice of an estimator as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,6 +113,9 @@ const STEPS_PER_REACH: f64 = 40.0;
 /// The name of the map by gains among the candidates.
 const PATTERN: &str = "antenna-pattern";
 
+/// The number of the link model among the candidates.
+const LINKS: usize = 0;
+
 /// An estimator that may be chosen.
 #[derive(Clone, Copy)]
 enum Candidate<'a> {
@@ -174,10 +187,12 @@ impl Auto {
         }
         let Trials { predicted, parts, gain } = trials;
         let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
-        let (number, reason) = match prior {
-            Some(_) => (0, ChoiceReason::KnownPlaces),
-            None => chosen(&candidates, &predicted),
+        let facts = Facts {
+            knows_places: prior.is_some(),
+            compared: !predicted.is_empty(),
+            as_good: as_good(&candidates, &predicted),
         };
+        let (number, reason) = rules::choose(&facts, LINKS);
         let candidate = candidates[number];
         let (mut map, fit) = candidate.map(log, prior, watch)?;
         let enlargement = agreement::enlargement(&parts[number]);
@@ -241,14 +256,14 @@ fn enlarge(map: &mut TopologyMap, factor: f64) {
     }
 }
 
-/// The number of the candidate that the predictions choose, and why; without any, the first one.
-fn chosen(candidates: &[Candidate<'_>], predicted: &[Predicted]) -> (usize, ChoiceReason) {
+/// The number of the most trusted candidate of independent packets, if it predicts as well as the link model does.
+fn as_good(candidates: &[Candidate<'_>], predicted: &[Predicted]) -> Option<usize> {
     if predicted.is_empty() {
-        return (0, ChoiceReason::TooLittle);
+        return None;
     }
     let is_independent = |number: &usize| !matches!(candidates[*number], Candidate::LinkModel(_));
     let independent: Vec<usize> = (0..candidates.len()).filter(is_independent).collect();
-    score::best(predicted, 0, &independent)
+    score::as_good(predicted, LINKS, &independent)
 }
 
 impl Candidate<'_> {
@@ -324,7 +339,7 @@ impl Estimator for Auto {
     }
 
     fn uses_prior(&self) -> bool {
-        true
+        AutoConfig::USES_PRIOR
     }
 
     fn estimate(
@@ -344,6 +359,8 @@ impl EstimatorSettings for AutoConfig {
         description: "The estimator that the log chooses: link model with other opinions, antenna pattern, fitted grid or self-calibrated",
         settings: "{}",
     });
+
+    const USES_PRIOR: bool = true;
 
     fn mapper(self) -> Result<Mapper, SettingError> {
         Auto::try_from(self).map(Mapper::new)

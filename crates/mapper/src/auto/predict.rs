@@ -4,12 +4,14 @@ use sextant_channel::{Position, ReceptionLog, Stop};
 
 use super::EstimatorFit;
 use super::fall_of_strength::FallOfStrength;
-use super::folds::{Fold, Pair};
+use super::folds::{Fold, NodeAndStop};
 use super::opinions::GainOfLaw;
 use super::score::Predicted;
 use crate::link_model::{LinkFit, Placed, Predictor};
 use crate::numerics::normal::{below, quantile};
-use crate::{Calibration, Estimate, TopologyMap};
+use crate::posterior::Estimate;
+use crate::self_calibrated::Calibration;
+use crate::topology_map::TopologyMap;
 
 /// The nodes of a Gauss-Hermite rule along an axis, in standard deviations, and their weights.
 const POINTS: [(f64, f64); 3] =
@@ -49,7 +51,7 @@ pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&Estim
     }
 }
 
-fn binomial(share: f64, pair: &Pair) -> f64 {
+fn binomial(share: f64, pair: &NodeAndStop) -> f64 {
     let (received, sent) = (f64::from(pair.received), f64::from(pair.sent));
     let ways = libm::lgamma(sent + 1.0) - libm::lgamma(received + 1.0) - libm::lgamma(sent - received + 1.0);
     let share = share.clamp(1e-9, 1.0 - 1e-9);
@@ -104,7 +106,7 @@ pub(super) fn by_links(
     let strengths = FallOfStrength::of(fold, map, &|_, _| 0.0);
     let usual = fold.usual_share();
     for (node, estimate) in map.estimates.iter().enumerate() {
-        let pairs: Vec<Pair> = fold.pairs(node).collect();
+        let pairs: Vec<NodeAndStop> = fold.pairs(node).collect();
         let others: Vec<Position> = pairs.iter().map(|pair| pair.stop.position).collect();
         let margins = estimate.as_ref().zip(predictor.as_ref()).and_then(|(estimate, predictor)| {
             let placed = Placed { place: estimate.position, covariance: estimate.covariance.unwrap_or_default() };

@@ -4,10 +4,11 @@ use std::fmt::Write;
 
 use sextant_kernel::NodeId;
 
-use super::{Choice, ChoiceReason, EstimatorFit, Opinion, Opinions};
-use crate::{
-    AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing, SurveyFrame, TopologyMap,
-};
+use super::{Choice, EstimatorFit, Opinion, Opinions};
+use crate::absorption::AbsorptionMap;
+use crate::learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing};
+use crate::survey_frame::SurveyFrame;
+use crate::topology_map::TopologyMap;
 
 #[cfg(feature = "config")]
 /// The keys of a choice.
@@ -78,7 +79,7 @@ impl Choice {
     }
 
     fn line(&self, name: &str) -> String {
-        let mut text = format!("{name}: the log chose {} ({})", self.chosen, because(self.reason));
+        let mut text = format!("{name}: the log chose {} ({})", self.chosen, self.reason.because());
         for (number, score) in self.scores.iter().enumerate() {
             let lead = if number == 0 { "; log-probability a pair of stops left out: " } else { ", " };
             let _ = write!(text, "{lead}{} {:.3}", score.estimator, score.log_probability);
@@ -108,7 +109,7 @@ impl Finding for Choice {
         };
         let own = ChoiceKeys {
             chosen: self.chosen,
-            chosen_because: because(self.reason),
+            chosen_because: self.reason.because(),
             region_enlargement: self.enlargement(),
             opinions: self.opinions.as_ref().map(|opinions| OpinionKeys {
                 gain_of_law: opinions.gain,
@@ -177,18 +178,4 @@ fn told(opinions: &Opinions) -> String {
         let _ = write!(text, ", so that it counts to the power {:.1}", opinions.link_model_power);
     }
     text
-}
-
-/// The reason of a choice in words.
-fn because(reason: ChoiceReason) -> &'static str {
-    match reason {
-        ChoiceReason::KnownPlaces => "only it can use what is known of the places",
-        ChoiceReason::TooLittle => "the log has too few stops or nodes to compare estimators",
-        ChoiceReason::IndependentPackets => {
-            "it predicts the stops left out no worse than the link model: packets of a link seem independent"
-        }
-        ChoiceReason::DependentPackets => {
-            "no estimator of independent packets predicts the stops left out as well: packets of a link share what they lose"
-        }
-    }
 }

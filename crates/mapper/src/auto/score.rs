@@ -14,19 +14,6 @@ pub struct Score {
     pub pairs: usize,
 }
 
-/// Why an estimator was chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ChoiceReason {
-    /// Something is known of the places, which only the link model can use.
-    KnownPlaces,
-    /// The log has too few stops or nodes to leave some out: the link model maps it.
-    TooLittle,
-    /// It takes packets as independent of each other, and predicts what was left out as well as the link model, or better.
-    IndependentPackets,
-    /// The link model predicts what was left out better than estimators for which packets are independent.
-    DependentPackets,
-}
-
 /// What an estimator predicted of each node: the sum of the logarithms of the probabilities, and their number.
 #[derive(Clone, Debug)]
 pub(super) struct Predicted {
@@ -88,23 +75,18 @@ fn error(own: &Predicted, other: &Predicted) -> f64 {
     squares.sqrt() / own.pairs().max(1) as f64
 }
 
-/// Which of the estimators to take: the number of one that assumes independent packets (`independent`, in the order of
-/// trust: a later one must be better than those before it by two standard errors), or of that of links (`links`).
+/// The number of the estimator of independent packets that is as good as that of links (`links`), if one is. Of the
+/// `independent`, in the order of trust, a later one must be better than those before it by two standard errors.
 ///
 /// Estimators of independent packets are taken if they predict as well as the link model does, within a standard error: where
 /// packets are independent, they place nodes better than it; where they are not, they are refuted.
-pub(super) fn best(predicted: &[Predicted], links: usize, independent: &[usize]) -> (usize, ChoiceReason) {
+pub(super) fn as_good(predicted: &[Predicted], links: usize, independent: &[usize]) -> Option<usize> {
     let gain = |number: usize, over: usize| predicted[number].mean() - predicted[over].mean();
     let is_surely_better =
         |number: usize, over: usize| gain(number, over) > 2.0 * error(&predicted[number], &predicted[over]);
     let trusted =
         independent.iter().copied().reduce(|best, next| if is_surely_better(next, best) { next } else { best });
-    match trusted {
-        Some(number) if gain(number, links) >= -error(&predicted[number], &predicted[links]) => {
-            (number, ChoiceReason::IndependentPackets)
-        }
-        _ => (links, ChoiceReason::DependentPackets),
-    }
+    trusted.filter(|&number| gain(number, links) >= -error(&predicted[number], &predicted[links]))
 }
 
 #[cfg(test)]
@@ -124,10 +106,10 @@ mod tests {
         let grid = predicted(&[0.5, 0.5, 0.5, 0.5]);
         let surely = predicted(&[0.6, 0.61, 0.6, 0.61]);
         let hardly = predicted(&[0.9, 0.2, 0.9, 0.5]);
-        assert_eq!(best(&[surely.clone(), grid.clone()], 0, &[1]).0, 0);
-        assert_eq!(best(&[grid.clone(), grid.clone()], 0, &[1]).0, 1);
-        assert_eq!(best(&[grid.clone(), surely.clone(), hardly], 0, &[1, 2]).0, 1, "the order of trust");
-        assert_eq!(best(&[grid.clone(), grid.clone(), surely.clone()], 0, &[1, 2]).0, 2);
+        assert_eq!(as_good(&[surely.clone(), grid.clone()], 0, &[1]), None);
+        assert_eq!(as_good(&[grid.clone(), grid.clone()], 0, &[1]), Some(1));
+        assert_eq!(as_good(&[grid.clone(), surely.clone(), hardly], 0, &[1, 2]), Some(1), "the order of trust");
+        assert_eq!(as_good(&[grid.clone(), grid.clone(), surely.clone()], 0, &[1, 2]), Some(2));
         let scores = scores(["a", "b"].into_iter(), &[grid, surely]);
         assert!(scores[1].log_probability > scores[0].log_probability && scores[1].error == 0.0);
         assert_eq!((scores[0].pairs, scores[0].estimator), (4, "a"));

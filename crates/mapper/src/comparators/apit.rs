@@ -7,13 +7,14 @@ use sextant_kernel::{NodeId, SettingError, Watch};
 
 use super::centroid::weighted_mean;
 use super::graph::Graph;
-use super::heard_anchors::{HeardAnchor, HeardAnchors};
+use super::heard_anchors::{HeardAnchors, NamedAnchor};
 use super::{check_link_share, default_link_share, node_by_node};
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::numerics::whole;
-use crate::{
-    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
-    Messages, TopologyMap,
-};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// APIT as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +69,7 @@ impl Apit {
     pub const NAME: &'static str = "apit";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] =
+    pub(crate) const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::Neighbours, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors];
 
     /// The map.
@@ -111,7 +112,7 @@ impl Apit {
     /// The place of a node. If the work was ended meanwhile, the result means nothing.
     fn place(
         &self,
-        heard: &[HeardAnchor],
+        heard: &[NamedAnchor],
         neighbours: &[u32],
         beacons: &NeighbourLog,
         watch: &dyn Watch,
@@ -120,7 +121,7 @@ impl Apit {
         let seen: Vec<Vec<Option<f64>>> = neighbours
             .iter()
             .map(|&neighbour| {
-                let rssi = |anchor: &HeardAnchor| beacons.link(NodeId(neighbour), anchor.node)?.rssi_dbm;
+                let rssi = |anchor: &NamedAnchor| beacons.link(NodeId(neighbour), anchor.node)?.rssi_dbm;
                 heard.iter().map(rssi).collect()
             })
             .collect();

@@ -11,11 +11,12 @@ use super::mds::classical_mds;
 use super::mds_map::of_parts;
 use super::smacof::{Dissimilarity, neighbour_ranges, refined};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{
-    Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper, Messages,
-    TopologyMap,
-};
+use crate::topology_map::TopologyMap;
 
 /// DR-MDS as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

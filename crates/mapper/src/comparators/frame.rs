@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::error::MapError;
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// What a map without the frame of the world is aligned to, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,11 +3,12 @@
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::NodeId;
 
-use crate::{Knowledge, MapError};
+use crate::error::MapError;
+use crate::knowledge::Knowledge;
 
 /// An anchor that a node heard.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct HeardAnchor {
+pub(super) struct NamedAnchor {
     pub(super) node: NodeId,
     pub(super) position: Position,
     /// Packets received.
@@ -46,12 +47,12 @@ impl<'a> HeardAnchors<'a> {
     }
 
     /// The anchors that `node` heard with a known strength, strongest first; equal ones by their number.
-    pub(super) fn of(&self, node: usize) -> Vec<HeardAnchor> {
+    pub(super) fn of(&self, node: usize) -> Vec<NamedAnchor> {
         let links = self.beacons.heard_by(NodeId::from_index(node)).iter();
-        let mut heard: Vec<HeardAnchor> = links
+        let mut heard: Vec<NamedAnchor> = links
             .filter_map(|link| {
                 let position = self.places[link.sender.index()]?;
-                Some(HeardAnchor { node: link.sender, position, packets: link.received, rssi_dbm: link.rssi_dbm? })
+                Some(NamedAnchor { node: link.sender, position, packets: link.received, rssi_dbm: link.rssi_dbm? })
             })
             .collect();
         heard.sort_by(|a, b| b.rssi_dbm.total_cmp(&a.rssi_dbm).then(a.node.cmp(&b.node)));

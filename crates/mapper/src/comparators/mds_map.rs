@@ -10,11 +10,12 @@ use super::frame::FrameConfig;
 use super::graph::Graph;
 use super::mds::classical_mds;
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::numerics::memory::check_table;
-use crate::{
-    Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper, Messages,
-    TopologyMap,
-};
+use crate::topology_map::TopologyMap;
 
 /// MDS-MAP as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

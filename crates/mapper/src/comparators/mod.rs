@@ -25,7 +25,7 @@ mod upright_anchors;
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
-use crate::Knowledge;
+use crate::knowledge::Knowledge;
 
 pub use apit::{Apit, ApitConfig};
 pub use centroid::{Centroid, CentroidConfig, WeightedCentroid, WeightedCentroidConfig};

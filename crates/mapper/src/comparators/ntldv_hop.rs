@@ -10,11 +10,12 @@ use super::graph::{Graph, UNREACHED};
 use super::upright_anchors::{ReachedAnchor, sort_nearest_first, upright};
 use super::{check_link_share, default_link_share, node_by_node};
 use crate::comparators::lateration::{Range, multilaterate_linear, refine};
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::numerics::memory::check_table;
-use crate::{
-    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
-    Messages, TopologyMap,
-};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +104,7 @@ impl NtldvHop {
     pub const NAME: &'static str = "ntldv-hop";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
 
     /// The map.
     ///

@@ -7,10 +7,12 @@ use sextant_kernel::{NodeId, SettingError, Watch};
 
 use super::weight_power;
 use crate::each_node::EachNode;
-use crate::{
-    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, FixedLaw, Knowledge, KnowledgeKind,
-    LogParts, MapError, Mapper, PartEstimator, PartsError, TopologyMap,
-};
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The packet centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +42,7 @@ impl PacketCentroid {
     pub const NAME: &'static str = "packet-centroid";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotReceptions];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotReceptions];
 
     /// The centroid with this power of the shares.
     pub(crate) const fn with_power(power: f64) -> Self {
@@ -120,6 +122,8 @@ impl EstimatorSettings for PacketCentroidConfig {
         description: "The mean of the stops that heard a node, weighted by a power of the share of packets that they received",
         settings: "{}",
     });
+
+    const BY_PARTS: bool = true;
 
     fn mapper(self) -> Result<Mapper, SettingError> {
         PacketCentroid::try_from(self).map(Mapper::new)

@@ -7,12 +7,13 @@ use sextant_channel::{Link, Position};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use super::centroid::weighted_mean;
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{
-    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
-    Messages, TopologyMap,
-};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Cooperative maximum likelihood as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +81,7 @@ impl RssMl {
     pub const NAME: &'static str = "rss-ml";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] =
+    pub(crate) const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::NeighbourRssi, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
 
     /// The map.
@@ -109,7 +110,7 @@ impl RssMl {
             .filter(|link| start[link.a].is_some() && start[link.b].is_some())
             .filter(|link| known[link.a].is_none() || known[link.b].is_none())
             .collect();
-        let fit = Fit { ranging: self.ranging, links: &links, known: &known, dimensions, watch };
+        let fit = PlacesFit { ranging: self.ranging, links: &links, known: &known, dimensions, watch };
         // A step takes some rounds of conjugate gradients, at most four per node.
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
         let operations = 4.0 * known.len() as f64 * links.len() as f64 * f64::from(self.steps);
@@ -154,7 +155,7 @@ impl RssMl {
 }
 
 /// A least-squares fit of places to links.
-struct Fit<'a> {
+struct PlacesFit<'a> {
     ranging: Ranging,
     links: &'a [Measured],
     known: &'a [Option<Position>],
@@ -162,7 +163,7 @@ struct Fit<'a> {
     watch: &'a dyn Watch,
 }
 
-impl Fit<'_> {
+impl PlacesFit<'_> {
     fn vector(&self, place: Position) -> Vector3<f64> {
         Vector3::new(place.x_m, place.y_m, if self.dimensions == 3 { place.z_m } else { 0.0 })
     }
@@ -264,7 +265,7 @@ impl Fit<'_> {
     }
 }
 
-impl LeastSquares for Fit<'_> {
+impl LeastSquares for PlacesFit<'_> {
     type Point = Vec<Position>;
     type Step = Vec<Vector3<f64>>;
     type Error = Interrupted;

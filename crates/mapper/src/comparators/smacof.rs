@@ -10,11 +10,12 @@ use super::frame::FrameConfig;
 use super::graph::Graph;
 use super::mds_map::{of_parts, scaled};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{
-    Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper, Messages,
-    TopologyMap,
-};
+use crate::topology_map::TopologyMap;
 
 /// SMACOF as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

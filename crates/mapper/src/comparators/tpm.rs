@@ -11,12 +11,13 @@ use super::eigenpairs::{self, SPARE};
 use super::graph::{Graph, UNREACHED};
 use super::landmarks::{CountConfig, LandmarksConfig};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Landmarks, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::numerics::memory::check_table;
 use crate::purpose;
-use crate::{
-    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, Landmarks, MapError,
-    Mapper, Messages, TopologyMap,
-};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The topology-preserving map as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +94,7 @@ impl Tpm {
     pub const NAME: &'static str = "tpm";
 
     /// The kinds of knowledge that it uses. It never uses the places of anchors, even if hops are counted from them.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours];
 
     /// Least number of anchors for a map.
     pub(super) fn least_anchors(&self, dimensions: usize) -> usize {

@@ -3,9 +3,9 @@
 use sextant_channel::Position;
 
 use crate::grid_ml::solver::Sink;
+use crate::lattice::Lattice;
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::{LIKELY, Verdict};
-use crate::{Concern, Lattice};
+use crate::posterior::{Concern, LIKELY, Verdict};
 
 /// Passes on the vertices in a box, of which it wants to see all likely ones.
 #[derive(Debug)]

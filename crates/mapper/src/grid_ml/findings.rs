@@ -3,8 +3,8 @@
 use sextant_channel::Position;
 
 use crate::grid_ml::solver::{Moments, Peak, Sink};
-use crate::posterior::Cell;
-use crate::{Estimate, EstimateKind, Lattice, TieRule};
+use crate::lattice::Lattice;
+use crate::posterior::{Cell, Estimate, EstimateKind, TieRule};
 
 /// The vertices of highest likelihood, and the moments if the mean is wanted.
 #[derive(Debug)]

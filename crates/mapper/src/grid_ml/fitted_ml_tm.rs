@@ -4,15 +4,21 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
 use super::ml_tm::uses_under;
-use crate::grid_ml::fitted::{GridSize, WideSearch};
+use crate::error::MapError;
+use crate::estimator::{Estimator, NodeOfLog};
+use crate::grid_ml::fitted::{Fit, Fitted, GridSize, WideSearch};
+use crate::grid_ml::ml_tm::{MlTm, MlTmConfig};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::log_facts::reach::{HeardNode, heard_nodes};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::sectors::SectorSettings;
+use crate::parts::PartEstimator;
 use crate::posterior::FitState;
-use crate::{
-    Axes, CoordinateFrame, Estimator, EstimatorFindings, Fit, Fitted, FittedConfig, Knowledge, KnowledgeKind,
-    MapError, MlTm, MlTmConfig, NodeOfLog, PartEstimator, ProfileConfig, Surface, TopologyMap, TrapezoidConfig,
-};
+use crate::profile::{FittedConfig, ProfileConfig, TrapezoidConfig};
+use crate::surface::Surface;
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// ML-TM under a profile that is first estimated from the log, for logs whose channel is unknown.
 #[derive(Clone, Debug, PartialEq)]

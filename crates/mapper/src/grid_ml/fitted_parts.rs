@@ -6,14 +6,16 @@ use sextant_kernel::{Interrupted, NodeId, Watch};
 use super::fitted_ml_tm::{GridKind, map_evidence};
 use super::ml_tm_parts::fixed;
 use crate::each_node::EachNode;
-use crate::grid_ml::fitted::{GridSize, Sample, Scene, Settled, add_heard};
+use crate::error::MapError;
+use crate::grid_ml::fitted::{CurveSample, Fit, FitScene, GridSize, SettledCurve, add_heard};
+use crate::grid_ml::fitted_ml_tm::FittedMlTm;
+use crate::grid_ml::ml_tm::MlTm;
+use crate::knowledge::Knowledge;
+use crate::learned::EstimatorFindings;
 use crate::log_facts::reach::{HeardNode, centres, gross_m, heard_from};
 use crate::log_facts::search_box::{Limits, SearchBox};
-use crate::parts::{each_part, sample};
-use crate::{
-    EstimatorFindings, Fit, FittedMlTm, FixedLaw, Knowledge, LogParts, MapError, MlTm, PartEstimator, PartsError,
-    TopologyMap,
-};
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError, each_part, sample};
+use crate::topology_map::TopologyMap;
 
 /// A fitted profile, and what else of the whole log the map of a node depends on.
 #[derive(Debug)]
@@ -96,16 +98,16 @@ impl FittedMlTm {
             farthest_m.extend(heard_from(log, &centres(log), of_packets_m).into_iter().map(|heard| heard.farthest_m));
             Ok(())
         })?;
-        let Some(scene) = Scene::of(whole, (z_range_m, ml_tm.grid_step_m()), &farthest_m) else { return Ok(None) };
+        let Some(scene) = FitScene::of(whole, (z_range_m, ml_tm.grid_step_m()), &farthest_m) else { return Ok(None) };
         let every = scene.every(facts.usual_m.len(), whole.node_count(), facts.listed);
         let nodes: Vec<NodeId> = facts.usual_m.iter().map(|&(node, _)| node).step_by(every).collect();
         let few = sample(parts, &nodes, watch)?;
         let few = &*ml_tm.counted(&few);
         let sampled = numbered(boxes(few, of_packets_m, &scene.limits));
-        let sampled = Sample { log: few, nodes: &sampled, heard_at: &facts.heard_at };
+        let sampled = CurveSample { log: few, nodes: &sampled, heard_at: &facts.heard_at };
         let Some(settled) = fitted.settle(&sampled, &scene, ml_tm.sectors(), watch)? else { return Ok(None) };
         let fit = with_outliers(&settled, &scene, of_packets_m, (ml_tm, parts), watch)?;
-        let ml_tm = fixed(&self.with_fit(&fit), &Evidence { parts, fit: &fit }, watch)?;
+        let ml_tm = fixed(&self.with_fit(&fit), &PartsEvidence { parts, fit: &fit }, watch)?;
         let limits = Limits::new(whole, fit.reach_m, fit.heights);
         let (gross_m, grid) = grid(&ml_tm, &fit, &limits, parts, watch)?;
         Ok(Some(FittedLaw { ml_tm, fit, limits, gross_m, grid, needs_sectors }))
@@ -147,8 +149,8 @@ fn numbered(boxes: Vec<(HeardNode, SearchBox)>) -> Vec<(NodeId, SearchBox)> {
 
 /// The fit of a settled curve, with the outliers of all parts.
 fn with_outliers(
-    settled: &Settled,
-    scene: &Scene,
+    settled: &SettledCurve,
+    scene: &FitScene,
     gross_m: f64,
     (ml_tm, parts): (&MlTm, &dyn LogParts),
     watch: &dyn Watch,
@@ -173,7 +175,7 @@ fn grid(
     parts: &dyn LogParts,
     watch: &dyn Watch,
 ) -> Result<(f64, GridKind), PartsError> {
-    let evidence = Evidence { parts, fit };
+    let evidence = PartsEvidence { parts, fit };
     let mut usual_m: Vec<f64> = Vec::new();
     each_part(&evidence, watch, &mut |_, log| {
         usual_m.extend(centres(log).iter().flatten().map(|centre| centre.usual_m));
@@ -193,12 +195,12 @@ fn grid(
 
 /// The part of a log in parts that is evidence under a fit.
 #[derive(Debug)]
-struct Evidence<'a> {
+struct PartsEvidence<'a> {
     parts: &'a dyn LogParts,
     fit: &'a Fit,
 }
 
-impl LogParts for Evidence<'_> {
+impl LogParts for PartsEvidence<'_> {
     fn whole(&self) -> &ReceptionLog {
         self.parts.whole()
     }

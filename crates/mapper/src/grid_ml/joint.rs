@@ -10,14 +10,21 @@ use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
 use super::ml_tm::uses_under;
+use crate::count_rule::CountRule;
+use crate::error::MapError;
+use crate::estimator::{Estimator, EstimatorSettings, Mapper, ProfileSetting};
 use crate::grid_ml::findings::Findings;
-use crate::grid_ml::ml_tm::DEFAULT_MEMORY_MB;
-use crate::grid_ml::solver::{Contenders, Moments, Peak, Scratch, Search, Solver};
-use crate::{
-    CoordinateFrame, CountRule, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
-    FittedMlTm, Knowledge, KnowledgeKind, Lattice, MapError, Mapper, MlTm, MlTmConfig, NetworkFits, ProfileConfig,
-    ProfileSetting, ReceptionProfile, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
-};
+use crate::grid_ml::fitted::{Fit, NetworkFits};
+use crate::grid_ml::fitted_ml_tm::FittedMlTm;
+use crate::grid_ml::ml_tm::{DEFAULT_MEMORY_MB, MlTm, MlTmConfig};
+use crate::grid_ml::solver::{Contenders, GridSearch, Moments, Peak, Solver, SolverScratch};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::lattice::Lattice;
+use crate::learned::EstimatorFindings;
+use crate::log_facts::{SectorsConfig, SoughtHeights};
+use crate::posterior::{Estimate, EstimateKind, TieRule};
+use crate::profile::{ProfileConfig, ReceptionProfile};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// A joint map as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +72,7 @@ pub struct JointNetworkConfig {
 
 #[cfg(feature = "config")]
 fn fitted() -> ProfileConfig {
-    ProfileConfig::Fitted(crate::FittedConfig::default())
+    ProfileConfig::Fitted(crate::profile::FittedConfig::default())
 }
 
 /// A map from the logs of several networks of the same nodes, each with its own stops, profile and sectors.
@@ -87,11 +94,11 @@ pub struct JointMlTm {
 #[derive(Clone, Debug, PartialEq)]
 struct Member {
     network: String,
-    likelihood: Likelihood,
+    likelihood: JointLikelihood,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Likelihood {
+enum JointLikelihood {
     Given(MlTm),
     Fitted(FittedMlTm),
 }
@@ -120,8 +127,8 @@ impl JointMlTm {
     /// The profiles that are given, not fitted.
     pub(crate) fn profiles(&self) -> impl Iterator<Item = &ReceptionProfile> {
         self.members.iter().filter_map(|member| match &member.likelihood {
-            Likelihood::Given(ml_tm) => Some(ml_tm.profile()),
-            Likelihood::Fitted(_) => None,
+            JointLikelihood::Given(ml_tm) => Some(ml_tm.profile()),
+            JointLikelihood::Fitted(_) => None,
         })
     }
 
@@ -177,7 +184,7 @@ impl JointMlTm {
             .into_par_iter()
             .with_min_len(8)
             .map_init(
-                || solvers.iter().map(Solver::scratch).collect::<Vec<Scratch>>(),
+                || solvers.iter().map(Solver::scratch).collect::<Vec<SolverScratch>>(),
                 |scratch, node| {
                     let solved = self.estimate(&lattice, &prepared, &solvers, scratch, node);
                     watch.check()?;
@@ -195,7 +202,7 @@ impl JointMlTm {
         lattice: &Lattice,
         prepared: &[Prepared<'_>],
         solvers: &[Solver<'_>],
-        scratch: &mut [Scratch],
+        scratch: &mut [SolverScratch],
         node: usize,
     ) -> (Option<Estimate>, u64) {
         let mut evaluated = 0;
@@ -213,10 +220,10 @@ impl JointMlTm {
             EstimateKind::Argmax => 2.0 * Peak::TOLERANCE,
             EstimateKind::PosteriorMean => Moments::NEGLIGIBLE,
         };
-        let mut search = |at: usize, margin: f64, is_clamped: bool| -> (Contenders, Search) {
+        let mut search = |at: usize, margin: f64, is_clamped: bool| -> (Contenders, GridSearch) {
             let mut found = Contenders::within(margin);
             let receptions = prepared[at].nodes[node].map(|node| prepared[at].log.of(node));
-            let search = receptions.map_or(Search::default(), |receptions| {
+            let search = receptions.map_or(GridSearch::default(), |receptions| {
                 if is_clamped {
                     solvers[at].search_outliers(&mut scratch[at], receptions, margin, &mut found)
                 } else {
@@ -305,7 +312,7 @@ fn numbers(first: &ReceptionLog, log: &ReceptionLog, network: &str) -> Result<Ve
     }
 }
 
-impl Likelihood {
+impl JointLikelihood {
     /// The likelihood for `log`, and the part of the log that is evidence.
     fn prepared<'a>(
         &self,
@@ -347,9 +354,9 @@ impl TryFrom<JointConfig> for JointMlTm {
             let is_own = |error: &SettingError| ["profile", "sectors"].iter().any(|key| error.key.starts_with(key));
             let within_own = |error: SettingError| if is_own(&error) { within(error) } else { error };
             let likelihood = match config.profile.clone() {
-                ProfileConfig::Fitted(fitted) => FittedMlTm::new(config, fitted).map(Likelihood::Fitted),
+                ProfileConfig::Fitted(fitted) => FittedMlTm::new(config, fitted).map(JointLikelihood::Fitted),
                 ProfileConfig::Channel(_) | ProfileConfig::Trapezoid(_) => {
-                    MlTm::try_from(config).map(Likelihood::Given)
+                    MlTm::try_from(config).map(JointLikelihood::Given)
                 }
             };
             members.push(Member { network, likelihood: likelihood.map_err(within_own)? });

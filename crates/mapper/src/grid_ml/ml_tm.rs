@@ -8,18 +8,25 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
+use crate::count_rule::CountRule;
+use crate::error::MapError;
+use crate::estimator::{Estimator, NodeOfLog};
 use crate::grid_ml::bounded_search::BoundedSink;
 use crate::grid_ml::findings::Findings;
 use crate::grid_ml::sector_errors::likeliest_sigma_db;
-use crate::grid_ml::solver::{Moments, Peak, Scratch, Solver};
+use crate::grid_ml::solver::{Moments, Peak, Solver, SolverScratch};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::lattice::Lattice;
+use crate::learned::EstimatorFindings;
 use crate::log_facts::heights::check_z_range;
 use crate::log_facts::search_box::SearchBox;
 use crate::log_facts::sectors::SectorSettings;
-use crate::{
-    Concern, CoordinateFrame, CountRule, Estimate, EstimateKind, Estimator, EstimatorFindings, Knowledge,
-    KnowledgeKind, Lattice, MapError, NodeOfLog, PartEstimator, ProfileConfig, ReceptionProfile, SectorsConfig,
-    SoughtHeights, Surface, TieRule, TopologyMap,
-};
+use crate::log_facts::{SectorsConfig, SoughtHeights};
+use crate::parts::PartEstimator;
+use crate::posterior::{Concern, Estimate, EstimateKind, TieRule};
+use crate::profile::{ProfileConfig, ReceptionProfile};
+use crate::surface::Surface;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// ML-TM as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
@@ -313,7 +320,7 @@ impl MlTm {
     fn estimate(
         &self,
         solver: &Solver<'_>,
-        scratch: &mut Scratch,
+        scratch: &mut SolverScratch,
         (log, node): (&ReceptionLog, NodeId),
         within: Option<&SearchBox>,
     ) -> (Option<Estimate>, u64) {

@@ -4,9 +4,10 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch};
 
 use crate::each_node::EachNode;
+use crate::grid_ml::ml_tm::MlTm;
 use crate::grid_ml::sector_errors;
-use crate::parts::{each_part, sample};
-use crate::{FixedLaw, Knowledge, LogParts, MlTm, PartEstimator, PartsError};
+use crate::knowledge::Knowledge;
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError, each_part, sample};
 
 impl PartEstimator for MlTm {
     fn fix<'a>(

@@ -6,7 +6,8 @@ use super::fitted_ml_tm::FittedMlTm;
 use super::ml_tm::{MlTm, MlTmConfig};
 #[cfg(feature = "obstacles")]
 use super::obstacle_ml_tm::ObstacleMlTm;
-use crate::{AnyLog, EstimatorSettings, Mapper, ProfileConfig, ProfileSetting};
+use crate::estimator::{AnyLog, EstimatorSettings, Mapper, ProfileSetting};
+use crate::profile::ProfileConfig;
 
 impl EstimatorSettings for MlTmConfig {
     const ANY_LOG: Option<AnyLog> = Some(AnyLog {
@@ -16,11 +17,13 @@ impl EstimatorSettings for MlTmConfig {
         settings: "{ grid_step_m = 0.25, estimate = \"posterior_mean\", profile.fitted = {} }",
     });
 
+    const BY_PARTS: bool = true;
+
     fn mapper(self) -> Result<Mapper, SettingError> {
         match self.profile.clone() {
             ProfileConfig::Fitted(fitted) => FittedMlTm::new(self, fitted).map(Mapper::new),
             #[cfg(feature = "obstacles")]
-            ProfileConfig::Channel(channel) if channel.obstacles == crate::ObstacleUse::Known => {
+            ProfileConfig::Channel(channel) if channel.obstacles == crate::profile::ObstacleUse::Known => {
                 ObstacleMlTm::new(self, &channel).map(Mapper::new)
             }
             ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(self).map(Mapper::new),

@@ -6,14 +6,20 @@ use sextant_kernel::{SettingError, Watch};
 use super::ml_tm::uses_under;
 use super::ml_tm_parts::fixed;
 use crate::each_node::EachNode;
+use crate::error::MapError;
+use crate::estimator::{Estimator, Mapper, NodeOfLog};
+use crate::grid_ml::fitted::Fit;
+use crate::grid_ml::fitted_ml_tm::FittedMlTm;
+use crate::grid_ml::ml_tm::{MlTm, MlTmConfig};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SectorTolerance;
 use crate::log_facts::sectors::GainUse;
-use crate::parts::each_part;
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError, each_part};
 use crate::pattern::PatternMap;
-use crate::{
-    Estimator, EstimatorFindings, Fit, FittedMlTm, FixedLaw, Knowledge, KnowledgeKind, LogParts, MapError, Mapper,
-    MlTm, MlTmConfig, NodeOfLog, PartEstimator, PartsError, ProfileConfig, ReceptionProfile, SectorTolerance,
-    Surface, TopologyMap,
-};
+use crate::profile::{ProfileConfig, ReceptionProfile};
+use crate::surface::Surface;
+use crate::topology_map::TopologyMap;
 
 /// MmTM: [`MlTm`] on a log whose receptions have sectors. Its likelihood of node i at vertex g is the product over all
 /// stops of Z₁ (received or missed over the distance) and Z₂ (the direction from the robot to the vertex is in the sector
@@ -24,10 +30,10 @@ use crate::{
 ///
 /// A log without sectors, or without their directions, is an error; [`MlTm`] maps it without them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MmTm(Likelihood);
+pub struct MmTm(SectorLikelihood);
 
 #[derive(Clone, Debug, PartialEq)]
-enum Likelihood {
+enum SectorLikelihood {
     Given(MlTm),
     Fitted(Box<FittedMlTm>),
 }
@@ -40,8 +46,8 @@ impl MmTm {
     #[must_use]
     pub fn profile(&self) -> Option<&ReceptionProfile> {
         match &self.0 {
-            Likelihood::Given(ml_tm) => Some(ml_tm.profile()),
-            Likelihood::Fitted(_) => None,
+            SectorLikelihood::Given(ml_tm) => Some(ml_tm.profile()),
+            SectorLikelihood::Fitted(_) => None,
         }
     }
 
@@ -50,9 +56,9 @@ impl MmTm {
     #[must_use]
     pub fn ml_tm(&self, fit: Option<&Fit>) -> Option<MlTm> {
         match (&self.0, fit) {
-            (Likelihood::Given(ml_tm), _) => Some(ml_tm.clone()),
-            (Likelihood::Fitted(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
-            (Likelihood::Fitted(_), None) => None,
+            (SectorLikelihood::Given(ml_tm), _) => Some(ml_tm.clone()),
+            (SectorLikelihood::Fitted(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
+            (SectorLikelihood::Fitted(_), None) => None,
         }
     }
 
@@ -67,11 +73,11 @@ impl MmTm {
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let (map, learned) = match &self.0 {
-            Likelihood::Given(ml_tm) => {
+            SectorLikelihood::Given(ml_tm) => {
                 ml_tm.demand_sectors(log, Self::NAME)?;
                 (ml_tm.map(log, watch)?, None)
             }
-            Likelihood::Fitted(fitted) => match gains_of(fitted, log, log.receptions().sectors().is_some())? {
+            SectorLikelihood::Fitted(fitted) => match gains_of(fitted, log, log.receptions().sectors().is_some())? {
                 Some(gains) => {
                     let (map, fit) = pattern(fitted).map(log, gains, Self::NAME, watch)?;
                     (map, fit.map(EstimatorFindings::new))
@@ -129,10 +135,10 @@ impl TryFrom<MlTmConfig> for MmTm {
         }
         match config.profile.clone() {
             ProfileConfig::Fitted(fitted) => {
-                FittedMlTm::new(config, fitted).map(|fitted| Self(Likelihood::Fitted(Box::new(fitted))))
+                FittedMlTm::new(config, fitted).map(|fitted| Self(SectorLikelihood::Fitted(Box::new(fitted))))
             }
             #[cfg(feature = "obstacles")]
-            ProfileConfig::Channel(channel) if channel.obstacles == crate::ObstacleUse::Known => {
+            ProfileConfig::Channel(channel) if channel.obstacles == crate::profile::ObstacleUse::Known => {
                 Err(SettingError::new("profile.channel.obstacles", "known", "unknown; only ml_tm counts obstacles"))
             }
             ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => {
@@ -141,7 +147,7 @@ impl TryFrom<MlTmConfig> for MmTm {
                     let remedy = "write `profile.fitted = {}`, or another model";
                     return Err(SettingError::conflict("sectors.model", "a profile that is given", remedy));
                 }
-                Ok(Self(Likelihood::Given(ml_tm)))
+                Ok(Self(SectorLikelihood::Given(ml_tm)))
             }
         }
     }
@@ -162,8 +168,8 @@ impl Estimator for MmTm {
 
     fn check_grid(&self, stops: &[Stop]) -> Result<(), MapError> {
         match &self.0 {
-            Likelihood::Given(ml_tm) => ml_tm.check_grid(stops),
-            Likelihood::Fitted(_) => Ok(()),
+            SectorLikelihood::Given(ml_tm) => ml_tm.check_grid(stops),
+            SectorLikelihood::Fitted(_) => Ok(()),
         }
     }
 
@@ -174,11 +180,11 @@ impl Estimator for MmTm {
         watch: &dyn Watch,
     ) -> Option<Result<Surface, MapError>> {
         match (&self.0, learned.and_then(EstimatorFindings::get::<Fit>)) {
-            (Likelihood::Given(ml_tm), _) => Some(ml_tm.surface(log, node, watch)),
-            (Likelihood::Fitted(fitted), Some(fit)) => {
+            (SectorLikelihood::Given(ml_tm), _) => Some(ml_tm.surface(log, node, watch)),
+            (SectorLikelihood::Fitted(fitted), Some(fit)) => {
                 Some(fitted.with_fit(fit).surface(&fit.evidence(log), node, watch))
             }
-            (Likelihood::Fitted(_), None) => None,
+            (SectorLikelihood::Fitted(_), None) => None,
         }
     }
 
@@ -213,11 +219,11 @@ impl PartEstimator for MmTm {
         watch: &dyn Watch,
     ) -> Result<Box<dyn FixedLaw + 'a>, PartsError> {
         match &self.0 {
-            Likelihood::Given(ml_tm) => {
-                let estimator = Self(Likelihood::Given(fixed(ml_tm, parts, watch)?));
+            SectorLikelihood::Given(ml_tm) => {
+                let estimator = Self(SectorLikelihood::Given(fixed(ml_tm, parts, watch)?));
                 Ok(Box::new(EachNode { estimator, knowledge }))
             }
-            Likelihood::Fitted(fitted) => {
+            SectorLikelihood::Fitted(fitted) => {
                 let mut has_sectors = false;
                 each_part(parts, watch, &mut |_, log| {
                     has_sectors |= log.receptions().sectors().is_some();

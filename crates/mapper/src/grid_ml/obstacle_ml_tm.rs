@@ -5,15 +5,18 @@ use sextant_channel::{Db, ObstacleField, Position, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
 use crate::each_node::EachNode;
+use crate::error::MapError;
+use crate::estimator::Estimator;
+use crate::grid_ml::ml_tm::{MlTm, MlTmConfig};
 use crate::grid_ml::ml_tm_parts::fixed;
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::Heights;
-use crate::posterior::NodeEvidence;
-use crate::posterior::local_posterior;
-use crate::profile::KnownLink;
-use crate::{
-    ChannelProfileConfig, Estimate, EstimateKind, Estimator, EstimatorFindings, FixedLaw, Knowledge, KnowledgeKind,
-    LogParts, MapError, MlTm, MlTmConfig, PartEstimator, PartsError, SoughtHeights, TopologyMap,
-};
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError};
+use crate::posterior::{Estimate, EstimateKind, NodeEvidence, local_posterior};
+use crate::profile::{ChannelProfileConfig, KnownLink};
+use crate::topology_map::TopologyMap;
 
 /// ML-TM under a known channel with known obstacles. The likelihood of a place includes, for each stop, what the
 /// obstacles on the straight line to the stop absorb.
@@ -34,7 +37,7 @@ pub struct ObstacleMlTm {
 
 /// The data that all nodes share.
 #[derive(Clone, Copy)]
-struct Surroundings<'a> {
+struct SharedByNodes<'a> {
     log: &'a ReceptionLog,
     obstacles: &'a ObstacleField,
     heights: Heights,
@@ -80,7 +83,7 @@ impl ObstacleMlTm {
             .map(|(node, start)| {
                 watch.check()?;
                 let Some(start) = start else { return Ok(None) };
-                let among = Surroundings { log, obstacles, heights, watch };
+                let among = SharedByNodes { log, obstacles, heights, watch };
                 let found = self.place(&among, NodeId::from_index(node), start.position);
                 watch.check()?;
                 watch.advance(1);
@@ -102,8 +105,8 @@ impl ObstacleMlTm {
     }
 
     /// The estimate of a node. If the work was ended meanwhile, the result means nothing.
-    fn place(&self, among: &Surroundings<'_>, node: NodeId, near: Position) -> Option<Estimate> {
-        let Surroundings { log, obstacles, heights, watch } = *among;
+    fn place(&self, among: &SharedByNodes<'_>, node: NodeId, near: Position) -> Option<Estimate> {
+        let SharedByNodes { log, obstacles, heights, watch } = *among;
         let evidence = NodeEvidence::near(log, node, near, self.link.reach_m())?;
         let stops = log.stops();
         let (floor, ceiling) = (self.channel.floor, self.channel.ceiling);
@@ -199,7 +202,7 @@ mod tests {
     use sextant_kernel::{RobotId, SimTime, Unwatched};
 
     use super::*;
-    use crate::{ObstacleUse, ProfileConfig};
+    use crate::profile::{ObstacleUse, ProfileConfig};
 
     fn channel() -> ChannelProfileConfig {
         ChannelProfileConfig {

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 
-use crate::Lattice;
 use crate::grid_ml::solver::{Moments, Solver};
+use crate::lattice::Lattice;
 use crate::log_facts::reach::{HeardNode, heard_nodes};
 
 /// Standard deviations that are tried (dB).

@@ -7,7 +7,7 @@ use super::law::Law;
 
 /// A margin that is expected of a link.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Expected {
+pub(super) struct ExpectedMargin {
     pub(super) margin: f64,
     /// Its standard deviation.
     pub(super) spread: f64,
@@ -15,7 +15,7 @@ pub(super) struct Expected {
 
 /// A link whose margin is known, and what it has in excess of what its place tells.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
+pub(super) struct KnownMargin {
     /// Number of the link.
     pub(super) number: usize,
     pub(super) place: Position,
@@ -27,7 +27,13 @@ pub(super) struct Known {
 /// What the links nearest to link `number` at `place` among the `known` others tell of its margin, about the one `told` by
 /// the distance: offset and shared shadowing of a node are in all of them (the cavity distribution of expectation
 /// propagation).
-pub(super) fn conditioned(law: &Law, told: Expected, number: usize, place: Position, known: &[Known]) -> Expected {
+pub(super) fn conditioned(
+    law: &Law,
+    told: ExpectedMargin,
+    number: usize,
+    place: Position,
+    known: &[KnownMargin],
+) -> ExpectedMargin {
     let others = known.iter().enumerate().filter(|(_, link)| link.number != number);
     let mut near: Vec<(f64, usize)> = others.map(|(at, link)| (link.place.distance_m(place), at)).collect();
     keep_nearest(&mut near);
@@ -56,7 +62,7 @@ pub(super) fn conditioned(law: &Law, told: Expected, number: usize, place: Posit
         margin += half[row] * solved[row];
         variance -= half[row] * half[row];
     }
-    Expected { margin, spread: variance.max(alone).max(1e-2).sqrt() }
+    ExpectedMargin { margin, spread: variance.max(alone).max(1e-2).sqrt() }
 }
 
 #[cfg(test)]
@@ -79,10 +85,10 @@ mod tests {
             slope_spread: 0.1,
         };
         let place = Position::new(1.0, 1.0, 0.0);
-        let known: Vec<Known> = [[0.0, 0.0, 1.2], [3.0, 0.5, -0.4], [-1.0, 4.0, 0.7]]
-            .map(|[x, y, excess]| Known { number: 7, place: Position::new(x, y, 0.0), excess, variance: 0.3 })
+        let known: Vec<KnownMargin> = [[0.0, 0.0, 1.2], [3.0, 0.5, -0.4], [-1.0, 4.0, 0.7]]
+            .map(|[x, y, excess]| KnownMargin { number: 7, place: Position::new(x, y, 0.0), excess, variance: 0.3 })
             .into();
-        let told = Expected { margin: 0.8, spread: law.spread() };
+        let told = ExpectedMargin { margin: 0.8, spread: law.spread() };
         let found = conditioned(&law, told, 3, place, &known);
         let shared = |a: Position, b: Position| 0.25 + 0.6 * 1.69 * (-a.distance_m(b) / 4.0).exp();
         let alone = 0.4 * 1.69 + 2.0 * 0.04;

@@ -5,11 +5,11 @@ use sextant_kernel::{Interrupted, Watch};
 
 use super::hearing::Hearing;
 use super::law::{Law, PARAMETERS};
-use super::likelihood::Sums;
-use super::links::Links;
-use super::outages::{Outages, Pair};
-use super::posterior::{Evidence, Grid, Posterior, log_evidence};
-use super::window::Window;
+use super::likelihood::MarginSums;
+use super::links::PlaceLinks;
+use super::outages::{NodeAndPlace, Outages};
+use super::posterior::{GridPosterior, HeardLinks, PriorGrid, log_evidence};
+use super::window::LinkWindow;
 
 /// The law is estimated from at most so many nodes, at most so many of their links, and on so many vertices, in the plane
 /// and in space.
@@ -24,7 +24,7 @@ const GAIN: f64 = 1e-2;
 
 /// The law that was found, and whether it settled.
 #[derive(Clone, Debug)]
-pub(super) struct Found {
+pub(super) struct FoundLaw {
     pub(super) law: Law,
     pub(super) outages: Outages,
     pub(super) rounds: u32,
@@ -32,9 +32,9 @@ pub(super) struct Found {
 }
 
 /// A node that the law is estimated from.
-struct Sample<'a> {
-    evidence: Evidence<'a>,
-    grid: Grid,
+struct NodeSample<'a> {
+    evidence: HeardLinks<'a>,
+    grid: PriorGrid,
 }
 
 /// Number of steps of the work that [`find`] tells.
@@ -43,41 +43,41 @@ pub(super) const WORK: u64 = 2;
 /// The law of highest evidence, with the places of nodes integrated out (type II maximum likelihood): no place has to be
 /// known for it. Outages are estimated with it.
 pub(super) fn find(
-    links: &Links,
-    window: &Window<'_>,
+    links: &PlaceLinks,
+    window: &LinkWindow<'_>,
     is_spatial: bool,
     hearing: &Hearing,
     watch: &dyn Watch,
-) -> Result<Found, Interrupted> {
+) -> Result<FoundLaw, Interrupted> {
     let thinned = thinned(links);
     let usual = Outages::start(links, hearing.receiver.is_some());
-    let mut samples: Vec<Sample<'_>> = thinned
+    let mut samples: Vec<NodeSample<'_>> = thinned
         .nodes
         .par_iter()
         .map(|node| {
-            let evidence = Evidence::new(node, &thinned, window, hearing, &usual);
+            let evidence = HeardLinks::new(node, &thinned, window, hearing, &usual);
             let grid = evidence.grid(window, VERTICES[usize::from(is_spatial)]);
-            Sample { evidence, grid }
+            NodeSample { evidence, grid }
         })
         .collect();
     let fading_db = hearing.receiver.map(|receiver| receiver.fading_db);
     let law = start(&thinned, &samples);
-    let mut found = Found { law, outages: usual, rounds: 0, settled: false };
+    let mut found = FoundLaw { law, outages: usual, rounds: 0, settled: false };
     for pass in 0..WORK {
         climb(&samples, &mut found, fading_db, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
         let law = found.law;
-        let told: Vec<(Posterior, Vec<Pair>)> = samples
+        let told: Vec<(GridPosterior, Vec<NodeAndPlace>)> = samples
             .par_iter()
-            .map(|Sample { evidence, grid }| {
+            .map(|NodeSample { evidence, grid }| {
                 let posterior = evidence.posterior(&law, grid, &mut Vec::new());
                 let pairs = evidence.pairs(&law, grid, &posterior, &thinned, hearing);
                 (posterior, pairs)
             })
             .collect();
-        let all: Vec<Pair> = told.iter().flat_map(|(_, pairs)| pairs).copied().collect();
+        let all: Vec<NodeAndPlace> = told.iter().flat_map(|(_, pairs)| pairs).copied().collect();
         found.outages = found.outages.estimated(&all);
         let outages = &found.outages;
-        samples.par_iter_mut().zip(told).for_each(|(Sample { evidence, grid }, (posterior, pairs))| {
+        samples.par_iter_mut().zip(told).for_each(|(NodeSample { evidence, grid }, (posterior, pairs))| {
             evidence.set_outages(outages, &pairs);
             evidence.refine(&law, grid, &posterior, &thinned, hearing);
             if pass == 0 {
@@ -91,7 +91,7 @@ pub(super) fn find(
 }
 
 /// A few of the nodes and, of those, every other link or fewer, if there are many.
-fn thinned(links: &Links) -> Links {
+fn thinned(links: &PlaceLinks) -> PlaceLinks {
     let every = links.nodes.len().div_ceil(NODES).max(1);
     // Nodes that were heard at few places say little.
     let mut nodes: Vec<_> = links.nodes.iter().step_by(every).cloned().collect();
@@ -103,11 +103,11 @@ fn thinned(links: &Links) -> Links {
             number % kept == 0
         });
     }
-    Links { places: links.places.clone(), nodes, reach_m: links.reach_m }
+    PlaceLinks { places: links.places.clone(), nodes, reach_m: links.reach_m }
 }
 
 /// A law that fits the centroids of the places weighted by the sixth power of what they received, or by strength.
-fn start(links: &Links, samples: &[Sample<'_>]) -> Law {
+fn start(links: &PlaceLinks, samples: &[NodeSample<'_>]) -> Law {
     let mut points: Vec<(f64, f64, f64)> = Vec::new();
     for sample in samples {
         let node = sample.evidence.node();
@@ -139,13 +139,13 @@ fn start(links: &Links, samples: &[Sample<'_>]) -> Law {
 
 /// Moves one parameter after the other as long as the evidence grows.
 fn climb(
-    samples: &[Sample<'_>],
-    found: &mut Found,
+    samples: &[NodeSample<'_>],
+    found: &mut FoundLaw,
     fading_db: Option<f64>,
     scales: &[usize],
     watch: &dyn Watch,
 ) -> Result<(), Interrupted> {
-    let mut sums = sums(samples, |Sample { evidence, grid }, _| evidence.sums(&found.law, grid));
+    let mut sums = sums(samples, |NodeSample { evidence, grid }, _| evidence.sums(&found.law, grid));
     let mut best = score(samples, &sums, &found.law, fading_db);
     let least = GAIN * samples.len() as f64;
     found.settled = false;
@@ -160,7 +160,7 @@ fn climb(
                     watch.check()?;
                     let Some(law) = found.law.moved(number, sign * step) else { continue };
                     let moved = Law::is_of_covariance(number).then(|| {
-                        self::sums(samples, |Sample { evidence, grid }, number| {
+                        self::sums(samples, |NodeSample { evidence, grid }, number| {
                             evidence.sums_under(&law, grid, &sums[number])
                         })
                     });
@@ -183,16 +183,16 @@ fn climb(
 }
 
 /// The sums of each sample, which come from it and its number.
-fn sums(samples: &[Sample<'_>], of: impl Fn(&Sample<'_>, usize) -> Sums + Sync) -> Vec<Sums> {
+fn sums(samples: &[NodeSample<'_>], of: impl Fn(&NodeSample<'_>, usize) -> MarginSums + Sync) -> Vec<MarginSums> {
     samples.par_iter().enumerate().map(|(number, sample)| of(sample, number)).collect()
 }
 
 /// Logarithm of the evidence of all samples, with the `sums` of each, and of the prior density of the law.
-fn score(samples: &[Sample<'_>], sums: &[Sums], law: &Law, fading_db: Option<f64>) -> f64 {
+fn score(samples: &[NodeSample<'_>], sums: &[MarginSums], law: &Law, fading_db: Option<f64>) -> f64 {
     let evidences: Vec<f64> = samples
         .par_iter()
         .zip(sums)
-        .map_init(Vec::new, |scratch, (Sample { grid, .. }, sums)| log_evidence(law, grid, sums, scratch))
+        .map_init(Vec::new, |scratch, (NodeSample { grid, .. }, sums)| log_evidence(law, grid, sums, scratch))
         .collect();
     evidences.iter().sum::<f64>() + samples.len() as f64 * 0.5 * law.log_prior(fading_db)
 }

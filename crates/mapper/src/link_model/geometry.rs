@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 
-use super::links::Link;
+use super::links::HeardLink;
 
 /// Vertices that are treated together.
 pub(super) const BLOCK: usize = 16;
@@ -24,18 +24,18 @@ pub(super) struct Arrangement {
     pub(super) order: Vec<usize>,
     /// The neighbours of each, as positions of the order, and the distances: to them, then between them by rows below the
     /// diagonal (m).
-    pub(super) neighbours: Vec<Neighbours>,
+    pub(super) neighbours: Vec<LinkNeighbours>,
 }
 
 #[derive(Clone, Debug, Default)]
-pub(super) struct Neighbours {
+pub(super) struct LinkNeighbours {
     pub(super) at: Vec<usize>,
     pub(super) distances_m: Vec<f64>,
 }
 
 impl Arrangement {
     /// The arrangement of `links`, of which there may be a few hundred.
-    pub(super) fn of(links: &[Link], places: &[Position]) -> Self {
+    pub(super) fn of(links: &[HeardLink], places: &[Position]) -> Self {
         let at: Vec<Position> = links.iter().map(|link| places[link.place]).collect();
         let order = farthest_first(&at);
         let mut near: Vec<(f64, usize)> = Vec::new();
@@ -50,7 +50,7 @@ impl Arrangement {
                 let between = near[..row].iter().map(|&(_, second)| at[order[first]].distance_m(at[order[second]]));
                 distances_m.extend(between);
             }
-            Neighbours { at: near.iter().map(|&(_, before)| before).collect(), distances_m }
+            LinkNeighbours { at: near.iter().map(|&(_, before)| before).collect(), distances_m }
         });
         Self { neighbours: neighbours.collect(), order }
     }

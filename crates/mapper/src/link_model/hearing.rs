@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use sextant_channel::Position;
 
-use super::links::{Link, Links, NodeLinks};
+use super::links::{HeardLink, NodeLinks, PlaceLinks};
 use super::losses::{CountTables, Losses, counts, table};
 use super::receiver::Receiver;
 use super::tables::{STEP, TABLES};
@@ -55,17 +55,17 @@ const STARTS: [[f64; 2]; 4] = [[0.0, 0.7], [0.02, 0.7], [0.1, 0.7], [0.35, 0.7]]
 impl Hearing {
     /// What explains shares and strengths of the links best, by the highest likelihood with their margins integrated out.
     /// Strengths are left out if `uses_rssi` says so, if too few links have one, or if all are the same.
-    pub(super) fn of(links: &Links, uses_rssi: bool) -> Self {
-        let heard: Vec<Link> =
+    pub(super) fn of(links: &PlaceLinks, uses_rssi: bool) -> Self {
+        let heard: Vec<HeardLink> =
             links.nodes.iter().flat_map(|node| &node.links).copied().filter(|link| link.received > 0).collect();
-        let has_rssi = |link: &&Link| link.rssi_dbm.is_some_and(f64::is_finite);
-        let measured: Vec<Link> = heard.iter().filter(has_rssi).copied().collect();
+        let has_rssi = |link: &&HeardLink| link.rssi_dbm.is_some_and(f64::is_finite);
+        let measured: Vec<HeardLink> = heard.iter().filter(has_rssi).copied().collect();
         let mut strengths: Vec<f64> = measured.iter().filter_map(|link| link.rssi_dbm).collect();
         strengths.sort_by(f64::total_cmp);
         let range_db = strengths.first().zip(strengths.last()).map_or(0.0, |(low, high)| high - low);
         let is_measured = uses_rssi && measured.len() >= LEAST_LINKS && range_db >= 1.0;
-        let sample = Sample::of(links, is_measured);
-        let mut best: Option<(f64, Trial)> = None;
+        let sample = LinkSample::of(links, is_measured);
+        let mut best: Option<(f64, ReceiverTrial)> = None;
         for [lapse, scatter] in STARTS {
             let losses = Losses { lapse, scatter };
             if lapse > 0.0 && !sample.tells_losses {
@@ -74,7 +74,7 @@ impl Hearing {
             let start = if is_measured {
                 sample.with_strengths(losses, &strengths)
             } else {
-                Trial::without_strengths(losses)
+                ReceiverTrial::without_strengths(losses)
             };
             let found = sample.climb(start, is_measured, 1);
             if best.is_none_or(|(score, _)| found.0 > score) {
@@ -89,7 +89,7 @@ impl Hearing {
 
 /// The middle of the places that heard a node, weighted by shares and strengths, and the median distance from it of those
 /// that heard the node (m).
-fn near(node: &NodeLinks, links: &Links) -> (Position, f64) {
+fn near(node: &NodeLinks, links: &PlaceLinks) -> (Position, f64) {
     let middle = node.middle(&links.places);
     let heard = node.links.iter().filter(|link| link.received > 0);
     let mut distances_m: Vec<f64> = heard.map(|link| links.places[link.place].distance_m(middle)).collect();
@@ -98,7 +98,7 @@ fn near(node: &NodeLinks, links: &Links) -> (Position, f64) {
 
 /// Receiver and losses on trial, with the normal distribution of the margins of links.
 #[derive(Clone, Copy, Debug)]
-struct Trial {
+struct ReceiverTrial {
     receiver: Option<Receiver>,
     losses: Losses,
     mean: f64,
@@ -109,9 +109,9 @@ struct Trial {
 }
 
 /// Links between nodes and places that are near to them.
-struct Sample {
+struct LinkSample {
     /// Those that were heard.
-    links: Vec<Link>,
+    links: Vec<HeardLink>,
     /// Those that were silent: how many, by packets sent.
     silent: BTreeMap<u32, f64>,
     counts: Vec<(u32, u32)>,
@@ -119,9 +119,9 @@ struct Sample {
     tells_losses: bool,
 }
 
-impl Sample {
-    fn of(links: &Links, is_measured: bool) -> Self {
-        let is_usable = |link: &Link| !is_measured || link.rssi_dbm.is_some_and(f64::is_finite);
+impl LinkSample {
+    fn of(links: &PlaceLinks, is_measured: bool) -> Self {
+        let is_usable = |link: &HeardLink| !is_measured || link.rssi_dbm.is_some_and(f64::is_finite);
         let mut heard = Vec::new();
         let mut silent: BTreeMap<u32, f64> = BTreeMap::new();
         for node in &links.nodes {
@@ -135,7 +135,7 @@ impl Sample {
             }
         }
         let every = (heard.len() / ENOUGH_LINKS).max(1);
-        let links: Vec<Link> = heard.iter().copied().step_by(every).collect();
+        let links: Vec<HeardLink> = heard.iter().copied().step_by(every).collect();
         // Half of the links that were heard are as near as the silent ones that count.
         silent.values_mut().for_each(|count| *count *= 2.0 / every as f64);
         let mut counts: Vec<(u32, u32)> = links.iter().map(counts).collect();
@@ -147,18 +147,18 @@ impl Sample {
     }
 
     /// The best of a grid of receivers.
-    fn with_strengths(&self, losses: Losses, sorted_dbm: &[f64]) -> Trial {
+    fn with_strengths(&self, losses: Losses, sorted_dbm: &[f64]) -> ReceiverTrial {
         let count = sorted_dbm.len().max(1) as f64;
         let mean_dbm = sorted_dbm.iter().sum::<f64>() / count;
         let squares: f64 = sorted_dbm.iter().map(|dbm| (dbm - mean_dbm) * (dbm - mean_dbm)).sum();
         let (weak_dbm, deviation_db) = (sorted_dbm[sorted_dbm.len() / 50], (squares / count).sqrt());
         let tables = self.tables(losses);
-        let mut best: Option<(f64, Trial)> = None;
+        let mut best: Option<(f64, ReceiverTrial)> = None;
         for below_db in [6.0, 3.0, 1.0, -1.0, -4.0] {
             for fading_db in [1.0, 2.0, 3.0, 4.5, 6.5] {
                 for error_db in [0.5, 1.0, 2.0] {
                     let receiver = Receiver { threshold_dbm: weak_dbm - below_db, fading_db, error_db };
-                    let trial = Trial {
+                    let trial = ReceiverTrial {
                         receiver: Some(receiver),
                         losses,
                         mean: ((mean_dbm - receiver.threshold_dbm) / fading_db).clamp(MEANS[0], MEANS[1]),
@@ -173,11 +173,11 @@ impl Sample {
                 }
             }
         }
-        best.map_or_else(|| Trial::without_strengths(losses), |(_, trial)| trial)
+        best.map_or_else(|| ReceiverTrial::without_strengths(losses), |(_, trial)| trial)
     }
 
     /// Moves one parameter after the other as long as the score grows, at most `passes` lengths of steps.
-    fn climb(&self, from: Trial, is_measured: bool, passes: usize) -> (f64, Trial) {
+    fn climb(&self, from: ReceiverTrial, is_measured: bool, passes: usize) -> (f64, ReceiverTrial) {
         let mut tables = self.tables(from.losses);
         let mut best = (self.score(&from, &tables), from);
         for step in [1.0, 0.5, 0.25].into_iter().take(passes) {
@@ -210,7 +210,7 @@ impl Sample {
     }
 
     /// Logarithms of the probability of each number of packets at every third margin.
-    fn tables(&self, losses: Losses) -> Tables {
+    fn tables(&self, losses: Losses) -> PacketTables {
         self.counts
             .par_iter()
             .map(|&counts| (counts, table(losses, counts, EVERY)))
@@ -220,9 +220,9 @@ impl Sample {
     }
 
     /// Logarithm of the likelihood of a trial, and of its prior density.
-    fn score(&self, trial: &Trial, tables: &Tables) -> f64 {
+    fn score(&self, trial: &ReceiverTrial, tables: &PacketTables) -> f64 {
         let usual = trial.usual();
-        let log = |link: &Link| trial.log_probability(link, &tables[&counts(link)], &usual);
+        let log = |link: &HeardLink| trial.log_probability(link, &tables[&counts(link)], &usual);
         let logs: Vec<f64> = self.links.par_iter().with_min_len(32).map(log).collect();
         let alive = libm::log(1.0 - trial.outage) * logs.len() as f64;
         let silence = |(sent, count): (&u32, &f64)| {
@@ -236,9 +236,9 @@ impl Sample {
 }
 
 /// Logarithms of the probability of numbers of packets, received and sent, at every third margin.
-type Tables = BTreeMap<(u32, u32), Vec<f64>>;
+type PacketTables = BTreeMap<(u32, u32), Vec<f64>>;
 
-impl Trial {
+impl ReceiverTrial {
     /// Where the search begins without strengths.
     fn without_strengths(losses: Losses) -> Self {
         Self { receiver: None, losses, mean: 1.0, deviation: 2.0, outage: USUAL_OUTAGE, weak_dbm: 0.0 }
@@ -284,7 +284,7 @@ impl Trial {
     }
 
     /// Logarithm of the probability of share and strength of a link whose margin is one of the `usual` ones.
-    fn log_probability(&self, link: &Link, counts: &[f64], usual: &[f64]) -> f64 {
+    fn log_probability(&self, link: &HeardLink, counts: &[f64], usual: &[f64]) -> f64 {
         let measured = self.receiver.as_ref().zip(link.rssi_dbm);
         if let Some((receiver, rssi_dbm)) = measured
             && let Some(site) = receiver.strong(link, rssi_dbm)

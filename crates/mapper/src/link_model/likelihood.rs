@@ -32,8 +32,8 @@ struct Prediction {
 /// Offsets, shadowing and amplitudes of direction are integrated out: a normal distribution of all margins, whose inverse is
 /// sparse because each margin depends on few before it; the amplitudes by the identity of Woodbury.
 #[derive(Clone, Debug)]
-pub(super) struct Sums {
-    correlations: Arc<Correlations>,
+pub(super) struct MarginSums {
+    correlations: Arc<ShadowingCorrelations>,
     /// Margin and slope of the law under which the errors of margins were taken.
     margin: f64,
     slope: f64,
@@ -46,7 +46,7 @@ pub(super) struct Sums {
 
 /// The correlation of the shadowing over each distance of an arrangement.
 #[derive(Debug)]
-struct Correlations {
+struct ShadowingCorrelations {
     correlation_m: f64,
     each: Vec<f64>,
 }
@@ -66,17 +66,17 @@ struct BlockSums {
     products: [Lane; PRODUCTS],
 }
 
-impl Correlations {
+impl ShadowingCorrelations {
     fn of(arrangement: &Arrangement, correlation_m: f64) -> Self {
         let distances_m = arrangement.neighbours.iter().flat_map(|neighbours| &neighbours.distances_m);
         Self { correlation_m, each: distances_m.map(|distance_m| libm::exp(-distance_m / correlation_m)).collect() }
     }
 }
 
-impl Sums {
+impl MarginSums {
     /// The sums under `law`. `sites` are in the order of the links.
     pub(super) fn of(law: &Law, arrangement: &Arrangement, sites: &[Site], columns: &Columns) -> Self {
-        let correlations = Arc::new(Correlations::of(arrangement, law.correlation_m));
+        let correlations = Arc::new(ShadowingCorrelations::of(arrangement, law.correlation_m));
         Self::with(correlations, law, arrangement, sites, columns)
     }
 
@@ -90,7 +90,7 @@ impl Sums {
     }
 
     fn with(
-        correlations: Arc<Correlations>,
+        correlations: Arc<ShadowingCorrelations>,
         law: &Law,
         arrangement: &Arrangement,
         sites: &[Site],
@@ -302,7 +302,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
     use sextant_channel::Position;
 
-    use super::super::links::Link;
+    use super::super::links::HeardLink;
     use super::*;
 
     /// The same likelihood from the whole covariance matrix.
@@ -342,8 +342,9 @@ mod tests {
         };
         let at = [[0.0, 0.0], [3.0, 1.0], [-2.0, 4.0], [5.0, -1.0], [6.0, 6.0], [-4.0, -3.0], [1.0, 8.0]];
         let places: Vec<Position> = at.iter().map(|&[x, y]| Position::new(x, y, 0.5)).collect();
-        let links: Vec<Link> =
-            (0..at.len()).map(|place| Link { place, received: 1, sent: 2, rssi_dbm: None, outage: 0.0 }).collect();
+        let links: Vec<HeardLink> = (0..at.len())
+            .map(|place| HeardLink { place, received: 1, sent: 2, rssi_dbm: None, outage: 0.0 })
+            .collect();
         let site = |i: usize| Site { margin: 1.5 - 0.4 * i as f64, variance: 0.1 + 0.2 * i as f64 };
         let sites: Vec<Site> = (0..at.len()).map(site).collect();
         let arrangement = Arrangement::of(&links, &places);
@@ -352,7 +353,7 @@ mod tests {
         let ordered: Vec<Position> = arrangement.order.iter().map(|&link| places[link]).collect();
         let columns = Columns::new(&vertices, &ordered, |_| 1e-6);
         let mut found = Vec::new();
-        let sums = Sums::of(&law, &arrangement, &sites, &columns);
+        let sums = MarginSums::of(&law, &arrangement, &sites, &columns);
         // The sums are those of all laws of the same covariance.
         let others = [0, 1, 6, 7].map(|number| law.moved(number, 1.0).unwrap());
         let far = others[0].moved(1, -2.0).unwrap().moved(0, 3.0).unwrap();

@@ -20,7 +20,7 @@ const HORIZON: f64 = 2.0;
 
 /// A place where robots listened: one stop, or several that are near to each other.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct ListeningPlace {
     /// The middle of its stops (m).
     position: Position,
     /// Number of stops.
@@ -29,7 +29,7 @@ struct Place {
 
 /// What was heard of a node at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Link {
+pub(super) struct HeardLink {
     /// Number of the place.
     pub(super) place: usize,
     /// Packets received.
@@ -46,12 +46,12 @@ pub(super) struct Link {
 #[derive(Clone, Debug)]
 pub(super) struct NodeLinks {
     pub(super) heard: HeardNode,
-    pub(super) links: Vec<Link>,
+    pub(super) links: Vec<HeardLink>,
 }
 
 /// Places, and the nodes that were heard there.
 #[derive(Clone, Debug)]
-pub(super) struct Links {
+pub(super) struct PlaceLinks {
     /// Where robots listened (m): at one stop, or at several that are near to each other.
     pub(super) places: Vec<Position>,
     pub(super) nodes: Vec<NodeLinks>,
@@ -61,18 +61,18 @@ pub(super) struct Links {
 
 /// The stops in cells of a grid, and each by itself.
 #[derive(Clone, Debug)]
-pub(super) struct Cells {
+pub(super) struct StopCells {
     /// Each stop by itself: its place. Stops at the same place are one.
-    fine: Vec<Place>,
+    fine: Vec<ListeningPlace>,
     fine_of: Vec<usize>,
     /// The cells, and that of each stop and of each fine place.
-    coarse: Vec<Place>,
+    coarse: Vec<ListeningPlace>,
     coarse_of: Vec<usize>,
     cell_of_fine: Vec<usize>,
     uses_rssi: bool,
 }
 
-impl Links {
+impl PlaceLinks {
     /// The links of `log`; `None` if nothing was heard. Where stops are many within reach of a node, those in a cell of a
     /// grid are one place, at their middle: over so short a distance a link hardly changes. Near the strongest receptions of
     /// a node it does, and there each stop is a place.
@@ -84,11 +84,11 @@ impl Links {
             return None;
         }
         let reach_m = reach_m(log, &heard);
-        Some(Cells::of(log, reach_m, uses_rssi).links(log, heard, reach_m))
+        Some(StopCells::of(log, reach_m, uses_rssi).links(log, heard, reach_m))
     }
 }
 
-impl Cells {
+impl StopCells {
     /// Those of the stops of `log`, over which nodes are heard within `reach_m`.
     pub(super) fn of(log: &ReceptionLog, reach_m: f64, uses_rssi: bool) -> Self {
         let (fine, fine_of) = merged(log, 0.0);
@@ -101,10 +101,10 @@ impl Cells {
     }
 
     /// The links of the nodes of `log`, which has the same stops.
-    pub(super) fn links(&self, log: &ReceptionLog, heard: Vec<HeardNode>, reach_m: f64) -> Links {
+    pub(super) fn links(&self, log: &ReceptionLog, heard: Vec<HeardNode>, reach_m: f64) -> PlaceLinks {
         let nodes = heard.into_iter().map(|heard| node_links(log, heard, self, reach_m)).collect();
         let places = self.fine.iter().chain(&self.coarse).map(|place| place.position).collect();
-        Links { places, nodes, reach_m }
+        PlaceLinks { places, nodes, reach_m }
     }
 
     /// The cells whose stops are places of their own for `node`: those of its strongest receptions.
@@ -140,7 +140,7 @@ impl Cells {
 }
 
 /// The places, and the place of each stop.
-fn places(log: &ReceptionLog, reach_m: f64) -> (Vec<Place>, Vec<usize>) {
+fn places(log: &ReceptionLog, reach_m: f64) -> (Vec<ListeningPlace>, Vec<usize>) {
     let stops = log.stops();
     let mut cell_m = 0.0;
     loop {
@@ -153,23 +153,24 @@ fn places(log: &ReceptionLog, reach_m: f64) -> (Vec<Place>, Vec<usize>) {
 }
 
 /// The greatest number of places within `radius_m` of one of a few of them.
-fn crowd(places: &[Place], radius_m: f64) -> f64 {
+fn crowd(places: &[ListeningPlace], radius_m: f64) -> f64 {
     let probes = places.iter().step_by((places.len() / 16).max(1));
-    let near =
-        |probe: &Place| places.iter().filter(|place| place.position.distance_m(probe.position) <= radius_m).count();
+    let near = |probe: &ListeningPlace| {
+        places.iter().filter(|place| place.position.distance_m(probe.position) <= radius_m).count()
+    };
     probes.map(near).max().unwrap_or(0) as f64
 }
 
-fn merged(log: &ReceptionLog, cell_m: f64) -> (Vec<Place>, Vec<usize>) {
+fn merged(log: &ReceptionLog, cell_m: f64) -> (Vec<ListeningPlace>, Vec<usize>) {
     let mut cells: BTreeMap<[u64; 3], usize> = BTreeMap::new();
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<ListeningPlace> = Vec::new();
     let place_of = log.stops().iter().map(|stop| {
         let at: [f64; 3] = stop.position.into();
         let cell = if cell_m > 0.0 { at.map(|along| (along / cell_m + PHASE).floor()) } else { at };
         // Both zeros are one cell.
         let key = cell.map(|along| (along + 0.0).to_bits());
         let place = *cells.entry(key).or_insert_with(|| {
-            places.push(Place { position: Position::ORIGIN, stops: 0 });
+            places.push(ListeningPlace { position: Position::ORIGIN, stops: 0 });
             places.len() - 1
         });
         places[place].position = places[place].position + stop.position;
@@ -185,7 +186,7 @@ fn merged(log: &ReceptionLog, cell_m: f64) -> (Vec<Place>, Vec<usize>) {
 
 /// Sums over the stops of a place.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct PlaceSums {
     listed: u32,
     received: u64,
     sent: u64,
@@ -193,10 +194,10 @@ struct Sums {
     measured: f64,
 }
 
-fn node_links(log: &ReceptionLog, heard: HeardNode, cells: &Cells, reach_m: f64) -> NodeLinks {
+fn node_links(log: &ReceptionLog, heard: HeardNode, cells: &StopCells, reach_m: f64) -> NodeLinks {
     let opened = cells.opened(log, heard.node);
     let fine = cells.fine.len();
-    let mut sums: BTreeMap<usize, Sums> = BTreeMap::new();
+    let mut sums: BTreeMap<usize, PlaceSums> = BTreeMap::new();
     for Reception { stop, received, sent, rssi_dbm, .. } in log.of(heard.node).iter() {
         let (place, cell) = (cells.fine_of[stop as usize], cells.coarse_of[stop as usize]);
         let sum = sums.entry(if opened[cell] { place } else { fine + cell }).or_default();
@@ -223,7 +224,7 @@ fn node_links(log: &ReceptionLog, heard: HeardNode, cells: &Cells, reach_m: f64)
         let sent = sum.sent + u64::from(place.stops.saturating_sub(sum.listed));
         let rssi_dbm = (sum.measured > 0.0).then(|| sum.rssi / sum.measured);
         let (received, sent) = (count(sum.received), count(sent));
-        (sent > 0).then_some(Link { place: number, received, sent, rssi_dbm, outage: 0.0 })
+        (sent > 0).then_some(HeardLink { place: number, received, sent, rssi_dbm, outage: 0.0 })
     });
     NodeLinks { links: links.collect(), heard }
 }
@@ -236,7 +237,7 @@ impl NodeLinks {
     /// by strength (m).
     pub(super) fn middle(&self, places: &[Position]) -> Position {
         let strongest = self.links.iter().filter_map(|link| link.rssi_dbm).fold(f64::NEG_INFINITY, f64::max);
-        let weight = |link: &Link| {
+        let weight = |link: &HeardLink| {
             let share = f64::from(link.received) / f64::from(link.sent);
             link.rssi_dbm.map_or(share.powi(6), |rssi_dbm| libm::exp((rssi_dbm - strongest) / WEIGHT_DB))
         };

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use super::links::{Link, Links};
+use super::links::{HeardLink, PlaceLinks};
 use super::tables::TABLES;
 use crate::numerics::normal::{below, density};
 
@@ -44,7 +44,7 @@ impl Losses {
     }
 
     /// The probability of the packets of a link if its margin is normally distributed, unless it is dead.
-    pub(super) fn probability(&self, link: &Link, mean: f64, deviation: f64) -> f64 {
+    pub(super) fn probability(&self, link: &HeardLink, mean: f64, deviation: f64) -> f64 {
         const POINTS: u32 = 48;
         let (received, sent) = (f64::from(link.received), f64::from(link.sent));
         let ways = libm::lgamma(sent + 1.0) - libm::lgamma(received + 1.0) - libm::lgamma(sent - received + 1.0);
@@ -115,7 +115,7 @@ impl CountTables {
     }
 
     /// The tables of all numbers of packets in `links`.
-    pub(super) fn of(links: &Links, losses: Losses) -> Self {
+    pub(super) fn of(links: &PlaceLinks, losses: Losses) -> Self {
         let mut tables = Self::new(losses);
         for link in links.nodes.iter().flat_map(|node| &node.links) {
             let (received, sent) = counts(link);
@@ -128,7 +128,7 @@ impl CountTables {
     }
 
     /// Logarithms of the likelihood of the packets of `link` at each margin.
-    pub(super) fn log_likelihoods(&self, link: &Link) -> std::borrow::Cow<'_, [f64]> {
+    pub(super) fn log_likelihoods(&self, link: &HeardLink) -> std::borrow::Cow<'_, [f64]> {
         let counts = counts(link);
         match self.tables.get(&counts) {
             Some(table) => table.into(),
@@ -144,8 +144,8 @@ impl CountTables {
 
 /// The packets of `link`, of which there are at most [`MOST_PACKETS`]; a link that was heard stays heard, one that lost
 /// packets stays one that did.
-pub(super) fn counts(link: &Link) -> (u32, u32) {
-    let Link { received, sent, .. } = *link;
+pub(super) fn counts(link: &HeardLink) -> (u32, u32) {
+    let HeardLink { received, sent, .. } = *link;
     if sent <= MOST_PACKETS {
         return (received, sent);
     }

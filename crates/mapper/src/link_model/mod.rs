@@ -24,24 +24,28 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::check_z_range;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::below;
-use crate::posterior::{FitState, Verdict};
-use crate::{
-    AnyLog, Axes, Concern, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
-    KnowledgeKind, MapError, Mapper, PartEstimator, PlacePrior, SoughtHeights, TopologyMap,
-};
-use fit::Found;
+use crate::parts::PartEstimator;
+use crate::posterior::{Concern, Estimate, FitState, PlacePrior, Verdict};
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
+use fit::FoundLaw;
 use hearing::Hearing;
 pub use law::Law;
-use links::{Links, NodeLinks};
+use links::{NodeLinks, PlaceLinks};
 pub use losses::Losses;
 use outages::Outages;
-use posterior::{Evidence, Grid, Posterior};
+use posterior::{GridPosterior, HeardLinks, PriorGrid};
 pub(crate) use predict::{Placed, Predictor};
 pub use receiver::Receiver;
-use window::{Bounds, Window};
+use window::{Bounds, LinkWindow};
 
 /// The link model as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,7 +157,7 @@ impl LinkModel {
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<LinkFit>), MapError> {
         let mut map = Self::unmapped(log);
-        let Some(links) = Links::of(log, self.config.rssi) else { return Ok((map, None)) };
+        let Some(links) = PlaceLinks::of(log, self.config.rssi) else { return Ok((map, None)) };
         let Some(learned) = self.learn(&links, log.stops(), (links.nodes.len(), prior), watch)? else {
             return Ok((map, None));
         };
@@ -170,7 +174,7 @@ impl LinkModel {
     /// What `links` tell, of a log with these stops in which so many nodes were heard; `None` without stops.
     fn learn<'a>(
         &self,
-        links: &Links,
+        links: &PlaceLinks,
         stops: &[Stop],
         (heard, prior): (usize, Option<&'a PlacePrior>),
         watch: &dyn Watch,
@@ -179,10 +183,10 @@ impl LinkModel {
         let heights = SoughtHeights::of_log(stops, z_range_m, links.reach_m, LEVEL * links.reach_m);
         let Some(heights) = heights else { return Ok(None) };
         let is_spatial = heights.high_m > heights.low_m;
-        let window = Window::new(links, heights, z_range_m.is_some(), prior);
+        let window = LinkWindow::new(links, heights, z_range_m.is_some(), prior);
         watch.begin(Self::work(links, is_spatial));
         let hearing = Hearing::of(links, self.config.rssi);
-        let Found { law, outages, rounds, settled } = fit::find(links, &window, is_spatial, &hearing, watch)?;
+        let FoundLaw { law, outages, rounds, settled } = fit::find(links, &window, is_spatial, &hearing, watch)?;
         let settled = settled && !law.is_at_bound();
         let evidence = evidence(links, hearing.receiver.is_some());
         let (receiver, losses, outage) = (hearing.receiver, hearing.counts.losses(), outages.of_log);
@@ -191,7 +195,7 @@ impl LinkModel {
         Ok(Some(Learned { fit, hearing, outages, window, heights, is_spatial, inflation }))
     }
 
-    fn work(links: &Links, is_spatial: bool) -> Work {
+    fn work(links: &PlaceLinks, is_spatial: bool) -> Work {
         let pairs: usize = links.nodes.iter().map(|node| node.links.len()).sum();
         Work {
             name: Self::NAME,
@@ -202,7 +206,7 @@ impl LinkModel {
     }
 }
 
-fn evidence(links: &Links, uses_rssi: bool) -> LinkEvidence {
+fn evidence(links: &PlaceLinks, uses_rssi: bool) -> LinkEvidence {
     let mut heard = links.nodes.iter().flat_map(|node| &node.links).filter(|link| link.received > 0);
     match uses_rssi {
         false => LinkEvidence::Packets,
@@ -224,7 +228,7 @@ struct Learned<'a> {
     fit: LinkFit,
     hearing: Hearing,
     outages: Outages,
-    window: Window<'a>,
+    window: LinkWindow<'a>,
     heights: SoughtHeights,
     is_spatial: bool,
     /// Factor on covariances.
@@ -233,10 +237,10 @@ struct Learned<'a> {
 
 impl Learned<'_> {
     /// Adds the nodes of `links` to `map`.
-    fn locate(&self, links: &Links, map: &mut TopologyMap, watch: &dyn Watch) -> Result<(), Interrupted> {
+    fn locate(&self, links: &PlaceLinks, map: &mut TopologyMap, watch: &dyn Watch) -> Result<(), Interrupted> {
         let Self { hearing, outages, window, is_spatial, inflation, .. } = self;
         let (law, is_spatial, inflation) = (self.fit.law, *is_spatial, *inflation);
-        let model = Fitted { law, hearing, outages, links, window, is_spatial, inflation };
+        let model = ModelWithLaw { law, hearing, outages, links, window, is_spatial, inflation };
         let [low_m, high_m] = window.heights();
         let planes = links.nodes.iter().map(|node| window.of(node));
         let (low_m, high_m) = planes
@@ -264,21 +268,21 @@ impl Learned<'_> {
 }
 
 /// The model with its law.
-struct Fitted<'a> {
+struct ModelWithLaw<'a> {
     law: Law,
     hearing: &'a Hearing,
     outages: &'a Outages,
-    links: &'a Links,
-    window: &'a Window<'a>,
+    links: &'a PlaceLinks,
+    window: &'a LinkWindow<'a>,
     is_spatial: bool,
     /// Factor on covariances.
     inflation: f64,
 }
 
-impl Fitted<'_> {
+impl ModelWithLaw<'_> {
     /// Where `node` is, and the number of vertices looked at.
     fn locate(&self, node: &NodeLinks) -> (Estimate, u64) {
-        let mut evidence = Evidence::new(node, self.links, self.window, self.hearing, self.outages);
+        let mut evidence = HeardLinks::new(node, self.links, self.window, self.hearing, self.outages);
         let [coarse, fine] = VERTICES[usize::from(self.is_spatial)];
         let mut scratch = Vec::new();
         let coarse = evidence.grid(self.window, coarse);
@@ -290,7 +294,7 @@ impl Fitted<'_> {
         let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
         let concern = self.concern(node, [(&coarse, &second), (&fine, &posterior)]);
         let vertices = (2 * coarse.vertices.len() + fine.vertices.len()) as u64;
-        let Posterior { mean, covariance, highest, .. } = posterior;
+        let GridPosterior { mean, covariance, highest, .. } = posterior;
         let estimate = Estimate {
             position: mean,
             log_likelihood: Some(highest),
@@ -303,14 +307,14 @@ impl Fitted<'_> {
     }
 
     /// Weighs silence and margins where a posterior places the node.
-    fn weigh(&self, evidence: &mut Evidence<'_>, grid: &Grid, posterior: &Posterior) {
+    fn weigh(&self, evidence: &mut HeardLinks<'_>, grid: &PriorGrid, posterior: &GridPosterior) {
         let pairs = evidence.pairs(&self.law, grid, posterior, self.links, self.hearing);
         evidence.set_outages(self.outages, &pairs);
         evidence.refine(&self.law, grid, posterior, self.links, self.hearing);
     }
 
     /// What the window says of a posterior. The coarse grid spans all of the window, and the fine one its likely part.
-    fn concern(&self, node: &NodeLinks, [coarse, fine]: [(&Grid, &Posterior); 2]) -> Option<Concern> {
+    fn concern(&self, node: &NodeLinks, [coarse, fine]: [(&PriorGrid, &GridPosterior); 2]) -> Option<Concern> {
         let mut verdict = Verdict::default();
         let (grid, posterior) = coarse;
         for (log_density, log_likelihood) in grid.logarithms(posterior) {
@@ -349,7 +353,7 @@ impl Estimator for LinkModel {
     }
 
     fn uses_prior(&self) -> bool {
-        true
+        LinkModelConfig::USES_PRIOR
     }
 
     fn by_parts(&self) -> Option<&dyn PartEstimator> {
@@ -373,6 +377,10 @@ impl EstimatorSettings for LinkModelConfig {
         description: "A model of real radio links, estimated from the log; uses signal strengths where the log has them",
         settings: "{}",
     });
+
+    const USES_PRIOR: bool = true;
+
+    const BY_PARTS: bool = true;
 
     fn mapper(self) -> Result<Mapper, SettingError> {
         LinkModel::try_from(self).map(Mapper::new)

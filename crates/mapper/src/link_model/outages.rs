@@ -1,6 +1,6 @@
 //! Silence that says nothing: links that are dead whatever their power.
 
-use super::links::Links;
+use super::links::PlaceLinks;
 
 /// Probability of an outage before anything is heard, and its weight as a number of pairs.
 const USUAL: f64 = 0.02;
@@ -33,7 +33,7 @@ pub(super) struct Outages {
 
 /// What is known of a pair of node and place: whether it is silent by power alone.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
+pub(super) struct NodeAndPlace {
     /// Number of the place.
     pub(super) place: usize,
     /// The probability of silence if the link is alive.
@@ -45,13 +45,13 @@ pub(super) struct Pair {
 impl Outages {
     /// Those with which the search for a law begins. Where strengths tell places too, silence begins with little weight:
     /// otherwise law and places would explain it as weakness, and outages would never show.
-    pub(super) fn start(links: &Links, has_strengths: bool) -> Self {
+    pub(super) fn start(links: &PlaceLinks, has_strengths: bool) -> Self {
         let of_log = if has_strengths { DOUBTED } else { USUAL };
         Self { of_log, of_place: vec![of_log; links.places.len()] }
     }
 
     /// Those of highest likelihood given `pairs`, by expectation maximisation.
-    pub(super) fn estimated(&self, pairs: &[Pair]) -> Self {
+    pub(super) fn estimated(&self, pairs: &[NodeAndPlace]) -> Self {
         let mut found = self.clone();
         for _ in 0..ROUNDS {
             let mut all = (USUAL * USUAL_PAIRS, USUAL_PAIRS);
@@ -76,7 +76,7 @@ impl Outages {
     }
 
     /// The probability of an outage of one node at each of its `pairs`: its own part comes from these pairs.
-    pub(super) fn of_node(&self, pairs: &[Pair]) -> Vec<f64> {
+    pub(super) fn of_node(&self, pairs: &[NodeAndPlace]) -> Vec<f64> {
         let mut own = self.of_log;
         for _ in 0..ROUNDS {
             let mut sum = (OF_NODE * self.of_log, OF_NODE);
@@ -97,7 +97,7 @@ impl Outages {
     }
 }
 
-impl Pair {
+impl NodeAndPlace {
     /// How much of the pair is dead, and how much it counts.
     fn dead(&self, outage: f64) -> (f64, f64) {
         let weight = libm::pow(1.0 - self.silence, SURELY);
@@ -114,8 +114,8 @@ mod tests {
     fn places_that_are_silent_though_signals_are_strong_have_outages() {
         let usual = Outages { of_log: USUAL, of_place: vec![USUAL; 20] };
         // Each of 30 nodes would be heard at each place with a probability of 0.99. Half of the places hear nothing.
-        let pair = |place: usize| Pair { place, silence: 0.01, is_silent: place.is_multiple_of(2) };
-        let pairs: Vec<Pair> = (0..600).map(|number| pair(number % 20)).collect();
+        let pair = |place: usize| NodeAndPlace { place, silence: 0.01, is_silent: place.is_multiple_of(2) };
+        let pairs: Vec<NodeAndPlace> = (0..600).map(|number| pair(number % 20)).collect();
         let found = usual.estimated(&pairs);
         assert!((found.of_log - 0.47).abs() < 0.03, "{}", found.of_log);
         assert!(found.are_frequent());
@@ -125,12 +125,14 @@ mod tests {
     #[test]
     fn silence_that_power_explains_is_no_outage() {
         let usual = Outages { of_log: USUAL, of_place: vec![USUAL; 10] };
-        let pairs: Vec<Pair> =
-            (0..400).map(|number| Pair { place: number % 10, silence: 0.7, is_silent: number % 10 < 7 }).collect();
+        let pairs: Vec<NodeAndPlace> = (0..400)
+            .map(|number| NodeAndPlace { place: number % 10, silence: 0.7, is_silent: number % 10 < 7 })
+            .collect();
         let found = usual.estimated(&pairs);
         assert!(found.of_log < 0.01 && !found.are_frequent(), "{}", found.of_log);
         // A node that is silent where it should be heard is dead more often than others.
-        let silent: Vec<Pair> = (0..10).map(|place| Pair { place, silence: 0.02, is_silent: true }).collect();
+        let silent: Vec<NodeAndPlace> =
+            (0..10).map(|place| NodeAndPlace { place, silence: 0.02, is_silent: true }).collect();
         let of_node = found.of_node(&silent);
         assert!(of_node.iter().all(|outage| *outage > 3.0 * found.of_log), "{of_node:?}");
     }

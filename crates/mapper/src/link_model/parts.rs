@@ -3,11 +3,14 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch};
 
-use super::links::Cells;
+use super::links::StopCells;
 use super::{Learned, LinkModel};
+use crate::error::MapError;
+use crate::knowledge::Knowledge;
+use crate::learned::EstimatorFindings;
 use crate::log_facts::reach::{centres, gross_m, heard_from, reach_of_m};
-use crate::parts::{each_part, sample};
-use crate::{EstimatorFindings, FixedLaw, Knowledge, LogParts, MapError, PartEstimator, PartsError, TopologyMap};
+use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError, each_part, sample};
+use crate::topology_map::TopologyMap;
 
 /// The law comes from at most so many nodes, which are spread evenly over all that were heard. In one piece it comes from
 /// all.
@@ -18,7 +21,7 @@ const LAW_NODES: usize = 1024;
 struct LinkLaw<'a> {
     /// `None` if nothing was heard.
     learned: Option<Learned<'a>>,
-    cells: Cells,
+    cells: StopCells,
     reach_m: f64,
     /// Receptions beyond this are gross errors (m).
     gross_m: f64,
@@ -60,7 +63,7 @@ impl PartEstimator for LinkModel {
             Ok(())
         })?;
         let reach_m = reach_of_m(parts.whole(), farthest_m.into_iter());
-        let cells = Cells::of(parts.whole(), reach_m, self.config.rssi);
+        let cells = StopCells::of(parts.whole(), reach_m, self.config.rssi);
         let every = usual_m.len().div_ceil(LAW_NODES).max(1);
         let nodes: Vec<NodeId> = usual_m.iter().map(|&(node, _)| node).step_by(every).collect();
         let log = sample(parts, &nodes, watch)?;

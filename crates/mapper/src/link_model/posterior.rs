@@ -2,15 +2,15 @@
 
 use sextant_channel::Position;
 
-use super::cavity::{Expected, Known, conditioned};
+use super::cavity::{ExpectedMargin, KnownMargin, conditioned};
 use super::geometry::{Arrangement, Columns};
 use super::hearing::Hearing;
 use super::law::Law;
-use super::likelihood::Sums;
-use super::links::{Link, Links, NodeLinks};
-use super::outages::{Outages, Pair};
+use super::likelihood::MarginSums;
+use super::links::{HeardLink, NodeLinks, PlaceLinks};
+use super::outages::{NodeAndPlace, Outages};
 use super::site::{Site, silence_of_living};
-use super::window::{Bounds, Window};
+use super::window::{Bounds, LinkWindow};
 use crate::posterior::Cell;
 
 /// Distances are at least this share of the step of the grid, because a vertex stands for its cell.
@@ -26,9 +26,9 @@ pub(super) const LEAST_SPREAD: f64 = 0.3;
 
 /// What was heard of a node, ready to be weighed.
 #[derive(Clone, Debug)]
-pub(super) struct Evidence<'a> {
+pub(super) struct HeardLinks<'a> {
     node: &'a NodeLinks,
-    links: Vec<Link>,
+    links: Vec<HeardLink>,
     /// Whether silence is expected by the other links of the node, and not by its place alone.
     doubts_silence: bool,
     arrangement: Arrangement,
@@ -41,7 +41,7 @@ pub(super) struct Evidence<'a> {
 
 /// A grid of vertices and the densities before anything is heard.
 #[derive(Clone, Debug)]
-pub(super) struct Grid {
+pub(super) struct PriorGrid {
     pub(super) vertices: Vec<Position>,
     pub(super) step_m: f64,
     log_densities: Vec<f64>,
@@ -50,21 +50,21 @@ pub(super) struct Grid {
     columns: Columns,
 }
 
-impl Grid {
+impl PriorGrid {
     fn new(vertices: Vec<Position>, step_m: f64, log_densities: Vec<f64>, columns: Columns) -> Self {
         let log_total = log_sum(&log_densities);
         Self { vertices, step_m, log_densities, log_total, columns }
     }
 
     /// The logarithm of the density of each vertex before anything was heard, and of its likelihood, but for a constant.
-    pub(super) fn logarithms(&self, posterior: &Posterior) -> impl Iterator<Item = (f64, f64)> {
+    pub(super) fn logarithms(&self, posterior: &GridPosterior) -> impl Iterator<Item = (f64, f64)> {
         self.log_densities.iter().zip(&posterior.shares).map(|(&before, &share)| (before, libm::log(share) - before))
     }
 }
 
 /// A posterior on a grid.
 #[derive(Clone, Debug)]
-pub(super) struct Posterior {
+pub(super) struct GridPosterior {
     pub(super) mean: Position,
     pub(super) covariance: [[f64; 3]; 3],
     /// Highest logarithm of a likelihood.
@@ -73,18 +73,18 @@ pub(super) struct Posterior {
     pub(super) shares: Vec<f64>,
 }
 
-impl<'a> Evidence<'a> {
+impl<'a> HeardLinks<'a> {
     pub(super) fn new(
         node: &'a NodeLinks,
-        links: &Links,
-        window: &Window<'_>,
+        links: &PlaceLinks,
+        window: &LinkWindow<'_>,
         hearing: &Hearing,
         outages: &Outages,
     ) -> Self {
         let arrangement = Arrangement::of(&node.links, &links.places);
         let places = arrangement.order.iter().map(|&link| links.places[node.links[link].place]).collect();
-        let own = node.links.iter().map(|link| Link { outage: outages.of_log, ..*link });
-        let links: Vec<Link> = own.collect();
+        let own = node.links.iter().map(|link| HeardLink { outage: outages.of_log, ..*link });
+        let links: Vec<HeardLink> = own.collect();
         let sites = links.iter().map(|link| Site::of(link, hearing, UNKNOWN[0], UNKNOWN[1])).collect();
         Self {
             node,
@@ -102,19 +102,31 @@ impl<'a> Evidence<'a> {
     }
 
     /// A grid of about `count` vertices over all places where the node can be.
-    pub(super) fn grid(&self, window: &Window<'_>, count: f64) -> Grid {
+    pub(super) fn grid(&self, window: &LinkWindow<'_>, count: f64) -> PriorGrid {
         self.grid_in(&self.bounds, window, count)
     }
 
     /// A grid of about `count` vertices round a posterior.
-    pub(super) fn fine_grid(&self, window: &Window<'_>, coarse: &Grid, posterior: &Posterior, count: f64) -> Grid {
+    pub(super) fn fine_grid(
+        &self,
+        window: &LinkWindow<'_>,
+        coarse: &PriorGrid,
+        posterior: &GridPosterior,
+        count: f64,
+    ) -> PriorGrid {
         let least_m = 1.2 * coarse.step_m;
         let half = [0, 1, 2].map(|axis| (SPREADS * posterior.covariance[axis][axis].sqrt()).max(least_m));
         self.grid_in(&self.bounds.round(posterior.mean, half), window, count)
     }
 
     /// The grid of about `count` vertices over all places, with about as many more round a posterior on it.
-    pub(super) fn mixed_grid(&self, window: &Window<'_>, coarse: &Grid, posterior: &Posterior, count: f64) -> Grid {
+    pub(super) fn mixed_grid(
+        &self,
+        window: &LinkWindow<'_>,
+        coarse: &PriorGrid,
+        posterior: &GridPosterior,
+        count: f64,
+    ) -> PriorGrid {
         let half = [0, 1, 2].map(|axis| SPREADS * posterior.covariance[axis][axis].sqrt());
         let part = self.bounds.cells_round(count, posterior.mean, half);
         let (fine, step_m) = part.vertices(count);
@@ -134,18 +146,18 @@ impl<'a> Evidence<'a> {
         let log_densities = vertices.iter().enumerate().map(log_density).collect();
         let least_m = |number: usize| NEAREST * if is_fine(number) { step_m } else { coarse.step_m };
         let columns = Columns::new(&vertices, &self.places, least_m);
-        Grid::new(vertices, step_m, log_densities, columns)
+        PriorGrid::new(vertices, step_m, log_densities, columns)
     }
 
-    fn grid_in(&self, bounds: &Bounds, window: &Window<'_>, count: f64) -> Grid {
+    fn grid_in(&self, bounds: &Bounds, window: &LinkWindow<'_>, count: f64) -> PriorGrid {
         let (vertices, step_m) = bounds.vertices(count);
         let log_densities = vertices.iter().map(|&vertex| window.log_density(vertex)).collect();
         let columns = Columns::new(&vertices, &self.places, |_| NEAREST * step_m);
-        Grid::new(vertices, step_m, log_densities, columns)
+        PriorGrid::new(vertices, step_m, log_densities, columns)
     }
 
     /// The posterior on `grid` under `law`. `scratch` is memory to use.
-    pub(super) fn posterior(&self, law: &Law, grid: &Grid, scratch: &mut Vec<f64>) -> Posterior {
+    pub(super) fn posterior(&self, law: &Law, grid: &PriorGrid, scratch: &mut Vec<f64>) -> GridPosterior {
         self.sums(law, grid).log_likelihoods(law, scratch);
         scratch.truncate(grid.vertices.len());
         let highest = scratch.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -154,26 +166,33 @@ impl<'a> Evidence<'a> {
         }
         let shares = normalised(scratch);
         let (mean, covariance) = moments(&grid.vertices, &shares, grid.step_m);
-        Posterior { mean, covariance, highest, shares }
+        GridPosterior { mean, covariance, highest, shares }
     }
 
     /// The sums of the likelihood on `grid` under `law`.
-    pub(super) fn sums(&self, law: &Law, grid: &Grid) -> Sums {
-        Sums::of(law, &self.arrangement, &self.sites, &grid.columns)
+    pub(super) fn sums(&self, law: &Law, grid: &PriorGrid) -> MarginSums {
+        MarginSums::of(law, &self.arrangement, &self.sites, &grid.columns)
     }
 
     /// The same under another law, where `sums` are those under one.
-    pub(super) fn sums_under(&self, law: &Law, grid: &Grid, sums: &Sums) -> Sums {
+    pub(super) fn sums_under(&self, law: &Law, grid: &PriorGrid, sums: &MarginSums) -> MarginSums {
         sums.under(law, &self.arrangement, &self.sites, &grid.columns)
     }
 
     /// Expects each margin where the posterior places the node, and approximates the links there.
-    pub(super) fn refine(&mut self, law: &Law, grid: &Grid, posterior: &Posterior, links: &Links, hearing: &Hearing) {
+    pub(super) fn refine(
+        &mut self,
+        law: &Law,
+        grid: &PriorGrid,
+        posterior: &GridPosterior,
+        links: &PlaceLinks,
+        hearing: &Hearing,
+    ) {
         let spread = law.spread().max(LEAST_SPREAD);
         let expected = self.expected(law, grid, posterior, links);
         for ((site, link), expected) in self.sites.iter_mut().zip(&self.links).zip(expected) {
-            let Expected { margin, spread } =
-                if link.received == 0 { expected } else { Expected { spread, ..expected } };
+            let ExpectedMargin { margin, spread } =
+                if link.received == 0 { expected } else { ExpectedMargin { spread, ..expected } };
             *site = Site::of(link, hearing, margin, spread.max(LEAST_SPREAD));
         }
     }
@@ -182,21 +201,21 @@ impl<'a> Evidence<'a> {
     pub(super) fn pairs(
         &self,
         law: &Law,
-        grid: &Grid,
-        posterior: &Posterior,
-        links: &Links,
+        grid: &PriorGrid,
+        posterior: &GridPosterior,
+        links: &PlaceLinks,
         hearing: &Hearing,
-    ) -> Vec<Pair> {
+    ) -> Vec<NodeAndPlace> {
         let expected = self.expected(law, grid, posterior, links);
-        let pair = |(link, Expected { margin, spread }): (&Link, Expected)| {
+        let pair = |(link, ExpectedMargin { margin, spread }): (&HeardLink, ExpectedMargin)| {
             let silence = silence_of_living(link, hearing, margin, spread);
-            Pair { place: link.place, silence, is_silent: link.received == 0 }
+            NodeAndPlace { place: link.place, silence, is_silent: link.received == 0 }
         };
         self.links.iter().zip(expected).map(pair).collect()
     }
 
     /// Sets how probable it is that each link is dead, where these are the `pairs` of the node.
-    pub(super) fn set_outages(&mut self, outages: &Outages, pairs: &[Pair]) {
+    pub(super) fn set_outages(&mut self, outages: &Outages, pairs: &[NodeAndPlace]) {
         self.doubts_silence = outages.are_frequent();
         for (link, outage) in self.links.iter_mut().zip(outages.of_node(pairs)) {
             link.outage = outage;
@@ -204,7 +223,13 @@ impl<'a> Evidence<'a> {
     }
 
     /// The margin of each link where the posterior places the node; of a silent one, what the others tell of it.
-    fn expected(&self, law: &Law, grid: &Grid, posterior: &Posterior, links: &Links) -> Vec<Expected> {
+    fn expected(
+        &self,
+        law: &Law,
+        grid: &PriorGrid,
+        posterior: &GridPosterior,
+        links: &PlaceLinks,
+    ) -> Vec<ExpectedMargin> {
         let level = law.at_one_metre();
         let spread = law.spread().max(LEAST_SPREAD);
         let likely: Vec<(Position, f64)> = grid
@@ -226,12 +251,12 @@ impl<'a> Evidence<'a> {
             }
             let mean = first / total;
             let variance = (second / total - mean * mean).max(0.0) * law.slope * law.slope;
-            Expected { margin: level - law.slope * mean, spread: (spread * spread + variance).sqrt() }
+            ExpectedMargin { margin: level - law.slope * mean, spread: (spread * spread + variance).sqrt() }
         });
-        let mut told: Vec<Expected> = told.collect();
-        let known: Vec<Known> = (self.links.iter().zip(&self.sites).zip(&told).enumerate())
+        let mut told: Vec<ExpectedMargin> = told.collect();
+        let known: Vec<KnownMargin> = (self.links.iter().zip(&self.sites).zip(&told).enumerate())
             .filter(|(_, ((_, site), _))| site.variance < TELLING)
-            .map(|(number, ((link, site), told))| Known {
+            .map(|(number, ((link, site), told))| KnownMargin {
                 number,
                 place: links.places[link.place],
                 excess: site.margin - told.margin,
@@ -248,7 +273,7 @@ impl<'a> Evidence<'a> {
 }
 
 /// Logarithm of the evidence of a law on `grid`, from the `sums` of its covariance. `scratch` is memory to use.
-pub(super) fn log_evidence(law: &Law, grid: &Grid, sums: &Sums, scratch: &mut Vec<f64>) -> f64 {
+pub(super) fn log_evidence(law: &Law, grid: &PriorGrid, sums: &MarginSums, scratch: &mut Vec<f64>) -> f64 {
     sums.log_likelihoods(law, scratch);
     scratch.truncate(grid.vertices.len());
     for (log, density) in scratch.iter_mut().zip(&grid.log_densities) {

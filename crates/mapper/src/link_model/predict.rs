@@ -5,7 +5,7 @@ use sextant_channel::{Position, ReceptionLog};
 
 use super::hearing::Hearing;
 use super::law::Law;
-use super::links::{Link, Links, NodeLinks};
+use super::links::{HeardLink, NodeLinks, PlaceLinks};
 use super::losses::CountTables;
 use super::site::Site;
 use super::{LinkFit, posterior};
@@ -31,7 +31,7 @@ const NEAREST: f64 = 0.02;
 /// Predicts the margins of links between a node and places where no robot has listened yet, from its links in a log.
 #[derive(Debug)]
 pub(crate) struct Predictor {
-    links: Links,
+    links: PlaceLinks,
     law: Law,
     hearing: Hearing,
     outage: f64,
@@ -40,7 +40,7 @@ pub(crate) struct Predictor {
 impl Predictor {
     /// A predictor from `log` under what was `fitted` to it; `None` if nothing was heard.
     pub(crate) fn new(log: &ReceptionLog, fitted: &LinkFit) -> Option<Self> {
-        let links = Links::of(log, fitted.receiver.is_some())?;
+        let links = PlaceLinks::of(log, fitted.receiver.is_some())?;
         let hearing = Hearing { receiver: fitted.receiver, counts: CountTables::of(&links, fitted.losses) };
         Some(Self { links, law: fitted.law, hearing, outage: fitted.outage })
     }
@@ -72,7 +72,7 @@ impl Predictor {
     fn sites(&self, links: &NodeLinks, place: Position, known: &[Position]) -> Vec<Site> {
         let spread = self.law.spread().max(posterior::LEAST_SPREAD);
         let each = links.links.iter().zip(known);
-        let link = |link: &Link| Link { outage: self.outage, ..*link };
+        let link = |link: &HeardLink| HeardLink { outage: self.outage, ..*link };
         each.map(|(own, &other)| Site::of(&link(own), &self.hearing, self.mean(place, other), spread)).collect()
     }
 
@@ -117,7 +117,7 @@ impl Predictor {
 impl Predictor {
     /// The probability that `received` of `sent` packets arrive over a link with this margin.
     pub(crate) fn probability(&self, margin: &PredictedMargin, received: u32, sent: u32) -> f64 {
-        let link = Link { place: 0, received, sent, rssi_dbm: None, outage: self.outage };
+        let link = HeardLink { place: 0, received, sent, rssi_dbm: None, outage: self.outage };
         self.hearing.counts.losses().probability(&link, margin.mean, margin.variance.sqrt())
     }
 
@@ -130,7 +130,7 @@ impl Predictor {
         rssi_dbm: f64,
     ) -> Option<f64> {
         let receiver = self.hearing.receiver.as_ref()?;
-        let link = Link { place: 0, received, sent, rssi_dbm: Some(rssi_dbm), outage: 0.0 };
+        let link = HeardLink { place: 0, received, sent, rssi_dbm: Some(rssi_dbm), outage: 0.0 };
         let (losses, deviation) = (self.hearing.counts.losses(), margin.variance.sqrt());
         Some(receiver.density(losses, &link, margin.mean, deviation))
     }

@@ -1,6 +1,6 @@
 //! How strong a link is: what its strength tells of its margin.
 
-use super::links::Link;
+use super::links::HeardLink;
 use super::losses::Losses;
 use super::tables::{LOWEST, TABLES};
 use crate::numerics::normal::{below, density};
@@ -31,7 +31,7 @@ pub struct Receiver {
 
 impl Receiver {
     /// Logarithm of the density of the strength of `link` at margin `i` of the tables.
-    pub(super) fn log_density(&self, link: &Link, i: usize) -> f64 {
+    pub(super) fn log_density(&self, link: &HeardLink, i: usize) -> f64 {
         let tables = &*TABLES;
         let Some(rssi_dbm) = link.rssi_dbm else { return 0.0 };
         let mean = self.threshold_dbm + self.fading_db * tables.excess[i];
@@ -41,21 +41,21 @@ impl Receiver {
     }
 
     /// What a strength tells of the margin of `link` if it is so great that no packet is lost for want of power.
-    pub(super) fn strong(&self, link: &Link, rssi_dbm: f64) -> Option<Site> {
+    pub(super) fn strong(&self, link: &HeardLink, rssi_dbm: f64) -> Option<Site> {
         let margin = (rssi_dbm - self.threshold_dbm) / self.fading_db;
         let variance = self.variance_db2(link, 1.0) / (self.fading_db * self.fading_db);
         (margin > STRONG).then_some(Site { margin, variance })
     }
 
     /// Variance of the mean strength of the packets received, of which each has `share` of the variance of the fading (dB²).
-    fn variance_db2(&self, link: &Link, share: f64) -> f64 {
+    fn variance_db2(&self, link: &HeardLink, share: f64) -> f64 {
         let packets = f64::from(link.received.max(1));
         self.error_db * self.error_db + self.fading_db * self.fading_db * share / packets
     }
 
     /// Density of the mean strength of the packets of a link that was received (1/dB), given their number, if its margin is
     /// normally distributed.
-    pub(super) fn density(&self, losses: Losses, link: &Link, mean: f64, deviation: f64) -> f64 {
+    pub(super) fn density(&self, losses: Losses, link: &HeardLink, mean: f64, deviation: f64) -> f64 {
         const POINTS: u32 = 96;
         let Some(rssi_dbm) = link.rssi_dbm else { return 1.0 };
         let arrivals = losses.arrivals();

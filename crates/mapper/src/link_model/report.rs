@@ -5,8 +5,8 @@ use std::fmt::Write;
 use sextant_kernel::text::counted;
 
 use super::{LinkEvidence, LinkFit};
-use crate::learned::Unconverged;
-use crate::{CurveFinding, Finding, Line, Section, StaticShadowing, TopologyMap};
+use crate::learned::{CurveFinding, Finding, Line, Section, StaticShadowing, Unconverged};
+use crate::topology_map::TopologyMap;
 
 /// Least share of lapses or outages that is told.
 const LEAST_SHARE: f64 = 0.01;

@@ -1,7 +1,7 @@
 //! What a link says of its margin, as a normal distribution.
 
 use super::hearing::Hearing;
-use super::links::Link;
+use super::links::HeardLink;
 pub(super) use super::receiver::Site;
 use super::tables::{LOWEST, MARGINS, STEP, TABLES};
 use crate::numerics::normal::{below, density};
@@ -17,7 +17,7 @@ const LEAST_PRECISION: f64 = 1e-3;
 impl Site {
     /// The approximation round a prediction of the margin: mean and variance of likelihood times prediction, without the
     /// prediction (a step of expectation propagation; Minka 2001).
-    pub(super) fn of(link: &Link, hearing: &Hearing, predicted: f64, spread: f64) -> Self {
+    pub(super) fn of(link: &HeardLink, hearing: &Hearing, predicted: f64, spread: f64) -> Self {
         let receiver = hearing.receiver.as_ref();
         if let Some(Self { margin, variance }) =
             receiver.zip(link.rssi_dbm).and_then(|(receiver, rssi_dbm)| receiver.strong(link, rssi_dbm))
@@ -75,8 +75,8 @@ fn silence(lost: f64, outage: f64) -> f64 {
 
 /// The probability that nothing is heard of `link` if it is not dead, and its margin is normally distributed round a
 /// prediction.
-pub(super) fn silence_of_living(link: &Link, hearing: &Hearing, predicted: f64, spread: f64) -> f64 {
-    let counts = hearing.counts.log_likelihoods(&Link { received: 0, ..*link });
+pub(super) fn silence_of_living(link: &HeardLink, hearing: &Hearing, predicted: f64, spread: f64) -> f64 {
+    let counts = hearing.counts.log_likelihoods(&HeardLink { received: 0, ..*link });
     let (mut sum, mut total) = (0.0, 0.0);
     for (count, margin) in counts.iter().zip(&TABLES.margin).step_by(3) {
         let weight = density((margin - predicted) / spread);
@@ -101,8 +101,8 @@ mod tests {
         Hearing { receiver, counts: CountTables::new(losses) }
     }
 
-    fn link(received: u32, sent: u32) -> Link {
-        Link { place: 0, received, sent, rssi_dbm: None, outage: 0.0 }
+    fn link(received: u32, sent: u32) -> HeardLink {
+        HeardLink { place: 0, received, sent, rssi_dbm: None, outage: 0.0 }
     }
 
     #[test]
@@ -144,11 +144,11 @@ mod tests {
         let receiver = Receiver { threshold_dbm: -90.0, fading_db: 4.0, error_db: 0.5 };
         // At a margin of -1, 16 % of the packets arrive, at a mean of -90 + 4 * (φ(1)/Φ(-1) - 1) dBm.
         let mills = density(1.0) / below(-1.0);
-        let weak = Link { rssi_dbm: Some(-90.0 + 4.0 * (mills - 1.0)), ..link(16, 100) };
+        let weak = HeardLink { rssi_dbm: Some(-90.0 + 4.0 * (mills - 1.0)), ..link(16, 100) };
         let site = Site::of(&weak, &hearing(Losses::NONE, Some(receiver)), 0.0, 3.0);
         assert!((site.margin + 1.0).abs() < 0.1, "{site:?}");
         // Of a link that is always received, only the strength tells how strong it is.
-        let strong = Link { rssi_dbm: Some(-70.0), ..link(100, 100) };
+        let strong = HeardLink { rssi_dbm: Some(-70.0), ..link(100, 100) };
         let site = Site::of(&strong, &hearing(Losses::NONE, Some(receiver)), 0.0, 3.0);
         assert!((site.margin - 5.0).abs() < 0.1, "{site:?}");
     }
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn losses_that_power_does_not_cause_do_not_make_a_strong_link_weak() {
         let receiver = Receiver { threshold_dbm: -90.0, fading_db: 4.0, error_db: 0.5 };
-        let strong = Link { rssi_dbm: Some(-66.0), ..link(6, 10) };
+        let strong = HeardLink { rssi_dbm: Some(-66.0), ..link(6, 10) };
         let misled = Site::of(&strong, &hearing(Losses::NONE, Some(receiver)), 0.0, 3.0);
         let told = Site::of(&strong, &hearing(Losses { lapse: 0.4, scatter: 0.5 }, Some(receiver)), 0.0, 3.0);
         assert!((told.margin - 6.0).abs() < 0.2, "{told:?}");
@@ -167,7 +167,7 @@ mod tests {
     fn silence_of_a_link_that_may_be_dead_says_little() {
         let silent = link(0, 10);
         let sure = Site::of(&silent, &hearing(Losses::NONE, None), 4.0, 1.0);
-        let doubted = Site::of(&Link { outage: 0.3, ..silent }, &hearing(Losses::NONE, None), 4.0, 1.0);
+        let doubted = Site::of(&HeardLink { outage: 0.3, ..silent }, &hearing(Losses::NONE, None), 4.0, 1.0);
         assert!(doubted.variance > 20.0 * sure.variance, "{doubted:?} {sure:?}");
     }
 

@@ -10,17 +10,17 @@ pub(super) const STEP: f64 = 0.1;
 pub(super) const MARGINS: usize = 281;
 /// Functions of a margin m: the mean strength of what is received in excess of the threshold, and its variance, both in
 /// units of the fading.
-pub(super) struct Tables {
+pub(super) struct CensoredTables {
     pub(super) margin: [f64; MARGINS],
     pub(super) excess: [f64; MARGINS],
     pub(super) variance: [f64; MARGINS],
 }
 
-pub(super) static TABLES: LazyLock<Tables> = LazyLock::new(|| {
+pub(super) static TABLES: LazyLock<CensoredTables> = LazyLock::new(|| {
     let margin = std::array::from_fn(|i| LOWEST + STEP * i as f64);
     // Moments of a normal variable that is cut off from below (the inverse Mills ratio).
     let mills = margin.map(|m| density(m) / below(m).max(1e-300));
     let excess = std::array::from_fn(|i| margin[i] + mills[i]);
     let variance = std::array::from_fn(|i| (1.0 - mills[i] * (margin[i] + mills[i])).max(0.02));
-    Tables { margin, excess, variance }
+    CensoredTables { margin, excess, variance }
 });

@@ -2,9 +2,10 @@
 
 use sextant_channel::Position;
 
-use super::links::{Links, NodeLinks};
+use super::links::{NodeLinks, PlaceLinks};
 use crate::log_facts::reach::median;
-use crate::{HeightReason, PlacePrior, SoughtHeights};
+use crate::log_facts::{HeightReason, SoughtHeights};
+use crate::posterior::PlacePrior;
 
 /// Length over which the density of nodes falls outside the box of the places, as a share of its diagonal.
 const BEYOND: f64 = 0.05;
@@ -20,7 +21,7 @@ const LENGTHS: f64 = 4.0;
 
 /// The window of all nodes, and the density in it.
 #[derive(Clone, Debug)]
-pub(super) struct Window<'a> {
+pub(super) struct LinkWindow<'a> {
     /// The box of the places (m).
     low: [f64; 3],
     high: [f64; 3],
@@ -45,8 +46,13 @@ pub(super) struct Bounds {
     pub(super) high: [f64; 3],
 }
 
-impl<'a> Window<'a> {
-    pub(super) fn new(links: &Links, sought: SoughtHeights, z_is_given: bool, prior: Option<&'a PlacePrior>) -> Self {
+impl<'a> LinkWindow<'a> {
+    pub(super) fn new(
+        links: &PlaceLinks,
+        sought: SoughtHeights,
+        z_is_given: bool,
+        prior: Option<&'a PlacePrior>,
+    ) -> Self {
         let places = links.places.clone();
         let corner = |from: f64, pick: fn(f64, f64) -> f64| {
             let along = |axis: usize| places.iter().map(|&place| <[f64; 3]>::from(place)[axis]).fold(from, pick);

@@ -6,8 +6,8 @@
 
 use sextant_channel::{Position, ReceptionLog};
 
+use crate::log_facts::heights::{HeightReason, SoughtHeights};
 use crate::log_facts::reach::HeardNode;
-use crate::{HeightReason, SoughtHeights};
 
 /// A node may be this many times the reach away from a stop that heard it.
 const REACHES: f64 = 1.25;

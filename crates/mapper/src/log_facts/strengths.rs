@@ -3,7 +3,7 @@
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use crate::MapError;
+use crate::error::MapError;
 
 /// With what strength a stop received a node.
 #[derive(Clone, Copy, Debug, PartialEq)]

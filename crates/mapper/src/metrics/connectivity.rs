@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use sextant_channel::{CellIndex, Position};
 use sextant_kernel::{Interrupted, Watch};
 
-use super::ellipse::{Affine, Axes};
+use super::ellipse::{Affine, NetworkAxes};
 use super::error::MetricError;
 
 /// How a neighbourhood, which is a ball on the ground, is transferred to the map.
@@ -108,11 +108,11 @@ pub fn connectivity_error(
             pairs.iter().map(|&(_, image)| (affine.to_ground(image), [1.0; 3])).unzip()
         }
         NeighbourhoodRule::EndPoints => {
-            let axes = Axes::through(&pairs)?;
+            let axes = NetworkAxes::through(&pairs)?;
             pairs.iter().map(|&(_, image)| (axes.scaled(image), [1.0; 3])).unzip()
         }
         NeighbourhoodRule::PerNode => {
-            let axes = Axes::through(&pairs)?;
+            let axes = NetworkAxes::through(&pairs)?;
             pairs.iter().map(|&(truth, image)| (axes.scaled(image), axes.half_axes(truth, image))).unzip()
         }
     };
@@ -150,7 +150,7 @@ fn count(
         let nodes = first..truth.len().min(first + NODES_AT_A_TIME);
         Ok(nodes.map(|node| neighbourhoods.of(node)).collect::<Vec<_>>())
     });
-    let parts: Vec<Vec<Neighbours>> = parts.collect::<Result<_, Interrupted>>()?;
+    let parts: Vec<Vec<NeighbourCounts>> = parts.collect::<Result<_, Interrupted>>()?;
     let mut error = ConnectivityError {
         radius_m,
         physical: 0,
@@ -159,7 +159,7 @@ fn count(
         isolated: 0,
         per_node: Vec::with_capacity(truth.len()),
     };
-    for Neighbours { physical, kept, gained } in parts.into_iter().flatten() {
+    for NeighbourCounts { physical, kept, gained } in parts.into_iter().flatten() {
         error.physical += physical;
         error.lost += physical - kept;
         error.gained += gained;
@@ -171,7 +171,7 @@ fn count(
 
 /// Numbers of neighbours of a node.
 #[derive(Clone, Copy)]
-struct Neighbours {
+struct NeighbourCounts {
     /// On the ground.
     physical: u64,
     /// On the ground and on the map.
@@ -196,9 +196,9 @@ struct Neighbourhoods<'a> {
 
 impl Neighbourhoods<'_> {
     /// The neighbours of a node. Time in proportion to their number.
-    fn of(&self, node: usize) -> Neighbours {
+    fn of(&self, node: usize) -> NeighbourCounts {
         let place = self.truth[node];
-        let mut found = Neighbours { physical: 0, kept: 0, gained: 0 };
+        let mut found = NeighbourCounts { physical: 0, kept: 0, gained: 0 };
         self.ground.within(place, self.radius_m, |other| found.physical += u64::from(other as usize != node));
         let Some(image) = self.image_of[node] else { return found };
         let [a, b, c] = self.half_axes[image].map(|half_axis| half_axis * self.radius_m);

@@ -88,7 +88,7 @@ impl Affine {
 /// The lines through the middle of the network: east, north and, in space, up. On the map they run through the nodes
 /// nearest to their ends.
 #[derive(Debug)]
-pub(super) struct Axes {
+pub(super) struct NetworkAxes {
     dimensions: usize,
     /// Middle of the network on the ground.
     middle: Vector3<f64>,
@@ -100,7 +100,7 @@ pub(super) struct Axes {
     scaled: Matrix3<f64>,
 }
 
-impl Axes {
+impl NetworkAxes {
     /// The lines for pairs of true and mapped places.
     pub(super) fn through(pairs: &[(Position, Position)]) -> Result<Self, MetricError> {
         let dimensions = dimensions(pairs);
@@ -184,7 +184,7 @@ mod tests {
         pairs[0].1 = Position::new(-7.2, -5.4, 0.0);
         pairs[6].1 = Position::new(-0.3, -90.0, 0.0);
         pairs[11].1 = Position::new(-3.6, 8.0, 0.0);
-        let axes = Axes::through(&pairs).unwrap();
+        let axes = NetworkAxes::through(&pairs).unwrap();
         let half_axes = |node: usize| axes.half_axes(pairs[node].0, pairs[node].1);
         // (-2, -2) is 1.2 and 0.9 times as far out as the network's ratio of 3 would have it.
         let expected = [

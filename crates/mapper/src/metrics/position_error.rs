@@ -56,7 +56,7 @@ impl PositionError {
 
     /// The distances themselves, in rising order (m): the steps of their distribution function.
     #[must_use]
-    pub fn sorted_m(truth: &[Position], map: &[Option<Position>]) -> Vec<f64> {
+    pub(crate) fn sorted_m(truth: &[Position], map: &[Option<Position>]) -> Vec<f64> {
         let mapped = truth.iter().zip(map).filter_map(|(truth, image)| image.map(|image| image.distance_m(*truth)));
         let mut errors_m: Vec<f64> = mapped.collect();
         errors_m.sort_unstable_by(f64::total_cmp);

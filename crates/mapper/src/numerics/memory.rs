@@ -1,6 +1,6 @@
 //! Limits of the memory that an algorithm may allocate at once.
 
-use crate::MapError;
+use crate::error::MapError;
 
 /// Maximum memory for one table whose size is the product of two numbers, such as the hops between all pairs of nodes
 /// (bytes).

@@ -5,35 +5,36 @@ use sextant_kernel::{RobotId, SimTime};
 
 use super::search_set::BLOCK;
 use super::{HeardAnchor, OwnPlace};
-use crate::grid_ml::solver::{Curve, Edges, Wedges};
+use crate::grid_ml::solver::{Edges, ReceptionCurve, Wedges};
+use crate::lattice::Lattice;
 use crate::log_facts::heights::{Heights, SoughtHeights};
+use crate::log_facts::{SectorTolerance, SilenceRule};
 use crate::numerics::normal::Normal;
-use crate::{Lattice, SectorTolerance, SilenceRule};
 
 /// Anchors further than this many ranges from the others are left out: their places are wrong.
 const FAR: f64 = 100.0;
 
 /// The evidence on the place of one node.
 #[derive(Debug)]
-pub(super) struct Evidence<'a> {
+pub(super) struct AnchorEvidence<'a> {
     pub(super) lattice: Lattice,
     pub(super) heights: Heights,
-    pub(super) curve: &'a Curve,
-    pub(super) clamped: &'a Curve,
+    pub(super) curve: &'a ReceptionCurve,
+    pub(super) clamped: &'a ReceptionCurve,
     pub(super) normal: &'a Normal,
     /// The sectors of all anchors.
     pub(super) wedges: Wedges,
     /// The same with edges that hold all places within half the diagonal of a block.
     pub(super) wide: Wedges,
-    pub(super) heard: Vec<Known>,
-    pub(super) silent: Vec<Known>,
+    pub(super) heard: Vec<KnownAnchor>,
+    pub(super) silent: Vec<KnownAnchor>,
     /// Anchors that are left out as their places are far from all others: so many conditions are broken anywhere.
     pub(super) astray: usize,
 }
 
 /// One anchor.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
+pub(super) struct KnownAnchor {
     pub(super) place: Position,
     pub(super) packets: i32,
     pub(super) sector: Option<Sector>,
@@ -51,14 +52,14 @@ pub(super) struct Sector {
     pub(super) azimuth_sigma_rad: f64,
 }
 
-impl<'a> Evidence<'a> {
+impl<'a> AnchorEvidence<'a> {
     /// `None` if no anchor was heard.
     pub(super) fn new(settings: &'a OwnPlace, heard: &[HeardAnchor], silent: &[HeardAnchor]) -> Option<Self> {
         let range_m = settings.curve.range_m;
         let mut sectors = Vec::new();
-        let mut known = |anchors: &[HeardAnchor]| -> Vec<Known> {
+        let mut known = |anchors: &[HeardAnchor]| -> Vec<KnownAnchor> {
             let usable = anchors.iter().filter(|anchor| anchor.packets > 0 && anchor.place.is_within_reason());
-            usable.map(|anchor| Known::new(anchor, settings.tolerance, &mut sectors)).collect()
+            usable.map(|anchor| KnownAnchor::new(anchor, settings.tolerance, &mut sectors)).collect()
         };
         let (mut heard, mut silent) = (known(heard), known(silent));
         let all = heard.len();
@@ -99,7 +100,7 @@ impl<'a> Evidence<'a> {
     pub(super) fn surely_broken(&self, middle: Position) -> usize {
         let apart_m = half_diagonal_m(&self.lattice);
         let reach = (self.curve.range_m + apart_m).powi(2);
-        let broken = |anchor: &Known| {
+        let broken = |anchor: &KnownAnchor| {
             let apart = middle - anchor.place;
             let is_outside = anchor.sector.is_some_and(|sector| !self.wide.admits(sector.index, apart.into()));
             usize::from(apart.dot(apart) > reach) + usize::from(is_outside)
@@ -107,19 +108,19 @@ impl<'a> Evidence<'a> {
         self.heard.iter().map(broken).sum()
     }
 
-    fn broken(&self, anchor: &Known, place: Position) -> usize {
+    fn broken(&self, anchor: &KnownAnchor, place: Position) -> usize {
         let is_beyond = anchor.place.distance_m(place) >= self.curve.range_m;
         usize::from(is_beyond) + usize::from(!self.is_in_sector(anchor, place))
     }
 
     /// Whether a place is in the sector in which an anchor was heard, if it has one.
-    pub(super) fn is_in_sector(&self, anchor: &Known, place: Position) -> bool {
+    pub(super) fn is_in_sector(&self, anchor: &KnownAnchor, place: Position) -> bool {
         anchor.sector.is_none_or(|sector| self.wedges.admits(sector.index, (place - anchor.place).into()))
     }
 
     /// Probability that the packets of the silent anchors are missed at a place.
-    pub(super) fn missed(&self, curve: &Curve, place: Position) -> Product {
-        let mut product = Product::default();
+    pub(super) fn missed(&self, curve: &ReceptionCurve, place: Position) -> LogProduct {
+        let mut product = LogProduct::default();
         for anchor in self.silent.iter().filter(|anchor| self.is_in_sector(anchor, place)) {
             let apart = place - anchor.place;
             product.multiply(1.0 - curve.at(apart.dot(apart)), anchor.packets);
@@ -128,7 +129,7 @@ impl<'a> Evidence<'a> {
     }
 }
 
-impl Known {
+impl KnownAnchor {
     fn new(anchor: &HeardAnchor, tolerance: SectorTolerance, sectors: &mut Vec<Wedge>) -> Self {
         let sector = anchor.sector.filter(|_| tolerance != SectorTolerance::Unlimited).map(|sector| {
             sectors.push(sector.wedge);
@@ -156,18 +157,18 @@ fn half_diagonal_m(lattice: &Lattice) -> f64 {
 
 /// A product of many probabilities as a logarithm.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Product {
+pub(super) struct LogProduct {
     sum: f64,
     product: f64,
 }
 
-impl Default for Product {
+impl Default for LogProduct {
     fn default() -> Self {
         Self { sum: 0.0, product: 1.0 }
     }
 }
 
-impl Product {
+impl LogProduct {
     /// Multiplies by `probability` to the power of `packets`.
     #[inline]
     pub(super) fn multiply(&mut self, probability: f64, packets: i32) {
@@ -203,8 +204,8 @@ impl Product {
 }
 
 /// The place of the anchor that has the most others within `near_m`, the first of several.
-fn most_surrounded(anchors: &[Known], near_m: f64) -> Option<Position> {
-    let within = |a: &Known| anchors.iter().filter(|b| a.place.distance_m(b.place) <= near_m).count();
+fn most_surrounded(anchors: &[KnownAnchor], near_m: f64) -> Option<Position> {
+    let within = |a: &KnownAnchor| anchors.iter().filter(|b| a.place.distance_m(b.place) <= near_m).count();
     let mut best: Option<(usize, Position)> = None;
     for anchor in anchors {
         let count = within(anchor);

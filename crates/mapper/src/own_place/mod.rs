@@ -17,11 +17,13 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Wedge};
 use sextant_kernel::SettingError;
 
-use crate::grid_ml::solver::Curve;
+use crate::grid_ml::solver::ReceptionCurve;
+use crate::log_facts::SectorTolerance;
 use crate::log_facts::heights::check_z_range;
 use crate::numerics::normal::Normal;
-use crate::{Estimate, EstimateKind, ProfileConfig, ReceptionProfile, SectorTolerance};
-use evidence::Evidence;
+use crate::posterior::{Estimate, EstimateKind};
+use crate::profile::{ProfileConfig, ReceptionProfile};
+use evidence::AnchorEvidence;
 pub use orientation::{Bearing, DirectionRule, OrientationMethod, RingOrientation, UnorientedRing};
 pub use sector_bearing::{BearingTable, SectorBearing};
 
@@ -161,9 +163,9 @@ pub struct OwnEstimate {
 #[derive(Clone, Debug)]
 pub struct OwnPlace {
     grid_step_m: f64,
-    curve: Curve,
+    curve: ReceptionCurve,
     /// The curve with a floor and a ceiling, where conditions are broken.
-    clamped: Curve,
+    clamped: ReceptionCurve,
     z_range_m: Option<[f64; 2]>,
     estimate: EstimateKind,
     tolerance: SectorTolerance,
@@ -182,7 +184,7 @@ impl OwnPlace {
             AnchorSilence::Ignored => &[],
             AnchorSilence::Missed => silent,
         };
-        let evidence = Evidence::new(self, heard, silent)?;
+        let evidence = AnchorEvidence::new(self, heard, silent)?;
         match self.model {
             PlaceModel::Wedge => wedged::estimate(&evidence, self.estimate),
             PlaceModel::Soft => soft::estimate(&evidence, self.estimate),
@@ -210,7 +212,7 @@ impl TryFrom<OwnPlaceConfig> for OwnPlace {
             return Err(SettingError::new("grid_step_m", grid_step_m, allowed));
         }
         check_z_range(z_range_m)?;
-        let curve = Curve::new(&profile);
+        let curve = ReceptionCurve::new(&profile);
         let clamped = curve.clamped();
         let normal = Normal::new();
         Ok(Self { grid_step_m, curve, clamped, z_range_m, estimate, tolerance, model, silence, normal })

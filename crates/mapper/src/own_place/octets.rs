@@ -1,6 +1,6 @@
 //! The memory of a node that computes its place in place.
 
-use super::evidence::{Evidence, Known};
+use super::evidence::{AnchorEvidence, KnownAnchor};
 
 /// A number in single precision, or an index of a vertex (octets).
 const NUMBER: usize = 4;
@@ -9,8 +9,8 @@ const PACKETS: usize = 2;
 
 /// Octets of the evidence: places, packets, sectors (begin, width, two elevations, deviation) and covariances (six
 /// different values).
-pub(super) fn of_evidence(evidence: &Evidence<'_>) -> usize {
-    let one = |anchor: &Known| {
+pub(super) fn of_evidence(evidence: &AnchorEvidence<'_>) -> usize {
+    let one = |anchor: &KnownAnchor| {
         3 * NUMBER + PACKETS + anchor.sector.map_or(0, |_| 5 * NUMBER) + anchor.covariance.map_or(0, |_| 6 * NUMBER)
     };
     evidence.heard.iter().chain(&evidence.silent).map(one).sum()

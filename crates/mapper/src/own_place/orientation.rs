@@ -130,7 +130,7 @@ impl RingOrientation {
 
     /// Azimuth of the middle of a sector (rad), in (−π, π]; `sectors` is the number in a ring.
     #[must_use]
-    pub fn sector_azimuth_rad(&self, sector: u8, sectors: u8) -> f64 {
+    pub(crate) fn sector_azimuth_rad(&self, sector: u8, sectors: u8) -> f64 {
         wrapped(self.azimuth_rad + TAU * f64::from(sector % sectors.max(1)) / f64::from(sectors.max(1)))
     }
 
@@ -157,14 +157,14 @@ impl UnorientedRing<'_> {
     /// interval, and by [`DirectionRule::CircularMean`], it is the mean of the neighbours' elevations (thesis, chapter 5).
     #[must_use]
     pub fn orientation(&self, rule: DirectionRule) -> Option<RingOrientation> {
-        let lines: Vec<Line> = self.bearings.iter().filter_map(|bearing| self.line(bearing)).collect();
+        let lines: Vec<BearingLine> = self.bearings.iter().filter_map(|bearing| self.line(bearing)).collect();
         if lines.is_empty() {
             return None;
         }
         let count = lines.len() as f64;
         let mean_rad = lines.iter().map(|line| line.elevation).sum::<f64>() / count;
         let squares: f64 = lines.iter().map(|line| (line.elevation - mean_rad).powi(2)).sum();
-        let agreed = |arc: fn(&Line) -> Arc| {
+        let agreed = |arc: fn(&BearingLine) -> Arc| {
             let arcs: Vec<Arc> = lines.iter().map(arc).collect();
             if rule == DirectionRule::Intervals { most_agreed(&arcs) } else { None }
         };
@@ -193,7 +193,7 @@ impl UnorientedRing<'_> {
         TAU / f64::from(self.sectors.max(1))
     }
 
-    fn line(&self, bearing: &Bearing) -> Option<Line> {
+    fn line(&self, bearing: &Bearing) -> Option<BearingLine> {
         let apart = bearing.place - self.place;
         let across_m = libm::hypot(apart.x_m, apart.y_m);
         if !apart.is_finite() || across_m <= NO_DIRECTION_M {
@@ -220,7 +220,7 @@ impl UnorientedRing<'_> {
             }
             None => Arc { middle: wrapped(azimuth - sector * self.width()), half: half(self.width(), sigma) },
         };
-        Some(Line {
+        Some(BearingLine {
             azimuth,
             azimuth_sigma_rad: told.map(|(_, sigma)| sigma),
             elevation,
@@ -230,7 +230,7 @@ impl UnorientedRing<'_> {
 
     /// The circular mean of the azimuths and its standard deviation: the circular standard deviation `√(−2 ln R)` of one
     /// (Mardia and Jupp 2000, section 2.3.4), at least that of a uniform law over a sector, over the root of their number.
-    fn circular_mean(&self, lines: &[Line]) -> (f64, f64, OrientationMethod) {
+    fn circular_mean(&self, lines: &[BearingLine]) -> (f64, f64, OrientationMethod) {
         let [x, y] = lines
             .iter()
             .map(|line| line.azimuth.middle)
@@ -247,7 +247,7 @@ impl UnorientedRing<'_> {
 /// The mean of the azimuths that strengths tell, of those bearings that agree with most: weighed by their variances. If they are
 /// farther apart than these say, its standard deviation is larger in the same proportion. `None` if strengths tell less than half of the
 /// bearings that agree.
-fn weighed_mean(lines: &[Line], agreed: Agreed) -> Option<(f64, f64, OrientationMethod)> {
+fn weighed_mean(lines: &[BearingLine], agreed: Agreed) -> Option<(f64, f64, OrientationMethod)> {
     let told = || {
         lines.iter().filter_map(|line| {
             let off = wrapped(line.azimuth.middle - agreed.middle);
@@ -268,7 +268,7 @@ fn weighed_mean(lines: &[Line], agreed: Agreed) -> Option<(f64, f64, Orientation
 }
 
 /// What one bearing says.
-struct Line {
+struct BearingLine {
     /// Azimuths of the middle of sector 0.
     azimuth: Arc,
     /// Standard deviation of its middle (rad), if strengths tell it.

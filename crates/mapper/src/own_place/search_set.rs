@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use sextant_channel::Position;
 
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// A box of vertices: their indices along each axis.
-pub(super) type Cells = [Range<usize>; 3];
+pub(super) type VertexBox = [Range<usize>; 3];
 
 /// Vertices along each side of a block.
 pub(super) const BLOCK: usize = 4;
@@ -15,7 +15,7 @@ pub(super) const BLOCK: usize = 4;
 /// Boxes of vertices, which may overlap. Each vertex counts once.
 #[derive(Debug)]
 pub(super) struct SearchSet {
-    boxes: Vec<Cells>,
+    boxes: Vec<VertexBox>,
 }
 
 impl SearchSet {
@@ -38,7 +38,7 @@ impl SearchSet {
             let place: [f64; 3] = place.into();
             [0, 1, 2].map(|axis| lattice.span(axis, place[axis] - reach_m, place[axis] + reach_m).0)
         };
-        let boxes: Vec<Cells> = balls.map(cells).filter(|cells| size(cells) > 0).collect();
+        let boxes: Vec<VertexBox> = balls.map(cells).filter(|cells| size(cells) > 0).collect();
         let hull = [0, 1, 2].map(|axis| {
             let start = boxes.iter().map(|cells| cells[axis].start).min().unwrap_or(0);
             start..boxes.iter().map(|cells| cells[axis].end).max().unwrap_or(0)
@@ -48,18 +48,19 @@ impl SearchSet {
     }
 
     /// Its only box, if it is one.
-    pub(super) fn cells(&self) -> Option<&Cells> {
+    pub(super) fn cells(&self) -> Option<&VertexBox> {
         if let [cells] = &self.boxes[..] { Some(cells) } else { None }
     }
 
     /// Number of vertices at every `stride`-th index of each axis; vertices of several boxes count several times.
     pub(super) fn len(&self, stride: usize) -> u64 {
-        let count = |cells: &Cells| cells.iter().map(|range| strided(range, stride).len() as u64).product::<u64>();
+        let count =
+            |cells: &VertexBox| cells.iter().map(|range| strided(range, stride).len() as u64).product::<u64>();
         self.boxes.iter().map(count).sum()
     }
 
     /// The blocks of the boxes, each with the number of its box.
-    pub(super) fn blocks(&self) -> impl Iterator<Item = (usize, Cells)> {
+    pub(super) fn blocks(&self) -> impl Iterator<Item = (usize, VertexBox)> {
         self.boxes.iter().enumerate().flat_map(|(number, cells)| {
             let along = |axis: usize| {
                 let end = cells[axis].end;
@@ -78,12 +79,13 @@ impl SearchSet {
     }
 
     /// The same for a part of the box `number`.
-    pub(super) fn each_of(&self, number: usize, cells: &Cells, stride: usize, mut visit: impl FnMut([usize; 3])) {
+    pub(super) fn each_of(&self, number: usize, cells: &VertexBox, stride: usize, mut visit: impl FnMut([usize; 3])) {
         for k in strided(&cells[2], stride) {
             for j in strided(&cells[1], stride) {
                 for i in strided(&cells[0], stride) {
                     let vertex = [i, j, k];
-                    let holds = |cells: &Cells| cells.iter().zip(vertex).all(|(range, index)| range.contains(&index));
+                    let holds =
+                        |cells: &VertexBox| cells.iter().zip(vertex).all(|(range, index)| range.contains(&index));
                     if !self.boxes[..number].iter().any(holds) {
                         visit(vertex);
                     }
@@ -93,7 +95,7 @@ impl SearchSet {
     }
 }
 
-fn size(cells: &Cells) -> u64 {
+fn size(cells: &VertexBox) -> u64 {
     cells.iter().map(|range| range.len() as u64).product()
 }
 

@@ -6,14 +6,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use sextant_channel::Position;
 
 use super::OwnEstimate;
-use super::evidence::{Evidence, Known, Product, Sector};
+use super::evidence::{AnchorEvidence, KnownAnchor, LogProduct, Sector};
 use super::octets;
 use super::search_set::SearchSet;
 use crate::grid_ml::directions::{CONTRADICTED, wrapped};
 use crate::grid_ml::findings::Findings;
 use crate::grid_ml::solver::{Moments, Peak};
-use crate::posterior::{covariance, local_posterior};
-use crate::{Estimate, EstimateKind, TieRule};
+use crate::posterior::{Estimate, EstimateKind, TieRule, covariance, local_posterior};
 
 /// Number of vertices of the coarse grid.
 const COARSE: u64 = 600;
@@ -27,12 +26,12 @@ const UNKNOWN_AZIMUTH_RAD: f64 = 2.506_628_274_631_000_5;
 const UNKNOWN_ELEVATION_RAD: f64 = 0.5 * UNKNOWN_AZIMUTH_RAD;
 
 /// The estimate; `None` if no vertex is within the range of an anchor.
-pub(super) fn estimate(evidence: &Evidence<'_>, kind: EstimateKind) -> Option<OwnEstimate> {
+pub(super) fn estimate(evidence: &AnchorEvidence<'_>, kind: EstimateKind) -> Option<OwnEstimate> {
     let lattice = &evidence.lattice;
     let balls =
         || evidence.heard.iter().map(|anchor| (anchor.place, evidence.curve.range_m + DEVIATIONS * anchor.sigma_m));
     let set = SearchSet::intersection(lattice, balls()).unwrap_or_else(|| SearchSet::union(lattice, balls()));
-    let search = Search { evidence, highest: Cell::new(f64::NEG_INFINITY), vertices: Cell::new(0) };
+    let search = SoftSearch { evidence, highest: Cell::new(f64::NEG_INFINITY), vertices: Cell::new(0) };
     let mut coarse = Findings::new(EstimateKind::PosteriorMean, lattice);
     let stride = stride(evidence, &set);
     set.each(stride, |vertex| {
@@ -63,7 +62,7 @@ pub(super) fn estimate(evidence: &Evidence<'_>, kind: EstimateKind) -> Option<Ow
 }
 
 /// The distance of the coarse grid's vertices, in steps of the lattice.
-fn stride(evidence: &Evidence<'_>, set: &SearchSet) -> usize {
+fn stride(evidence: &AnchorEvidence<'_>, set: &SearchSet) -> usize {
     let widest = (COARSEST * evidence.curve.range_m / evidence.lattice.step_m()).floor();
     let mut stride = 1;
     while set.len(stride) > COARSE && ((stride + 1) as f64) <= widest {
@@ -72,18 +71,18 @@ fn stride(evidence: &Evidence<'_>, set: &SearchSet) -> usize {
     stride
 }
 
-struct Search<'e> {
-    evidence: &'e Evidence<'e>,
+struct SoftSearch<'e> {
+    evidence: &'e AnchorEvidence<'e>,
     /// The highest log-likelihood so far.
     highest: Cell<f64>,
     vertices: Cell<u64>,
 }
 
-impl Search<'_> {
+impl SoftSearch<'_> {
     /// The posterior mean with its covariance, and the octets that a node needs for it: on a grid that follows the
     /// posterior from the mean of the coarse one.
     fn mean(&self, coarse: &Findings, stride: usize) -> Option<(Estimate, usize)> {
-        let Evidence { lattice, heights, .. } = self.evidence;
+        let AnchorEvidence { lattice, heights, .. } = self.evidence;
         let moments = coarse.moments.as_ref().filter(|_| coarse.peak.highest() > f64::NEG_INFINITY)?;
         let spread = moments.covariance();
         let least_m = 0.5 * lattice.step_m();
@@ -120,11 +119,11 @@ impl Search<'_> {
 
     /// The log-likelihood of a place; `None` if it is certainly below `least`.
     fn value(&self, place: Position, least: f64) -> Option<f64> {
-        let Evidence { clamped, heard, .. } = self.evidence;
+        let AnchorEvidence { clamped, heard, .. } = self.evidence;
         let exp_least = libm::exp(least);
-        let mut product = Product::default();
+        let mut product = LogProduct::default();
         for anchor in heard {
-            let line = Line::new(anchor, place);
+            let line = AnchorLine::new(anchor, place);
             product.multiply(self.reception(&line, anchor), anchor.packets);
             if let Some(sector) = &anchor.sector {
                 product.multiply(self.direction(&line, anchor, sector), 1);
@@ -138,7 +137,7 @@ impl Search<'_> {
     }
 
     /// S(d), averaged over the place of the anchor along the line: Gauss–Hermite quadrature with three points.
-    fn reception(&self, line: &Line, anchor: &Known) -> f64 {
+    fn reception(&self, line: &AnchorLine, anchor: &KnownAnchor) -> f64 {
         let curve = self.evidence.clamped;
         let Some(covariance) = &anchor.covariance else {
             return curve.at(line.distance_m * line.distance_m);
@@ -149,7 +148,7 @@ impl Search<'_> {
     }
 
     /// Probability that a node in the direction of the line names the sector.
-    fn direction(&self, line: &Line, anchor: &Known, sector: &Sector) -> f64 {
+    fn direction(&self, line: &AnchorLine, anchor: &KnownAnchor, sector: &Sector) -> f64 {
         // A vertex stands for its cell.
         let cell = self.evidence.lattice.step_m() * self.evidence.lattice.step_m() / 12.0;
         let variance_across = |direction| {
@@ -185,7 +184,7 @@ impl Search<'_> {
 }
 
 /// The line from an anchor to a place, with unit vectors along it, to its left and upwards across it.
-struct Line {
+struct AnchorLine {
     apart: Position,
     distance_m: f64,
     /// Square of the horizontal distance (m²).
@@ -195,8 +194,8 @@ struct Line {
     up: [f64; 3],
 }
 
-impl Line {
-    fn new(anchor: &Known, place: Position) -> Self {
+impl AnchorLine {
+    fn new(anchor: &KnownAnchor, place: Position) -> Self {
         // So short a line has any direction.
         const SHORT_M: f64 = 1e-9;
         let apart = place - anchor.place;

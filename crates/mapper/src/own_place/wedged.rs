@@ -5,19 +5,19 @@ use std::ops::Range;
 use sextant_channel::Position;
 
 use super::OwnEstimate;
-use super::evidence::{Evidence, Product};
+use super::evidence::{AnchorEvidence, LogProduct};
 use super::octets;
 use super::search_set::SearchSet;
 use crate::grid_ml::findings::Findings;
 use crate::grid_ml::solver::{Moments, Peak};
-use crate::{EstimateKind, TieRule};
+use crate::posterior::{EstimateKind, TieRule};
 
 /// Vertices at every so many indices give a first bound of the fewest broken conditions.
 const STRIDE: usize = 4;
 
 /// The estimate; `None` if no vertex is within the range of an anchor.
-pub(super) fn estimate(evidence: &Evidence<'_>, kind: EstimateKind) -> Option<OwnEstimate> {
-    let mut search = Search { evidence, kind, findings: Findings::new(kind, &evidence.lattice), vertices: 0 };
+pub(super) fn estimate(evidence: &AnchorEvidence<'_>, kind: EstimateKind) -> Option<OwnEstimate> {
+    let mut search = WedgedSearch { evidence, kind, findings: Findings::new(kind, &evidence.lattice), vertices: 0 };
     let broken = if search.feasible() { 0 } else { search.relaxed() };
     let violations = broken + evidence.astray;
     let estimate = search.findings.estimate(&evidence.lattice, TieRule::Mean, violations > 0)?;
@@ -29,17 +29,17 @@ pub(super) fn estimate(evidence: &Evidence<'_>, kind: EstimateKind) -> Option<Ow
     Some(OwnEstimate { estimate, violations, vertices: search.vertices, peak_octets })
 }
 
-struct Search<'e> {
-    evidence: &'e Evidence<'e>,
+struct WedgedSearch<'e> {
+    evidence: &'e AnchorEvidence<'e>,
     kind: EstimateKind,
     findings: Findings,
     vertices: u64,
 }
 
-impl Search<'_> {
+impl WedgedSearch<'_> {
     /// Takes the vertices that break no condition, as far as their likelihood is above zero; returns whether there are any.
     fn feasible(&mut self) -> bool {
-        let Evidence { lattice, curve, heard, .. } = self.evidence;
+        let AnchorEvidence { lattice, curve, heard, .. } = self.evidence;
         let balls = heard.iter().map(|anchor| (anchor.place, curve.range_m));
         let Some(set) = SearchSet::intersection(lattice, balls) else {
             return false;
@@ -63,7 +63,7 @@ impl Search<'_> {
 
     /// The vertices of a row that may break no condition.
     fn span(&self, y: f64, z: f64) -> Range<usize> {
-        let Evidence { lattice, curve, heard, wedges, .. } = self.evidence;
+        let AnchorEvidence { lattice, curve, heard, wedges, .. } = self.evidence;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for anchor in heard {
             let (dy, dz) = (y - anchor.place.y_m, z - anchor.place.z_m);
@@ -96,8 +96,8 @@ impl Search<'_> {
     /// The log-likelihood of a place that breaks no condition; `None` if it breaks one or makes no difference.
     fn unbroken(&mut self, place: Position) -> Option<f64> {
         self.vertices += 1;
-        let Evidence { curve, heard, .. } = self.evidence;
-        let mut product = Product::default();
+        let AnchorEvidence { curve, heard, .. } = self.evidence;
+        let mut product = LogProduct::default();
         for anchor in heard {
             let apart = place - anchor.place;
             let square = apart.dot(apart);
@@ -116,7 +116,7 @@ impl Search<'_> {
 
     /// Takes the vertices that break the fewest conditions; returns how many these are.
     fn relaxed(&mut self) -> usize {
-        let Evidence { lattice, curve, heard, .. } = self.evidence;
+        let AnchorEvidence { lattice, curve, heard, .. } = self.evidence;
         let set = SearchSet::union(lattice, heard.iter().map(|anchor| (anchor.place, curve.range_m)));
         let mut fewest = usize::MAX;
         set.each(STRIDE, |vertex| {
@@ -155,10 +155,10 @@ impl Search<'_> {
 
     /// The number of conditions that a place breaks, and the product over those that hold; `None` if they are more than
     /// `most`, or the place is beyond the range of all anchors.
-    fn broken(&mut self, place: Position, most: usize) -> Option<(usize, Product)> {
+    fn broken(&mut self, place: Position, most: usize) -> Option<(usize, LogProduct)> {
         self.vertices += 1;
-        let Evidence { clamped, heard, .. } = self.evidence;
-        let (mut broken, mut product) = (0, Product::default());
+        let AnchorEvidence { clamped, heard, .. } = self.evidence;
+        let (mut broken, mut product) = (0, LogProduct::default());
         let mut is_in_range = false;
         for anchor in heard {
             let apart = place - anchor.place;

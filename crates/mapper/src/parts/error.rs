@@ -4,7 +4,7 @@ use std::error::Error;
 
 use sextant_kernel::Interrupted;
 
-use crate::MapError;
+use crate::error::MapError;
 
 /// Why a log cannot be mapped part by part.
 #[derive(Debug, thiserror::Error)]

@@ -7,8 +7,12 @@ use sextant_kernel::{NodeId, Unreported, Watch, Work};
 
 use super::survey_parts::SurveyParts;
 use super::{LogParts, PartsError};
-use crate::survey_frame::in_survey;
-use crate::{Axes, CoordinateFrame, EstimatorFindings, Knowledge, MapError, SoughtHeights, TopologyMap};
+use crate::error::MapError;
+use crate::knowledge::Knowledge;
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
+use crate::survey_frame::{Axes, in_survey};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// An estimator that can map a log part by part.
 pub trait PartEstimator {

@@ -6,7 +6,8 @@ use sextant_channel::{Reception, ReceptionLog, ReceptionLogBuilder, SectorReport
 use sextant_kernel::{NodeId, Watch};
 
 use super::PartsError;
-use crate::{MapError, TopologyMap};
+use crate::error::MapError;
+use crate::topology_map::TopologyMap;
 
 /// A log that is read part by part, as often as needed. Each node that was heard belongs to one part.
 pub trait LogParts: fmt::Debug {

@@ -4,8 +4,10 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch};
 
 use super::{LogParts, PartsError, each_part};
+use crate::learned::EstimatorFindings;
+use crate::posterior::PlacePrior;
 use crate::survey_frame::{HeardStops, Survey};
-use crate::{EstimatorFindings, PlacePrior, TopologyMap};
+use crate::topology_map::TopologyMap;
 
 /// A log in parts in the frame of its survey: the same parts, without nodes that were never heard.
 #[derive(Debug)]

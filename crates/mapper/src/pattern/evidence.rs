@@ -3,7 +3,7 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::NodeId;
 
-use super::gain_map::{Cell, GainMap, Names};
+use super::gain_map::{GainCell, GainMap, Names};
 use super::law::PatternLaw;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::decades::Decades;
@@ -14,7 +14,7 @@ const NEAREST_M: f64 = 0.1;
 
 /// What a node said of the sectors that it heard.
 #[derive(Clone, Debug)]
-pub(super) enum Heard {
+pub(super) enum SectorsHeard {
     Nothing,
     /// It named the best one, by the order of identities.
     Named(usize),
@@ -45,20 +45,20 @@ pub(crate) fn of_report(report: &[(usize, f64)], gain: impl Fn(usize) -> f64, no
 
 /// A stop that is evidence on a node.
 #[derive(Clone, Debug)]
-pub(super) struct Listener {
+pub(super) struct ListeningStop {
     pub(super) pose: Pose,
     pub(super) received: i32,
     pub(super) missed: i32,
-    pub(super) heard: Heard,
+    pub(super) heard: SectorsHeard,
 }
 
 /// The stops that are evidence on a node.
 #[derive(Clone, Debug)]
-pub(super) struct Evidence {
-    pub(super) listeners: Vec<Listener>,
+pub(super) struct PatternEvidence {
+    pub(super) listeners: Vec<ListeningStop>,
 }
 
-impl Evidence {
+impl PatternEvidence {
     /// That on `node`, for places in a box: the stops that heard it, and those within `reach_m` of the box. `columns` are
     /// the sectors by identity.
     pub(super) fn of(
@@ -76,8 +76,9 @@ impl Evidence {
             let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
             let near = within.nearest(stop.position).distance_m(stop.position) <= reach_m;
             if sent > 0 && (received > 0 || near) {
-                let heard = if received > 0 { heard(log, node, entry.as_ref(), columns) } else { Heard::Nothing };
-                listeners.push(Listener {
+                let heard =
+                    if received > 0 { heard(log, node, entry.as_ref(), columns) } else { SectorsHeard::Nothing };
+                listeners.push(ListeningStop {
                     pose: Pose::of(stop),
                     received: count(received),
                     missed: count(sent - received),
@@ -90,39 +91,39 @@ impl Evidence {
 }
 
 /// What the node of a reception said of sectors.
-fn heard(log: &ReceptionLog, node: NodeId, entry: Option<&Reception>, columns: &[Option<usize>]) -> Heard {
-    let Some(entry) = entry else { return Heard::Nothing };
+fn heard(log: &ReceptionLog, node: NodeId, entry: Option<&Reception>, columns: &[Option<usize>]) -> SectorsHeard {
+    let Some(entry) = entry else { return SectorsHeard::Nothing };
     let column = |id: u8| columns[usize::from(id)];
     let reported = log.sector_snrs(node, entry.stop).iter();
     let reported: Vec<(usize, f64)> =
         reported.filter_map(|report| Some((column(report.sector)?, f64::from(report.snr_db)))).collect();
     if reported.len() >= LEAST_REPORTED {
-        return Heard::Reported(reported);
+        return SectorsHeard::Reported(reported);
     }
-    entry.sector.and_then(column).map_or(Heard::Nothing, Heard::Named)
+    entry.sector.and_then(column).map_or(SectorsHeard::Nothing, SectorsHeard::Named)
 }
 
 /// Functions in tables.
 #[derive(Clone, Debug)]
-pub(super) struct Tables {
+pub(super) struct PatternTables {
     pub(super) normal: Normal,
     pub(super) decades: Decades,
 }
 
-impl Tables {
+impl PatternTables {
     pub(super) fn new() -> Self {
         Self { normal: Normal::new(), decades: Decades::new() }
     }
 }
 
 /// A law, ready to be asked for likelihoods.
-pub(super) struct Likelihood<'a> {
+pub(super) struct PatternLikelihood<'a> {
     pub(super) law: &'a PatternLaw,
     pub(super) map: &'a GainMap,
     pub(super) names: &'a Names,
     /// How much rougher it is than the law says (dB).
     blur_db: f64,
-    tables: &'a Tables,
+    tables: &'a PatternTables,
     turn: Turn,
 }
 
@@ -162,7 +163,7 @@ impl Pose {
 /// How a place is seen from a stop.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
-    pub(super) cell: Cell,
+    pub(super) cell: GainCell,
     /// Square of the distance (m²).
     pub(super) square: f64,
 }
@@ -179,17 +180,17 @@ impl Sight {
         } else {
             [1.0, 0.0, 0.0]
         };
-        Self { cell: Cell::of(direction), square: square.max(NEAREST_M * NEAREST_M) }
+        Self { cell: GainCell::of(direction), square: square.max(NEAREST_M * NEAREST_M) }
     }
 }
 
-impl<'a> Likelihood<'a> {
+impl<'a> PatternLikelihood<'a> {
     /// The likelihood with strengths that have an error of `blur_db` more. `names` are those of the same.
     pub(super) fn new(
         law: &'a PatternLaw,
         map: &'a GainMap,
         (names, blur_db): (&'a Names, f64),
-        tables: &'a Tables,
+        tables: &'a PatternTables,
     ) -> Self {
         let turn = Turn::by(law.yaw_rad);
         Self { law, map, names, blur_db, tables, turn }
@@ -201,7 +202,7 @@ impl<'a> Likelihood<'a> {
     }
 
     /// The log-likelihood of a report, which tells no more than some of its sectors.
-    fn of_report(&self, report: &[(usize, f64)], cell: Cell) -> f64 {
+    fn of_report(&self, report: &[(usize, f64)], cell: GainCell) -> f64 {
         let gain = |sector| self.map.gain_dbi(cell, sector) + self.law.ripple_db[sector];
         let told = of_report(report, gain, libm::hypot(self.law.noise_db, self.blur_db));
         let most = if self.is_sharp() { TOLD } else { TOLD_BLURRED };
@@ -215,7 +216,7 @@ impl<'a> Likelihood<'a> {
     }
 
     /// The log-likelihood of a place.
-    pub(super) fn at(&self, evidence: &Evidence, place: Position) -> f64 {
+    pub(super) fn at(&self, evidence: &PatternEvidence, place: Position) -> f64 {
         let (mut sum, mut product) = (0.0, 1.0_f64);
         for listener in &evidence.listeners {
             let sight = self.sight(place, &listener.pose);
@@ -231,9 +232,9 @@ impl<'a> Likelihood<'a> {
                 product = 1.0;
             }
             sum += match &listener.heard {
-                Heard::Nothing => 0.0,
-                Heard::Named(sector) => self.names.ln_probability(sight.cell, *sector),
-                Heard::Reported(report) => self.of_report(report, sight.cell),
+                SectorsHeard::Nothing => 0.0,
+                SectorsHeard::Named(sector) => self.names.ln_probability(sight.cell, *sector),
+                SectorsHeard::Reported(report) => self.of_report(report, sight.cell),
             };
         }
         sum + libm::log(product)

@@ -7,14 +7,14 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
-use super::evidence::{Evidence, Heard, Likelihood, Tables};
+use super::evidence::{PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
 use super::gain_map::{CELL_RAD, GainMap, Names};
-use super::hearing::{self, Trial};
+use super::hearing::{self, PacketTrial};
 use super::law::PatternLaw;
 use super::naming::{self, Naming, TURN_RAD};
-use super::places::{self, Places};
-use super::scene::Scene;
-use crate::MapError;
+use super::places::{self, CellPosterior};
+use super::scene::AntennaScene;
+use crate::error::MapError;
 use crate::log_facts::search_box::SearchBox;
 
 /// By how much gains change over an angle (dB per rad): a decibel in a degree and a half.
@@ -45,9 +45,9 @@ const TURNED: f64 = 10.0;
 const STEPS_PER_REACH: f64 = 25.0;
 
 /// A log, its antenna, and where its nodes are searched for.
-pub(super) struct Survey<'a> {
+pub(super) struct SectorSurvey<'a> {
     pub(super) log: &'a ReceptionLog,
-    pub(super) scene: &'a Scene,
+    pub(super) scene: &'a AntennaScene,
 }
 
 /// Some of the nodes, from which a law is estimated.
@@ -62,7 +62,7 @@ fn few<T: Copy>(nodes: &[T], most: usize) -> Vec<T> {
 
 /// The law that was found.
 #[derive(Clone, Debug)]
-pub(super) struct Found {
+pub(super) struct FoundPattern {
     pub(super) law: PatternLaw,
     pub(super) ripple_sigma_db: f64,
     pub(super) rounds: u32,
@@ -77,7 +77,7 @@ pub(super) struct Likelihoods {
     law: PatternLaw,
     /// Shared by laws that differ in what names do not depend on.
     names: Arc<[OnceLock<Names>; RADII.len()]>,
-    tables: Arc<Tables>,
+    tables: Arc<PatternTables>,
     reach_m: f64,
 }
 
@@ -85,7 +85,7 @@ impl Likelihoods {
     pub(super) fn new(law: PatternLaw, map: &GainMap) -> Self {
         let ripple = law.ripple_db.iter().copied().fold(0.0, f64::max);
         let reach_m = law.reach_m(map.greatest_dbi() + ripple);
-        Self { law, names: Arc::default(), tables: Arc::new(Tables::new()), reach_m }
+        Self { law, names: Arc::default(), tables: Arc::new(PatternTables::new()), reach_m }
     }
 
     /// Those of a law with the same noise and ripple.
@@ -95,22 +95,22 @@ impl Likelihoods {
     }
 
     /// The likelihood for cells that a stop sees under this angle on each side of their middle (rad).
-    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, angle: f64) -> Likelihood<'a> {
+    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, angle: f64) -> PatternLikelihood<'a> {
         let cells = angle / CELL_RAD;
         let level = RADII.iter().position(|&radius| radius as f64 <= cells + 0.5).unwrap_or(RADII.len() - 1);
         let radius = RADII[level];
         let names = self.names[level].get_or_init(|| map.names(&self.law, radius));
-        Likelihood::new(&self.law, map, (names, SLOPE_DB * CELL_RAD * radius as f64), &self.tables)
+        PatternLikelihood::new(&self.law, map, (names, SLOPE_DB * CELL_RAD * radius as f64), &self.tables)
     }
 
     /// The posterior of a node in a box, with its evidence.
     pub(super) fn places(
         &self,
-        survey: &Survey<'_>,
+        survey: &SectorSurvey<'_>,
         (node, within): &(NodeId, SearchBox),
         step_m: f64,
-    ) -> Option<(Evidence, Places)> {
-        let evidence = Evidence::of(survey.log, *node, within, self.reach_m, &survey.scene.columns);
+    ) -> Option<(PatternEvidence, CellPosterior)> {
+        let evidence = PatternEvidence::of(survey.log, *node, within, self.reach_m, &survey.scene.columns);
         let of_step = |width_m: f64| {
             let angle = 0.5 * width_m / (SEEN_FROM * survey.scene.reach_m);
             self.blurred(&survey.scene.map, angle)
@@ -120,7 +120,7 @@ impl Likelihoods {
     }
 }
 
-impl Survey<'_> {
+impl SectorSurvey<'_> {
     fn step_m(&self) -> f64 {
         self.scene.reach_m / STEPS_PER_REACH
     }
@@ -195,10 +195,10 @@ impl Survey<'_> {
         nodes: &[(NodeId, SearchBox)],
         name: &'static str,
         watch: &dyn Watch,
-    ) -> Result<Found, MapError> {
+    ) -> Result<FoundPattern, MapError> {
         watch.begin(self.work(nodes, name));
         let mut law = self.first(&few(nodes, FIRST_NODES), watch)?;
-        let mut found = Found {
+        let mut found = FoundPattern {
             law: law.clone(),
             ripple_sigma_db: 1.0,
             rounds: 0,
@@ -219,14 +219,14 @@ impl Survey<'_> {
                 for listener in &evidence.listeners {
                     for &place in &sample {
                         let sight = finest.sight(place, &listener.pose);
-                        trials.push(Trial {
+                        trials.push(PacketTrial {
                             gain_db: finest.names.top_dbi(sight.cell),
                             decades: likelihoods.tables.decades.of_root(sight.square),
                             received: f64::from(listener.received),
                             sent: f64::from(listener.received + listener.missed),
                             weight,
                         });
-                        if !matches!(listener.heard, Heard::Nothing) {
+                        if !matches!(listener.heard, SectorsHeard::Nothing) {
                             namings.push(Naming { place, robot: listener.pose, heard: &listener.heard, weight });
                         }
                     }

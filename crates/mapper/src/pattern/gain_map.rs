@@ -34,13 +34,13 @@ pub(super) struct GainMap {
 
 /// The cell of a direction, and where in it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
+pub(super) struct GainCell {
     corner: usize,
     right: f64,
     up: f64,
 }
 
-impl Cell {
+impl GainCell {
     /// That of a direction, of any length but 0.
     #[inline]
     pub(super) fn of(direction: [f64; 3]) -> Self {
@@ -102,7 +102,7 @@ impl GainMap {
 
     /// The gain of a sector (dBi).
     #[inline]
-    pub(super) fn gain_dbi(&self, cell: Cell, sector: usize) -> f64 {
+    pub(super) fn gain_dbi(&self, cell: GainCell, sector: usize) -> f64 {
         cell.value(&self.gains_dbi, self.sectors, sector)
     }
 
@@ -145,13 +145,13 @@ pub(super) struct Names {
 impl Names {
     /// The logarithm of the probability that a node there names a sector.
     #[inline]
-    pub(super) fn ln_probability(&self, cell: Cell, sector: usize) -> f64 {
+    pub(super) fn ln_probability(&self, cell: GainCell, sector: usize) -> f64 {
         cell.value(&self.ln, self.sectors, sector)
     }
 
     /// The greatest gain of all sectors (dBi).
     #[inline]
-    pub(super) fn top_dbi(&self, cell: Cell) -> f64 {
+    pub(super) fn top_dbi(&self, cell: GainCell) -> f64 {
         cell.value(&self.tops_dbi, 1, 0)
     }
 }

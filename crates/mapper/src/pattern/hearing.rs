@@ -15,7 +15,7 @@ const LOGIT: [f64; 2] = [1.5, 1.5];
 
 /// Packets of a node at a stop, seen from one of the places that stand for its posterior.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Trial {
+pub(super) struct PacketTrial {
     /// Greatest gain towards the place (dBi).
     pub(super) gain_db: f64,
     /// Distance (decades of a metre).
@@ -28,7 +28,7 @@ pub(super) struct Trial {
 
 /// The law that is likeliest for `trials`, from `law` on, by Fisher's scoring with halved steps: margin, σ, exponent and
 /// delivery.
-pub(super) fn improve(law: &mut PatternLaw, trials: &[Trial], normal: &Normal) {
+pub(super) fn improve(law: &mut PatternLaw, trials: &[PacketTrial], normal: &Normal) {
     let mut value = log_likelihood(law, trials, normal);
     for _ in 0..STEPS {
         let Some(step) = step(law, trials, normal) else { return };
@@ -77,9 +77,9 @@ fn apart(law: &PatternLaw) -> [[f64; 2]; 3] {
     [off(libm::log(law.sigma_db), LN_SIGMA), off(law.exponent, EXPONENT), off(logit(law.delivery), LOGIT)]
 }
 
-fn log_likelihood(law: &PatternLaw, trials: &[Trial], normal: &Normal) -> f64 {
+fn log_likelihood(law: &PatternLaw, trials: &[PacketTrial], normal: &Normal) -> f64 {
     let prior: f64 = apart(law).iter().map(|[off, _]| -0.5 * off * off).sum();
-    let of_trial = |trial: &Trial| {
+    let of_trial = |trial: &PacketTrial| {
         let s = law.heard(normal, trial.gain_db, trial.decades);
         trial.weight * (trial.received * libm::log(s) + (trial.sent - trial.received) * libm::log(1.0 - s))
     };
@@ -87,7 +87,7 @@ fn log_likelihood(law: &PatternLaw, trials: &[Trial], normal: &Normal) -> f64 {
 }
 
 /// The step of Fisher's scoring; `None` if the trials do not determine one.
-fn step(law: &PatternLaw, trials: &[Trial], normal: &Normal) -> Option<Vector4<f64>> {
+fn step(law: &PatternLaw, trials: &[PacketTrial], normal: &Normal) -> Option<Vector4<f64>> {
     let mut slope = Vector4::zeros();
     let mut information = Matrix4::zeros();
     for trial in trials {
@@ -122,12 +122,12 @@ mod tests {
     fn the_law_that_drew_the_packets_is_found() {
         let truth = PatternLaw { margin_db: 12.0, exponent: 2.3, sigma_db: 3.0, ..PatternLaw::guess(0.0, 1) };
         let normal = Normal::new();
-        let trials: Vec<Trial> = (0..20_000)
+        let trials: Vec<PacketTrial> = (0..20_000)
             .map(|i| {
                 let draw = |at| Seed(5).uniform(Purpose::new(8), [i, at, 0]);
                 let (gain_db, decades) = (20.0 * draw(0) - 8.0, libm::log10(0.5 + 14.0 * draw(1)));
                 let is_heard = draw(2) < truth.heard(&normal, gain_db, decades);
-                Trial { gain_db, decades, received: f64::from(u8::from(is_heard)), sent: 1.0, weight: 1.0 }
+                PacketTrial { gain_db, decades, received: f64::from(u8::from(is_heard)), sent: 1.0, weight: 1.0 }
             })
             .collect();
         let mut law = PatternLaw::guess(2.0, 1);

@@ -23,15 +23,18 @@ mod tiles;
 use sextant_channel::{Position, ReceptionLog, SectorGains, Stop};
 use sextant_kernel::Watch;
 
+use crate::count_rule::CountRule;
+use crate::error::MapError;
 use crate::log_facts::reach::heard_nodes;
-use crate::{CoordinateFrame, CountRule, EstimateKind, MapError, TopologyMap};
+use crate::posterior::EstimateKind;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 pub(crate) use evidence::of_report;
-use evidence::{Pose, Sight, Tables, Turn};
+use evidence::{PatternTables, Pose, Sight, Turn};
 use fit::thinned;
 use gain_map::GainMap;
 pub use law::PatternLaw;
-use scene::Scene;
-use settled::Settled;
+use scene::AntennaScene;
+use settled::SettledLaw;
 
 /// How a log with known gains is mapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +62,7 @@ pub struct PatternFit {
     /// Their receptions with a sector.
     pub named: usize,
     gains: GainMap,
-    tables: Tables,
+    tables: PatternTables,
     /// The greatest gain of any sector in the median direction (dBi).
     usual_dbi: f64,
 }
@@ -102,12 +105,12 @@ impl PatternMap {
         let log = &*self.counts.counted(log);
         let heard = heard_nodes(log);
         let farthest_m: Vec<f64> = heard.iter().map(|heard| heard.farthest_m).collect();
-        let Some(scene) = Scene::of(self, log, gains, &farthest_m) else {
+        let Some(scene) = AntennaScene::of(self, log, gains, &farthest_m) else {
             let places = vec![None; log.node_count()];
             return Ok((TopologyMap::of_places(name, places, CoordinateFrame::World), None));
         };
         let sample = thinned(&scene.boxes(&heard));
-        let settled = Settled::of(*self, scene, log, &sample, name, watch)?;
+        let settled = SettledLaw::of(*self, scene, log, &sample, name, watch)?;
         let map = settled.map(log, &heard, name, watch)?;
         Ok((map, Some(settled.into_fit())))
     }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::Position;
 
-use super::evidence::{Heard, Pose, Sight, Turn, of_report};
+use super::evidence::{Pose, SectorsHeard, Sight, Turn, of_report};
 use super::gain_map::{ANY, GainMap};
 use super::law::PatternLaw;
 use crate::numerics::normal::logistic_scale;
@@ -25,7 +25,7 @@ pub(super) const TURN_RAD: f64 = 0.07;
 pub(super) struct Naming<'a> {
     pub(super) place: Position,
     pub(super) robot: Pose,
-    pub(super) heard: &'a Heard,
+    pub(super) heard: &'a SectorsHeard,
     /// Probability of the place.
     pub(super) weight: f64,
 }
@@ -74,12 +74,14 @@ fn log_likelihood(gains: &Gains, namings: &[Naming<'_>], ripple_db: &[f64], nois
     for (row, naming) in gains.rows().zip(namings) {
         sum += naming.weight
             * match naming.heard {
-                Heard::Nothing => 0.0,
-                Heard::Named(sector) => {
+                SectorsHeard::Nothing => 0.0,
+                SectorsHeard::Named(sector) => {
                     probabilities(row, ripple_db, logistic_scale(noise_db), &mut shares);
                     libm::log((1.0 - ANY) * shares[*sector] + ANY / gains.sectors as f64)
                 }
-                Heard::Reported(report) => of_report(report, |sector| row[sector] + ripple_db[sector], noise_db),
+                SectorsHeard::Reported(report) => {
+                    of_report(report, |sector| row[sector] + ripple_db[sector], noise_db)
+                }
             };
     }
     sum
@@ -115,9 +117,9 @@ fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming<'_>], s
         let mut curvature = DMatrix::identity(sectors, sectors) / (sigma_db * sigma_db);
         for (row, naming) in gains.rows().zip(namings) {
             let named = match naming.heard {
-                Heard::Nothing => continue,
-                Heard::Named(sector) => *sector,
-                Heard::Reported(report) => {
+                SectorsHeard::Nothing => continue,
+                SectorsHeard::Named(sector) => *sector,
+                SectorsHeard::Reported(report) => {
                     let precision = naming.weight / (law.noise_db * law.noise_db);
                     let residual = |&(sector, snr_db): &(usize, f64)| snr_db - row[sector] - law.ripple_db[sector];
                     let count = report.len() as f64;

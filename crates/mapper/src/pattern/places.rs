@@ -2,8 +2,8 @@
 
 use sextant_channel::Position;
 
-use super::evidence::{Evidence, Likelihood};
-use crate::SoughtHeights;
+use super::evidence::{PatternEvidence, PatternLikelihood};
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::whole;
 use crate::posterior::Verdict;
@@ -21,14 +21,14 @@ const HALVINGS: u32 = 12;
 
 /// A cell with the log-likelihood at its middle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct WeighedCell {
     pub(super) position: Position,
     pub(super) value: f64,
 }
 
 /// The posterior of a node.
 #[derive(Clone, Debug)]
-pub(super) struct Places {
+pub(super) struct CellPosterior {
     /// With probabilities that sum to 1.
     pub(super) places: Vec<(Position, f64)>,
     pub(super) likeliest: (Position, f64),
@@ -52,11 +52,11 @@ pub(super) fn most_evaluations(heights: SoughtHeights) -> f64 {
 /// The posterior of a node in a box, in cells of at most `step_m` where it is not wide. `likelihood` is that for cells of a
 /// width (m), blurred by as much as the cells are wide.
 pub(super) fn find<'a>(
-    likelihood: &impl Fn(f64) -> Likelihood<'a>,
-    evidence: &Evidence,
+    likelihood: &impl Fn(f64) -> PatternLikelihood<'a>,
+    evidence: &PatternEvidence,
     within: &SearchBox,
     step_m: f64,
-) -> Option<Places> {
+) -> Option<CellPosterior> {
     let sides = [0, 1, 2].map(|axis| (within.high[axis] - within.low[axis]).max(0.0));
     let is_level = within.is_level();
     let longest = sides.iter().copied().fold(0.0, f64::max);
@@ -66,12 +66,12 @@ pub(super) fn find<'a>(
         counts[axis] = whole((sides[axis] / steps).ceil()).max(1);
     }
     let mut evaluated = 0;
-    let mut cells: Vec<Place> = Vec::new();
+    let mut cells: Vec<WeighedCell> = Vec::new();
     let centre = within.middle();
     let mut of_step = likelihood(steps);
-    let mut value = |likelihood: &Likelihood<'_>, position: Position| {
+    let mut value = |likelihood: &PatternLikelihood<'_>, position: Position| {
         evaluated += 1;
-        Place { position, value: likelihood.at(evidence, position) }
+        WeighedCell { position, value: likelihood.at(evidence, position) }
     };
     for k in 0..counts[2] {
         for j in 0..counts[1] {
@@ -128,7 +128,7 @@ pub(super) fn find<'a>(
 }
 
 /// The mean standard deviation along the axes (m).
-fn spread_m(cells: &[Place], highest: f64, axes: f64) -> f64 {
+fn spread_m(cells: &[WeighedCell], highest: f64, axes: f64) -> f64 {
     let (mut weight, mut sum) = (0.0, Position::ORIGIN);
     for cell in cells {
         let likelihood = libm::exp(cell.value - highest);
@@ -146,7 +146,12 @@ fn spread_m(cells: &[Place], highest: f64, axes: f64) -> f64 {
     (square / weight / axes).sqrt()
 }
 
-fn posterior(cells: &[Place], within: &SearchBox, (all, step_m): (f64, f64), evaluated: u64) -> Option<Places> {
+fn posterior(
+    cells: &[WeighedCell],
+    within: &SearchBox,
+    (all, step_m): (f64, f64),
+    evaluated: u64,
+) -> Option<CellPosterior> {
     let mut verdict = Verdict::default();
     let mut likeliest = (Position::ORIGIN, f64::NEG_INFINITY);
     let mut edge = f64::NEG_INFINITY;
@@ -165,7 +170,7 @@ fn posterior(cells: &[Place], within: &SearchBox, (all, step_m): (f64, f64), eva
     }
     let sum: f64 = cells.iter().map(|cell| libm::exp(cell.value - highest)).sum();
     let places = cells.iter().map(|cell| (cell.position, libm::exp(cell.value - highest) / sum)).collect();
-    Some(Places {
+    Some(CellPosterior {
         places,
         likeliest,
         ln_evidence: highest + libm::log(sum / all),
@@ -176,7 +181,7 @@ fn posterior(cells: &[Place], within: &SearchBox, (all, step_m): (f64, f64), eva
     })
 }
 
-impl Places {
+impl CellPosterior {
     /// The mean place (m).
     pub(super) fn mean(&self) -> Position {
         self.places.iter().fold(Position::ORIGIN, |sum, &(place, probability)| sum + place * probability)

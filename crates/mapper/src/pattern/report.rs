@@ -3,8 +3,8 @@
 use sextant_kernel::text::counted;
 
 use super::PatternFit;
-use crate::learned::Unconverged;
-use crate::{CurveFinding, Finding, Line, Section, TopologyMap};
+use crate::learned::{CurveFinding, Finding, Line, Section, Unconverged};
+use crate::topology_map::TopologyMap;
 
 /// Sectors whose strengths have such errors contradict the pattern (dB).
 const CONTRADICTED_DB: f64 = 5.0;

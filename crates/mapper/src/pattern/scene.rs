@@ -5,13 +5,13 @@ use sextant_kernel::NodeId;
 
 use super::PatternMap;
 use super::gain_map::GainMap;
-use crate::SoughtHeights;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{HeardNode, known_reach_m, reach_of_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 
 /// The antenna of a log, and where its nodes are searched for.
 #[derive(Debug)]
-pub(super) struct Scene {
+pub(super) struct AntennaScene {
     pub(super) map: GainMap,
     /// The place of each sector among the gains, by its identity.
     pub(super) columns: Vec<Option<usize>>,
@@ -23,7 +23,7 @@ pub(super) struct Scene {
     limits: Limits,
 }
 
-impl Scene {
+impl AntennaScene {
     /// That of a log of which each node that was heard is within so many metres of its farthest stop; `None` if none was.
     pub(super) fn of(
         settings: &PatternMap,

@@ -4,35 +4,36 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
-use super::evidence::Tables;
-use super::fit::{Found, Likelihoods, Survey};
-use super::places::Places;
-use super::scene::Scene;
+use super::evidence::PatternTables;
+use super::fit::{FoundPattern, Likelihoods, SectorSurvey};
+use super::places::CellPosterior;
+use super::scene::AntennaScene;
 use super::{PatternFit, PatternMap};
+use crate::error::MapError;
 use crate::log_facts::reach::HeardNode;
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::{Cell, FitState};
-use crate::{CoordinateFrame, Estimate, MapError, TopologyMap};
+use crate::posterior::{Cell, Estimate, FitState};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The law of a log, with all that the map of a node depends on beside what was heard of it.
-pub(super) struct Settled {
+pub(super) struct SettledLaw {
     settings: PatternMap,
-    pub(super) scene: Scene,
-    found: Found,
+    pub(super) scene: AntennaScene,
+    found: FoundPattern,
     likelihoods: Likelihoods,
 }
 
-impl Settled {
+impl SettledLaw {
     /// The law of `log`, estimated from some of its nodes.
     pub(super) fn of(
         settings: PatternMap,
-        scene: Scene,
+        scene: AntennaScene,
         log: &ReceptionLog,
         nodes: &[(NodeId, SearchBox)],
         name: &'static str,
         watch: &dyn Watch,
     ) -> Result<Self, MapError> {
-        let found = Survey { log, scene: &scene }.fit(nodes, name, watch)?;
+        let found = SectorSurvey { log, scene: &scene }.fit(nodes, name, watch)?;
         let likelihoods = Likelihoods::new(found.law.clone(), &scene.map);
         Ok(Self { settings, scene, found, likelihoods })
     }
@@ -49,11 +50,11 @@ impl Settled {
             heights: Some(self.scene.heights),
             ..TopologyMap::of_places(name, vec![None; log.node_count()], CoordinateFrame::World)
         };
-        let survey = Survey { log, scene: &self.scene };
+        let survey = SectorSurvey { log, scene: &self.scene };
         let boxes = self.scene.boxes(heard);
         let operations = survey.operations(boxes.len() as f64);
         watch.begin(Work { name, unit: "node", steps: boxes.len() as u64, operations });
-        let solved: Result<Vec<Option<Places>>, MapError> = boxes
+        let solved: Result<Vec<Option<CellPosterior>>, MapError> = boxes
             .par_iter()
             .map(|node| {
                 watch.check()?;
@@ -70,7 +71,7 @@ impl Settled {
         Ok(map)
     }
 
-    fn estimate(&self, places: &Places, within: &SearchBox) -> Estimate {
+    fn estimate(&self, places: &CellPosterior, within: &SearchBox) -> Estimate {
         let step_m = places.step_m;
         let cell = Cell::new([step_m, step_m, if within.is_level() { 0.0 } else { step_m }]);
         let mut estimate =
@@ -91,7 +92,7 @@ impl Settled {
             nodes: self.found.nodes,
             named: self.found.namings,
             gains: self.scene.map,
-            tables: Tables::new(),
+            tables: PatternTables::new(),
             usual_dbi,
         }
     }

@@ -7,15 +7,18 @@ use sextant_kernel::{NodeId, Watch};
 
 use super::PatternMap;
 use super::fit::thinned;
-use super::scene::Scene;
-use super::settled::Settled;
+use super::scene::AntennaScene;
+use super::settled::SettledLaw;
+use crate::count_rule::CountRule;
+use crate::error::MapError;
+use crate::learned::EstimatorFindings;
 use crate::log_facts::reach::{centres, gross_m, heard_from};
-use crate::parts::{each_part, sample};
-use crate::{CoordinateFrame, CountRule, EstimatorFindings, FixedLaw, LogParts, MapError, PartsError, TopologyMap};
+use crate::parts::{FixedLaw, LogParts, PartsError, each_part, sample};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The law of a log in parts; no law if nothing was heard.
 struct LawOfParts {
-    settled: Option<Settled>,
+    settled: Option<SettledLaw>,
     counts: CountRule,
     /// Receptions beyond this are gross errors (m).
     gross_m: f64,
@@ -56,13 +59,13 @@ impl PatternMap {
         })?;
         heard.sort_unstable_by_key(|&(node, _)| node);
         let farthest_m: Vec<f64> = heard.iter().map(|&(_, farthest_m)| farthest_m).collect();
-        let settled = match Scene::of(&self, parts.whole(), gains, &farthest_m) {
+        let settled = match AntennaScene::of(&self, parts.whole(), gains, &farthest_m) {
             Some(scene) => {
                 let nodes: Vec<NodeId> = thinned(&heard).into_iter().map(|(node, _)| node).collect();
                 let few = sample(parts, &nodes, watch)?;
                 let few = &*counts.counted(&few);
                 let boxes = scene.boxes(&heard_from(few, &centres(few), gross_m));
-                Some(Settled::of(self, scene, few, &boxes, name, watch)?)
+                Some(SettledLaw::of(self, scene, few, &boxes, name, watch)?)
             }
             None => None,
         };

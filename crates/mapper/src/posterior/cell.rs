@@ -1,6 +1,6 @@
 //! What a grid leaves open: a vertex stands for its cell.
 
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// The cell that a vertex of a grid stands for.
 ///

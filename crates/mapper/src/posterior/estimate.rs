@@ -4,7 +4,8 @@ use sextant_channel::Position;
 
 use super::cell::Cell;
 use super::covariance::covariance;
-use crate::{Concern, EstimateKind};
+use crate::posterior::concern::Concern;
+use crate::posterior::estimate_kind::EstimateKind;
 
 /// Where one node is.
 #[derive(Clone, Debug, PartialEq)]

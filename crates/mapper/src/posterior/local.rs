@@ -4,7 +4,8 @@ use sextant_channel::Position;
 
 use super::Cell;
 use crate::log_facts::heights::Heights;
-use crate::{Estimate, EstimateKind};
+use crate::posterior::estimate::Estimate;
+use crate::posterior::estimate_kind::EstimateKind;
 
 /// Places with their posterior probabilities, and how far they spread.
 #[derive(Clone, Debug)]
@@ -59,7 +60,7 @@ pub(crate) fn local_posterior(
     let mut steps = spread_m.map(|spread| (3.0 * spread / f64::from(reach)).max(least_step_m));
     let mut found: Option<LocalPosterior> = None;
     for _ in 0..FITS {
-        let grid = Grid { heights, reach, centre, steps };
+        let grid = LocalGrid { heights, reach, centre, steps };
         let Some((posterior, edge)) = grid.posterior(log_likelihood) else {
             if steps.iter().all(|&step| step <= least_step_m) {
                 break;
@@ -87,14 +88,14 @@ pub(crate) fn local_posterior(
 }
 
 /// A box of vertices.
-struct Grid {
+struct LocalGrid {
     heights: Heights,
     reach: i32,
     centre: Position,
     steps: [f64; 3],
 }
 
-impl Grid {
+impl LocalGrid {
     /// The posterior on the vertices, and the probability at the two ends of each axis.
     fn posterior(&self, log_likelihood: &impl Fn(Position) -> f64) -> Option<(LocalPosterior, [f64; 3])> {
         let offset = |axis: usize, i: i32| (f64::from(i) + PHASE[axis]) * self.steps[axis];

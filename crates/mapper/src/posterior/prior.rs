@@ -30,7 +30,7 @@ impl PlacePrior {
     /// Natural logarithm of the density of nodes at `place`, which is `nearest_stop_m` from the nearest stop, up to a
     /// constant: minus infinity outside the area, otherwise at most 0.
     #[must_use]
-    pub fn log_density(&self, place: Position, nearest_stop_m: f64) -> f64 {
+    pub(crate) fn log_density(&self, place: Position, nearest_stop_m: f64) -> f64 {
         if self.area.as_ref().is_some_and(|area| !area.contains(place)) {
             return f64::NEG_INFINITY;
         }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::Position;
 
-use crate::Estimate;
+use crate::posterior::estimate::Estimate;
 
 /// Below this variance along the height a map is planar (m²).
 const FLAT_M2: f64 = 1e-12;

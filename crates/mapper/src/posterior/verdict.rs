@@ -1,7 +1,7 @@
 //! What a posterior says of the area in which its node was searched for: whether it leaves most of the area, and whether
 //! the end of the area cuts it off. All estimators judge by this file.
 
-use crate::Concern;
+use crate::posterior::concern::Concern;
 
 /// The 95 % region holds places whose log-density is at most this much below the highest: half the quantile of the
 /// chi-squared law with two degrees of freedom.

@@ -10,7 +10,7 @@ use sextant_kernel::SettingError;
 use super::DEFAULT_FLOOR;
 use super::cell::averaged_over_cell;
 use super::limits::above_0_to_1;
-use crate::TableProfile;
+use crate::profile::table::TableProfile;
 
 /// The profile of a known channel as written in a scenario. In a scenario, absent values come from its radio, channel
 /// and traffic. Elsewhere, the first four values are required.

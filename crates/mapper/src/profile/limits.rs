@@ -4,12 +4,12 @@ use sextant_kernel::SettingError;
 
 /// `0 <= floor < ceiling <= 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Limits {
+pub(super) struct ProfileLimits {
     floor: f64,
     ceiling: f64,
 }
 
-impl Limits {
+impl ProfileLimits {
     /// # Errors
     /// `ceiling` or `floor` if they are not `0 <= floor < ceiling <= 1`.
     pub(super) fn new(floor: f64, ceiling: f64) -> Result<Self, SettingError> {

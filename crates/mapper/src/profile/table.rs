@@ -2,7 +2,7 @@
 
 use sextant_kernel::SettingError;
 
-use super::limits::Limits;
+use super::limits::ProfileLimits;
 
 /// Values below this count as 0. Products of many factors then stay within the range of f64.
 const NOTHING: f64 = 1e-30;
@@ -15,7 +15,7 @@ pub struct TableProfile {
     /// At 0, `step_m`, 2 `step_m`, ...
     probabilities: Vec<f64>,
     range_m: f64,
-    limits: Limits,
+    limits: ProfileLimits,
 }
 
 impl TableProfile {
@@ -34,7 +34,7 @@ impl TableProfile {
         if let Some(&wrong) = probabilities.iter().find(|&&p| !(0.0..=1.0).contains(&p)) {
             return Err(SettingError::new("probabilities", wrong, "0 to 1"));
         }
-        let limits = Limits::new(floor, ceiling)?;
+        let limits = ProfileLimits::new(floor, ceiling)?;
         let before_range = &probabilities[..probabilities.len() - 1];
         if before_range.iter().all(|&p| p <= floor) {
             let highest = before_range.iter().fold(0.0, |highest: f64, &p| highest.max(p));

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use super::limits::{Limits, above_0_to_1};
+use super::limits::{ProfileLimits, above_0_to_1};
 
 /// The trapezoid as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub struct Trapezoid {
     p0: f64,
     plateau_m: f64,
     range_m: f64,
-    limits: Limits,
+    limits: ProfileLimits,
 }
 
 impl Trapezoid {
@@ -107,7 +107,7 @@ impl TryFrom<TrapezoidConfig> for Trapezoid {
         if plateau_m >= range_m {
             return Err(SettingError::new("plateau_m", plateau_m, format!("0 to below range_m = {range_m}")));
         }
-        let limits = Limits::new(floor, ceiling)?;
+        let limits = ProfileLimits::new(floor, ceiling)?;
         if floor >= p0 {
             return Err(SettingError::new("floor", floor, format!("0 to below p0 = {p0}")));
         }
@@ -118,7 +118,7 @@ impl TryFrom<TrapezoidConfig> for Trapezoid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ProfileConfig, ReceptionProfile};
+    use crate::profile::{ProfileConfig, ReceptionProfile};
 
     fn trapezoid(config: TrapezoidConfig) -> Result<Trapezoid, SettingError> {
         Trapezoid::try_from(config)

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{Interrupted, Watch, Work};
 
-use super::evidence::{Evidence, LEAST_M, Links, below};
+use super::evidence::{HeardByStops, LEAST_M, StrengthEvidence, below};
 use super::fitted_channel::FittedChannel;
-use super::zoom::{Detail, Posterior};
+use super::zoom::{PosteriorDetail, WeighedPlaces};
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::density;
 use crate::numerics::whole;
@@ -43,7 +43,7 @@ const BINS: usize = 240;
 
 /// Sums for the regression of strengths on the logarithm of distance.
 #[derive(Clone, Debug)]
-struct Sums {
+struct RegressionSums {
     /// Weights, x, x², y, xy, y², with x the common logarithm of the distance over the reference, and y the strength.
     heard: [f64; 6],
     /// Weight of silent links by x.
@@ -52,13 +52,13 @@ struct Sums {
     links: f64,
 }
 
-impl Sums {
+impl RegressionSums {
     fn new() -> Self {
         Self { heard: [0.0; 6], silent: vec![0.0; BINS], links: 0.0 }
     }
 
     /// Adds a node whose place has these probabilities.
-    fn take(&mut self, links: &Links, places: &[(Position, f64)], reference_m: f64) {
+    fn take(&mut self, links: &HeardByStops, places: &[(Position, f64)], reference_m: f64) {
         for &(place, weight) in places {
             for &(stop, y, share) in &links.heard {
                 let x = libm::log10(place.distance_m(stop).max(LEAST_M) / reference_m);
@@ -88,31 +88,31 @@ impl FittedChannel {
     /// `longest_m`. `None` if no strength was measured.
     pub(super) fn fit(
         log: &ReceptionLog,
-        nodes: &[(Links, SearchBox)],
+        nodes: &[(HeardByStops, SearchBox)],
         given: &Given,
         (step_m, longest_m): (f64, f64),
         watch: &dyn Watch,
     ) -> Result<Option<Self>, Interrupted> {
         let stride = nodes.len().div_ceil(ENOUGH_NODES).max(1);
-        let sample: Vec<&(Links, SearchBox)> =
+        let sample: Vec<&(HeardByStops, SearchBox)> =
             nodes.iter().filter(|(links, _)| !links.heard.is_empty()).step_by(stride).collect();
         let Some(mut channel) = Self::first(&sample, given) else { return Ok(None) };
         let operations = sample.len() as f64 * log.stops().len() as f64 * 2e3 * f64::from(MOST_ROUNDS);
         watch.begin(Work { name: "fitted channel", unit: "round", steps: MOST_ROUNDS.into(), operations });
         while channel.rounds < MOST_ROUNDS && !channel.converged {
-            let evidence = Evidence::new(channel, longest_m);
-            let tallies: Result<Vec<Sums>, Interrupted> = sample
+            let evidence = StrengthEvidence::new(channel, longest_m);
+            let tallies: Result<Vec<RegressionSums>, Interrupted> = sample
                 .par_iter()
                 .map(|(links, within)| {
                     watch.check()?;
-                    let posterior = Posterior::of(links, &evidence, within, step_m, Detail::Coarse);
-                    let mut sums = Sums::new();
+                    let posterior = WeighedPlaces::of(links, &evidence, within, step_m, PosteriorDetail::Coarse);
+                    let mut sums = RegressionSums::new();
                     sums.take(links, &posterior.places, channel.reference_distance_m);
                     Ok(sums)
                 })
                 .collect();
             watch.check()?;
-            let sums = tallies?.iter().fold(Sums::new(), Sums::add);
+            let sums = tallies?.iter().fold(RegressionSums::new(), RegressionSums::add);
             let next = channel.updated(&sums, given);
             let changes = [
                 next.exponent - channel.exponent,
@@ -127,14 +127,14 @@ impl FittedChannel {
     }
 
     /// A first channel, with each node at the middle of the stops that heard it, weighted by amplitude.
-    fn first(sample: &[&(Links, SearchBox)], given: &Given) -> Option<Self> {
+    fn first(sample: &[&(HeardByStops, SearchBox)], given: &Given) -> Option<Self> {
         let mut strengths: Vec<f64> =
             sample.iter().flat_map(|(links, _)| links.heard.iter().map(|&(_, rssi_dbm, _)| rssi_dbm)).collect();
         strengths.sort_unstable_by(f64::total_cmp);
         let faintest = strengths.get(whole(FAINTEST * strengths.len() as f64))?;
         let sensitivity_dbm = given.sensitivity_dbm.unwrap_or(*faintest);
         let reference_distance_m = given.ranging.reference_distance_m.unwrap_or(1.0);
-        let mut sums = Sums::new();
+        let mut sums = RegressionSums::new();
         for (links, within) in sample {
             let weight = |rssi_dbm: f64| libm::pow(10.0, (rssi_dbm - sensitivity_dbm) / 20.0);
             let total: f64 = links.heard.iter().map(|&(_, rssi_dbm, _)| weight(rssi_dbm)).sum();
@@ -159,7 +159,7 @@ impl FittedChannel {
 
     /// The likeliest channel for these sums, in which strengths of silent links are below the sensitivity: regression with
     /// censored values by expectation maximisation (Tobin 1958; Dempster, Laird and Rubin 1977).
-    fn updated(&self, sums: &Sums, given: &Given) -> Self {
+    fn updated(&self, sums: &RegressionSums, given: &Given) -> Self {
         let mut channel = *self;
         for _ in 0..INNER_ROUNDS {
             let [mut weight, mut x1, mut x2, mut y1, mut xy, mut y2] = sums.heard;

@@ -13,7 +13,7 @@ pub(super) const LEAST_M: f64 = 0.1;
 
 /// What the stops heard of one node.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Links {
+pub(super) struct HeardByStops {
     /// Stops that heard it with a strength (dBm), and the share of the packets that they received.
     pub(super) heard: Vec<(Position, f64, f64)>,
     /// Stops that heard it without one, and this share.
@@ -22,7 +22,7 @@ pub(super) struct Links {
     pub(super) silent: Vec<(Position, f64)>,
 }
 
-impl Links {
+impl HeardByStops {
     pub(super) fn of(log: &ReceptionLog, node: NodeId) -> Self {
         let mut links = Self::default();
         let mut entries = log.of(node).iter().peekable();
@@ -52,7 +52,7 @@ const CELLS: usize = 4096;
 
 /// A channel, ready to compute likelihoods: tables over distance.
 #[derive(Clone, Debug)]
-pub(super) struct Evidence {
+pub(super) struct StrengthEvidence {
     per_m: f64,
     /// Mean strength, in standard deviations.
     mean: Vec<f64>,
@@ -62,7 +62,7 @@ pub(super) struct Evidence {
     per_sigma: f64,
 }
 
-impl Evidence {
+impl StrengthEvidence {
     /// The tables of a channel for distances up to `longest_m`.
     pub(super) fn new(channel: FittedChannel, longest_m: f64) -> Self {
         let per_m = CELLS as f64 / longest_m.max(LEAST_M);
@@ -82,7 +82,7 @@ impl Evidence {
     }
 
     /// Log-likelihood of a place, up to a constant.
-    pub(super) fn log_likelihood(&self, links: &Links, place: Position) -> f64 {
+    pub(super) fn log_likelihood(&self, links: &HeardByStops, place: Position) -> f64 {
         let mut sum = 0.0;
         for &(stop, rssi_dbm, share) in &links.heard {
             let misfit = rssi_dbm * self.per_sigma - self.at(&self.mean, place.distance_m(stop));

@@ -17,22 +17,26 @@ use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
 use self::channel::Given;
 use self::curves::Curves;
-use self::evidence::{Evidence, Links};
+use self::evidence::{HeardByStops, StrengthEvidence};
 pub use self::fitted_channel::FittedChannel;
-use self::search::Search;
+use self::search::StrengthSearch;
 use self::tiles::Tiles;
-use self::zoom::{Detail, Posterior};
+use self::zoom::{PosteriorDetail, WeighedPlaces};
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages, ReceiverSetting};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::lattice::Lattice;
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::check_z_range;
 use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, strengths};
 use crate::numerics::whole;
-use crate::posterior::FitState;
+use crate::posterior::{Estimate, EstimateKind, FitState};
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{
-    AnyLog, Axes, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings,
-    Knowledge, KnowledgeKind, Lattice, MapError, Mapper, Messages, ReceiverSetting, SoughtHeights, TopologyMap,
-};
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The Bayesian grid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -211,8 +215,8 @@ impl RssGrid {
         map.heights = Some(heights);
         map.grid_step_m = Some(step_m);
         let limits = Limits::new(log, reach_m, heights);
-        let nodes: Vec<(Links, SearchBox)> =
-            heard.iter().map(|heard| (Links::of(log, heard.node), limits.of(heard))).collect();
+        let nodes: Vec<(HeardByStops, SearchBox)> =
+            heard.iter().map(|heard| (HeardByStops::of(log, heard.node), limits.of(heard))).collect();
         if heard.is_empty() {
             return Ok((map, None));
         }
@@ -223,7 +227,7 @@ impl RssGrid {
                 what: "the signal strengths of receptions",
                 remedy: "a log has them in the column `rssi_dbm`; `ml_tm` and `self_calibrated` map without",
             })?;
-        let evidence = Evidence::new(channel, longest_m);
+        let evidence = StrengthEvidence::new(channel, longest_m);
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
         let operations = nodes.len() as f64 * log.stops().len() as f64 * 1e4;
         watch.begin(Work { name: Self::NAME, unit: "node", steps: nodes.len() as u64, operations });
@@ -236,7 +240,7 @@ impl RssGrid {
                 if links.heard.is_empty() {
                     return Ok((None, 0));
                 }
-                let posterior = Posterior::of(links, &evidence, within, step_m, Detail::Fine);
+                let posterior = WeighedPlaces::of(links, &evidence, within, step_m, PosteriorDetail::Fine);
                 let estimate = posterior.estimate(self.estimate);
                 let concern = state.concern(estimate.concern);
                 Ok((Some(Estimate { concern, ..estimate }), posterior.vertices))
@@ -264,7 +268,7 @@ impl RssGrid {
         map.grid_step_m = Some(lattice.step_m());
         let nodes: Vec<Vec<Strength>> =
             (0..log.node_count()).map(|node| strengths(log, NodeId::from_index(node))).collect();
-        let search = Search {
+        let search = StrengthSearch {
             curves: Curves::new(ranging, sensitivity_dbm, range_m + 2.0 * lattice.half_diagonal_m()),
             lattice: &lattice,
             stops: log.stops(),
@@ -334,7 +338,7 @@ impl RssGrid {
 }
 
 /// A distance that no place in the boxes of the nodes exceeds from a stop (m).
-fn longest_m(log: &ReceptionLog, nodes: &[(Links, SearchBox)]) -> f64 {
+fn longest_m(log: &ReceptionLog, nodes: &[(HeardByStops, SearchBox)]) -> f64 {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
     let stops = log.stops().iter().map(|stop| <[f64; 3]>::from(stop.position)).map(|place| (place, place));

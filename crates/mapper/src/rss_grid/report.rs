@@ -3,8 +3,8 @@
 use sextant_kernel::text::counted;
 
 use super::FittedChannel;
-use crate::learned::Unconverged;
-use crate::{Finding, Line, Section, TopologyMap};
+use crate::learned::{Finding, Line, Section, Unconverged};
+use crate::topology_map::TopologyMap;
 
 #[cfg(feature = "config")]
 /// A channel that was estimated from the log.

@@ -6,11 +6,11 @@ use sextant_channel::{Position, Stop};
 use sextant_kernel::Watch;
 
 use super::curves::Curves;
-use super::tiles::{Part, Silence, Tiles};
+use super::tiles::{Silence, TileBox, Tiles};
 use crate::grid_ml::solver::Peak;
+use crate::lattice::Lattice;
 use crate::log_facts::strengths::Strength;
-use crate::posterior::{Cell, covariance};
-use crate::{Estimate, EstimateKind, Lattice};
+use crate::posterior::{Cell, Estimate, EstimateKind, covariance};
 
 /// A vertex this far below the highest log-likelihood is left out of the mean: even 10⁹ such vertices have a weight
 /// of 10⁻²¹.
@@ -26,7 +26,7 @@ enum Radius {
 }
 
 /// A survey that is prepared for the search of its nodes.
-pub(super) struct Search<'a> {
+pub(super) struct StrengthSearch<'a> {
     pub(super) curves: Curves,
     pub(super) lattice: &'a Lattice,
     pub(super) stops: &'a [Stop],
@@ -35,7 +35,7 @@ pub(super) struct Search<'a> {
     pub(super) watch: &'a dyn Watch,
 }
 
-impl Silence for Search<'_> {
+impl Silence for StrengthSearch<'_> {
     fn lattice(&self) -> &Lattice {
         self.lattice
     }
@@ -44,7 +44,7 @@ impl Silence for Search<'_> {
         self.watch
     }
 
-    fn silence(&self, part: &Part) -> Box<[f64]> {
+    fn silence(&self, part: &TileBox) -> Box<[f64]> {
         let [columns, rows, layers] = [0, 1, 2].map(|axis| part.span(axis));
         let mut silence = vec![0.0; columns.len() * rows.len() * layers.len()];
         let mut values = silence.chunks_mut(columns.len());
@@ -59,7 +59,7 @@ impl Silence for Search<'_> {
         silence.into()
     }
 
-    fn silence_bound(&self, part: &Part) -> f64 {
+    fn silence_bound(&self, part: &TileBox) -> f64 {
         let mut sum = 0.0;
         for stop in self.stops {
             let [_, far_m] = part.distances_m(stop.position);
@@ -72,7 +72,7 @@ impl Silence for Search<'_> {
     }
 }
 
-impl Search<'_> {
+impl StrengthSearch<'_> {
     /// Adds the log-likelihood of the silence of a stop to the vertices `columns` of a row.
     fn add_silence(&self, stop: Position, [j, k]: [usize; 2], columns: &Range<usize>, values: &mut [f64]) {
         let first = self.lattice.position([0, j, k]);
@@ -93,7 +93,7 @@ impl Search<'_> {
     }
 
     /// An upper bound of the log-likelihood of a node at any vertex of a part whose silence bound is `silence`.
-    fn bound(&self, part: &Part, silence: f64, heard: &[Strength], radius: Radius) -> f64 {
+    fn bound(&self, part: &TileBox, silence: f64, heard: &[Strength], radius: Radius) -> f64 {
         let slack_m = self.slack_m();
         let (mut gain, mut loss) = (0.0, 0.0);
         for stop in heard {
@@ -120,7 +120,7 @@ impl Search<'_> {
     /// ended meanwhile, the result means nothing.
     pub(super) fn estimate(&self, tiles: &Tiles, heard: &[Strength], kind: EstimateKind) -> (Option<Estimate>, u64) {
         let Some(strongest) = heard.iter().max_by(|a, b| a.rssi_dbm.total_cmp(&b.rssi_dbm)) else { return (None, 0) };
-        let mut found = Found::new(kind);
+        let mut found = RelevantVertices::new(kind);
         self.look(tiles, &self.spans(heard), heard, Radius::Hard, &mut found);
         let is_infeasible = found.vertices.is_empty();
         if is_infeasible {
@@ -143,7 +143,14 @@ impl Search<'_> {
     }
 
     /// Gives `found` all relevant vertices of a box, block by block, the most promising first.
-    fn look(&self, tiles: &Tiles, spans: &[Range<usize>; 3], heard: &[Strength], radius: Radius, found: &mut Found) {
+    fn look(
+        &self,
+        tiles: &Tiles,
+        spans: &[Range<usize>; 3],
+        heard: &[Strength],
+        radius: Radius,
+        found: &mut RelevantVertices,
+    ) {
         let mut blocks: Vec<_> = tiles
             .blocks(self.lattice, spans)
             .map(|(block, part, silence)| (self.bound(&part, silence, heard, radius), block))
@@ -170,11 +177,11 @@ impl Search<'_> {
     /// Gives `found` the vertices of a tile that are in a box.
     fn weigh(
         &self,
-        part: &Part,
+        part: &TileBox,
         silence: &[f64],
         spans: &[Range<usize>; 3],
         (heard, radius): (&[Strength], Radius),
-        found: &mut Found,
+        found: &mut RelevantVertices,
     ) {
         let mut silence = silence.iter();
         for k in part.span(2) {
@@ -216,7 +223,7 @@ impl Search<'_> {
 }
 
 /// The vertices that are relevant, or were relevant when they were found.
-struct Found {
+struct RelevantVertices {
     kind: EstimateKind,
     margin: f64,
     highest: f64,
@@ -224,7 +231,7 @@ struct Found {
     evaluated: u64,
 }
 
-impl Found {
+impl RelevantVertices {
     fn new(kind: EstimateKind) -> Self {
         let margin = match kind {
             EstimateKind::Argmax => Peak::TOLERANCE,
@@ -278,11 +285,15 @@ mod tests {
     use sextant_kernel::{Purpose, RobotId, Seed, SimTime, Unwatched};
 
     use super::*;
-    use crate::{Ranging, RangingConfig};
+    use crate::ranging::{Ranging, RangingConfig};
 
     /// What a scan of all vertices finds: the likeliest vertices that are not ruled out (several if they are equally
     /// likely), their log-likelihood, and the mean.
-    fn scan(search: &Search<'_>, heard: &[Strength], radius: Radius) -> Option<(Vec<Position>, f64, Position)> {
+    fn scan(
+        search: &StrengthSearch<'_>,
+        heard: &[Strength],
+        radius: Radius,
+    ) -> Option<(Vec<Position>, f64, Position)> {
         let slack_m = search.slack_m();
         let strongest = heard.iter().max_by(|a, b| a.rssi_dbm.total_cmp(&b.rssi_dbm)).expect("it was heard");
         let mut found: Vec<(Position, f64)> = Vec::new();
@@ -342,7 +353,7 @@ mod tests {
         // The lattice begins exactly at the range of the outermost stop. Whether such a vertex is within it would be a
         // matter of rounding.
         let range_m = range_m * (1.0 + 1e-7);
-        let search = Search {
+        let search = StrengthSearch {
             curves: Curves::new(&ranging, sensitivity_dbm, range_m + 2.0 * lattice.half_diagonal_m()),
             lattice: &lattice,
             stops: &stops,

@@ -7,14 +7,14 @@ use rayon::prelude::*;
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch};
 
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// Number of vertices of a tile along x, y and z, in a plane and in space. It is also the number of tiles of a block.
 const EDGES: [[usize; 3]; 2] = [[8, 8, 1], [4, 4, 4]];
 
 /// A box of vertices.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+pub(super) struct TileBox {
     /// Indices along x, y and z: from the first to before the last.
     first: [usize; 3],
     end: [usize; 3],
@@ -22,7 +22,7 @@ pub(super) struct Part {
     pub(super) high: Position,
 }
 
-impl Part {
+impl TileBox {
     /// The part of the lattice from `first` on, `edge` vertices wide or less at the border.
     fn new(lattice: &Lattice, first: [usize; 3], edge: [usize; 3]) -> Self {
         let end = [0, 1, 2].map(|axis| (first[axis] + edge[axis]).min(lattice.counts()[axis]));
@@ -57,10 +57,10 @@ pub(super) trait Silence: Sync {
     fn watch(&self) -> &dyn Watch;
 
     /// The log-likelihood of silence at each vertex of a part of the lattice, x running fastest.
-    fn silence(&self, part: &Part) -> Box<[f64]>;
+    fn silence(&self, part: &TileBox) -> Box<[f64]>;
 
     /// An upper bound of the log-likelihood of silence at any vertex of a part of the lattice.
-    fn silence_bound(&self, part: &Part) -> f64;
+    fn silence_bound(&self, part: &TileBox) -> f64;
 }
 
 /// A grid in tiles. The log-likelihood of silence is computed when a search first needs it, and kept.
@@ -106,16 +106,16 @@ impl Tiles {
         &'a self,
         lattice: &'a Lattice,
         spans: &[Range<usize>; 3],
-    ) -> impl Iterator<Item = ([usize; 3], Part, f64)> + 'a {
+    ) -> impl Iterator<Item = ([usize; 3], TileBox, f64)> + 'a {
         let edge = [0, 1, 2].map(|axis| self.edge[axis] * self.edge[axis]);
         cells(spans, edge).map(move |block| {
             (block, self.block(lattice, block), self.block_bounds[linear(block, self.block_counts)])
         })
     }
 
-    fn block(&self, lattice: &Lattice, block: [usize; 3]) -> Part {
+    fn block(&self, lattice: &Lattice, block: [usize; 3]) -> TileBox {
         let edge = [0, 1, 2].map(|axis| self.edge[axis] * self.edge[axis]);
-        Part::new(lattice, [0, 1, 2].map(|axis| block[axis] * edge[axis]), edge)
+        TileBox::new(lattice, [0, 1, 2].map(|axis| block[axis] * edge[axis]), edge)
     }
 
     /// The tiles of a block that hold a vertex of a box of vertices, by number, with their silence bounds.
@@ -124,21 +124,21 @@ impl Tiles {
         search: &'a impl Silence,
         block: [usize; 3],
         spans: &[Range<usize>; 3],
-    ) -> impl Iterator<Item = (usize, Part, f64)> + 'a {
+    ) -> impl Iterator<Item = (usize, TileBox, f64)> + 'a {
         let part = self.block(search.lattice(), block);
         let spans = [0, 1, 2].map(|axis| {
             let span = part.span(axis);
             spans[axis].start.max(span.start)..spans[axis].end.min(span.end)
         });
         cells(&spans, self.edge).map(move |tile| {
-            let part = Part::new(search.lattice(), [0, 1, 2].map(|axis| tile[axis] * self.edge[axis]), self.edge);
+            let part = TileBox::new(search.lattice(), [0, 1, 2].map(|axis| tile[axis] * self.edge[axis]), self.edge);
             let number = linear(tile, self.counts);
             (number, part, *self.bounds[number].get_or_init(|| search.silence_bound(&part)))
         })
     }
 
     /// The log-likelihood of silence at the vertices of the tile of a number, x running fastest.
-    pub(super) fn silence(&self, search: &impl Silence, number: usize, part: &Part) -> &[f64] {
+    pub(super) fn silence(&self, search: &impl Silence, number: usize, part: &TileBox) -> &[f64] {
         self.silence[number].get_or_init(|| search.silence(part))
     }
 }

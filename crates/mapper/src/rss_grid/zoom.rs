@@ -2,10 +2,9 @@
 
 use sextant_channel::Position;
 
-use super::evidence::{Evidence, Links};
+use super::evidence::{HeardByStops, StrengthEvidence};
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::{Cell, Verdict};
-use crate::{Concern, Estimate, EstimateKind};
+use crate::posterior::{Cell, Concern, Estimate, EstimateKind, Verdict};
 
 /// Vertices along each axis, in the plane and in space.
 const FINE: [u32; 2] = [48, 16];
@@ -20,14 +19,14 @@ const SLIGHT: f64 = 1e-4;
 
 /// How finely a posterior is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Detail {
+pub(super) enum PosteriorDetail {
     Coarse,
     Fine,
 }
 
 /// Places with their probabilities, which sum to 1.
 #[derive(Clone, Debug)]
-pub(super) struct Posterior {
+pub(super) struct WeighedPlaces {
     pub(super) places: Vec<(Position, f64)>,
     pub(super) mean: Position,
     /// The likeliest place, and its log-likelihood.
@@ -37,12 +36,18 @@ pub(super) struct Posterior {
     pub(super) vertices: u64,
 }
 
-impl Posterior {
+impl WeighedPlaces {
     /// The posterior of a node in its box, on grids whose last step is about `step_m`.
-    pub(super) fn of(links: &Links, evidence: &Evidence, within: &SearchBox, step_m: f64, detail: Detail) -> Self {
+    pub(super) fn of(
+        links: &HeardByStops,
+        evidence: &StrengthEvidence,
+        within: &SearchBox,
+        step_m: f64,
+        detail: PosteriorDetail,
+    ) -> Self {
         let counts = match detail {
-            Detail::Coarse => COARSE,
-            Detail::Fine => FINE,
+            PosteriorDetail::Coarse => COARSE,
+            PosteriorDetail::Fine => FINE,
         }[usize::from(!within.is_level())];
         let (mut low, mut high) = (within.low, within.high);
         let (mut concern, mut vertices) = (None, 0);

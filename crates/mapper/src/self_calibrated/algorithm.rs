@@ -3,23 +3,26 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
-use super::belief::Belief;
-use super::counts::Counts;
-use super::draft::Draft;
+use super::belief::PlaceBelief;
+use super::counts::StopCounts;
+use super::draft::CalibrationDraft;
 use super::model::CalibratedCurve;
 use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
 use crate::absorption::AbsorptionMap;
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
 use crate::grid_ml::directions::{CoverageEdge, Directions};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::are_level;
 use crate::log_facts::reach::{is_reach_known, reach_m};
 use crate::log_facts::search_box::Limits;
 use crate::log_facts::sectors::SectorSettings;
-use crate::posterior::FitState;
-use crate::{
-    AnyLog, Axes, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
-    KnowledgeKind, MapError, Mapper, SoughtHeights, TopologyMap,
-};
+use crate::posterior::{Estimate, FitState};
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Number of grid steps over the range seen in the log, if no step is set, in the plane and in space.
 const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];
@@ -116,13 +119,13 @@ impl SelfCalibrated {
         let knowledge = if applies { self.settings.obstacles } else { ObstacleKnowledge::None };
         let directions =
             Directions::of(log, &SectorSettings::default(), start.range_m, heights.heights(), CoverageEdge::Exact)?;
-        let counts = Counts::new(log, start.range_m, directions);
-        let mut draft = Draft::new(&counts, &start, &Limits::new(log, reach_m, heights), watch);
+        let counts = StopCounts::new(log, start.range_m, directions);
+        let mut draft = CalibrationDraft::new(&counts, &start, &Limits::new(log, reach_m, heights), watch);
         watch.begin(self.work(log, start.nodes.len(), is_spatial));
         let settled = self.run(&mut draft, start.range_m, step_m, knowledge)?;
         draft.widen(step_m)?;
         let is_reach_known = is_reach_known(&start.nodes);
-        let concern = |belief: &Belief| {
+        let concern = |belief: &PlaceBelief| {
             let is_settled = !belief.is_cramped && (settled || belief.shift_m < SETTLED * step_m);
             FitState { is_reach_known, is_settled }.concern(belief.concern)
         };
@@ -170,7 +173,7 @@ impl SelfCalibrated {
     /// converged.
     fn run(
         &self,
-        draft: &mut Draft<'_>,
+        draft: &mut CalibrationDraft<'_>,
         range_m: f64,
         step_m: f64,
         knowledge: ObstacleKnowledge,

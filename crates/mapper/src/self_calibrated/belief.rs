@@ -3,12 +3,11 @@
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::Concern;
-use crate::posterior::Cell;
+use crate::posterior::{Cell, Concern};
 
 /// The current estimate of the place of one node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Belief {
+pub(super) struct PlaceBelief {
     pub(super) node: NodeId,
     /// Posterior mean (m).
     pub(super) mean: Position,
@@ -26,7 +25,7 @@ pub(super) struct Belief {
     pub(super) shift_m: f64,
 }
 
-impl Belief {
+impl PlaceBelief {
     /// Standard deviation along an axis (m).
     pub(super) fn spread_m(&self, axis: usize) -> f64 {
         self.covariance[axis][axis].max(0.0).sqrt()

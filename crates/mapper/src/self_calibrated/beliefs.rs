@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use sextant_kernel::Interrupted;
 
-use super::belief::Belief;
-use super::model::Sums;
-use super::posterior::{Scratch, Surroundings, Tally};
+use super::belief::PlaceBelief;
+use super::model::ModelSums;
+use super::posterior::{KnownBesidesPlace, PosteriorScratch, Tally};
 use crate::log_facts::search_box::SearchBox;
 
 /// Number of nodes whose counts are held at a time.
@@ -14,11 +14,11 @@ const BLOCK: usize = 512;
 /// The beliefs of all nodes that were heard.
 #[derive(Debug)]
 pub(super) struct Beliefs {
-    pub(super) nodes: Vec<Belief>,
+    pub(super) nodes: Vec<PlaceBelief>,
     /// The box in which each node is searched for.
     bounds: Vec<SearchBox>,
     tallies: Vec<Tally>,
-    next: Vec<Belief>,
+    next: Vec<PlaceBelief>,
 }
 
 /// The progress of one round.
@@ -30,7 +30,7 @@ pub(super) struct Progress {
 }
 
 impl Beliefs {
-    pub(super) fn new(nodes: Vec<Belief>, bounds: Vec<SearchBox>, bins: usize) -> Self {
+    pub(super) fn new(nodes: Vec<PlaceBelief>, bounds: Vec<SearchBox>, bins: usize) -> Self {
         let tallies = vec![Tally::new(bins); nodes.len().min(BLOCK)];
         Self { next: nodes.clone(), nodes, bounds, tallies }
     }
@@ -39,8 +39,8 @@ impl Beliefs {
     /// any number of threads.
     pub(super) fn refine(
         &mut self,
-        surroundings: &Surroundings<'_>,
-        sums: &mut Sums,
+        surroundings: &KnownBesidesPlace<'_>,
+        sums: &mut ModelSums,
     ) -> Result<Progress, Interrupted> {
         sums.clear();
         let (mut shift_m, mut vertices) = (0.0, 0);
@@ -48,10 +48,13 @@ impl Beliefs {
         for ((before, bounds), after) in blocks {
             let tallies = &mut self.tallies[..before.len()];
             let work = before.par_iter().zip(bounds).zip(after.par_iter_mut()).zip(tallies.par_iter_mut());
-            work.with_min_len(8).for_each_init(Scratch::default, |scratch, (((before, bounds), after), tally)| {
-                tally.vertices = 0;
-                *after = surroundings.refine(scratch, bounds, before, tally);
-            });
+            work.with_min_len(8).for_each_init(
+                PosteriorScratch::default,
+                |scratch, (((before, bounds), after), tally)| {
+                    tally.vertices = 0;
+                    *after = surroundings.refine(scratch, bounds, before, tally);
+                },
+            );
             surroundings.watch.check()?;
             for ((before, after), tally) in before.iter().zip(after.iter()).zip(tallies.iter()) {
                 shift_m += before.mean.distance_m(after.mean);
@@ -69,15 +72,15 @@ impl Beliefs {
 
     /// Computes the posteriors of the nodes again whose windows do not hold them, in windows as wide as they have become.
     /// Returns the number of vertices.
-    pub(super) fn refine_cramped(&mut self, surroundings: &Surroundings<'_>) -> Result<u64, Interrupted> {
+    pub(super) fn refine_cramped(&mut self, surroundings: &KnownBesidesPlace<'_>) -> Result<u64, Interrupted> {
         let bins = surroundings.model.bins();
         let work = self.nodes.par_iter_mut().zip(&self.bounds).filter(|(belief, _)| belief.is_cramped);
         let vertices = work.map_init(
-            || (Scratch::default(), Tally::new(bins)),
+            || (PosteriorScratch::default(), Tally::new(bins)),
             |(scratch, tally), (belief, bounds)| {
                 tally.vertices = 0;
                 let shift_m = belief.shift_m;
-                *belief = Belief { shift_m, ..surroundings.refine(scratch, bounds, belief, tally) };
+                *belief = PlaceBelief { shift_m, ..surroundings.refine(scratch, bounds, belief, tally) };
                 tally.vertices
             },
         );
@@ -87,7 +90,7 @@ impl Beliefs {
     }
 }
 
-impl Sums {
+impl ModelSums {
     fn clear(&mut self) {
         self.received.fill(0.0);
         self.sent.fill(0.0);

@@ -7,7 +7,7 @@ use crate::grid_ml::directions::{Directions, covers};
 
 /// Packets between one node and one stop.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Link {
+pub(super) struct CountedLink {
     pub(super) stop: u32,
     pub(super) place: Position,
     pub(super) received: u32,
@@ -16,7 +16,7 @@ pub(super) struct Link {
     pub(super) sector: Option<u8>,
 }
 
-impl Link {
+impl CountedLink {
     /// Packets sent.
     pub(super) fn sent(&self) -> u32 {
         self.received.saturating_add(self.missed)
@@ -39,14 +39,14 @@ impl Record {
 
 /// The stops of a log, with an index of their places.
 #[derive(Debug)]
-pub(super) struct Counts<'a> {
+pub(super) struct StopCounts<'a> {
     pub(super) log: &'a ReceptionLog,
     /// The sectors of the log, if they are evidence.
     pub(super) directions: Option<Directions>,
     cells: CellIndex,
 }
 
-impl<'a> Counts<'a> {
+impl<'a> StopCounts<'a> {
     /// Stops will be searched for within distances of about `range_m`.
     pub(super) fn new(log: &'a ReceptionLog, range_m: f64, directions: Option<Directions>) -> Self {
         let places: Vec<Position> = log.stops().iter().map(|stop| stop.position).collect();
@@ -60,7 +60,7 @@ impl<'a> Counts<'a> {
     }
 
     /// Calls `found` with each link to a stop within `radius_m` of `place`.
-    pub(super) fn within(&self, record: &Record, place: Position, radius_m: f64, mut found: impl FnMut(Link)) {
+    pub(super) fn within(&self, record: &Record, place: Position, radius_m: f64, mut found: impl FnMut(CountedLink)) {
         self.cells.within(place, radius_m, |stop| {
             found(self.link(stop, record.at(stop)));
         });
@@ -72,7 +72,7 @@ impl<'a> Counts<'a> {
         record: &Record,
         place: Position,
         radius_m: f64,
-        mut found: impl FnMut(Link),
+        mut found: impl FnMut(CountedLink),
     ) {
         for entry in &record.entries {
             let link = self.link(entry.stop, Some(entry));
@@ -84,15 +84,15 @@ impl<'a> Counts<'a> {
     }
 
     /// The link to a stop. One packet is missed if the log has no entry.
-    fn link(&self, stop: u32, entry: Option<&Reception>) -> Link {
+    fn link(&self, stop: u32, entry: Option<&Reception>) -> CountedLink {
         let place = self.log.stops()[stop as usize].position;
         let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
         let sector = entry.and_then(|entry| entry.sector).filter(|_| received > 0);
-        Link { stop, place, received, missed: sent - received, sector }
+        CountedLink { stop, place, received, missed: sent - received, sector }
     }
 
     /// Whether a link says something about a place: a stop that heard nothing does not where no sector points.
-    pub(super) fn tells(&self, link: &Link, place: Position) -> bool {
+    pub(super) fn tells(&self, link: &CountedLink, place: Position) -> bool {
         link.received > 0 || covers(self.directions.as_ref(), place - link.place)
     }
 }

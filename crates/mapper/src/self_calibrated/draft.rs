@@ -2,16 +2,16 @@
 
 use sextant_kernel::{Interrupted, Watch};
 
-use super::belief::Belief;
+use super::belief::PlaceBelief;
 use super::beliefs::Beliefs;
-use super::counts::Counts;
-use super::model::{Model, Sums};
-use super::posterior::{Obstacles, Surroundings};
+use super::counts::StopCounts;
+use super::model::{Model, ModelSums};
+use super::posterior::{KnownBesidesPlace, Obstacles};
 use super::settings::ObstacleKnowledge;
 use super::shadows::Shadows;
 use super::start::Start;
 use super::tomography::{Division, Tomography};
-use super::window::Detail;
+use super::window::RoundDetail;
 use crate::absorption::AbsorptionMap;
 use crate::log_facts::search_box::Limits;
 use crate::posterior::Cell;
@@ -30,28 +30,28 @@ const WIDENINGS: usize = 8;
 
 /// The current positions, curve, efficiencies and obstacles.
 #[derive(Debug)]
-pub(super) struct Draft<'a> {
-    counts: &'a Counts<'a>,
+pub(super) struct CalibrationDraft<'a> {
+    counts: &'a StopCounts<'a>,
     pub(super) beliefs: Beliefs,
     pub(super) model: Model,
-    sums: Sums,
+    sums: ModelSums,
     tomography: Option<Tomography>,
     shadows: Shadows,
     /// Whether the absorption found is used.
     is_obstructed: bool,
     /// Whether curve and efficiencies are fitted.
     fits: bool,
-    detail: Detail,
+    detail: RoundDetail,
     watch: &'a dyn Watch,
     pub(super) rounds: u32,
     pub(super) vertices: u64,
 }
 
-impl<'a> Draft<'a> {
-    pub(super) fn new(counts: &'a Counts<'a>, start: &Start, limits: &Limits, watch: &'a dyn Watch) -> Self {
+impl<'a> CalibrationDraft<'a> {
+    pub(super) fn new(counts: &'a StopCounts<'a>, start: &Start, limits: &Limits, watch: &'a dyn Watch) -> Self {
         let model = Model::new(start.range_m, counts.log.stops().len());
         let bounds: Vec<_> = start.nodes.iter().map(|heard| limits.of(heard)).collect();
-        let nodes = start.nodes.iter().zip(&bounds).map(|(heard, bounds)| Belief {
+        let nodes = start.nodes.iter().zip(&bounds).map(|(heard, bounds)| PlaceBelief {
             node: heard.node,
             mean: bounds.nearest(heard.middle),
             highest: f64::NEG_INFINITY,
@@ -71,7 +71,7 @@ impl<'a> Draft<'a> {
             shadows: Shadows::default(),
             is_obstructed: false,
             fits: start.is_rich,
-            detail: Detail::of_pairs(counts.log.receptions().len()),
+            detail: RoundDetail::of_pairs(counts.log.receptions().len()),
             watch,
             rounds: 0,
             vertices: 0,
@@ -88,7 +88,8 @@ impl<'a> Draft<'a> {
     /// Runs rounds on a grid of `step_m` until a round moves the nodes by less than `tolerance_m` on average. Returns
     /// whether this happened before the total number of rounds reached `most_rounds`. At least one round is run.
     pub(super) fn stage(&mut self, step_m: f64, tolerance_m: f64, most_rounds: u32) -> Result<bool, Interrupted> {
-        let most_rounds = if self.detail == Detail::Coarse { most_rounds.min(LONG_LOG_ROUNDS) } else { most_rounds };
+        let most_rounds =
+            if self.detail == RoundDetail::Coarse { most_rounds.min(LONG_LOG_ROUNDS) } else { most_rounds };
         if self.tomography.is_some() && !self.is_obstructed {
             self.look_for_obstacles()?;
         } else {
@@ -121,8 +122,8 @@ impl<'a> Draft<'a> {
                 break;
             }
             let map = self.tomography.as_ref().filter(|_| self.is_obstructed).map(|tomography| &tomography.map);
-            let logarithms = (self.detail == Detail::Coarse).then(|| self.model.logarithms());
-            let surroundings = Surroundings {
+            let logarithms = (self.detail == RoundDetail::Coarse).then(|| self.model.logarithms());
+            let surroundings = KnownBesidesPlace {
                 counts: self.counts,
                 model: &self.model,
                 obstacles: map.map(|map| Obstacles { map, shadows: &self.shadows }),
@@ -150,8 +151,8 @@ impl<'a> Draft<'a> {
         if let Some(map) = map {
             self.shadows.trace(map, self.counts.log.stops(), self.model.range_m(), self.watch)?;
         }
-        let logarithms = (self.detail == Detail::Coarse).then(|| self.model.logarithms());
-        let surroundings = Surroundings {
+        let logarithms = (self.detail == RoundDetail::Coarse).then(|| self.model.logarithms());
+        let surroundings = KnownBesidesPlace {
             counts: self.counts,
             model: &self.model,
             obstacles: map.map(|map| Obstacles { map, shadows: &self.shadows }),

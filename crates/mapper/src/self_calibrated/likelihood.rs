@@ -2,9 +2,9 @@
 
 use sextant_channel::Position;
 
-use super::counts::Link;
+use super::counts::CountedLink;
 use super::model::{Logarithms, Model};
-use super::window::Window;
+use super::window::VertexWindow;
 
 /// Maximum number of packets whose probabilities are multiplied before a logarithm is taken. 10⁻⁶ to this power is
 /// still a normal number.
@@ -12,14 +12,14 @@ const CHUNK: u32 = 40;
 
 /// A likelihood at each vertex of a window: the exponential of a logarithm, times a product of probabilities.
 #[derive(Debug, Default)]
-pub(super) struct Likelihood {
+pub(super) struct WindowLikelihood {
     logarithms: Vec<f64>,
     product: Vec<f64>,
     /// Packets in the product.
     packets: u32,
 }
 
-impl Likelihood {
+impl WindowLikelihood {
     /// Sets the number of vertices, and the likelihood of each to 1.
     pub(super) fn clear(&mut self, vertices: usize) {
         self.logarithms.clear();
@@ -31,7 +31,7 @@ impl Likelihood {
 
     /// Multiplies by the likelihood of the packets of a link. `probability` is that of a reception if the node is at
     /// a place.
-    pub(super) fn add(&mut self, window: &Window, link: &Link, probability: impl Fn(Position) -> f64) {
+    pub(super) fn add(&mut self, window: &VertexWindow, link: &CountedLink, probability: impl Fn(Position) -> f64) {
         let sent = link.sent();
         if self.packets.saturating_add(sent) > CHUNK {
             self.take_logarithms();
@@ -53,7 +53,13 @@ impl Likelihood {
     }
 
     /// The same for a clear link by tables of logarithms, which is faster for several packets.
-    pub(super) fn add_logarithms(&mut self, window: &Window, link: &Link, model: &Model, logarithms: &Logarithms) {
+    pub(super) fn add_logarithms(
+        &mut self,
+        window: &VertexWindow,
+        link: &CountedLink,
+        model: &Model,
+        logarithms: &Logarithms,
+    ) {
         let (received, missed) = (f64::from(link.received), f64::from(link.missed));
         let of_stop = logarithms.of_stop(link.stop as usize);
         window.each(|vertex, place| {
@@ -63,7 +69,7 @@ impl Likelihood {
     }
 
     /// Multiplies by a factor of each place, at least 10⁻⁶.
-    pub(super) fn multiply(&mut self, window: &Window, factor: impl Fn(Position) -> f64) {
+    pub(super) fn multiply(&mut self, window: &VertexWindow, factor: impl Fn(Position) -> f64) {
         if self.packets >= CHUNK {
             self.take_logarithms();
         }

@@ -13,7 +13,7 @@ const LEAST_CURVATURE: f64 = 0.05;
 
 /// A line from a stop to a node.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct SightLine {
     /// z over the length of the line.
     pub(super) score: f64,
     /// Efficiency of the stop.
@@ -38,7 +38,7 @@ pub(super) enum Half {
 /// A line with the cells that it crosses.
 #[derive(Clone, Copy, Debug)]
 struct RecordedWorld {
-    line: Line,
+    line: SightLine,
     /// Length in the cells, in widths of a cell.
     length: f64,
     /// Cosine and sine of twice its direction in the plane.
@@ -66,7 +66,7 @@ impl Lines {
     }
 
     /// Adds a line between two places. Free cells do not count.
-    pub(super) fn draw(&mut self, map: &AbsorptionMap, is_free: &[bool], ends: [Position; 2], line: Line) {
+    pub(super) fn draw(&mut self, map: &AbsorptionMap, is_free: &[bool], ends: [Position; 2], line: SightLine) {
         let [from, to] = ends;
         let slant = slant(to - from);
         let way = to - from;
@@ -182,7 +182,7 @@ fn each<'a>(
     all.filter(move |(drawn, _)| half.is_none_or(|half| half == drawn.line.half))
 }
 
-impl Line {
+impl SightLine {
     fn probability(&self, model: &Model, absorbed: f64) -> f64 {
         (self.efficiency * model.normal().below(self.score - absorbed)).clamp(FLOOR, CEILING)
     }
@@ -223,7 +223,7 @@ mod tests {
     fn derivatives_are_those_of_the_log_likelihood() {
         let model = Model::new(10.0, 1);
         for (received, missed) in [(1.0, 0.0), (0.0, 1.0), (3.0, 2.0)] {
-            let line = Line { score: 0.8, efficiency: 0.9, received, missed, node: 0, half: Half::One };
+            let line = SightLine { score: 0.8, efficiency: 0.9, received, missed, node: 0, half: Half::One };
             for absorbed in [0.0, 0.4, 1.5] {
                 let h = 0.05;
                 let [low, here, high] = [-h, 0.0, h].map(|h| line.log_likelihood(&model, absorbed + h));
@@ -248,7 +248,7 @@ mod tests {
                 &map,
                 &is_free,
                 ends,
-                Line { score: 1.0, efficiency: 1.0, received: 1.0 - missed, missed, node: 0, half },
+                SightLine { score: 1.0, efficiency: 1.0, received: 1.0 - missed, missed, node: 0, half },
             );
         }
         let cells = [1.0, 9.0, 1.0, 9.0];

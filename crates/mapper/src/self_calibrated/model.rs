@@ -1,6 +1,6 @@
 //! The probability that a packet is received: a curve over distance, and an efficiency of each stop.
 
-use crate::never_rising;
+use crate::numerics::never_rising;
 use crate::numerics::normal::{Normal, index, quantile};
 
 /// Number of bins over the range seen in the log.
@@ -26,7 +26,7 @@ const RARE: f64 = 0.01;
 /// The counts from which a model is estimated: packets by distance and by stop, expected under the posteriors of the
 /// nodes.
 #[derive(Clone, Debug)]
-pub(super) struct Sums {
+pub(super) struct ModelSums {
     /// Packets received, by bin.
     pub(super) received: Vec<f64>,
     /// Packets sent, times the efficiency of the stop and the share that passes the obstacles, by bin.
@@ -97,9 +97,9 @@ impl Model {
     }
 
     /// Sums of zero.
-    pub(super) fn sums(&self) -> Sums {
+    pub(super) fn sums(&self) -> ModelSums {
         let bins = vec![0.0; self.clear.len()];
-        Sums { received: bins.clone(), sent: bins, stops: vec![[0.0; 2]; self.efficiency.len()] }
+        ModelSums { received: bins.clone(), sent: bins, stops: vec![[0.0; 2]; self.efficiency.len()] }
     }
 
     /// The bin that holds `distance_m`.
@@ -173,7 +173,7 @@ impl Model {
     }
 
     /// Fits curve and efficiencies to `sums`.
-    pub(super) fn fit(&mut self, sums: &Sums) {
+    pub(super) fn fit(&mut self, sums: &ModelSums) {
         self.fit_efficiency(&sums.stops);
         // One half of 2·10⁻⁴ packets keeps probabilities above 0 where nothing was sent.
         let sent: Vec<f64> = sums.sent.iter().map(|sent| sent + 2e-4).collect();
@@ -210,7 +210,7 @@ impl Model {
 
     /// Probability of a reception over the nearest hundredth of the links in range, at full efficiency. If these have
     /// fewer than fifty packets, more links are used, up to a tenth.
-    fn top(&self, sums: &Sums) -> f64 {
+    fn top(&self, sums: &ModelSums) -> f64 {
         let within = self.bin(self.range_m);
         let all: f64 = sums.sent[..=within].iter().sum();
         let enough = (0.01 * all).max(50.0).min(0.1 * all);
@@ -237,7 +237,7 @@ impl Model {
     }
 
     /// Lets the curve go on as it ends: beyond the longest distance with packets it has the value that it has there.
-    pub(super) fn extrapolate(&mut self, sums: &Sums) {
+    pub(super) fn extrapolate(&mut self, sums: &ModelSums) {
         let Some(last) = sums.sent.iter().rposition(|&sent| sent >= SOME) else { return };
         let value = self.clear[last];
         self.clear[last..].fill(value);

@@ -3,17 +3,16 @@
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, Watch};
 
-use super::belief::Belief;
-use super::counts::{Counts, Link, Record};
-use super::likelihood::Likelihood;
+use super::belief::PlaceBelief;
+use super::counts::{CountedLink, Record, StopCounts};
+use super::likelihood::WindowLikelihood;
 use super::model::{FLOOR, Logarithms, Model};
 use super::shadows::Shadows;
-use super::window::{Detail, Window};
-use crate::Concern;
+use super::window::{RoundDetail, VertexWindow};
 use crate::absorption::AbsorptionMap;
 use crate::grid_ml::directions::Directions;
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::{Verdict, covariance};
+use crate::posterior::{Concern, Verdict, covariance};
 
 /// Probability above which a vertex counts.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -44,12 +43,12 @@ impl Tally {
 
 /// Everything that is known, apart from the place of the node.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Surroundings<'a> {
-    pub(super) counts: &'a Counts<'a>,
+pub(super) struct KnownBesidesPlace<'a> {
+    pub(super) counts: &'a StopCounts<'a>,
     pub(super) model: &'a Model,
     pub(super) obstacles: Option<Obstacles<'a>>,
     pub(super) step_m: f64,
-    pub(super) detail: Detail,
+    pub(super) detail: RoundDetail,
     /// Tables of the logarithms of the model, for a long log.
     pub(super) logarithms: Option<&'a Logarithms>,
     pub(super) watch: &'a dyn Watch,
@@ -64,7 +63,7 @@ pub(super) struct Obstacles<'a> {
 
 impl Obstacles<'_> {
     /// Whether something may absorb between a stop and a window.
-    fn may_shade(&self, window: &Window, link: &Link) -> bool {
+    fn may_shade(&self, window: &VertexWindow, link: &CountedLink) -> bool {
         let ends = [(0, link.place.x_m), (1, link.place.y_m)].map(|(axis, at): (usize, f64)| {
             let [low, high] = window.ends(axis);
             (low.min(at), high.max(at))
@@ -84,24 +83,24 @@ impl Obstacles<'_> {
 
 /// Memory that a thread reuses for each node.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(super) struct PosteriorScratch {
     record: Record,
-    links: Vec<Link>,
-    window: Window,
-    likelihood: Likelihood,
+    links: Vec<CountedLink>,
+    window: VertexWindow,
+    likelihood: WindowLikelihood,
     likely: Vec<(Position, f64)>,
 }
 
-impl Surroundings<'_> {
+impl KnownBesidesPlace<'_> {
     /// Computes the posterior of a node round the last belief and within its bounds, and its counts. If `watch` ends the
     /// work meanwhile, the result means nothing.
     pub(super) fn refine(
         &self,
-        scratch: &mut Scratch,
+        scratch: &mut PosteriorScratch,
         bounds: &SearchBox,
-        before: &Belief,
+        before: &PlaceBelief,
         tally: &mut Tally,
-    ) -> Belief {
+    ) -> PlaceBelief {
         tally.clear();
         scratch.window.lay(bounds, before, self.step_m, self.detail);
         self.gather(scratch, before, tally);
@@ -114,8 +113,8 @@ impl Surroundings<'_> {
 
     /// Lists the links that tell where the node is: those with a reception, and those to stops in range. Packets that were
     /// missed farther away go to the counts at once.
-    fn gather(&self, scratch: &mut Scratch, before: &Belief, tally: &mut Tally) {
-        let Scratch { record, links, window, .. } = scratch;
+    fn gather(&self, scratch: &mut PosteriorScratch, before: &PlaceBelief, tally: &mut Tally) {
+        let PosteriorScratch { record, links, window, .. } = scratch;
         let near_m = self.model.range_m() + window.radius_m(before.mean);
         let far_m = self.model.last_bin_m().max(near_m);
         self.counts.read(before.node, record);
@@ -147,8 +146,8 @@ impl Surroundings<'_> {
     }
 
     /// Computes the log-likelihood of each vertex.
-    fn weigh(&self, scratch: &mut Scratch) {
-        let Scratch { links, window, likelihood, .. } = scratch;
+    fn weigh(&self, scratch: &mut PosteriorScratch) {
+        let PosteriorScratch { links, window, likelihood, .. } = scratch;
         likelihood.clear(window.len());
         for link in links.iter().filter(|link| link.sent() > 0) {
             if self.watch.is_stopped() {
@@ -175,7 +174,13 @@ impl Surroundings<'_> {
     }
 
     /// Multiplies by the likelihood of a link to a stop with an antenna of several sectors.
-    fn weigh_direction(&self, directions: &Directions, window: &Window, link: &Link, likelihood: &mut Likelihood) {
+    fn weigh_direction(
+        &self,
+        directions: &Directions,
+        window: &VertexWindow,
+        link: &CountedLink,
+        likelihood: &mut WindowLikelihood,
+    ) {
         let efficiency = self.model.efficiency(link.stop as usize);
         let obstacles = self.obstacles.filter(|obstacles| obstacles.may_shade(window, link));
         likelihood.add(window, link, |place| {
@@ -198,7 +203,7 @@ impl Surroundings<'_> {
     /// Adds the packets of each link to the bins of its likely lengths. For the curve, packets that obstacles stop
     /// count as not sent. Shaded links are not simply left out, because that would keep the lucky ones and bias the
     /// curve.
-    fn tally(&self, scratch: &Scratch, belief: &Belief, tally: &mut Tally) {
+    fn tally(&self, scratch: &PosteriorScratch, belief: &PlaceBelief, tally: &mut Tally) {
         for link in &scratch.links {
             let efficiency = self.model.efficiency(link.stop as usize);
             let (received, sent) = (f64::from(link.received), f64::from(link.sent()));
@@ -219,9 +224,9 @@ impl Surroundings<'_> {
     }
 }
 
-impl Scratch {
+impl PosteriorScratch {
     /// Turns log-likelihoods into the posterior and its moments.
-    fn moments(&mut self, node: NodeId, bounds: &SearchBox) -> Belief {
+    fn moments(&mut self, node: NodeId, bounds: &SearchBox) -> PlaceBelief {
         let Self { window, likelihood, likely, .. } = self;
         let (best, highest) = likelihood.highest();
         let log_likelihood = likelihood.logarithms();
@@ -249,7 +254,7 @@ impl Scratch {
         let is_cramped = at_open_end.map(weight).sum::<f64>() > CRAMPED;
         let concern = self.concern(bounds);
         let cell = self.window.cell();
-        Belief { node, mean, highest, covariance, cell, concern, is_cramped, shift_m: 0.0 }
+        PlaceBelief { node, mean, highest, covariance, cell, concern, is_cramped, shift_m: 0.0 }
     }
 
     /// What the window says of the posterior in the bounds of the node.

@@ -6,8 +6,10 @@ use sextant_kernel::NodeId;
 use sextant_kernel::text::counted;
 
 use super::{CalibratedCurve, Calibration, ObstacleKnowledge};
-use crate::learned::Unconverged;
-use crate::{AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, SurveyFrame, TopologyMap};
+use crate::absorption::AbsorptionMap;
+use crate::learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, Unconverged};
+use crate::survey_frame::SurveyFrame;
+use crate::topology_map::TopologyMap;
 
 #[cfg(feature = "config")]
 /// What was estimated with a self-calibrated map, and from which knowledge.

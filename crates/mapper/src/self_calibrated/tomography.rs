@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, Seed, Watch};
 
-use super::belief::Belief;
-use super::counts::{Counts, Record};
-use super::lines::{Half, Line, Lines};
+use super::belief::PlaceBelief;
+use super::counts::{Record, StopCounts};
+use super::lines::{Half, Lines, SightLine};
 use super::model::Model;
 use super::settings::ObstacleKnowledge;
 use crate::absorption::AbsorptionMap;
@@ -69,7 +69,7 @@ impl Tomography {
     /// Cells that cover the places of the nodes, which are known to about `slack_m`.
     pub(super) fn new(
         log: &ReceptionLog,
-        nodes: &[Belief],
+        nodes: &[PlaceBelief],
         cell_m: f64,
         slack_m: f64,
         knowledge: ObstacleKnowledge,
@@ -115,8 +115,8 @@ impl Tomography {
     /// node with all its lines.
     pub(super) fn draw(
         &mut self,
-        counts: &Counts<'_>,
-        nodes: &[Belief],
+        counts: &StopCounts<'_>,
+        nodes: &[PlaceBelief],
         model: &Model,
         division: Division,
         watch: &dyn Watch,
@@ -126,7 +126,7 @@ impl Tomography {
         let reach_m = end_m * (1.0 - MARGIN);
         let share = share_of_lines(counts, nodes, reach_m, map.cell_m());
         let dealt = nodes.chunks(nodes.len().div_ceil(PARTS).max(1)).chain(std::iter::repeat(&[][..]));
-        let work: Vec<(&mut Lines, &[Belief])> = parts.iter_mut().zip(dealt).collect();
+        let work: Vec<(&mut Lines, &[PlaceBelief])> = parts.iter_mut().zip(dealt).collect();
         work.into_par_iter().try_for_each(|(lines, nodes)| {
             lines.clear();
             let mut record = Record::default();
@@ -155,7 +155,7 @@ impl Tomography {
                         map,
                         is_free,
                         [link.place, belief.mean],
-                        Line {
+                        SightLine {
                             score: model.score(distance_m),
                             efficiency: model.efficiency(link.stop as usize),
                             received: f64::from(link.received),
@@ -300,7 +300,7 @@ impl Tomography {
 }
 
 /// The share of the lines that is used, as so many in one.
-fn share_of_lines(counts: &Counts<'_>, nodes: &[Belief], reach_m: f64, cell_m: f64) -> f64 {
+fn share_of_lines(counts: &StopCounts<'_>, nodes: &[PlaceBelief], reach_m: f64, cell_m: f64) -> f64 {
     let mut lines = 0.0;
     // A sample is enough for an estimate.
     let every = nodes.len().div_ceil(1000).max(1);

@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 
-use super::belief::Belief;
+use super::belief::PlaceBelief;
 use crate::log_facts::search_box::SearchBox;
 use crate::posterior::Cell;
 
@@ -22,12 +22,12 @@ const PHASE: [f64; 3] = [0.381_966, 0.236_068, 0.145_898];
 
 /// How much work a round may take: less for a long log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Detail {
+pub(super) enum RoundDetail {
     Fine,
     Coarse,
 }
 
-impl Detail {
+impl RoundDetail {
     /// The detail for a log that lists so many pairs of a node and a stop.
     pub(super) fn of_pairs(pairs: usize) -> Self {
         if pairs > MOST_PAIRS { Self::Coarse } else { Self::Fine }
@@ -36,7 +36,7 @@ impl Detail {
 
 /// A box of vertices. They are counted with x running fastest.
 #[derive(Debug, Default)]
-pub(super) struct Window {
+pub(super) struct VertexWindow {
     axes: [Axis; 3],
 }
 
@@ -51,9 +51,9 @@ struct Axis {
     is_open: [bool; 2],
 }
 
-impl Window {
+impl VertexWindow {
     /// Lays the vertices round the last belief and within the bounds, in steps of `step_m` or longer ones.
-    pub(super) fn lay(&mut self, bounds: &SearchBox, before: &Belief, step_m: f64, detail: Detail) {
+    pub(super) fn lay(&mut self, bounds: &SearchBox, before: &PlaceBelief, step_m: f64, detail: RoundDetail) {
         for (number, axis) in self.axes.iter_mut().enumerate() {
             axis.lay(number, bounds, before, (step_m, detail));
         }
@@ -132,7 +132,13 @@ impl Window {
 }
 
 impl Axis {
-    fn lay(&mut self, number: usize, bounds: &SearchBox, before: &Belief, (least_step_m, detail): (f64, Detail)) {
+    fn lay(
+        &mut self,
+        number: usize,
+        bounds: &SearchBox,
+        before: &PlaceBelief,
+        (least_step_m, detail): (f64, RoundDetail),
+    ) {
         let (low, high) = (bounds.low[number], bounds.high[number]);
         let mean_m = <[f64; 3]>::from(before.mean)[number];
         self.coordinates.clear();
@@ -140,7 +146,7 @@ impl Axis {
         self.is_open = [false; 2];
         if low < high {
             let spread_m = before.spread_m(number);
-            let is_coarse = detail == Detail::Coarse && !bounds.is_level();
+            let is_coarse = detail == RoundDetail::Coarse && !bounds.is_level();
             let step_m = step_m(spread_m, least_step_m, COARSENESS[usize::from(is_coarse)]);
             let half = half_width(spread_m, step_m, MOST[detail as usize][usize::from(!bounds.is_level())]);
             let middle = (mean_m / step_m - PHASE[number]).round() + PHASE[number];

@@ -6,7 +6,8 @@ use sextant_kernel::text::{choices, listed};
 
 use super::logs;
 use super::settings::StitchRules;
-use crate::{FrameKnowledge, Knowledge, MapError};
+use crate::error::MapError;
+use crate::knowledge::{FrameKnowledge, Knowledge};
 
 /// The robots that listened: those in the frame of the map, which are one member, and each of the others.
 #[derive(Clone, Debug)]

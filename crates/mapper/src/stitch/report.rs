@@ -8,9 +8,11 @@ use super::joint::FrameAgreement;
 use super::pair::PairFit;
 #[cfg(feature = "config")]
 use super::pair::PairState;
+use crate::absorption::AbsorptionMap;
 #[cfg(feature = "config")]
 use crate::learned::one_key;
-use crate::{AbsorptionMap, CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing, TopologyMap};
+use crate::learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing};
+use crate::topology_map::TopologyMap;
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 

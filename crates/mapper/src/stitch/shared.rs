@@ -3,7 +3,8 @@
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use crate::{Concern, Estimate, TopologyMap};
+use crate::posterior::{Concern, Estimate};
+use crate::topology_map::TopologyMap;
 
 /// A node must be heard at this many stops for its place to count.
 const LEAST_STOPS: usize = 3;

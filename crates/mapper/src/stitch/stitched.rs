@@ -11,10 +11,13 @@ use super::pair::{PairFit, PairState};
 use super::report::{JoinedFrame, RobotFrame, RobotOutcome, Stitching};
 use super::settings::{StitchConfig, StitchRules};
 use super::shared::OwnMap;
-use crate::{
-    Estimate, Estimator, EstimatorFindings, Knowledge, KnowledgeKind, MapError, Mapper, Messages, ReceptionProfile,
-    TopologyMap,
-};
+use crate::error::MapError;
+use crate::estimator::{Estimator, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::posterior::Estimate;
+use crate::profile::ReceptionProfile;
+use crate::topology_map::TopologyMap;
 
 /// An estimator that maps the log of each robot in its own frame first, and then the log of all in the frame of the map. Robots
 /// that are known to have that frame are mapped together.

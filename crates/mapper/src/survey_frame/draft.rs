@@ -36,7 +36,7 @@ impl HeardStops {
     }
 
     /// The axes of a survey at the stops of `log`, and their order; `None` if nothing was heard.
-    pub(crate) fn draft(&self, log: &ReceptionLog) -> Option<Draft> {
+    pub(crate) fn draft(&self, log: &ReceptionLog) -> Option<FrameDraft> {
         let stops = log.stops();
         let heard = stops.iter().zip(&self.packets).filter(|&(_, &packets)| packets > 0);
         let heard: Vec<Weighted> =
@@ -46,7 +46,7 @@ impl HeardStops {
             // Directions of sectors are those of the log, and its stops are told by number.
             let axes = SurveyAxes::of_log(rectangle.diagonal_m());
             let numbers = (0_u32..).zip(stops).map(|(number, _)| number).collect();
-            return Some(Draft { axes, stops: numbers, keys: Vec::new() });
+            return Some(FrameDraft { axes, stops: numbers, keys: Vec::new() });
         }
         let axes = SurveyAxes::of(&rectangle);
         let mut path: Vec<usize> = (0..stops.len()).collect();
@@ -60,7 +60,7 @@ impl HeardStops {
         }
         keys.sort_unstable();
         let numbers = keys.iter().map(|key| u32::try_from(key.stop).unwrap_or(u32::MAX)).collect();
-        Some(Draft { axes, stops: numbers, keys: Vec::new() })
+        Some(FrameDraft { axes, stops: numbers, keys: Vec::new() })
     }
 }
 
@@ -89,13 +89,13 @@ struct NodeKey {
 
 /// A frame whose nodes are not all known.
 #[derive(Clone, Debug)]
-pub(crate) struct Draft {
+pub(crate) struct FrameDraft {
     axes: SurveyAxes,
     stops: Vec<u32>,
     keys: Vec<NodeKey>,
 }
 
-impl Draft {
+impl FrameDraft {
     /// Takes the nodes of `log` that were heard; they are `nodes` in the whole log.
     pub(crate) fn take(&mut self, nodes: impl Iterator<Item = NodeId>, log: &ReceptionLog) {
         for (number, node) in nodes.enumerate() {

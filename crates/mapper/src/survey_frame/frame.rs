@@ -4,7 +4,8 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
 use super::axes::SurveyAxes;
-use crate::{CoordinateFrame, Estimate, TopologyMap};
+use crate::posterior::Estimate;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The frame of a survey: its axes, and which stop and node of the log each of its stops and nodes is.
 #[derive(Clone, Debug)]
@@ -27,7 +28,7 @@ impl SurveyFrame {
 
     /// A place of the log in this frame (m).
     #[must_use]
-    pub fn in_survey(&self, place: Position) -> Position {
+    pub(crate) fn in_survey(&self, place: Position) -> Position {
         self.axes.place(place)
     }
 
@@ -51,7 +52,7 @@ impl SurveyFrame {
 
     /// Number of stops in the log.
     #[must_use]
-    pub fn stops_in_log(&self) -> usize {
+    pub(crate) fn stops_in_log(&self) -> usize {
         self.log_stops
     }
 

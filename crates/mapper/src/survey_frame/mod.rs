@@ -18,7 +18,8 @@ pub(crate) use draft::HeardStops;
 pub use frame::SurveyFrame;
 pub(crate) use survey::Survey;
 
-use crate::{Knowledge, PlacePrior};
+use crate::knowledge::Knowledge;
+use crate::posterior::PlacePrior;
 
 /// The axes in which an estimator works.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::draft::HeardStops;
 use super::frame::SurveyFrame;
-use crate::{Area, PlacePrior};
+use crate::posterior::{Area, PlacePrior};
 
 /// A survey: its frame, and its stops in this frame.
 #[derive(Debug)]

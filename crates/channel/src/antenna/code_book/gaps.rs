@@ -9,7 +9,7 @@ use sextant_kernel::text::counted;
 use super::Flaw;
 use super::measured::Measured;
 use super::steps::Steps;
-use crate::sector::runs;
+use crate::antenna::sector::runs;
 
 /// What becomes of directions of the grid that a file has no gain for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

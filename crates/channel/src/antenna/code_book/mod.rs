@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use super::SECTORS_OF_ANTENNA;
-use crate::Position;
+use crate::geometry::position::Position;
 pub use gaps::Gaps;
 use measured::Measured;
 use steps::{Steps, floor};

@@ -57,7 +57,7 @@ fn parse(text: &str, gaps: Gaps) -> Result<(Measured, bool), Flaw> {
     let Some((number, header)) = lines.next() else {
         return Err(flaw("which is empty".into(), format!("a header `{},gain_dbi`, and rows", ANGLES.join(","))));
     };
-    let columns = Columns::of(header).map_err(|found| {
+    let columns = CodeBookColumns::of(header).map_err(|found| {
         let allowed =
             format!("the columns `{}`, and one of `gain_dbi`, `gain_db` and `gain_linear`", ANGLES.join("`, `"));
         flaw(format!("line {number}: {found}"), allowed)
@@ -131,14 +131,14 @@ fn grid(patterns: BTreeMap<Owner, Entries>) -> Result<Measured, Flaw> {
 }
 
 /// Where the columns of a file are.
-struct Columns {
+struct CodeBookColumns {
     /// The position of each of [`ANGLES`], then that of the gain.
     order: [usize; 4],
     unit: Unit,
     count: usize,
 }
 
-impl Columns {
+impl CodeBookColumns {
     /// Those of a header.
     fn of(header: &str) -> Result<Self, String> {
         let names: Vec<_> = header.trim_start_matches('\u{feff}').split(',').map(str::trim).collect();

@@ -2,7 +2,7 @@
 
 use super::CodeBook;
 use super::steps::Steps;
-use crate::{SectorConfig, SectorDirections};
+use crate::antenna::sector::{SectorConfig, SectorDirections};
 
 impl CodeBook {
     /// The wedge of each sector: the smallest interval of azimuth and of elevation that has all directions of the grid

@@ -109,6 +109,18 @@ impl Modules {
         self.arrows_where(|from, to| matches!((floor(from), floor(to)), (Some(from), Some(to)) if to < from))
     }
 
+    /// The modules that import an item through the root of the crate instead of the module that it is in, and that item.
+    pub(super) fn through_root(&self) -> Vec<String> {
+        let Some(root) = self.sources.get(&Module::new()) else { return Vec::new() };
+        let is_handed_on = |name: &String| root.imports.iter().any(|import| import.name == *name);
+        let of_module = |(module, source): (&Module, &Source)| {
+            let items = source.paths.iter().filter_map(|(inner, path)| item_of_root(module, *inner, path));
+            let items = items.filter(|item| is_handed_on(item) && self.child(&[], item).is_none());
+            items.map(|item| format!("{} uses crate::{item}", name(module))).collect::<Vec<_>>()
+        };
+        self.sources.iter().filter(|(module, _)| !module.is_empty()).flat_map(of_module).collect()
+    }
+
     fn arrows_where(&self, is_wanted: impl Fn(&Module, &Module) -> bool) -> Vec<String> {
         let arrows = self.arrows();
         let arrows = arrows.iter().flat_map(|(from, others)| others.iter().map(move |to| (*from, *to)));
@@ -213,6 +225,16 @@ fn reached<'a>(from: &'a Module, arrows: &'a BTreeSet<(Module, Module)>) -> BTre
         next.extend(onward.filter(|&to| reached.insert(to)));
     }
     reached
+}
+
+/// The step after the root of the crate, if `path` leads through it. The path is used in `module`, or in an inline module
+/// `inner` levels deeper in the same file.
+fn item_of_root<'a>(module: &Module, inner: usize, path: &'a [String]) -> Option<&'a String> {
+    let up = path.iter().take_while(|step| *step == "super").count();
+    if up > 0 && up == module.len() + inner {
+        return path.get(up);
+    }
+    path.get(1).filter(|_| path[0] == "crate")
 }
 
 /// The module of a file: `a/b.rs` and `a/b/mod.rs` are `a::b`.

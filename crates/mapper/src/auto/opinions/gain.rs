@@ -1,6 +1,6 @@
 //! What a law of links gains over fields of strengths that know no distance.
 
-use crate::auto::folds::{Fold, Pair};
+use crate::auto::folds::{Fold, NodeAndStop};
 use crate::auto::score::ln_density;
 use crate::comparators::strengths::{Process, strongest_first};
 use crate::log_facts::strengths::Strength;
@@ -21,8 +21,8 @@ const ROUNDED_DB2: f64 = 1.0;
 impl GainOfLaw {
     /// Takes the densities (1/dB) that a law gave to strengths of `node` at the stops of a fold: how much higher they are than
     /// those by a Gaussian process of its other strengths.
-    pub(in crate::auto) fn take(&mut self, fold: &Fold<'_>, node: usize, by_law: &[(Pair, f64)]) {
-        let strength = |pair: &Pair| Some(Strength { place: pair.stop.position, rssi_dbm: pair.rssi_dbm? });
+    pub(in crate::auto) fn take(&mut self, fold: &Fold<'_>, node: usize, by_law: &[(NodeAndStop, f64)]) {
+        let strength = |pair: &NodeAndStop| Some(Strength { place: pair.stop.position, rssi_dbm: pair.rssi_dbm? });
         if by_law.is_empty() {
             return;
         }

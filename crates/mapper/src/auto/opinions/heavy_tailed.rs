@@ -22,13 +22,13 @@ impl HeavyTailed {
 
     /// Normal distributions whose sum it is: the density is an integral over λ of λ^(exponent - 1) exp(-λ (1 + q / freedom)),
     /// here by the trapezoidal rule in ln λ, whose error is below a thousandth. `None` if the scale has no inverse.
-    fn parts(&self) -> Option<Vec<Part>> {
+    fn parts(&self) -> Option<Vec<GaussianFactor>> {
         let inverse = self.scale.try_inverse()?;
         let part = |number: u32| {
             let ln_rate = LOWEST_LN_RATE + f64::from(number);
             let rate = libm::exp(ln_rate);
             let precision = inverse * (2.0 * rate / self.freedom);
-            Part { ln_weight: self.exponent * ln_rate - rate, precision, place: self.place }
+            GaussianFactor { ln_weight: self.exponent * ln_rate - rate, precision, place: self.place }
         };
         Some((0..PARTS).map(part).collect())
     }
@@ -39,7 +39,7 @@ const LOWEST_LN_RATE: f64 = -7.0;
 const PARTS: u32 = 10;
 
 /// The function exp(ln_weight - (x - place)' precision (x - place) / 2).
-struct Part {
+struct GaussianFactor {
     ln_weight: f64,
     precision: Matrix2<f64>,
     place: Vector2<f64>,
@@ -48,16 +48,16 @@ struct Part {
 /// Mean (m) and covariance (m²) of the product of opinions. `None` without any, or if a scale has no inverse.
 pub(super) fn together(opinions: &[HeavyTailed]) -> Option<(Vector2<f64>, Matrix2<f64>)> {
     let origin = opinions.first()?.place;
-    let mut products = vec![Product::default()];
+    let mut products = vec![GaussianProduct::default()];
     for opinion in opinions {
         let parts = opinion.parts()?;
         products = products.iter().flat_map(|product| parts.iter().map(|part| product.with(part, origin))).collect();
     }
-    let normals: Option<Vec<Normal>> = products.iter().map(Product::normal).collect();
+    let normals: Option<Vec<WeightedNormal>> = products.iter().map(GaussianProduct::normal).collect();
     let normals = normals?;
     let highest = normals.iter().map(|normal| normal.ln_weight).fold(f64::NEG_INFINITY, f64::max);
     let (mut total, mut mean, mut second_moment) = (0.0, Vector2::zeros(), Matrix2::zeros());
-    for Normal { ln_weight, mean: place, covariance } in normals {
+    for WeightedNormal { ln_weight, mean: place, covariance } in normals {
         let weight = libm::exp(ln_weight - highest);
         total += weight;
         mean += place * weight;
@@ -70,7 +70,7 @@ pub(super) fn together(opinions: &[HeavyTailed]) -> Option<(Vector2<f64>, Matrix
 
 /// A product of parts: the function exp(ln_weight - x' precision x / 2 + weighted' x - squared / 2) of the way x from an origin.
 #[derive(Clone, Copy, Debug, Default)]
-struct Product {
+struct GaussianProduct {
     ln_weight: f64,
     precision: Matrix2<f64>,
     weighted: Vector2<f64>,
@@ -78,14 +78,14 @@ struct Product {
 }
 
 /// A normal distribution with the logarithm of its weight.
-struct Normal {
+struct WeightedNormal {
     ln_weight: f64,
     mean: Vector2<f64>,
     covariance: Matrix2<f64>,
 }
 
-impl Product {
-    fn with(&self, part: &Part, origin: Vector2<f64>) -> Self {
+impl GaussianProduct {
+    fn with(&self, part: &GaussianFactor, origin: Vector2<f64>) -> Self {
         let place = part.place - origin;
         let pulled = part.precision * place;
         Self {
@@ -96,11 +96,11 @@ impl Product {
         }
     }
 
-    fn normal(&self) -> Option<Normal> {
+    fn normal(&self) -> Option<WeightedNormal> {
         let covariance = self.precision.try_inverse()?;
         let mean = covariance * self.weighted;
         let ln_integral = 0.5 * (libm::log(covariance.determinant()) + self.weighted.dot(&mean) - self.squared);
-        Some(Normal { ln_weight: self.ln_weight + ln_integral, mean, covariance })
+        Some(WeightedNormal { ln_weight: self.ln_weight + ln_integral, mean, covariance })
     }
 }
 

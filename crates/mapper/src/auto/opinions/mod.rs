@@ -12,8 +12,10 @@ use sextant_kernel::{Interrupted, NodeId, Watch, Work};
 pub(super) use self::gain::GainOfLaw;
 use self::heavy_tailed::{HeavyTailed, together};
 use crate::comparators::strengths::{peak, strongest_place};
+use crate::comparators::{GaussianProcess, PacketCentroid, StrongestStop};
 use crate::log_facts::strengths::strengths;
-use crate::{Estimate, GaussianProcess, PacketCentroid, StrongestStop, TopologyMap};
+use crate::posterior::Estimate;
+use crate::topology_map::TopologyMap;
 
 /// How much the link model and other opinions count for the places of a map.
 ///
@@ -217,7 +219,7 @@ mod tests {
     use super::*;
 
     fn estimate(position: Position, covariance: [[f64; 3]; 3]) -> Estimate {
-        let map = TopologyMap::of_places("a", vec![Some(position)], crate::CoordinateFrame::World);
+        let map = TopologyMap::of_places("a", vec![Some(position)], crate::topology_map::CoordinateFrame::World);
         let estimate = map.estimates[0].clone().unwrap();
         Estimate { covariance: Some(covariance), ..estimate }
     }

@@ -9,12 +9,15 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
 
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::strengths::{Strength, all_strengths};
-use crate::{
-    AnyLog, Axes, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind,
-    MapError, Mapper, Messages, SoughtHeights, TopologyMap,
-};
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The Gaussian process as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,7 +51,7 @@ impl GaussianProcess {
     pub const NAME: &'static str = "gaussian-process";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
 
     /// The map. Nodes that were never heard with a strength are not placed. The result is bit-identical for any number of
     /// threads.
@@ -131,7 +134,7 @@ impl<'a> Process<'a> {
     pub(crate) fn likeliest(strengths: &'a [Strength]) -> Option<Self> {
         let [low, high] = corners(strengths)?;
         let diagonal_m = Position::from(low).distance_m(high.into());
-        let processes = LENGTHS.iter().filter_map(|share| Correlations::of(strengths, share * diagonal_m));
+        let processes = LENGTHS.iter().filter_map(|share| StrengthCorrelations::of(strengths, share * diagonal_m));
         let processes = processes.flat_map(|correlations| {
             NOISES.into_iter().filter_map(move |noise| Self::new(strengths, &correlations, noise))
         });
@@ -149,8 +152,8 @@ impl<'a> Process<'a> {
 
     /// The process with these correlations of the strengths and this standard deviation of the noise, relative to its own.
     /// `None` if the strengths are alike.
-    fn new(strengths: &'a [Strength], correlations: &Correlations, noise: f64) -> Option<Self> {
-        let Correlations { length_m, below } = correlations;
+    fn new(strengths: &'a [Strength], correlations: &StrengthCorrelations, noise: f64) -> Option<Self> {
+        let StrengthCorrelations { length_m, below } = correlations;
         let (length_m, count) = (*length_m, strengths.len());
         let mut whole = below.clone();
         for i in 0..count {
@@ -218,13 +221,13 @@ impl<'a> Process<'a> {
 }
 
 /// The correlations of strengths with a length scale.
-struct Correlations {
+struct StrengthCorrelations {
     length_m: f64,
     /// Below the diagonal and on it.
     below: DMatrix<f64>,
 }
 
-impl Correlations {
+impl StrengthCorrelations {
     /// `None` if the length is 0: the strengths are at one place.
     fn of(strengths: &[Strength], length_m: f64) -> Option<Self> {
         let count = strengths.len();
@@ -285,7 +288,7 @@ impl EstimatorSettings for GaussianProcessConfig {
 mod tests {
     use super::super::tests::{log_of, map, square};
     use super::*;
-    use crate::AlgorithmConfig;
+    use crate::algorithm::AlgorithmConfig;
 
     #[test]
     fn a_smooth_field_of_strengths_gives_its_peak_between_the_stops() {
@@ -300,7 +303,7 @@ mod tests {
     fn a_process_without_noise_passes_through_its_strengths() {
         let strengths: Vec<Strength> =
             square().into_iter().map(|place| Strength { place, rssi_dbm: -50.0 - place.x_m.sin() }).collect();
-        let process = Process::new(&strengths, &Correlations::of(&strengths, 2.0).unwrap(), 1e-4).unwrap();
+        let process = Process::new(&strengths, &StrengthCorrelations::of(&strengths, 2.0).unwrap(), 1e-4).unwrap();
         assert!(strengths.iter().all(|strength| {
             let (mean, variance) = process.predicted(strength.place);
             (mean - strength.rssi_dbm).abs() < 1e-4 && variance < 1e-4

@@ -10,15 +10,19 @@ use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
 
 use super::rssi_centroid::{DEFAULT_G, centroid};
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::check_z_range;
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
-use crate::{
-    AnyLog, Axes, Concern, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
-    KnowledgeKind, MapError, Mapper, Messages, SoughtHeights, TopologyMap,
-};
+use crate::posterior::Concern;
+use crate::survey_frame::Axes;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The least-squares fit as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +89,7 @@ impl LogDistance {
     pub const NAME: &'static str = "least-squares";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
 
     /// The map. Nodes that were never heard with a strength are not placed. The result is bit-identical for any number of
     /// threads.
@@ -137,7 +141,7 @@ impl LogDistance {
         if strengths.len() < unknowns {
             return Some((middle, Some(Concern::NoEvidence)));
         }
-        let fit = Fit { strengths, exponents: self.exponents, within };
+        let fit = LogDistanceFit { strengths, exponents: self.exponents, within };
         let mut starts: Vec<(f64, Position)> =
             fit.grid().into_iter().chain([within.nearest(middle)]).map(|place| (fit.cost(&place), place)).collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -152,7 +156,7 @@ impl LogDistance {
 }
 
 /// The fit of one node.
-struct Fit<'a> {
+struct LogDistanceFit<'a> {
     strengths: &'a [Strength],
     exponents: [f64; 2],
     within: &'a SearchBox,
@@ -174,7 +178,7 @@ fn decades(place: Position, strength: &Strength) -> f64 {
     libm::log10(place.distance_m(strength.place).max(LEAST_M))
 }
 
-impl Fit<'_> {
+impl LogDistanceFit<'_> {
     /// The middles of the cells of a grid over the box.
     fn grid(&self) -> Vec<Position> {
         let count = VERTICES[usize::from(!self.within.is_level())];
@@ -213,7 +217,7 @@ impl Fit<'_> {
     }
 }
 
-impl LeastSquares for Fit<'_> {
+impl LeastSquares for LogDistanceFit<'_> {
     type Point = Position;
     type Step = Vector3<f64>;
     type Error = Infallible;
@@ -315,7 +319,7 @@ mod tests {
 
     use super::super::tests::{log_of, map, square};
     use super::*;
-    use crate::AlgorithmConfig;
+    use crate::algorithm::AlgorithmConfig;
 
     #[test]
     fn exact_strengths_of_any_power_and_exponent_give_the_exact_place() {

@@ -18,7 +18,10 @@ mod tests {
     use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
 
     use super::*;
-    use crate::{AlgorithmConfig, Knowledge, Mapper, TopologyMap};
+    use crate::algorithm::AlgorithmConfig;
+    use crate::estimator::Mapper;
+    use crate::knowledge::Knowledge;
+    use crate::topology_map::TopologyMap;
 
     /// The log of nodes that stops at `places` received with these strengths (dBm).
     pub(super) fn log_of(places: &[Position], nodes: &[&dyn Fn(Position) -> Option<f64>]) -> ReceptionLog {

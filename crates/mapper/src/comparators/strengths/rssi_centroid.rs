@@ -6,11 +6,12 @@ use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
 use crate::comparators::{node_by_node, weight_power};
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::log_facts::strengths::{Strength, all_strengths};
-use crate::{
-    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError,
-    Mapper, Messages, TopologyMap,
-};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The RSSI centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +46,7 @@ impl RssiCentroid {
     pub const NAME: &'static str = "rssi-centroid";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
 
     /// The map. Nodes that were never heard with a strength are not placed.
     ///
@@ -119,7 +120,7 @@ impl EstimatorSettings for RssiCentroidConfig {
 mod tests {
     use super::super::tests::{log_of, map};
     use super::*;
-    use crate::AlgorithmConfig;
+    use crate::algorithm::AlgorithmConfig;
 
     #[test]
     fn weights_are_powers_of_the_received_power() {

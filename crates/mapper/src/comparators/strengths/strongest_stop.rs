@@ -6,11 +6,12 @@ use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
 use crate::comparators::node_by_node;
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
 use crate::log_facts::strengths::{Strength, all_strengths};
-use crate::{
-    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError,
-    Mapper, Messages, TopologyMap,
-};
+use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The strongest stop as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,7 +34,7 @@ impl StrongestStop {
     pub const NAME: &'static str = "strongest-stop";
 
     /// The kinds of knowledge that it uses.
-    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
 
     /// The map. Nodes that were never heard with a strength are not placed.
     ///
@@ -97,7 +98,7 @@ impl EstimatorSettings for StrongestStopConfig {
 mod tests {
     use super::super::tests::{log_of, map};
     use super::*;
-    use crate::AlgorithmConfig;
+    use crate::algorithm::AlgorithmConfig;
 
     #[test]
     fn a_node_is_at_its_strongest_stop_or_amid_equal_ones() {

@@ -8,12 +8,12 @@ use crate::log_facts::search_box::SearchBox;
 
 /// The estimated place of a node during a fit.
 #[derive(Clone, Debug)]
-pub(super) struct Belief {
+pub(super) struct FittedBelief {
     pub(super) mean: Position,
     pub(super) spread_m: [f64; 3],
 }
 
-impl Belief {
+impl FittedBelief {
     /// The median along each axis of the stops that heard the node. Outliers do not move it much.
     pub(super) fn first(log: &ReceptionLog, node: NodeId, within: &SearchBox) -> Self {
         let (mut mean, mut spread_m) = ([0.0; 3], [0.0; 3]);

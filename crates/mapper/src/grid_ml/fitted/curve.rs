@@ -3,12 +3,11 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::NodeId;
 
-use super::belief::Belief;
+use super::belief::FittedBelief;
 use super::receivers;
-use crate::TableProfile;
 use crate::grid_ml::directions::{Directions, covers};
-use crate::numerics::never_rising;
-use crate::numerics::whole;
+use crate::numerics::{never_rising, whole};
+use crate::profile::TableProfile;
 
 /// Number of bins up to the distance that 95 % of the first receptions do not exceed.
 const BINS_IN_REACH: f64 = 80.0;
@@ -19,12 +18,12 @@ const NEGLIGIBLE: f64 = 0.01;
 
 /// Expected packets over each distance.
 #[derive(Clone, Debug)]
-pub(super) struct Counts {
+pub(super) struct CurveCounts {
     /// Sent, then received, in each bin; the last one is for everything further.
     pub(super) bins: Vec<[f64; 2]>,
 }
 
-impl Counts {
+impl CurveCounts {
     pub(super) fn new(bins: usize) -> Self {
         Self { bins: vec![[0.0; 2]; bins] }
     }
@@ -55,7 +54,7 @@ impl FittedCurve {
     pub(super) fn first(
         log: &ReceptionLog,
         nodes: &[NodeId],
-        beliefs: &[Belief],
+        beliefs: &[FittedBelief],
         directions: Option<&Directions>,
     ) -> Option<Self> {
         let mut distances: Vec<f64> = Vec::new();
@@ -76,7 +75,7 @@ impl FittedCurve {
         let bin_m = extent_m / BINS_IN_REACH;
         let bins = whole(BINS_IN_REACH * REACHES) + 1;
         let empty = Self { bin_m, values: vec![0.0; bins], in_range: bins - 1, floor: 0.0, ceiling: 1.0 };
-        let mut counts = Counts::new(bins);
+        let mut counts = CurveCounts::new(bins);
         for (&node, belief) in nodes.iter().zip(beliefs) {
             let mut entries = log.of(node).iter().peekable();
             for (index, stop) in (0_u32..).zip(log.stops()) {
@@ -121,7 +120,7 @@ impl FittedCurve {
     }
 
     /// The curve of highest likelihood for `counts`.
-    pub(super) fn updated(&self, counts: &Counts) -> Self {
+    pub(super) fn updated(&self, counts: &CurveCounts) -> Self {
         let share = |&[sent, received]: &[f64; 2]| if sent > 0.0 { received / sent } else { 0.0 };
         let means: Vec<f64> = counts.bins.iter().map(share).collect();
         let weights: Vec<f64> = counts.bins.iter().map(|&[sent, _]| sent).collect();
@@ -140,7 +139,7 @@ impl FittedCurve {
 
     /// The root mean square difference of two curves over the packets in range of either, and the standard error of a
     /// share of one half for this number of packets.
-    pub(super) fn distance(&self, other: &Self, counts: &Counts) -> (f64, f64) {
+    pub(super) fn distance(&self, other: &Self, counts: &CurveCounts) -> (f64, f64) {
         let (mut sum, mut weight) = (0.0, 0.0);
         for bin in 0..self.in_range.max(other.in_range) {
             let sent = counts.bins[bin][0];

@@ -3,8 +3,8 @@
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, Watch};
 
-use super::belief::Belief;
-use super::curve::{Counts, FittedCurve};
+use super::belief::FittedBelief;
+use super::curve::{CurveCounts, FittedCurve};
 use crate::grid_ml::directions::{Directions, covers};
 use crate::log_facts::heights::Heights;
 use crate::log_facts::search_box::SearchBox;
@@ -29,15 +29,15 @@ pub(super) struct Round<'a> {
 }
 
 /// The contribution of one node to a round.
-pub(super) struct Expected {
-    pub(super) belief: Belief,
-    pub(super) counts: Counts,
+pub(super) struct ExpectedCounts {
+    pub(super) belief: FittedBelief,
+    pub(super) counts: CurveCounts,
     /// Stops that did not hear the node, each with the logarithm of the probability of this silence.
     pub(super) silent: Vec<(u32, f64)>,
 }
 
 /// A stop near a node.
-struct Listener {
+struct NearStop {
     stop: u32,
     place: Position,
     received: f64,
@@ -49,19 +49,19 @@ struct Listener {
 impl Round<'_> {
     /// The posterior of a node and what it says of the curve. If the work was ended meanwhile, the result means
     /// nothing.
-    pub(super) fn expect(&self, node: NodeId, within: &SearchBox, belief: &Belief) -> Expected {
+    pub(super) fn expect(&self, node: NodeId, within: &SearchBox, belief: &FittedBelief) -> ExpectedCounts {
         let (listeners, far) = self.listeners(node, belief);
         let posterior = self.posterior(belief, within, &listeners);
-        let mut counts = Counts::new(self.curve.bins());
+        let mut counts = CurveCounts::new(self.curve.bins());
         let last = counts.bins.len() - 1;
         counts.bins[last] = far;
         let (belief, places) = match posterior {
-            Some(found) => (Belief { mean: found.mean, spread_m: found.spread_m }, found.places),
+            Some(found) => (FittedBelief { mean: found.mean, spread_m: found.spread_m }, found.places),
             None => (belief.clone(), vec![(belief.mean, 1.0)]),
         };
         let mut silent: Vec<(u32, f64)> = Vec::new();
         let kept: f64 = places.iter().map(|&(_, weight)| weight).filter(|&weight| weight > SLIGHT).sum();
-        for Listener { stop, place, received, missed, .. } in &listeners {
+        for NearStop { stop, place, received, missed, .. } in &listeners {
             let mut ln_missed = 0.0;
             for &(vertex, weight) in places.iter().filter(|&&(_, weight)| weight > SLIGHT) {
                 if *received <= 0.0 && !covers(self.directions, vertex - *place) {
@@ -79,7 +79,7 @@ impl Round<'_> {
                 silent.push((*stop, ln_missed));
             }
         }
-        Expected { belief, counts, silent }
+        ExpectedCounts { belief, counts, silent }
     }
 
     /// Receptions of a node from far beyond the range. Empty if the work was ended.
@@ -87,7 +87,7 @@ impl Round<'_> {
         if self.watch.is_stopped() {
             return Vec::new();
         }
-        let belief = Belief::first(self.log, node, within);
+        let belief = FittedBelief::first(self.log, node, within);
         let (listeners, _) = self.listeners(node, &belief);
         let Some(LocalPosterior { mean, spread_m, .. }) = self.posterior(&belief, within, &listeners) else {
             return Vec::new();
@@ -100,7 +100,7 @@ impl Round<'_> {
 
     /// The stops whose receptions depend on the place of the node, dead ones included, and the packets sent and
     /// received over all larger distances.
-    fn listeners(&self, node: NodeId, belief: &Belief) -> (Vec<Listener>, [f64; 2]) {
+    fn listeners(&self, node: NodeId, belief: &FittedBelief) -> (Vec<NearStop>, [f64; 2]) {
         let spread_m = belief.spread_m.iter().map(|spread| spread * spread).sum::<f64>().sqrt();
         let near_m = self.curve.reach_m().min(1.2 * self.curve.range_m()) + 4.0 * spread_m + 4.0 * self.curve.bin_m();
         let mut listeners = Vec::new();
@@ -112,7 +112,7 @@ impl Round<'_> {
             let (received, missed) = (f64::from(received), f64::from(sent - received));
             let sector = entry.and_then(|entry| entry.sector).filter(|_| received > 0.0);
             if stop.position.distance_m(belief.mean) <= near_m {
-                listeners.push(Listener { stop: index, place: stop.position, received, missed, sector });
+                listeners.push(NearStop { stop: index, place: stop.position, received, missed, sector });
             } else if !self.is_dead[index as usize]
                 && (received > 0.0 || covers(self.directions, belief.mean - stop.position))
             {
@@ -123,13 +123,13 @@ impl Round<'_> {
         (listeners, far)
     }
 
-    fn posterior(&self, belief: &Belief, within: &SearchBox, listeners: &[Listener]) -> Option<LocalPosterior> {
+    fn posterior(&self, belief: &FittedBelief, within: &SearchBox, listeners: &[NearStop]) -> Option<LocalPosterior> {
         let values: Vec<[f64; 2]> = (0..self.curve.bins())
             .map(|bin| self.curve.value(bin))
             .map(|s| [libm::log(s), libm::log1p(-s)])
             .collect();
         let per_m = 1.0 / self.curve.bin_m();
-        let live: Vec<&Listener> =
+        let live: Vec<&NearStop> =
             listeners.iter().filter(|listener| !self.is_dead[listener.stop as usize]).collect();
         let log_likelihood = |vertex: Position| {
             if !within.contains(vertex) || self.watch.is_stopped() {

@@ -14,19 +14,20 @@ pub use report::NetworkFits;
 use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorReport, Stop};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
+use crate::error::MapError;
 use crate::grid_ml::directions::{CoverageEdge, Directions};
 use crate::log_facts::heights::{Heights, SoughtHeights};
 use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::SearchBox;
 use crate::log_facts::sectors::SectorSettings;
-use crate::profile::averaged_over_cell;
-use crate::{FittedConfig, MapError, ReceptionProfile, SurveyFrame, TableProfile};
-use belief::Belief;
-use curve::{Counts, FittedCurve};
+use crate::profile::{FittedConfig, ReceptionProfile, TableProfile, averaged_over_cell};
+use crate::survey_frame::SurveyFrame;
+use belief::FittedBelief;
+use curve::{CurveCounts, FittedCurve};
 pub(crate) use dead_stops::add_heard;
 use expectation::Round;
 use movement::Movement;
-pub(crate) use scene::{Sample, Scene, Settled};
+pub(crate) use scene::{CurveSample, FitScene, SettledCurve};
 pub(crate) use wide::{GridSize, WideSearch};
 
 /// How a reception profile is estimated from a log.
@@ -109,7 +110,7 @@ impl Fitted {
         let heard_nodes = heard_nodes(log);
         let farthest_m: Vec<f64> = heard_nodes.iter().map(|heard| heard.farthest_m).collect();
         let listed = log.receptions().iter().map(|reception| u64::from(reception.sent)).sum();
-        let scene = Scene::of(log, (z_range_m, step_m), &farthest_m);
+        let scene = FitScene::of(log, (z_range_m, step_m), &farthest_m);
         let Some(scene) = scene else { return Ok(None) };
         let heard: Vec<(NodeId, SearchBox)> =
             heard_nodes.iter().map(|heard| (heard.node, scene.limits.of(heard))).collect();
@@ -117,7 +118,8 @@ impl Fitted {
         let sample: Vec<(NodeId, SearchBox)> = heard.iter().copied().step_by(every).collect();
         let mut heard_at = vec![0; log.stops().len()];
         dead_stops::add_heard(log, &mut heard_at);
-        let settled = self.settle(&Sample { log, nodes: &sample, heard_at: &heard_at }, &scene, sectors, watch)?;
+        let settled =
+            self.settle(&CurveSample { log, nodes: &sample, heard_at: &heard_at }, &scene, sectors, watch)?;
         let Some(settled) = settled else { return Ok(None) };
         let outliers = settled.outliers(log, &heard, &scene, watch)?;
         Ok(Some(settled.fit(&scene, outliers)))
@@ -126,18 +128,18 @@ impl Fitted {
     /// The curve of `sample` after enough rounds; `None` if it has no nodes.
     pub(crate) fn settle(
         &self,
-        sample: &Sample<'_>,
-        scene: &Scene,
+        sample: &CurveSample<'_>,
+        scene: &FitScene,
         sectors: &SectorSettings,
         watch: &dyn Watch,
-    ) -> Result<Option<Settled>, MapError> {
-        let Sample { log, nodes: sample, heard_at } = *sample;
+    ) -> Result<Option<SettledCurve>, MapError> {
+        let CurveSample { log, nodes: sample, heard_at } = *sample;
         let heights = scene.heights.heights();
         let found = Directions::of(log, sectors, scene.reach_m, heights, CoverageEdge::Tolerant)?;
         let directions = found.as_ref();
         let nodes: Vec<NodeId> = sample.iter().map(|&(node, _)| node).collect();
-        let mut beliefs: Vec<Belief> =
-            sample.iter().map(|(node, within)| Belief::first(log, *node, within)).collect();
+        let mut beliefs: Vec<FittedBelief> =
+            sample.iter().map(|(node, within)| FittedBelief::first(log, *node, within)).collect();
         let Some(mut curve) = FittedCurve::first(log, &nodes, &beliefs, directions) else { return Ok(None) };
         let mut is_dead = vec![false; log.stops().len()];
         let (mut rounds, mut converged) = (0, false);
@@ -145,10 +147,10 @@ impl Fitted {
         watch.begin(self.work(log, sample.len(), heights));
         while rounds < self.max_rounds && !converged {
             let round = Round { log, heights, directions, curve: &curve, is_dead: &is_dead, watch };
-            let mut counts = Counts::new(curve.bins());
+            let mut counts = CurveCounts::new(curve.bins());
             let mut ln_silence = vec![0.0; is_dead.len()];
             for (sample, beliefs) in sample.chunks(BLOCK).zip(beliefs.chunks_mut(BLOCK)) {
-                let expect = |((node, within), belief): (&(NodeId, SearchBox), &Belief)| {
+                let expect = |((node, within), belief): (&(NodeId, SearchBox), &FittedBelief)| {
                     watch.check().map(|()| round.expect(*node, within, belief))
                 };
                 let results: Result<Vec<_>, Interrupted> = sample.par_iter().zip(&*beliefs).map(expect).collect();
@@ -175,7 +177,7 @@ impl Fitted {
             }
         }
         let moved = movement.share();
-        Ok(Some(Settled { curve, directions: found, is_dead, rounds, converged, moved, nodes: sample.len() }))
+        Ok(Some(SettledCurve { curve, directions: found, is_dead, rounds, converged, moved, nodes: sample.len() }))
     }
 
     /// The work of all rounds, if all stops are in reach of each of `nodes` nodes.

@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 
-use super::belief::Belief;
+use super::belief::FittedBelief;
 
 /// Rounds after which places are compared.
 const ROUNDS: u32 = 10;
@@ -21,12 +21,12 @@ pub(super) struct Movement {
 
 impl Movement {
     /// That of nodes that begin with these beliefs.
-    pub(super) fn from(beliefs: &[Belief]) -> Self {
+    pub(super) fn from(beliefs: &[FittedBelief]) -> Self {
         Self { rounds: 0, places: places(beliefs), share: None }
     }
 
     /// Takes the beliefs after a round.
-    pub(super) fn take(&mut self, beliefs: &[Belief]) {
+    pub(super) fn take(&mut self, beliefs: &[FittedBelief]) {
         self.rounds += 1;
         if self.rounds.is_multiple_of(ROUNDS) {
             self.share = Some(moved(&self.places, beliefs));
@@ -41,11 +41,11 @@ impl Movement {
     }
 }
 
-fn places(beliefs: &[Belief]) -> Vec<Position> {
+fn places(beliefs: &[FittedBelief]) -> Vec<Position> {
     beliefs.iter().map(|belief| belief.mean).collect()
 }
 
-fn moved(from: &[Position], to: &[Belief]) -> f64 {
+fn moved(from: &[Position], to: &[FittedBelief]) -> f64 {
     let way: f64 = from.iter().zip(to).map(|(from, to)| from.distance_m(to.mean).powi(2)).sum();
     let spread: f64 = to.iter().flat_map(|belief| belief.spread_m).map(|spread_m| spread_m * spread_m).sum();
     if way > 0.0 { (way / spread).sqrt() } else { 0.0 }
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn places_are_compared_every_ten_rounds_with_how_uncertain_they_are() {
-        let belief = |x_m: f64| Belief { mean: Position::new(x_m, 0.0, 0.0), spread_m: [0.3, 0.4, 0.0] };
+        let belief = |x_m: f64| FittedBelief { mean: Position::new(x_m, 0.0, 0.0), spread_m: [0.3, 0.4, 0.0] };
         let mut movement = Movement::from(&[belief(5.0)]);
         let mut shares = Vec::new();
         for round in 1..=25_u32 {

@@ -5,8 +5,9 @@ use std::fmt::Write;
 use sextant_kernel::text::counted;
 
 use super::Fit;
-use crate::learned::Unconverged;
-use crate::{CurveFinding, EstimatorFindings, Finding, Line, Section, SurveyFrame, TopologyMap};
+use crate::learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, Unconverged};
+use crate::survey_frame::SurveyFrame;
+use crate::topology_map::TopologyMap;
 
 #[cfg(feature = "config")]
 /// A reception profile that was estimated from the log.

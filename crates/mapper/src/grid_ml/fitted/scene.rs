@@ -21,14 +21,14 @@ const LEAST_NODES: u64 = 64;
 
 /// What a log says before a curve is fitted to it.
 #[derive(Debug)]
-pub(crate) struct Scene {
+pub(crate) struct FitScene {
     pub(super) reach_m: f64,
     is_reach_known: bool,
     pub(super) heights: SoughtHeights,
     pub(crate) limits: Limits,
 }
 
-impl Scene {
+impl FitScene {
     /// That of a log with the stops of `log`, whose nodes were heard up to `farthest_m` from the middle of their stops, on a
     /// grid of a step (m); `None` without stops.
     pub(crate) fn of(
@@ -53,7 +53,7 @@ impl Scene {
 
 /// The nodes to which a curve is fitted, in a log that has them at least.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample<'a> {
+pub(crate) struct CurveSample<'a> {
     pub(crate) log: &'a ReceptionLog,
     /// With the box of each.
     pub(crate) nodes: &'a [(NodeId, SearchBox)],
@@ -63,7 +63,7 @@ pub(crate) struct Sample<'a> {
 
 /// A curve after its last round.
 #[derive(Debug)]
-pub(crate) struct Settled {
+pub(crate) struct SettledCurve {
     pub(super) curve: FittedCurve,
     pub(super) directions: Option<Directions>,
     pub(super) is_dead: Vec<bool>,
@@ -73,13 +73,13 @@ pub(crate) struct Settled {
     pub(super) nodes: usize,
 }
 
-impl Settled {
+impl SettledCurve {
     /// The receptions of the nodes `heard` of `log` from far beyond the range of the curve, in order.
     pub(crate) fn outliers(
         &self,
         log: &ReceptionLog,
         heard: &[(NodeId, SearchBox)],
-        scene: &Scene,
+        scene: &FitScene,
         watch: &dyn Watch,
     ) -> Result<Vec<(NodeId, u32)>, Interrupted> {
         let Self { curve, directions, is_dead, .. } = self;
@@ -90,7 +90,7 @@ impl Settled {
     }
 
     /// The fit, with the outliers of all nodes, in order.
-    pub(crate) fn fit(&self, scene: &Scene, outliers: Vec<(NodeId, u32)>) -> Fit {
+    pub(crate) fn fit(&self, scene: &FitScene, outliers: Vec<(NodeId, u32)>) -> Fit {
         let Self { curve, is_dead, rounds, converged, moved, nodes, .. } = self;
         let dead_stops = (0..).zip(is_dead).filter(|(_, dead)| **dead).map(|(stop, _)| stop).collect();
         Fit {

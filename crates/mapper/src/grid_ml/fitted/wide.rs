@@ -5,12 +5,12 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, Watch, Work};
 
 use super::Fit;
+use crate::error::MapError;
 use crate::log_facts::heights::Heights;
 use crate::log_facts::reach::HeardNode;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::whole;
-use crate::posterior::{Verdict, local_posterior};
-use crate::{Estimate, EstimateKind, MapError};
+use crate::posterior::{Estimate, EstimateKind, Verdict, local_posterior};
 
 /// Places of the scan along each axis, in the plane and in space.
 const SCAN: [u32; 2] = [15, 9];
@@ -30,19 +30,19 @@ pub(crate) struct WideSearch<'a> {
 }
 
 /// The packets of a stop.
-struct Link {
+struct StopPackets {
     place: Position,
     received: f64,
     missed: f64,
 }
 
 /// Logarithms of the probabilities that a packet is received and missed, over distance.
-struct Curve {
+struct LogCurve {
     per_m: f64,
     values: Vec<[f64; 2]>,
 }
 
-impl Curve {
+impl LogCurve {
     fn new(fit: &Fit) -> Self {
         let step_m = fit.curve.step_m();
         let end = whole(fit.curve.range_m() / step_m) + 2;
@@ -54,7 +54,7 @@ impl Curve {
     }
 
     #[inline]
-    fn log_likelihood(&self, links: &[Link], place: Position) -> f64 {
+    fn log_likelihood(&self, links: &[StopPackets], place: Position) -> f64 {
         let last = self.values.len() - 1;
         links.iter().fold(0.0, |sum, link| {
             let along = place.distance_m(link.place) * self.per_m;
@@ -113,7 +113,7 @@ impl WideSearch<'_> {
         let links = boxes.len() as f64 * self.log.stops().len() as f64;
         let steps = boxes.len() as u64;
         watch.begin(Work { name: "ml-tm", unit: "node", steps, operations: links * OPERATIONS });
-        let curve = Curve::new(self.fit);
+        let curve = LogCurve::new(self.fit);
         let found: Result<Vec<Option<Estimate>>, MapError> = boxes
             .par_iter()
             .map(|(heard, within)| {
@@ -130,7 +130,13 @@ impl WideSearch<'_> {
         Ok(estimates)
     }
 
-    fn estimate(&self, curve: &Curve, heard: &HeardNode, within: &SearchBox, watch: &dyn Watch) -> Option<Estimate> {
+    fn estimate(
+        &self,
+        curve: &LogCurve,
+        heard: &HeardNode,
+        within: &SearchBox,
+        watch: &dyn Watch,
+    ) -> Option<Estimate> {
         let links = self.links(heard);
         let log_likelihood = |place: Position| {
             if !within.contains(place) || watch.is_stopped() {
@@ -158,12 +164,12 @@ impl WideSearch<'_> {
     }
 
     /// The packets of a node at each stop that listened for it.
-    fn links(&self, heard: &HeardNode) -> Vec<Link> {
+    fn links(&self, heard: &HeardNode) -> Vec<StopPackets> {
         let mut entries = self.log.of(heard.node).iter().peekable();
         let links = (0_u32..).zip(self.log.stops()).map(|(index, stop)| {
             let entry = entries.next_if(|entry| entry.stop == index);
             let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
-            Link { place: stop.position, received: f64::from(received), missed: f64::from(sent - received) }
+            StopPackets { place: stop.position, received: f64::from(received), missed: f64::from(sent - received) }
         });
         links.filter(|link| link.received + link.missed > 0.0).collect()
     }

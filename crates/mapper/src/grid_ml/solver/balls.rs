@@ -6,8 +6,8 @@
 use sextant_channel::Position;
 use wide::f32x4;
 
-use super::places::{LANES, Places};
-use super::receiver::Receiver;
+use super::places::{LANES, PlaceLanes};
+use super::receiver::ReceivingStop;
 use super::screen::APART;
 use super::single::single;
 
@@ -21,7 +21,7 @@ const GRAZING: f64 = 0.02;
 /// Balls of one radius round some receptions, as seen from the middle of a box.
 #[derive(Debug, Default)]
 pub(super) struct Balls {
-    places: Places,
+    places: PlaceLanes,
     middle: Position,
     radius_m: f64,
     /// Error of a coordinate (m), and of the square of a half-length (m2).
@@ -31,7 +31,7 @@ pub(super) struct Balls {
 
 /// The part of a row that lies in all balls.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Part {
+pub(super) enum RowInBalls {
     /// Nothing.
     Nothing,
     /// From one coordinate to another, nothing if the second is lower (m).
@@ -47,7 +47,7 @@ pub(super) enum Part {
 
 impl Balls {
     /// Takes the balls round `receivers`, for rows through the box with these corners.
-    pub(super) fn set(&mut self, receivers: &[Receiver], radius_m: f64, [low, high]: [[f64; 3]; 2]) {
+    pub(super) fn set(&mut self, receivers: &[ReceivingStop], radius_m: f64, [low, high]: [[f64; 3]; 2]) {
         self.middle = Position::from([0, 1, 2].map(|axis| 0.5 * (low[axis] + high[axis])));
         self.radius_m = radius_m;
         let extent_m = (0..3).fold(2.0 * radius_m, |sum, axis| sum + high[axis] - low[axis]);
@@ -59,7 +59,7 @@ impl Balls {
     }
 
     /// The part of the row through y and z.
-    pub(super) fn row(&self, y: f64, z: f64) -> Part {
+    pub(super) fn row(&self, y: f64, z: f64) -> RowInBalls {
         let reach = f32x4::splat(single(self.radius_m * self.radius_m));
         let (y, z) = (f32x4::splat(single(y - self.middle.y_m)), f32x4::splat(single(z - self.middle.z_m)));
         let square = |place: &[f32x4; 3]| {
@@ -68,12 +68,12 @@ impl Balls {
         };
         let (low, high, shortest) = self.part(0, square);
         if shortest < -self.apart_squared {
-            Part::Nothing
+            RowInBalls::Nothing
         } else if shortest < (GRAZING * self.radius_m).powi(2).max(2.0 * self.apart_squared) {
-            Part::Grazed
+            RowInBalls::Grazed
         } else {
             let error_m = self.apart_squared / shortest.sqrt() + 2.0 * self.apart_m;
-            Part::Interval { low: low + self.middle.x_m, high: high + self.middle.x_m, error_m }
+            RowInBalls::Interval { low: low + self.middle.x_m, high: high + self.middle.x_m, error_m }
         }
     }
 
@@ -124,9 +124,9 @@ mod tests {
             away_m in prop_oneof![Just(0.0), Just(5e5)],
         ) {
             let away = Position::new(away_m, away_m, 0.0);
-            let receivers: Vec<Receiver> = places
+            let receivers: Vec<ReceivingStop> = places
                 .iter()
-                .map(|&place| Receiver { place: Position::from(place) + away, packets: 1, sector: None })
+                .map(|&place| ReceivingStop { place: Position::from(place) + away, packets: 1, sector: None })
                 .collect();
             let corner = 3.0;
             let mut balls = Balls::default();
@@ -139,9 +139,9 @@ mod tests {
                 shortest = shortest.min(square);
             }
             match balls.row(away_m + y, z) {
-                Part::Nothing => prop_assert!(shortest < 0.0),
-                Part::Grazed => prop_assert!(shortest < 0.05),
-                Part::Interval { low: found_low, high: found_high, error_m } => {
+                RowInBalls::Nothing => prop_assert!(shortest < 0.0),
+                RowInBalls::Grazed => prop_assert!(shortest < 0.05),
+                RowInBalls::Interval { low: found_low, high: found_high, error_m } => {
                     prop_assert!(shortest > 0.03 && error_m < 0.02, "{} {}", shortest, error_m);
                     prop_assert!((found_low - away_m - low).abs() <= error_m + 1e-9);
                     prop_assert!((found_high - away_m - high).abs() <= error_m + 1e-9);

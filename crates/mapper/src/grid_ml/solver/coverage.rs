@@ -6,19 +6,19 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use sextant_channel::Wedge;
 
-use super::wedge_test::Test;
+use super::sector_conditions::SectorConditions;
 
 /// Angles closer than this are equal (rad).
 const ROUNDING_RAD: f64 = 1e-9;
 
 /// A part of the sphere.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
-    pub(super) test: Test,
+pub(super) struct SpherePart {
+    pub(super) test: SectorConditions,
     pub(super) wedge: Wedge,
 }
 
-impl Part {
+impl SpherePart {
     /// The parts of the sphere that `sectors` cover; `None` if they cover every direction in which a vertex may be. The
     /// sectors of a ring that fill the circle become one part, made by `of_ring`, without conditions on the azimuth.
     pub(super) fn outside_of_which_silence_is_certain(

@@ -1,14 +1,13 @@
 //! The reception profile in the form for the inner loop.
 
-use super::evidence::Evidence;
+use super::evidence::PacketEvidence;
 use super::single::single;
-use crate::ReceptionProfile;
-use crate::profile::DEFAULT_FLOOR;
+use crate::profile::{DEFAULT_FLOOR, ReceptionProfile};
 
 /// `S(d) = clamp(s(d), floor, top)` with the trapezoid `s(d) = slope (R − d)`, its plateau being a clamp, or the
 /// table `s(d)` of a profile.
 #[derive(Clone, Debug)]
-pub(crate) struct Curve {
+pub(crate) struct ReceptionCurve {
     /// R (m).
     pub(crate) range_m: f64,
     /// R² (m²).
@@ -30,7 +29,7 @@ pub(crate) struct Curve {
     pub(crate) chunk: usize,
 }
 
-impl Curve {
+impl ReceptionCurve {
     pub(crate) fn new(profile: &ReceptionProfile) -> Self {
         match profile {
             ReceptionProfile::Trapezoid(s) => {
@@ -111,7 +110,7 @@ impl Curve {
     /// The most received packets that can come from beyond R at a vertex with at least the log-likelihood `least`:
     /// each of them costs `ln floor`, each other received packet at least `ln top`, and missed packets cost least far
     /// away. At most all packets but one.
-    pub(crate) fn most_outliers(&self, evidence: &Evidence, least: f64) -> u64 {
+    pub(crate) fn most_outliers(&self, evidence: &PacketEvidence, least: f64) -> u64 {
         let (ln_top, ln_floor) = (libm::log(self.top), libm::log(self.floor));
         let (heard, missed) = (evidence.heard_packets() as f64, evidence.missed_packets() as f64);
         let best = heard * ln_top + missed * self.ln_missed_afar;
@@ -123,7 +122,7 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ProfileConfig, TrapezoidConfig};
+    use crate::profile::{ProfileConfig, TrapezoidConfig};
 
     #[test]
     fn a_chunk_of_the_smallest_factors_does_not_underflow() {
@@ -132,7 +131,7 @@ mod tests {
         {
             let config = TrapezoidConfig { floor, ceiling, ..TrapezoidConfig::new(p0, 2.0, 10.0) };
             let profile = ReceptionProfile::try_from(ProfileConfig::Trapezoid(config)).unwrap();
-            let curve = Curve::new(&profile);
+            let curve = ReceptionCurve::new(&profile);
             let distances = [0.0, 2.0_f64.next_up(), 2.0, 10.0_f64.next_down(), 10.0];
             for s in distances.map(|d| curve.at(d * d)) {
                 for factor in [s, 1.0 - s] {

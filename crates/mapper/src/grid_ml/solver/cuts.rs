@@ -16,9 +16,9 @@
 use sextant_channel::Position;
 use wide::f32x4;
 
-use super::curve::Curve;
-use super::places::Places;
-use super::product::{GROUP, GROUPS, LEAST, Product};
+use super::curve::ReceptionCurve;
+use super::places::PlaceLanes;
+use super::product::{GROUP, GROUPS, LEAST, LaneProduct};
 use super::screen::{APART, PER_FACTOR, ROUNDING};
 use super::single::single;
 
@@ -68,8 +68,8 @@ pub(super) struct Narrowing {
 /// The stops that determine the likelihoods of a node, in the form for cuts.
 #[derive(Debug, Default)]
 pub(super) struct Cuts {
-    heard: Places,
-    silent: Places,
+    heard: PlaceLanes,
+    silent: PlaceLanes,
     middle: Position,
     /// Error of a distance (m).
     apart_m: f64,
@@ -87,7 +87,7 @@ struct Term {
 /// The sum over stops of one kind.
 #[derive(Default)]
 struct Sum {
-    product: Product,
+    product: LaneProduct,
     slope: [f64; 3],
     pull: f64,
     bend: f64,
@@ -95,7 +95,13 @@ struct Sum {
 
 impl Cuts {
     /// Takes the stops that heard a node and those that did not, for vertices in the box with these corners.
-    pub(super) fn look_at(&mut self, curve: &Curve, heard: &[Position], silent: &[Position], corners: [[f64; 3]; 2]) {
+    pub(super) fn look_at(
+        &mut self,
+        curve: &ReceptionCurve,
+        heard: &[Position],
+        silent: &[Position],
+        corners: [[f64; 3]; 2],
+    ) {
         let [low, high] = corners;
         self.middle = Position::from([0, 1, 2].map(|axis| 0.5 * (low[axis] + high[axis])));
         self.apart_m = APART * (0..3).fold(curve.range_m, |sum, axis| sum + high[axis] - low[axis]);
@@ -105,7 +111,7 @@ impl Cuts {
 
     /// The bound about `vertex`, for vertices within `reach_m` of it, all of them within R of every stop that heard the
     /// node. The profile must be a trapezoid with a floor below its top.
-    pub(super) fn cut(&self, curve: &Curve, vertex: Position, reach_m: f64) -> Cut {
+    pub(super) fn cut(&self, curve: &ReceptionCurve, vertex: Position, reach_m: f64) -> Cut {
         let spread = f32x4::splat(single(reach_m + 3.0 * self.apart_m));
         let heard = self.heard_sum(curve, vertex, spread);
         let silent = self.silent_sum(curve, vertex, spread);
@@ -127,7 +133,7 @@ impl Cuts {
     }
 
     /// Stops that heard the node: `ln(slope (R - d))`, at most `ln top`.
-    fn heard_sum(&self, curve: &Curve, vertex: Position, spread: f32x4) -> Sum {
+    fn heard_sum(&self, curve: &ReceptionCurve, vertex: Position, spread: f32x4) -> Sum {
         let end = curve.range_m + curve.floor / curve.slope + 2.0 * self.apart_m;
         let start = f32x4::splat(single(end - curve.top / curve.slope));
         let (least, rim) = (RIM * curve.range_m, f32x4::splat(single(end - RIM * curve.range_m)));
@@ -153,7 +159,7 @@ impl Cuts {
 
     /// Stops that did not hear the node: `ln(1 - S(d))`, which counts as that at the farthest vertex where the way there
     /// may touch the plateau.
-    fn silent_sum(&self, curve: &Curve, vertex: Position, spread: f32x4) -> Sum {
+    fn silent_sum(&self, curve: &ReceptionCurve, vertex: Position, spread: f32x4) -> Sum {
         let start = (curve.range_m - curve.top / curve.slope).max(NEAR * curve.range_m) + 2.0 * self.apart_m;
         let start = f32x4::splat(single(start));
         let end = f32x4::splat(single(curve.range_m - 2.0 * self.apart_m));
@@ -173,7 +179,7 @@ impl Cuts {
 
     /// The sum of the terms of all `places`, by their distances from the vertex.
     #[inline(always)]
-    fn sum(&self, places: &Places, vertex: Position, term: impl Fn(f32x4) -> Term) -> Sum {
+    fn sum(&self, places: &PlaceLanes, vertex: Position, term: impl Fn(f32x4) -> Term) -> Sum {
         let vertex = <[f64; 3]>::from(vertex - self.middle).map(|value| f32x4::splat(single(value)));
         let least = f32x4::splat(LEAST);
         let mut sum = Sum::default();
@@ -209,7 +215,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{ProfileConfig, ReceptionProfile, TrapezoidConfig};
+    use crate::profile::{ProfileConfig, ReceptionProfile, TrapezoidConfig};
 
     const R: f64 = 10.0;
 
@@ -229,7 +235,7 @@ mod tests {
         profile: &ReceptionProfile,
         [vertices, heard, silent]: [&[Position]; 3],
     ) -> (Vec<Cut>, Vec<f64>) {
-        let curve = Curve::new(profile);
+        let curve = ReceptionCurve::new(profile);
         let mut cuts = Cuts::default();
         cuts.look_at(&curve, heard, silent, extent(vertices));
         let farthest = |a: Position| vertices.iter().map(|b| b.distance_m(a)).fold(0.0, f64::max);

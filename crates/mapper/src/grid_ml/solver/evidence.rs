@@ -2,7 +2,7 @@
 
 use sextant_channel::{Position, Receptions};
 
-use super::receiver::Receiver;
+use super::receiver::ReceivingStop;
 use super::wedges::Wedges;
 
 /// A stop with an entry other than one packet received of one sent.
@@ -15,9 +15,9 @@ pub(crate) struct Count {
 
 /// The entries of the log for one node.
 #[derive(Debug)]
-pub(crate) struct Evidence {
+pub(crate) struct PacketEvidence {
     /// Every stop that received.
-    receivers: Vec<Receiver>,
+    receivers: Vec<ReceivingStop>,
     /// Stops that received one of one.
     pub(crate) heard: Vec<Position>,
     /// Stops with any other entry but `0` of `0`.
@@ -32,7 +32,7 @@ pub(crate) struct Evidence {
     missed: u64,
 }
 
-impl Evidence {
+impl PacketEvidence {
     pub(crate) fn new(stops: usize) -> Self {
         Self {
             receivers: Vec::new(),
@@ -80,7 +80,7 @@ impl Evidence {
         self.missed += u64::from(missed);
         if received > 0 {
             self.sectored |= sector.is_some();
-            self.receivers.push(Receiver { place, packets: received, sector });
+            self.receivers.push(ReceivingStop { place, packets: received, sector });
         }
         if (received, missed) == (1, 0) {
             self.heard.push(place);
@@ -105,7 +105,7 @@ impl Evidence {
         self.stops - self.entries
     }
 
-    pub(crate) fn receptions(&self) -> &[Receiver] {
+    pub(crate) fn receptions(&self) -> &[ReceivingStop] {
         &self.receivers
     }
 

@@ -3,9 +3,9 @@
 use sextant_channel::Position;
 
 use super::admission::Admission;
-use super::curve::Curve;
-use super::evidence::{Count, Evidence};
-use super::receiver::Receiver;
+use super::curve::ReceptionCurve;
+use super::evidence::{Count, PacketEvidence};
+use super::receiver::ReceivingStop;
 use super::soft::SoftSectors;
 use super::wedges::{Coverage, Wedges};
 
@@ -42,8 +42,8 @@ impl<'v> Lanes<'v> {
     /// Multiplies by the factors of the entries of the log.
     pub(super) fn multiply_entries(
         &mut self,
-        curve: &Curve,
-        evidence: &Evidence,
+        curve: &ReceptionCurve,
+        evidence: &PacketEvidence,
         coverage: Option<Coverage<'_>>,
         admission: Admission,
     ) {
@@ -58,8 +58,8 @@ impl<'v> Lanes<'v> {
 
     /// Multiplies by the probabilities of the sectors that the node named. A sector that contradicts a vertex counts as a
     /// reception from beyond R already.
-    pub(super) fn multiply_names(&mut self, evidence: &Evidence, wedges: &Wedges, soft: &SoftSectors) {
-        for &Receiver { place, sector, .. } in evidence.receptions() {
+    pub(super) fn multiply_names(&mut self, evidence: &PacketEvidence, wedges: &Wedges, soft: &SoftSectors) {
+        for &ReceivingStop { place, sector, .. } in evidence.receptions() {
             let Some(sector) = sector else { continue };
             for lane in 0..LANES {
                 let apart = self.apart(place, lane);
@@ -72,13 +72,13 @@ impl<'v> Lanes<'v> {
 
     /// What a stop that heard nothing says of the vertex of a lane: the probability of a reception, that of a vertex
     /// beyond R where no sector points.
-    fn heard_in_a_sector(&self, curve: &Curve, coverage: Coverage<'_>, place: Position, lane: usize) -> f64 {
+    fn heard_in_a_sector(&self, curve: &ReceptionCurve, coverage: Coverage<'_>, place: Position, lane: usize) -> f64 {
         let is_covered = coverage.covers(self.apart(place, lane));
         if is_covered { curve.at(self.distance_squared(place, lane)) } else { curve.floor }
     }
 
     /// Multiplies by the factors of stops that heard nothing, where sectors do not cover every direction.
-    pub(super) fn multiply_silence(&mut self, curve: &Curve, places: &[Position], coverage: Coverage<'_>) {
+    pub(super) fn multiply_silence(&mut self, curve: &ReceptionCurve, places: &[Position], coverage: Coverage<'_>) {
         for chunk in places.chunks(curve.chunk) {
             for &place in chunk {
                 for lane in 0..LANES {
@@ -91,9 +91,9 @@ impl<'v> Lanes<'v> {
 
     /// The same where sectors may be contradicted: a reception outside its sector counts as one from beyond R, and a
     /// vertex that contradicts all receptions is not in the search set.
-    pub(super) fn multiply_sectors(&mut self, curve: &Curve, evidence: &Evidence, wedges: &Wedges) {
+    pub(super) fn multiply_sectors(&mut self, curve: &ReceptionCurve, evidence: &PacketEvidence, wedges: &Wedges) {
         let mut is_near = [false; LANES];
-        for &Receiver { place, packets, sector } in evidence.receptions() {
+        for &ReceivingStop { place, packets, sector } in evidence.receptions() {
             let mut factors = [0.0; LANES];
             for lane in 0..LANES {
                 let square = self.distance_squared(place, lane);
@@ -113,7 +113,7 @@ impl<'v> Lanes<'v> {
 
     /// Multiplies by `factor` of the squared distance to each of `places`.
     #[inline(always)]
-    pub(super) fn multiply(&mut self, curve: &Curve, places: &[Position], factor: impl Fn(f64) -> f64) {
+    pub(super) fn multiply(&mut self, curve: &ReceptionCurve, places: &[Position], factor: impl Fn(f64) -> f64) {
         for chunk in places.chunks(curve.chunk) {
             let mut product = self.mantissa;
             for &place in chunk {
@@ -127,7 +127,7 @@ impl<'v> Lanes<'v> {
     }
 
     /// Multiplies by the factors of a stop that received some packets and missed others.
-    fn multiply_count(&mut self, curve: &Curve, count: &Count, coverage: Option<Coverage<'_>>) {
+    fn multiply_count(&mut self, curve: &ReceptionCurve, count: &Count, coverage: Option<Coverage<'_>>) {
         let mut received = [0.0; LANES];
         for (lane, s) in received.iter_mut().enumerate() {
             *s = curve.at(self.distance_squared(count.place, lane));
@@ -137,7 +137,7 @@ impl<'v> Lanes<'v> {
     }
 
     /// Multiplies by the factors of the packets that a stop missed.
-    fn multiply_missed(&mut self, curve: &Curve, count: &Count, coverage: Option<Coverage<'_>>) {
+    fn multiply_missed(&mut self, curve: &ReceptionCurve, count: &Count, coverage: Option<Coverage<'_>>) {
         let coverage = coverage.filter(|_| count.received == 0);
         let mut missed = [0.0; LANES];
         for (lane, factor) in missed.iter_mut().enumerate() {
@@ -151,7 +151,7 @@ impl<'v> Lanes<'v> {
     }
 
     /// Multiplies by `factors` to the power `times`.
-    fn raise(&mut self, curve: &Curve, factors: [f64; LANES], times: u32) {
+    fn raise(&mut self, curve: &ReceptionCurve, factors: [f64; LANES], times: u32) {
         for (lane, factor) in factors.into_iter().enumerate() {
             if times as usize <= curve.chunk {
                 for _ in 0..times {

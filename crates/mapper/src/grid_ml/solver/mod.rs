@@ -31,20 +31,21 @@ mod receiver;
 mod rows;
 mod score;
 mod screen;
+mod sector_conditions;
 mod single;
 mod sink;
 mod soft;
-mod wedge_test;
 mod wedges;
 
 use sextant_channel::{CellIndex, Position, Receptions, SectorTable, Stop};
 use sextant_kernel::Watch;
 
+use crate::lattice::Lattice;
 use crate::log_facts::sectors::SectorSettings;
-use crate::{Lattice, ReceptionProfile};
+use crate::profile::ReceptionProfile;
 use admission::Admission;
-pub(crate) use curve::Curve;
-use evidence::Evidence;
+pub(crate) use curve::ReceptionCurve;
+use evidence::PacketEvidence;
 use rows::Rows;
 use score::Scorer;
 pub(crate) use score::Survivors;
@@ -60,9 +61,9 @@ pub(crate) struct Solver<'a> {
     places: Vec<Position>,
     cells: CellIndex,
     /// The profile of the settings.
-    curve: Curve,
+    curve: ReceptionCurve,
     /// The profile with a floor and a ceiling, for nodes whose receptions no vertex explains.
-    clamped: Curve,
+    clamped: ReceptionCurve,
     /// Sectors, if they are evidence.
     wedges: Option<Wedges>,
     /// How likely each sector is, if it is not just possible or impossible.
@@ -72,13 +73,13 @@ pub(crate) struct Solver<'a> {
 
 /// Memory that a thread reuses for each node.
 #[derive(Debug)]
-pub(crate) struct Scratch {
-    evidence: Evidence,
+pub(crate) struct SolverScratch {
+    evidence: PacketEvidence,
     rows: Rows,
     survivors: Survivors,
 }
 
-impl Scratch {
+impl SolverScratch {
     /// Searches look at no vertex outside of the box with these corners, if there is one, from now on.
     pub(crate) fn keep_within(&mut self, corners: Option<[[f64; 3]; 2]>) {
         self.rows.keep_within(corners);
@@ -87,7 +88,7 @@ impl Scratch {
 
 /// The result of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Search {
+pub(crate) struct GridSearch {
     /// Whether no vertex explains all receptions.
     pub(crate) infeasible: bool,
     /// Vertices whose likelihood was computed.
@@ -105,7 +106,7 @@ impl<'a> Solver<'a> {
         sigma_db: Option<f64>,
         watch: &'a dyn Watch,
     ) -> Self {
-        let curve = Curve::new(profile);
+        let curve = ReceptionCurve::new(profile);
         let places: Vec<Position> = stops.iter().map(|stop| stop.position).collect();
         let cells = CellIndex::new(&places, 0.25 * profile.range_m());
         let is_flat = is_flat(lattice, &places);
@@ -123,8 +124,12 @@ impl<'a> Solver<'a> {
         self.lattice
     }
 
-    pub(crate) fn scratch(&self) -> Scratch {
-        Scratch { evidence: Evidence::new(self.places.len()), rows: Rows::default(), survivors: Survivors::default() }
+    pub(crate) fn scratch(&self) -> SolverScratch {
+        SolverScratch {
+            evidence: PacketEvidence::new(self.places.len()),
+            rows: Rows::default(),
+            survivors: Survivors::default(),
+        }
     }
 
     /// Gives `sink` the log-likelihood of every vertex of the search set, but for those certain to lie more than
@@ -132,13 +137,13 @@ impl<'a> Solver<'a> {
     /// means nothing if the work was ended meanwhile.
     pub(crate) fn search(
         &self,
-        scratch: &mut Scratch,
+        scratch: &mut SolverScratch,
         receptions: Receptions<'_>,
         margin: f64,
         sink: &mut impl Sink,
-    ) -> Search {
-        let Scratch { evidence, rows, survivors } = scratch;
-        let mut search = Search::default();
+    ) -> GridSearch {
+        let SolverScratch { evidence, rows, survivors } = scratch;
+        let mut search = GridSearch::default();
         let wedges = self.wedges.as_ref();
         evidence.read(receptions, &self.places, wedges);
         if evidence.heard_packets() > 0 {
@@ -160,13 +165,13 @@ impl<'a> Solver<'a> {
     /// The same as if no vertex explained all receptions.
     pub(crate) fn search_outliers(
         &self,
-        scratch: &mut Scratch,
+        scratch: &mut SolverScratch,
         receptions: Receptions<'_>,
         margin: f64,
         sink: &mut impl Sink,
-    ) -> Search {
-        let Scratch { evidence, rows, survivors } = scratch;
-        let mut search = Search { infeasible: true, evaluated: 0 };
+    ) -> GridSearch {
+        let SolverScratch { evidence, rows, survivors } = scratch;
+        let mut search = GridSearch { infeasible: true, evaluated: 0 };
         evidence.read(receptions, &self.places, self.wedges.as_ref());
         if evidence.heard_packets() > 0 {
             search.evaluated = self.admit_outliers(evidence, rows, survivors, margin, sink);
@@ -178,7 +183,7 @@ impl<'a> Solver<'a> {
     /// The search for a node whose receptions no vertex explains.
     fn admit_outliers(
         &self,
-        evidence: &Evidence,
+        evidence: &PacketEvidence,
         rows: &mut Rows,
         survivors: &mut Survivors,
         margin: f64,
@@ -205,9 +210,9 @@ impl<'a> Solver<'a> {
 
     fn scorer<'s>(
         &'s self,
-        curve: &'s Curve,
+        curve: &'s ReceptionCurve,
         admission: Admission,
-        evidence: &'s Evidence,
+        evidence: &'s PacketEvidence,
         survivors: &'s mut Survivors,
     ) -> Scorer<'s> {
         Scorer {
@@ -234,10 +239,10 @@ fn is_flat(lattice: &Lattice, places: &[Position]) -> bool {
 }
 
 /// A lattice row: its indices along y and z.
-pub(crate) type Row = [usize; 2];
+pub(crate) type LatticeRow = [usize; 2];
 
 /// The vertices round the one nearest to `place`, by rows.
-fn neighbourhood(lattice: &Lattice, place: Position) -> Vec<(Row, std::ops::Range<usize>)> {
+fn neighbourhood(lattice: &Lattice, place: Position) -> Vec<(LatticeRow, std::ops::Range<usize>)> {
     let place: [f64; 3] = place.into();
     let reach = 1.5 * lattice.step_m();
     let [x, y, z] = [0, 1, 2].map(|axis| {

@@ -7,7 +7,7 @@ use super::cuts::{Cuts, Narrowing};
 use super::lanes::LANES;
 use super::score::{Scorer, Survivors, bounds};
 use super::screen::highest;
-use super::{Curve, Sink, Wedges};
+use super::{ReceptionCurve, Sink, Wedges};
 
 /// With fewer vertices, bounds cost more than they save.
 const MANY: usize = 4 * LANES;
@@ -57,7 +57,7 @@ impl Survivors {
     }
 
     /// Sets `limits` to the most that the log-likelihoods may be.
-    fn limit(&self, curve: &Curve, cuts: &Cuts, limits: &mut Vec<f64>) {
+    fn limit(&self, curve: &ReceptionCurve, cuts: &Cuts, limits: &mut Vec<f64>) {
         let extent = [bounds(&self.x), bounds(&self.y), bounds(&self.z)];
         let middle = extent.map(|(low, high)| 0.5 * (low + high));
         let apart = |vertex: usize| {

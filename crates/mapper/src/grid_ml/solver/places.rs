@@ -13,12 +13,12 @@ const NOWHERE: f32 = 1e18;
 
 /// Places by coordinate, a few side by side.
 #[derive(Debug, Default)]
-pub(super) struct Places {
+pub(super) struct PlaceLanes {
     pub(super) coordinates: Vec<[f32x4; 3]>,
     pub(super) count: usize,
 }
 
-impl Places {
+impl PlaceLanes {
     /// Takes `places` as seen from `middle`.
     pub(super) fn set<'p>(&mut self, places: impl Iterator<Item = &'p Position>, middle: Position) {
         self.coordinates.clear();

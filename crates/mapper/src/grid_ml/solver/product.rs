@@ -15,18 +15,18 @@ pub(super) const LEAST: f32 = 1e-9;
 
 /// A running product by lanes: `mantissa · 2^exponent`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Product {
+pub(super) struct LaneProduct {
     mantissa: [f64; LANES],
     exponent: i64,
 }
 
-impl Default for Product {
+impl Default for LaneProduct {
     fn default() -> Self {
         Self { mantissa: [1.0; LANES], exponent: 0 }
     }
 }
 
-impl Product {
+impl LaneProduct {
     /// Multiplies by the product of a group. [`normalise`](Self::normalise) after [`GROUPS`] of them.
     #[inline(always)]
     pub(super) fn multiply(&mut self, group: f32x4) {

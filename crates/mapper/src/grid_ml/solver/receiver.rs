@@ -4,7 +4,7 @@ use sextant_channel::Position;
 
 /// A stop that received packets from the node.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Receiver {
+pub(crate) struct ReceivingStop {
     pub(crate) place: Position,
     /// Packets received there, above zero.
     pub(crate) packets: u32,

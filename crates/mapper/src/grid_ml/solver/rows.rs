@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use sextant_channel::Position;
 
-use super::Row;
-use super::balls::{Balls, Part};
+use super::LatticeRow;
+use super::balls::{Balls, RowInBalls};
 use super::conditions::{Plane, Residual};
 use super::reached::Reached;
-use super::receiver::Receiver;
+use super::receiver::ReceivingStop;
 use super::wedges::Wedges;
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// A factor on R² that is larger than the rounding error of squared distances, so that no vertex in range is dropped.
 const ROUNDING: f64 = 1.0 + 1e-14;
@@ -21,14 +21,14 @@ pub(crate) struct Rows {
     /// Index ranges along x, y, z.
     span: [Range<usize>; 3],
     /// Receptions whose ball does not hold the whole box.
-    rim: Vec<Receiver>,
+    rim: Vec<ReceivingStop>,
     /// Half-spaces that sectors leave, and their other conditions.
     planes: Vec<Plane>,
     residuals: Vec<Residual>,
     /// Packets of the receptions on the rim.
     rim_packets: u64,
     /// The rim's receptions in reach of a layer of the box.
-    layer: Vec<Receiver>,
+    layer: Vec<ReceivingStop>,
     /// The balls round the receptions on the rim.
     balls: Balls,
     /// Coordinates along an axis, to be sorted.
@@ -54,7 +54,7 @@ impl Rows {
         &mut self,
         lattice: &Lattice,
         range_m: f64,
-        receivers: &[Receiver],
+        receivers: &[ReceivingStop],
         wedges: Option<&Wedges>,
     ) -> bool {
         let (first, last) = bounds(receivers);
@@ -98,7 +98,7 @@ impl Rows {
 
     /// Sets the box to hold every place within `range_m` of all receptions but `cap` packets' worth.
     /// Returns whether it holds a vertex.
-    pub(crate) fn relaxed(&mut self, lattice: &Lattice, range_m: f64, receivers: &[Receiver], cap: u64) -> bool {
+    pub(crate) fn relaxed(&mut self, lattice: &Lattice, range_m: f64, receivers: &[ReceivingStop], cap: u64) -> bool {
         for axis in 0..3 {
             self.sorted.clear();
             self.sorted.extend(receivers.iter().map(|r| (<[f64; 3]>::from(r.place)[axis], r.packets)));
@@ -113,7 +113,7 @@ impl Rows {
     }
 
     /// Collects the receptions that may not hold for the whole box, among them those in a sector if `by_sector`.
-    fn find_rim(&mut self, lattice: &Lattice, range_m: f64, receivers: &[Receiver], by_sector: bool) -> bool {
+    fn find_rim(&mut self, lattice: &Lattice, range_m: f64, receivers: &[ReceivingStop], by_sector: bool) -> bool {
         self.rim.clear();
         self.rim_packets = 0;
         if self.span.iter().any(Range::is_empty) {
@@ -143,7 +143,7 @@ impl Rows {
         lattice: &Lattice,
         range_m: f64,
         wedges: Option<&Wedges>,
-        mut visit: impl FnMut(Row, Range<usize>),
+        mut visit: impl FnMut(LatticeRow, Range<usize>),
     ) {
         let has_slow_planes = self.planes.iter().any(|plane| plane.is_along_rows() && plane.normal[0].abs() > 0.0);
         let [along, ys, zs] = self.span.clone();
@@ -158,8 +158,8 @@ impl Rows {
             for j in ys {
                 let y = lattice.coordinate(1, j);
                 let span = match self.balls.row(y, z) {
-                    Part::Nothing => continue,
-                    Part::Interval { mut low, mut high, error_m } if !has_slow_planes => {
+                    RowInBalls::Nothing => continue,
+                    RowInBalls::Interval { mut low, mut high, error_m } if !has_slow_planes => {
                         self.planes.iter().for_each(|plane| plane.cut(y, z, &mut low, &mut high));
                         if low > high + 2.0 * error_m {
                             continue;
@@ -167,7 +167,7 @@ impl Rows {
                         let (span, in_doubt) = lattice.span_within(0, low, high, error_m);
                         if in_doubt { self.exact_span(lattice, range_m, [j, k]) } else { span }
                     }
-                    Part::Interval { .. } | Part::Grazed => self.exact_span(lattice, range_m, [j, k]),
+                    RowInBalls::Interval { .. } | RowInBalls::Grazed => self.exact_span(lattice, range_m, [j, k]),
                 };
                 let span = span.start.max(along.start)..span.end.min(along.end);
                 match wedges.filter(|_| !self.residuals.is_empty()) {
@@ -183,11 +183,11 @@ impl Rows {
 
     /// The vertices of a row that lie nearer than `range_m` to every reception and in all half-spaces.
     #[cold]
-    fn exact_span(&self, lattice: &Lattice, range_m: f64, [j, k]: Row) -> Range<usize> {
+    fn exact_span(&self, lattice: &Lattice, range_m: f64, [j, k]: LatticeRow) -> Range<usize> {
         let reach = range_m * range_m * ROUNDING;
         let (y, z) = (lattice.coordinate(1, j), lattice.coordinate(2, k));
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        for Receiver { place, .. } in &self.rim {
+        for ReceivingStop { place, .. } in &self.rim {
             let (dy, dz) = (y - place.y_m, z - place.z_m);
             let square = reach - dy * dy - dz * dz;
             if square < 0.0 {
@@ -209,7 +209,7 @@ impl Rows {
     }
 
     /// Takes vertices that are not nearer than `range_m` to every reception or not in a half-space off the ends of a span.
-    fn shrink(&self, lattice: &Lattice, range_m: f64, [j, k]: Row, span: &mut Range<usize>) {
+    fn shrink(&self, lattice: &Lattice, range_m: f64, [j, k]: LatticeRow, span: &mut Range<usize>) {
         let is_within = |i| {
             let vertex = lattice.position([i, j, k]);
             self.planes.iter().all(|plane| plane.holds(vertex.into()))
@@ -234,7 +234,7 @@ impl Rows {
         range_m: f64,
         wedges: Option<&Wedges>,
         cap: u64,
-        mut visit: impl FnMut(Row, usize),
+        mut visit: impl FnMut(LatticeRow, usize),
     ) {
         let reach = range_m * range_m * ROUNDING;
         let least = self.rim_packets.saturating_sub(cap);
@@ -258,7 +258,7 @@ impl Rows {
             reached.take_runs(&ys, least, |run| rows.push(run));
             for j in rows.iter().cloned().flatten() {
                 let y = lattice.coordinate(1, j);
-                for &Receiver { place, packets, sector } in &self.layer {
+                for &ReceivingStop { place, packets, sector } in &self.layer {
                     let (dy, dz) = (y - place.y_m, z - place.z_m);
                     let square = reach - dy * dy - dz * dz;
                     if square >= 0.0 {
@@ -277,13 +277,13 @@ impl Rows {
     }
 
     /// The middle of the bounding box of the receptions.
-    pub(crate) fn centre(&self, receivers: &[Receiver]) -> Position {
+    pub(crate) fn centre(&self, receivers: &[ReceivingStop]) -> Position {
         let (low, high) = bounds(receivers);
         (Position::from(low) + Position::from(high)) * 0.5
     }
 
     /// The median of the receptions along each axis.
-    pub(crate) fn median(&mut self, receivers: &[Receiver]) -> Position {
+    pub(crate) fn median(&mut self, receivers: &[ReceivingStop]) -> Position {
         [0, 1, 2]
             .map(|axis| {
                 self.sorted.clear();
@@ -296,7 +296,7 @@ impl Rows {
 }
 
 /// The corners of the bounding box of the receptions.
-fn bounds(receivers: &[Receiver]) -> ([f64; 3], [f64; 3]) {
+fn bounds(receivers: &[ReceivingStop]) -> ([f64; 3], [f64; 3]) {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
     for receiver in receivers {

@@ -6,15 +6,15 @@ use sextant_channel::{CellIndex, Position};
 use sextant_kernel::Watch;
 
 use super::admission::Admission;
-use super::curve::Curve;
+use super::curve::ReceptionCurve;
 use super::cuts::Narrowing;
-use super::evidence::Evidence;
+use super::evidence::PacketEvidence;
 use super::lanes::{LANES, Lanes};
-use super::screen::{Scene, Screen};
+use super::screen::{BoundScene, Screen};
 use super::soft::SoftSectors;
 use super::wedges::Wedges;
-use super::{Row, Sink};
-use crate::Lattice;
+use super::{LatticeRow, Sink};
+use crate::lattice::Lattice;
 
 /// Vertices collected before they are scored: bounds the memory.
 const BATCH: usize = 2048;
@@ -39,11 +39,11 @@ pub(crate) struct Survivors {
 pub(crate) struct Scorer<'s> {
     pub(crate) lattice: &'s Lattice,
     pub(crate) cells: &'s CellIndex,
-    pub(crate) curve: &'s Curve,
+    pub(crate) curve: &'s ReceptionCurve,
     pub(crate) admission: Admission,
     pub(crate) wedges: Option<&'s Wedges>,
     pub(crate) soft: Option<&'s SoftSectors>,
-    pub(crate) evidence: &'s Evidence,
+    pub(crate) evidence: &'s PacketEvidence,
     pub(crate) survivors: &'s mut Survivors,
     pub(crate) watch: &'s dyn Watch,
     /// Whether the work was ended: no vertex is scored any more.
@@ -55,7 +55,7 @@ pub(crate) struct Scorer<'s> {
 
 impl Scorer<'_> {
     /// Adds the vertices `span` of a row.
-    pub(crate) fn push(&mut self, row: Row, span: Range<usize>, sink: &mut impl Sink) {
+    pub(crate) fn push(&mut self, row: LatticeRow, span: Range<usize>, sink: &mut impl Sink) {
         if self.is_stopped {
             return;
         }
@@ -116,7 +116,7 @@ impl Scorer<'_> {
     fn bound(&mut self) -> bool {
         let coverage = self.wedges.and_then(Wedges::coverage);
         let Survivors { x, y, z, silent, corners, screen, .. } = &mut *self.survivors;
-        let scene = Scene {
+        let scene = BoundScene {
             curve: self.curve,
             evidence: self.evidence,
             silent,

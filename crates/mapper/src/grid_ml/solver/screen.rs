@@ -8,10 +8,10 @@
 use sextant_channel::Position;
 use wide::f32x4;
 
-use super::curve::Curve;
-use super::evidence::Evidence;
-use super::places::{LANES, Places};
-use super::product::{GROUP, GROUPS, LEAST, Product};
+use super::curve::ReceptionCurve;
+use super::evidence::PacketEvidence;
+use super::places::{LANES, PlaceLanes};
+use super::product::{GROUP, GROUPS, LEAST, LaneProduct};
 use super::single::single;
 use super::wedges::Coverage;
 
@@ -32,17 +32,17 @@ const MOST_PACKETS: u32 = 64;
 pub(crate) struct Screen {
     /// For each vertex, a number that grows with its bound; see [`key`].
     keys: Vec<f64>,
-    heard: Places,
-    silent: Places,
+    heard: PlaceLanes,
+    silent: PlaceLanes,
     /// What the keys are above a bound's logarithm [bit]: at most the rounding errors, less the factors of the
     /// stops that fill up vectors.
     offset: f64,
 }
 
 /// The evidence on a node, and the vertices to be bounded.
-pub(crate) struct Scene<'s> {
-    pub(crate) curve: &'s Curve,
-    pub(crate) evidence: &'s Evidence,
+pub(crate) struct BoundScene<'s> {
+    pub(crate) curve: &'s ReceptionCurve,
+    pub(crate) evidence: &'s PacketEvidence,
     pub(crate) silent: &'s [Position],
     /// What sectors cover, if silence elsewhere says nothing.
     pub(crate) coverage: Option<Coverage<'s>>,
@@ -67,7 +67,7 @@ struct Moved<'c> {
 impl<'c> Moved<'c> {
     /// The curve for distances that are off by up to `apart_m`: at least the exact one if it is above zero, at most
     /// if it is below.
-    fn new(curve: &'c Curve, apart_m: f64) -> Self {
+    fn new(curve: &'c ReceptionCurve, apart_m: f64) -> Self {
         let rise = single(apart_m * curve.steepest_per_m) + if apart_m > 0.0 { ROUNDING } else { -ROUNDING };
         Self {
             range_m: f32x4::splat(single(curve.range_m + apart_m)),
@@ -109,8 +109,8 @@ impl<'c> Moved<'c> {
 
 impl Screen {
     /// Bounds the likelihoods of a scene. Returns whether it did. If not, the bounds mean nothing.
-    pub(crate) fn bound(&mut self, scene: &Scene<'_>) -> bool {
-        let Scene { curve, evidence, silent, coverage, vertices: [x, y, z], corners: [low, high] } = *scene;
+    pub(crate) fn bound(&mut self, scene: &BoundScene<'_>) -> bool {
+        let BoundScene { curve, evidence, silent, coverage, vertices: [x, y, z], corners: [low, high] } = *scene;
         if evidence.counts.iter().any(|count| count.received + count.missed > MOST_PACKETS) {
             return false;
         }
@@ -131,7 +131,7 @@ impl Screen {
         for ((x, y), z) in x.iter().zip(y).zip(z) {
             let vertex =
                 <[f64; 3]>::from(Position::new(*x, *y, *z) - middle).map(|value| f32x4::splat(single(value)));
-            let mut bound = Bound { vertex, product: Product::default() };
+            let mut bound = Bound { vertex, product: LaneProduct::default() };
             if let Some(coverage) = coverage {
                 bound.multiply(&self.heard, |square| above.at(square));
                 bound.multiply_apart(&self.silent, |apart, square| {
@@ -193,7 +193,7 @@ pub(super) fn highest<const N: usize>(values: &[f64]) -> [usize; N] {
 /// Running product of the factors of one vertex.
 struct Bound {
     vertex: [f32x4; 3],
-    product: Product,
+    product: LaneProduct,
 }
 
 impl Bound {
@@ -211,13 +211,13 @@ impl Bound {
 
     /// Multiplies by `factor` of the squared distance to each of `places`.
     #[inline(always)]
-    fn multiply(&mut self, places: &Places, factor: impl Fn(f32x4) -> f32x4) {
+    fn multiply(&mut self, places: &PlaceLanes, factor: impl Fn(f32x4) -> f32x4) {
         self.multiply_apart(places, |_, square| factor(square));
     }
 
     /// Multiplies by `factor` of the vertex as seen from each of `places`, and of its squared distance.
     #[inline(always)]
-    fn multiply_apart(&mut self, places: &Places, factor: impl Fn([f32x4; 3], f32x4) -> f32x4) {
+    fn multiply_apart(&mut self, places: &PlaceLanes, factor: impl Fn([f32x4; 3], f32x4) -> f32x4) {
         let least = f32x4::splat(LEAST);
         for chunk in places.coordinates.chunks(GROUPS * GROUP) {
             for group in chunk.chunks(GROUP) {

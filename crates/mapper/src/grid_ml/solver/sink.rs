@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 
-use crate::Lattice;
+use crate::lattice::Lattice;
 
 /// Receives the log-likelihood of each vertex once, in any order.
 pub(crate) trait Sink {

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use sextant_channel::{SectorConfig, SectorTable, Wedge};
 
 use super::single::single;
-use crate::Lattice;
+use crate::lattice::Lattice;
 use crate::numerics::normal::logistic_scale;
 use crate::numerics::octahedron::{folded, unfolded};
 use crate::numerics::whole;

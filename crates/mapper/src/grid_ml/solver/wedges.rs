@@ -16,14 +16,15 @@ use sextant_channel::{SectorTable, Wedge};
 use wide::f32x4;
 
 use super::conditions::{Plane, Residual, ResidualKind};
-use super::coverage::Part;
+use super::coverage::SpherePart;
 use super::margin::Margin;
-use super::receiver::Receiver;
+use super::receiver::ReceivingStop;
+use super::sector_conditions::SectorConditions;
 use super::single::single;
 use super::soft::SoftSectors;
-use super::wedge_test::Test;
+use crate::lattice::Lattice;
 use crate::log_facts::sectors::SectorSettings;
-use crate::{Lattice, SectorTolerance, SilenceRule};
+use crate::log_facts::{SectorTolerance, SilenceRule};
 
 /// Least tolerance, so that rounding does not exclude an edge (m).
 const ROUNDING_M: f64 = 1e-9;
@@ -34,7 +35,7 @@ pub(crate) struct Wedges {
     /// Unit vectors into half-spaces, of all sectors.
     normals: Vec<[f64; 3]>,
     /// By the sector's identity.
-    tests: Vec<Test>,
+    tests: Vec<SectorConditions>,
     /// How far beyond an edge of the half-spaces a vertex may lie (m).
     tolerance_m: f64,
     /// The angle at the edges, where it depends on the distance.
@@ -42,7 +43,7 @@ pub(crate) struct Wedges {
     /// By the sector's identity, what it covers.
     wedges: Vec<Option<Wedge>>,
     /// The parts of the sphere that sectors cover, if they do not cover all of it and silence elsewhere says nothing.
-    covered: Option<Vec<Part>>,
+    covered: Option<Vec<SpherePart>>,
     /// The sectors that say what is covered, if others.
     covering: Option<Box<Wedges>>,
 }
@@ -130,27 +131,27 @@ impl Wedges {
         let mut parts = Vec::new();
         for (id, wedge) in sectors {
             let test = wedges.test(&wedge, angle);
-            wedges.tests.resize(id + 1, Test::default());
+            wedges.tests.resize(id + 1, SectorConditions::default());
             wedges.wedges.resize(id + 1, None);
             wedges.tests[id] = test.clone();
             wedges.wedges[id] = Some(wedge);
-            parts.push(Part { test, wedge });
+            parts.push(SpherePart { test, wedge });
         }
         if silence == SilenceRule::Covered {
-            let of_ring = |wedge: &Wedge| Part { test: wedges.test(wedge, angle), wedge: *wedge };
-            wedges.covered = Part::outside_of_which_silence_is_certain(parts, is_flat, of_ring);
+            let of_ring = |wedge: &Wedge| SpherePart { test: wedges.test(wedge, angle), wedge: *wedge };
+            wedges.covered = SpherePart::outside_of_which_silence_is_certain(parts, is_flat, of_ring);
         }
         wedges
     }
 
-    fn test(&mut self, wedge: &Wedge, angle: f64) -> Test {
-        let mut test = Test::default();
+    fn test(&mut self, wedge: &Wedge, angle: f64) -> SectorConditions {
+        let mut test = SectorConditions::default();
         self.add_azimuths(&mut test, wedge, angle);
         self.add_elevations(&mut test, wedge, angle);
         test
     }
 
-    fn add_azimuths(&mut self, test: &mut Test, wedge: &Wedge, angle: f64) {
+    fn add_azimuths(&mut self, test: &mut SectorConditions, wedge: &Wedge, angle: f64) {
         let (from, width) = (wedge.azimuth_from_rad - angle, wedge.azimuth_width_rad + 2.0 * angle);
         if width >= TAU {
             return;
@@ -167,7 +168,7 @@ impl Wedges {
         }
     }
 
-    fn add_elevations(&mut self, test: &mut Test, wedge: &Wedge, angle: f64) {
+    fn add_elevations(&mut self, test: &mut SectorConditions, wedge: &Wedge, angle: f64) {
         let low = (wedge.elevation_rad[0] - angle).max(-FRAC_PI_2);
         let high = (wedge.elevation_rad[1] + angle).min(FRAC_PI_2);
         let middle = 0.5 * (low + high);
@@ -213,14 +214,14 @@ impl Wedges {
     }
 
     /// Whether a vertex at `apart` from the stop is in the wedge with this test (m).
-    pub(super) fn holds(&self, test: &Test, wedge: &Wedge, apart: [f64; 3]) -> bool {
+    pub(super) fn holds(&self, test: &SectorConditions, wedge: &Wedge, apart: [f64; 3]) -> bool {
         match &self.margin {
             None => self.is_within(test, apart, self.tolerance_m),
             Some(margin) => self.is_within(test, apart, ROUNDING_M) || margin.admits(wedge, apart),
         }
     }
 
-    fn is_within(&self, test: &Test, [dx, dy, dz]: [f64; 3], tolerance_m: f64) -> bool {
+    fn is_within(&self, test: &SectorConditions, [dx, dy, dz]: [f64; 3], tolerance_m: f64) -> bool {
         let inside = |[x, y, z]: [f64; 3]| x * dx + y * dy + z * dz >= -tolerance_m;
         test.planes.iter().all(|&plane| inside(self.normals[plane]))
             && test.reflex.is_none_or(|edges| edges.iter().any(|&[x, y]| inside([x, y, 0.0])))
@@ -230,7 +231,12 @@ impl Wedges {
     /// The same for a few vertices, with distances that are off by up to `apart_m`: all bits of a lane are set only if
     /// the vertex is certainly in the wedge.
     #[inline(always)]
-    pub(super) fn is_certainly_within(&self, test: &Test, [dx, dy, dz]: &[f32x4; 3], apart_m: f32) -> f32x4 {
+    pub(super) fn is_certainly_within(
+        &self,
+        test: &SectorConditions,
+        [dx, dy, dz]: &[f32x4; 3],
+        apart_m: f32,
+    ) -> f32x4 {
         let tolerance_m = if self.margin.is_some() { ROUNDING_M } else { self.tolerance_m };
         let least = f32x4::splat(4.0 * apart_m - single(tolerance_m));
         let inside = |[x, y, z]: [f64; 3]| (*dx * single(x) + *dy * single(y) + *dz * single(z)).simd_ge(least);
@@ -258,7 +264,7 @@ impl Wedges {
 
     /// Collects the conditions of all receptions: the tightest half-space of each direction, as a normal and the
     /// least value of its product with a place; and the conditions that are not half-spaces.
-    pub(crate) fn demand(&self, receivers: &[Receiver], planes: &mut Vec<Plane>, residuals: &mut Vec<Residual>) {
+    pub(crate) fn demand(&self, receivers: &[ReceivingStop], planes: &mut Vec<Plane>, residuals: &mut Vec<Residual>) {
         planes.clear();
         planes.extend(self.normals.iter().map(|&normal| Plane { normal, least: f64::NEG_INFINITY }));
         residuals.clear();
@@ -319,7 +325,7 @@ impl Wedges {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coverage<'w> {
     wedges: &'w Wedges,
-    parts: &'w [Part],
+    parts: &'w [SpherePart],
 }
 
 impl Coverage<'_> {
@@ -332,7 +338,7 @@ impl Coverage<'_> {
     /// a sector certainly covers the vertex.
     #[inline(always)]
     pub(crate) fn certainly_covers(&self, apart: &[f32x4; 3], apart_m: f32) -> f32x4 {
-        let certain = |part: &Part| self.wedges.is_certainly_within(&part.test, apart, apart_m);
+        let certain = |part: &SpherePart| self.wedges.is_certainly_within(&part.test, apart, apart_m);
         self.parts.iter().fold(f32x4::ZERO, |covered, part| covered | certain(part))
     }
 }

@@ -1,0 +1,8 @@
+//! Obstacles, and the ways of a signal through, along and around them.
+
+pub(crate) mod edge;
+pub(crate) mod field;
+pub(crate) mod mirror;
+pub(crate) mod obstacle;
+pub(crate) mod rays;
+pub(crate) mod sight;

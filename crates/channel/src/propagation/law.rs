@@ -1,0 +1,222 @@
+//! The law of a link without obstacles: checked once, and shared by all users of the channel.
+
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+use crate::power::{Db, Dbm};
+use crate::propagation::environment::Environment;
+use crate::propagation::path_loss::{CloseInConfig, LogDistance, LogDistanceConfig, PathLossConfig};
+use crate::propagation::reflection::{ReflectionLaw, ReflectionsConfig};
+use crate::propagation::shadowing::{ShadowingConfig, ShadowingLaw};
+
+/// The radio channel as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
+pub struct ChannelConfig {
+    /// A known environment. The keys of `path_loss` and `shadowing` override it.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub environment: Option<Environment>,
+    /// Loss with distance; from the environment if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub path_loss: Option<PathLossConfig>,
+    /// Shadowing. If absent: that of the environment, per packet; no shadowing without an environment.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub shadowing: Option<ShadowingConfig>,
+    /// Hard communication radius (m): the longest possible link, this length included; unlimited if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub max_range_m: Option<f64>,
+    /// Reflections, which add power to links; none if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub reflections: Option<ReflectionsConfig>,
+    /// Whether obstacles absorb power.
+    #[cfg_attr(feature = "config", serde(default = "obstacles_attenuate"))]
+    pub obstacles_attenuate: bool,
+}
+
+#[cfg(feature = "config")]
+#[inline]
+fn obstacles_attenuate() -> bool {
+    true
+}
+
+impl Default for ChannelConfig {
+    /// The suburban environment of the thesis, without a hard radius.
+    fn default() -> Self {
+        Self {
+            environment: Some(Environment::Suburban),
+            path_loss: None,
+            shadowing: None,
+            max_range_m: None,
+            reflections: None,
+            obstacles_attenuate: true,
+        }
+    }
+}
+
+impl ChannelConfig {
+    /// The same channel; if it has a log-distance law without a loss at the reference distance, with that of free space at
+    /// the carrier of the radios, `carrier_ghz`.
+    #[must_use]
+    pub fn with_free_space(self, carrier_ghz: f64) -> Self {
+        let path_loss = match (self.path_loss, self.environment) {
+            (Some(PathLossConfig::LogDistance(law)), _) => law,
+            (None, Some(environment)) if environment.carrier_ghz().is_none() => LogDistanceConfig::default(),
+            (Some(PathLossConfig::CloseIn(_)), _) | (None, _) => return self,
+        };
+        Self { path_loss: Some(PathLossConfig::LogDistance(path_loss.with_free_space(carrier_ghz))), ..self }
+    }
+}
+
+/// The law of a link without obstacles: loss with distance, shadowing, a hard radius. Checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelLaw {
+    path_loss: LogDistance,
+    carrier_ghz: Option<f64>,
+    shadowing: ShadowingLaw,
+    max_range_m: f64,
+    reflections: Option<ReflectionLaw>,
+    obstacles_attenuate: bool,
+}
+
+impl TryFrom<ChannelConfig> for ChannelLaw {
+    type Error = SettingError;
+
+    fn try_from(config: ChannelConfig) -> Result<Self, SettingError> {
+        let environment = config.environment;
+        let path_loss = match (config.path_loss, environment) {
+            (Some(path_loss), _) => path_loss,
+            (None, Some(environment)) if environment.carrier_ghz().is_some() => {
+                PathLossConfig::CloseIn(CloseInConfig::default())
+            }
+            (None, Some(_)) => PathLossConfig::LogDistance(LogDistanceConfig::default()),
+            (None, None) => {
+                let needed = format!(
+                    "one of {}, or a table `path_loss.log_distance` or `path_loss.close_in`",
+                    Environment::names()
+                );
+                return Err(SettingError::missing("environment", needed));
+            }
+        };
+        let exponent = environment.map(Environment::exponent);
+        let (path_loss, carrier_ghz) = match path_loss {
+            PathLossConfig::LogDistance(law) => {
+                let law = LogDistanceConfig { exponent: law.exponent.or(exponent), ..law };
+                let law = LogDistance::try_from(law).map_err(|error| error.within("path_loss.log_distance"))?;
+                (law, None)
+            }
+            PathLossConfig::CloseIn(law) => {
+                let carrier_ghz = law.carrier_ghz.or(environment.and_then(Environment::carrier_ghz));
+                let law = CloseInConfig { carrier_ghz, exponent: law.exponent.or(exponent), ..law };
+                let law = LogDistance::try_from(law).map_err(|error| error.within("path_loss.close_in"))?;
+                (law, carrier_ghz)
+            }
+        };
+        let mut shadowing = config.shadowing.unwrap_or_default();
+        let inherited = match config.shadowing {
+            None => Some(environment.map_or(0.0, Environment::sigma_db)),
+            Some(_) => environment.map(Environment::sigma_db),
+        };
+        shadowing.sigma_db = shadowing.sigma_db.or(inherited);
+        Ok(Self {
+            path_loss,
+            carrier_ghz,
+            shadowing: ShadowingLaw::try_from(shadowing).map_err(|error| error.within("shadowing"))?,
+            max_range_m: match config.max_range_m {
+                Some(range_m) => SettingError::positive("max_range_m", range_m)?,
+                None => f64::INFINITY,
+            },
+            reflections: match config.reflections {
+                Some(reflections) => {
+                    Some(ReflectionLaw::try_from(reflections).map_err(|error| error.within("reflections"))?)
+                }
+                None => None,
+            },
+            obstacles_attenuate: config.obstacles_attenuate,
+        })
+    }
+}
+
+impl ChannelLaw {
+    /// The same law with a hard radius of at most `range_m` (m).
+    #[must_use]
+    pub fn within_m(self, range_m: f64) -> Self {
+        Self { max_range_m: self.max_range_m.min(range_m), ..self }
+    }
+
+    /// Loss with distance.
+    #[must_use]
+    #[inline]
+    pub fn path_loss(&self) -> &LogDistance {
+        &self.path_loss
+    }
+
+    /// Carrier (GHz), if the channel has one: that of close-in path loss.
+    #[must_use]
+    #[inline]
+    pub fn carrier_ghz(&self) -> Option<f64> {
+        self.carrier_ghz
+    }
+
+    /// How links are reflected, if they are.
+    #[inline]
+    #[cfg(feature = "obstacles")]
+    pub(crate) fn reflections(&self) -> Option<&ReflectionLaw> {
+        self.reflections.as_ref()
+    }
+
+    /// How shadowing spreads.
+    #[must_use]
+    #[inline]
+    pub fn shadowing(&self) -> &ShadowingLaw {
+        &self.shadowing
+    }
+
+    /// Hard communication radius (m); infinite if unlimited.
+    #[must_use]
+    #[inline]
+    pub fn max_range_m(&self) -> f64 {
+        self.max_range_m
+    }
+
+    /// Whether obstacles absorb power.
+    #[must_use]
+    #[inline]
+    pub fn obstacles_attenuate(&self) -> bool {
+        self.obstacles_attenuate
+    }
+
+    /// Distance beyond which even a power four standard deviations above the mean is below `floor` (m), at most the
+    /// hard radius: the range that a spatial index must search.
+    #[must_use]
+    pub fn reach_m(&self, tx: Dbm, floor: Dbm) -> f64 {
+        let by_reflections = self.reflections.map_or(Db(0.0), |law| law.greatest_gain());
+        let budget = tx - floor + Db(4.0 * self.shadowing.sigma_db()) + by_reflections;
+        self.path_loss.distance_m(budget).min(self.max_range_m)
+    }
+
+    /// Probability that a packet sent with `tx` arrives with at least `sensitivity` over `distance_m`, behind
+    /// obstacles that cost `obstacle_loss`: `Φ((P_mean - sensitivity) / σ)`, 0 beyond the hard radius.
+    #[must_use]
+    #[inline]
+    pub fn reception_probability(&self, tx: Dbm, sensitivity: Dbm, distance_m: f64, obstacle_loss: Db) -> f64 {
+        if distance_m > self.max_range_m {
+            return 0.0;
+        }
+        self.share_above(tx - self.path_loss.loss(distance_m) - obstacle_loss - sensitivity)
+    }
+
+    /// Probability that shadowing leaves a link whose mean power is `margin` above a threshold at or above it: `Φ(margin / σ)`.
+    #[must_use]
+    #[inline]
+    pub fn share_above(&self, margin: Db) -> f64 {
+        let sigma_db = self.shadowing.sigma_db();
+        if sigma_db > 0.0 {
+            0.5 * libm::erfc(-margin.0 / (sigma_db * std::f64::consts::SQRT_2))
+        } else {
+            f64::from(u8::from(margin.0 >= 0.0))
+        }
+    }
+}

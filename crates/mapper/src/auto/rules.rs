@@ -1,0 +1,121 @@
+//! The rules by which a log chooses an estimator, as a table. `docs/algorithms/auto.md` shows it.
+
+/// Why an estimator was chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChoiceReason {
+    /// Something is known of the places, which only the link model can use.
+    KnownPlaces,
+    /// The log has too few stops or nodes to leave some out: the link model maps it.
+    TooLittle,
+    /// It takes packets as independent of each other, and predicts what was left out as well as the link model, or better.
+    IndependentPackets,
+    /// The link model predicts what was left out better than estimators for which packets are independent.
+    DependentPackets,
+}
+
+/// What the rules look at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facts {
+    /// Whether something is known of the places of nodes.
+    pub(super) knows_places: bool,
+    /// Whether stops could be left out, so that estimators were compared.
+    pub(super) compared: bool,
+    /// The number of the most trusted estimator of independent packets, if it predicts as well as the link model does.
+    pub(super) as_good: Option<usize>,
+}
+
+/// A rule. The first one whose condition holds decides.
+struct Rule {
+    reason: ChoiceReason,
+    holds: fn(&Facts) -> bool,
+    /// The number of the candidate that it takes; `None` is the link model.
+    takes: fn(&Facts) -> Option<usize>,
+    /// The condition as the page shows it.
+    #[cfg_attr(not(test), expect(dead_code, reason = "shown by the page, which a test compares with the table"))]
+    condition: &'static str,
+    /// What it takes, as the page shows it.
+    #[cfg_attr(not(test), expect(dead_code, reason = "shown by the page, which a test compares with the table"))]
+    choice: &'static str,
+    /// The reason that is printed.
+    because: &'static str,
+}
+
+const LINK_MODEL: fn(&Facts) -> Option<usize> = |_| None;
+
+/// The rules, from the first to the last.
+const RULES: [Rule; 4] = [
+    Rule {
+        reason: ChoiceReason::KnownPlaces,
+        holds: |facts| facts.knows_places,
+        takes: LINK_MODEL,
+        condition: "something is known of the places",
+        choice: "link model",
+        because: "only it can use what is known of the places",
+    },
+    Rule {
+        reason: ChoiceReason::TooLittle,
+        holds: |facts| !facts.compared,
+        takes: LINK_MODEL,
+        condition: "no stops can be left out",
+        choice: "link model",
+        because: "the log has too few stops or nodes to compare estimators",
+    },
+    Rule {
+        reason: ChoiceReason::IndependentPackets,
+        holds: |facts| facts.as_good.is_some(),
+        takes: |facts| facts.as_good,
+        condition: "an estimator of independent packets predicts as well",
+        choice: "that estimator",
+        because: "it predicts the stops left out no worse than the link model: packets of a link seem independent",
+    },
+    Rule {
+        reason: ChoiceReason::DependentPackets,
+        holds: |_| true,
+        takes: LINK_MODEL,
+        condition: "otherwise",
+        choice: "link model",
+        because: "no estimator of independent packets predicts the stops left out as well: packets of a link share what they lose",
+    },
+];
+
+/// The number of the candidate that the rules take (`links` is that of the link model), and why.
+pub(super) fn choose(facts: &Facts, links: usize) -> (usize, ChoiceReason) {
+    let rule = RULES.iter().find(|rule| (rule.holds)(facts)).expect("the last rule always holds");
+    ((rule.takes)(facts).unwrap_or(links), rule.reason)
+}
+
+impl ChoiceReason {
+    /// The reason in words.
+    pub(super) fn because(self) -> &'static str {
+        RULES.iter().find(|rule| rule.reason == self).expect("each reason is that of a rule").because
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_rule_that_holds_decides() {
+        let facts = |knows_places, compared, as_good| Facts { knows_places, compared, as_good };
+        for (facts, expected) in [
+            (facts(true, true, Some(2)), (0, ChoiceReason::KnownPlaces)),
+            (facts(false, false, None), (0, ChoiceReason::TooLittle)),
+            (facts(false, true, Some(2)), (2, ChoiceReason::IndependentPackets)),
+            (facts(false, true, None), (0, ChoiceReason::DependentPackets)),
+        ] {
+            assert_eq!(choose(&facts, 0), expected, "{facts:?}");
+        }
+    }
+
+    #[test]
+    fn the_page_shows_the_table() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/algorithms/auto.md");
+        let page = std::fs::read_to_string(page).expect("the page of auto");
+        let rows: Vec<String> = RULES
+            .iter()
+            .map(|rule| format!("| {} | {} | {} |\n", rule.condition, rule.choice, rule.because))
+            .collect();
+        assert!(page.contains(&rows.concat()), "the page is to show:\n{}", rows.concat());
+    }
+}
