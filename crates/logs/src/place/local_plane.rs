@@ -52,7 +52,7 @@ pub struct LocalPlane {
 
 impl LocalPlane {
     /// Largest absolute latitude (degrees): at a pole east and north have no meaning.
-    pub(crate) const LARGEST_LAT_DEG: f64 = 89.9;
+    pub const LARGEST_LAT_DEG: f64 = 89.9;
     /// Largest distance from the origin at which the plane is still used (m).
     pub const RADIUS_M: f64 = 100e3;
 
