@@ -30,7 +30,7 @@ pub(crate) enum SeekMessage {
 impl SeekMessage {
     /// The octets of the message.
     #[must_use]
-    pub(crate) fn to_octets(&self) -> Vec<u8> {
+    pub(crate) fn to_octets(self) -> Vec<u8> {
         let mut octets = Vec::with_capacity(1 + Answer::OCTETS + 6);
         match self {
             Self::Request(request, field) => {
@@ -42,7 +42,7 @@ impl SeekMessage {
                 octets.push(VERSION << 4 | ANSWER);
                 answer.write(&mut octets);
                 octets.extend(field.0.to_le_bytes());
-                put(&mut octets, *value);
+                put(&mut octets, value);
             }
         }
         octets
