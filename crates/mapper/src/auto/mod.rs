@@ -17,8 +17,8 @@ use sextant_kernel::{SettingError, Watch};
 use self::folds::{Fold, Folds};
 use self::opinions::{GainOfLaw, Source};
 pub use self::opinions::{Opinion, Opinions};
+use self::rules::ChoiceFacts;
 pub use self::rules::ChoiceReason;
-use self::rules::Facts;
 use self::score::Predicted;
 pub use self::score::Score;
 use crate::count_rule::CountRule;
@@ -187,7 +187,7 @@ impl Auto {
         }
         let Trials { predicted, parts, gain } = trials;
         let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
-        let facts = Facts {
+        let facts = ChoiceFacts {
             knows_places: prior.is_some(),
             compared: !predicted.is_empty(),
             as_good: as_good(&candidates, &predicted),

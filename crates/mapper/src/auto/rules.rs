@@ -15,7 +15,7 @@ pub enum ChoiceReason {
 
 /// What the rules look at.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Facts {
+pub(super) struct ChoiceFacts {
     /// Whether something is known of the places of nodes.
     pub(super) knows_places: bool,
     /// Whether stops could be left out, so that estimators were compared.
@@ -27,9 +27,9 @@ pub(super) struct Facts {
 /// A rule. The first one whose condition holds decides.
 struct Rule {
     reason: ChoiceReason,
-    holds: fn(&Facts) -> bool,
+    holds: fn(&ChoiceFacts) -> bool,
     /// The number of the candidate that it takes; `None` is the link model.
-    takes: fn(&Facts) -> Option<usize>,
+    takes: fn(&ChoiceFacts) -> Option<usize>,
     /// The condition as the page shows it.
     #[cfg_attr(not(test), expect(dead_code, reason = "shown by the page, which a test compares with the table"))]
     condition: &'static str,
@@ -40,7 +40,7 @@ struct Rule {
     because: &'static str,
 }
 
-const LINK_MODEL: fn(&Facts) -> Option<usize> = |_| None;
+const LINK_MODEL: fn(&ChoiceFacts) -> Option<usize> = |_| None;
 
 /// The rules, from the first to the last.
 const RULES: [Rule; 4] = [
@@ -79,7 +79,7 @@ const RULES: [Rule; 4] = [
 ];
 
 /// The number of the candidate that the rules take (`links` is that of the link model), and why.
-pub(super) fn choose(facts: &Facts, links: usize) -> (usize, ChoiceReason) {
+pub(super) fn choose(facts: &ChoiceFacts, links: usize) -> (usize, ChoiceReason) {
     let rule = RULES.iter().find(|rule| (rule.holds)(facts)).expect("the last rule always holds");
     ((rule.takes)(facts).unwrap_or(links), rule.reason)
 }
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn the_first_rule_that_holds_decides() {
-        let facts = |knows_places, compared, as_good| Facts { knows_places, compared, as_good };
+        let facts = |knows_places, compared, as_good| ChoiceFacts { knows_places, compared, as_good };
         for (facts, expected) in [
             (facts(true, true, Some(2)), (0, ChoiceReason::KnownPlaces)),
             (facts(false, false, None), (0, ChoiceReason::TooLittle)),
