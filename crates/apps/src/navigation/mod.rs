@@ -3,7 +3,7 @@
 //!
 //! A robot knows its odometry and what it hears. It asks the nodes around it ([`Request`]); those answer with their
 //! place on the map ([`Answer`]) and what they sensed. From the powers of the answers and its odometry it works out
-//! where it is on the map ([`PlaceOnMap`]).
+//! where it is on the map (`PlaceOnMap`).
 
 mod asking;
 mod flood;

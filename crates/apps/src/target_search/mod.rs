@@ -4,9 +4,9 @@
 //! robots. A robot then asks the nodes around it for their detections, predicts where the target is, and drives there
 //! (DeTarSK); or it follows a pseudo-gradient that the nodes work out again and again (P-G).
 //!
-//! The mathematics: [`Sightings`] turns what nodes detected into measured places, [`RobustKalman`] filters them, and
-//! [`ParticleFilter`] is its comparator. [`Trajectory`] says where the target will be, [`Pursuit`] where a robot can
-//! meet it, [`assign`] which robot goes to which target, and [`CellMap`] how to get there.
+//! The mathematics: `Sightings` turns what nodes detected into measured places, `RobustKalman` filters them, and
+//! `ParticleFilter` is its comparator. `Trajectory` says where the target will be, `Pursuit` where a robot can
+//! meet it, `assign` which robot goes to which target, and `CellMap` how to get there.
 
 mod assignment;
 mod config;

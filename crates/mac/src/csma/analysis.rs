@@ -41,7 +41,7 @@ struct State {
 
 /// What becomes of the frames of `stations` that all get a frame of `mpdu_octets` at the same instant, by unslotted access:
 /// the exact probabilities, over all draws of all backoffs. States that differ in the names of stations alone are one.
-/// `None` for more than [`MOST_ONE_SHOT`] stations, for none, or if radios are idle before an assessment.
+/// `None` for more than `MOST_ONE_SHOT` stations, for none, or if radios are idle before an assessment.
 #[must_use]
 pub fn one_shot(stations: usize, settings: &CsmaSettings, phy: Phy, mpdu_octets: u8) -> Option<OneShot> {
     if stations == 0 || stations > MOST_ONE_SHOT || settings.has_idle_turnarounds() {

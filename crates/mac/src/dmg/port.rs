@@ -14,7 +14,7 @@ pub enum Event {
     /// The last bit of the frame of this station is out.
     TransmissionEnded,
     /// The channel becomes busy at this station: the first of the signals that it can sense starts now, and the station
-    /// notices it within [`CCA_DETECTION`](super::timing::CCA_DETECTION).
+    /// notices it within `CCA_DETECTION`.
     CarrierBusy,
     /// The channel becomes idle at this station: the last of the signals that it can sense ends now.
     CarrierIdle,
