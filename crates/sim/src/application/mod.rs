@@ -38,7 +38,7 @@ pub trait Application {
     }
 
     /// Whether it sends nothing but what a schedule says, and may leave frames out that nobody could hear: see
-    /// `Port::is_out_of_hearing`. Asked once, before the start.
+    /// [`Port::is_out_of_hearing`]. Asked once, before the start.
     fn may_rest(&self) -> bool {
         false
     }

@@ -131,7 +131,7 @@ impl Port<'_> {
     /// [woken](super::Application::woken) when a listener comes near. Always false if all nodes are simulated.
     #[must_use]
     #[inline]
-    pub(crate) fn is_out_of_hearing(&self) -> bool {
+    pub fn is_out_of_hearing(&self) -> bool {
         self.model.halo.as_ref().is_some_and(|halo| halo.is_outside(self.station))
     }
 
