@@ -10,7 +10,7 @@ use sextant::apps::navigation::NavigationMap;
 use sextant::apps::{Mission, MissionArrival, MissionGoal, MissionOutcome, MissionTeam};
 use sextant::channel::Position;
 use sextant::kernel::{SettingError, StationId};
-use sextant::scenario::{MissionMap, PlannedMission as MissionOfRun};
+use sextant::scenario::{MissionMap, PlannedMission};
 use sextant::sim::{
     Application, Applications, Delivery, Destination, DriveEnd, Driving, NetworkId, Payload, Port, ReadySimulation,
     Setup, Simulation, Timer,
@@ -150,7 +150,7 @@ fn outcome(robots: Vec<Station>) -> MissionOutcome {
 }
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mission = MissionOfRun {
+    let mission = PlannedMission {
         name: "batteries".to_owned(),
         map: MissionMap::Physical,
         robots: vec![0],
