@@ -7,13 +7,14 @@ use std::time::Duration;
 use sextant_apps::ControllerConfig;
 use sextant_channel::Anchor;
 use sextant_kernel::text::counted;
-use sextant_kernel::{Files, NodeId, Seed, SettingError};
+use sextant_kernel::{Files, Seed, SettingError};
 use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, SimulatedRegion, World};
 
 use super::check::errors::Errors;
 use super::check::maps::MapJob;
 use super::check::maps::grids::check_grids;
 use super::check::missions::distributed::NodeMapJob;
+use super::check::missions::outside;
 use super::check::missions::planned::{LEAST_PLACES, MissionMap, PlannedMission, TakenNames};
 use super::check::networks::surveyed::PacketsPerStop;
 use super::check::networks::tables::ForeignChip;
@@ -153,7 +154,7 @@ impl Scenario {
             return refuse("network", found, "the number of a network of IEEE 802.15.4");
         }
         let network = &networks[mission.network.index()];
-        let outside = (0..self.world().nodes.len()).filter(|&node| !network.has(NodeId::from_index(node))).count();
+        let outside = outside(network, self.world().nodes.len());
         if outside > 0 {
             let found = format!("one without {}", counted(outside, "node"));
             return refuse("network", found, "the number of a network of all nodes");

@@ -21,8 +21,8 @@ pub struct RobotSearchRecord {
     pub answers: u64,
     /// What it sent.
     pub sent: MessageCounts,
-    /// Times that the robust filter had to fall back to a plain step, or that no particle agreed with what nodes detected:
-    /// of all targets, in their last update.
+    /// Times that no particle agreed with what nodes detected, so that all were drawn again: of all targets, in their last
+    /// update.
     pub fallbacks: u32,
     /// Times that an obstacle was in its way.
     pub blocked: u64,

@@ -56,25 +56,14 @@ impl RobustKalmanSettings {
     }
 }
 
-/// How the uncertainty of the next step is treated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Robustness {
-    /// With this multiplier τ.
-    Robust {
-        /// The multiplier.
-        tau: f64,
-    },
-    /// There is no uncertainty (ζ = 0): the usual Kalman filter.
-    Certain,
-}
-
 /// The filter, after a step.
 #[derive(Clone, Debug)]
 pub(crate) struct RobustKalman {
     settings: RobustKalmanSettings,
     /// x̂ and S⁻¹.
     state: TargetState,
-    robustness: Robustness,
+    /// The multiplier τ of the uncertainty of the next step; `None` if there is no uncertainty (ζ = 0): the usual Kalman filter.
+    tau: Option<f64>,
     /// ρ: the states with (x - x̂)ᵀ S (x - x̂) ≤ ρ + d are possible.
     rho: f64,
 }
@@ -89,7 +78,7 @@ impl RobustKalman {
             velocity_m2_per_s2: settings.max_speed_m_per_s * settings.max_speed_m_per_s,
         };
         let state = TargetState { place: first, velocity_m_per_s: Position::ORIGIN, covariance };
-        let mut filter = Self { settings, state, robustness: Robustness::Certain, rho: 0.0 };
+        let mut filter = Self { settings, state, tau: None, rho: 0.0 };
         filter.admit_uncertainty();
         filter
     }
@@ -119,7 +108,7 @@ impl RobustKalman {
     pub(crate) fn predict(&self, span: Duration) -> TargetState {
         let t_s = span.as_secs_f64();
         let mut covariance = self.state.covariance.after(t_s);
-        if let Robustness::Robust { tau } = self.robustness {
+        if let Some(tau) = self.tau {
             covariance.place_m2 += t_s * t_s / tau;
         }
         let sigma = self.settings.acceleration_sigma_m_per_s2 * t_s;
@@ -164,7 +153,7 @@ impl RobustKalman {
         // ζ²·λmax(K Pu Kᵀ): the filter exists for τ below its inverse.
         let limit = zeta2 * velocity_m2_per_s2;
         if limit <= 0.0 {
-            self.robustness = Robustness::Certain;
+            self.tau = None;
             return;
         }
         // Half of the largest τ with which it exists, but at most 1, the value of the book.
@@ -180,7 +169,7 @@ impl RobustKalman {
             cross_m2_per_s: cross_m2_per_s / left,
             velocity_m2_per_s2: velocity_m2_per_s2 / left,
         };
-        self.robustness = Robustness::Robust { tau };
+        self.tau = Some(tau);
     }
 }
 
@@ -335,7 +324,7 @@ mod tests {
             close(state.velocity_m_per_s.x_m, x[1], 1e-10);
             close(state.covariance.place_m2, p[(0, 0)], 1e-10);
             close(state.covariance.velocity_m2_per_s2, p[(1, 1)], 1e-10);
-            assert_eq!(filter.robustness, Robustness::Certain);
+            assert_eq!(filter.tau, None);
         }
     }
 
@@ -394,11 +383,11 @@ mod tests {
     fn the_multiplier_is_that_of_the_book_unless_a_velocity_is_too_uncertain_for_it() {
         let tau = |zeta: f64| {
             let settings = RobustKalmanSettings { zeta, max_speed_m_per_s: 1.2, ..RobustKalmanSettings::default() };
-            RobustKalman::new(settings, Position::ORIGIN).robustness
+            RobustKalman::new(settings, Position::ORIGIN).tau
         };
-        assert_eq!(tau(0.3), Robustness::Robust { tau: 1.0 });
+        assert_eq!(tau(0.3), Some(1.0));
         // 0.9² · 1.2² = 1.1664 > 1: S = N - ζ²KᵀK would be indefinite.
-        assert_eq!(tau(0.9), Robustness::Robust { tau: 0.5 / 1.1664 });
+        assert_eq!(tau(0.9), Some(0.5 / 1.1664));
     }
 
     #[test]

@@ -49,7 +49,7 @@ struct Believed<'a> {
     told: Vec<(SimTime, Fix)>,
 }
 
-/// The states of a target at sample times, and the times that the filter had to fall back.
+/// The states of a target at sample times, and how often the filter drew all its particles again.
 type FilteredWay = (Vec<(SimTime, TargetState)>, u32);
 
 /// Where a target will be.
@@ -129,7 +129,7 @@ impl Tracker {
         self.sightings.fixes().last().map_or(self.first.1, |(_, fix)| fix.place)
     }
 
-    /// Times that the robust filter had to fall back, in the last update.
+    /// How often the particle filter drew all its particles again, in the last update.
     pub(super) fn fallbacks(&self) -> u32 {
         self.fallbacks
     }

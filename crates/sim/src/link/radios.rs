@@ -45,9 +45,14 @@ impl<R> Radios<R> {
         Interface { receiver: self.receiver(station), station }
     }
 
+    /// An event of the links of a station.
+    pub(super) fn event(&self, station: StationId, event: LinkEvent) -> Event {
+        Event::Link(station, self.network, event)
+    }
+
     /// Schedules an event of the links of a station.
     pub(super) fn after(&self, span: Duration, station: StationId, event: LinkEvent, scene: &mut Scene) -> EventKey {
-        scene.after(span, Event::Link(station, self.network, event))
+        scene.after(span, self.event(station, event))
     }
 
     /// Brings the receiver of a station in line with why it is deaf now; `known` is what its receiver knows.

@@ -9,9 +9,14 @@ use sextant_sim::{MacConfig, Network};
 use super::errors::Errors;
 use super::networks::tables::NetworkTables;
 
+/// How many of the `nodes` nodes are not in the network.
+pub(crate) fn outside(network: &Network, nodes: usize) -> usize {
+    (0..nodes).filter(|&node| !network.has(NodeId::from_index(node))).count()
+}
+
 /// Refuses a network in `table` that is not one of all of the `nodes` nodes, or in which they do not hear each other at any time.
 fn check_all_nodes(network: &Network, tables: &NetworkTables<'_>, nodes: usize, table: &str, errors: &mut Errors) {
-    let outside = (0..nodes).filter(|&node| !network.has(NodeId::from_index(node))).count();
+    let outside = outside(network, nodes);
     if outside > 0 {
         let found = format!("a network without {outside} of the {nodes} nodes");
         errors.refuse(&SettingError::new("network", found, "a network of all nodes").within(table));

@@ -7,7 +7,7 @@ use crate::summary::SEARCH_INSTANTS_S;
 use crate::summary::Unit::{Outcome, PerSecond, Plain};
 
 /// Of any application.
-pub(super) const APPLICATION: &[KnownMeasure<'static>] = &[
+pub(super) const MISSION: &[KnownMeasure<'static>] = &[
     known("captured", Outcome, "share of runs that captured all targets"),
     known("arrived", Outcome, "share of runs that arrived at the level or the source"),
     known("time_s", Second, "time to the last capture or the first arrival"),

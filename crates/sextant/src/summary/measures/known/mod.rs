@@ -38,7 +38,7 @@ pub(super) fn of_map(is_by_nodes: bool) -> impl Iterator<Item = KnownMeasure<'st
 
 /// All of an application that may be a search for targets.
 pub(super) fn of_mission(is_search: bool) -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(mission::APPLICATION, if is_search { mission::COURSE.as_slice() } else { Default::default() })
+    all(mission::MISSION, if is_search { mission::COURSE.as_slice() } else { Default::default() })
 }
 
 /// All of a run in which nodes may compute a map.

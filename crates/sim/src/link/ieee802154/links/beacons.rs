@@ -23,7 +23,7 @@ impl Links {
         let stack = &mut self.stacks[station.index()];
         let listens = stack.listening && !stack.leaving;
         let event = crate::event::link::LinkEvent::Ieee802154(Event::BeaconDue);
-        scene.after(interval, crate::event::Event::Link(station, self.radios.network, event));
+        self.radios.after(interval, station, event, scene);
         if listens && is_free {
             let transceiver = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
             coordinator.prepare(&mut Beaconing { transceiver, beacon: &mut self.beacon });

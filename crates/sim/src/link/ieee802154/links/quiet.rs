@@ -17,7 +17,6 @@ use sextant_mac::{Cycles, Phy, RadioState};
 
 use super::Links;
 use crate::air::Sense;
-use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
 use crate::link::clock::Clock;
@@ -95,7 +94,7 @@ impl Links {
         });
         stack.queued = Some(ahead.due);
         let Due { at, event } = ahead.due;
-        let event = EngineEvent::Link(station, self.radios.network, LinkEvent::Ieee802154(event));
+        let event = self.radios.event(station, LinkEvent::Ieee802154(event));
         stack.timer = Some(scene.at(at, event));
     }
 
@@ -183,7 +182,7 @@ impl Links {
             scene.queue.cancel(key);
         }
         if let Some(Due { at, event }) = stack.due.take() {
-            let event = EngineEvent::Link(station, self.radios.network, LinkEvent::Ieee802154(event));
+            let event = self.radios.event(station, LinkEvent::Ieee802154(event));
             stack.timer = Some(scene.at(at, event));
         }
     }
