@@ -7,6 +7,9 @@ use sextant_logs::{self as robot_log, ReadOptions, RobotLogError};
 
 use crate::laws::KnownLog;
 
+/// What the name of a log has more without its strengths.
+pub const WITHOUT_STRENGTHS: &str = ", no RSSI";
+
 /// The folders that have `nodes.csv`: those of `named`, or within one of `named`, sorted.
 ///
 /// # Errors
@@ -50,6 +53,6 @@ pub fn without_strengths(known: &KnownLog) -> Result<Option<KnownLog>, LogError>
     let bare =
         ReceptionLog::new(log.names().to_vec(), log.stops().to_vec(), receptions.collect(), log.contacts().to_vec());
     let bare = bare?.with_robots(log.robots().to_vec())?;
-    let [family, name] = [&known.family, &known.name].map(|text| format!("{text}, no RSSI"));
+    let [family, name] = [&known.family, &known.name].map(|text| format!("{text}{WITHOUT_STRENGTHS}"));
     Ok(Some(KnownLog { family, name, log: bare, truth: known.truth.clone() }))
 }

@@ -6,4 +6,5 @@ pub mod laws;
 pub mod measured;
 pub mod regret;
 pub mod simulated;
+pub mod sites;
 pub mod workload;

@@ -20,6 +20,8 @@ pub struct Measured {
     pub held: usize,
     /// Nodes with a 95 % region.
     pub regions: usize,
+    /// Median over these of the longer half axis seen from above (m).
+    pub half_axis_m: Option<f64>,
     /// Nodes whose place is not reliable by the estimator's own account.
     pub concerns: usize,
     /// The estimator that was chosen, if this one chooses.
@@ -56,18 +58,28 @@ pub fn measure(mapper: &Mapper, known: &KnownLog) -> Result<Option<Measured>, Ma
         PositionError::of(&errors)
     };
     let (Some(in_plane_m), Some(in_space_m)) = (errors_m(&flat), errors_m(&|place| place)) else { return Ok(None) };
-    let held: Vec<bool> =
-        pairs().filter_map(|(estimate, place)| Some(Region::of_95(estimate)?.contains(place))).collect();
+    let with_regions =
+        || pairs().filter_map(|(estimate, place)| Some((Region::of_95(estimate)?, estimate.position, place)));
+    let held: Vec<bool> = with_regions().map(|(region, _, place)| region.contains(place)).collect();
+    let mut axes_m: Vec<f64> = with_regions().map(|(region, middle, _)| half_axis_m(&region, middle)).collect();
+    axes_m.sort_by(f64::total_cmp);
     let chosen = learned.as_ref().and_then(EstimatorFindings::get::<Choice>).map(|choice| choice.chosen.to_owned());
     Ok(Some(Measured {
         in_plane_m,
         in_space_m,
         held: held.iter().filter(|held| **held).count(),
         regions: held.len(),
+        half_axis_m: axes_m.get(axes_m.len() / 2).copied(),
         concerns: map.concerns().count(),
         chosen,
         seconds,
     }))
+}
+
+/// The longer half axis of a region round `middle`, seen from above (m).
+fn half_axis_m(region: &Region, middle: Position) -> f64 {
+    let outline = region.outline([0, 1], 72);
+    outline.iter().map(|[x_m, y_m]| libm::hypot(x_m - middle.x_m, y_m - middle.y_m)).fold(0.0, f64::max)
 }
 
 /// The geometric mean; `None` of no values. Values below a millimetre count as one.

@@ -96,7 +96,16 @@ mod tests {
         let map = |error_m: f64| {
             let error = PositionError::of(&[error_m]).unwrap();
             let chosen = Some("b".to_owned());
-            Measured { in_plane_m: error, in_space_m: error, held: 3, regions: 4, concerns: 0, chosen, seconds: 0.0 }
+            Measured {
+                in_plane_m: error,
+                in_space_m: error,
+                held: 3,
+                regions: 4,
+                half_axis_m: None,
+                concerns: 0,
+                chosen,
+                seconds: 0.0,
+            }
         };
         let maps = errors_m.iter().map(|&(name, error_m)| (name, map(error_m))).collect();
         Row { family: "f".to_owned(), log: log.to_owned(), nodes: 4, stops: 9, maps }

@@ -3,6 +3,7 @@
 //! Where nothing else is said, a node sends ten packets while the robot listens, power falls with the logarithm of the
 //! distance, links are shadowed independently, and packets fade.
 
+mod carried;
 mod directional;
 mod excess_loss;
 mod few_nodes;
@@ -13,13 +14,19 @@ mod l_shaped_hall;
 mod lapses;
 mod line_path;
 mod outages;
+mod outside;
 mod raised_stops;
+mod rician_packets;
+mod rooms;
 mod rounded_strengths;
 mod scan_windows;
 mod shared_shadowing;
 mod site;
 mod survey;
+mod two_floors;
+mod two_ray;
 mod two_slope;
+mod walled_side;
 mod walls;
 
 use std::path::Path;
@@ -87,6 +94,13 @@ pub const LAWS: &[Law] = &[
     (line_path::NAME, line_path::log),
     (raised_stops::NAME, raised_stops::log),
     (l_shaped_hall::NAME, l_shaped_hall::log),
+    (outside::NAME, outside::log),
+    (rooms::NAME, rooms::log),
+    (walled_side::NAME, walled_side::log),
+    (two_floors::NAME, two_floors::log),
+    (carried::NAME, carried::log),
+    (two_ray::NAME, two_ray::log),
+    (rician_packets::NAME, rician_packets::log),
 ];
 
 /// The log that `law` makes of `seed`.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use sextant_channel::Position;
 use sextant_kernel::Seed;
 
 use super::survey::{Listening, SURROUNDINGS, none_lost, survey};
@@ -17,23 +18,45 @@ const LENGTH_M: f64 = 3.0;
 /// Standard deviation of the field (dB).
 const SIGMA_DB: f64 = 8.0;
 
-/// Shadowing is a Gaussian field over the places of both ends of a link (Agrawal and Patwari 2009), drawn as a sum of plane
-/// waves.
+/// A Gaussian field over the places of both ends of a link (Agrawal and Patwari 2009), drawn as a sum of plane waves.
+pub(super) struct Field {
+    waves: Vec<Wave>,
+}
+
+/// A wave over the places of both ends: its wave numbers at the node and at the stop (rad/m), and its phase.
+struct Wave {
+    at_node: [f64; 2],
+    at_stop: [f64; 2],
+    phase: f64,
+}
+
+impl Field {
+    /// The field of a seed.
+    pub(super) fn new(seed: Seed) -> Self {
+        let number = |wave, axis| seed.normal(SURROUNDINGS, [wave, axis, 0]) / LENGTH_M;
+        let wave = |wave| Wave {
+            at_node: [number(wave, 0), number(wave, 1)],
+            at_stop: [number(wave, 2), number(wave, 3)],
+            phase: TAU * seed.uniform(SURROUNDINGS, [wave, 9, 0]),
+        };
+        Self { waves: (0..WAVES).map(wave).collect() }
+    }
+
+    /// The shadowing of the link between a node and a stop (dB).
+    pub(super) fn at_db(&self, node: Position, stop: Position) -> f64 {
+        let wave = |Wave { at_node: [ax, ay], at_stop: [bx, by], phase }: &Wave| {
+            libm::cos(ax * node.x_m + ay * node.y_m + bx * stop.x_m + by * stop.y_m + phase)
+        };
+        let sum: f64 = self.waves.iter().map(wave).sum();
+        SIGMA_DB * (2.0 / self.waves.len() as f64).sqrt() * sum
+    }
+}
+
+/// Eight decibels of shadowing that links share.
 pub(super) fn log(seed: Seed) -> Result<ReceptionLogAt, LawError> {
     let site = Site::hall(seed, 16);
-    let number = |wave, axis| seed.normal(SURROUNDINGS, [wave, axis, 0]) / LENGTH_M;
-    let waves: Vec<[f64; 5]> = (0..WAVES)
-        .map(|wave| {
-            let phase = TAU * seed.uniform(SURROUNDINGS, [wave, 9, 0]);
-            [number(wave, 0), number(wave, 1), number(wave, 2), number(wave, 3), phase]
-        })
-        .collect();
-    let strength = |node: usize, stop: usize| {
-        let (a, b) = (site.nodes[node], site.stops[stop]);
-        let wave =
-            |[ax, ay, bx, by, phase]: &[f64; 5]| libm::cos(ax * a.x_m + ay * a.y_m + bx * b.x_m + by * b.y_m + phase);
-        let sum: f64 = waves.iter().map(wave).sum();
-        site.mean_dbm(node, stop) + SIGMA_DB * (2.0 / waves.len() as f64).sqrt() * sum
-    };
+    let field = Field::new(seed);
+    let strength =
+        |node: usize, stop: usize| site.mean_dbm(node, stop) + field.at_db(site.nodes[node], site.stops[stop]);
     Ok((survey(&site, Listening::default(), &strength, &none_lost)?, site.nodes))
 }

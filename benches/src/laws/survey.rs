@@ -11,6 +11,7 @@ pub(super) const POWER: Purpose = Purpose::new(102);
 pub(super) const SHADOWING: Purpose = Purpose::new(103);
 pub(super) const FADING: Purpose = Purpose::new(104);
 pub(super) const LOSSES: Purpose = Purpose::new(105);
+const QUADRATURE: Purpose = Purpose::new(107);
 pub(super) const SURROUNDINGS: Purpose = Purpose::new(106);
 
 /// Packets need this strength (dBm).
@@ -27,13 +28,39 @@ const STOP_S: u64 = 10;
 pub(super) struct Listening {
     /// Packets that each node sends at a stop.
     pub(super) packets: u32,
-    /// Standard deviation of the strength of a packet about that of its link (dB).
-    pub(super) fading_db: f64,
+    /// How the strengths of packets differ from that of their link.
+    pub(super) fading: Fading,
+}
+
+/// How the strengths of the packets of a link differ.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Fading {
+    /// By a normal number with this standard deviation (dB).
+    Normal(f64),
+    /// As the envelope of a wave of constant strength and many weak ones (Rice 1945), whose powers have this ratio. The mean
+    /// power is that of the link.
+    Rician(f64),
+}
+
+impl Fading {
+    /// What a packet has above its link (dB).
+    fn above_db(self, site: &Site, place: [u64; 3]) -> f64 {
+        match self {
+            Self::Normal(deviation_db) => deviation_db * site.seed.normal(FADING, place),
+            Self::Rician(ratio) => {
+                let scattered = (0.5 / (1.0 + ratio)).sqrt();
+                let straight = (ratio / (1.0 + ratio)).sqrt();
+                let real = straight + scattered * site.seed.normal(FADING, place);
+                let imaginary = scattered * site.seed.normal(QUADRATURE, place);
+                10.0 * libm::log10(real * real + imaginary * imaginary)
+            }
+        }
+    }
 }
 
 impl Default for Listening {
     fn default() -> Self {
-        Self { packets: PACKETS, fading_db: 3.0 }
+        Self { packets: PACKETS, fading: Fading::Normal(3.0) }
     }
 }
 
@@ -52,7 +79,7 @@ pub(super) fn survey(
             let mean_dbm = strength_dbm(node, stop);
             let packets = (0..listening.packets).filter_map(|packet| {
                 let place = [node as u64, stop as u64, u64::from(packet)];
-                let rssi_dbm = mean_dbm + listening.fading_db * site.seed.normal(FADING, place);
+                let rssi_dbm = mean_dbm + listening.fading.above_db(site, place);
                 (rssi_dbm >= SENSITIVITY_DBM && !is_lost(node, stop, packet)).then(|| rssi_dbm.round())
             });
             let (received, sum) = packets.fold((0, 0.0), |(count, sum), rssi_dbm| (count + 1, sum + rssi_dbm));

@@ -1,6 +1,7 @@
 //! Tables of times and errors, and what is needed to make them.
 
 mod accuracy;
+mod cross_validation;
 mod grid_solver;
 mod large_recording;
 mod regret;
@@ -25,10 +26,11 @@ const fn table(name: &'static str, what: &'static str, print: fn(Words) -> Outco
     Table { name, what, print }
 }
 
-const TABLES: [Table; 6] = [
+const TABLES: [Table; 7] = [
     table("accuracy", "errors of the maps of scenarios over seeds", accuracy::print),
     table("regret", "how much worse an estimator is than the best of several", regret::print),
     table("robot-logs", "how well each estimator maps logs of robots", robot_logs::print),
+    table("cross-validation", "constants of `auto` learnt with each site left out", cross_validation::print),
     table("grid-solver", "times of the grid solver beside NumPy", grid_solver::print),
     table("large-recording", "writes the recording of a large survey", large_recording::print),
     table("soak", "mixed work for hours, with its memory and its open files", soak::print),

@@ -1,31 +1,43 @@
 //! Prints how well each estimator maps logs of robots whose nodes have known places: errors in the plane and in space, the
 //! share of the nodes within their 95 % regions, and the time; for each log the best simple method, chosen with the truth, and
-//! the ratio of `auto` and the link model to it; at the end, the geometric means of these ratios and the coverage of each log.
+//! the ratio of `auto` and the link model to it. At the end, the geometric means of these ratios over logs and over sites, with a
+//! bootstrap interval; beside them, one simple method for all logs; and the coverage of each log.
 //!
-//! Usage: `robot-logs [--json FILE] FOLDER..`: each a log with `nodes.csv`, or a folder of such logs.
+//! Usage: `robot-logs [--json FILE] [--sites FILE] FOLDER..`
+//!
+//! - `--json`: writes all that was measured.
+//! - `--sites`: a CSV table with the columns `log` and `site`. A log that it lacks is a site of its own.
+//! - `FOLDER..`: each a log with `nodes.csv`, or a folder of such logs.
 
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 
 use sextant_benches::estimators::{self, Estimator, Role};
-use sextant_benches::folders;
+use sextant_benches::folders::{self, WITHOUT_STRENGTHS};
 use sextant_benches::laws::KnownLog;
-use sextant_benches::measured::{Measured, geometric_mean, measure};
+use sextant_benches::measured::{Measured, measure};
 use sextant_benches::regret::{Row, coverage};
+use sextant_benches::sites::{RatioSummary, SiteRatio, Sites};
 
 use crate::tables::{Outcome, Words};
 
 /// The estimators whose ratio to the best simple method is told, also without strengths.
 const JUDGED: [&str; 2] = ["auto", "link-model"];
+/// The simple method that is fixed in advance for all logs.
+const FIXED: &str = "strongest-stop";
 
 pub(crate) fn print(mut words: Words) -> Outcome<()> {
     let mut named: Vec<PathBuf> = Vec::new();
     let mut json: Option<PathBuf> = None;
+    let mut sites = Sites::default();
     while let Some(word) = words.next() {
         match word.as_str() {
             "--json" => json = Some(words.next().ok_or("--json needs a file")?.into()),
-            flag if flag.starts_with("--") => return Err(format!("unknown flag {flag}; allowed: --json").into()),
+            "--sites" => sites = Sites::read(words.next().ok_or("--sites needs a file")?.as_ref())?,
+            flag if flag.starts_with("--") => {
+                return Err(format!("unknown flag {flag}; allowed: --json, --sites").into());
+            }
             folder => named.push(folder.into()),
         }
     }
@@ -42,28 +54,20 @@ pub(crate) fn print(mut words: Words) -> Outcome<()> {
         rows.push(table(&mut out, &estimators, &known)?);
         if let Some(bare) = folders::without_strengths(&known)? {
             writeln!(out, "{}, without strengths", folder.display())?;
-            let blind: Vec<Estimator> = estimators.iter().filter(|one| JUDGED.contains(&one.name)).cloned().collect();
+            let is_told = |one: &&Estimator| JUDGED.contains(&one.name) || one.name.starts_with("packet-centroid");
+            let blind: Vec<Estimator> = estimators.iter().filter(is_told).cloned().collect();
             bare_rows.push(table(&mut out, &blind, &bare)?);
         }
     }
     let simple = simple(&estimators);
-    writeln!(out, "\nof all logs")?;
-    for name in JUDGED {
-        let ratios: Vec<f64> = rows.iter().filter_map(|row| Some(row.regret(name, &simple)? + 1.0)).collect();
-        let worst = ratios.iter().copied().fold(0.0, f64::max);
-        if let Some(mean) = geometric_mean(ratios) {
-            let within = coverage(&rows, name).unwrap_or_default();
-            let shares: Vec<String> = rows
-                .iter()
-                .map(|row| format!("{} {:.0} %", row.log, 100.0 * coverage([row], name).unwrap_or_default()))
-                .collect();
-            writeln!(
-                out,
-                "  {name}: {mean:.3} times the best simple method (geometric mean), {worst:.2} at worst; {:.1} % of the \
-                 nodes in their regions: {}",
-                100.0 * within,
-                shares.join(", ")
-            )?;
+    writeln!(out, "\ntimes the best simple method, which differs from log to log")?;
+    for name in JUDGED.iter().chain([&FIXED]) {
+        summary(&mut out, &sites, &rows, &simple, name)?;
+    }
+    if !bare_rows.is_empty() {
+        writeln!(out, "\nthe same without strengths, times the best packet centroid")?;
+        for name in JUDGED {
+            summary(&mut out, &sites, &bare_rows, &simple, name)?;
         }
     }
     if let Some(path) = json {
@@ -71,6 +75,23 @@ pub(crate) fn print(mut words: Words) -> Outcome<()> {
         std::fs::write(path, serde_json::to_string_pretty(&rows)?)?;
     }
     Ok(())
+}
+
+/// The line of an estimator over all logs.
+fn summary(out: &mut impl Write, sites: &Sites, rows: &[Row], simple: &[&str], name: &str) -> Outcome<()> {
+    let ratio = |row: &Row| {
+        let site = sites.of(row.log.trim_end_matches(WITHOUT_STRENGTHS)).to_owned();
+        Some(SiteRatio { site, log: row.log.clone(), ratio: row.regret(name, simple)? + 1.0 })
+    };
+    let ratios: Vec<SiteRatio> = rows.iter().filter_map(ratio).collect();
+    let Some(told) = RatioSummary::of(&ratios) else { return Ok(()) };
+    write!(out, "  {name}: {told}")?;
+    if let Some(within) = coverage(rows, name) {
+        let share = |row: &Row| Some(format!("{} {:.0} %", row.log, 100.0 * coverage([row], name)?));
+        let shares: Vec<String> = rows.iter().filter_map(share).collect();
+        write!(out, "; {:.1} % of the nodes in their regions: {}", 100.0 * within, shares.join(", "))?;
+    }
+    Ok(writeln!(out)?)
 }
 
 /// The simple methods.
@@ -98,7 +119,8 @@ fn table(out: &mut impl Write, estimators: &[Estimator], known: &KnownLog) -> Ou
 }
 
 fn line(out: &mut impl Write, name: &str, measured: &Measured) -> Outcome<()> {
-    let Measured { in_plane_m: plane, in_space_m: space, held, regions, concerns, chosen, seconds } = measured;
+    let Measured { in_plane_m: plane, in_space_m: space, held, regions, half_axis_m, concerns, chosen, seconds } =
+        measured;
     write!(
         out,
         "  {name:18} mean {:7.3} m, median {:7.3} m, 95 % below {:7.3} m, in space {:7.3} m",
@@ -106,6 +128,9 @@ fn line(out: &mut impl Write, name: &str, measured: &Measured) -> Outcome<()> {
     )?;
     if *regions > 0 {
         write!(out, ", {:5.1} % in their regions", 100.0 * *held as f64 / *regions as f64)?;
+    }
+    if let Some(half_axis_m) = half_axis_m {
+        write!(out, " of {half_axis_m:.2} m")?;
     }
     let chosen = chosen.as_ref().map_or_else(String::new, |chosen| format!(", chose {chosen}"));
     Ok(writeln!(out, ", {seconds:.1} s{chosen}, {concerns} concerns")?)

@@ -62,7 +62,10 @@ mod topology_map;
 
 pub use absorption::{AbsorptionMap, ObstacleClaim};
 pub use algorithm::{AlgorithmConfig, MapConfig};
-pub use auto::{Auto, AutoConfig, Choice, ChoiceReason, EstimatorFit, Opinion, Opinions, Score};
+pub use auto::{
+    Auto, AutoConfig, Choice, ChoiceReason, EstimatorFit, Opinion, OpinionConstants, OpinionSource, Opinions,
+    OtherOpinions, Score,
+};
 pub use comparable::Comparable;
 pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, CountConfig, DrMds, DrMdsConfig, DvHop, DvHopConfig,

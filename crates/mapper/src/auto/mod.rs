@@ -15,8 +15,8 @@ use sextant_channel::{ReceptionLog, SectorGains, SectorTable};
 use sextant_kernel::{SettingError, Watch};
 
 use self::folds::{Fold, Folds};
-use self::opinions::{GainOfLaw, Source};
-pub use self::opinions::{Opinion, Opinions};
+use self::opinions::GainOfLaw;
+pub use self::opinions::{Opinion, OpinionConstants, OpinionSource, Opinions, OtherOpinions};
 use self::rules::ChoiceFacts;
 pub use self::rules::ChoiceReason;
 use self::score::Predicted;
@@ -199,8 +199,8 @@ impl Auto {
         enlarge(&mut map, enlargement);
         let opinions = match (candidate, &fit) {
             (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {
-                let source = if fit.receiver.is_some() { Source::Strengths(gain.mean()) } else { Source::Packets };
-                opinions::join(&mut map, log, source, watch)?
+                let source = if fit.receiver.is_some() { OpinionSource::Strengths } else { OpinionSource::Packets };
+                OtherOpinions::of(log, source, watch)?.join(&mut map, gain.mean(), &OpinionConstants::LEARNT)
             }
             _ => None,
         };

@@ -3,6 +3,7 @@
 
 mod gain;
 mod heavy_tailed;
+mod learnt;
 
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
@@ -11,6 +12,7 @@ use sextant_kernel::{Interrupted, NodeId, Watch, Work};
 
 pub(super) use self::gain::GainOfLaw;
 use self::heavy_tailed::{HeavyTailed, together};
+pub use self::learnt::OpinionConstants;
 use crate::comparators::strengths::{peak, strongest_place};
 use crate::comparators::{GaussianProcess, PacketCentroid, StrongestStop};
 use crate::log_facts::strengths::strengths;
@@ -45,78 +47,55 @@ pub struct Opinion {
     pub scale_m: f64,
 }
 
-/// Constants that were learnt from 29 logs of 12 sites. `docs/link-model.md` has the table, and how they move if a site is left out.
-mod learnt {
-    /// Scales of the peak of a Gaussian process, of the strongest stop and of the packet centroid, as shares of the usual length
-    /// of a link.
-    pub(super) const PEAK: f64 = 0.30;
-    pub(super) const STRONGEST: f64 = 0.29;
-    pub(super) const CENTROID: f64 = 0.65;
-    /// Power of the shares of the packet centroid.
-    pub(super) const CENTROID_POWER: f64 = 6.0;
-    /// Degrees of freedom and power of each opinion.
-    pub(super) const FREEDOM: f64 = 2.0;
-    pub(super) const POWER: f64 = 0.7;
-    /// Degrees of freedom of the link model, and the least error of its places, as a share of the usual length of a link.
-    pub(super) const LINKS_FREEDOM: f64 = 3.0;
-    pub(super) const LINKS_ERROR: f64 = 0.1;
-    /// Gains of the law (nats) between which its power and the factor on the scales of the others grow.
-    pub(super) const GAINS: [f64; 2] = [-0.15, 0.0];
-    pub(super) const LINKS_POWER: [f64; 2] = [0.2, 1.0];
-    pub(super) const WIDER: [f64; 2] = [1.0, 2.0];
-    /// Logarithm of the factor for each nat beyond, and the largest factor.
-    pub(super) const WIDER_A_NAT: f64 = 1.4;
-    pub(super) const WIDEST: f64 = 10.0;
-    /// The gain of a law for which no stops could be left out.
-    pub(super) const UNKNOWN: f64 = -0.075;
-}
+/// Power of the shares of the packet centroid.
+const CENTROID_POWER: f64 = 6.0;
 
-/// From what the opinions on a log come.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Source {
-    /// Strengths. The law has this gain over fields without distance.
-    Strengths(Option<f64>),
-    /// Packets alone.
+/// From what the opinions beside the link model come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OpinionSource {
+    /// Strengths: the peak of a Gaussian process, and the strongest stop.
+    Strengths,
+    /// Packets alone: their centroid.
     Packets,
 }
 
 impl Opinions {
-    /// What counts how much in a log whose links are usually so long (m).
-    fn of(source: Source, usual_link_m: f64) -> Self {
+    /// What counts how much in a log whose links are usually so long (m), under a law with this `gain` over fields of strengths.
+    fn of(source: OpinionSource, gain: Option<f64>, usual_link_m: f64, constants: &OpinionConstants) -> Self {
         let opinion = |estimator, share: f64| Opinion { estimator, scale_m: share * usual_link_m };
-        let Source::Strengths(gain) = source else {
-            let [_, power] = learnt::LINKS_POWER;
-            let others = vec![opinion(PacketCentroid::NAME, learnt::CENTROID)];
-            let error_m = learnt::LINKS_ERROR * usual_link_m;
+        if source == OpinionSource::Packets {
+            let [_, power] = constants.links_power;
+            let others = vec![opinion(PacketCentroid::NAME, constants.centroid)];
+            let error_m = constants.links_error * usual_link_m;
             return Self { gain: None, link_model_power: power, link_model_error_m: error_m, others };
-        };
-        let [low, high] = learnt::GAINS;
-        let told = gain.unwrap_or(learnt::UNKNOWN);
+        }
+        let [low, high] = constants.gains;
+        let told = gain.unwrap_or(constants.unknown_gain);
         let believed = ((told - low) / (high - low)).clamp(0.0, 1.0);
         let between = |[least, most]: [f64; 2]| least + believed * (most - least);
-        let beyond = libm::exp(learnt::WIDER_A_NAT * (told - high).max(0.0));
-        let wider = (between(learnt::WIDER) * beyond).min(learnt::WIDEST);
+        let beyond = libm::exp(constants.wider_a_nat * (told - high).max(0.0));
+        let wider = (between(constants.wider) * beyond).min(constants.widest);
         let others = vec![
-            opinion(GaussianProcess::NAME, wider * learnt::PEAK),
-            opinion(StrongestStop::NAME, wider * learnt::STRONGEST),
+            opinion(GaussianProcess::NAME, wider * constants.peak),
+            opinion(StrongestStop::NAME, wider * constants.strongest),
         ];
         // A law that gains much is one of these links: it errs no more than it says.
-        let error_m = learnt::LINKS_ERROR * usual_link_m / beyond;
-        Self { gain, link_model_power: between(learnt::LINKS_POWER), link_model_error_m: error_m, others }
+        let error_m = constants.links_error * usual_link_m / beyond;
+        Self { gain, link_model_power: between(constants.links_power), link_model_error_m: error_m, others }
     }
 
     /// The place of a node, with its covariance, of that by the link model and of the `others`. Heights follow as the link model
     /// has them depend on the place in the plane.
-    fn place(&self, estimate: &Estimate, others: &[Position]) -> Option<Estimate> {
+    fn place(&self, estimate: &Estimate, others: &[Position], constants: &OpinionConstants) -> Option<Estimate> {
         let covariance = estimate.covariance?;
         let error_m = self.link_model_error_m;
         let in_plane = |place: Position| Vector2::new(place.x_m, place.y_m);
         let own = Matrix2::from_fn(|row, column| covariance[row][column]) + Matrix2::identity() * (error_m * error_m);
         let links =
-            HeavyTailed::student(in_plane(estimate.position), own, learnt::LINKS_FREEDOM, self.link_model_power);
+            HeavyTailed::student(in_plane(estimate.position), own, constants.links_freedom, self.link_model_power);
         let round = others.iter().zip(&self.others).map(|(place, opinion)| {
             let scale = Matrix2::identity() * (opinion.scale_m * opinion.scale_m);
-            HeavyTailed::student(in_plane(*place), scale, learnt::FREEDOM, learnt::POWER)
+            HeavyTailed::student(in_plane(*place), scale, constants.freedom, constants.power)
         });
         let (mean, spread) = together(&std::iter::once(links).chain(round).collect::<Vec<_>>())?;
         // The height is linear in the place in the plane, about that of the link model.
@@ -144,17 +123,17 @@ struct Told {
     heard_at: Vec<Position>,
 }
 
-impl Source {
+impl OpinionSource {
     /// What is told of a node. `None` if nothing is.
     fn of_node(self, log: &ReceptionLog, node: NodeId) -> Option<Told> {
         match self {
-            Self::Strengths(_) => {
+            Self::Strengths => {
                 let strengths = strengths(log, node);
                 let places = vec![peak(&strengths, None)?, strongest_place(&strengths)?];
                 Some(Told { places, heard_at: strengths.iter().map(|strength| strength.place).collect() })
             }
             Self::Packets => {
-                let centroid = PacketCentroid::with_power(learnt::CENTROID_POWER).place(log, node)?;
+                let centroid = PacketCentroid::with_power(CENTROID_POWER).place(log, node)?;
                 let heard = log.of(node).iter().filter(|reception| reception.received > 0);
                 let heard_at = heard.map(|reception| log.stops()[reception.stop as usize].position).collect();
                 Some(Told { places: vec![centroid], heard_at })
@@ -163,39 +142,50 @@ impl Source {
     }
 }
 
-/// Adds the other opinions to a `map` by the link model; what counted how much. `None` if no node was heard at two places: the map
-/// stays as it is.
-///
-/// # Errors
-/// If `watch` ends the work.
-pub(super) fn join(
-    map: &mut TopologyMap,
-    log: &ReceptionLog,
-    source: Source,
-    watch: &dyn Watch,
-) -> Result<Option<Opinions>, Interrupted> {
-    let nodes = log.node_count();
-    watch.begin(Work { name: "opinions", unit: "node", steps: nodes as u64, operations: nodes as f64 * 1e6 });
-    let told: Result<Vec<Option<Told>>, Interrupted> = (0..nodes)
-        .into_par_iter()
-        .map(|node| {
-            watch.check()?;
-            watch.advance(1);
-            Ok(source.of_node(log, NodeId::from_index(node)))
-        })
-        .collect();
-    let told = told?;
-    let Some(usual_link_m) = usual_link_m(told.iter().flatten()) else { return Ok(None) };
-    let opinions = Opinions::of(source, usual_link_m);
-    let join = |(estimate, told): (&mut Option<Estimate>, &Option<Told>)| {
-        if let (Some(own), Some(told)) = (&*estimate, told)
-            && let Some(joined) = opinions.place(own, &told.places)
-        {
-            *estimate = Some(joined);
-        }
-    };
-    map.estimates.par_iter_mut().zip(&told).for_each(join);
-    Ok(Some(opinions))
+/// What is told of the nodes of a log beside the link model.
+#[derive(Clone, Debug)]
+pub struct OtherOpinions {
+    source: OpinionSource,
+    told: Vec<Option<Told>>,
+    /// `None` if no node was heard at two places.
+    usual_link_m: Option<f64>,
+}
+
+impl OtherOpinions {
+    /// The opinions on the nodes of `log`.
+    ///
+    /// # Errors
+    /// If `watch` ends the work.
+    pub fn of(log: &ReceptionLog, source: OpinionSource, watch: &dyn Watch) -> Result<Self, Interrupted> {
+        let nodes = log.node_count();
+        watch.begin(Work { name: "opinions", unit: "node", steps: nodes as u64, operations: nodes as f64 * 1e6 });
+        let told: Result<Vec<Option<Told>>, Interrupted> = (0..nodes)
+            .into_par_iter()
+            .map(|node| {
+                watch.check()?;
+                watch.advance(1);
+                Ok(source.of_node(log, NodeId::from_index(node)))
+            })
+            .collect();
+        let told = told?;
+        let usual_link_m = usual_link_m(told.iter().flatten());
+        Ok(Self { source, told, usual_link_m })
+    }
+
+    /// Adds them to a `map` by the link model, whose law has this `gain`; what counted how much. `None` if no node was heard at
+    /// two places: the map stays as it is.
+    pub fn join(&self, map: &mut TopologyMap, gain: Option<f64>, constants: &OpinionConstants) -> Option<Opinions> {
+        let opinions = Opinions::of(self.source, gain, self.usual_link_m?, constants);
+        let join = |(estimate, told): (&mut Option<Estimate>, &Option<Told>)| {
+            if let (Some(own), Some(told)) = (&*estimate, told)
+                && let Some(joined) = opinions.place(own, &told.places, constants)
+            {
+                *estimate = Some(joined);
+            }
+        };
+        map.estimates.par_iter_mut().zip(&self.told).for_each(join);
+        Some(opinions)
+    }
 }
 
 /// The usual length of a link in the plane (m): the geometric mean over nodes of the mean distance from the last of the other
@@ -226,7 +216,8 @@ mod tests {
 
     #[test]
     fn a_law_counts_the_more_the_more_it_gains_and_the_others_the_less() {
-        let of = |gain| Opinions::of(Source::Strengths(gain), 10.0);
+        let learnt = OpinionConstants::LEARNT;
+        let of = |gain| Opinions::of(OpinionSource::Strengths, gain, 10.0, &learnt);
         let gains = [Some(-0.5), Some(-0.15), None, Some(-0.05), Some(0.0), Some(0.5), Some(1.0), Some(9.0)];
         let told: Vec<Opinions> = gains.map(of).to_vec();
         assert!(told.is_sorted_by(|a, b| a.link_model_power <= b.link_model_power));
@@ -237,25 +228,27 @@ mod tests {
             (0.2, 3.0, 1.0)
         );
         assert_eq!((told[7].link_model_power, told[7].others[1].scale_m), (1.0, 29.0));
-        let packets = Opinions::of(Source::Packets, 10.0);
+        let packets = Opinions::of(OpinionSource::Packets, None, 10.0, &learnt);
         assert_eq!(packets.others, [Opinion { estimator: "packet-centroid", scale_m: 6.5 }]);
     }
 
     #[test]
     fn places_turn_with_the_opinions_and_heights_follow_places() {
-        let opinions = Opinions { link_model_error_m: 0.0, ..Opinions::of(Source::Strengths(Some(-0.2)), 8.0) };
+        let learnt = OpinionConstants::LEARNT;
+        let of_log = Opinions::of(OpinionSource::Strengths, Some(-0.2), 8.0, &learnt);
+        let opinions = Opinions { link_model_error_m: 0.0, ..of_log };
         let (own, others) =
             (Position::new(1.0, 2.0, 3.0), [Position::new(6.0, 2.0, 0.0), Position::new(5.0, 4.0, 0.0)]);
         // The height grows by half a metre for each metre along x.
         let covariance = [[4.0, 0.0, 2.0], [0.0, 1.0, 0.0], [2.0, 0.0, 1.5]];
-        let joined = opinions.place(&estimate(own, covariance), &others).unwrap();
+        let joined = opinions.place(&estimate(own, covariance), &others, &learnt).unwrap();
         let moved = joined.position - own;
         assert!(moved.x_m > 0.5 && (moved.z_m - 0.5 * moved.x_m).abs() < 1e-12, "{moved}");
         let spread = joined.covariance.unwrap();
         assert!((spread[0][2] - 0.5 * spread[0][0]).abs() < 1e-12 && spread[2][2] > 0.5);
         let turned = |place: Position| Position::new(-place.y_m, place.x_m, place.z_m);
         let covariance = [[1.0, 0.0, 0.0], [0.0, 4.0, 2.0], [0.0, 2.0, 1.5]];
-        let other = opinions.place(&estimate(turned(own), covariance), &others.map(turned)).unwrap();
+        let other = opinions.place(&estimate(turned(own), covariance), &others.map(turned), &learnt).unwrap();
         assert!(other.position.distance_m(turned(joined.position)) < 1e-9, "{} {}", other.position, joined.position);
     }
 

@@ -1,0 +1,54 @@
+//! Constants that were learnt from logs of real robots.
+
+/// How much the link model and other opinions count.
+///
+/// Learnt from 29 logs of 12 sites. `cargo run --release -p sextant-benches -- cross-validation` learns them again with each
+/// site left out, and `docs/link-model.md` has its table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpinionConstants {
+    /// Scale of the peak of a Gaussian process, as a share of the usual length of a link.
+    pub peak: f64,
+    /// That of the strongest stop.
+    pub strongest: f64,
+    /// That of the packet centroid.
+    pub centroid: f64,
+    /// Degrees of freedom of each of these opinions.
+    pub freedom: f64,
+    /// Power of each.
+    pub power: f64,
+    /// Degrees of freedom of the link model.
+    pub links_freedom: f64,
+    /// Least error of its places, as a share of the usual length of a link.
+    pub links_error: f64,
+    /// Gains of the law (nats) between which its power and the factor on the scales of the others grow.
+    pub gains: [f64; 2],
+    /// The power of the link model at these gains.
+    pub links_power: [f64; 2],
+    /// The factor on the scales of the others at these gains.
+    pub wider: [f64; 2],
+    /// Logarithm of that factor for each nat beyond.
+    pub wider_a_nat: f64,
+    /// The largest factor.
+    pub widest: f64,
+    /// The gain of a law for which no stops could be left out.
+    pub unknown_gain: f64,
+}
+
+impl OpinionConstants {
+    /// Those that `auto` uses.
+    pub const LEARNT: Self = Self {
+        peak: 0.30,
+        strongest: 0.29,
+        centroid: 0.65,
+        freedom: 2.0,
+        power: 0.7,
+        links_freedom: 3.0,
+        links_error: 0.1,
+        gains: [-0.15, 0.0],
+        links_power: [0.2, 1.0],
+        wider: [1.0, 2.0],
+        wider_a_nat: 1.4,
+        widest: 10.0,
+        unknown_gain: -0.075,
+    };
+}
