@@ -187,14 +187,20 @@ impl Auto {
         }
         let Trials { predicted, parts, gain } = trials;
         let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
-        let facts = ChoiceFacts {
+        let mut facts = ChoiceFacts {
             knows_places: prior.is_some(),
             compared: !predicted.is_empty(),
             as_good: as_good(&candidates, &predicted),
+            settles: true,
         };
-        let (number, reason) = rules::choose(&facts, LINKS);
+        let (mut number, mut reason) = rules::choose(&facts, LINKS);
+        let (mut map, mut fit) = candidates[number].map(log, prior, watch)?;
+        if number != LINKS && !settles(&map, fit.as_ref()) {
+            facts.settles = false;
+            (number, reason) = rules::choose(&facts, LINKS);
+            (map, fit) = candidates[number].map(log, prior, watch)?;
+        }
         let candidate = candidates[number];
-        let (mut map, fit) = candidate.map(log, prior, watch)?;
         let enlargement = agreement::enlargement(&parts[number]);
         enlarge(&mut map, enlargement);
         let opinions = match (candidate, &fit) {
@@ -247,6 +253,12 @@ fn gains_of(log: &ReceptionLog) -> Option<&SectorGains> {
     let gains = log.sectors().and_then(SectorTable::gains)?;
     let is_used = gains.antenna().is_measured() || log.has_headings();
     (is_used && log.receptions().sectors().is_some()).then_some(gains)
+}
+
+/// Whether an estimator settles on a log: its profile does, and most places have no concern.
+fn settles(map: &TopologyMap, fit: Option<&EstimatorFit>) -> bool {
+    let has_curve = !matches!(fit, Some(EstimatorFit::Profile(fit)) if !fit.converged);
+    has_curve && 2 * map.concerns().count() <= map.mapped()
 }
 
 /// Enlarges the variances of a map by a factor.

@@ -7,6 +7,8 @@ pub enum ChoiceReason {
     KnownPlaces,
     /// The log has too few stops or nodes to leave some out: the link model maps it.
     TooLittle,
+    /// The one of independent packets that predicts as well as the link model does not settle on the log.
+    Unsettled,
     /// It takes packets as independent of each other, and predicts what was left out as well as the link model, or better.
     IndependentPackets,
     /// The link model predicts what was left out better than estimators for which packets are independent.
@@ -22,6 +24,8 @@ pub(super) struct ChoiceFacts {
     pub(super) compared: bool,
     /// The number of the most trusted estimator of independent packets, if it predicts as well as the link model does.
     pub(super) as_good: Option<usize>,
+    /// Whether it settles on the log, as far as it was tried.
+    pub(super) settles: bool,
 }
 
 /// A rule. The first one whose condition holds decides.
@@ -43,7 +47,7 @@ struct Rule {
 const LINK_MODEL: fn(&ChoiceFacts) -> Option<usize> = |_| None;
 
 /// The rules, from the first to the last.
-const RULES: [Rule; 4] = [
+const RULES: [Rule; 5] = [
     Rule {
         reason: ChoiceReason::KnownPlaces,
         holds: |facts| facts.knows_places,
@@ -59,6 +63,14 @@ const RULES: [Rule; 4] = [
         condition: "no stops can be left out",
         choice: "link model",
         because: "the log has too few stops or nodes to compare estimators",
+    },
+    Rule {
+        reason: ChoiceReason::Unsettled,
+        holds: |facts| facts.as_good.is_some() && !facts.settles,
+        takes: LINK_MODEL,
+        condition: "an estimator of independent packets predicts as well, but its fit or most of its places do not settle",
+        choice: "link model",
+        because: "an estimator of independent packets predicts the stops left out as well, but does not settle on this log",
     },
     Rule {
         reason: ChoiceReason::IndependentPackets,
@@ -97,11 +109,13 @@ mod tests {
 
     #[test]
     fn the_first_rule_that_holds_decides() {
-        let facts = |knows_places, compared, as_good| ChoiceFacts { knows_places, compared, as_good };
+        let facts = |knows_places, compared, as_good| ChoiceFacts { knows_places, compared, as_good, settles: true };
+        let unsettled = ChoiceFacts { settles: false, ..facts(false, true, Some(2)) };
         for (facts, expected) in [
             (facts(true, true, Some(2)), (0, ChoiceReason::KnownPlaces)),
             (facts(false, false, None), (0, ChoiceReason::TooLittle)),
             (facts(false, true, Some(2)), (2, ChoiceReason::IndependentPackets)),
+            (unsettled, (0, ChoiceReason::Unsettled)),
             (facts(false, true, None), (0, ChoiceReason::DependentPackets)),
         ] {
             assert_eq!(choose(&facts, 0), expected, "{facts:?}");
