@@ -112,7 +112,7 @@ fn mapped_again(path: &Path) -> Vec<TopologyMap> {
     let text = input.scenario.clone().expect("a recording has its scenario");
     let files = input.files.clone();
     let scenario = RecordedScenario { name: "scenario.toml", text: &text, files: &files };
-    let settings = MapSettings::new(Some(scenario), None, (None, None), &[]).expect("its maps are accepted");
+    let settings = MapSettings::new(Some(scenario), None, None, None, &[]).expect("its maps are accepted");
     let made = map(&mut input, &settings, None, Stopwatch::start(), &Unwatched);
     let (_, maps) = made.unwrap_or_else(|error| panic!("the run was mapped, and its recording is not: {error}"));
     maps.into_iter().map(|computed| computed.map).collect()

@@ -140,7 +140,7 @@ impl Log {
                 if known.is_empty() { "it is of one network without a name".to_owned() } else { known.join(", ") };
             return Err(PyValueError::new_err(format!("the log has no network `{network}`; networks: {known}")));
         }
-        let settings = MapSettings::new(scenario, algorithm, (mapping.profile.as_deref(), network), &given);
+        let settings = MapSettings::new(scenario, algorithm, mapping.profile.as_deref(), network, &given);
         let settings = settings.or_exception(py)?;
         let prior =
             mapping::place_prior(mapping.area.as_deref(), mapping.near_stops, input.plane.as_ref(), &settings.maps);

@@ -207,7 +207,7 @@ impl Mapper {
         self.check_prior(knowledge.prior)?;
         let estimator = self.parts_estimator()?;
         let knowledge = Knowledge { log: parts.whole(), ..knowledge };
-        map_parts(estimator, (self.name(), self.axes()), parts, &knowledge, watch)
+        map_parts(estimator, self.name(), self.axes(), parts, &knowledge, watch)
     }
 }
 

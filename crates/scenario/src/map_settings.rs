@@ -131,7 +131,8 @@ impl MapSettings {
     pub fn new(
         scenario: Option<RecordedScenario<'_>>,
         algorithm: Option<AlgorithmName>,
-        (profile, network): (Option<&str>, Option<&str>),
+        profile: Option<&str>,
+        network: Option<&str>,
         set: &[String],
     ) -> Result<Self, ScenarioErrors> {
         let algorithm = algorithm.or_else(|| AlgorithmName::meant(scenario.is_some(), profile.is_some(), set));
@@ -246,13 +247,13 @@ mod tests {
 
     #[test]
     fn a_log_without_a_scenario_is_mapped_with_the_given_profile() {
-        let settings = MapSettings::new(None, None, (Some(PROFILE), None), &[]).unwrap();
+        let settings = MapSettings::new(None, None, Some(PROFILE), None, &[]).unwrap();
         assert_eq!(settings.maps.len(), 1);
         assert_eq!(settings.maps[0].name, "ml-tm");
-        let same = MapSettings::new(None, None, (Some(&format!("trapezoid:{PROFILE}")), None), &[]).unwrap();
+        let same = MapSettings::new(None, None, Some(&format!("trapezoid:{PROFILE}")), None, &[]).unwrap();
         assert_eq!(same.maps, settings.maps);
         let set = ["maps.0.algorithm.ml_tm.grid_step_m=1".to_owned(), "maps.0.name=coarse".to_owned()];
-        let coarse = MapSettings::new(None, None, (Some(PROFILE), None), &set).unwrap();
+        let coarse = MapSettings::new(None, None, Some(PROFILE), None, &set).unwrap();
         assert_eq!(coarse.maps[0].name, "coarse");
         assert_ne!(coarse.maps[0].mapper, settings.maps[0].mapper);
     }
@@ -260,9 +261,9 @@ mod tests {
     #[test]
     fn the_maps_of_a_scenario_are_used_and_its_other_parts_ignored() {
         let text = with_a_map();
-        let kept = MapSettings::new(recorded(&text), None, (None, None), &[]).unwrap();
+        let kept = MapSettings::new(recorded(&text), None, None, None, &[]).unwrap();
         assert_eq!(kept.maps[0].name, "a");
-        let changed = MapSettings::new(recorded(&text), None, (Some(PROFILE), None), &[]).unwrap();
+        let changed = MapSettings::new(recorded(&text), None, Some(PROFILE), None, &[]).unwrap();
         assert_ne!(changed.maps[0].mapper, kept.maps[0].mapper);
     }
 
@@ -271,16 +272,16 @@ mod tests {
         let text = with_a_map();
         let algorithm = Some(AlgorithmName::of_key("self_calibrated"));
         for scenario in [None, recorded(&text), recorded(START)] {
-            let settings = MapSettings::new(scenario, algorithm, (None, None), &[]).unwrap();
+            let settings = MapSettings::new(scenario, algorithm, None, None, &[]).unwrap();
             assert_eq!((settings.maps.len(), settings.maps[0].name.as_str()), (1, "self-calibrated"));
             let set = ["maps.0.algorithm.self_calibrated.grid_step_m=0.5".to_owned()];
-            let finer = MapSettings::new(scenario, algorithm, (None, None), &set).unwrap();
+            let finer = MapSettings::new(scenario, algorithm, None, None, &set).unwrap();
             assert_ne!(finer.maps[0].mapper, settings.maps[0].mapper);
-            let refused = MapSettings::new(scenario, algorithm, (Some(PROFILE), None), &[]).unwrap_err().to_string();
+            let refused = MapSettings::new(scenario, algorithm, Some(PROFILE), None, &[]).unwrap_err().to_string();
             assert!(refused.contains("no map has a reception profile"), "{refused}");
         }
         let refused = ["maps.0.algorithm.self_calibrated.grid_step_m=0".to_owned()];
-        let refused = MapSettings::new(None, algorithm, (None, None), &refused).unwrap_err().to_string();
+        let refused = MapSettings::new(None, algorithm, None, None, &refused).unwrap_err().to_string();
         assert!(
             refused.contains("maps[0].algorithm.self_calibrated.grid_step_m") && refused.contains("is 0"),
             "{refused}"
@@ -295,7 +296,7 @@ mod tests {
                  traffic.beacon = {{ interval_s = 2.0 }}\n[[maps]]\nalgorithm.ml_tm.grid_step_m = 0.25\n\
                  algorithm.ml_tm.profile.channel = {{ {profile} }}\n"
             );
-            let settings = MapSettings::new(recorded(&text), None, (None, None), &[]).unwrap();
+            let settings = MapSettings::new(recorded(&text), None, None, None, &[]).unwrap();
             settings.maps[0].mapper.clone()
         };
         let channel = "channel = { environment = \"light-tree\", max_range_m = 10, path_loss.log_distance.reference_loss_db = 0.0 }";
@@ -318,7 +319,7 @@ mod tests {
                  antenna.nodes.sectors = {nodes}\nantenna.robots.sectors = {robots}\n\
                  [[maps]]\nalgorithm.mmtm = {{ grid_step_m = 0.5, profile.channel = {{ {profile} }} }}\n"
             );
-            let settings = MapSettings::new(recorded(&text), None, (None, None), &[]).unwrap();
+            let settings = MapSettings::new(recorded(&text), None, None, None, &[]).unwrap();
             settings.maps[0].mapper.clone()
         };
         let law = CloseInConfig { carrier_ghz: Some(73.0), exponent: Some(1.7), ..CloseInConfig::default() };
@@ -343,7 +344,7 @@ mod tests {
                  controller.waypoints.places_m = [[0, 0]]\n\
                  [[maps]]\n{network}algorithm.ml_tm = {{ grid_step_m = 0.5, profile.channel = {{}} }}\n"
             );
-            MapSettings::new(recorded(&text), None, (None, flag), &[])
+            MapSettings::new(recorded(&text), None, None, flag, &[])
         };
         let mapper = |network, flag| new(network, flag).unwrap().maps[0].mapper.clone();
         let (first, second) = (mapper("", None), mapper("network = \"b\"\n", None));
@@ -360,7 +361,7 @@ mod tests {
     #[test]
     fn an_invalid_profile_is_rejected() {
         let refused =
-            |profile: Option<&str>| MapSettings::new(None, None, (profile, None), &[]).unwrap_err().to_string();
+            |profile: Option<&str>| MapSettings::new(None, None, profile, None, &[]).unwrap_err().to_string();
         assert!(refused(Some("channel:sigma_db=8")).contains("`"), "{}", refused(Some("channel:sigma_db=8")));
         assert!(refused(Some("p0=2,plateau_m=2,range_m=10")).contains("p0` is 2; allowed: above 0, at most 1"));
         assert!(refused(Some("p=2")).contains("unknown key `p`"));
@@ -371,7 +372,7 @@ mod tests {
     #[test]
     fn a_setting_on_which_no_map_depends_is_refused() {
         for (setting, table) in [("seed=3", "seed"), ("duration_s = 4", "duration_s"), ("x", "x")] {
-            let refused = MapSettings::new(None, None, (None, None), &[setting.to_owned()]).unwrap_err().to_string();
+            let refused = MapSettings::new(None, None, None, None, &[setting.to_owned()]).unwrap_err().to_string();
             assert!(refused.contains(&format!("no map depends on `{table}`")), "{refused}");
         }
         let keys = schema();

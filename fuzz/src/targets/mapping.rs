@@ -25,7 +25,7 @@ const SLOW: usize = 8;
 static SETTINGS: LazyLock<MapSettings> = LazyLock::new(|| {
     let none = Files::Attached(Arc::default());
     let scenario = RecordedScenario { name: "maps.toml", text: MAPS, files: &none };
-    MapSettings::new(Some(scenario), None, (None, None), &[]).unwrap_or_else(|errors| panic!("{:?}", errors.errors()))
+    MapSettings::new(Some(scenario), None, None, None, &[]).unwrap_or_else(|errors| panic!("{:?}", errors.errors()))
 });
 
 /// What an estimator is given.

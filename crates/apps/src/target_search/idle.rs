@@ -15,8 +15,10 @@ const MOST_LANES: f64 = 5.0;
 #[derive(Clone, Debug)]
 pub(super) struct Idle {
     rule: BeforeDetection,
-    /// The number of the robot, and how many there are.
-    share: (usize, usize),
+    /// The number of the robot.
+    number: usize,
+    /// How many robots there are.
+    robots: usize,
     /// The places that it visits, and the next one; not known before it is asked.
     way: Option<Vec<Position>>,
     next: usize,
@@ -26,9 +28,9 @@ pub(super) struct Idle {
 }
 
 impl Idle {
-    /// For the robot number `share.0` of `share.1`.
-    pub(super) fn new(rule: BeforeDetection, share: (usize, usize)) -> Self {
-        Self { rule, share, way: None, next: 0, nearest_m: f64::INFINITY, stalled: 0 }
+    /// For the robot with this number of so many.
+    pub(super) fn new(rule: BeforeDetection, number: usize, robots: usize) -> Self {
+        Self { rule, number, robots, way: None, next: 0, nearest_m: f64::INFINITY, stalled: 0 }
     }
 
     /// Whether it drives, and captures what it meets.
@@ -50,7 +52,7 @@ impl Idle {
         let way = match &mut self.way {
             Some(way) => way,
             None => {
-                let own = part(nodes.collect(), self.share);
+                let own = part(nodes.collect(), self.number, self.robots);
                 let mut way = match self.rule {
                     BeforeDetection::Wait => Vec::new(),
                     BeforeDetection::Center => geometric_median(&own).into_iter().collect(),
@@ -83,7 +85,7 @@ impl Idle {
 }
 
 /// The part of the nodes that belongs to a robot: as many as to each other one, along the longer side of the map.
-fn part(mut nodes: Vec<Position>, (number, robots): (usize, usize)) -> Vec<Position> {
+fn part(mut nodes: Vec<Position>, number: usize, robots: usize) -> Vec<Position> {
     let Some(Bounds { min, max }) = Bounds::of(nodes.iter().copied()) else { return nodes };
     let along = |p: &Position| if max.x_m - min.x_m >= max.y_m - min.y_m { p.x_m } else { p.y_m };
     nodes.sort_by(|a, b| along(a).total_cmp(&along(b)));
@@ -137,17 +139,18 @@ mod tests {
     #[test]
     fn robots_share_the_map_and_one_that_waits_drives_nowhere() {
         let nodes: Vec<Position> = (0..20).map(|i| at(f64::from(i), 0.3 * f64::from(i % 2))).collect();
-        let goal = |rule, share| Idle::new(rule, share).goal(at(0.0, 0.0), 0.5, nodes.iter().copied());
-        assert_eq!(goal(BeforeDetection::Wait, (0, 1)), None);
-        let center = |share| goal(BeforeDetection::Center, share).expect("a place").x_m;
-        assert!((center((0, 1)) - 9.5).abs() < 0.6);
-        assert!((center((0, 2)) - 4.5).abs() < 0.6 && (center((1, 2)) - 14.5).abs() < 0.6);
+        let goal =
+            |rule, number, robots| Idle::new(rule, number, robots).goal(at(0.0, 0.0), 0.5, nodes.iter().copied());
+        assert_eq!(goal(BeforeDetection::Wait, 0, 1), None);
+        let center = |number, robots| goal(BeforeDetection::Center, number, robots).expect("a place").x_m;
+        assert!((center(0, 1) - 9.5).abs() < 0.6);
+        assert!((center(0, 2) - 4.5).abs() < 0.6 && (center(1, 2) - 14.5).abs() < 0.6);
     }
 
     #[test]
     fn a_patrol_goes_there_and_back_from_its_nearer_end_and_a_robot_at_the_centre_stays() {
         let nodes = [at(0.0, 0.0), at(10.0, 2.0)];
-        let mut patrol = Idle::new(BeforeDetection::Patrol, (0, 1));
+        let mut patrol = Idle::new(BeforeDetection::Patrol, 0, 1);
         let mut goal = |from| patrol.goal(from, 1.0, nodes.into_iter()).expect("a place");
         assert_eq!(goal(at(12.0, 0.0)), at(9.0, 1.0));
         assert_eq!(goal(at(9.0, 1.5)), at(1.0, 1.0));
@@ -156,7 +159,7 @@ mod tests {
         // It is in an obstacle.
         assert!((0..4).all(|_| goal(at(6.0, 1.0)) == at(9.0, 1.0)));
         assert_eq!([goal(at(6.0, 1.0)), goal(at(6.0, 1.0))], [at(9.0, 1.0), at(1.0, 1.0)]);
-        let mut center = Idle::new(BeforeDetection::Center, (0, 1));
+        let mut center = Idle::new(BeforeDetection::Center, 0, 1);
         let goal = center.goal(at(0.0, 0.0), 1.0, nodes.into_iter()).expect("a place");
         assert_eq!(center.goal(goal, 1.0, nodes.into_iter()), None);
     }

@@ -108,7 +108,7 @@ impl SearchRobot {
         let place = PlaceOnMap::new(map.frame());
         let step_m = body.speed_m_per_s * settings.step.as_secs_f64();
         let driver = Driver::new(settings.path, settings.motion, body.radius_m, step_m);
-        let idle = Idle::new(settings.before, (0, team));
+        let idle = Idle::new(settings.before, 0, team);
         Self {
             settings,
             map,
@@ -136,7 +136,7 @@ impl SearchRobot {
     /// The same with this number in its team: robots share the map before a target is detected.
     #[must_use]
     pub(super) fn with_number(self, number: usize) -> Self {
-        let idle = Idle::new(self.settings.before, (number, self.team.size()));
+        let idle = Idle::new(self.settings.before, number, self.team.size());
         Self { idle, ..self }
     }
 

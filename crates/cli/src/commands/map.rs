@@ -17,7 +17,7 @@ use crate::interrupt::Interrupt;
 use crate::invocation::Invocation;
 use crate::terminal::{Watcher, stdout};
 use sextant::NumberRange;
-use sextant::mapping::tiles::{self, KeptTiles, TileCount, Tiling};
+use sextant::mapping::tiles::{self, KeptTiles, TileCount, TileFolders, Tiling};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
@@ -161,9 +161,8 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.log.display());
     let scenario = input.scenario.as_deref().map(|text| RecordedScenario { name: &name, text, files: &input.files });
     let set = &arguments.overrides.set;
-    let settings = |set: &[String]| {
-        MapSettings::new(scenario, arguments.algorithm, (arguments.profile.as_deref(), network), set)
-    };
+    let settings =
+        |set: &[String]| MapSettings::new(scenario, arguments.algorithm, arguments.profile.as_deref(), network, set);
     let mut settings_of_maps = settings(set)?;
     if arguments.stitch {
         if input.log().robot_count() < 2 {
@@ -233,11 +232,12 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
             }
             let kept = folder.map(|folder| KeptTiles { folder, only });
             if let (Some(only), Some(kept)) = (only, &kept) {
-                let made = tiles::make_tiles(&mut input, (survey, tiling), &settings, kept, &watcher);
+                let made = tiles::make_tiles(&mut input, survey, tiling, &settings, kept, &watcher);
                 watcher.clear();
                 return Ok(writeln!(stdout(), "{only} of {} are kept", counted(made?, "tile"))?);
             }
-            tiles::map_tiles(&mut input, (survey, tiling), &settings, (out, kept.as_ref()), start, &watcher)?
+            let folders = TileFolders { out, kept: kept.as_ref() };
+            tiles::map_tiles(&mut input, survey, tiling, &settings, folders, start, &watcher)?
         }
         None => mapping::map(&mut input, &settings, out, start, &watcher)?,
     };

@@ -118,7 +118,7 @@ fn of_log(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failur
     let mut input = Input::read(&arguments.input, None, &arguments.reading.options())?;
     let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.input.display());
     let scenario = input.scenario.as_deref().map(|text| RecordedScenario { name: &name, text, files: &input.files });
-    let settings = MapSettings::new(scenario, arguments.algorithm, (None, None), &[])?;
+    let settings = MapSettings::new(scenario, arguments.algorithm, None, None, &[])?;
     if let Some(path) = &arguments.truth {
         let fields = arguments.truth_fields.as_ref();
         let truth = robot_log::read_truth(path, fields, input.plane.as_ref(), &mut input.notes)?;

@@ -184,7 +184,7 @@ impl<'a> Table<'a> {
                         Some(csv) => *csv,
                         None => open_file(file, heading)?.1,
                     };
-                    rows_of_file((file, csv), &head, &mut visit)?;
+                    rows_of_file(file, csv, &head, &mut visit)?;
                 }
             }
             TableBody::Memory(table) => {
@@ -249,7 +249,8 @@ fn open_file(file: &TableFile, heading: Heading) -> Result<(Head, CsvFile), Robo
 
 /// Calls `visit` with each row of the open `file`, whose cells are those of the columns of the table with the head `whole`.
 fn rows_of_file(
-    (file, mut csv): (&TableFile, CsvFile),
+    file: &TableFile,
+    mut csv: CsvFile,
     whole: &Head,
     visit: &mut impl FnMut(&TableRow<'_>) -> Result<(), RobotLogError>,
 ) -> Result<(), RobotLogError> {

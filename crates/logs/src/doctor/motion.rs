@@ -74,7 +74,7 @@ pub(super) fn finding(survey: &Survey<'_>) -> Option<Finding> {
     let are_numbers = survey.points == Points::Stops && legs.iter().all(|leg| (leg.span_s - 1.0).abs() < 1e-9);
     let doubtful = if are_numbers { FASTEST } else { ROBOT };
     too_fast(survey, usual, doubtful)
-        .or_else(|| too_slow(survey, (usual, high), seldom_s))
+        .or_else(|| too_slow(survey, usual, high, seldom_s))
         .or_else(|| jumps(&legs, usual, survey.points))
 }
 
@@ -117,7 +117,7 @@ fn too_fast(survey: &Survey<'_>, usual: f64, doubtful: f64) -> Option<Finding> {
 }
 
 /// What is odd of a survey that is slow in thousandths.
-fn too_slow(survey: &Survey<'_>, (usual, high): (f64, f64), seldom_s: f64) -> Option<Finding> {
+fn too_slow(survey: &Survey<'_>, usual: f64, high: f64, seldom_s: f64) -> Option<Finding> {
     let creeps = usual < CREEPING && seldom_s >= SELDOM_S;
     if survey.points != Points::Poses || !(high < SLOWEST || creeps) {
         return None;

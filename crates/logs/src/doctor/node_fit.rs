@@ -103,7 +103,7 @@ impl NodeFit {
         let mut at = start;
         // Of each observation, at `at` and at the place that is tried.
         let (mut logs, mut tried) = (vec![0.0; observations.len()], vec![0.0; observations.len()]);
-        let mut loss = total(&at, observations, (law, pattern), &mut logs);
+        let mut loss = total(&at, observations, law, pattern, &mut logs);
         let mut damping = 1e-2;
         for _ in 0..STEPS {
             let (slope, curvature) = derivatives(&at, observations, law, pattern, &logs);
@@ -115,7 +115,7 @@ impl NodeFit {
                 }
                 let Some(step) = damped.lu().solve(&slope) else { break };
                 let next = at - step;
-                let found = total(&next, observations, (law, pattern), &mut tried);
+                let found = total(&next, observations, law, pattern, &mut tried);
                 if found < loss {
                     improved = loss - found > GAIN * loss.abs().max(1e-9);
                     (at, loss) = (next, found);
@@ -228,7 +228,7 @@ fn eta(at: &Vector4<f64>, log: f64) -> f64 {
 }
 
 /// The loss of all observations, with the prior. `logs` gets the logarithm of the distance of each.
-fn total(at: &Vector4<f64>, observations: &[Observation], (law, pattern): (Law, &Pattern), logs: &mut [f64]) -> f64 {
+fn total(at: &Vector4<f64>, observations: &[Observation], law: Law, pattern: &Pattern, logs: &mut [f64]) -> f64 {
     let [mean, deviation] = law.prior();
     let error = (at.w - mean) / deviation;
     let sum: f64 = observations
@@ -317,9 +317,9 @@ mod tests {
         let (at, pattern) = (Vector4::new(2.3, 6.1, -44.0, 9.0), Pattern::new(2.0, -1.0));
         let mut logs = vec![0.0; observations.len()];
         let loss = |at: &Vector4<f64>, pattern: &Pattern| {
-            total(at, &observations, (law, pattern), &mut vec![0.0; observations.len()])
+            total(at, &observations, law, pattern, &mut vec![0.0; observations.len()])
         };
-        total(&at, &observations, (law, &pattern), &mut logs);
+        total(&at, &observations, law, &pattern, &mut logs);
         let (slope, _) = derivatives(&at, &observations, law, &pattern, &logs);
         for i in 0..4 {
             let mut step = Vector4::zeros();

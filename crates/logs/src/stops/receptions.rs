@@ -245,7 +245,7 @@ impl Rows<'_> {
                 left_out += 1;
                 return Ok(());
             };
-            let count = count(row, columns, (stop, stops))?;
+            let count = count(row, columns, stop, stops)?;
             let snr_db = row.finite(columns.snr)?;
             let sector = row.sector(columns.sector)?;
             let of_sectors = sector_snrs::of_cell(row, columns.sector_snrs)?;
@@ -271,7 +271,7 @@ impl Rows<'_> {
 }
 
 /// The packets of a row. The table of stops may say how many a node sent there.
-fn count(row: &TableRow<'_>, columns: Columns, (stop, stops): (u32, &Stops)) -> Result<PairCount, RobotLogError> {
+fn count(row: &TableRow<'_>, columns: Columns, stop: u32, stops: &Stops) -> Result<PairCount, RobotLogError> {
     if !columns.received.exists() {
         // A row is a packet; without a level, it names a node of which nothing was heard.
         let received = u32::from(row.filled(columns.rssi).is_some());

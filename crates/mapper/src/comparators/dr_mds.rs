@@ -118,8 +118,8 @@ impl DrMds {
                 Ok(refined(&places, &pairs, self.rounds, dimensions, watch)?)
             }
         };
-        let relative = of_parts(&graph, Self::NAME, dimensions, map)?;
-        self.frame.map(Self::NAME, relative, knowledge, dimensions)
+        let (places, part_of) = of_parts(&graph, Self::NAME, dimensions, map)?;
+        self.frame.map(Self::NAME, places, part_of, knowledge, dimensions)
     }
 }
 

@@ -46,7 +46,8 @@ impl FrameConfig {
     pub(super) fn map(
         self,
         algorithm: &'static str,
-        (places, part_of): (Vec<Option<Position>>, Vec<u32>),
+        places: Vec<Option<Position>>,
+        part_of: Vec<u32>,
         knowledge: &Knowledge<'_>,
         dimensions: usize,
     ) -> Result<TopologyMap, MapError> {

@@ -85,7 +85,8 @@ impl LandmarksConfig {
         self,
         graph: &Graph,
         part: &[usize],
-        (seed, least): (Seed, usize),
+        seed: Seed,
+        least: usize,
         anchors: &[usize],
         watch: &dyn Watch,
     ) -> Result<Vec<usize>, Interrupted> {
@@ -223,7 +224,7 @@ mod tests {
 
     fn chosen(config: LandmarksConfig, graph: &Graph, least: usize) -> Vec<usize> {
         let part: Vec<usize> = (0..graph.node_count()).collect();
-        config.choose(graph, &part, (Seed(1), least), &[3, 7], &Unwatched).unwrap()
+        config.choose(graph, &part, Seed(1), least, &[3, 7], &Unwatched).unwrap()
     }
 
     #[test]

@@ -84,10 +84,10 @@ impl MdsMap {
     pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
         let dimensions = self.dimensions.of(knowledge);
-        let relative = of_parts(&graph, Self::NAME, dimensions, |part| {
+        let (places, part_of) = of_parts(&graph, Self::NAME, dimensions, |part| {
             scaled(&graph, part, Self::NAME, dimensions, watch).map(Some)
         })?;
-        self.frame.map(Self::NAME, relative, knowledge, dimensions)
+        self.frame.map(Self::NAME, places, part_of, knowledge, dimensions)
     }
 }
 

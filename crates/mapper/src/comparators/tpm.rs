@@ -118,7 +118,7 @@ impl Tpm {
                 part_of[node] = index;
             }
             let least = dimensions + 2;
-            let landmarks = self.landmarks.choose(&graph, &part, (knowledge.seed, least), &anchors, watch)?;
+            let landmarks = self.landmarks.choose(&graph, &part, knowledge.seed, least, &anchors, watch)?;
             if part.len() < least || landmarks.len() < least {
                 continue;
             }

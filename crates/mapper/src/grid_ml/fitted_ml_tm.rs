@@ -53,8 +53,8 @@ impl FittedMlTm {
     /// # Errors
     /// [`MapError::Log`] if a sector of the log is not among those of the settings; [`MapError::Interrupted`].
     pub fn fit(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<Option<Fit>, MapError> {
-        let heights = (self.z_range_m, self.ml_tm.grid_step_m());
-        self.fitted.fit_with(&self.ml_tm.counted(log), heights, self.ml_tm.sectors(), watch)
+        let (log, step_m) = (self.ml_tm.counted(log), self.ml_tm.grid_step_m());
+        self.fitted.fit_with(&log, self.z_range_m, step_m, self.ml_tm.sectors(), watch)
     }
 
     /// The algorithm under a fitted profile. Give it the part of the log that is [evidence](Fit::evidence).

@@ -98,7 +98,7 @@ impl FittedMlTm {
             farthest_m.extend(heard_from(log, &centres(log), of_packets_m).into_iter().map(|heard| heard.farthest_m));
             Ok(())
         })?;
-        let Some(scene) = FitScene::of(whole, (z_range_m, ml_tm.grid_step_m()), &farthest_m) else { return Ok(None) };
+        let Some(scene) = FitScene::of(whole, z_range_m, ml_tm.grid_step_m(), &farthest_m) else { return Ok(None) };
         let every = scene.every(facts.usual_m.len(), whole.node_count(), facts.listed);
         let nodes: Vec<NodeId> = facts.usual_m.iter().map(|&(node, _)| node).step_by(every).collect();
         let few = sample(parts, &nodes, watch)?;
@@ -106,7 +106,7 @@ impl FittedMlTm {
         let sampled = numbered(boxes(few, of_packets_m, &scene.limits));
         let sampled = CurveSample { log: few, nodes: &sampled, heard_at: &facts.heard_at };
         let Some(settled) = fitted.settle(&sampled, &scene, ml_tm.sectors(), watch)? else { return Ok(None) };
-        let fit = with_outliers(&settled, &scene, of_packets_m, (ml_tm, parts), watch)?;
+        let fit = with_outliers(&settled, &scene, of_packets_m, ml_tm, parts, watch)?;
         let ml_tm = fixed(&self.with_fit(&fit), &PartsEvidence { parts, fit: &fit }, watch)?;
         let limits = Limits::new(whole, fit.reach_m, fit.heights);
         let (gross_m, grid) = grid(&ml_tm, &fit, &limits, parts, watch)?;
@@ -152,7 +152,8 @@ fn with_outliers(
     settled: &SettledCurve,
     scene: &FitScene,
     gross_m: f64,
-    (ml_tm, parts): (&MlTm, &dyn LogParts),
+    ml_tm: &MlTm,
+    parts: &dyn LogParts,
     watch: &dyn Watch,
 ) -> Result<Fit, PartsError> {
     let mut outliers: Vec<(NodeId, u32)> = Vec::new();

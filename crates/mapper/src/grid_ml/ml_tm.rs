@@ -216,8 +216,7 @@ impl MlTm {
             .map_init(
                 || solver.scratch(),
                 |scratch, node| {
-                    let solved =
-                        self.estimate(&solver, scratch, (log, NodeId::from_index(node)), boxes[node].as_ref());
+                    let solved = self.estimate(&solver, scratch, log, NodeId::from_index(node), boxes[node].as_ref());
                     watch.check()?;
                     watch.advance(1);
                     Ok(solved)
@@ -321,7 +320,8 @@ impl MlTm {
         &self,
         solver: &Solver<'_>,
         scratch: &mut SolverScratch,
-        (log, node): (&ReceptionLog, NodeId),
+        log: &ReceptionLog,
+        node: NodeId,
         within: Option<&SearchBox>,
     ) -> (Option<Estimate>, u64) {
         let receptions = log.of(node);
@@ -360,7 +360,7 @@ impl MlTm {
             return (Some(Estimate { concern, ..estimate }), search.evaluated);
         }
         // No vertex in the box is within range of the receptions.
-        let (unbounded, evaluated) = self.estimate(solver, scratch, (log, node), None);
+        let (unbounded, evaluated) = self.estimate(solver, scratch, log, node, None);
         let clamped = unbounded.map(|estimate| Estimate {
             position: within.nearest(estimate.position),
             concern: Some(Concern::AtEdge),

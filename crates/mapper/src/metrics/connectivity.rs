@@ -116,7 +116,7 @@ pub fn connectivity_error(
             pairs.iter().map(|&(truth, image)| (axes.scaled(image), axes.half_axes(truth, image))).unzip()
         }
     };
-    Ok(count((truth, map), radius_m, (&images, &half_axes), watch)?)
+    Ok(count(truth, map, radius_m, &images, &half_axes, watch)?)
 }
 
 /// Nodes that one thread counts the neighbours of at a time.
@@ -124,9 +124,11 @@ const NODES_AT_A_TIME: usize = 1024;
 
 /// Counts neighbours, given the mapped nodes' images and half-axes.
 fn count(
-    (truth, map): (&[Position], &[Option<Position>]),
+    truth: &[Position],
+    map: &[Option<Position>],
     radius_m: f64,
-    (images, half_axes): (&[Position], &[[f64; 3]]),
+    images: &[Position],
+    half_axes: &[[f64; 3]],
     watch: &dyn Watch,
 ) -> Result<ConnectivityError, Interrupted> {
     let nodes: Vec<usize> = (0..truth.len()).filter(|&node| map[node].is_some()).collect();
@@ -380,7 +382,7 @@ mod tests {
                 .collect();
             let images: Vec<Position> = map.iter().copied().flatten().collect();
             let half_axes = vec![half_axes; images.len()];
-            let error = count((&truth, &map), radius_m, (&images, &half_axes), &Unwatched).unwrap();
+            let error = count(&truth, &map, radius_m, &images, &half_axes, &Unwatched).unwrap();
             let expected = literal(&truth, &map, radius_m, &images, &half_axes);
             prop_assert_eq!([error.physical, error.lost, error.gained], expected);
         }

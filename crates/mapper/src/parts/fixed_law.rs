@@ -46,7 +46,8 @@ pub trait FixedLaw: fmt::Debug {
 /// The map of all parts by `estimator`, which is called `name` and works in these axes, with what was learned from the whole log.
 pub(crate) fn map_parts(
     estimator: &dyn PartEstimator,
-    (name, axes): (&'static str, Axes),
+    name: &'static str,
+    axes: Axes,
     parts: &dyn LogParts,
     knowledge: &Knowledge<'_>,
     watch: &dyn Watch,

@@ -189,7 +189,8 @@ impl<'a> PatternLikelihood<'a> {
     pub(super) fn new(
         law: &'a PatternLaw,
         map: &'a GainMap,
-        (names, blur_db): (&'a Names, f64),
+        names: &'a Names,
+        blur_db: f64,
         tables: &'a PatternTables,
     ) -> Self {
         let turn = Turn::by(law.yaw_rad);

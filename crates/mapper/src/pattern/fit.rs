@@ -100,7 +100,7 @@ impl Likelihoods {
         let level = RADII.iter().position(|&radius| radius as f64 <= cells + 0.5).unwrap_or(RADII.len() - 1);
         let radius = RADII[level];
         let names = self.names[level].get_or_init(|| map.names(&self.law, radius));
-        PatternLikelihood::new(&self.law, map, (names, SLOPE_DB * CELL_RAD * radius as f64), &self.tables)
+        PatternLikelihood::new(&self.law, map, names, SLOPE_DB * CELL_RAD * radius as f64, &self.tables)
     }
 
     /// The posterior of a node in a box, with its evidence.

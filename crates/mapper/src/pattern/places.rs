@@ -124,7 +124,7 @@ pub(super) fn find<'a>(
         }
         cells = next;
     }
-    posterior(&cells, within, (all / shrinks, steps), evaluated)
+    posterior(&cells, within, all / shrinks, steps, evaluated)
 }
 
 /// The mean standard deviation along the axes (m).
@@ -149,7 +149,8 @@ fn spread_m(cells: &[WeighedCell], highest: f64, axes: f64) -> f64 {
 fn posterior(
     cells: &[WeighedCell],
     within: &SearchBox,
-    (all, step_m): (f64, f64),
+    all: f64,
+    step_m: f64,
     evaluated: u64,
 ) -> Option<CellPosterior> {
     let mut verdict = Verdict::default();

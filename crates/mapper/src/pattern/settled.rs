@@ -75,7 +75,7 @@ impl SettledLaw {
         let step_m = places.step_m;
         let cell = Cell::new([step_m, step_m, if within.is_level() { 0.0 } else { step_m }]);
         let mut estimate =
-            Estimate::of_places(self.settings.estimate, (&places.places, cell), places.mean(), places.likeliest);
+            Estimate::of_places(self.settings.estimate, &places.places, cell, places.mean(), places.likeliest);
         let state = FitState { is_reach_known: self.scene.is_reach_known, is_settled: self.found.is_settled };
         estimate.concern = state.concern(places.verdict.concern(places.edge_below));
         estimate

@@ -31,7 +31,8 @@ impl Estimate {
     /// with its log-likelihood. It has no concern.
     pub(crate) fn of_places(
         kind: EstimateKind,
-        (places, cell): (&[(Position, f64)], Cell),
+        places: &[(Position, f64)],
+        cell: Cell,
         mean: Position,
         likeliest: (Position, f64),
     ) -> Self {

@@ -28,7 +28,7 @@ impl LocalPosterior {
 
     /// The estimate, where the likeliest place has this log-likelihood.
     pub(crate) fn estimate(&self, kind: EstimateKind, likeliest: (Position, f64)) -> Estimate {
-        Estimate::of_places(kind, (&self.places, self.cell), self.mean, likeliest)
+        Estimate::of_places(kind, &self.places, self.cell, self.mean, likeliest)
     }
 }
 

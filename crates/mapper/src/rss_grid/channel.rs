@@ -90,7 +90,8 @@ impl FittedChannel {
         log: &ReceptionLog,
         nodes: &[(HeardByStops, SearchBox)],
         given: &Given,
-        (step_m, longest_m): (f64, f64),
+        step_m: f64,
+        longest_m: f64,
         watch: &dyn Watch,
     ) -> Result<Option<Self>, Interrupted> {
         let stride = nodes.len().div_ceil(ENOUGH_NODES).max(1);

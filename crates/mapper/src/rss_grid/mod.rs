@@ -221,12 +221,11 @@ impl RssGrid {
             return Ok((map, None));
         }
         let longest_m = longest_m(log, &nodes);
-        let channel =
-            FittedChannel::fit(log, &nodes, given, (step_m, longest_m), watch)?.ok_or(MapError::Missing {
-                algorithm: Self::NAME,
-                what: "the signal strengths of receptions",
-                remedy: "a log has them in the column `rssi_dbm`; `ml_tm` and `self_calibrated` map without",
-            })?;
+        let channel = FittedChannel::fit(log, &nodes, given, step_m, longest_m, watch)?.ok_or(MapError::Missing {
+            algorithm: Self::NAME,
+            what: "the signal strengths of receptions",
+            remedy: "a log has them in the column `rssi_dbm`; `ml_tm` and `self_calibrated` map without",
+        })?;
         let evidence = StrengthEvidence::new(channel, longest_m);
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
         let operations = nodes.len() as f64 * log.stops().len() as f64 * 1e4;

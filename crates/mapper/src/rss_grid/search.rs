@@ -169,7 +169,7 @@ impl StrengthSearch<'_> {
                 if !found.is_within_reach(bound) || self.watch.is_stopped() {
                     break;
                 }
-                self.weigh(&part, tiles.silence(self, number, &part), spans, (heard, radius), found);
+                self.weigh(&part, tiles.silence(self, number, &part), spans, heard, radius, found);
             }
         }
     }
@@ -180,7 +180,8 @@ impl StrengthSearch<'_> {
         part: &TileBox,
         silence: &[f64],
         spans: &[Range<usize>; 3],
-        (heard, radius): (&[Strength], Radius),
+        heard: &[Strength],
+        radius: Radius,
         found: &mut RelevantVertices,
     ) {
         let mut silence = silence.iter();

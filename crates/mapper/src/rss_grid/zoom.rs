@@ -103,8 +103,8 @@ impl WeighedPlaces {
 
     /// The estimate.
     pub(super) fn estimate(&self, kind: EstimateKind) -> Estimate {
-        let places = (&self.places[..], self.cell);
-        Estimate { concern: self.concern, ..Estimate::of_places(kind, places, self.mean, self.best) }
+        let estimate = Estimate::of_places(kind, &self.places, self.cell, self.mean, self.best);
+        Estimate { concern: self.concern, ..estimate }
     }
 }
 

@@ -55,7 +55,7 @@ impl VertexWindow {
     /// Lays the vertices round the last belief and within the bounds, in steps of `step_m` or longer ones.
     pub(super) fn lay(&mut self, bounds: &SearchBox, before: &PlaceBelief, step_m: f64, detail: RoundDetail) {
         for (number, axis) in self.axes.iter_mut().enumerate() {
-            axis.lay(number, bounds, before, (step_m, detail));
+            axis.lay(number, bounds, before, step_m, detail);
         }
     }
 
@@ -137,7 +137,8 @@ impl Axis {
         number: usize,
         bounds: &SearchBox,
         before: &PlaceBelief,
-        (least_step_m, detail): (f64, RoundDetail),
+        least_step_m: f64,
+        detail: RoundDetail,
     ) {
         let (low, high) = (bounds.low[number], bounds.high[number]);
         let mean_m = <[f64; 3]>::from(before.mean)[number];

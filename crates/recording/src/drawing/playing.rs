@@ -150,16 +150,16 @@ fn outcome_color(outcome: &str) -> Color {
 
 /// A stop as a cloud of one point, with the number of nodes heard there in the field `heard`.
 pub(crate) fn stop(time: SimTime, place: Position, heard: u32) -> PointCloud {
-    one_point(time, place, ("heard", NumericType::Uint32), &heard.to_le_bytes())
+    one_point(time, place, "heard", NumericType::Uint32, &heard.to_le_bytes())
 }
 
 /// An estimated place as a cloud of one point, with the field `error` (m); an unknown error is NaN.
 pub(crate) fn estimated(time: SimTime, place: Position, error_m: Option<f64>) -> PointCloud {
-    one_point(time, place, ("error", NumericType::Float64), &error_m.unwrap_or(f64::NAN).to_le_bytes())
+    one_point(time, place, "error", NumericType::Float64, &error_m.unwrap_or(f64::NAN).to_le_bytes())
 }
 
 /// A cloud of one point with one value beside x, y and z.
-fn one_point(time: SimTime, p: Position, (name, kind): (&str, NumericType), value: &[u8]) -> PointCloud {
+fn one_point(time: SimTime, p: Position, name: &str, kind: NumericType, value: &[u8]) -> PointCloud {
     let mut data = Vec::with_capacity(32);
     for coordinate in [p.x_m, p.y_m, p.z_m] {
         data.extend_from_slice(&coordinate.to_le_bytes());

@@ -51,7 +51,8 @@ impl<W: Write> Recorder<W> {
         time: SimTime,
         application: Option<&str>,
         robot: &str,
-        (number, ends): (usize, [Position; 2]),
+        number: usize,
+        ends: [Position; 2],
     ) -> Result<(), RecordingError> {
         let topics = WayTopics::new(application, robot);
         self.write(time, &topics.legs, &playing::leg(time, robot, number, ends))
@@ -69,7 +70,8 @@ impl<W: Write> Recorder<W> {
         &mut self,
         network: Option<&str>,
         robot: &str,
-        (stop, end): (&Stop, SimTime),
+        stop: &Stop,
+        end: SimTime,
         nodes: &[Position],
     ) -> Result<(), RecordingError> {
         let heard = u32::try_from(nodes.len()).expect("fewer than 2^32 nodes");
@@ -94,8 +96,10 @@ impl<W: Write> Recorder<W> {
         &mut self,
         time: SimTime,
         application: &str,
-        (station, what): (&str, &str),
-        (place, error_m): (Position, Option<f64>),
+        station: &str,
+        what: &str,
+        place: Position,
+        error_m: Option<f64>,
     ) -> Result<(), RecordingError> {
         let topic = format!("{}{station}/{what}", ApplicationTopics::new(application).places);
         self.write(time, &topic, &playing::estimated(time, place, error_m))

@@ -168,7 +168,7 @@ impl Reading {
                 let Some((table, columns, cells)) = self.columns.row("Reception", message, &self.names)? else {
                     return Ok(Vec::new());
                 };
-                return Ok(self.in_order(message, (table, columns), vec![(reception.node, cells)]));
+                return Ok(self.in_order(message, table, columns, vec![(reception.node, cells)]));
             }
             "sextant.StopReceptions" => {
                 let stop = messages::StopReceptionsMessage::decode(message.data).map_err(|why| why.to_string())?;
@@ -176,8 +176,8 @@ impl Reading {
                     .rows()?
                     .map(|(reception, lqi)| (reception.node.0, declared::cells_of(&reception, lqi, &self.names)));
                 let cells = cells.collect();
-                let table = (declared::network_table("receptions", message.topic), declared::reception_columns());
-                return Ok(self.in_order(message, table, cells));
+                let table = declared::network_table("receptions", message.topic);
+                return Ok(self.in_order(message, table, declared::reception_columns(), cells));
             }
             "sextant.SectorSnrs" => {
                 let stop = messages::SectorSnrsMessage::decode(message.data).map_err(|why| why.to_string())?;
@@ -202,7 +202,8 @@ impl Reading {
     fn in_order(
         &mut self,
         message: &Message<'_>,
-        (table, columns): (String, Vec<TableColumn>),
+        table: String,
+        columns: Vec<TableColumn>,
         read: Vec<(u32, Vec<Cell>)>,
     ) -> Vec<TableRows> {
         match &mut self.first {

@@ -44,7 +44,7 @@ pub struct LogMap {
 /// # Errors
 /// If the log lacks what the algorithm needs, or `watch` stops the work.
 pub fn map_log(log: &ReceptionLog, algorithm: AlgorithmName, watch: &dyn Watch) -> Result<LogMap, MapLogError> {
-    let settings = MapSettings::new(None, Some(algorithm), (None, None), &[])?;
+    let settings = MapSettings::new(None, Some(algorithm), None, None, &[])?;
     let job = &settings.maps[0];
     let logs = MapLogs::alone(log);
     let (map, learned) = job.mapper.map_and_learn(logs.knowledge(job), watch)?;

@@ -43,7 +43,8 @@ pub struct Evaluation {
 pub(super) fn evaluate(
     scenario: &Scenario,
     named: &MapJob,
-    (survey, discoveries): (&Survey, &Discoveries),
+    survey: &Survey,
+    discoveries: &Discoveries,
     bound: &SurveyBound,
     watch: &dyn Watch,
 ) -> Result<Evaluation, RunError> {
@@ -88,7 +89,8 @@ pub(super) fn evaluate(
 pub(super) fn map_of_part(
     scenario: &Scenario,
     named: &MapJob,
-    (logs, discoveries): (&NetworkLogs, &Discoveries),
+    logs: &NetworkLogs,
+    discoveries: &Discoveries,
     watch: &dyn Watch,
 ) -> Result<Option<TopologyMap>, Interrupted> {
     let logs = MapLogs::from(logs);

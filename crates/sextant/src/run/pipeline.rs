@@ -266,7 +266,7 @@ impl Maps<'_> {
     ) -> Result<(), RunError> {
         let (scenario, discoveries) = (self.scenario, self.discoveries);
         for named in scenario.maps() {
-            let evaluation = evaluate(scenario, named, (&simulated.survey, discoveries), bound, watch)?;
+            let evaluation = evaluate(scenario, named, &simulated.survey, discoveries, bound, watch)?;
             self.add(evaluation, |scenario, evaluation| {
                 let named = Some(named);
                 observer.map_finished(&MapEnd { scenario, simulated, discoveries, named, evaluation, watch })

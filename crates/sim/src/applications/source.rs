@@ -106,8 +106,8 @@ impl Source {
     /// It goes on with the frame that is due next.
     fn go_on(&mut self, port: &mut Port<'_>) {
         let Some(node) = port.node(port.station()) else { return };
-        let address = (port.seed_of(self.network), node);
-        let after = self.traffic.after_rest(address, self.count, port.now(), |due| self.true_time(due));
+        let seed = port.seed_of(self.network);
+        let after = self.traffic.after_rest(seed, node, self.count, port.now(), |due| self.true_time(due));
         if let Some(count) = after.count {
             // The next frame has the numbers that it would have had.
             port.skip(self.network, count - self.count);
@@ -153,8 +153,8 @@ impl Application for Source {
         let Some(node) = port.node(port.station()).filter(|_| !std::mem::replace(&mut self.is_over, true)) else {
             return;
         };
-        let address = (port.seed_of(self.network), node);
-        let due = |time| self.traffic.due_before(address, time, |due| self.true_time(due));
+        let seed = port.seed_of(self.network);
+        let due = |time| self.traffic.due_before(seed, node, time, |due| self.true_time(due));
         port.note_due(self.network, due(port.now()).without(due(port.counted_from())));
     }
 

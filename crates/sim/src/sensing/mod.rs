@@ -71,7 +71,8 @@ impl Detectors {
     /// A target begins a leg: schedules what the nodes `near` it are going to say.
     fn follow(
         &self,
-        (target, tracked): (TargetId, &mut Tracked),
+        target: TargetId,
+        tracked: &mut Tracked,
         near: &[NodeId],
         obstacles: &ObstacleField,
         scene: &mut Scene,
@@ -181,7 +182,7 @@ impl Sensing {
             self.near.clear();
             self.near.extend(tracked.stays.iter().map(|stay| stay.node));
             detectors.nodes.add_near(&tracked.leg, &mut self.near);
-            detectors.follow((target, tracked), &self.near, obstacles, scene);
+            detectors.follow(target, tracked, &self.near, obstacles, scene);
         }
         Some(Turned::At(here))
     }

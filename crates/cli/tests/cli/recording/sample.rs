@@ -120,12 +120,12 @@ pub(crate) fn record_all<W: std::io::Write>(
     recorder.beacons(&heard)?;
     recorder.robot(at(5), "surveyor", Position::new(1.0, 2.0, 3.0), std::f64::consts::PI)?;
     recorder.path(at(6), "surveyor", &corners)?;
-    recorder.leg(at(5), None, "surveyor", (1, [corners[0], corners[1]]))?;
+    recorder.leg(at(5), None, "surveyor", 1, [corners[0], corners[1]])?;
     recorder.way(at(6), None, "surveyor", &corners)?;
     recorder.way(at(6), Some("search"), "agent", &corners)?;
     let stop = Stop { robot: RobotId(0), time: at(6), position: corners[0], heading_rad: None };
-    recorder.listening(None, "surveyor", (&stop, at(1_000_000_008)), &corners[1..])?;
-    recorder.estimated_place(at(6), "search", ("agent", "own_place"), (corners[1], None))?;
+    recorder.listening(None, "surveyor", &stop, at(1_000_000_008), &corners[1..])?;
+    recorder.estimated_place(at(6), "search", "agent", "own_place", corners[1], None)?;
     recorder.metric(at(7), "path_length_m", 12.5)?;
     recorder.note(at(8), Level::Warning, "survey", "nobody heard")?;
     let frames = [("received", vec![[corners[0], corners[2]]])];

@@ -96,21 +96,22 @@ impl Fitted {
         z_range_m: Option<[f64; 2]>,
         watch: &dyn Watch,
     ) -> Result<Option<Fit>, MapError> {
-        self.fit_with(log, (z_range_m, 0.0), &SectorSettings::default(), watch)
+        self.fit_with(log, z_range_m, 0.0, &SectorSettings::default(), watch)
     }
 
     /// The same for a grid of a step (m), with sectors as the settings say.
     pub(crate) fn fit_with(
         &self,
         log: &ReceptionLog,
-        (z_range_m, step_m): (Option<[f64; 2]>, f64),
+        z_range_m: Option<[f64; 2]>,
+        step_m: f64,
         sectors: &SectorSettings,
         watch: &dyn Watch,
     ) -> Result<Option<Fit>, MapError> {
         let heard_nodes = heard_nodes(log);
         let farthest_m: Vec<f64> = heard_nodes.iter().map(|heard| heard.farthest_m).collect();
         let listed = log.receptions().iter().map(|reception| u64::from(reception.sent)).sum();
-        let scene = FitScene::of(log, (z_range_m, step_m), &farthest_m);
+        let scene = FitScene::of(log, z_range_m, step_m, &farthest_m);
         let Some(scene) = scene else { return Ok(None) };
         let heard: Vec<(NodeId, SearchBox)> =
             heard_nodes.iter().map(|heard| (heard.node, scene.limits.of(heard))).collect();

@@ -33,7 +33,8 @@ impl FitScene {
     /// grid of a step (m); `None` without stops.
     pub(crate) fn of(
         log: &ReceptionLog,
-        (z_range_m, step_m): (Option<[f64; 2]>, f64),
+        z_range_m: Option<[f64; 2]>,
+        step_m: f64,
         farthest_m: &[f64],
     ) -> Option<Self> {
         let reach_m = reach_of_m(log, farthest_m.iter().copied());

@@ -64,7 +64,8 @@ impl KeptTiles {
         &self,
         log: &'a TiledLog,
         input: &Input,
-        (settings, job): (&MapSettings, &MapJob),
+        settings: &MapSettings,
+        job: &MapJob,
     ) -> Result<KeptLog<'a>, TilesError> {
         let folder = self.folder.join(&job.name);
         disk::create_folders(&folder).map_err(|why| unwritten(&folder, &why))?;

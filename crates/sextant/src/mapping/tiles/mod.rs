@@ -16,6 +16,6 @@ mod tile_count;
 mod tiled_log;
 
 pub use kept::KeptTiles;
-pub use pipeline::{Tiling, make_tiles, map_tiles};
+pub use pipeline::{TileFolders, Tiling, make_tiles, map_tiles};
 pub use survey::{Survey, survey};
 pub use tile_count::{TileCount, UnknownTileCount};

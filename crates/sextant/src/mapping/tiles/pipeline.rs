@@ -95,21 +95,29 @@ impl fmt::Display for Tiling {
     }
 }
 
-/// Computes the maps of `settings` tile by tile, and does with them what [`map`](crate::mapping::map) does. The temporary file
-/// is beside `out`, or in the folder of the system for such files. Tiles that are `kept` are not made again, and each one that
-/// is made is kept.
+/// Where a map of tiles goes, and its tiles.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TileFolders<'a> {
+    /// The file of the map. The temporary file is beside it, or in the folder of the system for such files.
+    pub out: Option<&'a Path>,
+    /// Tiles that are not made again. Each one that is made is kept there.
+    pub kept: Option<&'a KeptTiles>,
+}
+
+/// Computes the maps of `settings` tile by tile, and does with them what [`map`](crate::mapping::map) does.
 ///
 /// # Errors
 /// If a map cannot be computed or a file cannot be written.
 pub fn map_tiles<'a>(
     input: &mut Input,
-    (survey, tiling): (Survey, Tiling),
+    survey: Survey,
+    tiling: Tiling,
     settings: &'a MapSettings,
-    (out, kept): (Option<&Path>, Option<&KeptTiles>),
+    TileFolders { out, kept }: TileFolders<'_>,
     start: Stopwatch,
     watch: &dyn Watch,
 ) -> Result<(Summary, Vec<ComputedMap<'a>>), MapLogError> {
-    let (log, counts) = tiled(input, (survey, tiling), out, watch)?;
+    let (log, counts) = tiled(input, survey, tiling, out, watch)?;
     let stages = Stages { settings, out, start, watch, counts };
     stages.run(input, &mut |input, job| mapped(input, &log, settings, job, kept, watch))
 }
@@ -120,7 +128,8 @@ pub fn map_tiles<'a>(
 /// If a tile cannot be made or kept, or there is none of those that are asked for.
 pub fn make_tiles(
     input: &mut Input,
-    (survey, tiling): (Survey, Tiling),
+    survey: Survey,
+    tiling: Tiling,
     settings: &MapSettings,
     kept: &KeptTiles,
     watch: &dyn Watch,
@@ -130,7 +139,7 @@ pub fn make_tiles(
     kept.open()?;
     // The temporary file must not be that of another process which makes tiles of this log.
     let own = kept.folder.join(format!("{}", std::process::id()));
-    let (log, _) = tiled(input, (survey, tiling), Some(&own), watch)?;
+    let (log, _) = tiled(input, survey, tiling, Some(&own), watch)?;
     for job in &settings.maps {
         mapped(input, &log, settings, job, Some(kept), watch)?;
     }
@@ -148,7 +157,7 @@ fn mapped(
 ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapLogError> {
     let knowledge = knowledge(input, settings, Knowledge::from(input.log()));
     Ok(match kept {
-        Some(kept) => job.mapper.map_parts(&kept.of_map(log, input, (settings, job))?, knowledge, watch)?,
+        Some(kept) => job.mapper.map_parts(&kept.of_map(log, input, settings, job)?, knowledge, watch)?,
         None => job.mapper.map_parts(log, knowledge, watch)?,
     })
 }
@@ -156,7 +165,8 @@ fn mapped(
 /// Puts the receptions of a log into the tiles of its plan.
 fn tiled(
     input: &mut Input,
-    (survey, tiling): (Survey, Tiling),
+    survey: Survey,
+    tiling: Tiling,
     out: Option<&Path>,
     watch: &dyn Watch,
 ) -> Result<(TiledLog, LogCounts), MapLogError> {

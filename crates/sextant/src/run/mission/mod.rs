@@ -72,7 +72,7 @@ impl<'a> ReadyMission<'a> {
         let mut witness = Witness::new(scenario, mission.robots.len());
         let (survey, outcome) = simulation.run(&mut (observer, (&mut witness, Stop(watch))));
         let scored = score::score(&witness, scenario.world().nodes.len(), &map.placement);
-        let summary = summary::sum_up(scenario, mission, &map, (&survey, outcome), (&witness, &scored));
+        let summary = summary::sum_up(scenario, mission, &map, &survey, outcome, &witness, &scored);
         let performance = Performance { summary, end: survey.end, witness, scored };
         (survey, performance)
     }

@@ -65,8 +65,10 @@ pub(super) fn errors(scored: &[Scored], is_one: impl Fn(&Estimate) -> bool) -> O
 
 /// The course of a search of this duration that ended at `end`, with all targets captured if `captured`.
 pub(super) fn course(
-    (witness, scored): (&Witness, &[Scored]),
-    (duration, end): (Duration, SimTime),
+    witness: &Witness,
+    scored: &[Scored],
+    duration: Duration,
+    end: SimTime,
     captured: bool,
 ) -> Vec<SearchInstant> {
     let instants = SEARCH_INSTANTS_S.map(|time_s| SimTime::ZERO + Duration::from_secs(u64::from(time_s)));

@@ -20,8 +20,10 @@ pub(super) fn sum_up(
     scenario: &Scenario,
     mission: &PlannedMission,
     map: &WorkingMap,
-    (survey, outcome): (&Survey, MissionOutcome),
-    (witness, scored): (&Witness, &[Scored]),
+    survey: &Survey,
+    outcome: MissionOutcome,
+    witness: &Witness,
+    scored: &[Scored],
 ) -> MissionSummary {
     let nodes = scenario.world().nodes.len();
     let record = &survey.networks[mission.network.index()];
@@ -60,7 +62,7 @@ pub(super) fn sum_up(
         MissionGoal::Targets => {
             let summary = of_search(summary, targets(scenario, mission, witness));
             let captured = summary.captured == Some(true);
-            let course = score::course((witness, scored), (mission.duration, survey.end), captured);
+            let course = score::course(witness, scored, mission.duration, survey.end, captured);
             MissionSummary { course, ..summary }
         }
         MissionGoal::Field(sought) => of_seeking(scenario, sought, summary, &outcome.arrivals, witness),

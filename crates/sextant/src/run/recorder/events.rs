@@ -60,7 +60,7 @@ impl Observer for RunRecorder {
             let robot = &simulation.robots[stop.robot.index()].name;
             let nodes = heard.receptions.iter().filter(|reception| reception.received > 0);
             let nodes: Vec<Position> = nodes.map(|reception| simulation.nodes[reception.node.index()]).collect();
-            recorder.listening(other.map(|(_, name)| name.as_str()), robot, (stop, end), &nodes)?;
+            recorder.listening(other.map(|(_, name)| name.as_str()), robot, stop, end, &nodes)?;
             recorder.stop(other.map(|(_, name)| name.as_str()), robot, index, stop, heard)
         });
     }

@@ -36,7 +36,8 @@ pub(super) fn record(
 pub(super) fn record_phase(
     scenario: &Scenario,
     fields: &[Field],
-    (end, offset): (SimTime, Duration),
+    end: SimTime,
+    offset: Duration,
     seeks: bool,
     recorder: &mut FileRecorder,
 ) -> Result<(), RecordingError> {

@@ -71,7 +71,7 @@ fn record_snapshots(recorder: &mut FileRecorder, end: &MapEnd<'_>, named: &MapJo
         }
         last = time;
         let logs = survey.logs.until(time);
-        if let Some(map) = evaluation::map_of_part(scenario, named, (&logs, discoveries), watch)? {
+        if let Some(map) = evaluation::map_of_part(scenario, named, &logs, discoveries, watch)? {
             recorder.map(time, &named.name, &placed(&map, &truth))?;
         }
     }

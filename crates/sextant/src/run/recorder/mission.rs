@@ -40,7 +40,7 @@ pub(super) fn close(
     }
     let seeks = mission.goal().field().is_some();
     simulation.air.draw(offset, recorder)?;
-    fields::record_phase(scenario, &simulation.fields, (survey.end, offset), seeks, recorder)?;
+    fields::record_phase(scenario, &simulation.fields, survey.end, offset, seeks, recorder)?;
     let names: Vec<String> = simulation.robots.iter().map(|track| track.name.clone()).collect();
     let recording = Recording { scenario, mission, names: &names, offset };
     recording.captures(&performance.witness, recorder)?;
@@ -96,8 +96,8 @@ impl Recording<'_> {
             let time = scored.time + self.offset;
             recorder.estimate(&self.mission.name, &self.message(scored))?;
             if let Some(place) = scored.place {
-                let of = (self.station(scored.station), what(&scored.estimate));
-                recorder.estimated_place(time, &self.mission.name, of, (place, scored.error))?;
+                let (station, what) = (self.station(scored.station), what(&scored.estimate));
+                recorder.estimated_place(time, &self.mission.name, station, what, place, scored.error)?;
             }
             let series = |what: &str| format!("{}/{}/{what}", self.mission.name, self.station(scored.station));
             match (scored.estimate, scored.error) {

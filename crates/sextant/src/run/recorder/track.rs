@@ -45,7 +45,7 @@ impl CommandTrack {
         if count - self.drawn >= LEAST_PLACES.max(count / NEW_SHARE) {
             return self.draw_way(time, application, recorder);
         }
-        recorder.leg(time, application, &self.name, (count - 1, [from, to]))
+        recorder.leg(time, application, &self.name, count - 1, [from, to])
     }
 
     /// Draws the whole way.

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use sextant::mapping::tiles::{self, KeptTiles, TileCount, Tiling};
+use sextant::mapping::tiles::{self, KeptTiles, TileCount, TileFolders, Tiling};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
@@ -27,7 +27,7 @@ impl Recorded {
 
     fn settings(&self) -> MapSettings {
         let scenario = RecordedScenario { name: "short", text: SHORT, files: &Default::default() };
-        MapSettings::new(Some(scenario), None, (None, None), &[]).expect("it works without a disaster")
+        MapSettings::new(Some(scenario), None, None, None, &[]).expect("it works without a disaster")
     }
 
     fn map(&self, folder: &Path) -> Result<(), String> {
@@ -49,8 +49,8 @@ impl Recorded {
         let kept = KeptTiles { folder: folder.join("kept"), only: None };
         let out = folder.join("map.csv");
         let start = Stopwatch::start();
-        let places = (Some(out.as_path()), Some(&kept));
-        let mapped = tiles::map_tiles(&mut input, (survey, tiling), &settings, places, start, &Unwatched);
+        let folders = TileFolders { out: Some(&out), kept: Some(&kept) };
+        let mapped = tiles::map_tiles(&mut input, survey, tiling, &settings, folders, start, &Unwatched);
         mapped.map(|_| ()).map_err(|error| error.to_string())
     }
 }

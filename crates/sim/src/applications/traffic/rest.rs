@@ -25,7 +25,8 @@ impl Traffic {
     /// later. `true_time` tells the true time of an instant of its schedule.
     pub(crate) fn after_rest(
         &self,
-        (seed, node): (Seed, NodeId),
+        seed: Seed,
+        node: NodeId,
         count: u64,
         now: SimTime,
         true_time: impl Fn(SimTime) -> SimTime,
@@ -51,11 +52,12 @@ impl Traffic {
     /// The frames that `node` has before `time`. None if a node cannot rest.
     pub(crate) fn due_before(
         &self,
-        (seed, node): (Seed, NodeId),
+        seed: Seed,
+        node: NodeId,
         time: SimTime,
         true_time: impl Fn(SimTime) -> SimTime,
     ) -> DueFrames {
-        let count = || self.after_rest((seed, node), 0, time, true_time).count.unwrap_or(0);
+        let count = || self.after_rest(seed, node, 0, time, true_time).count.unwrap_or(0);
         match &self.schedule {
             Schedule::Silent | Schedule::Saturated { .. } => DueFrames::default(),
             &Schedule::Poisson { mean_interval_s } => {
@@ -130,9 +132,9 @@ mod tests {
                     count += 1;
                     last = due;
                 };
-                let after = traffic.after_rest((seed, node), before, now, |due| due);
+                let after = traffic.after_rest(seed, node, before, now, |due| due);
                 prop_assert_eq!(after.next, expected);
-                prop_assert_eq!(traffic.due_before((seed, node), now, |due| due), DueFrames::alike(count, 20));
+                prop_assert_eq!(traffic.due_before(seed, node, now, |due| due), DueFrames::alike(count, 20));
                 if !matches!(traffic.schedule, Schedule::Poisson { .. }) {
                     prop_assert_eq!(after.count, Some(count));
                 }
