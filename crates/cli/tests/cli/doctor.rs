@@ -182,6 +182,15 @@ fn strengths_that_stand_for_none_are_found_and_left_out() {
 }
 
 #[test]
+fn silence_that_is_written_as_a_strength_is_found_and_left_out() {
+    let folder = stops("x_m,y_m", metres, |row, level| if row % 2 == 0 { -92.0 } else { level });
+    let broken = read(&folder, |_| {});
+    assert!(checks(&broken).contains(&"silence-as-strength"), "{:?}", broken.findings);
+    let repaired = read(&folder, |options| options.form.noise_floor = Some("-92".parse().unwrap()));
+    assert!(!checks(&repaired).contains(&"silence-as-strength"), "{:?}", repaired.findings);
+}
+
+#[test]
 fn saturated_and_coarse_strengths_are_found_in_logs() {
     let saturated = stops("x_m,y_m", metres, |_, level| level.min(-58.0));
     assert_eq!(checks(&read(&saturated, |_| {})), ["saturated-strengths"]);

@@ -27,6 +27,7 @@ mod route;
 mod samples;
 mod saturated;
 mod shadowing;
+mod silence_level;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -68,7 +69,8 @@ fn of_survey(survey: &Survey<'_>) -> Vec<Finding> {
 
 /// What is odd of the strengths that were measured.
 pub(super) fn of_levels(levels: &Levels) -> Vec<Finding> {
-    [impossible::finding, saturated::finding, coarse::finding].iter().filter_map(|check| check(levels)).collect()
+    let checks = [impossible::finding, silence_level::finding, saturated::finding, coarse::finding];
+    checks.iter().filter_map(|check| check(levels)).collect()
 }
 
 /// The findings without those that come from other ones: stops that are cut by a wrong path are too short.
