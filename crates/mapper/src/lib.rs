@@ -41,6 +41,7 @@ mod grid_ml;
 mod knowledge;
 mod lattice;
 mod learned;
+mod link_dependence;
 mod link_model;
 mod log_facts;
 mod metrics;
@@ -88,6 +89,7 @@ pub use grid_ml::{
 pub use knowledge::{FrameKnowledge, Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
 pub use learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing};
+pub use link_dependence::LinkDependence;
 pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Losses, Receiver};
 pub use log_facts::{
     HeightReason, SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig,

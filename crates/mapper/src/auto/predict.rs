@@ -8,14 +8,9 @@ use super::folds::{Fold, NodeAndStop};
 use super::opinions::GainOfLaw;
 use super::score::Predicted;
 use crate::link_model::{LinkFit, Placed, Predictor};
-use crate::numerics::normal::{below, quantile};
 use crate::posterior::Estimate;
 use crate::self_calibrated::Calibration;
 use crate::topology_map::TopologyMap;
-
-/// The nodes of a Gauss-Hermite rule along an axis, in standard deviations, and their weights.
-const POINTS: [(f64, f64); 3] =
-    [(-1.732_050_807_568_877_2, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732_050_807_568_877_2, 1.0 / 6.0)];
 
 /// Takes what an estimator of independent packets predicts of a fold: the places of `map`, and the curve of its `fit`.
 /// Without a curve it predicts the usual share.
@@ -29,7 +24,7 @@ pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&Estim
     };
     let strengths = FallOfStrength::of(fold, map, &absorbed);
     for (node, estimate) in map.estimates.iter().enumerate() {
-        let points = estimate.as_ref().map(points);
+        let points = estimate.as_ref().map(Estimate::points);
         for pair in fold.pairs(node) {
             let share = match (&points, fit) {
                 (Some(points), Some(fit)) => points
@@ -60,37 +55,12 @@ fn binomial(share: f64, pair: &NodeAndStop) -> f64 {
 
 /// Share of packets that arrive over a link.
 fn share(fit: &EstimatorFit, place: Position, stop: &Stop, usual: f64) -> f64 {
-    let distance_m = place.distance_m(stop.position);
     match fit {
-        EstimatorFit::Profile(profile) => profile.curve.probability(distance_m),
-        EstimatorFit::Calibration(calibration) => {
-            let Some(curve) = &calibration.curve else { return usual };
-            let clear = curve.probability(distance_m);
-            match &calibration.obstacles {
-                Some(obstacles) => below(quantile(clear) - obstacles.absorbed(place, stop.position)),
-                None => clear,
-            }
-        }
+        EstimatorFit::Profile(profile) => profile.curve.probability(place.distance_m(stop.position)),
+        EstimatorFit::Calibration(calibration) => calibration.share_between(place, stop.position).unwrap_or(usual),
         EstimatorFit::Pattern(pattern) => pattern.probability(place, stop),
         EstimatorFit::Links(_) => usual,
     }
-}
-
-/// Points that stand for the posterior of a node, with their weights.
-fn points(estimate: &Estimate) -> Vec<(Position, f64)> {
-    let covariance = estimate.covariance.unwrap_or_default();
-    let flat = nalgebra::Matrix3::from_fn(|row, column| covariance[row][column]).symmetric_eigen();
-    let axis = |k: usize| flat.eigenvectors.column(k) * flat.eigenvalues[k].max(0.0).sqrt();
-    let axes = [axis(0), axis(1), axis(2)];
-    let mut points = vec![(estimate.position, 1.0)];
-    for axis in axes.iter().filter(|axis| axis.norm() > 1e-9) {
-        let spread = |&(place, weight): &(Position, f64)| {
-            let along = Position::new(axis[0], axis[1], axis[2]);
-            POINTS.map(|(deviations, share)| (place + along * deviations, weight * share))
-        };
-        points = points.iter().flat_map(spread).collect();
-    }
-    points
 }
 
 /// Takes what the law of `fit` predicts of a fold, if nodes are where `map` says, and what it gains over fields of strengths.

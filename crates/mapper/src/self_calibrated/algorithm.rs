@@ -1,6 +1,6 @@
 //! The self-calibrated map.
 
-use sextant_channel::ReceptionLog;
+use sextant_channel::{Position, ReceptionLog, Stop};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use super::belief::PlaceBelief;
@@ -15,11 +15,13 @@ use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
 use crate::grid_ml::directions::{CoverageEdge, Directions};
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
+use crate::link_dependence::LinkDependence;
 use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::are_level;
 use crate::log_facts::reach::{is_reach_known, reach_m};
 use crate::log_facts::search_box::Limits;
 use crate::log_facts::sectors::SectorSettings;
+use crate::numerics::normal::{below, quantile};
 use crate::posterior::{Estimate, FitState};
 use crate::survey_frame::Axes;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
@@ -73,6 +75,27 @@ pub struct Calibration {
     pub at_bound: Vec<NodeId>,
     /// Whether the curve extends beyond the log: packets still arrive over the longest distance in the log.
     pub curve_at_bound: bool,
+    /// How much the packets of a link depend on each other, where it was looked at.
+    pub dependence: Option<LinkDependence>,
+}
+
+impl Calibration {
+    /// The share of packets that arrives from `place` at a stop with this number and position; a half without a curve.
+    fn share_at(&self, place: Position, number: usize, stop: Position) -> f64 {
+        let usual = self.efficiency.iter().sum::<f64>() / self.efficiency.len().max(1) as f64;
+        let efficiency = self.efficiency.get(number).map_or(1.0, |own| own / usual.max(1e-9));
+        (efficiency * self.share_between(place, stop).unwrap_or(0.5)).min(1.0)
+    }
+
+    /// The share of packets that arrives between two places, through the obstacles, at a stop of average efficiency. `None` without
+    /// a curve.
+    pub(crate) fn share_between(&self, place: Position, stop: Position) -> Option<f64> {
+        let clear = self.curve.as_ref()?.probability(place.distance_m(stop));
+        Some(match &self.obstacles {
+            Some(obstacles) => below(quantile(clear) - obstacles.absorbed(place, stop)),
+            None => clear,
+        })
+    }
 }
 
 impl SelfCalibrated {
@@ -152,6 +175,7 @@ impl SelfCalibrated {
             converged: settled && map.concerns().next().is_none() && !curve_at_bound,
             at_bound,
             curve_at_bound,
+            dependence: None,
             obstacles: draft.into_obstacles()?,
         };
         Ok((map, Some(calibration)))
@@ -222,7 +246,12 @@ impl Estimator for SelfCalibrated {
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge.log, watch).map(|(map, calibration)| (map, calibration.map(EstimatorFindings::new)))
+        let (map, mut calibration) = self.map(knowledge.log, watch)?;
+        if let Some(calibration) = calibration.as_mut().filter(|calibration| calibration.curve.is_some()) {
+            let share = |place, number, stop: &Stop| calibration.share_at(place, number, stop.position);
+            calibration.dependence = LinkDependence::of(knowledge.log, &map, share);
+        }
+        Ok((map, calibration.map(EstimatorFindings::new)))
     }
 }
 

@@ -44,6 +44,9 @@ struct CalibrationKeys {
     /// Area of the obstacles for which the evidence is weak (m²). Absent if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     unsure_m2: Option<f64>,
+    /// Correlation of two packets of a link about what curve, stops and obstacles say. Absent if it was not looked at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    packet_correlation: Option<f64>,
     /// These obstacles, to be drawn. Absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     obstacles: Vec<ObstacleKeys>,
@@ -132,6 +135,7 @@ impl Finding for Calibration {
             },
             absorbing_m2: self.obstacles.as_ref().map(AbsorptionMap::sure_m2),
             unsure_m2: self.unsure_m2(),
+            packet_correlation: self.dependence.map(|dependence| dependence.correlation),
             obstacles: self.obstacles.iter().flat_map(AbsorptionMap::claims_m).map(ObstacleKeys::from).collect(),
         };
         crate::learned::one_key("calibration", &keys)
@@ -151,6 +155,7 @@ impl Finding for Calibration {
             let why = Unconverged::of(map.concerns().next().is_some(), map);
             lines.extend(why.map(|why| why.warning(name, "the calibration", self.rounds, Some("max_rounds"))));
         }
+        lines.extend(self.dependence.and_then(|dependence| dependence.warning(name)));
         lines
     }
 
