@@ -166,7 +166,7 @@ pub(super) mod tests {
             "t.parquet",
         ] {
             let table = folder.path().join(table);
-            write_table(&table, &two, &rows).unwrap();
+            write_table(&table, &two, &rows.as_slice()).unwrap();
             assert_eq!(read_table(&table, &two).unwrap(), rows);
             assert_eq!(read_own_table(&table, &plan(folder.path(), STEPS, 20)).unwrap(), rows, "more runs");
             for axis in ["maps.0.algorithm.ml_tm.grid_step_m = [0.5, 2.0]", "channel.max_range_m = [9.0, 10.0]"] {
@@ -183,7 +183,7 @@ pub(super) mod tests {
         let folder = tempfile::tempdir().unwrap();
         let plan = plan(folder.path(), STEPS, 2);
         let table = folder.path().join("t.csv");
-        write_table(&table, &plan, &made_up(&plan)).unwrap();
+        write_table(&table, &plan, &made_up(&plan).as_slice()).unwrap();
         let texts = read_texts(&table).unwrap();
         let at = |name: &str| texts.columns.iter().position(|column| column == name).unwrap();
         let cells = |name: &str| texts.rows.iter().map(|row| row[at(name)].as_str()).collect::<Vec<_>>();
@@ -203,7 +203,7 @@ pub(super) mod tests {
         let folder = tempfile::tempdir().unwrap();
         let plan = plan(folder.path(), STEPS, 2);
         let table = folder.path().join("t.csv");
-        write_table(&table, &plan, &made_up(&plan)).unwrap();
+        write_table(&table, &plan, &made_up(&plan).as_slice()).unwrap();
         let text = std::fs::read_to_string(&table).unwrap();
         std::fs::write(&table, text.replacen(",1000,", ",1001,", 1)).unwrap();
         let error = read_table(&table, &plan).unwrap_err().to_string();
