@@ -22,7 +22,7 @@ use existing::Start;
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{OutputKind, Outputs, Replace};
 use sextant_study::sweep::{
-    RunRow, Shard, Sweep, SweepError, SweptRows, TableFormat, clear_parts, extend, write_table,
+    Shard, Sweep, SweepError, SweptRows, TableFormat, TableRows, clear_parts, extend, write_table,
 };
 
 /// Arguments of `sextant sweep`.
@@ -106,7 +106,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     keep_logs(None, [("--out", out.as_path())])?;
     let format = arguments.printing.format;
     match existing::start(arguments, &plan, &out)? {
-        Start::Finished(rows) => Results { plan: &plan, rows: &rows.as_slice() }.tell(&out, format, &mut stdout),
+        Start::Finished(rows) => Results { plan: &plan, rows: &rows }.tell(&out, format, &mut stdout),
         Start::Run(known) => {
             let rows = swept(arguments, &plan, known, &out, interrupt)?;
             let told = Results { plan: &plan, rows: &rows }.tell(&out, format, &mut stdout);
@@ -120,7 +120,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
 fn swept<'a>(
     arguments: &Arguments,
     plan: &'a Sweep,
-    known: Vec<RunRow>,
+    known: Option<TableRows<'a>>,
     out: &Path,
     interrupt: &Interrupt,
 ) -> Result<SweptRows<'a>, Failure> {

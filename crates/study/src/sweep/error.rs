@@ -93,6 +93,12 @@ impl SweepError {
     }
 }
 
+impl From<StoreError> for TableError {
+    fn from(error: StoreError) -> Self {
+        Self::Rows { why: error.to_string() }
+    }
+}
+
 /// Why a table of a sweep cannot be written or drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {

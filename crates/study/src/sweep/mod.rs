@@ -22,6 +22,7 @@ mod setting;
 mod shard;
 mod share;
 mod statistics;
+mod stored_rows;
 mod summary;
 mod table_file;
 mod table_reader;
@@ -37,13 +38,14 @@ pub use figures::{StudyDrawing, StudyFigures};
 pub use finished_table::FinishedTable;
 pub use plan::{Cell, Sweep};
 pub use row::RunRow;
-pub use rows::{Overview, RowIter, Rows, StoredRows, SweptRows};
+pub use rows::{Overview, RowIter, Rows};
 pub use shard::Shard;
 pub use share::Share;
 pub use statistics::{Mean, students_t_975};
+pub use stored_rows::{StoredRows, SweptRows};
 pub use summary::{CellSummary, summaries};
 pub use table_file::TableFormat;
-pub use table_reader::{read_own_table, read_table};
+pub use table_reader::{TableRows, read_own_table, read_table};
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 
@@ -74,7 +76,7 @@ pub fn run<'a>(
     resume: bool,
     watch: &dyn Watch,
 ) -> Result<SweptRows<'a>, SweepError> {
-    extend(plan, Vec::new(), shard, out, resume, watch)
+    extend(plan, None, shard, out, resume, watch)
 }
 
 /// As [`run`], but of a sweep of which the rows `known` are there already, from [`read_own_table`]: only what is missing is
@@ -84,7 +86,7 @@ pub fn run<'a>(
 /// As [`run`].
 pub fn extend<'a>(
     plan: &'a Sweep,
-    known: Vec<RunRow>,
+    known: Option<TableRows<'a>>,
     shard: Shard,
     out: &Path,
     resume: bool,
@@ -96,8 +98,9 @@ pub fn extend<'a>(
         return Err(SweepError::Unfinished { folder });
     }
     let all = NumberRange { start: 0, end: work.len() };
-    let mut wanted: Vec<bool> = (0..all.end).map(|number| shard.has(work.survey_of(number))).collect();
-    known.iter().filter_map(|row| work.number_of(row.run())).for_each(|number| wanted[number] = false);
+    let is_known = |number: usize| known.as_ref().is_some_and(|known| known.has(number));
+    let is_wanted = |number: usize| shard.has(work.survey_of(number)) && !is_known(number);
+    let mut wanted: Vec<bool> = (0..all.end).map(is_wanted).collect();
     let runs = FinishedRuns::of(plan, store);
     let mut places = runs.read()?.places;
     places.retain(|number| wanted[number]);

@@ -39,7 +39,10 @@ impl RunRow {
     /// The row of a [`record`](Self::record) with this many `measures`; `None` if the record is invalid.
     fn parse(record: &csv::StringRecord, measures: usize) -> Option<Self> {
         let value = |text: &str| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) };
-        let values: Vec<Option<f64>> = record.iter().skip(3).map(value).collect::<Option<_>>()?;
+        let mut values = Vec::with_capacity(measures);
+        for text in record.iter().skip(3) {
+            values.push(value(text)?);
+        }
         let outcome = match record.get(2)? {
             "" if values.len() == measures => Ok(values),
             "" => return None,

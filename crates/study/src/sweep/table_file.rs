@@ -96,10 +96,48 @@ pub(super) fn read_texts(path: &Path) -> Result<Texts, TableError> {
     parsed(&read_text_at_most(path, LARGEST_TABLE).map_err(unreadable)?).map_err(other)
 }
 
+/// The rows of a table that are read one after the other.
+pub(super) struct TextRows {
+    /// The names of its columns.
+    pub(super) columns: Vec<String>,
+    /// Its rows, as those of [`Texts`].
+    pub(super) rows: TextIter,
+}
+
+/// Rows of texts that are read one after the other.
+pub(super) type TextIter = Box<dyn Iterator<Item = Result<Vec<String>, TableError>>>;
+
+/// As [`read_texts`], but the rows are read when they are asked for.
+///
+/// # Errors
+/// If the file cannot be read, or is no such table.
+pub(super) fn stream_texts(path: &Path) -> Result<TextRows, TableError> {
+    if path.extension().is_some_and(|extension| extension == "parquet") {
+        #[cfg(feature = "parquet")]
+        return parquet::stream(path);
+        #[cfg(not(feature = "parquet"))]
+        return Err(TableError::NoParquet { path: path.to_owned() });
+    }
+    let file = path.to_owned();
+    let wrong = move |error: csv::Error| match error.kind() {
+        csv::ErrorKind::Io(why) => TableError::Read { path: file.clone(), why: why.to_string() },
+        csv::ErrorKind::Utf8 { err, .. } => TableError::Read { path: file.clone(), why: err.to_string() },
+        _ => TableError::Other { path: file.clone(), why: error.to_string() },
+    };
+    let mut reader = csv::Reader::from_path(path).map_err(&wrong)?;
+    let columns = texts(reader.headers().map_err(&wrong)?);
+    let rows = reader.into_records().map(move |record| Ok(texts(&record.map_err(&wrong)?)));
+    Ok(TextRows { columns, rows: Box::new(rows) })
+}
+
+/// The cells of a row.
+fn texts(record: &csv::StringRecord) -> Vec<String> {
+    record.iter().map(|cell| of_cell(cell).to_owned()).collect()
+}
+
 /// The texts of a CSV table.
 pub(super) fn parsed(text: &str) -> Result<Texts, String> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let texts = |record: &csv::StringRecord| record.iter().map(|cell| of_cell(cell).to_owned()).collect();
     let columns = texts(reader.headers().map_err(|error| error.to_string())?);
     let rows = reader.records().map(|record| Ok(texts(&record?))).collect::<Result<_, csv::Error>>();
     Ok(Texts { columns, rows: rows.map_err(|error| error.to_string())? })

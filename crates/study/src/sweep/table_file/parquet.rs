@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::Write;
+use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, Repetition, Type as Physical};
@@ -10,10 +11,10 @@ use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
-use parquet::record::Field;
+use parquet::record::{Field, Row};
 use parquet::schema::types::Type;
 
-use super::Texts;
+use super::{TextRows, Texts};
 use crate::sweep::column::{Column, ColumnKind};
 use crate::sweep::error::TableError;
 use crate::sweep::row::written;
@@ -134,6 +135,17 @@ fn field(column: &Column) -> Result<Arc<Type>, ParquetError> {
     Ok(Arc::new(builder.with_repetition(Repetition::OPTIONAL).with_converted_type(converted).build()?))
 }
 
+/// The rows of the Parquet file at `path`, which are read when they are asked for.
+pub(super) fn stream(path: &Path) -> Result<TextRows, TableError> {
+    let file = File::open(path).map_err(|why| TableError::Read { path: path.to_owned(), why: why.to_string() })?;
+    let path = path.to_owned();
+    let wrong = move |error: ParquetError| TableError::Other { path: path.clone(), why: error.to_string() };
+    let reader = SerializedFileReader::new(file).map_err(&wrong)?;
+    let columns = names(&reader);
+    let rows = reader.into_iter().map(move |row| Ok(texts(&row.map_err(&wrong)?)));
+    Ok(TextRows { columns, rows: Box::new(rows) })
+}
+
 /// The texts of a Parquet file; why it cannot be read.
 pub(super) fn decode(file: File) -> Result<Texts, String> {
     all_rows(file).map_err(|error| error.to_string())
@@ -141,11 +153,17 @@ pub(super) fn decode(file: File) -> Result<Texts, String> {
 
 fn all_rows(file: File) -> Result<Texts, ParquetError> {
     let reader = SerializedFileReader::new(file)?;
+    let rows = reader.get_row_iter(None)?.map(|row| Ok(texts(&row?)));
+    Ok(Texts { columns: names(&reader), rows: rows.collect::<Result<_, ParquetError>>()? })
+}
+
+fn names(reader: &SerializedFileReader<File>) -> Vec<String> {
     let fields = reader.metadata().file_metadata().schema().get_fields();
-    let columns = fields.iter().map(|field| field.name().to_owned()).collect();
-    let rows = reader.get_row_iter(None)?;
-    let rows = rows.map(|row| Ok(row?.get_column_iter().map(|(_, field)| text(field)).collect()));
-    Ok(Texts { columns, rows: rows.collect::<Result<_, ParquetError>>()? })
+    fields.iter().map(|field| field.name().to_owned()).collect()
+}
+
+fn texts(row: &Row) -> Vec<String> {
+    row.get_column_iter().map(|(_, field)| text(field)).collect()
 }
 
 /// A value as it would stand in a CSV table.
