@@ -49,20 +49,27 @@ pub(crate) fn sweep(
         });
         outputs.writes("out", out, OutputKind::Table).admit().or_exception(py)?;
     }
-    let rows = supervised(py, threads, progress.as_ref(), |supervisor| match &out {
-        Some(out) => sweeps::run(&plan, Shard::default(), out, resume, supervisor),
-        None => {
-            let (mut rows, outcome) = sweeps::rows(std::slice::from_ref(&plan), supervisor);
-            outcome.map(|()| rows.pop().unwrap_or_default())
+    let table = |why: TableError| RunError::new_err(why.to_string());
+    let (columns, texts) = match &out {
+        Some(out) => {
+            let rows = supervised(py, threads, progress.as_ref(), |supervisor| {
+                sweeps::run(&plan, Shard::default(), out, resume, supervisor)
+            })?;
+            let rows = rows.or_exception(py)?;
+            sweeps::write_table(out, &plan, &rows).map_err(table)?;
+            let made = sweeps::table(&plan, &rows).map_err(table)?;
+            sweeps::clear_parts(out).or_exception(py)?;
+            made
         }
-    })?;
-    let rows = rows.or_exception(py)?;
-    if let Some(out) = &out {
-        let table = |why: TableError| RunError::new_err(why.to_string());
-        sweeps::write_table(out, &plan, &rows).map_err(table)?;
-        sweeps::clear_parts(out).or_exception(py)?;
-    }
-    let (columns, texts) = sweeps::table(&plan, &rows);
+        None => {
+            let made = supervised(py, threads, progress.as_ref(), |supervisor| {
+                let (mut rows, outcome) = sweeps::rows(std::slice::from_ref(&plan), supervisor);
+                outcome.map(|()| rows.pop().unwrap_or_default())
+            })?;
+            let rows = made.or_exception(py)?;
+            sweeps::table(&plan, &rows.as_slice()).map_err(table)?
+        }
+    };
     let mut made = Columns::default();
     for (at, column) in columns.iter().enumerate() {
         let cells = || texts.iter().map(|row| row[at].as_str()).map(|cell| (!cell.is_empty()).then_some(cell));

@@ -106,7 +106,7 @@ impl Runs {
     /// If a file cannot be written.
     pub fn write_tables(&self, scenarios: &[&str], out: &Path) -> Result<(), ReproductionError> {
         for (scenario, plan, rows) in self.scenarios().filter(|(scenario, ..)| scenarios.contains(scenario)) {
-            sweep::write_table(&out.join(table_name(scenario)), plan, rows)?;
+            sweep::write_table(&out.join(table_name(scenario)), plan, &rows)?;
         }
         Ok(())
     }

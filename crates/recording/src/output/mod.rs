@@ -19,4 +19,4 @@ pub(crate) use folder::try_folder;
 pub use identity::{FileIdentity, is_claimed, plain};
 pub use part_file::PartFile;
 pub use scratch::open_scratch;
-pub use whole::{write_file, write_whole};
+pub use whole::{WholeFile, write_file, write_whole};

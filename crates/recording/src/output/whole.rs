@@ -1,6 +1,6 @@
 //! A small file, written at once.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -8,21 +8,100 @@ use super::draft::part_of;
 use super::error::OutputError;
 use crate::disk::{self, DiskFile};
 
-/// Writes `bytes` to the file at `path`, completely or not at all, also if the power fails: to a file with a temporary name of
-/// its own, which is renamed when it is on the disk. Devices and pipes are written directly.
+/// A file that appears completely or not at all, also if the power fails: it has a temporary name of its own, and is renamed when
+/// it is on the disk. Devices and pipes get all at the end.
+#[derive(Debug)]
+pub struct WholeFile {
+    path: PathBuf,
+    draft: Draft,
+}
+
+#[derive(Debug)]
+enum Draft {
+    File { part: PathBuf, file: BufWriter<DiskFile> },
+    Device(Vec<u8>),
+    Finished,
+}
+
+impl WholeFile {
+    /// Creates the empty file under its temporary name.
+    ///
+    /// # Errors
+    /// If it cannot be created.
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
+        Self::begin(path).map_err(|error| OutputError::new(path, &error))
+    }
+
+    fn begin(path: &Path) -> io::Result<Self> {
+        let draft = if path.exists() && !path.is_file() && !path.is_dir() {
+            Draft::Device(Vec::new())
+        } else {
+            let (part, file) = private(path)?;
+            Draft::File { part, file: BufWriter::new(file) }
+        };
+        Ok(Self { path: path.to_owned(), draft })
+    }
+
+    /// Gives the file its name. If that fails, it is removed.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn finish(self) -> Result<(), OutputError> {
+        let path = self.path.clone();
+        self.end().map_err(|error| OutputError::new(&path, &error))
+    }
+
+    fn end(mut self) -> io::Result<()> {
+        match &mut self.draft {
+            Draft::Finished => {}
+            Draft::Device(bytes) => disk::write_device(&self.path, bytes)?,
+            Draft::File { part, file } => {
+                file.flush()?;
+                file.get_ref().sync()?;
+                disk::rename(part, &self.path)?;
+            }
+        }
+        let is_file = matches!(std::mem::replace(&mut self.draft, Draft::Finished), Draft::File { .. });
+        if is_file { disk::sync_folder_of(&self.path) } else { Ok(()) }
+    }
+}
+
+impl Write for WholeFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.draft {
+            Draft::File { file, .. } => file.write(bytes),
+            Draft::Device(all) => all.write(bytes),
+            Draft::Finished => Ok(bytes.len()),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.draft {
+            Draft::File { file, .. } => file.flush(),
+            Draft::Device(_) | Draft::Finished => Ok(()),
+        }
+    }
+}
+
+impl Drop for WholeFile {
+    fn drop(&mut self) {
+        // What is left in the buffer is not wanted any more.
+        if let Draft::File { part, file } = std::mem::replace(&mut self.draft, Draft::Finished) {
+            let _ = file.into_parts();
+            // Only the first error is reported.
+            let _ = disk::remove_file(&part);
+        }
+    }
+}
+
+/// Writes `bytes` to the file at `path` as a [`WholeFile`].
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    if path.exists() && !path.is_file() && !path.is_dir() {
-        return disk::write_device(path, bytes);
-    }
-    let (part, mut file) = private(path)?;
-    file.write_all(bytes).and_then(|()| file.sync()).and_then(|()| disk::rename(&part, path)).inspect_err(|_| {
-        // Only the first error is reported.
-        let _ = disk::remove_file(&part);
-    })?;
-    disk::sync_folder_of(path)
+    let mut file = WholeFile::begin(path)?;
+    file.write_all(bytes)?;
+    file.end()
 }
 
 /// Does [`write_whole`] with an [`OutputError`], which names the file.

@@ -31,17 +31,15 @@ pub use progress::{FailedRun, Pace, Progress};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
-use rayon::prelude::*;
 use sextant::NumberRange;
-use sextant_kernel::{Interrupted, Watch, Work};
+use sextant_kernel::Watch;
 use sextant_recording::ForeignFolder;
 use sextant_recording::disk;
 use sextant_recording::output::OutputError;
 use sextant_recording::output::store::Store;
 
-use crate::sweep::{CellCheckError, Done, FinishedRuns, RunRow, Sweep, Trial, check_cells, unit};
+use crate::sweep::{CellCheckError, Done, FinishedRuns, StoredRows, Sweep, Trial, check_cells};
 use plan_file::PlanFile;
 
 /// A sweep as a plan in a folder.
@@ -170,35 +168,22 @@ impl Campaign {
     /// stopped. A run that fails is a row with its error.
     pub fn run(&self, range: NumberRange, watch: &dyn Watch) -> Result<usize, CampaignError> {
         self.check_range(range)?;
-        let work = self.sweep.work();
         let parts = self.parts();
-        let before = parts.read_within(range)?;
-        let todo: Vec<usize> = (range.start..range.end).filter(|number| !before.is_done(*number)).collect();
-        if todo.is_empty() && before.has_whole(range) {
-            return Ok(0);
-        }
-        let units = work.units_of(todo.iter().copied());
-        watch.begin(Work { name: "sweeping", unit: "survey", steps: units.len() as u64, operations: 0.0 });
-        let part = parts.begin(range)?;
-        let Done { mut rows, unfinished, .. } = before;
-        rows.retain(|_, row| row.outcome.is_ok());
-        let rows = Mutex::new(rows);
-        let outcome = units.par_iter().try_for_each(|unit| {
-            let made = unit::run(&self.sweep, unit, watch).ok_or(Interrupted)?;
-            watch.advance(1);
-            part.append(&made)?;
-            let numbered = made.into_iter().filter_map(|row| Some((work.number_of(row.run())?, row)));
-            rows.lock().unwrap_or_else(PoisonError::into_inner).extend(numbered);
-            Ok::<(), CampaignError>(())
-        });
-        if let Err(error) = outcome {
-            // The first error is told; runs that do not reach the disk are missing and are seen to be.
-            let _ = part.sync();
-            return Err(error);
-        }
-        part.finish(rows.into_inner().unwrap_or_else(PoisonError::into_inner).values())?;
+        let Done { mut places, unfinished, .. } = {
+            let before = parts.read_within(range)?;
+            let is_done = (range.start..range.end).all(|number| before.places.has_succeeded(number));
+            if is_done && before.has_whole(range) {
+                return Ok(0);
+            }
+            before
+        };
+        places.forget_failed();
+        let todo: Vec<bool> = (range.start..range.end).map(|number| !places.has(number)).collect();
+        let part = parts.begin(range, places)?;
+        part.run::<CampaignError>(&todo, watch)?;
+        part.finish()?;
         parts.remove(&unfinished);
-        Ok(todo.len())
+        Ok(todo.iter().filter(|is_todo| **is_todo).count())
     }
 
     /// How far it is: what the parts in the folder say.
@@ -206,16 +191,19 @@ impl Campaign {
     /// # Errors
     /// If a part cannot be read or is of another plan.
     pub fn progress(&self) -> Result<Progress, CampaignError> {
-        Ok(Progress::of(&self.sweep, &self.parts().read()?))
+        let parts = self.parts();
+        let done = parts.read()?;
+        Ok(Progress::of(&parts, &done)?)
     }
 
     /// The rows of all runs, by cell, then replicate.
     ///
     /// # Errors
     /// If a run is missing, or a part cannot be read or is of another plan.
-    pub fn collect(&self) -> Result<Vec<RunRow>, CampaignError> {
-        let parts = self.parts().read()?;
-        let progress = Progress::of(&self.sweep, &parts);
+    pub fn collect(&self) -> Result<StoredRows<'_>, CampaignError> {
+        let parts = self.parts();
+        let done = parts.read()?;
+        let progress = Progress::of(&parts, &done)?;
         if progress.missing() > 0 {
             return Err(CampaignError::Missing {
                 missing: progress.missing(),
@@ -223,9 +211,7 @@ impl Campaign {
                 ranges: progress.missing_ranges(),
             });
         }
-        let mut rows: Vec<RunRow> = parts.rows.into_values().collect();
-        rows.sort_by_key(|row| (row.cell, row.replicate));
-        Ok(rows)
+        Ok(StoredRows::new(parts, done.places))
     }
 
     fn parts(&self) -> FinishedRuns<'_> {

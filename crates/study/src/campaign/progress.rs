@@ -3,8 +3,9 @@
 use std::time::{Duration, SystemTime};
 
 use sextant::NumberRange;
+use sextant_recording::output::store::StoreError;
 
-use crate::sweep::{CellRun, Done, Sweep, Written};
+use crate::sweep::{CellRun, Done, FinishedRuns, Written};
 
 /// How far a plan is.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,25 +46,27 @@ pub struct Pace {
 }
 
 impl Progress {
-    pub(super) fn of(sweep: &Sweep, done: &Done) -> Self {
-        let work = sweep.work();
-        let mut states = vec![State::Missing; work.len()];
-        let mut failed = Vec::new();
-        for (&number, row) in &done.rows {
-            states[number] = match &row.outcome {
-                Ok(_) => State::Done,
-                Err(reason) => {
-                    failed.push(FailedRun { number, run: work.get(number), reason: reason.clone() });
-                    State::Failed
-                }
-            };
-        }
+    /// Of `runs`, of which `done` was read.
+    pub(super) fn of(runs: &FinishedRuns, done: &Done) -> Result<Self, StoreError> {
+        let (work, places) = (runs.sweep().work(), &done.places);
+        let state = |number: usize| match places.has(number) {
+            false => State::Missing,
+            true if places.has_succeeded(number) => State::Done,
+            true => State::Failed,
+        };
+        let states = (0..work.len()).map(state).collect();
+        let numbers = places.failed();
+        let failed = numbers.iter().zip(runs.rows(places, numbers.iter().copied())).map(|(&number, row)| {
+            let reason = row?.outcome.err().unwrap_or_default();
+            Ok(FailedRun { number, run: work.get(number), reason })
+        });
+        let failed = failed.collect::<Result<_, StoreError>>()?;
         let mut this = Self { states, failed, pace: None };
         this.pace = span_s(&done.written).map(|over_s| {
             let runs_per_s = (this.runs() - this.missing()) as f64 / over_s;
             Pace { runs_per_s, over_s, left_s: this.missing() as f64 / runs_per_s }
         });
-        this
+        Ok(this)
     }
 
     /// Number of runs of the plan.

@@ -45,7 +45,7 @@ pub(super) fn write(sweep: &Sweep, folder: &Path) -> Result<(), CampaignError> {
     }
     file.finish()?;
     #[cfg(feature = "parquet")]
-    write_texts(&folder.join(TABLE), &columns(sweep), lines(sweep).map(|line| texts(sweep, &line)))?;
+    write_texts(&folder.join(TABLE), &columns(sweep), lines(sweep).map(|line| Ok(texts(sweep, &line))))?;
     Ok(())
 }
 

@@ -93,6 +93,12 @@ impl SweepError {
     }
 }
 
+impl From<StoreError> for TableError {
+    fn from(error: StoreError) -> Self {
+        Self::Rows { why: error.to_string() }
+    }
+}
+
 /// Why a table of a sweep cannot be written or drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
@@ -125,6 +131,12 @@ pub enum TableError {
         /// The file.
         path: PathBuf,
         /// The system's answer.
+        why: String,
+    },
+    /// The rows cannot be read again from where they are kept.
+    #[error("finished runs cannot be read again: {why}")]
+    Rows {
+        /// What is wrong.
         why: String,
     },
     /// The file is not the table of a sweep.
@@ -174,7 +186,7 @@ impl TableError {
     /// Whether the disk or the system caused the error, not the input.
     #[must_use]
     pub fn is_system_error(&self) -> bool {
-        matches!(self, Self::Output(_))
+        matches!(self, Self::Output(_) | Self::Rows { .. })
     }
 
     /// How to correct it, if the message does not say so.
@@ -188,7 +200,7 @@ impl TableError {
             Self::Other { .. } => "`sextant sweep SCENARIO.toml --out TABLE.csv` writes such a table".to_owned(),
             Self::NoAxis { .. } => "vary a number in [sweep] of the scenario".to_owned(),
             Self::NoMeasure { known, .. } | Self::NoReference { known, .. } => format!("it has {known}"),
-            Self::Output(_) | Self::Read { .. } | Self::OtherSweep { .. } => return None,
+            Self::Output(_) | Self::Read { .. } | Self::Rows { .. } | Self::OtherSweep { .. } => return None,
         })
     }
 }

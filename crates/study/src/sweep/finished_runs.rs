@@ -1,17 +1,22 @@
 //! The finished runs of a sweep in a store, so that it goes on after an interruption: beside its table, or in the folder of a plan.
+//!
+//! The rows stay on the disk. In memory is where each of them stands: 16 octets a run.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
+use rayon::prelude::*;
 use sextant::NumberRange;
 use sextant::summary::Stopwatch;
+use sextant_kernel::{Interrupted, Watch, Work};
+use sextant_recording::output::OutputError;
 use sextant_recording::output::store::{PartName, Store, StoreError, UnfinishedPart};
-use sextant_recording::output::{CsvFile, EmptyCell, OutputError};
 
 use super::plan::Sweep;
-use super::row::RunRow;
+use super::row::{RunRow, parsed, text};
+use super::run_places::RunPlaces;
+use super::unit;
 
 /// The disk is waited for this often (s), so that little is lost with a machine.
 const SYNCED_EVERY_S: f64 = 30.0;
@@ -31,10 +36,10 @@ pub(crate) struct Written {
 }
 
 /// What some parts have.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Done {
-    /// By number in the work list. A run that succeeded in any part has succeeded.
-    pub(crate) rows: BTreeMap<usize, RunRow>,
+    /// Where the rows of the runs stand.
+    pub(crate) places: RunPlaces,
     whole: Vec<NumberRange>,
     pub(crate) unfinished: Vec<PartName>,
     pub(crate) written: Vec<Written>,
@@ -44,9 +49,19 @@ pub(crate) struct Done {
 #[derive(Debug)]
 pub(crate) struct RunsPart<'a> {
     runs: &'a FinishedRuns<'a>,
+    range: NumberRange,
     start: Stopwatch,
-    /// The file of this process, and when the disk was waited for (s).
-    own: Mutex<(UnfinishedPart, f64)>,
+    own: Mutex<OwnFile>,
+}
+
+/// The file of this process.
+#[derive(Debug)]
+struct OwnFile {
+    part: UnfinishedPart,
+    /// When the disk was waited for (s).
+    synced_s: f64,
+    /// Of all runs that are finished, also those of other files.
+    places: RunPlaces,
 }
 
 impl<'a> FinishedRuns<'a> {
@@ -54,91 +69,127 @@ impl<'a> FinishedRuns<'a> {
         Self { sweep, store }
     }
 
+    /// What they are the runs of.
+    pub(crate) fn sweep(&self) -> &'a Sweep {
+        self.sweep
+    }
+
     /// All that is done.
     pub(crate) fn read(&self) -> Result<Done, StoreError> {
-        self.read_where(|_| true)
+        self.read_within(NumberRange { start: 0, end: self.sweep.work().len() })
     }
 
     /// What is done of the runs in `range`.
     pub(crate) fn read_within(&self, range: NumberRange) -> Result<Done, StoreError> {
-        let mut done = self.read_where(|other| other.start < range.end && range.start < other.end)?;
-        done.rows.retain(|number, _| range.has(*number));
+        let measures = self.sweep.measures().len();
+        let places = RunPlaces::none(range, measures);
+        let mut done = Done { places, whole: Vec::new(), unfinished: Vec::new(), written: Vec::new() };
+        for part in self.store.parts()? {
+            if part.range.start < range.end && range.start < part.range.end {
+                self.read_part(part, &mut done)?;
+            }
+        }
         done.unfinished.retain(|part| part.range == range);
         Ok(done)
     }
 
-    fn read_where(&self, wanted: impl Fn(NumberRange) -> bool) -> Result<Done, StoreError> {
-        let mut done = Done::default();
-        for part in self.store.parts()?.into_iter().filter(|part| wanted(part.range)) {
-            self.read_part(part, &mut done)?;
-        }
-        Ok(done)
-    }
-
     fn read_part(&self, part: PartName, done: &mut Done) -> Result<(), StoreError> {
-        let Some(text) = self.store.read(part)? else { return Ok(()) };
+        let Some(mut found) = self.store.read(part)? else { return Ok(()) };
         let path = self.store.path(part);
         let invalid = |why: String| StoreError::Invalid { path: path.clone(), why };
-        let measures = self.sweep.measures().len();
-        let mut numbers = BTreeSet::new();
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text);
-        for record in reader.records() {
-            let record = match record.map_err(csv::Error::into_kind) {
-                Err(csv::ErrorKind::Io(why)) => return Err(StoreError::Read { path, why }),
-                record => record.ok(),
-            };
-            // Rows of an unfinished part are not on lines of their own.
-            let place = |rows: usize| match part.unfinished {
-                None => format!("line {}", rows + 2),
-                Some(_) => format!("row {}", rows + 1),
-            };
-            let row = record.and_then(|record| RunRow::parse(&record, measures));
-            let row = row.ok_or_else(|| invalid(format!("{} is no row of the plan", place(numbers.len()))))?;
-            let number = self.sweep.work().number_of(row.run()).filter(|number| part.range.has(*number));
-            let number = number.ok_or_else(|| invalid(format!("{} is of a run outside it", place(numbers.len()))))?;
-            if !numbers.insert(number) {
-                return Err(invalid(format!("{} is of a run that it has before", place(numbers.len()))));
+        let (work, measures) = (self.sweep.work(), self.sweep.measures().len());
+        // Rows of an unfinished part are not on lines of their own.
+        let place = |rows: usize| match part.unfinished {
+            None => format!("line {}", rows + 2),
+            Some(_) => format!("row {}", rows + 1),
+        };
+        let mut has = vec![false; part.range.len()];
+        let mut rows = 0;
+        let mut of_part = done.places.part(part);
+        while let Some(block) = found.next_block().map_err(|why| StoreError::Read { path: path.clone(), why })? {
+            for row in parsed(block.rows, measures) {
+                let (row, within) = row.ok_or_else(|| invalid(format!("{} is no row of the plan", place(rows))))?;
+                let number = work.number_of(row.run()).filter(|number| part.range.has(*number));
+                let number = number.ok_or_else(|| invalid(format!("{} is of a run outside it", place(rows))))?;
+                if std::mem::replace(&mut has[number - part.range.start], true) {
+                    return Err(invalid(format!("{} is of a run that it has before", place(rows))));
+                }
+                of_part.add(number, &row, block.start, within);
+                rows += 1;
             }
-            done.add(number, row);
         }
         if part.unfinished.is_some() {
             done.unfinished.push(part);
-        } else if numbers.len() == part.range.len() {
+        } else if rows == part.range.len() {
             done.whole.push(part.range);
         } else {
-            return Err(invalid(format!("it has {} rows, not {}", numbers.len(), part.range.len())));
+            return Err(invalid(format!("it has {rows} rows, not {}", part.range.len())));
         }
-        let has_begun = part.unfinished.is_none() || !numbers.is_empty();
+        let has_begun = part.unfinished.is_none() || rows > 0;
         if let Some(at) = fs::metadata(&path).and_then(|data| data.modified()).ok().filter(|_| has_begun) {
-            done.written.push(Written { at, wall_s: reader.get_ref().wall_s() });
+            done.written.push(Written { at, wall_s: found.wall_s() });
         }
-        Ok(())
+        self.store.keep_open(found)
     }
 
-    /// Begins the part `range`.
-    pub(crate) fn begin(&self, range: NumberRange) -> Result<RunsPart<'_>, OutputError> {
-        Ok(RunsPart { runs: self, start: Stopwatch::start(), own: Mutex::new((self.store.begin(range)?, 0.0)) })
+    /// Begins the part `range`, of which the runs at `places` are finished.
+    pub(crate) fn begin(&self, range: NumberRange, places: RunPlaces) -> Result<RunsPart<'_>, OutputError> {
+        let own = OwnFile { part: self.store.begin(range)?, synced_s: 0.0, places };
+        Ok(RunsPart { runs: self, range, start: Stopwatch::start(), own: Mutex::new(own) })
     }
 
     /// Removes parts, once all that they have is in another one.
     pub(crate) fn remove(&self, parts: &[PartName]) {
         parts.iter().for_each(|part| self.store.remove(*part));
     }
+
+    /// Texts of the rows of some runs, in the order of `numbers`, with many rows each. Runs without a row are left out.
+    pub(super) fn texts<'r>(
+        &'r self,
+        places: &'r RunPlaces,
+        numbers: impl Iterator<Item = usize> + 'r,
+    ) -> impl Iterator<Item = Result<Vec<u8>, StoreError>> + 'r {
+        let mut found = numbers.filter_map(|number| places.of(number));
+        std::iter::from_fn(move || {
+            let mut text = Vec::new();
+            for place in found.by_ref() {
+                if let Err(error) = self.store.read_rows(place, &mut text) {
+                    return Some(Err(error));
+                }
+                if text.len() >= TEXT {
+                    break;
+                }
+            }
+            (!text.is_empty()).then_some(Ok(text))
+        })
+    }
+
+    /// The rows of some runs, as [`texts`](Self::texts).
+    pub(crate) fn rows<'r>(
+        &'r self,
+        places: &'r RunPlaces,
+        numbers: impl Iterator<Item = usize> + 'r,
+    ) -> impl Iterator<Item = Result<RunRow, StoreError>> + 'r {
+        let measures = self.sweep.measures().len();
+        self.texts(places, numbers).flat_map(move |text| match text {
+            Err(error) => vec![Err(error)],
+            Ok(text) => {
+                parsed(&text, measures).map(|row| row.map(|(row, _)| row).ok_or_else(|| self.changed())).collect()
+            }
+        })
+    }
+
+    /// A row is no longer one that was read before.
+    fn changed(&self) -> StoreError {
+        let path = self.store.folder().to_owned();
+        StoreError::Invalid { path, why: "a row in it was changed meanwhile".to_owned() }
+    }
 }
 
+/// Rows are read again together until they have so many octets.
+const TEXT: usize = 1 << 16;
+
 impl Done {
-    fn add(&mut self, number: usize, row: RunRow) {
-        let known = self.rows.entry(number).or_insert_with(|| row.clone());
-        if known.outcome.is_err() && row.outcome.is_ok() {
-            *known = row;
-        }
-    }
-
-    /// Whether a run succeeded.
-    pub(crate) fn is_done(&self, number: usize) -> bool {
-        self.rows.get(&number).is_some_and(|row| row.outcome.is_ok())
-    }
-
     /// Whether there is a finished part of just these runs.
     pub(crate) fn has_whole(&self, range: NumberRange) -> bool {
         self.whole.contains(&range)
@@ -146,42 +197,77 @@ impl Done {
 }
 
 impl RunsPart<'_> {
+    /// Does the runs of the part that are `wanted`, by their numbers from its first one, on all cores, and adds their rows. If the
+    /// work ends early, what is done until then is kept.
+    ///
+    /// # Errors
+    /// If a row cannot be written, or `watch` stops the work.
+    pub(crate) fn run<E: From<Interrupted> + From<OutputError> + Send>(
+        &self,
+        wanted: &[bool],
+        watch: &dyn Watch,
+    ) -> Result<(), E> {
+        let (sweep, range) = (self.runs.sweep, self.range);
+        let work = sweep.work();
+        let is_wanted = |number: &usize| range.has(*number) && wanted[number - range.start];
+        let units =
+            || work.unit_indices(range).into_par_iter().filter(|&unit| work.numbers(unit).any(|n| is_wanted(&n)));
+        watch.begin(Work { name: "sweeping", unit: "survey", steps: units().count() as u64, operations: 0.0 });
+        let outcome = units().try_for_each(|index| {
+            watch.check()?;
+            let unit = work.unit(index, is_wanted);
+            let rows = unit::run(sweep, &unit, watch).ok_or(Interrupted)?;
+            watch.advance(1);
+            Ok::<(), E>(self.append(&rows)?)
+        });
+        if outcome.is_err() {
+            // The first error is told; runs that do not reach the disk are missing and are seen to be.
+            let _ = self.own.lock().unwrap_or_else(PoisonError::into_inner).part.sync();
+        }
+        outcome
+    }
+
     /// Adds rows that are finished.
-    pub(crate) fn append(&self, rows: &[RunRow]) -> Result<(), OutputError> {
-        let text = text(rows);
+    fn append(&self, rows: &[RunRow]) -> Result<(), OutputError> {
+        let texts: Vec<Vec<u8>> = rows.iter().map(|row| text([row])).collect();
         let wall_s = self.start.elapsed_s();
-        let mut guard = self.own.lock().unwrap_or_else(PoisonError::into_inner);
-        let (own, synced_s) = &mut *guard;
-        own.append(&text, wall_s)?;
-        if wall_s - *synced_s > SYNCED_EVERY_S {
-            *synced_s = wall_s;
-            own.sync()?;
+        let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
+        let start = own.part.append(&texts.concat(), wall_s)?;
+        if wall_s - own.synced_s > SYNCED_EVERY_S {
+            own.synced_s = wall_s;
+            own.part.sync()?;
+        }
+        let name = own.part.name();
+        let mut places = own.places.part(name);
+        let mut within = 0;
+        for (row, text) in rows.iter().zip(&texts) {
+            if let Some(number) = self.runs.sweep.work().number_of(row.run()) {
+                places.add(number, row, start, within..within + text.len());
+            }
+            within += text.len();
         }
         Ok(())
     }
 
-    /// Makes what was added reach the disk.
-    pub(crate) fn sync(&self) -> Result<(), OutputError> {
-        self.own.lock().unwrap_or_else(PoisonError::into_inner).0.sync()
+    /// Where the rows of all finished runs stand.
+    pub(crate) fn into_places(self) -> RunPlaces {
+        self.own.into_inner().unwrap_or_else(PoisonError::into_inner).places
     }
 
-    /// Writes the finished part, which has all of these `rows`.
-    pub(crate) fn finish<'r>(self, rows: impl IntoIterator<Item = &'r RunRow>) -> Result<(), OutputError> {
-        let own = self.own.into_inner().unwrap_or_else(PoisonError::into_inner).0.name();
-        self.runs.store.finish(own.range, &text(rows), self.start.elapsed_s())?;
-        self.runs.store.remove(own);
+    /// Writes the finished part, all of whose runs are finished.
+    pub(crate) fn finish(self) -> Result<(), StoreError> {
+        let OwnFile { part, places, .. } = self.own.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let texts = self.runs.texts(&places, self.range.start..self.range.end);
+        self.runs.store.finish(self.range, texts, self.start.elapsed_s())?;
+        self.runs.store.remove(part.name());
         Ok(())
     }
 }
 
-fn text<'r>(rows: impl IntoIterator<Item = &'r RunRow>) -> Vec<u8> {
-    let mut file = CsvFile::headless(EmptyCell::Bare);
-    rows.into_iter().for_each(|row| file.row(row.record()));
-    file.take()
-}
-
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use sextant_recording::ForeignFolder;
 
     use super::*;
@@ -199,24 +285,26 @@ mod tests {
         let runs = FinishedRuns::of(&plan, store);
         let mut rows = made_up(&plan);
         rows[3].outcome = Err("a \"b\",\nc".into());
-        let part = runs.begin(ALL).unwrap();
+        let measures = plan.measures().len();
+        let part = runs.begin(ALL, RunPlaces::none(ALL, measures)).unwrap();
         part.append(&rows[..1]).unwrap();
         part.append(&rows[2..]).unwrap();
         let done = runs.read().unwrap();
         let by_number: BTreeMap<usize, RunRow> =
             [0, 2, 3].map(|i| (plan.work().number_of(rows[i].run()).unwrap(), rows[i].clone())).into();
-        assert_eq!((&done.rows, done.unfinished.len()), (&by_number, 1));
-        assert!(!done.has_whole(ALL) && !done.is_done(plan.work().number_of(rows[3].run()).unwrap()));
+        let found = |done: &Done| runs.rows(&done.places, 0..4).collect::<Result<Vec<_>, _>>().unwrap();
+        assert_eq!((found(&done), done.unfinished.len()), (by_number.into_values().collect(), 1));
+        assert!(!done.has_whole(ALL) && !done.places.has_succeeded(plan.work().number_of(rows[3].run()).unwrap()));
         part.append(&rows[1..2]).unwrap();
-        part.finish(&rows).unwrap();
+        part.finish().unwrap();
         let done = runs.read_within(ALL).unwrap();
-        assert_eq!((done.rows.len(), done.unfinished.len(), done.has_whole(ALL)), (4, 0, true));
+        assert_eq!((found(&done).len(), done.unfinished.len(), done.has_whole(ALL)), (4, 0, true));
 
         let refused = |rows: &[RunRow]| {
-            let part = runs.begin(NumberRange { start: 0, end: 2 }).unwrap();
-            part.append(rows).unwrap();
+            let mut part = runs.store.begin(NumberRange { start: 0, end: 2 }).unwrap();
+            part.append(&text(rows), 1.0).unwrap();
             let error = runs.read().unwrap_err().to_string();
-            runs.remove(&[part.own.into_inner().unwrap().0.name()]);
+            runs.remove(&[part.name()]);
             error
         };
         let CellRun { cell, replicate } = plan.work().get(0);

@@ -16,10 +16,14 @@ mod finished_runs;
 mod finished_table;
 mod plan;
 mod row;
+mod rows;
+mod run_places;
 mod setting;
 mod shard;
 mod share;
 mod statistics;
+mod stored_rows;
+mod summary;
 mod table_file;
 mod table_reader;
 mod tidy;
@@ -32,13 +36,16 @@ pub use described::{ColumnSubject, DescribedColumn, described_columns};
 pub use error::{SweepError, TableError};
 pub use figures::{StudyDrawing, StudyFigures};
 pub use finished_table::FinishedTable;
-pub use plan::{Cell, Sweep, rows_of};
+pub use plan::{Cell, Sweep};
 pub use row::RunRow;
+pub use rows::{Overview, RowIter, Rows};
 pub use shard::Shard;
 pub use share::Share;
 pub use statistics::{Mean, students_t_975};
+pub use stored_rows::{StoredRows, SweptRows};
+pub use summary::{CellSummary, summaries};
 pub use table_file::TableFormat;
-pub use table_reader::{read_own_table, read_table};
+pub use table_reader::{TableRows, read_own_table, read_table};
 pub use trial::{Trial, TrialError, trial};
 pub use work_list::{CellRun, WorkList};
 
@@ -48,7 +55,6 @@ pub(crate) use plan::{Checked, check_runs, check_seeds};
 #[cfg(feature = "parquet")]
 pub(crate) use table_file::write_table as write_texts;
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -58,18 +64,19 @@ use sextant_kernel::{Interrupted, Watch, Work};
 use sextant_recording::output::store::{self, Begun, Store};
 
 /// Runs the units of `plan` that belong to `shard`, on all cores, and returns their rows by cell, then replicate.
-/// Finished runs are kept in a folder beside `out`. With `resume`, those of an interrupted sweep are used again.
+/// Finished runs are kept in a folder beside `out`, until [`clear_parts`]. With `resume`, those of an interrupted sweep are
+/// used again.
 ///
 /// # Errors
 /// If a file cannot be written, or `watch` stops the work. A run that fails gives a row with its error.
-pub fn run(
-    plan: &Sweep,
+pub fn run<'a>(
+    plan: &'a Sweep,
     shard: Shard,
     out: &Path,
     resume: bool,
     watch: &dyn Watch,
-) -> Result<Vec<RunRow>, SweepError> {
-    extend(plan, Vec::new(), shard, out, resume, watch)
+) -> Result<SweptRows<'a>, SweepError> {
+    extend(plan, None, shard, out, resume, watch)
 }
 
 /// As [`run`], but of a sweep of which the rows `known` are there already, from [`read_own_table`]: only what is missing is
@@ -77,35 +84,32 @@ pub fn run(
 ///
 /// # Errors
 /// As [`run`].
-pub fn extend(
-    plan: &Sweep,
-    known: Vec<RunRow>,
+pub fn extend<'a>(
+    plan: &'a Sweep,
+    known: Option<TableRows<'a>>,
     shard: Shard,
     out: &Path,
     resume: bool,
     watch: &dyn Watch,
-) -> Result<Vec<RunRow>, SweepError> {
+) -> Result<SweptRows<'a>, SweepError> {
     let (work, folder) = (plan.work(), folder_beside(out));
     let (store, begun) = Store::alone(&folder, &format!("{}{}", plan.fingerprint(), shard.suffix()))?;
     if begun == Begun::Before && !resume {
         return Err(SweepError::Unfinished { folder });
     }
-    let are_known: BTreeSet<CellRun> = known.iter().map(RunRow::run).collect();
-    let is_wanted = |number: usize| shard.has(work.survey_of(number)) && !are_known.contains(&work.get(number));
-    let runs = FinishedRuns::of(plan, store);
-    let mut before = runs.read()?.rows;
-    before.retain(|number, _| is_wanted(*number));
     let all = NumberRange { start: 0, end: work.len() };
-    let missing = (all.start..all.end).filter(|number| is_wanted(*number) && !before.contains_key(number));
-    let units = work.units_of(missing);
-    let part = runs.begin(all)?;
-    let (made, outcome) = each(units, "sweeping", watch, |unit| {
-        let rows = unit::run(plan, unit, watch).ok_or(Interrupted)?;
-        part.append(&rows)?;
-        Ok(rows)
-    });
-    outcome?;
-    Ok(sorted(known.into_iter().chain(before.into_values()).chain(made.into_iter().flatten()).collect()))
+    let is_known = |number: usize| known.as_ref().is_some_and(|known| known.has(number));
+    let is_wanted = |number: usize| shard.has(work.survey_of(number)) && !is_known(number);
+    let mut wanted: Vec<bool> = (0..all.end).map(is_wanted).collect();
+    let runs = FinishedRuns::of(plan, store);
+    let mut places = runs.read()?.places;
+    places.retain(|number| wanted[number]);
+    wanted.iter_mut().enumerate().for_each(|(number, wanted)| *wanted &= !places.has(number));
+    let part = runs.begin(all, places)?;
+    part.run::<SweepError>(&wanted, watch)?;
+    watch.check()?;
+    let places = part.into_places();
+    Ok(SweptRows::new(known, StoredRows::new(runs, places)))
 }
 
 /// Runs all units of several plans, on all cores, and returns the finished rows of each plan by cell, then replicate. A
@@ -115,7 +119,7 @@ pub fn extend(
 /// If `watch` stops the work; the rows finished until then are returned as well.
 pub fn rows(plans: &[Sweep], watch: &dyn Watch) -> (Vec<Vec<RunRow>>, Result<(), SweepError>) {
     let units = plans.iter().enumerate().flat_map(|(i, plan)| plan.work().units().map(move |unit| (i, unit)));
-    let (made, outcome) = each(units.collect(), "running", watch, |(i, unit)| {
+    let (made, outcome) = each(&units.collect::<Vec<_>>(), watch, |(i, unit)| {
         let rows = unit::run(&plans[*i], unit, watch).ok_or(Interrupted)?;
         Ok((*i, rows))
     });
@@ -126,15 +130,14 @@ pub fn rows(plans: &[Sweep], watch: &dyn Watch) -> (Vec<Vec<RunRow>>, Result<(),
     (rows.into_iter().map(sorted).collect(), outcome)
 }
 
-/// Does `work` on all `units`, on all cores; `watch` sees it under `name`. Returns the results of the finished units in
+/// Does `work` on all `units`, on all cores. Returns the results of the finished units in
 /// their order, and the first failure. After a failure no further unit is started.
 fn each<U: Sync, T: Send>(
-    units: Vec<U>,
-    name: &'static str,
+    units: &[U],
     watch: &dyn Watch,
     work: impl Fn(&U) -> Result<T, SweepError> + Sync,
 ) -> (Vec<T>, Result<(), SweepError>) {
-    watch.begin(Work { name, unit: "survey", steps: units.len() as u64, operations: 0.0 });
+    watch.begin(Work { name: "running", unit: "survey", steps: units.len() as u64, operations: 0.0 });
     let failure = OnceLock::new();
     let results = units.par_iter().map(|unit| {
         if failure.get().is_some() {
@@ -163,16 +166,18 @@ fn sorted(mut rows: Vec<RunRow>) -> Vec<RunRow> {
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
-pub fn write_table(path: &Path, plan: &Sweep, rows: &[RunRow]) -> Result<(), TableError> {
+pub fn write_table(path: &Path, plan: &Sweep, rows: &dyn Rows) -> Result<(), TableError> {
     let (columns, texts) = tidy::table(plan, rows);
     table_file::write_table(path, &columns, texts)
 }
 
 /// The same table in memory: its columns, without measures that have no value, and its texts. A cell without a value is empty.
-#[must_use]
-pub fn table(plan: &Sweep, rows: &[RunRow]) -> (Vec<Column>, Vec<Vec<String>>) {
+///
+/// # Errors
+/// If a row cannot be read.
+pub fn table(plan: &Sweep, rows: &dyn Rows) -> Result<(Vec<Column>, Vec<Vec<String>>), TableError> {
     let (columns, texts) = tidy::table(plan, rows);
-    (columns, texts.collect())
+    Ok((columns, texts.collect::<Result<_, _>>()?))
 }
 
 /// Removes the folder of finished runs beside `out`, once the table is written.

@@ -15,7 +15,6 @@ use sha2::{Digest, Sha256};
 use super::column::{Column, ColumnKind};
 use super::facts::{self, Contents, flags};
 use super::row::RunRow;
-use super::statistics::Mean;
 use super::work_list::WorkList;
 
 /// The cells and runs of a sweep.
@@ -230,7 +229,7 @@ impl Sweep {
     /// Number of surveys to simulate; a survey that cells share counts once.
     #[must_use]
     pub fn survey_count(&self) -> usize {
-        self.work.units().count()
+        self.work.unit_count()
     }
 
     /// Names of the maps that any cell computes.
@@ -264,14 +263,6 @@ impl Sweep {
         let Some(at) = self.measures.iter().position(|other| other == measure) else { return Vec::new() };
         let value = |row: &RunRow| Some((row.replicate, row.outcome.as_ref().ok()?[at]?));
         rows_of(rows, cell).iter().filter_map(value).collect()
-    }
-
-    /// The mean of a measure over the successful runs of a cell; `None` if there are none, or it does not apply. The rows are in
-    /// the order of their cells.
-    #[must_use]
-    pub fn mean(&self, rows: &[RunRow], cell: usize, measure: &Measure) -> Option<Mean> {
-        let values: Vec<f64> = self.values_of(rows, cell, measure).into_iter().map(|(_, value)| value).collect();
-        Mean::of(&values)
     }
 
     /// Hash of everything that decides a row: the scenario of each cell, the files that it names, the seed, the measures and
@@ -323,8 +314,7 @@ fn identity<'a>(cells: impl Iterator<Item = &'a str>, seed: u64, measures: &[Mea
 }
 
 /// The rows of a cell, of rows in the order of their cells.
-#[must_use]
-pub fn rows_of(rows: &[RunRow], cell: usize) -> &[RunRow] {
+fn rows_of(rows: &[RunRow], cell: usize) -> &[RunRow] {
     let start = rows.partition_point(|row| row.cell < cell);
     let end = rows.partition_point(|row| row.cell <= cell);
     &rows[start..end]

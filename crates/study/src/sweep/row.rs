@@ -1,7 +1,10 @@
 //! The result of one run of one cell.
 
+use std::ops::Range;
+
 use serde_json::Number;
 use sextant_kernel::text::of_cell;
+use sextant_recording::output::{CsvFile, EmptyCell};
 
 use super::column::ColumnKind;
 use super::work_list::CellRun;
@@ -24,7 +27,7 @@ impl RunRow {
     }
 
     /// Its fields in a file of finished runs: cell, replicate, error, then the values with all their digits.
-    pub(crate) fn record(&self) -> Vec<String> {
+    fn record(&self) -> Vec<String> {
         let (error, values) = match &self.outcome {
             Ok(values) => (String::new(), values.as_slice()),
             Err(error) => (error.clone(), [].as_slice()),
@@ -34,9 +37,12 @@ impl RunRow {
     }
 
     /// The row of a [`record`](Self::record) with this many `measures`; `None` if the record is invalid.
-    pub(crate) fn parse(record: &csv::StringRecord, measures: usize) -> Option<Self> {
+    fn parse(record: &csv::StringRecord, measures: usize) -> Option<Self> {
         let value = |text: &str| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) };
-        let values: Vec<Option<f64>> = record.iter().skip(3).map(value).collect::<Option<_>>()?;
+        let mut values = Vec::with_capacity(measures);
+        for text in record.iter().skip(3) {
+            values.push(value(text)?);
+        }
         let outcome = match record.get(2)? {
             "" if values.len() == measures => Ok(values),
             "" => return None,
@@ -45,6 +51,37 @@ impl RunRow {
         Some(Self { cell: record.get(0)?.parse().ok()?, replicate: record.get(1)?.parse().ok()?, outcome })
     }
 }
+
+/// Rows as they stand in a file of finished runs.
+pub(super) fn text<'r>(rows: impl IntoIterator<Item = &'r RunRow>) -> Vec<u8> {
+    let mut file = CsvFile::headless(EmptyCell::Bare);
+    rows.into_iter().for_each(|row| file.row(row.record()));
+    file.take()
+}
+
+/// The rows in such a text, each with its place there; `None` for what is no row of a plan with so many `measures`.
+pub(super) fn parsed(text: &[u8], measures: usize) -> impl Iterator<Item = Option<(RunRow, Range<usize>)>> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .buffer_capacity(text.len().clamp(1, BUFFER))
+        .from_reader(text);
+    let mut record = csv::StringRecord::new();
+    std::iter::from_fn(move || {
+        let start = usize::try_from(reader.position().byte()).ok()?;
+        match reader.read_record(&mut record) {
+            Ok(false) => None,
+            Ok(true) => {
+                let end = usize::try_from(reader.position().byte()).ok()?;
+                Some(RunRow::parse(&record, measures).map(|row| (row, start..end)))
+            }
+            Err(_) => Some(None),
+        }
+    })
+}
+
+/// What is read at once (octets).
+const BUFFER: usize = 1 << 13;
 
 /// A number as written in a table: an integer without a decimal point, any other number with as many digits as it takes
 /// to read the same number back.
@@ -58,6 +95,22 @@ pub(super) fn written(value: f64, kind: ColumnKind) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn each_row_of_a_text_has_its_place() {
+        let rows = [
+            RunRow { cell: 3, replicate: 0, outcome: Ok(vec![Some(0.1), None]) },
+            RunRow { cell: 3, replicate: 1, outcome: Err("a \"b\",\nc".into()) },
+            RunRow { cell: 4, replicate: 0, outcome: Ok(vec![None, Some(-2e9)]) },
+        ];
+        let all = text(&rows);
+        let found: Vec<(RunRow, Range<usize>)> = parsed(&all, 2).map(Option::unwrap).collect();
+        assert_eq!(found.iter().map(|(row, _)| row.clone()).collect::<Vec<_>>(), rows);
+        for (row, place) in found {
+            assert_eq!(all[place], text([&row]));
+        }
+        assert_eq!(parsed(b"1,2,,0.5\n", 2).collect::<Vec<_>>(), [None]);
+    }
 
     #[test]
     fn numbers_read_back_equal() {

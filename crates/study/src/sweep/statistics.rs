@@ -18,15 +18,10 @@ impl Mean {
     /// The mean of `values`; `None` if there are none.
     #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
-        let runs = values.len();
-        if runs == 0 {
-            return None;
-        }
-        let n = runs as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        let half_width_95 = (runs > 1).then(|| students_t_975(runs - 1) * (variance / n).sqrt());
-        Some(Self { mean, half_width_95, runs })
+        let mut sums = Sums::default();
+        values.iter().for_each(|value| sums.add(*value));
+        values.iter().for_each(|value| sums.add_deviation(*value));
+        sums.mean()
     }
 
     /// The mean with its interval as a text: `6.01 ± 0.28 %`.
@@ -74,6 +69,42 @@ impl Mean {
     pub fn times(self, factor: f64) -> Self {
         let half_width_95 = self.half_width_95.map(|half_width| factor * half_width);
         Self { mean: factor * self.mean, half_width_95, ..self }
+    }
+}
+
+/// A mean that is worked out in two passes over its values: the second one adds how far each is from the mean.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sums {
+    runs: usize,
+    sum: f64,
+    squares: f64,
+}
+
+impl Default for Sums {
+    /// The sum begins with the zero that changes nothing: 0 plus -0 is 0.
+    fn default() -> Self {
+        Self { runs: 0, sum: -0.0, squares: 0.0 }
+    }
+}
+
+impl Sums {
+    /// Adds a value in the first pass.
+    pub(super) fn add(&mut self, value: f64) {
+        self.runs += 1;
+        self.sum += value;
+    }
+
+    /// Adds the square of the deviation of a value in the second pass.
+    pub(super) fn add_deviation(&mut self, value: f64) {
+        self.squares += (value - self.sum / self.runs as f64).powi(2);
+    }
+
+    /// The mean; `None` without values.
+    pub(super) fn mean(&self) -> Option<Mean> {
+        let (runs, n) = (self.runs, self.runs as f64);
+        let variance = self.squares / (n - 1.0);
+        let half_width_95 = (runs > 1).then(|| students_t_975(runs - 1) * (variance / n).sqrt());
+        (runs > 0).then(|| Mean { mean: self.sum / n, half_width_95, runs })
     }
 }
 

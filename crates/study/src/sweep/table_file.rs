@@ -4,13 +4,12 @@
 mod parquet;
 
 use std::ffi::OsStr;
+use std::io::Write;
 use std::path::Path;
 
 use sextant_kernel::read_text_at_most;
 use sextant_kernel::text::of_cell;
-use sextant_recording::output::{CsvFile, EmptyCell};
-#[cfg(feature = "parquet")]
-use sextant_recording::output::{OutputError, write_file};
+use sextant_recording::output::{CsvFile, EmptyCell, OutputError, WholeFile};
 
 use super::column::Column;
 use super::error::TableError;
@@ -50,16 +49,23 @@ impl TableFormat {
 pub(crate) fn write_table(
     path: &Path,
     columns: &[Column],
-    rows: impl Iterator<Item = Vec<String>>,
+    rows: impl Iterator<Item = Result<Vec<String>, TableError>>,
 ) -> Result<(), TableError> {
-    match TableFormat::of(path)? {
-        TableFormat::Csv => Ok(csv(columns, rows).save(path)?),
-        #[cfg(feature = "parquet")]
-        TableFormat::Parquet => {
-            let bytes = parquet::encode(columns, rows).map_err(|error| OutputError::new(path, &error))?;
-            Ok(write_file(path, &bytes)?)
+    let format = TableFormat::of(path)?;
+    let mut file = WholeFile::create(path)?;
+    match format {
+        TableFormat::Csv => {
+            csv(columns, rows, |text| file.write_all(text).map_err(|error| OutputError::new(path, &error).into()))?
         }
+        #[cfg(feature = "parquet")]
+        TableFormat::Parquet => parquet::encode(columns, rows, &mut file).map_err(|error| match error {
+            parquet::EncodeError::Rows(error) => error,
+            parquet::EncodeError::File(error) => {
+                OutputError::new(path, &std::io::Error::other(error.to_string())).into()
+            }
+        })?,
     }
+    Ok(file.finish()?)
 }
 
 /// The most that is read of a table (octets).
@@ -90,20 +96,71 @@ pub(super) fn read_texts(path: &Path) -> Result<Texts, TableError> {
     parsed(&read_text_at_most(path, LARGEST_TABLE).map_err(unreadable)?).map_err(other)
 }
 
+/// The rows of a table that are read one after the other.
+pub(super) struct TextRows {
+    /// The names of its columns.
+    pub(super) columns: Vec<String>,
+    /// Its rows, as those of [`Texts`].
+    pub(super) rows: TextIter,
+}
+
+/// Rows of texts that are read one after the other.
+pub(super) type TextIter = Box<dyn Iterator<Item = Result<Vec<String>, TableError>>>;
+
+/// As [`read_texts`], but the rows are read when they are asked for.
+///
+/// # Errors
+/// If the file cannot be read, or is no such table.
+pub(super) fn stream_texts(path: &Path) -> Result<TextRows, TableError> {
+    if path.extension().is_some_and(|extension| extension == "parquet") {
+        #[cfg(feature = "parquet")]
+        return parquet::stream(path);
+        #[cfg(not(feature = "parquet"))]
+        return Err(TableError::NoParquet { path: path.to_owned() });
+    }
+    let file = path.to_owned();
+    let wrong = move |error: csv::Error| match error.kind() {
+        csv::ErrorKind::Io(why) => TableError::Read { path: file.clone(), why: why.to_string() },
+        csv::ErrorKind::Utf8 { err, .. } => TableError::Read { path: file.clone(), why: err.to_string() },
+        _ => TableError::Other { path: file.clone(), why: error.to_string() },
+    };
+    let mut reader = csv::Reader::from_path(path).map_err(&wrong)?;
+    let columns = texts(reader.headers().map_err(&wrong)?);
+    let rows = reader.into_records().map(move |record| Ok(texts(&record.map_err(&wrong)?)));
+    Ok(TextRows { columns, rows: Box::new(rows) })
+}
+
+/// The cells of a row.
+fn texts(record: &csv::StringRecord) -> Vec<String> {
+    record.iter().map(|cell| of_cell(cell).to_owned()).collect()
+}
+
 /// The texts of a CSV table.
 pub(super) fn parsed(text: &str) -> Result<Texts, String> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let texts = |record: &csv::StringRecord| record.iter().map(|cell| of_cell(cell).to_owned()).collect();
     let columns = texts(reader.headers().map_err(|error| error.to_string())?);
     let rows = reader.records().map(|record| Ok(texts(&record?))).collect::<Result<_, csv::Error>>();
     Ok(Texts { columns, rows: rows.map_err(|error| error.to_string())? })
 }
 
-fn csv(columns: &[Column], rows: impl Iterator<Item = Vec<String>>) -> CsvFile {
+/// Gives `write` the table as text, some rows at a time.
+fn csv(
+    columns: &[Column],
+    rows: impl Iterator<Item = Result<Vec<String>, TableError>>,
+    mut write: impl FnMut(&[u8]) -> Result<(), TableError>,
+) -> Result<(), TableError> {
     let mut file = CsvFile::new(columns.iter().map(|column| &column.name), EmptyCell::Bare);
-    rows.for_each(|row| file.row(row));
-    file
+    for row in rows {
+        file.row(row?);
+        if file.bytes().len() >= AT_ONCE {
+            write(&file.take())?;
+        }
+    }
+    write(file.bytes())
 }
+
+/// A table is written when there are so many octets of it.
+const AT_ONCE: usize = 1 << 18;
 
 #[cfg(test)]
 mod tests {
@@ -123,8 +180,16 @@ mod tests {
     #[test]
     fn a_csv_table_quotes_cells_where_needed() {
         let (columns, rows) = table();
-        let text = String::from_utf8(csv(&columns, rows.into_iter()).bytes().to_vec()).unwrap();
-        assert_eq!(text, "cell,error,ml-tm.connectivity_error\n0,,0.1\n1,\"no, \"\"never\"\"\",\n");
+        let mut text = Vec::new();
+        let write = |rows: &[u8]| {
+            text.extend_from_slice(rows);
+            Ok(())
+        };
+        csv(&columns, rows.into_iter().map(Ok), write).unwrap();
+        assert_eq!(
+            String::from_utf8(text).unwrap(),
+            "cell,error,ml-tm.connectivity_error\n0,,0.1\n1,\"no, \"\"never\"\"\",\n"
+        );
     }
 
     #[test]

@@ -1,13 +1,30 @@
 //! The rows of a sweep, read back from its table.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::collections::btree_map::Entry;
+use std::path::{Path, PathBuf};
 
 use super::error::TableError;
 use super::plan::Sweep;
 use super::row::RunRow;
-use super::table_file::{Texts, read_texts};
+use super::rows::{Overview, RowIter, Rows};
+use super::table_file::{TextIter, TextRows, stream_texts};
 use super::tidy::{ERROR, IDENTITY, MAP, Measured, SWEEP, measured};
+
+/// The rows of a table. They stay in its file if it has them in the order in which this program writes them; otherwise they
+/// are in memory.
+#[derive(Debug)]
+pub struct TableRows<'a> {
+    path: PathBuf,
+    plan: &'a Sweep,
+    overview: Overview,
+    /// The most runs of a cell.
+    runs: u32,
+    /// Of each run of the plan, by its number, whether it has a row.
+    has: Vec<bool>,
+    /// All rows, if the file has another order.
+    sorted: Option<Vec<RunRow>>,
+}
 
 /// Reads the rows of the table at `path`, which [`write_table`](super::write_table) wrote for a sweep with the cells and
 /// columns of `plan`, with any number of runs and by any version.
@@ -15,7 +32,18 @@ use super::tidy::{ERROR, IDENTITY, MAP, Measured, SWEEP, measured};
 /// # Errors
 /// If the file cannot be read, or is the table of another sweep.
 pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<RunRow>, TableError> {
-    rows(&read_texts(path)?, plan).map_err(|why| TableError::Other { path: path.to_owned(), why })
+    let mut runs: BTreeMap<(usize, u32), RunRow> = BTreeMap::new();
+    let mut rows = MapRows::open(path, plan)?;
+    while let Some(row) = rows.next() {
+        let row = row?;
+        match runs.entry((row.cell, row.replicate)) {
+            Entry::Vacant(entry) => {
+                entry.insert(row);
+            }
+            Entry::Occupied(mut entry) => join(entry.get_mut(), row).ok_or_else(|| rows.contradiction())?,
+        }
+    }
+    Ok(runs.into_values().collect())
 }
 
 /// Reads the rows of the table at `path` if it is of the very sweep `plan`, with any number of runs: the same scenario,
@@ -23,54 +51,186 @@ pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<RunRow>, TableError> 
 ///
 /// # Errors
 /// If the file cannot be read, or is the table of another sweep.
-pub fn read_own_table(path: &Path, plan: &Sweep) -> Result<Vec<RunRow>, TableError> {
-    let texts = read_texts(path)?;
-    let other = |why: String| TableError::Other { path: path.to_owned(), why };
+pub fn read_own_table<'a>(path: &Path, plan: &'a Sweep) -> Result<TableRows<'a>, TableError> {
+    let texts = stream_texts(path)?;
     if texts.columns.last().is_none_or(|column| column != SWEEP) {
-        return Err(other(format!("it has no last column `{SWEEP}`")));
+        let why = format!("it has no last column `{SWEEP}`");
+        return Err(TableError::Other { path: path.to_owned(), why });
     }
-    let is_own = |row: &Vec<String>| row.last().is_some_and(|mark| mark == plan.mark());
-    if !texts.rows.iter().all(is_own) {
-        return Err(TableError::OtherSweep { path: path.to_owned() });
+    for row in texts.rows {
+        if row?.last().is_none_or(|mark| mark != plan.mark()) {
+            return Err(TableError::OtherSweep { path: path.to_owned() });
+        }
     }
-    rows(&texts, plan).map_err(other)
+    TableRows::open(path, plan)
 }
 
-/// The rows of texts; why they are not of `plan`.
-fn rows(texts: &Texts, plan: &Sweep) -> Result<Vec<RunRow>, String> {
+impl<'a> TableRows<'a> {
+    fn open(path: &Path, plan: &'a Sweep) -> Result<Self, TableError> {
+        let mut this = Self {
+            path: path.to_owned(),
+            plan,
+            overview: Overview::default(),
+            runs: 0,
+            has: vec![false; plan.work().len()],
+            sorted: None,
+        };
+        let mut last = None;
+        let mut is_in_order = true;
+        for row in RunRows::open(path, plan)? {
+            let row = row?;
+            is_in_order = last.replace(row.run()).is_none_or(|last| last < row.run());
+            if !is_in_order {
+                break;
+            }
+            this.add(&row);
+        }
+        if !is_in_order {
+            let rows = read_table(path, plan)?;
+            this.overview = Overview::default();
+            rows.iter().for_each(|row| this.add(row));
+            this.sorted = Some(rows);
+        }
+        Ok(this)
+    }
+
+    fn add(&mut self, row: &RunRow) {
+        self.overview.add(row);
+        self.runs = self.runs.max(row.replicate + 1);
+        if let Some(number) = self.plan.work().number_of(row.run()) {
+            self.has[number] = true;
+        }
+    }
+
+    /// The most runs of a cell.
+    #[must_use]
+    pub fn runs(&self) -> u32 {
+        self.runs
+    }
+
+    /// Whether it has the run with this number.
+    pub(super) fn has(&self, number: usize) -> bool {
+        self.has.get(number) == Some(&true)
+    }
+}
+
+impl Rows for TableRows<'_> {
+    fn overview(&self) -> Overview {
+        self.overview.clone()
+    }
+
+    fn read(&self) -> RowIter<'_> {
+        match &self.sorted {
+            Some(rows) => Box::new(rows.iter().cloned().map(Ok)),
+            None => match RunRows::open(&self.path, self.plan) {
+                Ok(rows) => Box::new(rows),
+                Err(error) => Box::new(std::iter::once(Err(error))),
+            },
+        }
+    }
+}
+
+/// The rows in the file of a table: one for each run and map.
+struct MapRows<'a> {
+    path: PathBuf,
+    plan: &'a Sweep,
+    /// Where the file has which measures.
+    columns: Vec<(usize, Measured)>,
+    texts: TextIter,
+    /// How many were read.
+    count: usize,
+}
+
+impl<'a> MapRows<'a> {
+    /// Those of the file at `path`, if its columns are those of `plan`.
+    fn open(path: &Path, plan: &'a Sweep) -> Result<Self, TableError> {
+        let TextRows { columns: names, rows: texts } = stream_texts(path)?;
+        let columns = columns_of(&names, plan).map_err(|why| TableError::Other { path: path.to_owned(), why })?;
+        Ok(Self { path: path.to_owned(), plan, columns, texts, count: 0 })
+    }
+
+    /// The last row that was read contradicts one before it.
+    fn contradiction(&self) -> TableError {
+        let why = format!("row {} contradicts one before it", self.count);
+        TableError::Other { path: self.path.clone(), why }
+    }
+}
+
+impl Iterator for MapRows<'_> {
+    type Item = Result<RunRow, TableError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let texts = self.texts.next()?;
+        self.count += 1;
+        Some(texts.and_then(|texts| {
+            row(&texts, self.plan, &self.columns).ok_or_else(|| {
+                let why = format!("row {} is none of this scenario", self.count);
+                TableError::Other { path: self.path.clone(), why }
+            })
+        }))
+    }
+}
+
+/// The rows of a table with those of the maps of a run as one, where they follow one another.
+struct RunRows<'a> {
+    rows: MapRows<'a>,
+    /// The first row of the next run.
+    next: Option<RunRow>,
+}
+
+impl<'a> RunRows<'a> {
+    fn open(path: &Path, plan: &'a Sweep) -> Result<Self, TableError> {
+        Ok(Self { rows: MapRows::open(path, plan)?, next: None })
+    }
+
+    fn next_run(&mut self) -> Result<Option<RunRow>, TableError> {
+        let Some(mut run) = self.next.take().map_or_else(|| self.rows.next().transpose(), |row| Ok(Some(row)))?
+        else {
+            return Ok(None);
+        };
+        while let Some(row) = self.rows.next() {
+            let row = row?;
+            if row.run() != run.run() {
+                self.next = Some(row);
+                break;
+            }
+            join(&mut run, row).ok_or_else(|| self.rows.contradiction())?;
+        }
+        Ok(Some(run))
+    }
+}
+
+impl Iterator for RunRows<'_> {
+    type Item = Result<RunRow, TableError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_run().transpose()
+    }
+}
+
+/// Which of the columns `names` has which measures; why they are not those of `plan`.
+fn columns_of(names: &[String], plan: &Sweep) -> Result<Vec<(usize, Measured)>, String> {
     let head: Vec<&str> =
         IDENTITY.into_iter().chain(plan.keys().iter().map(|key| key.name.as_str())).chain([MAP, ERROR]).collect();
     for (i, expected) in head.iter().enumerate() {
-        if texts.columns.get(i).is_none_or(|found| found != expected) {
+        if names.get(i).is_none_or(|found| found != expected) {
             return Err(format!("it has no column `{expected}` where this scenario has one"));
         }
     }
-    let known = measured(plan);
-    let mut columns: Vec<(usize, &Measured)> = Vec::new();
-    for (i, name) in texts.columns.iter().enumerate().skip(head.len()) {
-        match known.iter().find(|measured| measured.column.name == *name) {
-            Some(measured) => columns.push((i, measured)),
+    let mut known = measured(plan);
+    let mut columns: Vec<(usize, Measured)> = Vec::new();
+    for (i, name) in names.iter().enumerate().skip(head.len()) {
+        match known.iter().position(|measured| measured.column.name == *name) {
+            Some(at) => columns.push((i, known.swap_remove(at))),
             None if name == SWEEP => {}
             None => return Err(format!("it has a column `{name}`, which this scenario has not")),
         }
     }
-    let mut runs: BTreeMap<(usize, u32), RunRow> = BTreeMap::new();
-    for (i, texts) in texts.rows.iter().enumerate() {
-        let row = row(texts, plan, &columns).ok_or_else(|| format!("row {} is none of this scenario", i + 1))?;
-        match runs.entry((row.cell, row.replicate)) {
-            std::collections::btree_map::Entry::Vacant(entry) => {
-                entry.insert(row);
-            }
-            std::collections::btree_map::Entry::Occupied(mut entry) => {
-                join(entry.get_mut(), row).ok_or_else(|| format!("row {} contradicts one before it", i + 1))?;
-            }
-        }
-    }
-    Ok(runs.into_values().collect())
+    Ok(columns)
 }
 
 /// The row of texts: cell, replicate, seed, settings, map, error, values. It has the values of one map.
-fn row(texts: &[String], plan: &Sweep, columns: &[(usize, &Measured)]) -> Option<RunRow> {
+fn row(texts: &[String], plan: &Sweep, columns: &[(usize, Measured)]) -> Option<RunRow> {
     let (cell, replicate): (usize, u32) = (texts.first()?.parse().ok()?, texts.get(1)?.parse().ok()?);
     let map_at = IDENTITY.len() + plan.keys().len();
     let settings = texts.get(IDENTITY.len()..map_at)?;
@@ -121,6 +281,7 @@ pub(super) mod tests {
     use std::num::NonZeroU32;
 
     use super::*;
+    use crate::sweep::table_file::read_texts;
     use crate::sweep::write_table;
 
     /// A sweep of two cells with two maps.
@@ -166,9 +327,14 @@ pub(super) mod tests {
             "t.parquet",
         ] {
             let table = folder.path().join(table);
-            write_table(&table, &two, &rows).unwrap();
+            write_table(&table, &two, &rows.as_slice()).unwrap();
             assert_eq!(read_table(&table, &two).unwrap(), rows);
-            assert_eq!(read_own_table(&table, &plan(folder.path(), STEPS, 20)).unwrap(), rows, "more runs");
+            let more = plan(folder.path(), STEPS, 20);
+            let own = read_own_table(&table, &more).unwrap();
+            let found = own.read().collect::<Result<Vec<_>, _>>().unwrap();
+            assert_eq!((found, own.runs(), own.sorted.is_none()), (rows.clone(), 2, true), "more runs");
+            assert_eq!(own.overview(), rows.as_slice().overview());
+            assert_eq!((0..more.work().len()).filter(|number| own.has(*number)).count(), rows.len());
             for axis in ["maps.0.algorithm.ml_tm.grid_step_m = [0.5, 2.0]", "channel.max_range_m = [9.0, 10.0]"] {
                 let other = plan(folder.path(), axis, 2);
                 assert!(matches!(read_table(&table, &other), Err(TableError::Other { .. })), "{axis}");
@@ -183,7 +349,7 @@ pub(super) mod tests {
         let folder = tempfile::tempdir().unwrap();
         let plan = plan(folder.path(), STEPS, 2);
         let table = folder.path().join("t.csv");
-        write_table(&table, &plan, &made_up(&plan)).unwrap();
+        write_table(&table, &plan, &made_up(&plan).as_slice()).unwrap();
         let texts = read_texts(&table).unwrap();
         let at = |name: &str| texts.columns.iter().position(|column| column == name).unwrap();
         let cells = |name: &str| texts.rows.iter().map(|row| row[at(name)].as_str()).collect::<Vec<_>>();
@@ -199,11 +365,27 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn rows_in_another_order_are_sorted() {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = plan(folder.path(), STEPS, 2);
+        let rows = made_up(&plan);
+        let table = folder.path().join("t.csv");
+        write_table(&table, &plan, &rows.as_slice()).unwrap();
+        let text = std::fs::read_to_string(&table).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        let turned: Vec<&str> = lines[..1].iter().chain(lines[1..].iter().rev()).copied().collect();
+        std::fs::write(&table, turned.join("\n")).unwrap();
+        let own = read_own_table(&table, &plan).unwrap();
+        assert_eq!(own.read().collect::<Result<Vec<_>, _>>().unwrap(), rows);
+        assert_eq!((own.overview(), own.runs(), own.sorted.is_some()), (rows.as_slice().overview(), 2, true));
+    }
+
+    #[test]
     fn rows_that_contradict_each_other_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let plan = plan(folder.path(), STEPS, 2);
         let table = folder.path().join("t.csv");
-        write_table(&table, &plan, &made_up(&plan)).unwrap();
+        write_table(&table, &plan, &made_up(&plan).as_slice()).unwrap();
         let text = std::fs::read_to_string(&table).unwrap();
         std::fs::write(&table, text.replacen(",1000,", ",1001,", 1)).unwrap();
         let error = read_table(&table, &plan).unwrap_err().to_string();

@@ -2,8 +2,10 @@
 //! one row without a map.
 
 use super::column::{Column, ColumnKind};
+use super::error::TableError;
 use super::plan::Sweep;
 use super::row::{RunRow, written};
+use super::rows::{Overview, Rows};
 
 /// The columns before the settings.
 pub(super) const IDENTITY: [&str; 3] = ["cell", "replicate", "seed"];
@@ -84,10 +86,19 @@ fn framed(plan: &Sweep, measures: impl Iterator<Item = Column>) -> Vec<Column> {
 
 /// The table of `rows`, one row for each cell, run and map: its columns, without measures that have no value, and its texts, which
 /// are made one row after the other. A cell without a value is empty.
-pub(super) fn table(plan: &Sweep, rows: &[RunRow]) -> (Vec<Column>, impl Iterator<Item = Vec<String>>) {
-    let measured: Vec<_> = measured(plan).into_iter().filter(|measured| has_value(measured, rows)).collect();
+pub(super) fn table(
+    plan: &Sweep,
+    rows: &dyn Rows,
+) -> (Vec<Column>, impl Iterator<Item = Result<Vec<String>, TableError>>) {
+    let Overview { has_value, .. } = rows.overview();
+    let is_there = |measured: &Measured| measured.of.iter().any(|(_, i)| has_value.get(*i) == Some(&true));
+    let measured: Vec<_> = measured(plan).into_iter().filter(is_there).collect();
     let columns = framed(plan, measured.iter().map(|measured| measured.column.clone()));
-    (columns, rows.iter().flat_map(move |row| texts(plan, &measured, row)))
+    let texts = move |row: Result<RunRow, TableError>| match row {
+        Ok(row) => texts(plan, &measured, &row).into_iter().map(Ok).collect(),
+        Err(error) => vec![Err(error)],
+    };
+    (columns, rows.read().flat_map(texts))
 }
 
 /// The rows of a run in the table.
@@ -107,13 +118,6 @@ fn texts(plan: &Sweep, measured: &[Measured], row: &RunRow) -> Vec<Vec<String>> 
         head.iter().cloned().chain(names).chain(measured.iter().map(value)).chain([plan.mark().to_owned()]).collect()
     };
     maps(plan, values).into_iter().map(of_map).collect()
-}
-
-/// Whether any row has a value of a column.
-fn has_value(measured: &Measured, rows: &[RunRow]) -> bool {
-    let values =
-        |row: &RunRow| row.outcome.as_ref().is_ok_and(|values| measured.of.iter().any(|(_, i)| values[*i].is_some()));
-    rows.iter().any(values)
 }
 
 /// The maps of a run with these values; one without a name if it has none.

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use sextant::NumberRange;
+
 /// The runs of a sweep in the order in which they are done, numbered from 0. Runs that share a survey follow one another:
 /// by survey, then replicate, then cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,7 +30,6 @@ pub struct CellRun {
 /// The smallest part of a sweep: one survey and the cells that share it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Unit {
-    pub(crate) index: usize,
     pub(crate) replicate: u32,
     pub(crate) cells: Vec<usize>,
 }
@@ -102,27 +103,33 @@ impl WorkList {
         self.unit_at(number).0
     }
 
-    /// All units.
-    pub(crate) fn units(&self) -> impl Iterator<Item = Unit> {
-        (0..(self.starts.len() - 1) * self.runs).map(|index| {
-            let survey = index / self.runs;
-            let cells = self.cells[self.starts[survey]..self.starts[survey + 1]].to_vec();
-            Unit { index, replicate: self.replicate(index), cells }
-        })
+    /// Number of units.
+    pub(crate) fn unit_count(&self) -> usize {
+        (self.starts.len() - 1) * self.runs
     }
 
-    /// The units of the runs with these numbers, each with only the cells that are asked for.
-    pub(crate) fn units_of(&self, numbers: impl IntoIterator<Item = usize>) -> Vec<Unit> {
-        let mut units: Vec<Unit> = Vec::new();
-        for number in numbers {
-            let (index, _) = self.unit_at(number);
-            let CellRun { cell, replicate } = self.get(number);
-            match units.last_mut() {
-                Some(last) if last.index == index => last.cells.push(cell),
-                _ => units.push(Unit { index, replicate, cells: vec![cell] }),
-            }
-        }
-        units
+    /// All units.
+    pub(crate) fn units(&self) -> impl Iterator<Item = Unit> {
+        (0..self.unit_count()).map(|index| self.unit(index, |_| true))
+    }
+
+    /// The numbers of the units that have any of these runs.
+    pub(crate) fn unit_indices(&self, runs: NumberRange) -> Range<usize> {
+        if runs.is_empty() { 0..0 } else { self.unit_at(runs.start).0..self.unit_at(runs.end - 1).0 + 1 }
+    }
+
+    /// The numbers of the runs of unit `index`.
+    pub(crate) fn numbers(&self, index: usize) -> Range<usize> {
+        let (survey, replicate) = (index / self.runs, index % self.runs);
+        let (start, end) = (self.starts[survey], self.starts[survey + 1]);
+        let first = self.runs * start + replicate * (end - start);
+        first..first + (end - start)
+    }
+
+    /// The unit `index` with only the cells of the runs that are wanted, by their numbers.
+    pub(crate) fn unit(&self, index: usize, is_wanted: impl Fn(&usize) -> bool) -> Unit {
+        let cells = self.numbers(index).filter(is_wanted).map(|number| self.get(number).cell).collect();
+        Unit { replicate: self.replicate(index), cells }
     }
 
     /// The unit of run `number`, and which of its runs this is.
@@ -152,9 +159,11 @@ mod tests {
         assert_eq!((list.shared(3), list.shared(4)), (2..4, 4..5));
         let units: Vec<_> = list.units().collect();
         assert_eq!(units.len(), 4);
-        assert_eq!(units[1], Unit { index: 1, replicate: 1, cells: vec![0, 2] });
-        assert_eq!(list.units_of(0..list.len()), units);
-        assert_eq!(list.units_of([3, 4]).iter().map(|unit| unit.cells.clone()).collect::<Vec<_>>(), [[2], [1]]);
+        assert_eq!(units[1], Unit { replicate: 1, cells: vec![0, 2] });
+        let of = |start, end| list.unit_indices(NumberRange { start, end });
+        assert_eq!((of(0, 6), of(3, 4), of(3, 5), of(0, 0)), (0..4, 1..2, 1..3, 0..0));
+        assert_eq!((list.numbers(1), list.numbers(2)), (2..4, 4..5));
+        assert_eq!(list.unit(1, |number| *number == 3), Unit { replicate: 1, cells: vec![2] });
     }
 
     #[test]

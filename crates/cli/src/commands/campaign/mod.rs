@@ -91,8 +91,7 @@ fn collect(campaign: &Campaign, arguments: &sweep::Arguments) -> Result<(), Fail
     keep_logs(None, [("--out", out.as_path())])?;
     let rows = campaign.collect()?;
     write_table(&out, campaign.sweep(), &rows)?;
-    let results = Results { plan: campaign.sweep(), rows: &rows };
-    Ok(results.tell(&out, arguments.printing.format, &mut stdout())?)
+    Results { plan: campaign.sweep(), rows: &rows }.tell(&out, arguments.printing.format, &mut stdout())
 }
 
 /// SCENARIO.csv in the working folder.

@@ -3,17 +3,17 @@
 use std::path::Path;
 
 use sextant_kernel::text::counted;
-use sextant_study::sweep::{RunRow, Shard, Sweep, TableError, read_own_table};
+use sextant_study::sweep::{Rows, Shard, Sweep, TableError, TableRows, read_own_table};
 
 use super::Arguments;
 use crate::diagnostic::Failure;
 
 /// What to do, and the rows that are there already.
-pub(super) enum Start {
+pub(super) enum Start<'a> {
     /// These rows are known, or none; the others are run.
-    Run(Vec<RunRow>),
+    Run(Option<TableRows<'a>>),
     /// All rows are there.
-    Finished(Vec<RunRow>),
+    Finished(TableRows<'a>),
 }
 
 const WAYS_OUT: &str = "`--force` replaces it, `--out TABLE` names another table";
@@ -22,9 +22,9 @@ const WAYS_OUT: &str = "`--force` replaces it, `--out TABLE` names another table
 ///
 /// # Errors
 /// If there is one that may neither be replaced nor extended.
-pub(super) fn start(arguments: &Arguments, plan: &Sweep, out: &Path) -> Result<Start, Failure> {
+pub(super) fn start<'a>(arguments: &Arguments, plan: &'a Sweep, out: &Path) -> Result<Start<'a>, Failure> {
     if arguments.force || !out.is_file() {
-        return Ok(Start::Run(Vec::new()));
+        return Ok(Start::Run(None));
     }
     let table = out.display();
     let known = read_own_table(out, plan).map_err(|error| match error {
@@ -42,8 +42,8 @@ pub(super) fn start(arguments: &Arguments, plan: &Sweep, out: &Path) -> Result<S
             WAYS_OUT,
         ));
     }
-    let runs = known.iter().map(|row| row.replicate + 1).max().unwrap_or(0);
-    let (found, all) = (known.len(), plan.cells().len() * plan.runs() as usize);
+    let runs = known.runs();
+    let (found, all) = (known.overview().rows, plan.cells().len() * plan.runs() as usize);
     if runs > plan.runs() {
         let (more, asked) = (counted(runs as usize, "run"), plan.runs());
         return Err(Failure::bad_input_with_help(
@@ -53,7 +53,7 @@ pub(super) fn start(arguments: &Arguments, plan: &Sweep, out: &Path) -> Result<S
     }
     if found < all {
         arguments.work.note(&format!("`{table}` has {found} of {all} runs of this sweep; the others are added"));
-        return Ok(Start::Run(known));
+        return Ok(Start::Run(Some(known)));
     }
     if arguments.resume {
         return Ok(Start::Finished(known));

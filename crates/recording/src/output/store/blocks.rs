@@ -22,38 +22,93 @@ fn checksum(line: &str, rows: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-/// The rows of all blocks up to the first that is not whole: a process that was killed or a power failure cut it off.
+/// Rows that stand together in the file of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RowBlock<'a> {
+    /// Where they begin in the file (octets).
+    pub start: u64,
+    /// Their text.
+    pub rows: &'a [u8],
+}
+
+/// All blocks up to the first that is not whole: a process that was killed or a power failure cut it off.
 #[derive(Debug)]
 pub(super) struct Blocks<R> {
-    from: R,
+    pub(super) from: R,
+    /// Where the next block begins in the file (octets).
+    at: u64,
     block: Vec<u8>,
-    /// How much of the block was taken.
-    taken: usize,
     is_over: bool,
     /// How long the work had taken at the last block (s).
     pub(super) wall_s: f64,
 }
 
 impl<R: BufRead> Blocks<R> {
-    pub(super) fn new(from: R) -> Self {
-        Self { from, block: Vec::new(), taken: 0, is_over: false, wall_s: 0.0 }
+    /// Of what stands in the file from `at` on.
+    pub(super) fn new(from: R, at: u64) -> Self {
+        Self { from, at, block: Vec::new(), is_over: false, wall_s: 0.0 }
     }
 
-    /// Reads the next block; whether there is one.
-    fn advance(&mut self) -> io::Result<bool> {
-        self.taken = 0;
+    /// Reads the next block.
+    pub(super) fn advance(&mut self) -> io::Result<Option<RowBlock<'_>>> {
+        if self.is_over {
+            return Ok(None);
+        }
         self.block.clear();
         let mut line = Vec::new();
         self.from.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line)?;
-        let Some((sum, line, length, wall_s)) = parsed(&line) else { return Ok(false) };
+        let Some((sum, rest, length, wall_s)) = parsed(&line) else {
+            self.is_over = true;
+            return Ok(None);
+        };
         self.from.by_ref().take(length).read_to_end(&mut self.block)?;
-        let is_whole = self.block.len() as u64 == length && checksum(line, &self.block) == sum;
-        if is_whole {
-            self.wall_s = wall_s;
-        } else {
-            self.block.clear();
+        if self.block.len() as u64 != length || checksum(rest, &self.block) != sum {
+            self.is_over = true;
+            return Ok(None);
         }
-        Ok(is_whole)
+        self.wall_s = wall_s;
+        let start = self.at + line.len() as u64;
+        self.at = start + length;
+        Ok(Some(RowBlock { start, rows: &self.block }))
+    }
+}
+
+/// The rows of a finished part, some at a time.
+#[derive(Debug)]
+pub(super) struct Pieces<R> {
+    from: R,
+    /// Where the piece begins in the file (octets).
+    at: u64,
+    piece: Vec<u8>,
+}
+
+/// Rows are read together until they have so many octets.
+const PIECE: usize = 1 << 16;
+
+impl<R: BufRead> Pieces<R> {
+    /// Of what stands in the file from `at` on.
+    pub(super) fn new(from: R, at: u64) -> Self {
+        Self { from, at, piece: Vec::new() }
+    }
+
+    /// Reads the next piece. It ends with a row: a line feed between quotes ends none.
+    pub(super) fn advance(&mut self) -> io::Result<Option<RowBlock<'_>>> {
+        self.at += self.piece.len() as u64;
+        self.piece.clear();
+        let mut is_quoted = false;
+        while self.piece.len() < PIECE || is_quoted {
+            let line = self.piece.len();
+            if line as u64 >= LONGEST_BLOCK {
+                return Err(io::Error::new(io::ErrorKind::InvalidData, "a row of it has no end"));
+            }
+            let read = self.from.by_ref().take(LONGEST_BLOCK).read_until(b'\n', &mut self.piece)?;
+            if read == 0 {
+                break;
+            }
+            is_quoted ^= self.piece[line..].iter().filter(|octet| **octet == b'"').count() % 2 == 1;
+        }
+        let Self { at, piece, .. } = self;
+        Ok((!piece.is_empty()).then_some(RowBlock { start: *at, rows: piece }))
     }
 }
 
@@ -63,16 +118,4 @@ fn parsed(line: &[u8]) -> Option<(u32, &str, u64, f64)> {
     let (length, wall_s) = rest.strip_suffix('\n')?.split_once(',')?;
     let length = length.parse().ok().filter(|length| *length <= LONGEST_BLOCK)?;
     Some((u32::from_str_radix(sum, 16).ok()?, rest, length, super::seconds(wall_s)?))
-}
-
-impl<R: BufRead> Read for Blocks<R> {
-    fn read(&mut self, octets: &mut [u8]) -> io::Result<usize> {
-        while self.taken == self.block.len() && !self.is_over {
-            self.is_over = !self.advance()?;
-        }
-        let length = octets.len().min(self.block.len() - self.taken);
-        octets[..length].copy_from_slice(&self.block[self.taken..self.taken + length]);
-        self.taken += length;
-        Ok(length)
-    }
 }

@@ -14,20 +14,24 @@ mod blocks;
 mod error;
 mod name;
 mod range;
+mod row_files;
 
+pub use blocks::RowBlock;
 pub use error::StoreError;
 pub use name::PartName;
 pub use range::NumberRange;
+pub use row_files::RowPlace;
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use super::identity::is_claimed;
-use super::{OutputError, write_file};
+use super::{OutputError, WholeFile, write_file};
 use crate::disk::{self, DiskFile};
 use crate::output::foreign_folder::ForeignFolder;
-use blocks::{Blocks, block};
+use blocks::{Blocks, Pieces, block};
+use row_files::RowFiles;
 
 /// Begins the first line of a part.
 const MARK: &str = "sextant-part-1";
@@ -35,9 +39,8 @@ const MARK: &str = "sextant-part-1";
 /// The file that says what the work is.
 const FINGERPRINT: &str = "fingerprint";
 
-/// The most that is read of it, of a finished part and of the first line of another one (octets).
+/// The most that is read of it and of the first line of a part (octets).
 const LARGEST_MARK: u64 = 1 << 20;
-const LARGEST_PART: u64 = 1 << 30;
 const LONGEST_HEAD: u64 = 1 << 10;
 
 /// A folder of finished parts.
@@ -50,6 +53,7 @@ pub struct Store {
     identity: String,
     /// Locked as long as this process does the work alone.
     lock: Option<File>,
+    files: RowFiles,
 }
 
 /// Whether work was begun before.
@@ -65,7 +69,7 @@ impl Store {
     /// The store in `folder`, which is in the `foreign` one, of a work that many processes do.
     #[must_use]
     pub fn shared(foreign: ForeignFolder, folder: PathBuf, identity: &str) -> Self {
-        Self { foreign, folder, identity: identity.to_owned(), lock: None }
+        Self { foreign, folder, identity: identity.to_owned(), lock: None, files: RowFiles::default() }
     }
 
     /// The store in `folder`, which may be new, of a work that this process does alone; and whether it was begun before.
@@ -103,7 +107,8 @@ impl Store {
         if !is_claimed(&lock, &mark) {
             return Err(busy());
         }
-        Ok((Self { foreign, folder: folder.to_owned(), identity: identity.to_owned(), lock: Some(lock) }, begun))
+        let (folder, identity) = (folder.to_owned(), identity.to_owned());
+        Ok((Self { foreign, folder, identity, lock: Some(lock), files: RowFiles::default() }, begun))
     }
 
     /// The parts in the store.
@@ -126,6 +131,12 @@ impl Store {
         Ok(parts)
     }
 
+    /// Its folder.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// The file of a part.
     #[must_use]
     pub fn path(&self, part: PartName) -> PathBuf {
@@ -138,39 +149,58 @@ impl Store {
     /// If it cannot be read, is no part, or is of other work.
     pub fn read(&self, part: PartName) -> Result<Option<PartRows>, StoreError> {
         let path = self.path(part);
-        if part.unfinished.is_none() {
-            return self.finished(&path).map(Some);
-        }
-        match self.unfinished(&path) {
-            Err(StoreError::Read { why, .. }) if why.kind() == io::ErrorKind::NotFound => Ok(None),
-            read => read.map(Some),
-        }
-    }
-
-    fn finished(&self, path: &Path) -> Result<PartRows, StoreError> {
-        let unreadable = |why| StoreError::Read { path: path.to_owned(), why };
-        let mut text = Cursor::new(self.foreign.read_text(path, LARGEST_PART).map_err(unreadable)?.into_bytes());
-        let wall_s = self.head(path, &mut text)?;
-        Ok(PartRows(FoundRows::Finished { text, wall_s }))
-    }
-
-    fn unfinished(&self, path: &Path) -> Result<PartRows, StoreError> {
-        let unreadable = |why| StoreError::Read { path: path.to_owned(), why };
-        let mut text = BufReader::new(self.foreign.open(path).map_err(unreadable)?);
-        let rows = match self.head(path, &mut text) {
-            // A power failure left the file without its first line, and so without a row.
-            Err(StoreError::Invalid { .. }) if self.is_cut_off(path).map_err(unreadable)? => FoundRows::None,
-            Err(error) => return Err(error),
-            Ok(_) => FoundRows::Unfinished(Blocks::new(text)),
+        let unreadable = |why| StoreError::Read { path: path.clone(), why };
+        let mut file = match self.foreign.open(&path) {
+            Err(why) if part.unfinished.is_some() && why.kind() == io::ErrorKind::NotFound => return Ok(None),
+            opened => BufReader::new(opened.map_err(unreadable)?),
         };
-        Ok(PartRows(rows))
+        let rows = match self.head(&path, &mut file) {
+            Ok(Head { length, wall_s }) if part.unfinished.is_none() => {
+                FoundRows::Finished { pieces: Pieces::new(file, length), wall_s }
+            }
+            Ok(Head { length, .. }) => FoundRows::Unfinished(Blocks::new(file, length)),
+            // A power failure left the file without its first line, and so without a row.
+            Err(StoreError::Invalid { .. })
+                if part.unfinished.is_some() && self.is_cut_off(&path).map_err(unreadable)? =>
+            {
+                FoundRows::None
+            }
+            Err(error) => return Err(error),
+        };
+        Ok(Some(PartRows { part, rows }))
     }
 
-    /// Reads the first line of a part: how long the work on it took (s).
-    fn head(&self, path: &Path, text: &mut impl BufRead) -> Result<f64, StoreError> {
+    /// Keeps the file of an unfinished part open whose rows were read: they can be read again, also if another process
+    /// finishes and removes it meanwhile.
+    ///
+    /// # Errors
+    /// If the file cannot be used any more.
+    pub fn keep_open(&self, rows: PartRows) -> Result<(), StoreError> {
+        if let FoundRows::Unfinished(blocks) = rows.rows {
+            let mut file = blocks.from.into_inner();
+            let at = file.stream_position();
+            let at = at.map_err(|why| StoreError::Read { path: self.path(rows.part), why })?;
+            self.files.keep(rows.part, file, at);
+        }
+        Ok(())
+    }
+
+    /// Adds the rows at `place` to `rows`.
+    ///
+    /// # Errors
+    /// If they cannot be read.
+    pub fn read_rows(&self, place: RowPlace, rows: &mut Vec<u8>) -> Result<(), StoreError> {
+        let path = self.path(place.part);
+        let read = self.files.read(place, || self.foreign.open(&path), rows);
+        read.map_err(|why| StoreError::Read { path, why })
+    }
+
+    /// Reads the first line of a part.
+    fn head(&self, path: &Path, text: &mut impl BufRead) -> Result<Head, StoreError> {
         let mut line = Vec::new();
         let read = text.by_ref().take(LONGEST_HEAD).read_until(b'\n', &mut line);
         read.map_err(|why| StoreError::Read { path: path.to_owned(), why })?;
+        let length = line.len() as u64;
         let line = String::from_utf8_lossy(&line);
         let mut words = line.strip_suffix('\n').unwrap_or_default().split(',');
         let (Some(MARK), Some(identity), Some(wall_s)) = (words.next(), words.next(), words.next()) else {
@@ -180,7 +210,7 @@ impl Store {
         if identity != self.identity {
             return Err(StoreError::Other { path: path.to_owned() });
         }
-        Ok(seconds(wall_s).unwrap_or(0.0))
+        Ok(Head { length, wall_s: seconds(wall_s).unwrap_or(0.0) })
     }
 
     /// Whether the first line of an unfinished part has not all of its octets.
@@ -206,7 +236,8 @@ impl Store {
                     let head = head(&self.identity, 0.0);
                     let written = file.write_all(&head).and_then(|()| file.sync());
                     written.and_then(|()| disk::sync_folder_of(&path)).map_err(unwritten)?;
-                    return Ok(UnfinishedPart { name, path, file });
+                    self.files.keep(name, File::open(&path).map_err(unwritten)?, 0);
+                    return Ok(UnfinishedPart { name, path, file, length: head.len() as u64 });
                 }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
                 Err(error) => return Err(unwritten(error)),
@@ -214,14 +245,25 @@ impl Store {
         }
     }
 
-    /// Writes a finished part with these `rows`, completely or not at all; the work on it took `wall_s` seconds. Of processes
-    /// that do the same part at once, the last one is kept.
+    /// Writes a finished part with the rows in `pieces` of text, completely or not at all; the work on it took `wall_s`
+    /// seconds. Of processes that do the same part at once, the last one is kept.
     ///
     /// # Errors
-    /// If it cannot be written.
-    pub fn finish(&self, range: NumberRange, rows: &[u8], wall_s: f64) -> Result<(), OutputError> {
+    /// If it cannot be written, or a piece is an error.
+    pub fn finish(
+        &self,
+        range: NumberRange,
+        pieces: impl IntoIterator<Item = Result<Vec<u8>, StoreError>>,
+        wall_s: f64,
+    ) -> Result<(), StoreError> {
         let path = self.path(PartName { range, unfinished: None });
-        write_file(&path, &[&head(&self.identity, wall_s), rows].concat())
+        let unwritten = |error: io::Error| OutputError::new(&path, &error);
+        let mut file = WholeFile::create(&path)?;
+        file.write_all(&head(&self.identity, wall_s)).map_err(unwritten)?;
+        for piece in pieces {
+            file.write_all(&piece?).map_err(unwritten)?;
+        }
+        Ok(file.finish()?)
     }
 
     /// Removes a part whose rows are in another one.
@@ -242,6 +284,14 @@ pub fn remove(folder: &Path) -> Result<(), OutputError> {
     }
 }
 
+/// What the first line of a part says.
+struct Head {
+    /// How long the line is (octets).
+    length: u64,
+    /// How long the work on the part took (s).
+    wall_s: f64,
+}
+
 /// The first line of a part.
 fn head(identity: &str, wall_s: f64) -> Vec<u8> {
     format!("{MARK},{identity},{wall_s:.3}\n").into_bytes()
@@ -258,6 +308,8 @@ pub struct UnfinishedPart {
     name: PartName,
     path: PathBuf,
     file: DiskFile,
+    /// Its length (octets).
+    length: u64,
 }
 
 impl UnfinishedPart {
@@ -268,12 +320,15 @@ impl UnfinishedPart {
     }
 
     /// Adds finished `rows`; the work had taken `wall_s` seconds until then. They are there also if the process is killed, but the
-    /// disk is not waited for.
+    /// disk is not waited for. Returns where they begin in the file (octets).
     ///
     /// # Errors
     /// If they cannot be written.
-    pub fn append(&mut self, rows: &[u8], wall_s: f64) -> Result<(), OutputError> {
-        self.file.write_all(&block(rows, wall_s)).map_err(|error| OutputError::new(&self.path, &error))
+    pub fn append(&mut self, rows: &[u8], wall_s: f64) -> Result<u64, OutputError> {
+        let block = block(rows, wall_s);
+        self.file.write_all(&block).map_err(|error| OutputError::new(&self.path, &error))?;
+        self.length += block.len() as u64;
+        Ok(self.length - rows.len() as u64)
     }
 
     /// Makes what was added reach the disk: it is there also if the power fails.
@@ -287,12 +342,15 @@ impl UnfinishedPart {
 
 /// The rows of a part, as text. Those that were cut off are left out.
 #[derive(Debug)]
-pub struct PartRows(FoundRows);
+pub struct PartRows {
+    part: PartName,
+    rows: FoundRows,
+}
 
 #[derive(Debug)]
 enum FoundRows {
     None,
-    Finished { text: Cursor<Vec<u8>>, wall_s: f64 },
+    Finished { pieces: Pieces<BufReader<File>>, wall_s: f64 },
     Unfinished(Blocks<BufReader<File>>),
 }
 
@@ -300,20 +358,22 @@ impl PartRows {
     /// How long the work on the rows took that were read (s).
     #[must_use]
     pub fn wall_s(&self) -> f64 {
-        match &self.0 {
+        match &self.rows {
             FoundRows::None => 0.0,
             FoundRows::Finished { wall_s, .. } => *wall_s,
             FoundRows::Unfinished(blocks) => blocks.wall_s,
         }
     }
-}
 
-impl Read for PartRows {
-    fn read(&mut self, octets: &mut [u8]) -> io::Result<usize> {
-        match &mut self.0 {
-            FoundRows::None => Ok(0),
-            FoundRows::Finished { text, .. } => text.read(octets),
-            FoundRows::Unfinished(blocks) => blocks.read(octets),
+    /// The next rows; `None` at their end.
+    ///
+    /// # Errors
+    /// If they cannot be read.
+    pub fn next_block(&mut self) -> io::Result<Option<RowBlock<'_>>> {
+        match &mut self.rows {
+            FoundRows::None => Ok(None),
+            FoundRows::Finished { pieces, .. } => pieces.advance(),
+            FoundRows::Unfinished(blocks) => blocks.advance(),
         }
     }
 }
@@ -329,10 +389,15 @@ mod tests {
     }
 
     fn text(store: &Store, part: PartName) -> String {
-        let mut rows = store.read(part).unwrap().unwrap();
-        let mut text = String::new();
-        rows.read_to_string(&mut text).unwrap();
-        text
+        all(&mut store.read(part).unwrap().unwrap())
+    }
+
+    fn all(rows: &mut PartRows) -> String {
+        let mut text = Vec::new();
+        while let Some(block) = rows.next_block().unwrap() {
+            text.extend_from_slice(block.rows);
+        }
+        String::from_utf8(text).unwrap()
     }
 
     /// Rows with line feeds, nothing and much in them.
@@ -358,10 +423,8 @@ mod tests {
         let blocks = blocks_of_rows();
         let (store, part) = with_blocks(folder.path(), &blocks);
         let mut rows = store.read(part).unwrap().unwrap();
-        let mut text = String::new();
-        rows.read_to_string(&mut text).unwrap();
-        assert_eq!((text, rows.wall_s()), (blocks.concat(), 5.0));
-        assert_eq!(rows.read(&mut [0]).unwrap(), 0, "it is over");
+        assert_eq!((all(&mut rows), rows.wall_s()), (blocks.concat(), 5.0));
+        assert_eq!(rows.next_block().unwrap(), None, "it is over");
         let next = store.begin(RANGE).unwrap().name();
         assert_eq!(store.parts().unwrap(), [part, next], "each process has its own file");
         assert_eq!((part.unfinished, next.unfinished), (Some(1), Some(2)));
@@ -402,6 +465,51 @@ mod tests {
     }
 
     #[test]
+    fn rows_are_read_again_from_where_they_stand_also_if_the_part_is_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let blocks = blocks_of_rows();
+        let (store, part) = with_blocks(folder.path(), &blocks);
+        let other = shared(folder.path(), "this");
+        let mut own = store.begin(RANGE).unwrap();
+        let mut places = vec![RowPlace { part: own.name(), start: own.append(b"9,0,,1\n", 1.0).unwrap(), length: 7 }];
+        let mut rows = store.read(part).unwrap().unwrap();
+        while let Some(RowBlock { start, rows }) = rows.next_block().unwrap() {
+            places.push(RowPlace { part, start, length: rows.len() });
+        }
+        store.keep_open(rows).unwrap();
+        store.finish(RANGE, [Ok(blocks.concat().into_bytes())], 1.0).unwrap();
+        let whole = PartName { range: RANGE, unfinished: None };
+        let mut found = store.read(whole).unwrap().unwrap();
+        let start = found.next_block().unwrap().unwrap().start;
+        let length = blocks.concat().len();
+        places.push(RowPlace { part: whole, start, length });
+        [part, own.name()].into_iter().for_each(|part| store.remove(part));
+        let texts = [vec!["9,0,,1\n".to_owned()], blocks.clone(), vec![blocks.concat()]].concat();
+        for (place, text) in places.iter().zip(&texts).chain(places.iter().zip(&texts).rev()) {
+            let mut rows = Vec::new();
+            store.read_rows(*place, &mut rows).unwrap();
+            assert_eq!(&String::from_utf8(rows).unwrap(), text, "{place:?}");
+        }
+        assert!(matches!(other.read_rows(places[0], &mut Vec::new()), Err(StoreError::Read { .. })));
+    }
+
+    #[test]
+    fn a_finished_part_is_read_in_pieces_that_end_with_a_row() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = shared(folder.path(), "this");
+        let row = format!("0,0,\"{}\"\n", "a\n".repeat(1000));
+        store.finish(RANGE, (0..100).map(|_| Ok(row.clone().into_bytes())), 1.0).unwrap();
+        let mut rows = store.read(PartName { range: RANGE, unfinished: None }).unwrap().unwrap();
+        let (mut pieces, mut length) = (0, 0);
+        while let Some(block) = rows.next_block().unwrap() {
+            assert_eq!((block.rows.len() % row.len(), block.start), (0, length + head("this", 1.0).len() as u64));
+            length += block.rows.len() as u64;
+            pieces += 1;
+        }
+        assert_eq!((pieces > 1, length), (true, 100 * row.len() as u64));
+    }
+
+    #[test]
     fn other_files_are_no_parts() {
         let folder = tempfile::tempdir().unwrap();
         let (store, part) = with_blocks(folder.path(), &[]);
@@ -419,7 +527,7 @@ mod tests {
     fn a_finished_part_has_all_rows_and_how_long_it_took() {
         let folder = tempfile::tempdir().unwrap();
         let store = shared(folder.path(), "this");
-        store.finish(RANGE, b"0,0,,1\n", 2.5).unwrap();
+        store.finish(RANGE, [Ok(b"0,0,,1\n".to_vec())], 2.5).unwrap();
         let part = PartName { range: RANGE, unfinished: None };
         assert_eq!(store.parts().unwrap(), [part]);
         assert_eq!(std::fs::read(store.path(part)).unwrap(), b"sextant-part-1,this,2.500\n0,0,,1\n");

@@ -3,7 +3,7 @@
 use super::NumberRange;
 
 /// The name of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PartName {
     /// The numbers of its runs.
     pub range: NumberRange,

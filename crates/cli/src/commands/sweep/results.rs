@@ -1,0 +1,214 @@
+//! The results of a sweep, cell by cell.
+
+use std::cell::RefCell;
+use std::io::{self, Write};
+use std::path::Path;
+
+use serde::Serialize;
+use serde::ser::{Error, SerializeSeq, Serializer};
+use serde_json::{Map, Value, json};
+
+use crate::commands::options::Format;
+use crate::diagnostic::Failure;
+use sextant::columns::{Align, columns};
+use sextant::summary::Measure;
+use sextant_kernel::text::counted;
+use sextant_study::sweep::{CellSummary, Column, Mean, Overview, Rows, Sweep, TableError, summaries};
+
+/// Of a large sweep, so many cells are printed.
+const MOST_CELLS: usize = 100;
+
+/// The rows of a sweep, summarised for each cell.
+pub(in crate::commands) struct Results<'a> {
+    pub(in crate::commands) plan: &'a Sweep,
+    pub(in crate::commands) rows: &'a dyn Rows,
+}
+
+impl Results<'_> {
+    /// Prints them; they are in the table `out`.
+    pub(in crate::commands) fn tell(
+        &self,
+        out: &Path,
+        format: Format,
+        stdout: &mut impl Write,
+    ) -> Result<(), Failure> {
+        match format {
+            Format::Text => {
+                let cells = summaries(self.plan, self.rows).take(MOST_CELLS).collect::<Result<_, TableError>>()?;
+                let printed = Printed { plan: self.plan, overview: self.rows.overview(), cells };
+                Ok(printed.print(out, stdout)?)
+            }
+            Format::Json => self.print_json(stdout),
+        }
+    }
+
+    /// Prints one cell after the other.
+    fn print_json(&self, stdout: &mut impl Write) -> Result<(), Failure> {
+        let Self { plan, rows } = *self;
+        let unreadable = RefCell::new(None);
+        let cells = JsonCells { plan, rows, unreadable: &unreadable };
+        let sweep = JsonSweep { runs: plan.runs(), seed: plan.seed(), rows: rows.overview().rows, cells };
+        let written = serde_json::to_writer_pretty(&mut *stdout, &JsonResults { sweep });
+        if let Some(error) = unreadable.take() {
+            return Err(error.into());
+        }
+        written.map_err(io::Error::from)?;
+        Ok(writeln!(stdout)?)
+    }
+}
+
+/// The results as an object.
+#[derive(Serialize)]
+struct JsonResults<'a> {
+    sweep: JsonSweep<'a>,
+}
+
+#[derive(Serialize)]
+struct JsonSweep<'a> {
+    runs: u32,
+    seed: u64,
+    rows: usize,
+    cells: JsonCells<'a>,
+}
+
+/// The cells, which are summarised while they are written.
+struct JsonCells<'a> {
+    plan: &'a Sweep,
+    rows: &'a dyn Rows,
+    /// Why a row could not be read.
+    unreadable: &'a RefCell<Option<TableError>>,
+}
+
+impl Serialize for JsonCells<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(None)?;
+        for (i, summary) in summaries(self.plan, self.rows).enumerate() {
+            let summary = summary.map_err(|error| {
+                let message = S::Error::custom(&error);
+                self.unreadable.replace(Some(error));
+                message
+            })?;
+            list.serialize_element(&self.cell(i, &summary))?;
+        }
+        list.end()
+    }
+}
+
+impl JsonCells<'_> {
+    fn cell(&self, i: usize, summary: &CellSummary) -> Value {
+        let settings = self.plan.cells()[i].settings.iter();
+        let settings: Map<_, _> = settings.map(|setting| (setting.key.clone(), json!(setting.value))).collect();
+        let mut means = Map::new();
+        for measure in self.plan.measures() {
+            if let Some(mean) = summary.mean(self.plan, measure) {
+                means.insert(measure.name(), mean.json().into());
+            }
+        }
+        json!({"cell": i, "settings": settings, "failed": summary.failed, "measures": means})
+    }
+}
+
+/// The results as text.
+struct Printed<'a> {
+    plan: &'a Sweep,
+    overview: Overview,
+    /// The cells that are printed.
+    cells: Vec<CellSummary>,
+}
+
+impl Printed<'_> {
+    /// The means of a measure with their intervals by cell, all in the unit that suits the largest of them: `6.0 ± 0.3 %`;
+    /// `-` without a value.
+    fn written(&self, path: &str) -> Vec<String> {
+        let mean = |cell: &CellSummary| cell.mean(self.plan, self.measure(path)?);
+        let means: Vec<Option<Mean>> = self.cells.iter().map(mean).collect();
+        let largest = means.iter().flatten().map(|mean| mean.mean.abs()).fold(0.0, f64::max);
+        let (factor, unit) = self.measure(path).map_or((1.0, ""), |measure| measure.unit().for_size(largest));
+        let text = |mean: Option<Mean>| mean.map_or_else(|| "-".to_owned(), |mean| mean.times(factor).rounded(unit));
+        means.into_iter().map(text).collect()
+    }
+
+    fn measure(&self, path: &str) -> Option<&Measure> {
+        self.plan.measures().iter().find(|measure| measure.path() == path)
+    }
+
+    /// The names of the measures of whole runs that are printed, with their paths: those of which any cell has a value.
+    fn printed(&self) -> Vec<(String, String)> {
+        let measures = [
+            ("path", "gathering.path_length_m"),
+            ("PRR", "mac.prr"),
+            ("throughput", "mac.throughput_bit_per_s"),
+            ("mean delay", "mac.delay_s.mean"),
+            ("detections", "sensing.detections"),
+        ];
+        let measures = measures.map(|(name, path)| (name.to_owned(), path.to_owned()));
+        measures.into_iter().filter(|(_, path)| self.has(path)).collect()
+    }
+
+    /// The same of the measures of applications.
+    fn printed_of_applications(&self) -> Vec<(String, String)> {
+        let of = |name: &String| {
+            [("captured", "captured"), ("arrived", "arrived"), ("time", "time_s")]
+                .map(|(what, path)| (format!("{name}: {what}"), format!("applications.{name}.{path}")))
+        };
+        self.plan.applications().iter().flat_map(of).filter(|(_, path)| self.has(path)).collect()
+    }
+
+    /// Whether any run has a value of a measure.
+    fn has(&self, path: &str) -> bool {
+        let at = self.plan.measures().iter().position(|measure| measure.path() == path);
+        at.is_some_and(|at| self.overview.has_value.get(at) == Some(&true))
+    }
+
+    fn print(&self, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
+        let cells = 0..self.cells.len();
+        let mut named = vec![
+            ("cell".to_owned(), cells.clone().map(|i| i.to_string()).collect()),
+            ("runs".to_owned(), self.cells.iter().map(|cell| cell.succeeded.to_string()).collect()),
+        ];
+        let mut add = |name: String, path: &str| named.push((name, self.written(path)));
+        self.printed().iter().for_each(|(name, path)| add(name.clone(), path));
+        for map in self.plan.maps() {
+            add(format!("{map}: connectivity error"), &format!("maps.{map}.connectivity_error"));
+            add(format!("{map}: mean error"), &format!("maps.{map}.position_error_m.mean"));
+        }
+        self.printed_of_applications().iter().for_each(|(name, path)| add(name.clone(), path));
+        for (i, name) in shortened(self.plan.keys()).enumerate() {
+            named.push((name, cells.clone().map(|cell| self.plan.values(cell)[i].clone()).collect()));
+        }
+        let align = vec![Align::Right; named.len()];
+        let header = named.iter().map(|(name, _)| name.clone()).collect();
+        let row = |i: usize| named.iter().map(|(_, texts): &(String, Vec<String>)| texts[i].clone()).collect();
+        let rows: Vec<_> = [header].into_iter().chain(cells.map(row)).collect();
+        columns(&rows, &align, stdout)?;
+        let left_out = self.plan.cells().len() - self.cells.len();
+        if left_out > 0 {
+            writeln!(stdout, "and {} that are in the table only", counted(left_out, "cell"))?;
+        }
+        let Overview { rows, failed, .. } = self.overview;
+        let failures = if failed > 0 { format!(", {failed} of them failed (column error)") } else { String::new() };
+        writeln!(stdout, "\n{}: {}{failures}", out.display(), counted(rows, "run"))
+    }
+}
+
+/// The shortest end of each key that no other key has: `p0` for `maps.0.algorithm.ml_tm.profile.trapezoid.p0`.
+fn shortened(keys: &[Column]) -> impl Iterator<Item = String> {
+    let is_end_of = |end: &str, key: &str| key == end || key.ends_with(&format!(".{end}"));
+    keys.iter().map(move |Column { name, .. }| {
+        let ends = name.rmatch_indices('.').map(|(dot, _)| &name[dot + 1..]);
+        let alone = |end: &&str| keys.iter().filter(|other| is_end_of(end, &other.name)).count() == 1;
+        ends.into_iter().find(alone).unwrap_or(name).to_owned()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sextant_study::sweep::ColumnKind;
+
+    #[test]
+    fn keys_are_shortened_but_stay_distinct() {
+        let keys = ["a.b.p0", "a.c.range_m", "a.d.range_m", "seed"].map(|key| Column::new(key, ColumnKind::Real));
+        assert_eq!(shortened(&keys).collect::<Vec<_>>(), ["p0", "c.range_m", "d.range_m", "seed"]);
+    }
+}
