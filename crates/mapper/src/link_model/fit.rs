@@ -8,7 +8,7 @@ use super::law::{Law, PARAMETERS};
 use super::likelihood::MarginSums;
 use super::links::PlaceLinks;
 use super::outages::{NodeAndPlace, Outages};
-use super::posterior::{GridPosterior, HeardLinks, PriorGrid, log_evidence};
+use super::posterior::{ExpectedMargins, HeardLinks, PriorGrid, log_evidence};
 use super::window::LinkWindow;
 
 /// The law is estimated from at most so many nodes, at most so many of their links, and on so many vertices, in the plane
@@ -66,20 +66,21 @@ pub(super) fn find(
     for pass in 0..WORK {
         climb(&samples, &mut found, fading_db, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
         let law = found.law;
-        let told: Vec<(GridPosterior, Vec<NodeAndPlace>)> = samples
+        let told: Vec<(ExpectedMargins, Vec<NodeAndPlace>)> = samples
             .par_iter()
             .map(|NodeSample { evidence, grid }| {
                 let posterior = evidence.posterior(&law, grid, &mut Vec::new());
-                let pairs = evidence.pairs(&law, grid, &posterior, &thinned, hearing);
-                (posterior, pairs)
+                let expected = evidence.expected(&law, grid, &posterior, &thinned);
+                let pairs = evidence.pairs(&expected, hearing);
+                (expected, pairs)
             })
             .collect();
         let all: Vec<NodeAndPlace> = told.iter().flat_map(|(_, pairs)| pairs).copied().collect();
         found.outages = found.outages.estimated(&all);
         let outages = &found.outages;
-        samples.par_iter_mut().zip(told).for_each(|(NodeSample { evidence, grid }, (posterior, pairs))| {
+        samples.par_iter_mut().zip(told).for_each(|(NodeSample { evidence, grid }, (expected, pairs))| {
             evidence.set_outages(outages, &pairs);
-            evidence.refine(&law, grid, &posterior, &thinned, hearing);
+            evidence.refine(&law, expected, &thinned, hearing);
             if pass == 0 {
                 let posterior = evidence.posterior(&law, grid, &mut Vec::new());
                 *grid = evidence.mixed_grid(window, grid, &posterior, VERTICES[usize::from(is_spatial)]);

@@ -2,6 +2,9 @@
 
 use std::sync::Arc;
 
+use sextant_kernel::maths::{exp_each, ln_each};
+use wide::f64x4;
+
 use super::geometry::{Arrangement, BLOCK, COLUMNS, Columns, Lane, NEIGHBOURS, single};
 use super::law::Law;
 use super::receiver::Site;
@@ -69,7 +72,9 @@ struct BlockSums {
 impl ShadowingCorrelations {
     fn of(arrangement: &Arrangement, correlation_m: f64) -> Self {
         let distances_m = arrangement.neighbours.iter().flat_map(|neighbours| &neighbours.distances_m);
-        Self { correlation_m, each: distances_m.map(|distance_m| libm::exp(-distance_m / correlation_m)).collect() }
+        let mut each: Vec<f64> = distances_m.map(|distance_m| -distance_m / correlation_m).collect();
+        exp_each(&mut each);
+        Self { correlation_m, each }
     }
 }
 
@@ -109,26 +114,88 @@ impl MarginSums {
         out.clear();
         let mut deviations = [law.direction; AMPLITUDES];
         deviations[0] = law.slope_deviation();
-        let (higher, steeper) = (law.margin - self.margin, law.slope - self.slope);
+        let changed = ChangedLaw { higher: law.margin - self.margin, steeper: law.slope - self.slope, deviations };
+        let mut determinants = Vec::with_capacity(self.blocks.len() * BLOCK);
         for block in &self.blocks {
-            for lane in 0..BLOCK {
-                let at = |sums: &Lane| f64::from(sums[lane]);
-                let products = block.products.each_ref().map(at);
-                let unit_along = block.unit_along.each_ref().map(at);
-                let mut along = block.along.each_ref().map(at);
-                let squares = at(&block.squares)
-                    + higher * (higher * self.units - 2.0 * at(&block.units))
-                    + steeper * (steeper * products[0] + 2.0 * along[0] - 2.0 * higher * unit_along[0]);
-                for (row, along) in along.iter_mut().enumerate() {
-                    *along += steeper * products[row * (row + 1) / 2] - higher * unit_along[row];
-                }
-                out.push(-0.5 * squares + gained(&deviations, along, products) - self.logs);
+            for first in (0..BLOCK).step_by(SIDE_BY_SIDE) {
+                let gained = block.gained(first, self.units, &changed);
+                out.extend(gained.quadratic.to_array());
+                determinants.extend(gained.determinant.to_array());
             }
+        }
+        ln_each(&mut determinants);
+        for (log, determinant) in out.iter_mut().zip(&determinants) {
+            *log = -0.5 * (*log + determinant) - self.logs;
         }
     }
 }
 
+/// Vertices whose amplitudes are integrated out side by side.
+const SIDE_BY_SIDE: usize = 4;
+
+/// What a law changes in the errors of margins, and the deviations of the amplitudes.
+struct ChangedLaw {
+    higher: f64,
+    steeper: f64,
+    deviations: [f64; AMPLITUDES],
+}
+
+/// What a few vertices have without their amplitudes.
+struct WithoutAmplitudes {
+    /// The squares of the errors.
+    quadratic: f64x4,
+    /// Determinant of the amplitudes.
+    determinant: f64x4,
+}
+
 impl BlockSums {
+    /// What the amplitudes, whose standard deviations are `s`, leave of the squares of errors at a few vertices from the `first` on:
+    /// `squares − gᵀ(S⁻² + M)⁻¹g`, and `det(I + SMS)`, where S is diagonal. `units` are the squares of what a margin of 1 is.
+    fn gained(&self, first: usize, units: f64, law: &ChangedLaw) -> WithoutAmplitudes {
+        let at = |sums: &Lane| f64x4::from(std::array::from_fn(|lane| f64::from(sums[first + lane])));
+        let ChangedLaw { higher, steeper, deviations: s } = law;
+        let (higher, steeper) = (f64x4::splat(*higher), f64x4::splat(*steeper));
+        let products = self.products.each_ref().map(at);
+        let unit_along = self.unit_along.each_ref().map(at);
+        let mut along = self.along.each_ref().map(at);
+        let two = f64x4::splat(2.0);
+        let mut quadratic = at(&self.squares)
+            + higher * (higher * f64x4::splat(units) - two * at(&self.units))
+            + steeper * (steeper * products[0] + two * along[0] - two * higher * unit_along[0]);
+        for (row, along) in along.iter_mut().enumerate() {
+            *along += steeper * products[row * (row + 1) / 2] - higher * unit_along[row];
+        }
+        // The factors L and D of I + SMS = LDLᵀ, row by row, and the solution of Lx = Sg.
+        let mut factor = [[f64x4::ZERO; AMPLITUDES]; AMPLITUDES];
+        let mut inverse = [f64x4::ZERO; AMPLITUDES];
+        let mut solved = [f64x4::ZERO; AMPLITUDES];
+        let mut determinant = f64x4::ONE;
+        let mut product = 0;
+        for row in 0..AMPLITUDES {
+            let mut scaled = [f64x4::ZERO; AMPLITUDES];
+            let mut own = f64x4::splat(s[row]) * along[row];
+            for column in 0..=row {
+                let mut sum = f64x4::splat(s[row] * s[column]) * products[product];
+                product += 1;
+                for k in 0..column {
+                    sum -= scaled[k] * factor[column][k];
+                }
+                if row == column {
+                    let pivot = sum + f64x4::ONE;
+                    determinant *= pivot;
+                    inverse[row] = f64x4::ONE / pivot;
+                } else {
+                    scaled[column] = sum;
+                    factor[row][column] = sum * inverse[column];
+                    own -= factor[row][column] * solved[column];
+                }
+            }
+            solved[row] = own;
+            quadratic -= own * own * inverse[row];
+        }
+        WithoutAmplitudes { quadratic, determinant }
+    }
+
     fn of(predictions: &[Prediction], slope: f32, block: &[[Lane; COLUMNS]]) -> Self {
         let mut sums = Self {
             squares: [0.0; BLOCK],
@@ -194,28 +261,6 @@ fn add_scaled(to: &mut Lane, values: &Lane, factor: f32) {
     }
 }
 
-/// What the amplitudes, whose standard deviations are `s`, add to the logarithm of the likelihood:
-/// `½ gᵀ(S⁻² + M)⁻¹g − ½ ln det(I + SMS)`, where S is diagonal.
-fn gained(s: &[f64; AMPLITUDES], along: [f64; AMPLITUDES], products: [f64; PRODUCTS]) -> f64 {
-    // Cholesky factor of I + SMS, row by row, and the solution with Sg.
-    let mut factor = [[0.0f64; AMPLITUDES]; AMPLITUDES];
-    let mut solved = [0.0f64; AMPLITUDES];
-    let (mut quadratic, mut determinant) = (0.0, 1.0);
-    let mut product = 0;
-    for row in 0..AMPLITUDES {
-        for column in 0..=row {
-            let own = s[row] * s[column] * products[product] + if row == column { 1.0 } else { 0.0 };
-            product += 1;
-            let sum = own - dot(&factor[row], &factor[column], column);
-            factor[row][column] = if row == column { sum.max(1e-12).sqrt() } else { sum / factor[column][column] };
-        }
-        solved[row] = (s[row] * along[row] - dot(&factor[row], &solved, row)) / factor[row][row];
-        quadratic += solved[row] * solved[row];
-        determinant *= factor[row][row];
-    }
-    0.5 * quadratic - libm::log(determinant)
-}
-
 /// The product of the first `count` entries.
 fn dot(first: &[f64], second: &[f64], count: usize) -> f64 {
     first.iter().zip(second).take(count).map(|(a, b)| a * b).sum()
@@ -234,8 +279,9 @@ fn predictions(
     let shared = law.shared * variance;
     let covariance = |correlation: f64| common + shared * correlation;
     let level = law.at_one_metre();
+    let log_distance = libm::log(law.distance_m);
     let at = |position: usize| sites[arrangement.order[position]];
-    let mut logs = 0.0;
+    let mut deviations = Vec::with_capacity(sites.len());
     let each = arrangement.neighbours.iter().enumerate().map(|(position, neighbours)| {
         let site = at(position);
         let count = neighbours.at.len();
@@ -271,7 +317,7 @@ fn predictions(
             exact[row] = sum / factor[row][row];
         }
         let deviation = left.max(1e-9).sqrt();
-        logs += libm::log(deviation);
+        deviations.push(deviation);
         let mut prediction = Prediction {
             neighbours: count,
             at: [0; NEIGHBOURS],
@@ -290,11 +336,12 @@ fn predictions(
         }
         prediction.margin = single(margin / deviation);
         prediction.unit = single(share / deviation);
-        prediction.level = single(share * libm::log(law.distance_m) / deviation);
+        prediction.level = single(share * log_distance / deviation);
         prediction
     });
     let predictions = each.collect();
-    (predictions, logs)
+    ln_each(&mut deviations);
+    (predictions, deviations.iter().sum())
 }
 
 #[cfg(test)]

@@ -6,7 +6,6 @@ use sextant_channel::{Position, ReceptionLog};
 use super::hearing::Hearing;
 use super::law::Law;
 use super::links::{HeardLink, NodeLinks, PlaceLinks};
-use super::losses::CountTables;
 use super::site::Site;
 use super::{LinkFit, posterior};
 
@@ -41,7 +40,7 @@ impl Predictor {
     /// A predictor from `log` under what was `fitted` to it; `None` if nothing was heard.
     pub(crate) fn new(log: &ReceptionLog, fitted: &LinkFit) -> Option<Self> {
         let links = PlaceLinks::of(log, fitted.receiver.is_some())?;
-        let hearing = Hearing { receiver: fitted.receiver, counts: CountTables::of(&links, fitted.losses) };
+        let hearing = Hearing::new(&links, fitted.receiver, fitted.losses);
         Some(Self { links, law: fitted.law, hearing, outage: fitted.outage })
     }
 
