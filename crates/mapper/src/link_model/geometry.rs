@@ -2,11 +2,12 @@
 
 use sextant_channel::Position;
 use sextant_kernel::maths::ln_each;
+use wide::f32x4;
 
 use super::links::HeardLink;
 
-/// Vertices that are treated together.
-pub(super) const BLOCK: usize = 16;
+/// Vertices that are treated together: their sums and all that they are made of stay in the registers and the nearest memory.
+pub(super) const BLOCK: usize = 4;
 /// What is known at a vertex of a place: logarithm of the distance, cosine and sine of the direction and of twice the
 /// direction.
 pub(super) const COLUMNS: usize = 5;
@@ -14,7 +15,7 @@ pub(super) const COLUMNS: usize = 5;
 pub(super) const NEIGHBOURS: usize = 8;
 
 /// The values of a column at the vertices of a block.
-pub(super) type Lane = [f32; BLOCK];
+pub(super) type Lane = f32x4;
 
 /// Where the places of a node's links lie relative to each other. The shadowing at a place is predicted from at most
 /// [`NEIGHBOURS`] nearest places before it (Vecchia 1988), in an order in which each next place is the one farthest from all
@@ -137,7 +138,7 @@ impl SeenBlock {
 
 /// The columns of a place at the vertices of a block.
 fn columns(seen: &SeenBlock, place: Position) -> [Lane; COLUMNS] {
-    let mut columns = [[0.0; BLOCK]; COLUMNS];
+    let mut columns = [[0.0_f32; BLOCK]; COLUMNS];
     let mut squares = [0.0; BLOCK];
     for (lane, square) in squares.iter_mut().enumerate() {
         let [x_m, y_m, z_m] = [0, 1, 2].map(|axis| seen.at[axis][lane]);
@@ -155,7 +156,7 @@ fn columns(seen: &SeenBlock, place: Position) -> [Lane; COLUMNS] {
     }
     ln_each(&mut squares);
     columns[0] = squares.map(|logarithm| single(0.5 * logarithm));
-    columns
+    columns.map(Lane::from)
 }
 
 /// The columns of all links at all vertices, by blocks of vertices; within a block in the order of an arrangement.
@@ -186,7 +187,7 @@ impl Columns {
                 continue;
             }
             for (sum, [logarithms, ..]) in sums.iter_mut().zip(block) {
-                for (&logarithm, share) in logarithms.iter().zip(shares) {
+                for (logarithm, share) in logarithms.to_array().into_iter().zip(shares) {
                     let logarithm = f64::from(logarithm);
                     sum.mean += share * logarithm;
                     sum.square += share * logarithm * logarithm;

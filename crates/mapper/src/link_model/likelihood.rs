@@ -11,13 +11,15 @@ use super::receiver::Site;
 
 /// Amplitudes of a node: the deviation of its slope, and four of its dependence on direction.
 const AMPLITUDES: usize = COLUMNS;
-/// Products of two amplitudes.
+/// Products of two amplitudes, and those of two amplitudes of direction.
 const PRODUCTS: usize = AMPLITUDES * (AMPLITUDES + 1) / 2;
+const AMONG_DIRECTIONS: usize = PRODUCTS - AMPLITUDES;
 
 /// How one margin is predicted from those before it.
 struct Prediction {
     neighbours: usize,
-    at: [usize; NEIGHBOURS],
+    at: [u32; NEIGHBOURS],
+    /// What a margin of each neighbour adds to the prediction, in standard deviations of its error.
     weights: [f32; NEIGHBOURS],
     /// One over the standard deviation of the error.
     precision: f32,
@@ -27,6 +29,16 @@ struct Prediction {
     unit: f32,
     /// The logarithm of the distance of the law minus its prediction, in standard deviations.
     level: f32,
+}
+
+/// The error of a prediction at the vertices of a block.
+#[derive(Clone, Copy)]
+struct ErrorsAtBlock {
+    error: Lane,
+    /// What an amplitude of 1 is in it.
+    columns: [Lane; AMPLITUDES],
+    /// What a margin of 1 is in it.
+    unit: Lane,
 }
 
 /// What the likelihood at each vertex needs of the links: sums over them under a covariance of margins. Laws that differ in
@@ -103,7 +115,13 @@ impl MarginSums {
     ) -> Self {
         let (predictions, logs) = predictions(law, &correlations.each, arrangement, sites);
         let slope = single(law.slope);
-        let blocks = columns.blocks().map(|block| BlockSums::of(&predictions, slope, block)).collect();
+        let mut errors = Vec::with_capacity(predictions.len());
+        let blocks = columns.blocks().map(|block| {
+            errors.clear();
+            errors.extend(predictions.iter().zip(block).map(|(prediction, own)| prediction.errors(slope, own, block)));
+            BlockSums::of(&errors)
+        });
+        let blocks = blocks.collect();
         let units = predictions.iter().map(|prediction| f64::from(prediction.unit).powi(2)).sum();
         Self { correlations, margin: law.margin, slope: law.slope, logs, units, blocks }
     }
@@ -117,11 +135,9 @@ impl MarginSums {
         let changed = ChangedLaw { higher: law.margin - self.margin, steeper: law.slope - self.slope, deviations };
         let mut determinants = Vec::with_capacity(self.blocks.len() * BLOCK);
         for block in &self.blocks {
-            for first in (0..BLOCK).step_by(SIDE_BY_SIDE) {
-                let gained = block.gained(first, self.units, &changed);
-                out.extend(gained.quadratic.to_array());
-                determinants.extend(gained.determinant.to_array());
-            }
+            let WithoutAmplitudes { quadratic, determinant } = block.without_amplitudes(self.units, &changed);
+            out.extend(quadratic.to_array());
+            determinants.extend(determinant.to_array());
         }
         ln_each(&mut determinants);
         for (log, determinant) in out.iter_mut().zip(&determinants) {
@@ -130,9 +146,6 @@ impl MarginSums {
     }
 }
 
-/// Vertices whose amplitudes are integrated out side by side.
-const SIDE_BY_SIDE: usize = 4;
-
 /// What a law changes in the errors of margins, and the deviations of the amplitudes.
 struct ChangedLaw {
     higher: f64,
@@ -140,7 +153,7 @@ struct ChangedLaw {
     deviations: [f64; AMPLITUDES],
 }
 
-/// What a few vertices have without their amplitudes.
+/// What the vertices of a block have without their amplitudes.
 struct WithoutAmplitudes {
     /// The squares of the errors.
     quadratic: f64x4,
@@ -149,10 +162,10 @@ struct WithoutAmplitudes {
 }
 
 impl BlockSums {
-    /// What the amplitudes, whose standard deviations are `s`, leave of the squares of errors at a few vertices from the `first` on:
+    /// What the amplitudes, whose standard deviations are `s`, leave of the squares of errors:
     /// `squares − gᵀ(S⁻² + M)⁻¹g`, and `det(I + SMS)`, where S is diagonal. `units` are the squares of what a margin of 1 is.
-    fn gained(&self, first: usize, units: f64, law: &ChangedLaw) -> WithoutAmplitudes {
-        let at = |sums: &Lane| f64x4::from(std::array::from_fn(|lane| f64::from(sums[first + lane])));
+    fn without_amplitudes(&self, units: f64, law: &ChangedLaw) -> WithoutAmplitudes {
+        let at = |sums: &Lane| f64x4::from(sums.to_array().map(f64::from));
         let ChangedLaw { higher, steeper, deviations: s } = law;
         let (higher, steeper) = (f64x4::splat(*higher), f64x4::splat(*steeper));
         let products = self.products.each_ref().map(at);
@@ -196,68 +209,58 @@ impl BlockSums {
         WithoutAmplitudes { quadratic, determinant }
     }
 
-    fn of(predictions: &[Prediction], slope: f32, block: &[[Lane; COLUMNS]]) -> Self {
-        let mut sums = Self {
-            squares: [0.0; BLOCK],
-            units: [0.0; BLOCK],
-            along: [[0.0; BLOCK]; AMPLITUDES],
-            unit_along: [[0.0; BLOCK]; AMPLITUDES],
-            products: [[0.0; BLOCK]; PRODUCTS],
-        };
-        for (own, prediction) in block.iter().zip(predictions) {
-            let mut left = *own;
-            for (&at, &weight) in prediction.at.iter().zip(&prediction.weights).take(prediction.neighbours) {
-                for (column, other) in left.iter_mut().zip(&block[at]) {
-                    subtract(column, other, weight);
-                }
-            }
-            let precision = prediction.precision;
-            let mut error = [0.0f32; BLOCK];
-            for lane in 0..BLOCK {
-                error[lane] = prediction.margin + slope * precision * left[0][lane];
-                sums.squares[lane] += error[lane] * error[lane];
-            }
-            for column in left.iter_mut() {
-                for value in column.iter_mut() {
-                    *value *= precision;
-                }
-            }
-            for value in &mut left[0] {
-                *value -= prediction.level;
-            }
-            add_scaled(&mut sums.units, &error, prediction.unit);
+    /// The sums of the errors. Each loop has as many sums as there are registers.
+    fn of(errors: &[ErrorsAtBlock]) -> Self {
+        let (mut among, mut steep) = ([Lane::ZERO; AMONG_DIRECTIONS], [Lane::ZERO; AMPLITUDES]);
+        let (mut along, mut unit_along) = (steep, steep);
+        let (mut squares, mut units) = (Lane::ZERO, Lane::ZERO);
+        for ErrorsAtBlock { columns, .. } in errors {
             let mut product = 0;
-            for first in 0..AMPLITUDES {
-                add_product(&mut sums.along[first], &left[first], &error);
-                add_scaled(&mut sums.unit_along[first], &left[first], prediction.unit);
-                for second in 0..=first {
-                    add_product(&mut sums.products[product], &left[first], &left[second]);
+            for row in 1..AMPLITUDES {
+                for column in 1..=row {
+                    among[product] += columns[row] * columns[column];
                     product += 1;
                 }
             }
         }
-        sums
+        for ErrorsAtBlock { error, columns, .. } in errors {
+            for row in 0..AMPLITUDES {
+                steep[row] += columns[row] * columns[0];
+                along[row] += columns[row] * *error;
+            }
+        }
+        for ErrorsAtBlock { error, columns, unit } in errors {
+            squares += *error * *error;
+            units += *error * *unit;
+            for row in 0..AMPLITUDES {
+                unit_along[row] += columns[row] * *unit;
+            }
+        }
+        let mut products = [Lane::ZERO; PRODUCTS];
+        for row in 0..AMPLITUDES {
+            let first = row * (row + 1) / 2;
+            products[first] = steep[row];
+            products[first + 1..=first + row].copy_from_slice(&among[first - row..first]);
+        }
+        Self { squares, units, along, unit_along, products }
     }
 }
 
-#[inline]
-fn subtract(from: &mut Lane, other: &Lane, weight: f32) {
-    for (from, other) in from.iter_mut().zip(other) {
-        *from -= weight * other;
-    }
-}
-
-#[inline]
-fn add_product(to: &mut Lane, first: &Lane, second: &Lane) {
-    for ((to, first), second) in to.iter_mut().zip(first).zip(second) {
-        *to += first * second;
-    }
-}
-
-#[inline]
-fn add_scaled(to: &mut Lane, values: &Lane, factor: f32) {
-    for (to, value) in to.iter_mut().zip(values) {
-        *to += factor * value;
+impl Prediction {
+    /// The errors at the vertices of a block, in which the place has the columns `own`, under a law with this slope.
+    #[inline]
+    fn errors(&self, slope: f32, own: &[Lane; COLUMNS], block: &[[Lane; COLUMNS]]) -> ErrorsAtBlock {
+        let precision = Lane::splat(self.precision);
+        let mut columns = own.map(|column| column * precision);
+        for (&at, &weight) in self.at.iter().zip(&self.weights).take(self.neighbours) {
+            let weight = Lane::splat(weight);
+            for (column, other) in columns.iter_mut().zip(&block[at as usize]) {
+                *column -= weight * *other;
+            }
+        }
+        let error = Lane::splat(self.margin) + Lane::splat(slope) * columns[0];
+        columns[0] -= Lane::splat(self.level);
+        ErrorsAtBlock { error, columns, unit: Lane::splat(self.unit) }
     }
 }
 
@@ -321,7 +324,7 @@ fn predictions(
         let mut prediction = Prediction {
             neighbours: count,
             at: [0; NEIGHBOURS],
-            weights: exact.map(single),
+            weights: exact.map(|weight| single(weight / deviation)),
             precision: single(1.0 / deviation),
             margin: 0.0,
             unit: 0.0,
@@ -330,7 +333,7 @@ fn predictions(
         let mut margin = site.margin - level;
         let mut share = 1.0;
         for (slot, &neighbour) in neighbours.at.iter().enumerate() {
-            prediction.at[slot] = neighbour;
+            prediction.at[slot] = u32::try_from(neighbour).expect("a node has few links");
             margin -= exact[slot] * (at(neighbour).margin - level);
             share -= exact[slot];
         }
