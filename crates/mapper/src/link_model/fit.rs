@@ -19,6 +19,8 @@ const VERTICES: [f64; 2] = [320.0, 640.0];
 /// Lengths of the steps of the search for the law, and most rounds with each.
 const STEPS: [f64; 3] = [1.0, 0.5, 0.25];
 const ROUNDS: [u32; 3] = [8, 6, 6];
+/// A step back from one that lost so many times what a step off the best value costs would gain nothing, by a parabola twice.
+const SURELY: f64 = 1.5;
 /// The evidence must grow by this much for each node, or the search has ended.
 const GAIN: f64 = 1e-2;
 
@@ -150,15 +152,18 @@ fn climb(
     let mut best = score(samples, &sums, &found.law, fading_db);
     let least = GAIN * samples.len() as f64;
     found.settled = false;
+    let mut courses = [ParameterCourse::default(); PARAMETERS];
     for &scale in scales {
         let step = STEPS[scale];
-        // Where a parameter moved last time, it goes on in that direction first.
-        let mut directions = [1.0; PARAMETERS];
         for _ in 0..ROUNDS[scale] {
             let before = best;
-            for (number, direction) in directions.iter_mut().enumerate() {
-                for sign in [*direction, -*direction] {
+            for (number, course) in courses.iter_mut().enumerate() {
+                let mut losses = [None; 2];
+                for (trial, sign) in [course.sign(), -course.sign()].into_iter().enumerate() {
                     watch.check()?;
+                    if trial == 1 && course.is_vain(losses[0], step) {
+                        break;
+                    }
                     let Some(law) = found.law.moved(number, sign * step) else { continue };
                     let moved = Law::is_of_covariance(number).then(|| {
                         self::sums(samples, |NodeSample { evidence, grid }, number| {
@@ -167,10 +172,15 @@ fn climb(
                     });
                     let score = score(samples, moved.as_ref().unwrap_or(&sums), &law, fading_db);
                     if score > best {
-                        (best, found.law, *direction) = (score, law, sign);
+                        (best, found.law) = (score, law);
                         sums = moved.unwrap_or(sums);
+                        course.is_backward = sign < 0.0;
                         break;
                     }
+                    losses[trial] = Some(best - score);
+                }
+                if let [Some(forward), Some(backward)] = losses {
+                    course.take(forward, backward, step);
                 }
             }
             found.rounds += 1;
@@ -181,6 +191,33 @@ fn climb(
         }
     }
     Ok(())
+}
+
+/// What the search knows of a parameter.
+#[derive(Clone, Copy, Default)]
+struct ParameterCourse {
+    /// Whether it is better moved down than up.
+    is_backward: bool,
+    /// What a step of 1 off the best value costs, if steps to both sides were tried in vain.
+    curvature: Option<f64>,
+}
+
+impl ParameterCourse {
+    /// Where a parameter moved last time, it goes on in that direction first.
+    fn sign(&self) -> f64 {
+        if self.is_backward { -1.0 } else { 1.0 }
+    }
+
+    /// Whether a step backward is in vain if one forward has this loss: the parabola through both falls.
+    fn is_vain(&self, forward: Option<f64>, step: f64) -> bool {
+        self.curvature.zip(forward).is_some_and(|(curvature, loss)| loss < SURELY * curvature * step * step)
+    }
+
+    /// Takes what a step forward and one backward lost.
+    fn take(&mut self, forward: f64, backward: f64, step: f64) {
+        self.curvature = Some(0.5 * (forward + backward) / (step * step));
+        self.is_backward ^= backward < forward;
+    }
 }
 
 /// The sums of each sample, which come from it and its number.

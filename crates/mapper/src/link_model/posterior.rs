@@ -24,6 +24,8 @@ pub(super) const UNKNOWN: [f64; 2] = [0.0, 3.0];
 const TELLING: f64 = 10.0;
 /// Vertices with at least this share of a posterior tell what margins are expected.
 const LIKELY: f64 = 1e-3;
+/// A vertex with less than this share of the likeliest one is left out of a grid round a posterior: e to the power of -20.
+const NEGLIGIBLE: f64 = 2e-9;
 /// Least spread of a prediction.
 pub(super) const LEAST_SPREAD: f64 = 0.3;
 
@@ -122,7 +124,7 @@ impl<'a> HeardLinks<'a> {
         self.grid_in(&self.bounds.round(posterior.mean, half), window, count)
     }
 
-    /// The grid of about `count` vertices over all places, with about as many more round a posterior on it.
+    /// The grid of about `count` vertices over all places that may be, with about as many more round a posterior on it.
     pub(super) fn mixed_grid(
         &self,
         window: &LinkWindow<'_>,
@@ -136,9 +138,11 @@ impl<'a> HeardLinks<'a> {
         if step_m > 0.7 * coarse.step_m {
             return coarse.clone();
         }
-        let outside = coarse.vertices.iter().copied().filter(|&vertex| !part.contains(vertex));
+        let least = NEGLIGIBLE * posterior.shares.iter().copied().fold(0.0, f64::max);
+        let outside = coarse.vertices.iter().zip(&posterior.shares);
+        let outside = outside.filter(|&(&vertex, &share)| share > least && !part.contains(vertex));
         let mut vertices: Vec<Position> = fine.clone();
-        vertices.extend(outside);
+        vertices.extend(outside.map(|(&vertex, _)| vertex));
         // A vertex has the weight of its cell.
         let dimensions = if window.heights()[1] > window.heights()[0] { 3.0 } else { 2.0 };
         let larger = dimensions * libm::log(coarse.step_m / step_m);

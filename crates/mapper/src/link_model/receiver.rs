@@ -12,9 +12,9 @@ use crate::numerics::normal::{below, densities};
 /// Above this margin a link loses no packet because of its power, and a strength tells the margin as it is.
 const STRONG: f64 = 8.0;
 /// A strength is far off a mean if it differs by so many standard deviations.
-const FAR: f64 = 7.0;
+const FAR: f64 = 6.0;
 /// Number of margins beside those near a strength.
-const BESIDE: usize = 4;
+const BESIDE: usize = 2;
 
 /// A normal approximation of what a link says of its margin.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,6 +6,7 @@ use sextant_kernel::NodeId;
 use super::belief::FittedBelief;
 use super::receivers;
 use crate::grid_ml::directions::{Directions, covers};
+use crate::numerics::normal::index;
 use crate::numerics::{never_rising, whole};
 use crate::profile::TableProfile;
 
@@ -131,7 +132,7 @@ impl FittedCurve {
     }
 
     pub(super) fn bin(&self, distance_m: f64) -> usize {
-        whole(distance_m / self.bin_m + 0.5).min(self.values.len() - 1)
+        index(distance_m / self.bin_m + 0.5).min(self.values.len() - 1)
     }
 
     pub(super) fn bin_m(&self) -> f64 {
