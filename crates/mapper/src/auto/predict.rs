@@ -1,6 +1,7 @@
 //! What estimators predict of stops that they did not use.
 
 use sextant_channel::{Position, ReceptionLog, Stop};
+use sextant_kernel::maths::{exp, ln};
 
 use super::EstimatorFit;
 use super::fall_of_strength::FallOfStrength;
@@ -28,13 +29,14 @@ pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&Estim
         _ => 0.0,
     };
     let strengths = FallOfStrength::of(fold, map, &absorbed);
+    let shares = fit.map(|fit| PredictedShares::of(fit, usual));
     for (node, estimate) in map.estimates.iter().enumerate() {
         let points = estimate.as_ref().map(points);
         for pair in fold.pairs(node) {
-            let share = match (&points, fit) {
-                (Some(points), Some(fit)) => points
+            let share = match (&points, &shares) {
+                (Some(points), Some(shares)) => points
                     .iter()
-                    .map(|&(place, weight)| weight * binomial(share(fit, place, &pair.stop, usual), &pair))
+                    .map(|&(place, weight)| weight * binomial(shares.at(place, &pair.stop), &pair))
                     .sum(),
                 _ => binomial(usual, &pair),
             };
@@ -55,24 +57,45 @@ fn binomial(share: f64, pair: &NodeAndStop) -> f64 {
     let (received, sent) = (f64::from(pair.received), f64::from(pair.sent));
     let ways = libm::lgamma(sent + 1.0) - libm::lgamma(received + 1.0) - libm::lgamma(sent - received + 1.0);
     let share = share.clamp(1e-9, 1.0 - 1e-9);
-    libm::exp(ways + received * libm::log(share) + (sent - received) * libm::log(1.0 - share))
+    exp(ways + received * ln(share) + (sent - received) * ln(1.0 - share))
 }
 
-/// Share of packets that arrive over a link.
-fn share(fit: &EstimatorFit, place: Position, stop: &Stop, usual: f64) -> f64 {
-    let distance_m = place.distance_m(stop.position);
-    match fit {
-        EstimatorFit::Profile(profile) => profile.curve.probability(distance_m),
-        EstimatorFit::Calibration(calibration) => {
-            let Some(curve) = &calibration.curve else { return usual };
-            let clear = curve.probability(distance_m);
-            match &calibration.obstacles {
-                Some(obstacles) => below(quantile(clear) - obstacles.absorbed(place, stop.position)),
-                None => clear,
+/// The shares of packets that an estimator predicts.
+struct PredictedShares<'a> {
+    fit: &'a EstimatorFit,
+    /// The normal quantile of the share in each bin of a calibrated curve behind obstacles.
+    scores: Vec<f64>,
+    usual: f64,
+}
+
+impl<'a> PredictedShares<'a> {
+    fn of(fit: &'a EstimatorFit, usual: f64) -> Self {
+        let scores = match fit {
+            EstimatorFit::Calibration(Calibration { curve: Some(curve), obstacles: Some(_), .. }) => {
+                curve.probabilities().iter().map(|&clear| quantile(clear)).collect()
             }
+            _ => Vec::new(),
+        };
+        Self { fit, scores, usual }
+    }
+
+    /// The share of packets that arrive over a link.
+    fn at(&self, place: Position, stop: &Stop) -> f64 {
+        let distance_m = place.distance_m(stop.position);
+        match self.fit {
+            EstimatorFit::Profile(profile) => profile.curve.probability(distance_m),
+            EstimatorFit::Calibration(calibration) => {
+                let Some(curve) = &calibration.curve else { return self.usual };
+                match &calibration.obstacles {
+                    Some(obstacles) => {
+                        below(self.scores[curve.bin(distance_m)] - obstacles.absorbed(place, stop.position))
+                    }
+                    None => curve.probability(distance_m),
+                }
+            }
+            EstimatorFit::Pattern(pattern) => pattern.probability(place, stop),
+            EstimatorFit::Links(_) => self.usual,
         }
-        EstimatorFit::Pattern(pattern) => pattern.probability(place, stop),
-        EstimatorFit::Links(_) => usual,
     }
 }
 
