@@ -16,6 +16,7 @@
 
 mod file_form;
 mod files;
+pub mod maths;
 mod node;
 mod queue;
 mod random;

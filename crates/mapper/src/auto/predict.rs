@@ -1,6 +1,7 @@
 //! What estimators predict of stops that they did not use.
 
 use sextant_channel::{Position, ReceptionLog, Stop};
+use sextant_kernel::maths::{exp, ln};
 
 use super::EstimatorFit;
 use super::fall_of_strength::FallOfStrength;
@@ -9,7 +10,7 @@ use super::opinions::GainOfLaw;
 use super::score::Predicted;
 use crate::link_model::{LinkFit, Placed, Predictor};
 use crate::posterior::Estimate;
-use crate::self_calibrated::Calibration;
+use crate::self_calibrated::{CalibratedShares, Calibration};
 use crate::topology_map::TopologyMap;
 
 /// Takes what an estimator of independent packets predicts of a fold: the places of `map`, and the curve of its `fit`.
@@ -23,14 +24,14 @@ pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&Estim
         _ => 0.0,
     };
     let strengths = FallOfStrength::of(fold, map, &absorbed);
+    let shares = fit.map(|fit| PredictedShares::of(fit, usual));
     for (node, estimate) in map.estimates.iter().enumerate() {
         let points = estimate.as_ref().map(Estimate::points);
         for pair in fold.pairs(node) {
-            let share = match (&points, fit) {
-                (Some(points), Some(fit)) => points
-                    .iter()
-                    .map(|&(place, weight)| weight * binomial(share(fit, place, &pair.stop, usual), &pair))
-                    .sum(),
+            let share = match (&points, &shares) {
+                (Some(points), Some(shares)) => {
+                    points.iter().map(|&(place, weight)| weight * binomial(shares.at(place, &pair.stop), &pair)).sum()
+                }
                 _ => binomial(usual, &pair),
             };
             let density = pair.rssi_dbm.zip(strengths.as_ref()).map(|(rssi_dbm, strengths)| {
@@ -50,16 +51,35 @@ fn binomial(share: f64, pair: &NodeAndStop) -> f64 {
     let (received, sent) = (f64::from(pair.received), f64::from(pair.sent));
     let ways = libm::lgamma(sent + 1.0) - libm::lgamma(received + 1.0) - libm::lgamma(sent - received + 1.0);
     let share = share.clamp(1e-9, 1.0 - 1e-9);
-    libm::exp(ways + received * libm::log(share) + (sent - received) * libm::log(1.0 - share))
+    exp(ways + received * ln(share) + (sent - received) * ln(1.0 - share))
 }
 
-/// Share of packets that arrive over a link.
-fn share(fit: &EstimatorFit, place: Position, stop: &Stop, usual: f64) -> f64 {
-    match fit {
-        EstimatorFit::Profile(profile) => profile.curve.probability(place.distance_m(stop.position)),
-        EstimatorFit::Calibration(calibration) => calibration.share_between(place, stop.position).unwrap_or(usual),
-        EstimatorFit::Pattern(pattern) => pattern.probability(place, stop),
-        EstimatorFit::Links(_) => usual,
+/// The shares of packets that an estimator predicts.
+struct PredictedShares<'a> {
+    fit: &'a EstimatorFit,
+    calibrated: Option<CalibratedShares<'a>>,
+    usual: f64,
+}
+
+impl<'a> PredictedShares<'a> {
+    fn of(fit: &'a EstimatorFit, usual: f64) -> Self {
+        let calibrated = match fit {
+            EstimatorFit::Calibration(calibration) => calibration.shares(),
+            _ => None,
+        };
+        Self { fit, calibrated, usual }
+    }
+
+    /// The share of packets that arrive over a link.
+    fn at(&self, place: Position, stop: &Stop) -> f64 {
+        match self.fit {
+            EstimatorFit::Profile(profile) => profile.curve.probability(place.distance_m(stop.position)),
+            EstimatorFit::Calibration(_) => {
+                self.calibrated.as_ref().map_or(self.usual, |shares| shares.at(place, stop.position))
+            }
+            EstimatorFit::Pattern(pattern) => pattern.probability(place, stop),
+            EstimatorFit::Links(_) => self.usual,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What is expected of a link from the other links of its node.
 
 use sextant_channel::Position;
+use sextant_kernel::maths::exp_each;
 
 use super::geometry::{NEIGHBOURS, keep_nearest};
 use super::law::Law;
@@ -39,7 +40,19 @@ pub(super) fn conditioned(
     keep_nearest(&mut near);
     let shadowing = law.shadowing * law.shadowing;
     let common = law.offset * law.offset;
-    let covariance = |distance_m: f64| common + law.shared * shadowing * libm::exp(-distance_m / law.correlation_m);
+    // The correlations with the link, then those between the others by rows.
+    let mut correlations = [0.0; NEIGHBOURS * (NEIGHBOURS + 3) / 2];
+    let between = near.iter().enumerate().flat_map(|(row, &(_, first))| {
+        near[..=row].iter().map(move |&(_, second)| known[first].place.distance_m(known[second].place))
+    });
+    for (correlation, distance_m) in
+        correlations.iter_mut().zip(near.iter().map(|&(distance_m, _)| distance_m).chain(between))
+    {
+        *correlation = -distance_m / law.correlation_m;
+    }
+    exp_each(&mut correlations);
+    let covariance = |correlation: f64| common + law.shared * shadowing * correlation;
+    let (to, mut between) = correlations.split_at(near.len());
     let alone = (1.0 - law.shared) * shadowing + 2.0 * law.direction * law.direction;
     let count = near.len();
     let mut factor = [[0.0f64; NEIGHBOURS]; NEIGHBOURS];
@@ -47,17 +60,16 @@ pub(super) fn conditioned(
     let mut solved = [0.0f64; NEIGHBOURS];
     let (mut margin, mut variance) = (told.margin, told.spread * told.spread);
     for row in 0..count {
-        let (distance_m, number) = near[row];
-        let link = &known[number];
+        let link = &known[near[row].1];
+        let (along_row, rest) = between.split_at(row + 1);
+        between = rest;
         for column in 0..=row {
-            let other = &known[near[column].1];
-            let own = covariance(link.place.distance_m(other.place))
-                + if row == column { alone + link.variance } else { 0.0 };
+            let own = covariance(along_row[column]) + if row == column { alone + link.variance } else { 0.0 };
             let sum: f64 = own - (0..column).map(|k| factor[row][k] * factor[column][k]).sum::<f64>();
             factor[row][column] = if row == column { sum.max(1e-12).sqrt() } else { sum / factor[column][column] };
         }
         let before = |values: &[f64; NEIGHBOURS]| (0..row).map(|k| factor[row][k] * values[k]).sum::<f64>();
-        half[row] = (covariance(distance_m) - before(&half)) / factor[row][row];
+        half[row] = (covariance(to[row]) - before(&half)) / factor[row][row];
         solved[row] = (link.excess - before(&solved)) / factor[row][row];
         margin += half[row] * solved[row];
         variance -= half[row] * half[row];

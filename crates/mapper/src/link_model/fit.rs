@@ -8,7 +8,7 @@ use super::law::{Law, PARAMETERS};
 use super::likelihood::MarginSums;
 use super::links::PlaceLinks;
 use super::outages::{NodeAndPlace, Outages};
-use super::posterior::{GridPosterior, HeardLinks, PriorGrid, log_evidence};
+use super::posterior::{ExpectedMargins, HeardLinks, PriorGrid, log_evidence};
 use super::window::LinkWindow;
 
 /// The law is estimated from at most so many nodes, at most so many of their links, and on so many vertices, in the plane
@@ -19,6 +19,8 @@ const VERTICES: [f64; 2] = [320.0, 640.0];
 /// Lengths of the steps of the search for the law, and most rounds with each.
 const STEPS: [f64; 3] = [1.0, 0.5, 0.25];
 const ROUNDS: [u32; 3] = [8, 6, 6];
+/// A step back from one that lost so many times what a step off the best value costs would gain nothing, by a parabola twice.
+const SURELY: f64 = 1.5;
 /// The evidence must grow by this much for each node, or the search has ended.
 const GAIN: f64 = 1e-2;
 
@@ -66,20 +68,21 @@ pub(super) fn find(
     for pass in 0..WORK {
         climb(&samples, &mut found, fading_db, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
         let law = found.law;
-        let told: Vec<(GridPosterior, Vec<NodeAndPlace>)> = samples
+        let told: Vec<(ExpectedMargins, Vec<NodeAndPlace>)> = samples
             .par_iter()
             .map(|NodeSample { evidence, grid }| {
                 let posterior = evidence.posterior(&law, grid, &mut Vec::new());
-                let pairs = evidence.pairs(&law, grid, &posterior, &thinned, hearing);
-                (posterior, pairs)
+                let expected = evidence.expected(&law, grid, &posterior, &thinned);
+                let pairs = evidence.pairs(&expected, hearing);
+                (expected, pairs)
             })
             .collect();
         let all: Vec<NodeAndPlace> = told.iter().flat_map(|(_, pairs)| pairs).copied().collect();
         found.outages = found.outages.estimated(&all);
         let outages = &found.outages;
-        samples.par_iter_mut().zip(told).for_each(|(NodeSample { evidence, grid }, (posterior, pairs))| {
+        samples.par_iter_mut().zip(told).for_each(|(NodeSample { evidence, grid }, (expected, pairs))| {
             evidence.set_outages(outages, &pairs);
-            evidence.refine(&law, grid, &posterior, &thinned, hearing);
+            evidence.refine(&law, expected, &thinned, hearing);
             if pass == 0 {
                 let posterior = evidence.posterior(&law, grid, &mut Vec::new());
                 *grid = evidence.mixed_grid(window, grid, &posterior, VERTICES[usize::from(is_spatial)]);
@@ -149,15 +152,18 @@ fn climb(
     let mut best = score(samples, &sums, &found.law, fading_db);
     let least = GAIN * samples.len() as f64;
     found.settled = false;
+    let mut courses = [ParameterCourse::default(); PARAMETERS];
     for &scale in scales {
         let step = STEPS[scale];
-        // Where a parameter moved last time, it goes on in that direction first.
-        let mut directions = [1.0; PARAMETERS];
         for _ in 0..ROUNDS[scale] {
             let before = best;
-            for (number, direction) in directions.iter_mut().enumerate() {
-                for sign in [*direction, -*direction] {
+            for (number, course) in courses.iter_mut().enumerate() {
+                let mut losses = [None; 2];
+                for (trial, sign) in [course.sign(), -course.sign()].into_iter().enumerate() {
                     watch.check()?;
+                    if trial == 1 && course.is_vain(losses[0], step) {
+                        break;
+                    }
                     let Some(law) = found.law.moved(number, sign * step) else { continue };
                     let moved = Law::is_of_covariance(number).then(|| {
                         self::sums(samples, |NodeSample { evidence, grid }, number| {
@@ -166,10 +172,15 @@ fn climb(
                     });
                     let score = score(samples, moved.as_ref().unwrap_or(&sums), &law, fading_db);
                     if score > best {
-                        (best, found.law, *direction) = (score, law, sign);
+                        (best, found.law) = (score, law);
                         sums = moved.unwrap_or(sums);
+                        course.is_backward = sign < 0.0;
                         break;
                     }
+                    losses[trial] = Some(best - score);
+                }
+                if let [Some(forward), Some(backward)] = losses {
+                    course.take(forward, backward, step);
                 }
             }
             found.rounds += 1;
@@ -180,6 +191,33 @@ fn climb(
         }
     }
     Ok(())
+}
+
+/// What the search knows of a parameter.
+#[derive(Clone, Copy, Default)]
+struct ParameterCourse {
+    /// Whether it is better moved down than up.
+    is_backward: bool,
+    /// What a step of 1 off the best value costs, if steps to both sides were tried in vain.
+    curvature: Option<f64>,
+}
+
+impl ParameterCourse {
+    /// Where a parameter moved last time, it goes on in that direction first.
+    fn sign(&self) -> f64 {
+        if self.is_backward { -1.0 } else { 1.0 }
+    }
+
+    /// Whether a step backward is in vain if one forward has this loss: the parabola through both falls.
+    fn is_vain(&self, forward: Option<f64>, step: f64) -> bool {
+        self.curvature.zip(forward).is_some_and(|(curvature, loss)| loss < SURELY * curvature * step * step)
+    }
+
+    /// Takes what a step forward and one backward lost.
+    fn take(&mut self, forward: f64, backward: f64, step: f64) {
+        self.curvature = Some(0.5 * (forward + backward) / (step * step));
+        self.is_backward ^= backward < forward;
+    }
 }
 
 /// The sums of each sample, which come from it and its number.

@@ -1,11 +1,13 @@
 //! Distances and directions from possible places of a node to the places of its links.
 
 use sextant_channel::Position;
+use sextant_kernel::maths::ln_each;
+use wide::f32x4;
 
 use super::links::HeardLink;
 
-/// Vertices that are treated together.
-pub(super) const BLOCK: usize = 16;
+/// Vertices that are treated together: their sums and all that they are made of stay in the registers and the nearest memory.
+pub(super) const BLOCK: usize = 4;
 /// What is known at a vertex of a place: logarithm of the distance, cosine and sine of the direction and of twice the
 /// direction.
 pub(super) const COLUMNS: usize = 5;
@@ -13,7 +15,7 @@ pub(super) const COLUMNS: usize = 5;
 pub(super) const NEIGHBOURS: usize = 8;
 
 /// The values of a column at the vertices of a block.
-pub(super) type Lane = [f32; BLOCK];
+pub(super) type Lane = f32x4;
 
 /// Where the places of a node's links lie relative to each other. The shadowing at a place is predicted from at most
 /// [`NEIGHBOURS`] nearest places before it (Vecchia 1988), in an order in which each next place is the one farthest from all
@@ -112,6 +114,51 @@ fn farthest_first(at: &[Position]) -> Vec<usize> {
     order
 }
 
+/// A weighted sum, and that of the squares.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MeanSquare {
+    pub(super) mean: f64,
+    pub(super) square: f64,
+}
+
+/// The vertices of a block by coordinates, and the least distances from them that count (m).
+struct SeenBlock {
+    at: [[f64; BLOCK]; 3],
+    least_m: [f64; BLOCK],
+}
+
+impl SeenBlock {
+    fn of(vertices: &[Position], least_m: impl Fn(usize) -> f64) -> Self {
+        // What is beyond the end is at the last vertex.
+        let last = vertices.len().saturating_sub(1);
+        let along = |axis: usize| std::array::from_fn(|lane| <[f64; 3]>::from(vertices[lane.min(last)])[axis]);
+        Self { at: [along(0), along(1), along(2)], least_m: std::array::from_fn(|lane| least_m(lane.min(last))) }
+    }
+}
+
+/// The columns of a place at the vertices of a block.
+fn columns(seen: &SeenBlock, place: Position) -> [Lane; COLUMNS] {
+    let mut columns = [[0.0_f32; BLOCK]; COLUMNS];
+    let mut squares = [0.0; BLOCK];
+    for (lane, square) in squares.iter_mut().enumerate() {
+        let [x_m, y_m, z_m] = [0, 1, 2].map(|axis| seen.at[axis][lane]);
+        let way = [place.x_m - x_m, place.y_m - y_m, place.z_m - z_m];
+        let flat_m2 = way[0] * way[0] + way[1] * way[1];
+        let flat_m = flat_m2.sqrt();
+        let is_aside = flat_m > 1e-9;
+        let [cosine, sine] = [way[0], way[1]].map(|along| if is_aside { along / flat_m } else { 0.0 });
+        let least_m = seen.least_m[lane];
+        *square = (flat_m2 + way[2] * way[2]).max(least_m * least_m);
+        columns[1][lane] = single(cosine);
+        columns[2][lane] = single(sine);
+        columns[3][lane] = single(cosine * cosine - sine * sine);
+        columns[4][lane] = single(2.0 * cosine * sine);
+    }
+    ln_each(&mut squares);
+    columns[0] = squares.map(|logarithm| single(0.5 * logarithm));
+    columns.map(Lane::from)
+}
+
 /// The columns of all links at all vertices, by blocks of vertices; within a block in the order of an arrangement.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
@@ -124,24 +171,30 @@ impl Columns {
     pub(super) fn new(vertices: &[Position], places: &[Position], least_m: impl Fn(usize) -> f64) -> Self {
         let mut lanes = Vec::with_capacity(vertices.len().div_ceil(BLOCK) * places.len());
         for (number, block) in vertices.chunks(BLOCK).enumerate() {
+            let seen = SeenBlock::of(block, |lane| least_m(number * BLOCK + lane));
             for &place in places {
-                let mut columns = [[0.0; BLOCK]; COLUMNS];
-                for (lane, &vertex) in block.iter().enumerate() {
-                    let way = place - vertex;
-                    let flat_m = (way.x_m * way.x_m + way.y_m * way.y_m).sqrt();
-                    let (cosine, sine) =
-                        if flat_m > 1e-9 { (way.x_m / flat_m, way.y_m / flat_m) } else { (0.0, 0.0) };
-                    let distance_m = (flat_m * flat_m + way.z_m * way.z_m).sqrt().max(least_m(number * BLOCK + lane));
-                    let twice = (cosine * cosine - sine * sine, 2.0 * cosine * sine);
-                    let values = [libm::log(distance_m), cosine, sine, twice.0, twice.1];
-                    for (column, value) in columns.iter_mut().zip(values) {
-                        column[lane] = single(value);
-                    }
-                }
-                lanes.push(columns);
+                lanes.push(columns(&seen, place));
             }
         }
         Self { lanes, links: places.len() }
+    }
+
+    /// The sums over vertices of the logarithm of the distance to each link and of its square, weighted by the shares of vertices.
+    pub(super) fn mean_logarithms(&self, shares: &[f64]) -> Vec<MeanSquare> {
+        let mut sums = vec![MeanSquare::default(); self.links];
+        for (block, shares) in self.blocks().zip(shares.chunks(BLOCK)) {
+            if shares.iter().all(|&share| share <= 0.0) {
+                continue;
+            }
+            for (sum, [logarithms, ..]) in sums.iter_mut().zip(block) {
+                for (logarithm, share) in logarithms.to_array().into_iter().zip(shares) {
+                    let logarithm = f64::from(logarithm);
+                    sum.mean += share * logarithm;
+                    sum.square += share * logarithm * logarithm;
+                }
+            }
+        }
+        sums
     }
 
     /// The columns of each block of vertices.

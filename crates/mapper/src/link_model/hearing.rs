@@ -1,16 +1,20 @@
 //! How margins become packets and strengths, estimated from the links that were heard.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::LazyLock;
 
 use rayon::prelude::*;
 use sextant_channel::Position;
+use sextant_kernel::maths::{exp_each, ln_each};
 
 use super::links::{HeardLink, NodeLinks, PlaceLinks};
-use super::losses::{CountTables, Losses, counts, table};
-use super::receiver::Receiver;
-use super::tables::{STEP, TABLES};
+use super::losses::{CountTables, Losses, counts};
+use super::receiver::{Receiver, StrengthTable};
+use super::tables::{MARGINS, STEP, TABLES};
 use crate::log_facts::reach::median;
-use crate::numerics::normal::density;
+use crate::numerics::normal::densities;
 
 /// How margins become packets and strengths.
 #[derive(Clone, Debug)]
@@ -19,6 +23,8 @@ pub(super) struct Hearing {
     pub(super) receiver: Option<Receiver>,
     /// How they become packets.
     pub(super) counts: CountTables,
+    /// What strengths say, by the number of packets received.
+    strengths: BTreeMap<u32, StrengthTable>,
 }
 
 /// It is estimated from at most so many links.
@@ -83,7 +89,58 @@ impl Hearing {
         }
         let trial = best.map(|(_, trial)| sample.climb(trial, is_measured, usize::MAX).1);
         let losses = trial.map_or(Losses::NONE, |trial| trial.losses);
-        Self { receiver: trial.and_then(|trial| trial.receiver), counts: CountTables::of(links, losses) }
+        Self::new(links, trial.and_then(|trial| trial.receiver), losses)
+    }
+
+    /// The one of this receiver and these losses, with tables for `links`.
+    pub(super) fn new(links: &PlaceLinks, receiver: Option<Receiver>, losses: Losses) -> Self {
+        let mut strengths = BTreeMap::new();
+        if let Some(receiver) = &receiver {
+            let measured = links.nodes.iter().flat_map(|node| &node.links).filter(|link| link.rssi_dbm.is_some());
+            for link in measured {
+                strengths.entry(link.received).or_insert_with(|| receiver.table(link));
+            }
+        }
+        Self { receiver, counts: CountTables::of(links, losses), strengths }
+    }
+
+    /// Without tables: they are made when they are asked for.
+    #[cfg(test)]
+    pub(super) fn without_tables(receiver: Option<Receiver>, losses: Losses) -> Self {
+        Self { receiver, counts: CountTables::new(losses), strengths: BTreeMap::new() }
+    }
+
+    /// What the strength of `link` says of its margin, if it has one.
+    pub(super) fn strength(&self, link: &HeardLink) -> Option<MeasuredStrength<'_>> {
+        let (receiver, rssi_dbm) = self.receiver.as_ref().zip(link.rssi_dbm)?;
+        let table = match self.strengths.get(&link.received) {
+            Some(table) => Cow::Borrowed(table),
+            None => Cow::Owned(receiver.table(link)),
+        };
+        Some(MeasuredStrength { receiver, rssi_dbm, table })
+    }
+}
+
+/// A strength, and what strengths say.
+pub(super) struct MeasuredStrength<'a> {
+    receiver: &'a Receiver,
+    rssi_dbm: f64,
+    table: Cow<'a, StrengthTable>,
+}
+
+impl MeasuredStrength<'_> {
+    /// The logarithm of its density at each of some margins of the tables is added to `logs`.
+    pub(super) fn add_to(&self, logs: &mut [f64], margins: Range<usize>) {
+        let table = self.table.precisions[margins.clone()].iter().zip(&self.table.logs[margins.clone()]);
+        for ((log, excess), (precision, own)) in logs.iter_mut().zip(&TABLES.excess[margins]).zip(table) {
+            let error = self.rssi_dbm - self.receiver.mean_dbm(*excess);
+            *log += precision * error * error + own;
+        }
+    }
+
+    /// The highest logarithm of a density.
+    pub(super) fn highest(&self) -> f64 {
+        self.table.highest
     }
 }
 
@@ -111,12 +168,25 @@ struct ReceiverTrial {
 /// Links between nodes and places that are near to them.
 struct LinkSample {
     /// Those that were heard.
-    links: Vec<HeardLink>,
-    /// Those that were silent: how many, by packets sent.
-    silent: BTreeMap<u32, f64>,
+    links: Vec<CountedLink>,
+    /// Those that were silent.
+    silent: Vec<SilentLinks>,
+    /// The numbers of packets of all, received and sent.
     counts: Vec<(u32, u32)>,
     /// Whether enough links lost packets, of several each.
     tells_losses: bool,
+}
+
+/// A link that was heard, and the number of its packets among those of all links.
+struct CountedLink {
+    link: HeardLink,
+    count: usize,
+}
+
+/// How many links were silent whose packets have this number among those of all links.
+struct SilentLinks {
+    count: usize,
+    links: f64,
 }
 
 impl LinkSample {
@@ -138,12 +208,15 @@ impl LinkSample {
         let links: Vec<HeardLink> = heard.iter().copied().step_by(every).collect();
         // Half of the links that were heard are as near as the silent ones that count.
         silent.values_mut().for_each(|count| *count *= 2.0 / every as f64);
-        let mut counts: Vec<(u32, u32)> = links.iter().map(counts).collect();
         let tells = links.iter().filter(|link| link.sent > 1 && link.received < link.sent).count();
-        counts.extend(silent.keys().map(|&sent| (0, sent)));
-        counts.sort_unstable();
-        counts.dedup();
-        Self { links, silent, counts, tells_losses: tells >= LEAST_LINKS }
+        let heard = links.iter().map(counts);
+        let mut all: Vec<(u32, u32)> = heard.chain(silent.keys().map(|&sent| (0, sent))).collect();
+        all.sort_unstable();
+        all.dedup();
+        let number = |counts: (u32, u32)| all.partition_point(|other| *other < counts);
+        let links = links.iter().map(|link| CountedLink { link: *link, count: number(counts(link)) }).collect();
+        let silent = silent.iter().map(|(&sent, &links)| SilentLinks { count: number((0, sent)), links }).collect();
+        Self { links, silent, counts: all, tells_losses: tells >= LEAST_LINKS }
     }
 
     /// The best of a grid of receivers.
@@ -209,34 +282,81 @@ impl LinkSample {
         best
     }
 
-    /// Logarithms of the probability of each number of packets at every third margin.
-    fn tables(&self, losses: Losses) -> PacketTables {
-        self.counts
-            .par_iter()
-            .map(|&counts| (counts, table(losses, counts, EVERY)))
-            .collect::<Vec<_>>()
-            .into_iter()
-            .collect()
+    /// What each number of packets says at every third margin.
+    fn tables(&self, losses: Losses) -> Vec<PacketTable> {
+        let arrivals = losses.arrivals();
+        let table = |&(received, sent): &(u32, u32)| {
+            let mut logs = arrivals.log_likelihoods(received, sent, &THIRDS.reached);
+            let highest_margin = logs[THIRDS_COUNT - 1];
+            exp_each(&mut logs);
+            PacketTable { likelihoods: logs, highest_margin }
+        };
+        self.counts.par_iter().map(table).collect()
     }
 
     /// Logarithm of the likelihood of a trial, and of its prior density.
-    fn score(&self, trial: &ReceiverTrial, tables: &PacketTables) -> f64 {
+    fn score(&self, trial: &ReceiverTrial, tables: &[PacketTable]) -> f64 {
         let usual = trial.usual();
-        let log = |link: &HeardLink| trial.log_probability(link, &tables[&counts(link)], &usual);
-        let logs: Vec<f64> = self.links.par_iter().with_min_len(32).map(log).collect();
-        let alive = libm::log(1.0 - trial.outage) * logs.len() as f64;
-        let silence = |(sent, count): (&u32, &f64)| {
-            let lost: f64 =
-                tables[&(0, *sent)].iter().zip(&usual).map(|(none, usual)| usual * libm::exp(*none)).sum();
-            count * libm::log(trial.outage + (1.0 - trial.outage) * lost)
+        let heard = match &trial.receiver {
+            Some(receiver) => {
+                let log = |counted: &CountedLink| {
+                    trial.log_probability(receiver, &counted.link, &tables[counted.count], &usual)
+                };
+                self.links.par_iter().with_min_len(32).map(log).collect::<Vec<f64>>().iter().sum()
+            }
+            None => self.log_packets(tables, &usual),
+        };
+        let alive = libm::log(1.0 - trial.outage) * self.links.len() as f64;
+        let silence = |silent: &SilentLinks| {
+            let lost = dot(&tables[silent.count].likelihoods, &usual);
+            silent.links * libm::log(trial.outage + (1.0 - trial.outage) * lost)
         };
         let silence: f64 = self.silent.iter().map(silence).sum();
-        logs.iter().sum::<f64>() + alive + silence + trial.log_prior()
+        heard + alive + silence + trial.log_prior()
+    }
+
+    /// Logarithm of the probability of the packets of all links that were heard, whose margins are the `usual` ones.
+    fn log_packets(&self, tables: &[PacketTable], usual: &[f64]) -> f64 {
+        let mut logs: Vec<f64> =
+            tables.iter().map(|table| dot(&table.likelihoods, usual).max(LEAST_PROBABILITY)).collect();
+        ln_each(&mut logs);
+        self.links.iter().map(|counted| logs[counted.count]).sum()
     }
 }
 
-/// Logarithms of the probability of numbers of packets, received and sent, at every third margin.
-type PacketTables = BTreeMap<(u32, u32), Vec<f64>>;
+/// A probability is at least this.
+const LEAST_PROBABILITY: f64 = 1e-300;
+
+/// What a number of packets says at every third margin.
+struct PacketTable {
+    likelihoods: Vec<f64>,
+    /// The logarithm of the likelihood at the highest margin.
+    highest_margin: f64,
+}
+
+/// Number of every third margin.
+const THIRDS_COUNT: usize = MARGINS.div_ceil(EVERY);
+/// The tables at every third margin.
+struct Thirds {
+    margin: [f64; THIRDS_COUNT],
+    reached: [f64; THIRDS_COUNT],
+    excess: [f64; THIRDS_COUNT],
+    variance: [f64; THIRDS_COUNT],
+}
+
+static THIRDS: LazyLock<Thirds> = LazyLock::new(|| {
+    let every = |values: &[f64; MARGINS]| std::array::from_fn(|third| values[EVERY * third]);
+    Thirds {
+        margin: every(&TABLES.margin),
+        reached: every(&TABLES.reached),
+        excess: every(&TABLES.excess),
+        variance: every(&TABLES.variance),
+    }
+});
+
+fn dot(first: &[f64], second: &[f64]) -> f64 {
+    first.iter().zip(second).map(|(first, second)| first * second).sum()
+}
 
 impl ReceiverTrial {
     /// Where the search begins without strengths.
@@ -277,31 +397,37 @@ impl ReceiverTrial {
     }
 
     /// The density of margins at every third margin.
-    fn usual(&self) -> Vec<f64> {
-        let margins = TABLES.margin.iter().step_by(EVERY);
+    fn usual(&self) -> [f64; THIRDS_COUNT] {
         let width = EVERY as f64 * STEP / self.deviation;
-        margins.map(|margin| width * density((margin - self.mean) / self.deviation)).collect()
+        densities(THIRDS.margin.map(|margin| (margin - self.mean) / self.deviation)).map(|density| width * density)
     }
 
-    /// Logarithm of the probability of share and strength of a link whose margin is one of the `usual` ones.
-    fn log_probability(&self, link: &HeardLink, counts: &[f64], usual: &[f64]) -> f64 {
-        let measured = self.receiver.as_ref().zip(link.rssi_dbm);
-        if let Some((receiver, rssi_dbm)) = measured
-            && let Some(site) = receiver.strong(link, rssi_dbm)
-        {
+    /// Logarithm of the probability of share and strength of a link that has a strength, and whose margin is one of the `usual`
+    /// ones.
+    fn log_probability(&self, receiver: &Receiver, link: &HeardLink, packets: &PacketTable, usual: &[f64]) -> f64 {
+        let Some(rssi_dbm) = link.rssi_dbm else { return 0.0 };
+        if let Some(site) = receiver.strong(link, rssi_dbm) {
             let variance = site.variance + self.deviation * self.deviation;
             let error = site.margin - self.mean;
             let log = -0.5 * (error * error / variance + libm::log(variance)) - libm::log(receiver.fading_db);
-            return log + counts.last().copied().unwrap_or(0.0);
+            return log + packets.highest_margin;
         }
-        let mut sum = 0.0;
-        for (third, (count, usual)) in counts.iter().zip(usual).enumerate() {
-            if *count > -60.0 && *usual > 1e-12 {
-                let strength = measured.map_or(0.0, |(receiver, _)| receiver.log_density(link, EVERY * third));
-                sum += usual * libm::exp(count + strength);
-            }
+        let near = receiver.margins_near(link, rssi_dbm, &THIRDS.excess);
+        let (excess, share) = (&THIRDS.excess[near.clone()], &THIRDS.variance[near.clone()]);
+        let mut terms = [0.0; THIRDS_COUNT];
+        let mut factors = [0.0; THIRDS_COUNT];
+        let (terms, factors) = (&mut terms[..near.len()], &mut factors[..near.len()]);
+        let usual = usual[near.clone()].iter().zip(&packets.likelihoods[near]);
+        for ((((term, factor), excess), share), (usual, likelihood)) in
+            terms.iter_mut().zip(factors.iter_mut()).zip(excess).zip(share).zip(usual)
+        {
+            let precision = 1.0 / receiver.variance_db2(link, *share);
+            let error = rssi_dbm - receiver.mean_dbm(*excess);
+            *term = -0.5 * error * error * precision;
+            *factor = usual * likelihood * precision.sqrt();
         }
-        libm::log(sum.max(1e-300))
+        exp_each(terms);
+        libm::log(dot(terms, factors).max(LEAST_PROBABILITY))
     }
 
     fn log_prior(&self) -> f64 {

@@ -2,19 +2,24 @@
 
 use std::sync::Arc;
 
+use sextant_kernel::maths::{exp_each, ln_each};
+use wide::f64x4;
+
 use super::geometry::{Arrangement, BLOCK, COLUMNS, Columns, Lane, NEIGHBOURS, single};
 use super::law::Law;
 use super::receiver::Site;
 
 /// Amplitudes of a node: the deviation of its slope, and four of its dependence on direction.
 const AMPLITUDES: usize = COLUMNS;
-/// Products of two amplitudes.
+/// Products of two amplitudes, and those of two amplitudes of direction.
 const PRODUCTS: usize = AMPLITUDES * (AMPLITUDES + 1) / 2;
+const AMONG_DIRECTIONS: usize = PRODUCTS - AMPLITUDES;
 
 /// How one margin is predicted from those before it.
 struct Prediction {
     neighbours: usize,
-    at: [usize; NEIGHBOURS],
+    at: [u32; NEIGHBOURS],
+    /// What a margin of each neighbour adds to the prediction, in standard deviations of its error.
     weights: [f32; NEIGHBOURS],
     /// One over the standard deviation of the error.
     precision: f32,
@@ -24,6 +29,16 @@ struct Prediction {
     unit: f32,
     /// The logarithm of the distance of the law minus its prediction, in standard deviations.
     level: f32,
+}
+
+/// The error of a prediction at the vertices of a block.
+#[derive(Clone, Copy)]
+struct ErrorsAtBlock {
+    error: Lane,
+    /// What an amplitude of 1 is in it.
+    columns: [Lane; AMPLITUDES],
+    /// What a margin of 1 is in it.
+    unit: Lane,
 }
 
 /// What the likelihood at each vertex needs of the links: sums over them under a covariance of margins. Laws that differ in
@@ -69,7 +84,9 @@ struct BlockSums {
 impl ShadowingCorrelations {
     fn of(arrangement: &Arrangement, correlation_m: f64) -> Self {
         let distances_m = arrangement.neighbours.iter().flat_map(|neighbours| &neighbours.distances_m);
-        Self { correlation_m, each: distances_m.map(|distance_m| libm::exp(-distance_m / correlation_m)).collect() }
+        let mut each: Vec<f64> = distances_m.map(|distance_m| -distance_m / correlation_m).collect();
+        exp_each(&mut each);
+        Self { correlation_m, each }
     }
 }
 
@@ -98,7 +115,14 @@ impl MarginSums {
     ) -> Self {
         let (predictions, logs) = predictions(law, &correlations.each, arrangement, sites);
         let slope = single(law.slope);
-        let blocks = columns.blocks().map(|block| BlockSums::of(&predictions, slope, block)).collect();
+        let mut errors = Vec::with_capacity(predictions.len());
+        let blocks = columns.blocks().map(|block| {
+            errors.clear();
+            errors
+                .extend(predictions.iter().zip(block).map(|(prediction, own)| prediction.errors(slope, own, block)));
+            BlockSums::of(&errors)
+        });
+        let blocks = blocks.collect();
         let units = predictions.iter().map(|prediction| f64::from(prediction.unit).powi(2)).sum();
         Self { correlations, margin: law.margin, slope: law.slope, logs, units, blocks }
     }
@@ -109,111 +133,136 @@ impl MarginSums {
         out.clear();
         let mut deviations = [law.direction; AMPLITUDES];
         deviations[0] = law.slope_deviation();
-        let (higher, steeper) = (law.margin - self.margin, law.slope - self.slope);
+        let changed = ChangedLaw { higher: law.margin - self.margin, steeper: law.slope - self.slope, deviations };
+        let mut determinants = Vec::with_capacity(self.blocks.len() * BLOCK);
         for block in &self.blocks {
-            for lane in 0..BLOCK {
-                let at = |sums: &Lane| f64::from(sums[lane]);
-                let products = block.products.each_ref().map(at);
-                let unit_along = block.unit_along.each_ref().map(at);
-                let mut along = block.along.each_ref().map(at);
-                let squares = at(&block.squares)
-                    + higher * (higher * self.units - 2.0 * at(&block.units))
-                    + steeper * (steeper * products[0] + 2.0 * along[0] - 2.0 * higher * unit_along[0]);
-                for (row, along) in along.iter_mut().enumerate() {
-                    *along += steeper * products[row * (row + 1) / 2] - higher * unit_along[row];
-                }
-                out.push(-0.5 * squares + gained(&deviations, along, products) - self.logs);
-            }
+            let WithoutAmplitudes { quadratic, determinant } = block.without_amplitudes(self.units, &changed);
+            out.extend(quadratic.to_array());
+            determinants.extend(determinant.to_array());
+        }
+        ln_each(&mut determinants);
+        for (log, determinant) in out.iter_mut().zip(&determinants) {
+            *log = -0.5 * (*log + determinant) - self.logs;
         }
     }
 }
 
+/// What a law changes in the errors of margins, and the deviations of the amplitudes.
+struct ChangedLaw {
+    higher: f64,
+    steeper: f64,
+    deviations: [f64; AMPLITUDES],
+}
+
+/// What the vertices of a block have without their amplitudes.
+struct WithoutAmplitudes {
+    /// The squares of the errors.
+    quadratic: f64x4,
+    /// Determinant of the amplitudes.
+    determinant: f64x4,
+}
+
 impl BlockSums {
-    fn of(predictions: &[Prediction], slope: f32, block: &[[Lane; COLUMNS]]) -> Self {
-        let mut sums = Self {
-            squares: [0.0; BLOCK],
-            units: [0.0; BLOCK],
-            along: [[0.0; BLOCK]; AMPLITUDES],
-            unit_along: [[0.0; BLOCK]; AMPLITUDES],
-            products: [[0.0; BLOCK]; PRODUCTS],
-        };
-        for (own, prediction) in block.iter().zip(predictions) {
-            let mut left = *own;
-            for (&at, &weight) in prediction.at.iter().zip(&prediction.weights).take(prediction.neighbours) {
-                for (column, other) in left.iter_mut().zip(&block[at]) {
-                    subtract(column, other, weight);
+    /// What the amplitudes, whose standard deviations are `s`, leave of the squares of errors:
+    /// `squares − gᵀ(S⁻² + M)⁻¹g`, and `det(I + SMS)`, where S is diagonal. `units` are the squares of what a margin of 1 is.
+    fn without_amplitudes(&self, units: f64, law: &ChangedLaw) -> WithoutAmplitudes {
+        let at = |sums: &Lane| f64x4::from(sums.to_array().map(f64::from));
+        let ChangedLaw { higher, steeper, deviations: s } = law;
+        let (higher, steeper) = (f64x4::splat(*higher), f64x4::splat(*steeper));
+        let products = self.products.each_ref().map(at);
+        let unit_along = self.unit_along.each_ref().map(at);
+        let mut along = self.along.each_ref().map(at);
+        let two = f64x4::splat(2.0);
+        let mut quadratic = at(&self.squares)
+            + higher * (higher * f64x4::splat(units) - two * at(&self.units))
+            + steeper * (steeper * products[0] + two * along[0] - two * higher * unit_along[0]);
+        for (row, along) in along.iter_mut().enumerate() {
+            *along += steeper * products[row * (row + 1) / 2] - higher * unit_along[row];
+        }
+        // The factors L and D of I + SMS = LDLᵀ, row by row, and the solution of Lx = Sg.
+        let mut factor = [[f64x4::ZERO; AMPLITUDES]; AMPLITUDES];
+        let mut inverse = [f64x4::ZERO; AMPLITUDES];
+        let mut solved = [f64x4::ZERO; AMPLITUDES];
+        let mut determinant = f64x4::ONE;
+        let mut product = 0;
+        for row in 0..AMPLITUDES {
+            let mut scaled = [f64x4::ZERO; AMPLITUDES];
+            let mut own = f64x4::splat(s[row]) * along[row];
+            for column in 0..=row {
+                let mut sum = f64x4::splat(s[row] * s[column]) * products[product];
+                product += 1;
+                for k in 0..column {
+                    sum -= scaled[k] * factor[column][k];
+                }
+                if row == column {
+                    let pivot = sum + f64x4::ONE;
+                    determinant *= pivot;
+                    inverse[row] = f64x4::ONE / pivot;
+                } else {
+                    scaled[column] = sum;
+                    factor[row][column] = sum * inverse[column];
+                    own -= factor[row][column] * solved[column];
                 }
             }
-            let precision = prediction.precision;
-            let mut error = [0.0f32; BLOCK];
-            for lane in 0..BLOCK {
-                error[lane] = prediction.margin + slope * precision * left[0][lane];
-                sums.squares[lane] += error[lane] * error[lane];
-            }
-            for column in left.iter_mut() {
-                for value in column.iter_mut() {
-                    *value *= precision;
-                }
-            }
-            for value in &mut left[0] {
-                *value -= prediction.level;
-            }
-            add_scaled(&mut sums.units, &error, prediction.unit);
+            solved[row] = own;
+            quadratic -= own * own * inverse[row];
+        }
+        WithoutAmplitudes { quadratic, determinant }
+    }
+
+    /// The sums of the errors. Each loop has as many sums as there are registers.
+    fn of(errors: &[ErrorsAtBlock]) -> Self {
+        let (mut among, mut steep) = ([Lane::ZERO; AMONG_DIRECTIONS], [Lane::ZERO; AMPLITUDES]);
+        let (mut along, mut unit_along) = (steep, steep);
+        let (mut squares, mut units) = (Lane::ZERO, Lane::ZERO);
+        for ErrorsAtBlock { columns, .. } in errors {
             let mut product = 0;
-            for first in 0..AMPLITUDES {
-                add_product(&mut sums.along[first], &left[first], &error);
-                add_scaled(&mut sums.unit_along[first], &left[first], prediction.unit);
-                for second in 0..=first {
-                    add_product(&mut sums.products[product], &left[first], &left[second]);
+            for row in 1..AMPLITUDES {
+                for column in 1..=row {
+                    among[product] += columns[row] * columns[column];
                     product += 1;
                 }
             }
         }
-        sums
-    }
-}
-
-#[inline]
-fn subtract(from: &mut Lane, other: &Lane, weight: f32) {
-    for (from, other) in from.iter_mut().zip(other) {
-        *from -= weight * other;
-    }
-}
-
-#[inline]
-fn add_product(to: &mut Lane, first: &Lane, second: &Lane) {
-    for ((to, first), second) in to.iter_mut().zip(first).zip(second) {
-        *to += first * second;
-    }
-}
-
-#[inline]
-fn add_scaled(to: &mut Lane, values: &Lane, factor: f32) {
-    for (to, value) in to.iter_mut().zip(values) {
-        *to += factor * value;
-    }
-}
-
-/// What the amplitudes, whose standard deviations are `s`, add to the logarithm of the likelihood:
-/// `½ gᵀ(S⁻² + M)⁻¹g − ½ ln det(I + SMS)`, where S is diagonal.
-fn gained(s: &[f64; AMPLITUDES], along: [f64; AMPLITUDES], products: [f64; PRODUCTS]) -> f64 {
-    // Cholesky factor of I + SMS, row by row, and the solution with Sg.
-    let mut factor = [[0.0f64; AMPLITUDES]; AMPLITUDES];
-    let mut solved = [0.0f64; AMPLITUDES];
-    let (mut quadratic, mut determinant) = (0.0, 1.0);
-    let mut product = 0;
-    for row in 0..AMPLITUDES {
-        for column in 0..=row {
-            let own = s[row] * s[column] * products[product] + if row == column { 1.0 } else { 0.0 };
-            product += 1;
-            let sum = own - dot(&factor[row], &factor[column], column);
-            factor[row][column] = if row == column { sum.max(1e-12).sqrt() } else { sum / factor[column][column] };
+        for ErrorsAtBlock { error, columns, .. } in errors {
+            for row in 0..AMPLITUDES {
+                steep[row] += columns[row] * columns[0];
+                along[row] += columns[row] * *error;
+            }
         }
-        solved[row] = (s[row] * along[row] - dot(&factor[row], &solved, row)) / factor[row][row];
-        quadratic += solved[row] * solved[row];
-        determinant *= factor[row][row];
+        for ErrorsAtBlock { error, columns, unit } in errors {
+            squares += *error * *error;
+            units += *error * *unit;
+            for row in 0..AMPLITUDES {
+                unit_along[row] += columns[row] * *unit;
+            }
+        }
+        let mut products = [Lane::ZERO; PRODUCTS];
+        for row in 0..AMPLITUDES {
+            let first = row * (row + 1) / 2;
+            products[first] = steep[row];
+            products[first + 1..=first + row].copy_from_slice(&among[first - row..first]);
+        }
+        Self { squares, units, along, unit_along, products }
     }
-    0.5 * quadratic - libm::log(determinant)
+}
+
+impl Prediction {
+    /// The errors at the vertices of a block, in which the place has the columns `own`, under a law with this slope.
+    #[inline]
+    fn errors(&self, slope: f32, own: &[Lane; COLUMNS], block: &[[Lane; COLUMNS]]) -> ErrorsAtBlock {
+        let precision = Lane::splat(self.precision);
+        let mut columns = own.map(|column| column * precision);
+        for (&at, &weight) in self.at.iter().zip(&self.weights).take(self.neighbours) {
+            let weight = Lane::splat(weight);
+            for (column, other) in columns.iter_mut().zip(&block[at as usize]) {
+                *column -= weight * *other;
+            }
+        }
+        let error = Lane::splat(self.margin) + Lane::splat(slope) * columns[0];
+        columns[0] -= Lane::splat(self.level);
+        ErrorsAtBlock { error, columns, unit: Lane::splat(self.unit) }
+    }
 }
 
 /// The product of the first `count` entries.
@@ -234,8 +283,9 @@ fn predictions(
     let shared = law.shared * variance;
     let covariance = |correlation: f64| common + shared * correlation;
     let level = law.at_one_metre();
+    let log_distance = libm::log(law.distance_m);
     let at = |position: usize| sites[arrangement.order[position]];
-    let mut logs = 0.0;
+    let mut deviations = Vec::with_capacity(sites.len());
     let each = arrangement.neighbours.iter().enumerate().map(|(position, neighbours)| {
         let site = at(position);
         let count = neighbours.at.len();
@@ -271,11 +321,11 @@ fn predictions(
             exact[row] = sum / factor[row][row];
         }
         let deviation = left.max(1e-9).sqrt();
-        logs += libm::log(deviation);
+        deviations.push(deviation);
         let mut prediction = Prediction {
             neighbours: count,
             at: [0; NEIGHBOURS],
-            weights: exact.map(single),
+            weights: exact.map(|weight| single(weight / deviation)),
             precision: single(1.0 / deviation),
             margin: 0.0,
             unit: 0.0,
@@ -284,17 +334,18 @@ fn predictions(
         let mut margin = site.margin - level;
         let mut share = 1.0;
         for (slot, &neighbour) in neighbours.at.iter().enumerate() {
-            prediction.at[slot] = neighbour;
+            prediction.at[slot] = u32::try_from(neighbour).expect("a node has few links");
             margin -= exact[slot] * (at(neighbour).margin - level);
             share -= exact[slot];
         }
         prediction.margin = single(margin / deviation);
         prediction.unit = single(share / deviation);
-        prediction.level = single(share * libm::log(law.distance_m) / deviation);
+        prediction.level = single(share * log_distance / deviation);
         prediction
     });
     let predictions = each.collect();
-    (predictions, logs)
+    ln_each(&mut deviations);
+    (predictions, deviations.iter().sum())
 }
 
 #[cfg(test)]

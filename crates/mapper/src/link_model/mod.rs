@@ -308,9 +308,10 @@ impl ModelWithLaw<'_> {
 
     /// Weighs silence and margins where a posterior places the node.
     fn weigh(&self, evidence: &mut HeardLinks<'_>, grid: &PriorGrid, posterior: &GridPosterior) {
-        let pairs = evidence.pairs(&self.law, grid, posterior, self.links, self.hearing);
+        let expected = evidence.expected(&self.law, grid, posterior, self.links);
+        let pairs = evidence.pairs(&expected, self.hearing);
         evidence.set_outages(self.outages, &pairs);
-        evidence.refine(&self.law, grid, posterior, self.links, self.hearing);
+        evidence.refine(&self.law, expected, self.links, self.hearing);
     }
 
     /// What the window says of a posterior. The coarse grid spans all of the window, and the fine one its likely part.

@@ -1,9 +1,10 @@
 //! Where a node is, after what was heard.
 
 use sextant_channel::Position;
+use sextant_kernel::maths::exp_each;
 
 use super::cavity::{ExpectedMargin, KnownMargin, conditioned};
-use super::geometry::{Arrangement, Columns};
+use super::geometry::{Arrangement, Columns, MeanSquare};
 use super::hearing::Hearing;
 use super::law::Law;
 use super::likelihood::MarginSums;
@@ -21,6 +22,10 @@ const SPREADS: f64 = 3.2;
 pub(super) const UNKNOWN: [f64; 2] = [0.0, 3.0];
 /// A site with less than this variance tells something of its margin.
 const TELLING: f64 = 10.0;
+/// Vertices with at least this share of a posterior tell what margins are expected.
+const LIKELY: f64 = 1e-3;
+/// A vertex with less than this share of the likeliest one is left out of a grid round a posterior: e to the power of -20.
+const NEGLIGIBLE: f64 = 2e-9;
 /// Least spread of a prediction.
 pub(super) const LEAST_SPREAD: f64 = 0.3;
 
@@ -119,7 +124,7 @@ impl<'a> HeardLinks<'a> {
         self.grid_in(&self.bounds.round(posterior.mean, half), window, count)
     }
 
-    /// The grid of about `count` vertices over all places, with about as many more round a posterior on it.
+    /// The grid of about `count` vertices over all places that may be, with about as many more round a posterior on it.
     pub(super) fn mixed_grid(
         &self,
         window: &LinkWindow<'_>,
@@ -133,9 +138,11 @@ impl<'a> HeardLinks<'a> {
         if step_m > 0.7 * coarse.step_m {
             return coarse.clone();
         }
-        let outside = coarse.vertices.iter().copied().filter(|&vertex| !part.contains(vertex));
+        let least = NEGLIGIBLE * posterior.shares.iter().copied().fold(0.0, f64::max);
+        let outside = coarse.vertices.iter().zip(&posterior.shares);
+        let outside = outside.filter(|&(&vertex, &share)| share > least && !part.contains(vertex));
         let mut vertices: Vec<Position> = fine.clone();
-        vertices.extend(outside);
+        vertices.extend(outside.map(|(&vertex, _)| vertex));
         // A vertex has the weight of its cell.
         let dimensions = if window.heights()[1] > window.heights()[0] { 3.0 } else { 2.0 };
         let larger = dimensions * libm::log(coarse.step_m / step_m);
@@ -179,17 +186,15 @@ impl<'a> HeardLinks<'a> {
         sums.under(law, &self.arrangement, &self.sites, &grid.columns)
     }
 
-    /// Expects each margin where the posterior places the node, and approximates the links there.
-    pub(super) fn refine(
-        &mut self,
-        law: &Law,
-        grid: &PriorGrid,
-        posterior: &GridPosterior,
-        links: &PlaceLinks,
-        hearing: &Hearing,
-    ) {
+    /// Approximates the links where their margins are expected.
+    pub(super) fn refine(&mut self, law: &Law, expected: ExpectedMargins, links: &PlaceLinks, hearing: &Hearing) {
         let spread = law.spread().max(LEAST_SPREAD);
-        let expected = self.expected(law, grid, posterior, links);
+        let ExpectedMargins { by_place, by_others } = expected;
+        let expected = match by_others {
+            Some(by_others) if self.doubts_silence => by_others,
+            None if self.doubts_silence => self.expected_by_others(law, &by_place, links),
+            _ => by_place,
+        };
         for ((site, link), expected) in self.sites.iter_mut().zip(&self.links).zip(expected) {
             let ExpectedMargin { margin, spread } =
                 if link.received == 0 { expected } else { ExpectedMargin { spread, ..expected } };
@@ -197,21 +202,13 @@ impl<'a> HeardLinks<'a> {
         }
     }
 
-    /// What silence says of outages where the posterior places the node.
-    pub(super) fn pairs(
-        &self,
-        law: &Law,
-        grid: &PriorGrid,
-        posterior: &GridPosterior,
-        links: &PlaceLinks,
-        hearing: &Hearing,
-    ) -> Vec<NodeAndPlace> {
-        let expected = self.expected(law, grid, posterior, links);
-        let pair = |(link, ExpectedMargin { margin, spread }): (&HeardLink, ExpectedMargin)| {
-            let silence = silence_of_living(link, hearing, margin, spread);
+    /// What silence says of outages where the margins are `expected`.
+    pub(super) fn pairs(&self, expected: &ExpectedMargins, hearing: &Hearing) -> Vec<NodeAndPlace> {
+        let pair = |(link, ExpectedMargin { margin, spread }): (&HeardLink, &ExpectedMargin)| {
+            let silence = silence_of_living(link, hearing, *margin, *spread);
             NodeAndPlace { place: link.place, silence, is_silent: link.received == 0 }
         };
-        self.links.iter().zip(expected).map(pair).collect()
+        self.links.iter().zip(expected.by_others.as_ref().unwrap_or(&expected.by_place)).map(pair).collect()
     }
 
     /// Sets how probable it is that each link is dead, where these are the `pairs` of the node.
@@ -222,39 +219,35 @@ impl<'a> HeardLinks<'a> {
         }
     }
 
-    /// The margin of each link where the posterior places the node; of a silent one, what the others tell of it.
-    fn expected(
+    /// The margin of each link where the posterior places the node.
+    pub(super) fn expected(
         &self,
         law: &Law,
         grid: &PriorGrid,
         posterior: &GridPosterior,
         links: &PlaceLinks,
-    ) -> Vec<ExpectedMargin> {
+    ) -> ExpectedMargins {
         let level = law.at_one_metre();
         let spread = law.spread().max(LEAST_SPREAD);
-        let likely: Vec<(Position, f64)> = grid
-            .vertices
-            .iter()
-            .copied()
-            .zip(posterior.shares.iter().copied())
-            .filter(|&(_, share)| share > 1e-3)
-            .collect();
-        let total: f64 = likely.iter().map(|&(_, share)| share).sum();
-        let least_m = NEAREST * grid.step_m;
-        let told = self.links.iter().map(|link| {
-            let place = links.places[link.place];
-            let (mut first, mut second) = (0.0, 0.0);
-            for &(vertex, share) in &likely {
-                let log = libm::log(vertex.distance_m(place).max(least_m));
-                first += share * log;
-                second += share * log * log;
-            }
-            let mean = first / total;
-            let variance = (second / total - mean * mean).max(0.0) * law.slope * law.slope;
-            ExpectedMargin { margin: level - law.slope * mean, spread: (spread * spread + variance).sqrt() }
-        });
-        let mut told: Vec<ExpectedMargin> = told.collect();
-        let known: Vec<KnownMargin> = (self.links.iter().zip(&self.sites).zip(&told).enumerate())
+        let likely: Vec<f64> =
+            posterior.shares.iter().map(|&share| if share > LIKELY { share } else { 0.0 }).collect();
+        let total: f64 = likely.iter().sum();
+        let mut by_place = vec![ExpectedMargin { margin: level, spread }; self.links.len()];
+        for (MeanSquare { mean, square }, &link) in
+            grid.columns.mean_logarithms(&likely).iter().zip(&self.arrangement.order)
+        {
+            let mean = mean / total;
+            let variance = (square / total - mean * mean).max(0.0) * law.slope * law.slope;
+            let spread = (spread * spread + variance).sqrt();
+            by_place[link] = ExpectedMargin { margin: level - law.slope * mean, spread };
+        }
+        let by_others = self.doubts_silence.then(|| self.expected_by_others(law, &by_place, links));
+        ExpectedMargins { by_place, by_others }
+    }
+
+    /// The margin of each link as its place tells; of a silent one, what the others tell of it.
+    fn expected_by_others(&self, law: &Law, by_place: &[ExpectedMargin], links: &PlaceLinks) -> Vec<ExpectedMargin> {
+        let known: Vec<KnownMargin> = (self.links.iter().zip(&self.sites).zip(by_place).enumerate())
             .filter(|(_, ((_, site), _))| site.variance < TELLING)
             .map(|(number, ((link, site), told))| KnownMargin {
                 number,
@@ -263,13 +256,23 @@ impl<'a> HeardLinks<'a> {
                 variance: site.variance,
             })
             .collect();
-        for (number, (link, told)) in self.links.iter().zip(&mut told).enumerate() {
-            if self.doubts_silence && link.received == 0 {
-                *told = conditioned(law, *told, number, links.places[link.place], &known);
+        let each = self.links.iter().zip(by_place).enumerate().map(|(number, (link, &told))| {
+            if link.received > 0 {
+                return told;
             }
-        }
-        told
+            conditioned(law, told, number, links.places[link.place], &known)
+        });
+        each.collect()
     }
+}
+
+/// The margin of each link where a posterior places the node.
+#[derive(Clone, Debug)]
+pub(super) struct ExpectedMargins {
+    /// What the place tells.
+    by_place: Vec<ExpectedMargin>,
+    /// What the other links tell of silent ones, if silence is doubted.
+    by_others: Option<Vec<ExpectedMargin>>,
 }
 
 /// Logarithm of the evidence of a law on `grid`, from the `sums` of its covariance. `scratch` is memory to use.
@@ -282,17 +285,15 @@ pub(super) fn log_evidence(law: &Law, grid: &PriorGrid, sums: &MarginSums, scrat
     log_sum(scratch) - grid.log_total
 }
 
-/// What is so much less probable than the most probable changes no sum (nats).
-const NEGLIGIBLE: f64 = 40.0;
-
 /// Logarithm of the sum of numbers that are given by their logarithms; 0 if all are 0.
 fn log_sum(logs: &[f64]) -> f64 {
     let highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if highest == f64::NEG_INFINITY {
         return 0.0;
     }
-    let terms = logs.iter().map(|log| log - highest).filter(|&below| below > -NEGLIGIBLE);
-    highest + libm::log(terms.map(libm::exp).sum())
+    let mut terms: Vec<f64> = logs.iter().map(|log| log - highest).collect();
+    exp_each(&mut terms);
+    highest + libm::log(terms.iter().sum())
 }
 
 /// The shares of densities that are given by their logarithms; equal shares if all are 0.
@@ -301,7 +302,8 @@ fn normalised(logs: &[f64]) -> Vec<f64> {
     if highest == f64::NEG_INFINITY {
         return vec![1.0 / logs.len().max(1) as f64; logs.len()];
     }
-    let mut shares: Vec<f64> = logs.iter().map(|log| libm::exp(log - highest)).collect();
+    let mut shares: Vec<f64> = logs.iter().map(|log| log - highest).collect();
+    exp_each(&mut shares);
     let total: f64 = shares.iter().sum();
     for share in &mut shares {
         *share /= total;

@@ -2,11 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::maths::exp_each;
 
 use super::hearing::Hearing;
 use super::law::Law;
 use super::links::{HeardLink, NodeLinks, PlaceLinks};
-use super::losses::CountTables;
 use super::site::Site;
 use super::{LinkFit, posterior};
 
@@ -25,6 +25,18 @@ pub(crate) struct PredictedMargin {
     pub(crate) variance: f64,
 }
 
+/// A place as seen from a node.
+#[derive(Clone, Copy, Debug)]
+struct SeenPlace {
+    place: Position,
+    /// Its distance, at least a share of the usual one (m).
+    distance_m: f64,
+    /// Cosine and sine of its direction, and of twice that.
+    direction: [f64; 4],
+    /// Logarithm of the distance over that of the law.
+    farther: f64,
+}
+
 /// Distances below this share of the usual distance of a link are taken as it.
 const NEAREST: f64 = 0.02;
 
@@ -41,7 +53,7 @@ impl Predictor {
     /// A predictor from `log` under what was `fitted` to it; `None` if nothing was heard.
     pub(crate) fn new(log: &ReceptionLog, fitted: &LinkFit) -> Option<Self> {
         let links = PlaceLinks::of(log, fitted.receiver.is_some())?;
-        let hearing = Hearing { receiver: fitted.receiver, counts: CountTables::of(&links, fitted.losses) };
+        let hearing = Hearing::new(&links, fitted.receiver, fitted.losses);
         Some(Self { links, law: fitted.law, hearing, outage: fitted.outage })
     }
 
@@ -49,39 +61,50 @@ impl Predictor {
     /// heard.
     pub(crate) fn margins(&self, node: usize, placed: &Placed, others: &[Position]) -> Option<Vec<PredictedMargin>> {
         let links = self.links.nodes.iter().find(|links| links.node().index() == node)?;
-        let known: Vec<Position> = links.links.iter().map(|link| self.links.places[link.place]).collect();
-        let sites = self.sites(links, placed.place, &known);
-        let covariance = DMatrix::from_fn(known.len(), known.len(), |i, j| {
-            self.covariance(placed.place, known[i], known[j])
-                + if i == j { self.alone() + sites[i].variance } else { 0.0 }
-        });
-        let errors = DVector::from_fn(known.len(), |i, _| sites[i].margin - self.mean(placed.place, known[i]));
+        let known = links.links.iter().map(|link| self.seen(placed.place, self.links.places[link.place]));
+        let known: Vec<SeenPlace> = known.collect();
+        let sites = self.sites(links, &known);
+        let columns = known.iter().map(|place| DVector::from_vec(self.covariances(place, &known)));
+        let mut covariance = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+        for (i, site) in sites.iter().enumerate() {
+            covariance[(i, i)] += self.alone() + site.variance;
+        }
+        let errors = DVector::from_fn(known.len(), |i, _| sites[i].margin - self.mean(&known[i]));
         let factor = covariance.cholesky()?;
         let weights = factor.solve(&errors);
         let predicted = others.iter().map(|&other| {
-            let with = DVector::from_fn(known.len(), |i, _| self.covariance(placed.place, known[i], other));
-            let mean = self.mean(placed.place, other) + with.dot(&weights);
-            let own = self.covariance(placed.place, other, other) + self.alone();
-            let variance = own - with.dot(&factor.solve(&with)) + self.of_place(placed, other);
+            let other = self.seen(placed.place, other);
+            let with = DVector::from_vec(self.covariances(&other, &known));
+            let mean = self.mean(&other) + with.dot(&weights);
+            let own: f64 = self.covariances(&other, std::slice::from_ref(&other)).iter().sum();
+            let told = factor.l_dirty().solve_lower_triangular_unchecked(&with).norm_squared();
+            let variance = own + self.alone() - told + self.of_place(placed, &other);
             PredictedMargin { mean, variance: variance.max(1e-6) }
         });
         Some(predicted.collect())
     }
 
     /// The links as normal distributions of margins, round what the place tells.
-    fn sites(&self, links: &NodeLinks, place: Position, known: &[Position]) -> Vec<Site> {
+    fn sites(&self, links: &NodeLinks, known: &[SeenPlace]) -> Vec<Site> {
         let spread = self.law.spread().max(posterior::LEAST_SPREAD);
         let each = links.links.iter().zip(known);
         let link = |link: &HeardLink| HeardLink { outage: self.outage, ..*link };
-        each.map(|(own, &other)| Site::of(&link(own), &self.hearing, self.mean(place, other), spread)).collect()
+        each.map(|(own, place)| Site::of(&link(own), &self.hearing, self.mean(place), spread)).collect()
     }
 
-    fn mean(&self, place: Position, other: Position) -> f64 {
-        self.law.at_one_metre() - self.law.slope * libm::log(self.distance_m(place, other))
+    /// What the margin of a link from `node` to a place depends on.
+    fn seen(&self, node: Position, place: Position) -> SeenPlace {
+        let distance_m = node.distance_m(place).max(NEAREST * self.law.distance_m);
+        let way = place - node;
+        let flat_m = (way.x_m * way.x_m + way.y_m * way.y_m).sqrt();
+        let (cosine, sine) = if flat_m > 0.0 { (way.x_m / flat_m, way.y_m / flat_m) } else { (1.0, 0.0) };
+        let direction = [cosine, sine, cosine * cosine - sine * sine, 2.0 * cosine * sine];
+        let farther = libm::log(distance_m / self.law.distance_m);
+        SeenPlace { place, distance_m, direction, farther }
     }
 
-    fn distance_m(&self, place: Position, other: Position) -> f64 {
-        place.distance_m(other).max(NEAREST * self.law.distance_m)
+    fn mean(&self, seen: &SeenPlace) -> f64 {
+        self.law.margin - self.law.slope * seen.farther
     }
 
     /// Variance of the shadowing that a link shares with no other.
@@ -89,20 +112,25 @@ impl Predictor {
         (1.0 - self.law.shared) * self.law.shadowing * self.law.shadowing
     }
 
-    /// Covariance of the margins of links from `place` to two others, without what each has alone.
-    fn covariance(&self, place: Position, first: Position, second: Position) -> f64 {
-        let Law { shadowing, shared, correlation_m, offset, direction, distance_m, .. } = self.law;
-        let [a, b] = [first, second].map(|other| libm::atan2(other.y_m - place.y_m, other.x_m - place.x_m));
-        let along = libm::cos(a - b) + libm::cos(2.0 * (a - b));
-        let together = shared * shadowing * shadowing * libm::exp(-first.distance_m(second) / correlation_m);
-        let farther = |other| self.law.slope_deviation() * libm::log(self.distance_m(place, other) / distance_m);
-        offset * offset + direction * direction * along + together + farther(first) * farther(second)
+    /// Covariances of the margin of a link to one place with those of links to `others`, without what each has alone.
+    fn covariances(&self, first: &SeenPlace, others: &[SeenPlace]) -> Vec<f64> {
+        let Law { shadowing, shared, correlation_m, offset, direction, .. } = self.law;
+        let (together, slope) = (shared * shadowing * shadowing, self.law.slope_deviation());
+        let exponent = |other: &SeenPlace| -first.place.distance_m(other.place) / correlation_m;
+        let mut covariances: Vec<f64> = others.iter().map(exponent).collect();
+        exp_each(&mut covariances);
+        for (covariance, second) in covariances.iter_mut().zip(others) {
+            let along: f64 = first.direction.iter().zip(&second.direction).map(|(a, b)| a * b).sum();
+            let farther = slope * first.farther * slope * second.farther;
+            *covariance = offset * offset + direction * direction * along + together * *covariance + farther;
+        }
+        covariances
     }
 
     /// Variance of a margin that comes from the error of the place.
-    fn of_place(&self, placed: &Placed, other: Position) -> f64 {
-        let way: [f64; 3] = (other - placed.place).into();
-        let distance_m = self.distance_m(placed.place, other);
+    fn of_place(&self, placed: &Placed, other: &SeenPlace) -> f64 {
+        let way: [f64; 3] = (other.place - placed.place).into();
+        let distance_m = other.distance_m;
         let gradient = way.map(|along| self.law.slope * along / (distance_m * distance_m));
         let mut variance = 0.0;
         for (row, first) in gradient.iter().enumerate() {

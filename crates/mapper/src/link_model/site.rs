@@ -1,16 +1,23 @@
 //! What a link says of its margin, as a normal distribution.
 
-use super::hearing::Hearing;
+use std::ops::Range;
+
+use sextant_kernel::maths::{exp, exp_each, ln_each};
+
+use super::hearing::{Hearing, MeasuredStrength};
 use super::links::HeardLink;
+use super::losses::CountTable;
 pub(super) use super::receiver::Site;
 use super::tables::{LOWEST, MARGINS, STEP, TABLES};
-use crate::numerics::normal::{below, density};
+use crate::numerics::normal::{below, densities, index};
 
 /// Distance of margins beyond the tables, and how far from a prediction they go, in its deviations.
 const BEYOND: f64 = 0.25;
 const FAR: f64 = 5.0;
 /// A margin is never known better than this: the fading of a link is not quite that of another.
 const LEAST_SPREAD: f64 = 0.15;
+/// Margins that are so much less probable than the most probable one do not count (nats).
+const NEGLIGIBLE: f64 = 30.0;
 /// Information on a margin that a site has at least.
 const LEAST_PRECISION: f64 = 1e-3;
 
@@ -24,38 +31,45 @@ impl Site {
         {
             return Self { margin, variance: variance + LEAST_SPREAD * LEAST_SPREAD };
         }
-        let tables = &*TABLES;
-        let counts = hearing.counts.log_likelihoods(link);
+        let counts = hearing.counts.table(link);
+        let strength = hearing.strength(link);
+        let evidence = MarginEvidence { link, counts: &counts, strength: strength.as_ref() };
         let precision = 1.0 / (spread * spread);
-        let mut logs: Vec<(f64, f64)> = Vec::with_capacity(MARGINS);
         let prior = |margin: f64| -0.5 * precision * (margin - predicted) * (margin - predicted);
-        for (i, (&margin, &count)) in tables.margin.iter().zip(counts.iter()).enumerate() {
-            let count = if link.received == 0 { silence(count, link.outage) } else { count };
-            let strength = receiver.map_or(0.0, |receiver| receiver.log_density(link, i));
-            logs.push((margin, count + strength + prior(margin)));
-        }
+        let possible = evidence.possible(predicted, spread);
+        let margins = &TABLES.margin[possible.clone()];
+        let mut logs = [0.0; MARGINS];
+        let logs = &mut logs[..possible.len()];
+        evidence.log_likelihoods(possible, logs);
+        logs.iter_mut().zip(margins).for_each(|(log, &margin)| *log += prior(margin));
+        let mut highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // Beyond the tables, packets say no more.
-        if receiver.is_none() || link.rssi_dbm.is_none() {
-            let (lowest, highest) = (logs[0], logs[MARGINS - 1]);
-            let ends = [(lowest, -1.0), (highest, 1.0)];
-            for ((end, log), side) in ends {
-                let mut margin = end + side * BEYOND;
-                while side * (predicted - margin) > -FAR * spread {
-                    logs.push((margin, log - prior(end) + prior(margin) + libm::log(BEYOND / STEP)));
-                    margin += side * BEYOND;
+        let mut beyond: Vec<(f64, f64)> = Vec::new();
+        if strength.is_none() {
+            for (end, side) in [(0, -1.0), (MARGINS - 1, 1.0)] {
+                let mut margin = TABLES.margin[end] + side * BEYOND;
+                if side * (predicted - margin) > -FAR * spread {
+                    let log = evidence.log_likelihood(end) + libm::log(BEYOND / STEP);
+                    while side * (predicted - margin) > -FAR * spread {
+                        beyond.push((margin, log + prior(margin)));
+                        margin += side * BEYOND;
+                    }
                 }
             }
+            highest = beyond.iter().map(|&(_, log)| log).fold(highest, f64::max);
         }
-        let highest = logs.iter().map(|&(_, log)| log).fold(f64::NEG_INFINITY, f64::max);
-        let (mut total, mut first, mut second) = (0.0, 0.0, 0.0);
-        for &(margin, log) in &logs {
-            if log > highest - 30.0 {
-                let (share, above) = (libm::exp(log - highest), margin - predicted);
-                total += share;
-                first += share * above;
-                second += share * above * above;
-            }
+        let is_telling = |log: &f64| *log > highest - NEGLIGIBLE;
+        let first = logs.iter().position(is_telling).unwrap_or(0);
+        let last = logs.iter().rposition(is_telling).map_or(first, |last| last + 1);
+        let (shares, margins) = (&mut logs[first..last], &margins[first..last]);
+        shares.iter_mut().for_each(|share| *share -= highest);
+        exp_each(shares);
+        let mut sums = MarginMoments::default();
+        shares.iter().zip(margins).for_each(|(share, margin)| sums.take(*share, margin - predicted));
+        for (margin, log) in beyond.iter().filter(|(_, log)| is_telling(log)) {
+            sums.take(exp(log - highest), margin - predicted);
         }
+        let MarginMoments { total, first, second } = sums;
         let above = first / total;
         let variance = (second / total - above * above).max(1e-6);
         let mean = predicted + above;
@@ -67,38 +81,94 @@ impl Site {
     }
 }
 
-/// Logarithm of the probability that nothing is heard of a link: it is dead, or all packets are lost, which has the
-/// logarithm `lost`.
-fn silence(lost: f64, outage: f64) -> f64 {
-    libm::log(outage + (1.0 - outage) * libm::exp(lost))
+/// Sums over margins: of their shares, and of the shares times powers of what they are above a prediction.
+#[derive(Default)]
+struct MarginMoments {
+    total: f64,
+    first: f64,
+    second: f64,
+}
+
+impl MarginMoments {
+    fn take(&mut self, share: f64, above: f64) {
+        self.total += share;
+        self.first += share * above;
+        self.second += share * above * above;
+    }
+}
+
+/// What a link says of its margin.
+struct MarginEvidence<'a> {
+    link: &'a HeardLink,
+    counts: &'a CountTable,
+    strength: Option<&'a MeasuredStrength<'a>>,
+}
+
+impl MarginEvidence<'_> {
+    /// The logarithms of the likelihood at some margins of the tables.
+    fn log_likelihoods(&self, margins: Range<usize>, out: &mut [f64]) {
+        if self.link.received == 0 {
+            let outage = self.link.outage;
+            let lost = &self.counts.likelihoods[margins.clone()];
+            // It is dead, or all packets are lost.
+            out.iter_mut().zip(lost).for_each(|(out, lost)| *out = outage + (1.0 - outage) * lost);
+            ln_each(out);
+        } else {
+            out.copy_from_slice(&self.counts.logs[margins.clone()]);
+        }
+        if let Some(strength) = self.strength {
+            strength.add_to(out, margins);
+        }
+    }
+
+    /// The logarithm of the likelihood at one margin.
+    fn log_likelihood(&self, margin: usize) -> f64 {
+        let mut log = [0.0];
+        self.log_likelihoods(margin..margin + 1, &mut log);
+        log[0]
+    }
+
+    /// The margins that may be anything but negligible where one with this spread is predicted: others are so far from the
+    /// prediction that no likelihood makes up for it.
+    fn possible(&self, predicted: f64, spread: f64) -> Range<usize> {
+        let number = |margin: f64| index(((margin - LOWEST) / STEP).max(0.0)).min(MARGINS - 1);
+        let nearest = number(predicted + 0.5 * STEP);
+        let highest = if self.link.received == 0 { 0.0 } else { self.counts.highest };
+        let highest = highest + self.strength.map_or(0.0, MeasuredStrength::highest);
+        let nats = highest - self.log_likelihood(nearest) + NEGLIGIBLE;
+        let off = TABLES.margin[nearest] - predicted;
+        let most = (off * off + 2.0 * nats * spread * spread).sqrt();
+        number(predicted - most)..number(predicted + most) + 1
+    }
 }
 
 /// The probability that nothing is heard of `link` if it is not dead, and its margin is normally distributed round a
 /// prediction.
 pub(super) fn silence_of_living(link: &HeardLink, hearing: &Hearing, predicted: f64, spread: f64) -> f64 {
-    let counts = hearing.counts.log_likelihoods(&HeardLink { received: 0, ..*link });
-    let (mut sum, mut total) = (0.0, 0.0);
-    for (count, margin) in counts.iter().zip(&TABLES.margin).step_by(3) {
-        let weight = density((margin - predicted) / spread);
-        total += weight;
-        sum += weight * libm::exp(*count);
-    }
+    const EVERY: usize = 3;
+    let silence = hearing.counts.silence(link);
+    let likelihoods = &silence.likelihoods;
+    let margins: [f64; MARGINS.div_ceil(EVERY)] = std::array::from_fn(|number| TABLES.margin[EVERY * number]);
+    let weights = densities(margins.map(|margin| (margin - predicted) / spread));
+    let total: f64 = weights.iter().sum();
+    let sum: f64 = likelihoods.iter().step_by(EVERY).zip(&weights).map(|(none, weight)| weight * none).sum();
     // Below the tables every packet is lost, above them none for want of power.
-    let width = 3.0 * STEP / spread;
+    let width = EVERY as f64 * STEP / spread;
     let lower = below((LOWEST - predicted) / spread);
     let upper = below((predicted - TABLES.margin[MARGINS - 1]) / spread);
-    let most = libm::exp(counts.last().copied().unwrap_or(0.0));
+    let most = likelihoods[MARGINS - 1];
     ((sum * width + lower + upper * most) / (total * width + lower + upper).max(1e-12)).min(1.0)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::losses::{CountTables, Losses};
+    use super::super::losses::Losses;
     use super::super::receiver::Receiver;
     use super::*;
+    use crate::numerics::normal::density;
 
     fn hearing(losses: Losses, receiver: Option<Receiver>) -> Hearing {
-        Hearing { receiver, counts: CountTables::new(losses) }
+        Hearing::without_tables(receiver, losses)
     }
 
     fn link(received: u32, sent: u32) -> HeardLink {

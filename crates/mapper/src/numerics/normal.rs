@@ -1,5 +1,7 @@
 //! A fast normal distribution function.
 
+use sextant_kernel::maths::{exp, exp_each};
+
 /// Number of values per standard deviation.
 const PER_UNIT: f64 = 128.0;
 /// The table ends here on both sides.
@@ -49,8 +51,18 @@ pub(crate) fn logistic_scale(sigma: f64) -> f64 {
 
 /// The standard normal density.
 pub(crate) fn density(x: f64) -> f64 {
-    libm::exp(-0.5 * x * x) * 0.398_942_280_401_432_7
+    exp(-0.5 * x * x) * PER_ROOT_OF_TAU
 }
+
+/// The same of each number.
+pub(crate) fn densities<const COUNT: usize>(x: [f64; COUNT]) -> [f64; COUNT] {
+    let mut values = x.map(|x| -0.5 * x * x);
+    exp_each(&mut values);
+    values.map(|value| value * PER_ROOT_OF_TAU)
+}
+
+/// One over the root of 2π.
+const PER_ROOT_OF_TAU: f64 = 0.398_942_280_401_432_7;
 
 /// The x with Φ(x) = `p`, between -8 and 8, by bisection.
 pub(crate) fn quantile(p: f64) -> f64 {

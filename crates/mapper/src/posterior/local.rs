@@ -1,6 +1,7 @@
 //! The posterior of one node near a known place.
 
 use sextant_channel::Position;
+use sextant_kernel::maths::exp;
 
 use super::Cell;
 use crate::log_facts::heights::Heights;
@@ -129,7 +130,7 @@ impl LocalGrid {
         }
         let mut total = 0.0;
         for (_, value) in &mut places {
-            *value = libm::exp(*value - highest);
+            *value = exp(*value - highest);
             total += *value;
         }
         let (mut edge, mut sum, mut squares) = ([0.0; 3], [0.0; 3], [0.0; 3]);

@@ -1,6 +1,8 @@
 //! What a posterior says of the area in which its node was searched for: whether it leaves most of the area, and whether
 //! the end of the area cuts it off. All estimators judge by this file.
 
+use sextant_kernel::maths::exp;
+
 use crate::posterior::concern::Concern;
 
 /// The 95 % region holds places whose log-density is at most this much below the highest: half the quantile of the
@@ -39,18 +41,18 @@ impl Verdict {
 
     /// The same for a place that has the logarithm of a density before anything was heard.
     pub(crate) fn take_dense(&mut self, log_density: f64, log_likelihood: f64) {
-        self.before += libm::exp(log_density);
+        self.before += exp(log_density);
         let value = log_density + log_likelihood;
         if value == f64::NEG_INFINITY {
             return;
         }
         if value > self.highest {
-            let fade = libm::exp(self.highest - value);
+            let fade = exp(self.highest - value);
             self.after *= fade;
             self.log_likelihood *= fade;
             self.highest = value;
         }
-        let weight = libm::exp(value - self.highest);
+        let weight = exp(value - self.highest);
         self.after += weight;
         self.log_likelihood += weight * log_likelihood;
     }
@@ -68,7 +70,7 @@ impl Verdict {
     /// The share of the area that the posterior leaves.
     fn left(&self) -> f64 {
         let log_evidence = libm::log(self.after) + self.highest - libm::log(self.before);
-        libm::exp(log_evidence - self.log_likelihood / self.after)
+        exp(log_evidence - self.log_likelihood / self.after)
     }
 
     /// The concern about a posterior whose highest logarithm of a density, at those ends of the area that are guessed, is

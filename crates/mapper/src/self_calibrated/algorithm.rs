@@ -80,21 +80,42 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// The share of packets that arrives from `place` at a stop with this number and position; a half without a curve.
-    fn share_at(&self, place: Position, number: usize, stop: Position) -> f64 {
-        let usual = self.efficiency.iter().sum::<f64>() / self.efficiency.len().max(1) as f64;
-        let efficiency = self.efficiency.get(number).map_or(1.0, |own| own / usual.max(1e-9));
-        (efficiency * self.share_between(place, stop).unwrap_or(0.5)).min(1.0)
+    /// The shares of packets that arrive at a stop of average efficiency; `None` without a curve.
+    pub(crate) fn shares(&self) -> Option<CalibratedShares<'_>> {
+        let curve = self.curve.as_ref()?;
+        let is_free = self.obstacles.is_none();
+        let scores = if is_free { Vec::new() } else { curve.probabilities().iter().copied().map(quantile).collect() };
+        Some(CalibratedShares { curve, obstacles: self.obstacles.as_ref(), scores })
     }
 
-    /// The share of packets that arrives between two places, through the obstacles, at a stop of average efficiency. `None` without
-    /// a curve.
-    pub(crate) fn share_between(&self, place: Position, stop: Position) -> Option<f64> {
-        let clear = self.curve.as_ref()?.probability(place.distance_m(stop));
-        Some(match &self.obstacles {
-            Some(obstacles) => below(quantile(clear) - obstacles.absorbed(place, stop)),
-            None => clear,
-        })
+    /// How much the packets of a link of `log` depend on each other; `None` without a curve.
+    fn dependence_in(&self, log: &ReceptionLog, map: &TopologyMap) -> Option<LinkDependence> {
+        let shares = self.shares()?;
+        let usual = self.efficiency.iter().sum::<f64>() / self.efficiency.len().max(1) as f64;
+        let share = |place, number: usize, stop: &Stop| {
+            let efficiency = self.efficiency.get(number).map_or(1.0, |own| own / usual.max(1e-9));
+            (efficiency * shares.at(place, stop.position)).min(1.0)
+        };
+        LinkDependence::of(log, map, share)
+    }
+}
+
+/// The shares of packets that arrive under a calibration.
+pub(crate) struct CalibratedShares<'a> {
+    curve: &'a CalibratedCurve,
+    obstacles: Option<&'a AbsorptionMap>,
+    /// The normal quantile of the share in each bin of the curve, where there are obstacles.
+    scores: Vec<f64>,
+}
+
+impl CalibratedShares<'_> {
+    /// The share between two places, through the obstacles.
+    pub(crate) fn at(&self, place: Position, stop: Position) -> f64 {
+        let distance_m = place.distance_m(stop);
+        match self.obstacles {
+            Some(obstacles) => below(self.scores[self.curve.bin(distance_m)] - obstacles.absorbed(place, stop)),
+            None => self.curve.probability(distance_m),
+        }
     }
 }
 
@@ -247,9 +268,8 @@ impl Estimator for SelfCalibrated {
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let (map, mut calibration) = self.map(knowledge.log, watch)?;
-        if let Some(calibration) = calibration.as_mut().filter(|calibration| calibration.curve.is_some()) {
-            let share = |place, number, stop: &Stop| calibration.share_at(place, number, stop.position);
-            calibration.dependence = LinkDependence::of(knowledge.log, &map, share);
+        if let Some(calibration) = &mut calibration {
+            calibration.dependence = calibration.dependence_in(knowledge.log, &map);
         }
         Ok((map, calibration.map(EstimatorFindings::new)))
     }

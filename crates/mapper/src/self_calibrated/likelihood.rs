@@ -1,6 +1,7 @@
 //! The likelihood of one node at the vertices of its window.
 
 use sextant_channel::Position;
+use sextant_kernel::maths::ln_each;
 
 use super::counts::CountedLink;
 use super::model::{Logarithms, Model};
@@ -79,8 +80,9 @@ impl WindowLikelihood {
 
     /// Moves the product to the logarithms.
     pub(super) fn take_logarithms(&mut self) {
+        ln_each(&mut self.product);
         for (sum, product) in self.logarithms.iter_mut().zip(&mut self.product) {
-            *sum += libm::log(*product);
+            *sum += *product;
             *product = 1.0;
         }
         self.packets = 0;

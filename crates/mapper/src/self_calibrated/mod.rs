@@ -32,6 +32,7 @@ mod start;
 mod tomography;
 mod window;
 
+pub(crate) use algorithm::CalibratedShares;
 pub use algorithm::{Calibration, SelfCalibrated};
 pub use model::CalibratedCurve;
 pub use settings::{ObstacleKnowledge, SelfCalibratedConfig};

@@ -275,8 +275,12 @@ impl CalibratedCurve {
     /// Probability that a packet is received over `distance_m`.
     #[must_use]
     pub fn probability(&self, distance_m: f64) -> f64 {
-        let bin = crate::numerics::whole(distance_m / self.bin_m);
-        self.probabilities[bin.min(self.probabilities.len() - 1)]
+        self.probabilities[self.bin(distance_m)]
+    }
+
+    /// The bin of a distance.
+    pub(crate) fn bin(&self, distance_m: f64) -> usize {
+        crate::numerics::whole(distance_m / self.bin_m).min(self.probabilities.len() - 1)
     }
 
     /// The distance beyond which less than one packet in a hundred arrives (m).

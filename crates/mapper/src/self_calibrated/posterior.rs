@@ -1,6 +1,7 @@
 //! The posterior of one node on a window of vertices, and its contribution to the counts.
 
 use sextant_channel::Position;
+use sextant_kernel::maths::exp_each;
 use sextant_kernel::{NodeId, Watch};
 
 use super::belief::PlaceBelief;
@@ -88,6 +89,8 @@ pub(super) struct PosteriorScratch {
     links: Vec<CountedLink>,
     window: VertexWindow,
     likelihood: WindowLikelihood,
+    /// The likelihood of each vertex over the highest.
+    shares: Vec<f64>,
     likely: Vec<(Position, f64)>,
 }
 
@@ -227,17 +230,19 @@ impl KnownBesidesPlace<'_> {
 impl PosteriorScratch {
     /// Turns log-likelihoods into the posterior and its moments.
     fn moments(&mut self, node: NodeId, bounds: &SearchBox) -> PlaceBelief {
-        let Self { window, likelihood, likely, .. } = self;
+        let Self { window, likelihood, shares, likely, .. } = self;
         let (best, highest) = likelihood.highest();
-        let log_likelihood = likelihood.logarithms();
-        let sum: f64 = log_likelihood.iter().map(|value| libm::exp(value - highest)).sum();
+        shares.clear();
+        shares.extend(likelihood.logarithms().iter().map(|value| value - highest));
+        exp_each(shares);
+        let sum: f64 = shares.iter().sum();
         likely.clear();
         let mut mode = Position::ORIGIN;
         window.each(|vertex, place| {
             if vertex == best {
                 mode = place;
             }
-            let weight = libm::exp(log_likelihood[vertex] - highest) / sum;
+            let weight = shares[vertex] / sum;
             if weight > NEGLIGIBLE {
                 likely.push((place, weight));
             }
@@ -250,7 +255,7 @@ impl PosteriorScratch {
         let mean = mode + offset;
         let covariance = covariance(likely.iter().map(|&(place, weight)| (place - mean, weight / total)));
         let at_open_end = (0..self.window.len()).filter(|&vertex| self.window.is_at_open_end(vertex));
-        let weight = |vertex: usize| libm::exp(self.likelihood.logarithms()[vertex] - highest) / sum;
+        let weight = |vertex: usize| self.shares[vertex] / sum;
         let is_cramped = at_open_end.map(weight).sum::<f64>() > CRAMPED;
         let concern = self.concern(bounds);
         let cell = self.window.cell();

@@ -1,6 +1,7 @@
 //! Opinions on a place in the plane that may be far off, and what they say together.
 
 use nalgebra::{Matrix2, Vector2};
+use sextant_kernel::maths::{exp, ln};
 
 /// The density (1 + q / freedom)^(-exponent) of a place, where q is its squared distance to `place` in units of `scale`. A
 /// Student distribution of `freedom` degrees has the exponent (freedom + 2) / 2; a smaller exponent is a power of it.
@@ -58,7 +59,7 @@ pub(super) fn together(opinions: &[HeavyTailed]) -> Option<(Vector2<f64>, Matrix
     let highest = normals.iter().map(|normal| normal.ln_weight).fold(f64::NEG_INFINITY, f64::max);
     let (mut total, mut mean, mut second_moment) = (0.0, Vector2::zeros(), Matrix2::zeros());
     for WeightedNormal { ln_weight, mean: place, covariance } in normals {
-        let weight = libm::exp(ln_weight - highest);
+        let weight = exp(ln_weight - highest);
         total += weight;
         mean += place * weight;
         second_moment += (covariance + place * place.transpose()) * weight;
@@ -99,7 +100,7 @@ impl GaussianProduct {
     fn normal(&self) -> Option<WeightedNormal> {
         let covariance = self.precision.try_inverse()?;
         let mean = covariance * self.weighted;
-        let ln_integral = 0.5 * (libm::log(covariance.determinant()) + self.weighted.dot(&mean) - self.squared);
+        let ln_integral = 0.5 * (ln(covariance.determinant()) + self.weighted.dot(&mean) - self.squared);
         Some(WeightedNormal { ln_weight: self.ln_weight + ln_integral, mean, covariance })
     }
 }

@@ -1,12 +1,11 @@
 //! A Gaussian process over the strengths of each node, which is where the process is greatest.
 
-use std::cmp::Ordering;
-
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
+use sextant_kernel::maths::exp_each;
 use sextant_kernel::{SettingError, Watch, Work};
 
 use crate::error::MapError;
@@ -143,9 +142,12 @@ impl<'a> Process<'a> {
 
     /// Mean (dBm) and variance (dB²) of a strength that is measured at `place`.
     pub(crate) fn predicted(&self, place: Position) -> (f64, f64) {
-        let with =
-            DVector::from_fn(self.strengths.len(), |i, _| kernel(place, self.strengths[i].place, self.length_m));
-        let known = with.dot(&self.factor.solve(&with));
+        let mut with =
+            DVector::from_fn(self.strengths.len(), |i, _| exponent(place, self.strengths[i].place, self.length_m));
+        exp_each(with.as_mut_slice());
+        // The square of half of the solution.
+        let half = self.factor.l_dirty().solve_lower_triangular_unchecked(&with);
+        let known = half.norm_squared();
         let variance = self.variance * (1.0 - known + self.noise * self.noise).max(0.0);
         (self.mean + with.dot(&self.weights), variance)
     }
@@ -177,11 +179,13 @@ impl<'a> Process<'a> {
 
     /// The kernel along one axis, from a coordinate (m) to each strength.
     fn along_axis(&self, axis: usize, at_m: f64) -> Vec<f64> {
-        let kernel = |strength: &Strength| {
-            let way_m = at_m - <[f64; 3]>::from(strength.place)[axis];
-            libm::exp(-0.5 * (way_m / self.length_m).powi(2))
+        let exponent = |strength: &Strength| {
+            let way = (at_m - <[f64; 3]>::from(strength.place)[axis]) / self.length_m;
+            -0.5 * (way * way)
         };
-        self.strengths.iter().map(kernel).collect()
+        let mut kernels: Vec<f64> = self.strengths.iter().map(exponent).collect();
+        exp_each(&mut kernels);
+        kernels
     }
 
     /// Where it is greatest in the box with these corners. The kernel is a product of one along each axis.
@@ -203,7 +207,7 @@ impl<'a> Process<'a> {
                     let others = second.iter().zip(third).zip(self.weights.iter());
                     of_row.iter_mut().zip(others).for_each(|(own, ((b, c), weight))| *own = b * c * weight);
                     for (i, first) in (0..).zip(&kernels[0]) {
-                        let value = first.iter().zip(&of_row).map(|(a, other)| a * other).sum();
+                        let value = dot(first, &of_row);
                         if value > best.0 {
                             best = (value, Position::new(along(0, i), along(1, j), along(2, k)));
                         }
@@ -231,18 +235,38 @@ impl StrengthCorrelations {
     /// `None` if the length is 0: the strengths are at one place.
     fn of(strengths: &[Strength], length_m: f64) -> Option<Self> {
         let count = strengths.len();
-        let entry = |row: usize, column: usize| match row.cmp(&column) {
-            Ordering::Less => 0.0,
-            Ordering::Equal => 1.0,
-            Ordering::Greater => kernel(strengths[row].place, strengths[column].place, length_m),
-        };
-        (length_m > 0.0).then(|| Self { length_m, below: DMatrix::from_fn(count, count, entry) })
+        if length_m <= 0.0 {
+            return None;
+        }
+        let mut below = DMatrix::zeros(count, count);
+        let mut kernels = Vec::with_capacity(count);
+        for (column, own) in strengths.iter().enumerate() {
+            kernels.clear();
+            kernels.extend(strengths[column..].iter().map(|other| exponent(own.place, other.place, length_m)));
+            exp_each(&mut kernels);
+            below.view_mut((column, column), (count - column, 1)).copy_from_slice(&kernels);
+        }
+        Some(Self { length_m, below })
     }
 }
 
-/// The squared-exponential kernel.
-fn kernel(a: Position, b: Position, length_m: f64) -> f64 {
-    libm::exp(-0.5 * (a.distance_m(b) / length_m).powi(2))
+/// The exponent of the squared-exponential kernel.
+fn exponent(a: Position, b: Position, length_m: f64) -> f64 {
+    let apart = a - b;
+    -0.5 * apart.dot(apart) / (length_m * length_m)
+}
+
+/// The product of two vectors, in four sums side by side.
+fn dot(first: &[f64], second: &[f64]) -> f64 {
+    let (first, second) = (first.chunks_exact(4), second.chunks_exact(4));
+    let rest: f64 = first.remainder().iter().zip(second.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; 4];
+    for (first, second) in first.zip(second) {
+        for ((sum, a), b) in sums.iter_mut().zip(first).zip(second) {
+            *sum += a * b;
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 impl Estimator for GaussianProcess {

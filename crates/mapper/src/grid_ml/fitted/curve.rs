@@ -6,6 +6,7 @@ use sextant_kernel::NodeId;
 use super::belief::FittedBelief;
 use super::receivers;
 use crate::grid_ml::directions::{Directions, covers};
+use crate::numerics::normal::index;
 use crate::numerics::{never_rising, whole};
 use crate::profile::TableProfile;
 
@@ -47,6 +48,39 @@ pub(super) struct FittedCurve {
     in_range: usize,
     floor: f64,
     ceiling: f64,
+    /// The logarithms of the probabilities in each bin.
+    logarithms: Vec<LogProbabilities>,
+}
+
+/// The logarithms of the probabilities that a packet over some distance is received and missed, and what they differ by in the next
+/// bin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LogProbabilities {
+    pub(super) received: f64,
+    pub(super) missed: f64,
+    received_on: f64,
+    missed_on: f64,
+}
+
+impl LogProbabilities {
+    /// Those of each bin with these probabilities.
+    fn of(values: impl Iterator<Item = f64>) -> Vec<Self> {
+        let logs = values.map(|s| (libm::log(s), libm::log1p(-s)));
+        let mut each: Vec<Self> =
+            logs.map(|(received, missed)| Self { received, missed, received_on: 0.0, missed_on: 0.0 }).collect();
+        for bin in 1..each.len() {
+            let next = each[bin];
+            let own = &mut each[bin - 1];
+            (own.received_on, own.missed_on) = (next.received - own.received, next.missed - own.missed);
+        }
+        each
+    }
+
+    /// The logarithm of the probability that packets are `received` and `missed` at this share of the way to the next bin.
+    #[inline]
+    pub(super) fn at(&self, share: f64, received: f64, missed: f64) -> f64 {
+        received * (self.received + share * self.received_on) + missed * (self.missed + share * self.missed_on)
+    }
 }
 
 impl FittedCurve {
@@ -74,7 +108,8 @@ impl FittedCurve {
         };
         let bin_m = extent_m / BINS_IN_REACH;
         let bins = whole(BINS_IN_REACH * REACHES) + 1;
-        let empty = Self { bin_m, values: vec![0.0; bins], in_range: bins - 1, floor: 0.0, ceiling: 1.0 };
+        let (values, logarithms) = (vec![0.0; bins], Vec::new());
+        let empty = Self { bin_m, values, in_range: bins - 1, floor: 0.0, ceiling: 1.0, logarithms };
         let mut counts = CurveCounts::new(bins);
         for (&node, belief) in nodes.iter().zip(beliefs) {
             let mut entries = log.of(node).iter().peekable();
@@ -97,7 +132,7 @@ impl FittedCurve {
     }
 
     pub(super) fn bin(&self, distance_m: f64) -> usize {
-        whole(distance_m / self.bin_m + 0.5).min(self.values.len() - 1)
+        index(distance_m / self.bin_m + 0.5).min(self.values.len() - 1)
     }
 
     pub(super) fn bin_m(&self) -> f64 {
@@ -119,6 +154,11 @@ impl FittedCurve {
         self.values[bin].clamp(self.floor, self.ceiling)
     }
 
+    /// The logarithms of the probabilities in each bin.
+    pub(super) fn logarithms(&self) -> &[LogProbabilities] {
+        &self.logarithms
+    }
+
     /// The curve of highest likelihood for `counts`.
     pub(super) fn updated(&self, counts: &CurveCounts) -> Self {
         let share = |&[sent, received]: &[f64; 2]| if sent > 0.0 { received / sent } else { 0.0 };
@@ -134,7 +174,8 @@ impl FittedCurve {
         let in_range = values.iter().rposition(|&value| value > least).map_or(1, |last| last + 1);
         let [sent, _] = sum(&counts.bins[..in_range]);
         let ceiling = 1.0 - (1.0 / (sent + 2.0)).clamp(1e-4, 0.3);
-        Self { values, in_range, floor, ceiling, ..*self }
+        let logarithms = LogProbabilities::of(values.iter().map(|value| value.clamp(floor, ceiling)));
+        Self { values, in_range, floor, ceiling, logarithms, bin_m: self.bin_m }
     }
 
     /// The root mean square difference of two curves over the packets in range of either, and the standard error of a

@@ -8,7 +8,7 @@ use super::curve::{CurveCounts, FittedCurve};
 use crate::grid_ml::directions::{Directions, covers};
 use crate::log_facts::heights::Heights;
 use crate::log_facts::search_box::SearchBox;
-use crate::numerics::whole;
+use crate::numerics::normal::index;
 use crate::posterior::{LocalPosterior, local_posterior};
 
 /// Smallest step of a grid, in bins of the curve.
@@ -37,6 +37,7 @@ pub(super) struct ExpectedCounts {
 }
 
 /// A stop near a node.
+#[derive(Clone, Copy)]
 struct NearStop {
     stop: u32,
     place: Position,
@@ -60,10 +61,12 @@ impl Round<'_> {
             None => (belief.clone(), vec![(belief.mean, 1.0)]),
         };
         let mut silent: Vec<(u32, f64)> = Vec::new();
-        let kept: f64 = places.iter().map(|&(_, weight)| weight).filter(|&weight| weight > SLIGHT).sum();
+        let mut likely = places;
+        likely.retain(|&(_, weight)| weight > SLIGHT);
+        let kept: f64 = likely.iter().map(|&(_, weight)| weight).sum();
         for NearStop { stop, place, received, missed, .. } in &listeners {
             let mut ln_missed = 0.0;
-            for &(vertex, weight) in places.iter().filter(|&&(_, weight)| weight > SLIGHT) {
+            for &(vertex, weight) in &likely {
                 if *received <= 0.0 && !covers(self.directions, vertex - *place) {
                     continue;
                 }
@@ -73,7 +76,7 @@ impl Round<'_> {
                     counts.bins[bin][0] += weight * (received + missed);
                     counts.bins[bin][1] += weight * received;
                 }
-                ln_missed += weight * missed * libm::log1p(-self.curve.value(bin));
+                ln_missed += weight * missed * self.curve.logarithms()[bin].missed;
             }
             if *received <= 0.0 {
                 silent.push((*stop, ln_missed));
@@ -124,13 +127,11 @@ impl Round<'_> {
     }
 
     fn posterior(&self, belief: &FittedBelief, within: &SearchBox, listeners: &[NearStop]) -> Option<LocalPosterior> {
-        let values: Vec<[f64; 2]> = (0..self.curve.bins())
-            .map(|bin| self.curve.value(bin))
-            .map(|s| [libm::log(s), libm::log1p(-s)])
-            .collect();
+        let logarithms = self.curve.logarithms();
+        let last = logarithms.len() - 1;
         let per_m = 1.0 / self.curve.bin_m();
-        let live: Vec<&NearStop> =
-            listeners.iter().filter(|listener| !self.is_dead[listener.stop as usize]).collect();
+        let live: Vec<NearStop> =
+            listeners.iter().filter(|listener| !self.is_dead[listener.stop as usize]).copied().collect();
         let log_likelihood = |vertex: Position| {
             if !within.contains(vertex) || self.watch.is_stopped() {
                 return f64::NEG_INFINITY;
@@ -146,11 +147,9 @@ impl Round<'_> {
                     }
                 }
                 let along = apart.dot(apart).sqrt() * per_m;
-                let below = whole(along).min(values.len() - 1);
-                let above = (below + 1).min(values.len() - 1);
+                let below = index(along).min(last);
                 let share = (along - below as f64).min(1.0);
-                let mix = |i: usize| values[below][i] + share * (values[above][i] - values[below][i]);
-                sum += listener.received * mix(0) + listener.missed * mix(1);
+                sum += logarithms[below].at(share, listener.received, listener.missed);
             }
             sum
         };
