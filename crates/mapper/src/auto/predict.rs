@@ -34,10 +34,9 @@ pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&Estim
         let points = estimate.as_ref().map(points);
         for pair in fold.pairs(node) {
             let share = match (&points, &shares) {
-                (Some(points), Some(shares)) => points
-                    .iter()
-                    .map(|&(place, weight)| weight * binomial(shares.at(place, &pair.stop), &pair))
-                    .sum(),
+                (Some(points), Some(shares)) => {
+                    points.iter().map(|&(place, weight)| weight * binomial(shares.at(place, &pair.stop), &pair)).sum()
+                }
                 _ => binomial(usual, &pair),
             };
             let density = pair.rssi_dbm.zip(strengths.as_ref()).map(|(rssi_dbm, strengths)| {

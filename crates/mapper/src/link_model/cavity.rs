@@ -45,7 +45,9 @@ pub(super) fn conditioned(
     let between = near.iter().enumerate().flat_map(|(row, &(_, first))| {
         near[..=row].iter().map(move |&(_, second)| known[first].place.distance_m(known[second].place))
     });
-    for (correlation, distance_m) in correlations.iter_mut().zip(near.iter().map(|&(distance_m, _)| distance_m).chain(between)) {
+    for (correlation, distance_m) in
+        correlations.iter_mut().zip(near.iter().map(|&(distance_m, _)| distance_m).chain(between))
+    {
         *correlation = -distance_m / law.correlation_m;
     }
     exp_each(&mut correlations);
@@ -62,8 +64,7 @@ pub(super) fn conditioned(
         let (along_row, rest) = between.split_at(row + 1);
         between = rest;
         for column in 0..=row {
-            let own = covariance(along_row[column])
-                + if row == column { alone + link.variance } else { 0.0 };
+            let own = covariance(along_row[column]) + if row == column { alone + link.variance } else { 0.0 };
             let sum: f64 = own - (0..column).map(|k| factor[row][k] * factor[column][k]).sum::<f64>();
             factor[row][column] = if row == column { sum.max(1e-12).sqrt() } else { sum / factor[column][column] };
         }

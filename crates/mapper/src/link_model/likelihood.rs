@@ -118,7 +118,8 @@ impl MarginSums {
         let mut errors = Vec::with_capacity(predictions.len());
         let blocks = columns.blocks().map(|block| {
             errors.clear();
-            errors.extend(predictions.iter().zip(block).map(|(prediction, own)| prediction.errors(slope, own, block)));
+            errors
+                .extend(predictions.iter().zip(block).map(|(prediction, own)| prediction.errors(slope, own, block)));
             BlockSums::of(&errors)
         });
         let blocks = blocks.collect();

@@ -117,7 +117,8 @@ impl Receiver {
         counts.iter_mut().chain(&mut both).for_each(|log| *log -= highest);
         exp_each(&mut counts);
         exp_each(&mut both);
-        let joint = both.iter().zip(&variances).map(|(both, variance)| both / (std::f64::consts::TAU * variance).sqrt());
+        let joint =
+            both.iter().zip(&variances).map(|(both, variance)| both / (std::f64::consts::TAU * variance).sqrt());
         joint.sum::<f64>() / counts.iter().sum::<f64>().max(1e-300)
     }
 }
