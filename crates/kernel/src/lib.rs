@@ -2,6 +2,7 @@
 //!
 //! Goes in: instants, events, a seed. Comes out: events in a defined order ([`EventQueue`]),
 //! random numbers with an address ([`Seed`]), identities ([`NodeId`], [`StationId`], [`RobotId`]); and how long work is watched ([`Watch`]).
+//! Exponentials and logarithms of many numbers at once are in [`maths`].
 //!
 //! ```
 //! use sextant_kernel::{EventQueue, Rank, SimTime, StationId};

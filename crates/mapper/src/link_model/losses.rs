@@ -191,6 +191,7 @@ pub(super) struct CountTables {
 
 impl CountTables {
     /// Without tables: they are made when they are asked for.
+    #[cfg(test)]
     pub(super) fn new(losses: Losses) -> Self {
         Self { losses, tables: BTreeMap::new() }
     }

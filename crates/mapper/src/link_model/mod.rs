@@ -13,6 +13,7 @@ mod parts;
 mod posterior;
 mod predict;
 mod receiver;
+mod receiver_trial;
 mod report;
 mod site;
 mod tables;

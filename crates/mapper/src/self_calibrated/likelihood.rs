@@ -1,7 +1,7 @@
 //! The likelihood of one node at the vertices of its window.
 
 use sextant_channel::Position;
-use sextant_kernel::maths::ln_each;
+use sextant_kernel::maths::{ln, ln_each};
 
 use super::counts::CountedLink;
 use super::model::{Logarithms, Model};
@@ -47,7 +47,7 @@ impl WindowLikelihood {
                 (1, 0) => product[vertex] *= p,
                 (received, missed) if sent <= CHUNK => product[vertex] *= power(p, received) * power(1.0 - p, missed),
                 (received, missed) => {
-                    logarithms[vertex] += f64::from(received) * libm::log(p) + f64::from(missed) * libm::log1p(-p);
+                    logarithms[vertex] += f64::from(received) * ln(p) + f64::from(missed) * ln(1.0 - p);
                 }
             }
         });

@@ -1,6 +1,7 @@
 //! Straight lines between stops and nodes, and the evidence of their receptions on the cells that they cross.
 
 use sextant_channel::Position;
+use sextant_kernel::maths::ln;
 
 use super::model::{CEILING, FLOOR, Model};
 use crate::absorption::claims::CellEvidence;
@@ -189,7 +190,7 @@ impl SightLine {
 
     fn log_likelihood(&self, model: &Model, absorbed: f64) -> f64 {
         let p = self.probability(model, absorbed);
-        self.received * libm::log(p) + self.missed * libm::log1p(-p)
+        self.received * ln(p) + self.missed * ln(1.0 - p)
     }
 
     /// Slope of the log-likelihood with absorption, and its negative curvature.
