@@ -148,7 +148,8 @@ mod tests {
         assert!(free.correlation.abs() < 3.0 * free.error && free.least_factor() < 1.2, "{free:?}");
         assert_eq!(free.warning("map"), None);
         // Shares of 0.2 and 0.8 in turn: the variance of the share is 0.09, of 0.25 for a packet.
-        let tied = dependence(12, |node, stop| if (node + stop as usize) % 2 == 0 { 0.2 } else { 0.8 }).unwrap();
+        let tied =
+            dependence(12, |node, stop| if (node + stop as usize).is_multiple_of(2) { 0.2 } else { 0.8 }).unwrap();
         assert!((tied.correlation - 0.36).abs() < 0.03, "{tied:?}");
         let warning = tied.warning("map").unwrap();
         assert!(warning.text.contains("regions are far too small"), "{}", warning.text);

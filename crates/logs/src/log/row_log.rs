@@ -78,7 +78,7 @@ impl RowLog {
             return Err(RobotLogError::NoStops { part: folder.as_path().into() });
         }
         let file = folder.join(RECEPTIONS);
-        let mut rssi = RssiCheck::new(&options.repair.rssi_missing);
+        let mut rssi = RssiCheck::new(options);
         let mut strengths = Strengths::of(&options.form);
         let (rows, kind) =
             receptions::open(file.as_path().into(), &stops, &options.form, &mut rssi, &mut strengths, &mut notes)?;
@@ -103,7 +103,7 @@ impl RowLog {
     /// # Errors
     /// If the file cannot be read, or has an invalid row; the first error of `take`.
     pub fn rows(&self, take: TakeRow<'_>) -> Result<(), RobotLogError> {
-        let mut rssi = RssiCheck::new(&self.options.repair.rssi_missing);
+        let mut rssi = RssiCheck::new(&self.options);
         let mut strengths = Strengths::of(&self.options.form);
         let (rows, _) = receptions::open(
             self.file.as_path().into(),

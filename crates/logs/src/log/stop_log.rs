@@ -57,7 +57,7 @@ pub(crate) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
     if stops.stops.is_empty() {
         return Err(RobotLogError::NoStops { part: companions.log });
     }
-    let mut rssi = RssiCheck::new(&options.repair.rssi_missing);
+    let mut rssi = RssiCheck::new(options);
     let receptions::Receptions { name, names, receptions, left_out, reports } =
         receptions::read(receptions, &stops, &options.form, &mut rssi, &mut notes)?;
     notes.extend(left_out_note(&stops, &name, left_out));

@@ -118,7 +118,7 @@ impl Gatherer {
                 PacketDelay::Seconds(delay_s) => delay_s,
                 PacketDelay::Estimated => 0.0,
             },
-            rssi: RssiCheck::new(&options.repair.rssi_missing),
+            rssi: RssiCheck::new(options),
             samples: Samples::default(),
             notes: Vec::new(),
             findings: Vec::new(),

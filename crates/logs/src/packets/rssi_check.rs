@@ -1,12 +1,16 @@
 //! The signal strengths of a log as they are read.
 
 use crate::doctor::{self, Finding, Levels};
+use crate::options::noise_floor::NoiseFloor;
+use crate::options::read_options::ReadOptions;
 
 /// Takes signal strengths as they are read: counts them, and leaves out the values that stand for none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RssiCheck {
     /// Values that the user says are no measurements (dBm).
     missing: Vec<f64>,
+    /// Strengths up to this one are those of noise.
+    floor: Option<NoiseFloor>,
     levels: Levels,
     left_out: u64,
 }
@@ -15,9 +19,10 @@ pub(crate) struct RssiCheck {
 const SAME_DB: f64 = 1e-6;
 
 impl RssiCheck {
-    /// A check of which the values `missing` (dBm) are no measurements.
-    pub(crate) fn new(missing: &[f64]) -> Self {
-        Self { missing: missing.to_vec(), ..Self::default() }
+    /// A check of strengths of which some are no measurements, or noise, as `options` say.
+    pub(crate) fn new(options: &ReadOptions) -> Self {
+        let (missing, floor) = (options.repair.rssi_missing.clone(), options.form.noise_floor);
+        Self { missing, floor, ..Self::default() }
     }
 
     /// The strength, if it was measured (dBm).
@@ -27,7 +32,9 @@ impl RssiCheck {
             self.left_out += 1;
             return None;
         }
-        self.levels.take(level);
+        if self.floor.is_none_or(|floor| level > floor.threshold_dbm()) {
+            self.levels.take(level);
+        }
         Some(level)
     }
 

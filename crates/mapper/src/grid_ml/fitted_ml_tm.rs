@@ -1,6 +1,6 @@
 //! ML-TM under a profile estimated from the log.
 
-use sextant_channel::{Position, ReceptionLog, Stop};
+use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
 use super::ml_tm::uses_under;
@@ -10,7 +10,6 @@ use crate::grid_ml::fitted::{Fit, Fitted, GridSize, WideSearch};
 use crate::grid_ml::ml_tm::{MlTm, MlTmConfig};
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
-use crate::link_dependence::LinkDependence;
 use crate::log_facts::reach::{HeardNode, heard_nodes};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::sectors::SectorSettings;
@@ -207,11 +206,6 @@ impl Estimator for FittedMlTm {
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        let (map, mut fit) = self.map(knowledge.log, watch)?;
-        if let Some(fit) = &mut fit {
-            let share = |place: Position, _, stop: &Stop| fit.curve.probability(place.distance_m(stop.position));
-            fit.dependence = LinkDependence::of(&fit.evidence(knowledge.log), &map, share);
-        }
-        Ok((map, fit.map(EstimatorFindings::new)))
+        self.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(EstimatorFindings::new)))
     }
 }

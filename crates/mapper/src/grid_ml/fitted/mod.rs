@@ -16,7 +16,6 @@ use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use crate::error::MapError;
 use crate::grid_ml::directions::{CoverageEdge, Directions};
-use crate::link_dependence::LinkDependence;
 use crate::log_facts::heights::{Heights, SoughtHeights};
 use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::SearchBox;
@@ -63,8 +62,6 @@ pub struct Fit {
     pub outliers: Vec<(NodeId, u32)>,
     /// Number of nodes from which the curve was estimated.
     pub nodes: usize,
-    /// How much the packets of a link depend on each other, where it was looked at.
-    pub dependence: Option<LinkDependence>,
     /// How far nodes are heard, as the log says without a model (m).
     pub reach_m: f64,
     /// Whether the log says so. It does not if each node was heard at one place only.

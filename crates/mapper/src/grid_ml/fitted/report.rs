@@ -28,9 +28,6 @@ struct FitKeys {
     dead_stops: Vec<u32>,
     /// Receptions that were ignored because they came from far beyond the range.
     outliers: usize,
-    /// Correlation of two packets of a link about what the profile says. Absent if it was not looked at.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    packet_correlation: Option<f64>,
 }
 
 #[cfg(feature = "config")]
@@ -60,7 +57,6 @@ impl Fit {
             probability: (0..8).map(|i| self.curve.probability(range_m * f64::from(i) / 8.0)).collect(),
             dead_stops: self.dead_stops.clone(),
             outliers: self.outliers.len(),
-            packet_correlation: self.dependence.map(|dependence| dependence.correlation),
         }
     }
 
@@ -115,11 +111,7 @@ impl Finding for Fit {
 
     fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
         let why = Unconverged::of(self.is_settled(), map);
-        let dependence = self.dependence.and_then(|dependence| dependence.warning(name));
-        std::iter::once(self.line(name, self.converged_in(map)))
-            .chain(self.warning(name, why))
-            .chain(dependence)
-            .collect()
+        std::iter::once(self.line(name, self.converged_in(map))).chain(self.warning(name, why)).collect()
     }
 
     fn curves(&self) -> Vec<CurveFinding<'_>> {

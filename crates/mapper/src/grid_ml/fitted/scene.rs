@@ -102,7 +102,6 @@ impl SettledCurve {
             dead_stops,
             outliers,
             nodes: *nodes,
-            dependence: None,
             reach_m: scene.reach_m,
             is_reach_known: scene.is_reach_known,
             heights: scene.heights,
