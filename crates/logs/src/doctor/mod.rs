@@ -21,6 +21,7 @@ mod no_distance;
 mod node_fit;
 mod node_strengths;
 mod origin;
+mod pile;
 #[cfg(test)]
 mod rivals;
 mod route;

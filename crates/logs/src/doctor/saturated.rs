@@ -2,29 +2,20 @@
 
 use super::finding::Finding;
 use super::levels::Levels;
+use super::pile::Pile;
 
-/// The highest strength is where a receiver saturates if it occurs at least so often, in so large a share of all strengths,
-/// and so many times as often as each of the next strengths below it. Otherwise strong ones become rarer towards the highest.
-const LEAST: u64 = 10;
+/// The highest strength is where a receiver saturates if it is a pile of so large a share of all strengths. Otherwise strong ones
+/// become rarer towards the highest.
 const LEAST_SHARE: f64 = 0.03;
-const TIMES: u64 = 3;
-/// How many strengths below it are compared.
-const BELOW: usize = 4;
 
 /// What is odd of strengths that pile up at the highest.
 pub(super) fn finding(levels: &Levels) -> Option<Finding> {
-    let possible = levels.possible();
-    let (&(highest_dbm, count), below) = possible.split_last()?;
-    let next = &below[below.len().saturating_sub(BELOW)..];
-    let most = next.iter().map(|(_, count)| *count).max()?;
-    let total = levels.total();
-    let is_pile = count >= LEAST && count as f64 >= LEAST_SHARE * total as f64 && count >= TIMES * most;
-    (is_pile && next.len() == BELOW).then(|| Finding {
+    let Pile { level_dbm, count, total, times } = Pile::at_highest(levels, LEAST_SHARE)?;
+    Some(Finding {
         check: "saturated-strengths",
         odd: format!(
-            "{count} of {total} signal strengths are {highest_dbm} dBm, the highest there is, {} times as many as any of the \
-             next below: the receiver saturates there",
-            count / most.max(1)
+            "{count} of {total} signal strengths are {level_dbm} dBm, the highest there is, {times} times as many as any of the \
+             next below: the receiver saturates there"
         ),
         cost: "all nearer distances look alike, so nodes beside the path are placed less exactly".to_owned(),
         remedy: "an attenuator or less transmit power at the next survey; these strengths mean `at least`".to_owned(),

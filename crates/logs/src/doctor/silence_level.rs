@@ -2,33 +2,23 @@
 
 use super::finding::Finding;
 use super::levels::Levels;
+use super::pile::Pile;
 
-/// The lowest strength stands for silence if it occurs at least so often, in so large a share of all strengths, and so many times
-/// as often as each of the next strengths above it. Near the threshold of a receiver strengths become rarer towards the lowest, and
-/// of 29 logs of real robots the lowest is at most 16 % of all, and 1.2 times the next.
-const LEAST: u64 = 10;
+/// The lowest strength stands for silence if it is a pile of so large a share of all strengths. Near the threshold of a receiver
+/// strengths become rarer towards the lowest, and of 29 logs of real robots the lowest is at most 16 % of all, and 1.2 times the next.
 const LEAST_SHARE: f64 = 0.2;
-const TIMES: u64 = 3;
-/// How many strengths above it are compared.
-const ABOVE: usize = 4;
 
 /// What is odd of strengths that pile up at the lowest.
 pub(super) fn finding(levels: &Levels) -> Option<Finding> {
-    let possible = levels.possible();
-    let (&(lowest_dbm, count), above) = possible.split_first()?;
-    let next = &above[..above.len().min(ABOVE)];
-    let most = next.iter().map(|(_, count)| *count).max()?;
-    let total = levels.total();
-    let is_pile = count >= LEAST && count as f64 >= LEAST_SHARE * total as f64 && count >= TIMES * most;
-    (is_pile && next.len() == ABOVE).then(|| Finding {
+    let Pile { level_dbm, count, total, times } = Pile::at_lowest(levels, LEAST_SHARE)?;
+    Some(Finding {
         check: "silence-as-strength",
         odd: format!(
-            "{count} of {total} signal strengths are {lowest_dbm} dBm, the lowest there is, {} times as many as any of the next \
-             above: many tables write such a value where nothing was heard",
-            count / most.max(1)
+            "{count} of {total} signal strengths are {level_dbm} dBm, the lowest there is, {times} times as many as any of the next \
+             above: many tables write such a value where nothing was heard"
         ),
         cost: "silence counts as packets that were heard, and pulls nodes to the middle of all stops".to_owned(),
-        remedy: format!("`noise_floor={lowest_dbm}` counts strengths up to this one as not heard"),
+        remedy: format!("`noise_floor={level_dbm}` counts strengths up to this one as not heard"),
     })
 }
 

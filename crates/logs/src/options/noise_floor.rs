@@ -18,6 +18,11 @@ impl NoiseFloor {
     pub fn threshold_dbm(self) -> f64 {
         self.floor_dbm + self.margin_db
     }
+
+    /// Whether a power (dBm) is noise.
+    pub(crate) fn is_noise(self, power_dbm: f64) -> bool {
+        power_dbm <= self.threshold_dbm()
+    }
 }
 
 impl FromStr for NoiseFloor {

@@ -32,7 +32,7 @@ impl RssiCheck {
             self.left_out += 1;
             return None;
         }
-        if self.floor.is_none_or(|floor| level > floor.threshold_dbm()) {
+        if !self.floor.is_some_and(|floor| floor.is_noise(level)) {
             self.levels.take(level);
         }
         Some(level)

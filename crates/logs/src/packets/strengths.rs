@@ -35,7 +35,7 @@ impl Strengths {
     pub(crate) fn take(&mut self, rssi_dbm: Option<f64>, snr_db: Option<f64>) -> Report {
         let Some(rssi_dbm) = rssi_dbm else { return Report::Heard(None) };
         self.seen += 1;
-        if self.floor.is_some_and(|floor| rssi_dbm <= floor.threshold_dbm()) {
+        if self.floor.is_some_and(|floor| floor.is_noise(rssi_dbm)) {
             self.noise += 1;
             return Report::Noise;
         }
