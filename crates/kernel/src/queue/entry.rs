@@ -3,7 +3,7 @@
 use super::{EventKey, Rank};
 use crate::SimTime;
 
-/// Bits of the insertion number beside class and station: with the 32 of `insertion_low`, 56 bits, enough for
+/// Bits of the insertion number beside class and station: with the 32 of `low`, 56 bits, enough for
 /// 10⁷ events a second over 228 years.
 const HIGH_BITS: u32 = 24;
 
@@ -14,17 +14,16 @@ pub(super) struct Entry {
     time: SimTime,
     /// Class (8 bits), station (32 bits), upper 24 bits of the insertion number.
     rank: u64,
-    insertion_low: u32,
-    slot: u32,
+    /// Lower 32 bits of the insertion number, slot (32 bits).
+    low: u64,
 }
 
 impl Entry {
     #[inline]
     pub(super) fn new(time: SimTime, rank: Rank, key: EventKey) -> Self {
         let rank = u64::from(rank.class) << 56 | u64::from(rank.station.0) << HIGH_BITS | key.insertion >> 32;
-        #[expect(clippy::cast_possible_truncation, reason = "the lower half; the upper one is in `rank`")]
-        let insertion_low = key.insertion as u32;
-        Self { time, rank, insertion_low, slot: key.slot }
+        // The upper half of the number is in `rank`.
+        Self { time, rank, low: key.insertion << 32 | u64::from(key.slot) }
     }
 
     #[inline]
@@ -35,7 +34,9 @@ impl Entry {
     #[inline]
     pub(super) fn key(&self) -> EventKey {
         let high = self.rank & ((1 << HIGH_BITS) - 1);
-        EventKey { insertion: high << 32 | u64::from(self.insertion_low), slot: self.slot }
+        #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
+        let slot = self.low as u32;
+        EventKey { insertion: high << 32 | self.low >> 32, slot }
     }
 }
 

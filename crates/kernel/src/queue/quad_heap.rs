@@ -12,6 +12,11 @@ pub(super) struct QuadHeap {
 
 impl QuadHeap {
     #[inline]
+    pub(super) fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    #[cfg(test)]
     pub(super) fn len(&self) -> usize {
         self.entries.len()
     }

@@ -1,20 +1,23 @@
 //! A radix heap over instants (Ahuja, Mehlhorn, Orlin and Tarjan 1990, "Faster algorithms for the shortest
-//! path problem", section 2, with buckets by the highest differing bit), with a small heap in front.
+//! path problem", section 2, with buckets by the highest differing bit), with a sorted bucket in front.
 
 use super::entry::Entry;
 use super::quad_heap::QuadHeap;
 use crate::SimTime;
 
-/// A bucket with at most this many entries goes into the heap in front as a whole. Measured: 8 to 16 are best.
-const SMALL_BUCKET: usize = 8;
+/// A bucket with at most this many entries is sorted as a whole.
+const SMALL_BUCKET: usize = 16;
 
 /// Entries, the smallest first.
 ///
-/// Entries up to the horizon are in `near`, in full order. A later entry is in the bucket of the highest bit in
-/// which its instant differs from the horizon, so lower buckets have earlier instants. When `near` is empty, the
-/// horizon moves into the lowest bucket, and the entries of this bucket go to `near` and to lower buckets.
+/// Entries up to the horizon are in `near` and `late`. A later entry is in the bucket of the highest bit in which its
+/// instant differs from the horizon, so lower buckets have earlier instants. When nothing is left up to the horizon, it
+/// moves into the lowest bucket, and the entries of this bucket go to `near` and to lower buckets.
 pub(super) struct RadixHeap {
-    near: QuadHeap,
+    /// The entries that the horizon moved over, the smallest last.
+    near: Vec<Entry>,
+    /// Those that were pushed when the horizon had moved over their instants.
+    late: QuadHeap,
     horizon: SimTime,
     /// Bit b is set where `far[b]` has entries.
     occupied: u64,
@@ -24,7 +27,8 @@ pub(super) struct RadixHeap {
 impl Default for RadixHeap {
     fn default() -> Self {
         Self {
-            near: QuadHeap::default(),
+            near: Vec::new(),
+            late: QuadHeap::default(),
             horizon: SimTime::ZERO,
             occupied: 0,
             far: std::array::from_fn(|_| Vec::new()),
@@ -36,29 +40,49 @@ impl RadixHeap {
     #[inline]
     pub(super) fn push(&mut self, entry: Entry) {
         if entry.time() <= self.horizon {
-            self.near.push(entry);
+            self.late.push(entry);
         } else {
-            let differing = entry.time().as_nanos() ^ self.horizon.as_nanos();
-            let bucket = differing.ilog2();
-            self.occupied |= 1 << bucket;
-            self.far[bucket as usize].push(entry);
+            self.put_off(entry);
         }
+    }
+
+    /// Puts an entry beyond the horizon into its bucket.
+    #[inline]
+    fn put_off(&mut self, entry: Entry) {
+        let differing = entry.time().as_nanos() ^ self.horizon.as_nanos();
+        let bucket = differing.ilog2();
+        self.occupied |= 1 << bucket;
+        self.far[bucket as usize].push(entry);
     }
 
     #[inline]
     pub(super) fn peek(&mut self) -> Option<&Entry> {
-        if self.near.len() == 0 {
+        if self.near.is_empty() && self.late.is_empty() {
             self.advance();
         }
-        self.near.peek()
+        match (self.near.last(), self.late.peek()) {
+            (Some(near), Some(late)) => Some(near.min(late)),
+            (near, late) => near.or(late),
+        }
     }
 
     #[inline]
     pub(super) fn pop(&mut self) -> Option<Entry> {
-        if self.near.len() == 0 {
-            self.advance();
+        if self.late.is_empty() {
+            if self.near.is_empty() {
+                self.advance();
+            }
+            return self.near.pop();
         }
-        self.near.pop()
+        self.pop_late()
+    }
+
+    /// The smallest entry up to the horizon, of which some are late.
+    fn pop_late(&mut self) -> Option<Entry> {
+        match (self.near.last(), self.late.peek()) {
+            (Some(near), Some(late)) if near < late => self.near.pop(),
+            _ => self.late.pop(),
+        }
     }
 
     /// Moves the horizon to the first instant beyond it that has entries, or over the next few entries.
@@ -69,28 +93,28 @@ impl RadixHeap {
         }
         let lowest = self.occupied.trailing_zeros() as usize;
         self.occupied &= self.occupied - 1;
-        let mut bucket = std::mem::take(&mut self.far[lowest]);
-        let times = bucket.iter().map(Entry::time);
-        if bucket.len() <= SMALL_BUCKET {
-            // Not to the end of the bucket, which may be years ahead.
-            self.horizon = times.fold(self.horizon, SimTime::max);
-            for entry in bucket.drain(..) {
-                self.near.push(entry);
-            }
+        if self.far[lowest].len() <= SMALL_BUCKET {
+            std::mem::swap(&mut self.near, &mut self.far[lowest]);
         } else {
-            self.horizon = times.fold(SimTime::MAX, SimTime::min);
-            for entry in bucket.drain(..) {
-                self.push(entry);
+            let mut bucket = std::mem::take(&mut self.far[lowest]);
+            self.horizon = bucket.iter().map(Entry::time).fold(SimTime::MAX, SimTime::min);
+            for &entry in &bucket {
+                if entry.time() == self.horizon { self.near.push(entry) } else { self.put_off(entry) }
             }
+            bucket.clear();
+            // Its entries went to `near` or to lower buckets. It keeps its memory.
+            self.far[lowest] = bucket;
         }
-        // The bucket is empty: its entries went to `near` or to lower buckets. It keeps its memory.
-        self.far[lowest] = bucket;
+        sort_down(&mut self.near);
+        // Not to the end of the bucket, which may be years ahead.
+        self.horizon = self.near.first().map_or(self.horizon, Entry::time);
     }
 
     /// Removes the entries for which `keep` is false. Looks at every entry.
     #[cold]
     pub(super) fn retain(&mut self, mut keep: impl FnMut(&Entry) -> bool) {
         self.near.retain(&mut keep);
+        self.late.retain(&mut keep);
         for (bit, bucket) in self.far.iter_mut().enumerate() {
             bucket.retain(&mut keep);
             if bucket.is_empty() {
@@ -101,6 +125,24 @@ impl RadixHeap {
 
     #[cfg(test)]
     pub(super) fn len(&self) -> usize {
-        self.near.len() + self.far.iter().map(Vec::len).sum::<usize>()
+        self.near.len() + self.late.len() + self.far.iter().map(Vec::len).sum::<usize>()
+    }
+}
+
+/// Sorts entries, the smallest last.
+#[inline]
+fn sort_down(entries: &mut [Entry]) {
+    if entries.len() > SMALL_BUCKET {
+        entries.sort_unstable_by(|a, b| b.cmp(a));
+        return;
+    }
+    for end in 1..entries.len() {
+        let entry = entries[end];
+        let mut hole = end;
+        while hole > 0 && entries[hole - 1] < entry {
+            entries[hole] = entries[hole - 1];
+            hole -= 1;
+        }
+        entries[hole] = entry;
     }
 }
