@@ -32,7 +32,7 @@ pub use file_form::{FileForm, root_of_xml, seen};
 pub use files::{Files, LARGEST_FILE, is_within, read_at_most, read_text_at_most};
 pub use node::NodeId;
 pub use queue::{EventKey, EventQueue, Rank};
-pub use random::{Purpose, Seed, Stream};
+pub use random::{Draws, Purpose, Seed, Stream};
 pub use robot::RobotId;
 pub use setting::{SettingError, SettingProblem};
 pub use station::StationId;

@@ -45,11 +45,14 @@ impl Seed {
     #[must_use]
     #[inline]
     pub fn bits(self, purpose: Purpose, place: [u64; 3]) -> u64 {
-        let mut state = mix(self.0 ^ mix(purpose.0));
-        for word in place {
-            state = mix(state ^ word);
-        }
-        state
+        self.draws(purpose, place[0]).bits([place[1], place[2]])
+    }
+
+    /// The draws of one drawer for one purpose: those of [`Seed::bits`] whose address begins with `drawer`.
+    #[must_use]
+    #[inline]
+    pub fn draws(self, purpose: Purpose, drawer: u64) -> Draws {
+        Draws(mix(mix(self.0 ^ mix(purpose.0)) ^ drawer))
     }
 
     /// A number uniform in (0, 1) at the address `place`.
@@ -66,6 +69,19 @@ impl Seed {
         let first = self.bits(purpose, place);
         let radius = (-2.0 * libm::log(open_unit(first))).sqrt();
         radius * libm::cos(std::f64::consts::TAU * open_unit(mix(first)))
+    }
+}
+
+/// The draws of one drawer for one purpose: what they have in common is worked out once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Draws(u64);
+
+impl Draws {
+    /// 64 random bits at the rest of the address.
+    #[must_use]
+    #[inline]
+    pub fn bits(self, rest: [u64; 2]) -> u64 {
+        rest.into_iter().fold(self.0, |state, word| mix(state ^ word))
     }
 }
 

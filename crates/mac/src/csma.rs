@@ -31,14 +31,14 @@ use sending::{Sending, SendingStep};
 enum State {
     Idle,
     /// Its receiver may still be on, from the assessment before.
-    BackingOff(Attempt, Receiver),
+    BackingOff(Receiver),
     /// On the way from idle to receiving, before an assessment.
-    WakingUp(Attempt),
-    Sensing(Attempt),
+    WakingUp,
+    Sensing,
     /// The channel is won.
-    Sending(Attempt, Sending),
-    /// Silent after a frame; then the waiting attempt, if any, contends.
-    Spacing(Option<Attempt>),
+    Sending(Sending),
+    /// Silent after a frame.
+    Spacing(Next),
 }
 
 /// The receiver of a station during its backoff.
@@ -48,36 +48,50 @@ enum Receiver {
     StillOn,
 }
 
+/// What follows the silence after a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Next {
+    Nothing,
+    /// The attempt contends.
+    Contention,
+}
+
 /// The state machine.
 #[derive(Clone, Debug)]
 pub struct Csma {
     settings: CsmaSettings,
     phy: Phy,
     state: State,
+    /// The frame under way, or the last one. It stays in its place: to move it with the state took a twentieth of the time of
+    /// saturated networks.
+    attempt: Attempt,
 }
 
 impl Csma {
     /// An idle machine.
     #[must_use]
     pub const fn new(settings: CsmaSettings, phy: Phy) -> Self {
-        Self { settings, phy, state: State::Idle }
+        let none = OutgoingFrame { mpdu_octets: 0, ack_request: false, sequence: 0 };
+        Self { settings, phy, state: State::Idle, attempt: Attempt::new(none) }
     }
 
     /// Whether a frame is under way, so that [`Csma::start`] must wait for its [`Report`].
     #[must_use]
+    #[inline]
     pub const fn is_busy(&self) -> bool {
-        !matches!(self.state, State::Idle | State::Spacing(None))
+        !matches!(self.state, State::Idle | State::Spacing(Next::Nothing))
     }
 
     /// Whether the assessment under way ends the frame if it finds the channel busy.
     #[must_use]
     #[inline]
     pub const fn gives_up_if_busy(&self) -> bool {
-        matches!(self.state, State::Sensing(attempt) if attempt.busy >= self.settings.max_backoffs())
+        matches!(self.state, State::Sensing) && self.attempt.busy >= self.settings.max_backoffs()
     }
 
     /// The state of the radio between commands, also before the first one.
     #[must_use]
+    #[inline]
     pub const fn resting_state(&self) -> RadioState {
         self.settings.resting_state()
     }
@@ -86,13 +100,14 @@ impl Csma {
     ///
     /// # Panics
     /// If a frame is under way.
+    #[inline]
     pub fn start(&mut self, frame: OutgoingFrame, radio: &mut impl Radio) {
         assert!(!self.is_busy(), "a frame is under way");
-        let attempt = Attempt::new(frame);
-        self.state = match self.state {
-            State::Spacing(_) => State::Spacing(Some(attempt)),
-            _ => self.contend(attempt, radio),
-        };
+        self.attempt = Attempt::new(frame);
+        match self.state {
+            State::Spacing(_) => self.state = State::Spacing(Next::Contention),
+            _ => self.contend(radio),
+        }
     }
 
     /// Handles an event; returns the report if the event ended the frame. An acknowledgement that
@@ -101,99 +116,112 @@ impl Csma {
     /// # Panics
     /// If the event is impossible in the current state: the machine did not ask for it.
     pub fn handle(&mut self, event: Event, radio: &mut impl Radio) -> Option<Report> {
-        let (state, report) = match (self.state, event) {
-            (State::BackingOff(attempt, Receiver::AtRest), Event::BackoffExpired)
-                if self.settings.has_idle_turnarounds() =>
-            {
+        match (self.state, event) {
+            (State::BackingOff(Receiver::AtRest), Event::BackoffExpired) if self.settings.has_idle_turnarounds() => {
                 radio.enter(RadioState::Turnaround);
                 radio.after(self.phy.turnaround(), Event::SenseReady);
-                (State::WakingUp(attempt), None)
+                self.state = State::WakingUp;
+                None
             }
-            (State::BackingOff(attempt, _), Event::BackoffExpired)
-            | (State::WakingUp(attempt), Event::SenseReady) => {
+            (State::BackingOff(_), Event::BackoffExpired) | (State::WakingUp, Event::SenseReady) => {
                 radio.enter(RadioState::Receive);
                 radio.start_cca();
-                (State::Sensing(attempt.with_cca()), None)
+                self.attempt.ccas += 1;
+                self.state = State::Sensing;
+                None
             }
-            (State::Sensing(attempt), Event::CcaEnded { busy: false }) => {
-                (State::Sending(attempt, Sending::begin(self.phy, radio)), None)
+            (State::Sensing, Event::CcaEnded { busy: false }) => {
+                self.state = State::Sending(Sending::begin(self.phy, radio));
+                None
             }
-            (State::Sensing(attempt), Event::CcaEnded { busy: true }) => self.defer(attempt, radio),
-            (State::Sending(attempt, sending), event) => match sending.handle(attempt, event, self.phy, radio) {
-                SendingStep::On(attempt, sending) => (State::Sending(attempt, sending), None),
-                SendingStep::Ended(attempt, outcome) => {
-                    (self.space(attempt.frame, Duration::ZERO, None, radio), Some(attempt.report(outcome)))
+            (State::Sensing, Event::CcaEnded { busy: true }) => self.defer(radio),
+            (State::Sending(sending), event) => match sending.handle(&mut self.attempt, event, self.phy, radio) {
+                SendingStep::On(sending) => {
+                    self.state = State::Sending(sending);
+                    None
                 }
-                SendingStep::Unanswered { attempt, waited } => self.retry(attempt, waited, radio),
+                SendingStep::Ended(outcome) => {
+                    self.space(Duration::ZERO, Next::Nothing, radio);
+                    Some(self.attempt.report(outcome))
+                }
+                SendingStep::Unanswered { waited } => self.retry(waited, radio),
             },
-            (State::Spacing(None), Event::InterframeSpaceEnded) => (State::Idle, None),
-            (State::Spacing(Some(attempt)), Event::InterframeSpaceEnded) => (self.contend(attempt, radio), None),
-            (state, Event::AckReceived { .. }) => (state, None),
+            (State::Spacing(Next::Nothing), Event::InterframeSpaceEnded) => {
+                self.state = State::Idle;
+                None
+            }
+            (State::Spacing(Next::Contention), Event::InterframeSpaceEnded) => {
+                self.contend(radio);
+                None
+            }
+            (_, Event::AckReceived { .. }) => None,
             (state, event) => panic!("{event:?} cannot happen in {state:?}"),
-        };
-        self.state = state;
-        report
+        }
     }
 
     /// Starts an access to the channel from its beginning.
-    fn contend(&self, attempt: Attempt, radio: &mut impl Radio) -> State {
+    fn contend(&mut self, radio: &mut impl Radio) {
         radio.enter(self.resting_state());
-        let attempt = Attempt { busy: 0, exponent: self.settings.min_be(), ..attempt };
-        let periods = radio.backoff_periods((1 << attempt.exponent) - 1);
-        self.wait(attempt, periods, Receiver::AtRest, radio)
+        self.attempt.busy = 0;
+        self.attempt.exponent = self.settings.min_be();
+        let periods = radio.backoff_periods((1 << self.attempt.exponent) - 1);
+        self.wait(periods, Receiver::AtRest, radio);
     }
 
-    fn wait(&self, attempt: Attempt, periods: u32, receiver: Receiver, radio: &mut impl Radio) -> State {
+    fn wait(&mut self, periods: u32, receiver: Receiver, radio: &mut impl Radio) {
         radio.after(self.phy.backoff_period() * periods, Event::BackoffExpired);
-        State::BackingOff(attempt, receiver)
+        self.state = State::BackingOff(receiver);
     }
 
     /// The channel was busy: starts a longer backoff, or gives up.
-    fn defer(&self, attempt: Attempt, radio: &mut impl Radio) -> (State, Option<Report>) {
-        let busy = attempt.busy + 1;
-        if busy > self.settings.max_backoffs() {
+    fn defer(&mut self, radio: &mut impl Radio) -> Option<Report> {
+        self.attempt.busy += 1;
+        if self.attempt.busy > self.settings.max_backoffs() {
             radio.enter(self.resting_state());
-            return (State::Idle, Some(attempt.report(Outcome::ChannelAccessFailure)));
+            self.state = State::Idle;
+            return Some(self.attempt.report(Outcome::ChannelAccessFailure));
         }
-        let exponent = (attempt.exponent + 1).min(self.settings.max_be());
-        let attempt = Attempt { busy, exponent, ..attempt };
+        self.attempt.exponent = (self.attempt.exponent + 1).min(self.settings.max_be());
         let turns = self.settings.has_idle_turnarounds();
         if !turns {
             radio.enter(self.resting_state());
         }
-        let periods = radio.backoff_periods((1 << exponent) - 1);
+        let periods = radio.backoff_periods((1 << self.attempt.exponent) - 1);
         // A radio that would have to turn around both ways stays on for a backoff of nothing.
         let receiver = if periods == 0 { Receiver::StillOn } else { Receiver::AtRest };
         if turns && periods > 0 {
             radio.enter(self.resting_state());
         }
-        (self.wait(attempt, periods, receiver, radio), None)
+        self.wait(periods, receiver, radio);
+        None
     }
 
     /// The frame was not acknowledged, and the station has been silent for `waited` after it: contends again with the same
     /// sequence number, or gives up. The next frame keeps the spacing to this one (IEEE 802.15.4-2006, 7.5.1.3): with ASK at
     /// 868 MHz the wait for an acknowledgement has 38 symbols, and the spacing after a long frame 40.
-    fn retry(&self, attempt: Attempt, waited: Duration, radio: &mut impl Radio) -> (State, Option<Report>) {
-        if attempt.transmissions > u32::from(self.settings.max_retries()) {
-            let state = self.space(attempt.frame, waited, None, radio);
-            return (state, Some(attempt.report(Outcome::NoAck)));
+    fn retry(&mut self, waited: Duration, radio: &mut impl Radio) -> Option<Report> {
+        if self.attempt.transmissions > u32::from(self.settings.max_retries()) {
+            self.space(waited, Next::Nothing, radio);
+            return Some(self.attempt.report(Outcome::NoAck));
         }
-        (self.space(attempt.frame, waited, Some(attempt), radio), None)
+        self.space(waited, Next::Contention, radio);
+        None
     }
 
-    /// Keeps silent for the rest of the interframe spacing, of which `waited` has passed; then `next` contends.
-    fn space(&self, frame: OutgoingFrame, waited: Duration, next: Option<Attempt>, radio: &mut impl Radio) -> State {
-        let left = self.phy.interframe_spacing(frame.mpdu_octets).saturating_sub(waited);
+    /// Keeps silent for the rest of the interframe spacing, of which `waited` has passed; then comes `next`.
+    fn space(&mut self, waited: Duration, next: Next, radio: &mut impl Radio) {
+        let left = self.phy.interframe_spacing(self.attempt.frame.mpdu_octets).saturating_sub(waited);
         if !left.is_zero() {
             radio.enter(self.resting_state());
             radio.after(left, Event::InterframeSpaceEnded);
-            return State::Spacing(next);
+            self.state = State::Spacing(next);
+            return;
         }
         match next {
-            Some(attempt) => self.contend(attempt, radio),
-            None => {
+            Next::Contention => self.contend(radio),
+            Next::Nothing => {
                 radio.enter(self.resting_state());
-                State::Idle
+                self.state = State::Idle;
             }
         }
     }

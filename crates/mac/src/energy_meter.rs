@@ -25,13 +25,12 @@ pub struct Cycles {
 }
 
 impl Cycles {
-    /// The receiver was on, and then at rest; it needs `turnaround` to come on.
+    /// The receiver was on for `on_ns`, and then at rest for `resting_ns`; it needs `turnaround_ns` to come on (ns).
     #[inline]
-    pub fn add(&mut self, on: Duration, resting: Duration, turnaround: Duration) {
-        let resting = nanos(resting);
-        self.on += nanos(on);
-        self.resting += resting;
-        self.turned += resting.min(nanos(turnaround));
+    pub fn add(&mut self, on_ns: u64, resting_ns: u64, turnaround_ns: u64) {
+        self.on += on_ns;
+        self.resting += resting_ns;
+        self.turned += resting_ns.min(turnaround_ns);
     }
 }
 
@@ -185,7 +184,7 @@ mod tests {
             let (mut each, mut cycles, mut now) =
                 (EnergyMeter::new(RadioState::Receive, start), Cycles::default(), start);
             for (on, rest) in spans {
-                cycles.add(on, rest, turnaround);
+                cycles.add(nanos(on), nanos(rest), nanos(turnaround));
                 now += on;
                 each.enter(resting, now);
                 now += rest;

@@ -155,13 +155,13 @@ impl SlottedCsma {
                 (State::BackingOff(attempt, left - 1), None)
             }
             (State::Sensing(attempt, _), Event::CcaEnded { busy: true }) => self.defer(now, attempt, radio),
-            (State::Sending(attempt, sending), event) => match sending.handle(attempt, event, self.phy, radio) {
-                SendingStep::On(attempt, sending) => (State::Sending(attempt, sending), None),
-                SendingStep::Ended(attempt, outcome) => {
-                    (self.space(attempt.frame, radio), Some(attempt.report(outcome)))
+            (State::Sending(mut attempt, sending), event) => {
+                match sending.handle(&mut attempt, event, self.phy, radio) {
+                    SendingStep::On(sending) => (State::Sending(attempt, sending), None),
+                    SendingStep::Ended(outcome) => (self.space(attempt.frame, radio), Some(attempt.report(outcome))),
+                    SendingStep::Unanswered { waited } => self.retry(now, attempt, waited, radio),
                 }
-                SendingStep::Unanswered { attempt, waited } => self.retry(now, attempt, waited, radio),
-            },
+            }
             (State::Spacing(None), Event::InterframeSpaceEnded) => (State::Idle, None),
             (State::Spacing(Some(attempt)), Event::InterframeSpaceEnded) => (self.access(now, attempt, radio), None),
             (state, Event::AckReceived { .. }) => (state, None),

@@ -3,11 +3,10 @@
 use std::time::Duration;
 
 use sextant_channel::Position;
-use sextant_kernel::{EventKey, EventQueue, Seed, SimTime, StationId};
+use sextant_kernel::{Draws, EventKey, EventQueue, Seed, SimTime, StationId};
 
 use crate::air::{Air, Interface};
 use crate::event::Event;
-use crate::purpose;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::Deafness;
 use crate::service::packet_trace::PacketTrace;
@@ -26,6 +25,8 @@ pub(crate) struct Scene {
     pub(crate) motions: Vec<Motion>,
     pub(crate) roll: Roll,
     pub(crate) seed: Seed,
+    /// The backoffs of each station.
+    pub(crate) backoffs: Vec<Draws>,
     /// Number of packets that applications have offered.
     pub(crate) offered: u64,
     /// Number of events that do not count, because nothing happened.
@@ -46,6 +47,7 @@ impl Scene {
     }
 
     /// Schedules an event at `time`.
+    #[inline]
     pub(crate) fn at(&mut self, time: SimTime, event: Event) -> EventKey {
         self.queue.push(time, event.rank(), event)
     }
@@ -61,8 +63,9 @@ impl Scene {
     }
 
     /// Backoff number `number` of a station in a network: uniform from 0 to `max_inclusive`.
+    #[inline]
     pub(crate) fn backoff(&self, network: NetworkId, station: StationId, number: u64, max_inclusive: u32) -> u32 {
-        let bits = self.seed.bits(purpose::BACKOFF, [station.0.into(), number, network.0.into()]);
+        let bits = self.backoffs[station.index()].bits([number, network.0.into()]);
         // The upper 32 bits scaled to the range: exact for 2^n equally likely numbers.
         u32::try_from(((bits >> 32) * (u64::from(max_inclusive) + 1)) >> 32).expect("below 2^32")
     }

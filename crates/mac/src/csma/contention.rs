@@ -8,7 +8,11 @@ use crate::RadioState;
 /// [`Csma::handle`] does with [`BackoffExpired`](super::Event::BackoffExpired) and busy channels, without the radio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contention {
-    attempt: Attempt,
+    /// Busy assessments of this channel access.
+    busy: u8,
+    exponent: u8,
+    /// Assessments of the frame.
+    ccas: u32,
     max_be: u8,
     max_backoffs: u8,
 }
@@ -19,16 +23,17 @@ impl Contention {
     #[inline]
     pub fn defer(&mut self) -> u32 {
         debug_assert!(!self.is_last(), "the frame is given up");
-        let exponent = (self.attempt.exponent + 1).min(self.max_be);
-        self.attempt = Attempt { busy: self.attempt.busy + 1, exponent, ..self.attempt.with_cca() };
-        (1 << exponent) - 1
+        self.busy += 1;
+        self.ccas += 1;
+        self.exponent = (self.exponent + 1).min(self.max_be);
+        (1 << self.exponent) - 1
     }
 
     /// Whether the next assessment ends the frame if it finds the channel busy.
     #[must_use]
     #[inline]
     pub const fn is_last(&self) -> bool {
-        self.attempt.busy >= self.max_backoffs
+        self.busy >= self.max_backoffs
     }
 }
 
@@ -38,13 +43,13 @@ impl Csma {
     #[inline]
     pub const fn contention(&self) -> Option<Contention> {
         match self.state {
-            State::BackingOff(attempt, Receiver::AtRest) if !self.settings.has_idle_turnarounds() => {
-                Some(Contention {
-                    attempt,
-                    max_be: self.settings.max_be(),
-                    max_backoffs: self.settings.max_backoffs(),
-                })
-            }
+            State::BackingOff(Receiver::AtRest) if !self.settings.has_idle_turnarounds() => Some(Contention {
+                busy: self.attempt.busy,
+                exponent: self.attempt.exponent,
+                ccas: self.attempt.ccas,
+                max_be: self.settings.max_be(),
+                max_backoffs: self.settings.max_backoffs(),
+            }),
             _ => None,
         }
     }
@@ -53,28 +58,25 @@ impl Csma {
     /// [`RadioState::Receive`].
     #[inline]
     pub const fn assess(&mut self, contention: Contention) -> RadioState {
-        self.state = State::Sensing(contention.attempt.with_cca());
+        let Contention { busy, exponent, ccas, .. } = contention;
+        self.attempt = Attempt { busy, exponent, ccas: ccas + 1, ..self.attempt };
+        self.state = State::Sensing;
         RadioState::Receive
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::port::OutgoingFrame;
     use super::*;
 
     #[test]
     fn a_contention_ends_after_as_many_busy_assessments_as_are_allowed() {
-        let attempt = Attempt {
-            exponent: 3,
-            ..Attempt::new(OutgoingFrame { mpdu_octets: 20, ack_request: false, sequence: 0 })
-        };
-        let mut contention = Contention { attempt, max_be: 5, max_backoffs: 4 };
+        let mut contention = Contention { busy: 0, exponent: 3, ccas: 0, max_be: 5, max_backoffs: 4 };
         let mut longest = Vec::new();
         while !contention.is_last() {
             longest.push(contention.defer());
         }
         assert_eq!(longest, [15, 31, 31, 31]);
-        assert_eq!((contention.attempt.busy, contention.attempt.ccas), (4, 4));
+        assert_eq!((contention.busy, contention.ccas), (4, 4));
     }
 }

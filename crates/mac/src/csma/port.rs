@@ -133,10 +133,6 @@ impl Attempt {
         Self { ccas: self.ccas + 1, ..self }
     }
 
-    pub(crate) const fn with_transmission(self) -> Self {
-        Self { transmissions: self.transmissions + 1, ..self }
-    }
-
     pub(crate) const fn report(self, outcome: Outcome) -> Report {
         Report { frame: self.frame, outcome, ccas: self.ccas, transmissions: self.transmissions }
     }

@@ -19,13 +19,11 @@ pub(crate) enum Sending {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SendingStep {
     /// The frame is still under way.
-    On(Attempt, Sending),
+    On(Sending),
     /// It is over.
-    Ended(Attempt, Outcome),
+    Ended(Outcome),
     /// The acknowledgement did not come in time, or that of another frame came.
     Unanswered {
-        /// The attempt.
-        attempt: Attempt,
         /// For how long the station has been silent since the end of its frame, at least.
         waited: Duration,
     },
@@ -44,35 +42,36 @@ impl Sending {
     ///
     /// # Panics
     /// If the event is impossible in the current state: the machine did not ask for it.
-    pub(crate) fn handle(self, attempt: Attempt, event: Event, phy: Phy, radio: &mut impl Radio) -> SendingStep {
+    pub(crate) fn handle(self, attempt: &mut Attempt, event: Event, phy: Phy, radio: &mut impl Radio) -> SendingStep {
         match (self, event) {
             (Self::TurningToTransmit, Event::TransmitReady) => {
                 radio.enter(RadioState::Transmit);
                 radio.start_transmission(attempt.frame);
-                SendingStep::On(attempt.with_transmission(), Self::Transmitting)
+                attempt.transmissions += 1;
+                SendingStep::On(Self::Transmitting)
             }
             (Self::Transmitting, Event::TransmissionEnded) if attempt.frame.ack_request => {
                 radio.enter(RadioState::Turnaround);
                 radio.after(phy.turnaround(), Event::ReceiveReady);
-                SendingStep::On(attempt, Self::TurningToReceive)
+                SendingStep::On(Self::TurningToReceive)
             }
-            (Self::Transmitting, Event::TransmissionEnded) => SendingStep::Ended(attempt, Outcome::Sent),
+            (Self::Transmitting, Event::TransmissionEnded) => SendingStep::Ended(Outcome::Sent),
             (Self::TurningToReceive, Event::ReceiveReady) => {
                 radio.enter(RadioState::Receive);
                 radio.after(phy.ack_wait() - phy.turnaround(), Event::AckWaitExpired);
-                SendingStep::On(attempt, Self::AwaitingAck)
+                SendingStep::On(Self::AwaitingAck)
             }
             (Self::AwaitingAck, Event::AckReceived { sequence }) if sequence == attempt.frame.sequence => {
                 radio.cancel_timer();
-                SendingStep::Ended(attempt, Outcome::Acknowledged)
+                SendingStep::Ended(Outcome::Acknowledged)
             }
             (Self::AwaitingAck, Event::AckReceived { .. }) => {
                 radio.cancel_timer();
                 // The receiver heard all of it, from its first symbol on.
-                SendingStep::Unanswered { attempt, waited: phy.turnaround() + phy.ack_airtime() }
+                SendingStep::Unanswered { waited: phy.turnaround() + phy.ack_airtime() }
             }
-            (Self::AwaitingAck, Event::AckWaitExpired) => SendingStep::Unanswered { attempt, waited: phy.ack_wait() },
-            (sending, Event::AckReceived { .. }) => SendingStep::On(attempt, sending),
+            (Self::AwaitingAck, Event::AckWaitExpired) => SendingStep::Unanswered { waited: phy.ack_wait() },
+            (sending, Event::AckReceived { .. }) => SendingStep::On(sending),
             (sending, event) => panic!("{event:?} cannot happen in {sending:?}"),
         }
     }

@@ -153,6 +153,11 @@ impl Budget {
         !self.is_per_packet
     }
 
+    /// Whether the power between the sender of a signal and a station is the same for all its signals: both stand.
+    pub(super) fn stays(&self, signal: &Signal, station: StationId) -> bool {
+        self.is_lasting() && !self.has_antennas() && self.mobile_of(signal.source, station).is_none()
+    }
+
     /// Power of a signal at a listener without the gains of antennas, if powers last and there are antennas; `None`
     /// beyond the radius of communication.
     pub(super) fn level(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Dbm> {

@@ -7,9 +7,9 @@ use sextant_channel::{Dbm, Milliwatts, Position};
 use sextant_kernel::{SimTime, StationId};
 
 use super::budget::Budget;
+use super::carrier::{Carrier, Enough, energy_in, overlap_ns};
 use super::cells::Cells;
 use super::footprint::{Audible, Footprints, Link};
-use super::interface::Interface;
 use super::items::LinkItems;
 use super::listener::Listener;
 use super::mounts::Mounts;
@@ -28,6 +28,7 @@ const FEW: usize = 16;
 /// the number of neighbours and not with the size of the network.
 pub(crate) struct Medium {
     budget: Budget,
+    carrier: Carrier,
     /// The signals on air and those that ended within the memory: all of them, the first ones first, ...
     recent: VecDeque<Signal>,
     /// ... and by place.
@@ -60,6 +61,7 @@ impl Medium {
         let reach_m = budget.channel().law().reach_m(power, floor);
         Self {
             budget,
+            carrier: Carrier::new(memory),
             recent: VecDeque::new(),
             bursts: Vec::new(),
             signals: Cells::covering(places.clone(), reach_m),
@@ -75,6 +77,11 @@ impl Medium {
     /// The antennas, to mount more of them before the first signal, or to turn them.
     pub(crate) fn mounts_mut(&mut self) -> &mut Mounts {
         self.budget.mounts_mut()
+    }
+
+    /// Adds radios that may sense the carrier.
+    pub(crate) fn add_radios(&mut self, radios: usize) {
+        self.carrier.add(radios);
     }
 
     /// Says which receivers stand for good, whether they listen or not: all but those that may drive. Called before the
@@ -155,6 +162,9 @@ impl Medium {
     /// Whether the mean power that a radio hears from others in a window is at or above a threshold.
     pub(crate) fn is_busy(&mut self, sense: &Sense) -> bool {
         forget(&mut self.recent, sense.to.saturating_sub(self.memory));
+        if let Some(is_busy) = self.is_known_busy(sense) {
+            return is_busy;
+        }
         let window_s = (sense.to - sense.from).as_secs_f64();
         let (budget, reach_m) = (&mut self.budget, self.reach_m);
         let mut energy = 0.0;
@@ -174,17 +184,76 @@ impl Medium {
         found
     }
 
+    /// What [`Medium::is_busy`] finds, if the table says so: that one signal is enough, or that the only one is not.
+    #[inline]
+    fn is_known_busy(&mut self, sense: &Sense) -> Option<bool> {
+        if self.recent.len() > FEW || !self.bursts.is_empty() || !self.carrier.knows(sense) {
+            return None;
+        }
+        let mut signals = 0;
+        for signal in &self.recent {
+            let overlap_ns = overlap_ns(signal, sense);
+            if overlap_ns > 0 {
+                match self.carrier.enough(signal, sense, self.reach_m, &mut self.budget) {
+                    Enough::Overlap(least_ns) if overlap_ns >= least_ns.into() => return Some(true),
+                    Enough::Overlap(_) => signals += 1,
+                    Enough::Varies => return None,
+                }
+            }
+        }
+        (signals <= 1).then_some(false)
+    }
+
     /// Whether one of the signals on air now is enough for [`Medium::is_busy`] in a window that ends later, whatever else
     /// is sent by then. If there are many signals, the answer is no.
     pub(crate) fn will_be_busy(&mut self, sense: &Sense) -> bool {
         if self.recent.len() > FEW {
             return false;
         }
-        let window_s = (sense.to - sense.from).as_secs_f64();
-        let (budget, reach_m) = (&mut self.budget, self.reach_m);
-        self.recent
-            .iter()
-            .any(|signal| Milliwatts(energy_in(signal, sense, reach_m, budget) / window_s) >= sense.threshold)
+        let Self { recent, carrier, budget, reach_m, .. } = self;
+        let is_known = carrier.knows(sense);
+        recent.iter().any(|signal| {
+            let overlap_ns = overlap_ns(signal, sense);
+            if overlap_ns == 0 {
+                return false;
+            }
+            let enough = if is_known { carrier.enough(signal, sense, *reach_m, budget) } else { Enough::Varies };
+            match enough {
+                Enough::Overlap(least_ns) => overlap_ns >= least_ns.into(),
+                Enough::Varies => {
+                    let window_s = (sense.to - sense.from).as_secs_f64();
+                    Milliwatts(energy_in(signal, sense, *reach_m, budget) / window_s) >= sense.threshold
+                }
+            }
+        })
+    }
+
+    /// The last instant for which it is certain that a window as long as that of `sense`, which is not before it, finds the
+    /// channel busy if it ends then: what [`Medium::will_be_busy`] says of all these windows. The start of time if there is
+    /// none; `None` if the table does not know.
+    pub(crate) fn busy_until(&mut self, sense: &Sense) -> Option<SimTime> {
+        if self.recent.len() > FEW {
+            return Some(SimTime::ZERO);
+        }
+        let Self { recent, carrier, budget, reach_m, .. } = self;
+        if !carrier.knows(sense) {
+            return None;
+        }
+        let mut until = SimTime::ZERO;
+        for signal in recent.iter().filter(|signal| signal.end > sense.from && signal.sender != sense.radio.receiver)
+        {
+            match carrier.enough(signal, sense, *reach_m, budget) {
+                // It is on air already, so the windows lose their overlap at its end.
+                Enough::Overlap(least_ns) => {
+                    let window_ns = sense.to.as_nanos() - sense.from.as_nanos();
+                    if let Some(spare_ns) = window_ns.checked_sub(least_ns.into()) {
+                        until = until.max(SimTime::from_nanos(signal.end.as_nanos() + spare_ns));
+                    }
+                }
+                Enough::Varies => return None,
+            }
+        }
+        Some(until)
     }
 
     /// The signals on air at `now` that may reach `place`, by packet.
@@ -261,21 +330,6 @@ impl Medium {
             found.sort_unstable_by_key(|listener| listener.receiver);
         }
     }
-}
-
-/// Energy of a signal at a radio in a window (mW s).
-#[inline]
-fn energy_in(signal: &Signal, sense: &Sense, reach_m: f64, budget: &mut Budget) -> f64 {
-    let &Sense { radio: Interface { receiver, station }, place, from, to, .. } = sense;
-    if signal.start >= to || signal.end <= from || signal.sender == receiver {
-        return 0.0;
-    }
-    if signal.position.distance_m(place) > reach_m {
-        return 0.0;
-    }
-    let power = budget.power_at(signal, &Listener { receiver, station, place });
-    let overlap = signal.end.min(to).saturating_since(signal.start.max(from));
-    power.map_or(0.0, |power| power.0 * overlap.as_secs_f64())
 }
 
 /// Removes the first signals as long as they ended before `forgotten`.

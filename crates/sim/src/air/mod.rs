@@ -1,6 +1,7 @@
 //! The air between the stations: the signals of one band, and all radios that listen to them.
 
 mod budget;
+mod carrier;
 mod cells;
 mod footprint;
 mod history;
@@ -151,6 +152,7 @@ impl Air {
         let first = self.receivers.len();
         self.receivers.resize(first + self.roll.len(), Receiver::default());
         self.in_audience.extend(audience);
+        self.medium.add_radios(self.roll.len());
         let first = u32::try_from(first).expect("at most 2^32 receivers");
         let of_audience = (first..).zip(audience).filter(|&(_, &is_member)| is_member);
         self.audiences.push(of_audience.map(|(receiver, _)| ReceiverId(receiver)).collect());
@@ -277,6 +279,13 @@ impl Air {
     #[inline]
     pub(crate) fn will_be_busy(&mut self, sense: &Sense) -> bool {
         self.medium.will_be_busy(sense)
+    }
+
+    /// The end of the last window, not before that of `sense`, of which it is certain already that carrier sense will find the
+    /// channel busy; `None` if that is not known for all windows together.
+    #[inline]
+    pub(crate) fn busy_until(&mut self, sense: &Sense) -> Option<SimTime> {
+        self.medium.busy_until(sense)
     }
 
     /// Robots farther than `hearing_m` from a sender do not count among those who could have heard it from now on.

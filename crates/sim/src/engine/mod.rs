@@ -27,6 +27,7 @@ use crate::model::log::Logs;
 use crate::model::{Model, Vehicle};
 use crate::network::Network;
 use crate::observer::{Observer, Progress};
+use crate::purpose;
 use crate::scene::Scene;
 use crate::sensing::Sensing;
 use crate::service::delivery::{Delivery, DriveEnd};
@@ -113,6 +114,7 @@ impl<A: Application> Engine<A> {
             motions,
             roll,
             seed: setup.seed,
+            backoffs: roll.stations().map(|station| setup.seed.draws(purpose::BACKOFF, station.0.into())).collect(),
             offered: 0,
             discounted: 0,
             counted_from: SimTime::ZERO,

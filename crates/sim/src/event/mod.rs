@@ -54,6 +54,7 @@ pub(crate) enum Event {
 
 impl Event {
     /// Rank of the event among those of the same instant.
+    #[inline(always)]
     pub(crate) fn rank(self) -> Rank {
         match self {
             Self::Timer(station, _)

@@ -22,6 +22,7 @@ impl Clock {
         Self { excess: 1.0 / (1.0 + 1e-6 * ppm) - 1.0, owed_ns: 0.0 }
     }
 
+    #[inline]
     fn is_exact(self) -> bool {
         self.excess.abs() <= 0.0
     }
@@ -36,6 +37,16 @@ impl Clock {
         let whole_ns = exact_ns.round();
         self.owed_ns = exact_ns - whole_ns;
         moved(length, whole_ns)
+    }
+
+    /// The same in nanoseconds.
+    #[inline]
+    pub(crate) fn span_ns(&mut self, length_ns: u64) -> u64 {
+        if self.is_exact() {
+            return length_ns;
+        }
+        let span = self.span(Duration::from_nanos(length_ns));
+        (SimTime::ZERO + span).as_nanos()
     }
 
     /// What rounding left is forgotten: the instants of a new frame do not depend on what the station did before.

@@ -45,10 +45,27 @@ use crate::service::upcall::Upcall;
 use crate::station::StationKind;
 use sending::data_frame;
 
+/// Spans of channel access (ns).
+#[derive(Clone, Copy, Debug)]
+struct Spans {
+    cca_ns: u64,
+    backoff_ns: u64,
+    turnaround_ns: u64,
+}
+
+impl Spans {
+    fn new(phy: Phy) -> Self {
+        let [cca_ns, backoff_ns, turnaround_ns] =
+            [phy.cca(), phy.backoff_period(), phy.turnaround()].map(|span| (SimTime::ZERO + span).as_nanos());
+        Self { cca_ns, backoff_ns, turnaround_ns }
+    }
+}
+
 /// A network of IEEE 802.15.4: the links of all its stations.
 pub(crate) struct Links {
     pan: u16,
     radios: Radios<Phy>,
+    spans: Spans,
     macs: Vec<NodeMac>,
     stacks: Vec<Stack>,
     responders: Vec<Responder>,
@@ -99,6 +116,7 @@ impl Links {
         Self {
             pan,
             radios: Radios { network, air, first_receiver, radio: phy },
+            spans: Spans::new(phy),
             macs: stations()
                 .map(|station| if is_node(station) { mac.of(station, phy) } else { mac.of_collector(phy) })
                 .collect(),

@@ -15,7 +15,7 @@ use sextant_kernel::{SimTime, StationId};
 use sextant_mac::csma::{self, Contention, Csma};
 use sextant_mac::{Cycles, Phy, RadioState};
 
-use super::Links;
+use super::{Links, Spans};
 use crate::air::Sense;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
@@ -46,23 +46,21 @@ impl Links {
             // The spacing after the last frame: nothing follows, unless there is another frame before its end.
             return;
         }
-        let (cca, air) = (self.radios.phy().cca(), self.radios.air);
-        let mut sense = Sense {
-            radio: self.radios.interface(station),
-            place: scene.place(station),
-            from: due.at,
-            to: due.at,
-            threshold: stack.cca_threshold,
-        };
+        let (place, cca, air) = (scene.place(station), self.radios.phy().cca(), self.radios.air);
+        let (from, to) = (scene.now, scene.now + cca);
+        let radio = self.radios.interface(station);
+        let mut sense = Sense { radio, place, from, to, threshold: stack.cca_threshold };
+        // Of windows that begin now or later.
+        let busy_until = scene.airs[air].busy_until(&sense);
         let mut will_be_busy = |end: SimTime, scene: &mut Scene| {
-            sense.to = end;
-            sense.from = end.saturating_sub(cca);
+            (sense.from, sense.to) = (end.saturating_sub(cca), end);
             scene.airs[air].will_be_busy(&sense)
         };
-        let mut ahead = Ahead::new(stack, due);
-        let mut contention = ahead.contention(csma);
+        let (mut first, mut clock) = (due, stack.clock);
+        let mut contention = contention_at(due, csma);
         if contention.is_none() && private_step(due.event).is_some() {
             // The spacing after a frame, or a radio that turns around after its backoff.
+            let mut ahead = Ahead { clock, due };
             let mut machine = csma.clone();
             while let (None, Some(step)) = (contention, private_step(ahead.due.event)) {
                 let is_assessment = step == (csma::Event::CcaEnded { busy: true });
@@ -70,32 +68,37 @@ impl Links {
                     break;
                 }
                 machine.handle(step, &mut AheadRadio { ahead: &mut ahead, radios: &self.radios, scene, station });
-                contention = ahead.contention(&machine);
+                contention = contention_at(ahead.due, &machine);
             }
+            (first, clock) = (ahead.due, ahead.clock);
         }
-        stack.plan = contention.map(|mut contention| {
-            let Ahead { mut clock, due: first } = ahead;
-            let (mut start, mut steps, mut cycles) = (first.at, 1, Cycles::default());
-            let event = Event::CcaEnded;
-            loop {
-                let on = clock.span(cca);
-                ahead.due = Due { at: start + on, event };
-                if contention.is_last() || !will_be_busy(ahead.due.at, scene) {
-                    break Plan { first, contention, start, steps, cycles, clock };
-                }
-                let greatest = contention.defer();
-                let drawn = ahead.due.at.as_nanos();
-                let periods = scene.backoff(self.radios.network, station, drawn, greatest);
-                let resting = clock.span(self.radios.phy().backoff_period() * periods);
-                cycles.add(on, resting, self.radios.phy().turnaround());
-                start = ahead.due.at + resting;
-                steps += 2;
+        let Some(mut contention) = contention else {
+            stack.plan = None;
+            stack.await_from_queue(first, &self.radios, station, scene);
+            return;
+        };
+        let Spans { cca_ns, backoff_ns, turnaround_ns } = self.spans;
+        let (mut start_ns, mut steps, mut cycles) = (first.at.as_nanos(), 1, Cycles::default());
+        let end = loop {
+            let on_ns = clock.span_ns(cca_ns);
+            let end = SimTime::from_nanos(start_ns + on_ns);
+            let mut is_busy = |scene: &mut Scene| match busy_until {
+                Some(until) if end >= to => end <= until,
+                _ => will_be_busy(end, scene),
+            };
+            if contention.is_last() || !is_busy(scene) {
+                break end;
             }
-        });
-        stack.queued = Some(ahead.due);
-        let Due { at, event } = ahead.due;
-        let event = self.radios.event(station, LinkEvent::Ieee802154(event));
-        stack.timer = Some(scene.at(at, event));
+            let greatest = contention.defer();
+            let periods = scene.backoff(self.radios.network, station, end.as_nanos(), greatest);
+            let resting_ns = clock.span_ns(backoff_ns * u64::from(periods));
+            cycles.add(on_ns, resting_ns, turnaround_ns);
+            start_ns = end.as_nanos() + resting_ns;
+            steps += 2;
+        };
+        let start = SimTime::from_nanos(start_ns);
+        stack.plan = Some(Plan { first, contention, start, steps, cycles, clock });
+        stack.await_from_queue(Due { at: end, event: Event::CcaEnded }, &self.radios, station, scene);
     }
 
     /// An event of channel access comes for a quiet station: takes the steps before it.
@@ -108,8 +111,8 @@ impl Links {
         while let Some(due) = self.stacks[station.index()].due
             && due != this
         {
-            match self.stacks[station.index()].plan {
-                Some(plan) if plan.first == due => self.take_plan(station, &plan, scene),
+            match &self.stacks[station.index()].plan {
+                Some(plan) if plan.first == due => self.take_plan(station, scene),
                 _ => self.take_step(station, due, scene),
             }
         }
@@ -117,12 +120,13 @@ impl Links {
         (stack.due, stack.queued, stack.timer) = (None, None, None);
     }
 
-    /// Takes the steps of a plan at once.
+    /// Takes the steps of the plan of a station at once.
     #[inline]
-    fn take_plan(&mut self, station: StationId, plan: &Plan, scene: &mut Scene) {
+    fn take_plan(&mut self, station: StationId, scene: &mut Scene) {
         let NodeMac::Unslotted(csma) = &mut self.macs[station.index()] else { unreachable!("it is unslotted") };
         let resting = csma.resting_state();
         let stack = &mut self.stacks[station.index()];
+        let Some(plan) = &stack.plan else { return };
         stack.wanted = csma.assess(plan.contention);
         stack.awaits_ack = false;
         // The air need not know: the radio is as deaf as at rest, and what follows the assessment tells the air.
@@ -130,8 +134,9 @@ impl Links {
         stack.meter.wake(self.radios.phy().turnaround());
         stack.meter.cycle(resting, &plan.cycles, plan.start);
         stack.clock = plan.clock;
+        let steps = plan.steps;
         (stack.due, stack.plan) = (stack.queued, None);
-        scene.steps += plan.steps;
+        scene.steps += steps;
     }
 
     fn take_step(&mut self, station: StationId, due: Due, scene: &mut Scene) {
@@ -139,7 +144,9 @@ impl Links {
         let now = std::mem::replace(&mut scene.now, due.at);
         let stack = &mut self.stacks[station.index()];
         stack.due = None;
-        stack.plan = stack.plan.filter(|plan| plan.first != due);
+        if stack.plan.as_ref().is_some_and(|plan| plan.first == due) {
+            stack.plan = None;
+        }
         let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
         let report = self.macs[station.index()].handle(due.at, step, &mut radio);
         debug_assert_eq!(report, None, "no step ends a frame");
@@ -207,19 +214,22 @@ struct Ahead {
     due: Due,
 }
 
-impl Ahead {
-    #[inline]
-    fn new(stack: &Stack, due: Due) -> Self {
-        Self { clock: stack.clock, due }
+/// The contention of a machine, if its backoff is what comes next.
+#[inline]
+fn contention_at(due: Due, machine: &Csma) -> Option<Contention> {
+    match due.event {
+        Event::Csma(csma::Event::BackoffExpired) => machine.contention(),
+        _ => None,
     }
+}
 
-    /// The contention of the machine, if its backoff is what comes next.
-    #[inline]
-    fn contention(&self, machine: &Csma) -> Option<Contention> {
-        match self.due.event {
-            Event::Csma(csma::Event::BackoffExpired) => machine.contention(),
-            _ => None,
-        }
+impl Stack {
+    /// Puts what channel access of a quiet station waits for into the queue.
+    #[inline(always)]
+    fn await_from_queue(&mut self, due: Due, radios: &Radios<Phy>, station: StationId, scene: &mut Scene) {
+        self.queued = Some(due);
+        let event = radios.event(station, LinkEvent::Ieee802154(due.event));
+        self.timer = Some(scene.at(due.at, event));
     }
 }
 
