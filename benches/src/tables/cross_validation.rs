@@ -73,7 +73,8 @@ pub(crate) fn print(mut words: Words) -> Outcome<()> {
 fn mapped(known: KnownLog, site: String) -> Outcome<Option<MappedLog>> {
     let (_, choice) = Auto::try_from(AutoConfig::default())?.map(&known.log, None, &Unwatched)?;
     let Some(opinions) = choice.and_then(|choice| choice.opinions) else { return Ok(None) };
-    let (map, _) = LinkModel::try_from(LinkModelConfig::default())?.map(&known.log, None, &Unwatched)?;
+    let links = LinkModel::try_from(LinkModelConfig::default())?.with_own_share(opinions.own_share);
+    let (map, _) = links.map(&known.log, None, &Unwatched)?;
     let others = OtherOpinions::of(&known.log, OpinionSource::Strengths, &Unwatched)?;
     let mut best_m = f64::INFINITY;
     for simple in estimators::all()?.iter().filter(|one| one.role == Role::Simple) {

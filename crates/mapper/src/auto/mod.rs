@@ -193,6 +193,9 @@ impl Auto {
             as_good: as_good(&candidates, &predicted),
             settles: true,
         };
+        let own_share = if prior.is_some() { 1.0 } else { OpinionConstants::LEARNT.own_share_at(gain.mean()) };
+        let link_model = self.link_model.with_own_share(own_share);
+        candidates[LINKS] = Candidate::LinkModel(&link_model);
         let (mut number, mut reason) = rules::choose(&facts, LINKS);
         let (mut map, mut fit) = candidates[number].map(log, prior, watch)?;
         if number != LINKS && !settles(&map, fit.as_ref()) {

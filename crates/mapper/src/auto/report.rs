@@ -37,6 +37,9 @@ struct OpinionKeys {
     /// What the law gains over fields of strengths without distance, for each strength at stops that were left out (nats).
     #[serde(skip_serializing_if = "Option::is_none")]
     gain_of_law: Option<f64>,
+    /// How much of the law of the link model is that of the log, if that is not all of it; the rest is that of usual links.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    own_share_of_law: Option<f64>,
     /// Power of the posterior of the link model.
     link_model_power: f64,
     /// Scale of the distribution round the places of each other estimator (m).
@@ -113,6 +116,7 @@ impl Finding for Choice {
             region_enlargement: self.enlargement(),
             opinions: self.opinions.as_ref().map(|opinions| OpinionKeys {
                 gain_of_law: opinions.gain,
+                own_share_of_law: Some(opinions.own_share).filter(|share| *share < 1.0),
                 link_model_power: opinions.link_model_power,
                 scale_m: opinions.others.iter().map(|opinion| (opinion.estimator, opinion.scale_m)).collect(),
             }),
@@ -176,6 +180,13 @@ fn told(opinions: &Opinions) -> String {
     }
     if opinions.link_model_power < 1.0 {
         let _ = write!(text, ", so that it counts to the power {:.1}", opinions.link_model_power);
+    }
+    if opinions.own_share < 1.0 {
+        let _ = write!(
+            text,
+            "; {:.0} % of its law is that of the log, the rest that of usual links",
+            100.0 * opinions.own_share
+        );
     }
     text
 }

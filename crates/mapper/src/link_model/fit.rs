@@ -39,16 +39,24 @@ struct NodeSample<'a> {
     grid: PriorGrid,
 }
 
+/// The number of the margin among the parameters of a law, and lengths of the steps of the search for it alone.
+const MARGIN: usize = 0;
+const LEVELS: [f64; 4] = [4.0, 2.0, 1.0, 0.5];
+/// Links are at least so long (m).
+const LEAST_LINK_M: f64 = 1e-3;
+
 /// Number of steps of the work that [`find`] tells.
 pub(super) const WORK: u64 = 2;
 
 /// The law of highest evidence, with the places of nodes integrated out (type II maximum likelihood): no place has to be
-/// known for it. Outages are estimated with it.
+/// known for it. Outages are estimated with it. Where the log has strengths, the law is shrunk toward that of usual links, so
+/// that the log has `own_share` in it.
 pub(super) fn find(
     links: &PlaceLinks,
     window: &LinkWindow<'_>,
     is_spatial: bool,
     hearing: &Hearing,
+    own_share: f64,
     watch: &dyn Watch,
 ) -> Result<FoundLaw, Interrupted> {
     let thinned = thinned(links);
@@ -90,7 +98,43 @@ pub(super) fn find(
         });
         watch.advance(1);
     }
+    if let Some(fading_db) = fading_db
+        && own_share < 1.0
+    {
+        let shrunk = found.law.shrunk(own_share, fading_db, usual_link_m(&thinned));
+        found.law = levelled(&samples, shrunk, fading_db);
+    }
     Ok(found)
+}
+
+/// The median distance from a node's middle to the places that heard it (m).
+fn usual_link_m(links: &PlaceLinks) -> f64 {
+    let mut lengths_m: Vec<f64> = Vec::new();
+    for node in &links.nodes {
+        let middle = node.middle(&links.places);
+        let heard = node.links.iter().filter(|link| link.received > 0);
+        lengths_m.extend(heard.map(|link| links.places[link.place].distance_m(middle)));
+    }
+    lengths_m.sort_by(f64::total_cmp);
+    lengths_m.get(lengths_m.len() / 2).copied().unwrap_or(1.0).max(LEAST_LINK_M)
+}
+
+/// The law with the margin of highest evidence.
+fn levelled(samples: &[NodeSample<'_>], mut law: Law, fading_db: f64) -> Law {
+    let sums = sums(samples, |NodeSample { evidence, grid }, _| evidence.sums(&law, grid));
+    let mut best = score(samples, &sums, &law, Some(fading_db));
+    for step in LEVELS {
+        for sign in [1.0, -1.0] {
+            while let Some(moved) = law.moved(MARGIN, sign * step) {
+                let score = score(samples, &sums, &moved, Some(fading_db));
+                if score <= best {
+                    break;
+                }
+                (best, law) = (score, moved);
+            }
+        }
+    }
+    law
 }
 
 /// A few of the nodes and, of those, every other link or fewer, if there are many.

@@ -76,6 +76,8 @@ impl Default for LinkModelConfig {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkModel {
     config: LinkModelConfig,
+    /// How much of the law is that of the log, 0 to 1; the rest is that of usual links.
+    own_share: f64,
 }
 
 /// Which measurements a map used.
@@ -136,6 +138,13 @@ impl LinkModel {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "link-model";
 
+    /// The same model with a law in which the log has a share, 0 to 1, and usual links the rest. Without strengths, whose law is
+    /// in decibels, the law is that of the log.
+    #[must_use]
+    pub fn with_own_share(self, own_share: f64) -> Self {
+        Self { own_share, ..self }
+    }
+
     /// The kinds of knowledge that it uses.
     #[must_use]
     pub fn uses(&self) -> &'static [KnowledgeKind] {
@@ -187,7 +196,8 @@ impl LinkModel {
         let window = LinkWindow::new(links, heights, z_range_m.is_some(), prior);
         watch.begin(Self::work(links, is_spatial));
         let hearing = Hearing::of(links, self.config.rssi);
-        let FoundLaw { law, outages, rounds, settled } = fit::find(links, &window, is_spatial, &hearing, watch)?;
+        let FoundLaw { law, outages, rounds, settled } =
+            fit::find(links, &window, is_spatial, &hearing, self.own_share, watch)?;
         let settled = settled && !law.is_at_bound();
         let evidence = evidence(links, hearing.receiver.is_some());
         let (receiver, losses, outage) = (hearing.receiver, hearing.counts.losses(), outages.of_log);
@@ -337,7 +347,7 @@ impl TryFrom<LinkModelConfig> for LinkModel {
 
     fn try_from(config: LinkModelConfig) -> Result<Self, SettingError> {
         check_z_range(config.z_range_m)?;
-        Ok(Self { config })
+        Ok(Self { config, own_share: 1.0 })
     }
 }
 

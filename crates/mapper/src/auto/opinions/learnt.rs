@@ -32,6 +32,10 @@ pub struct OpinionConstants {
     pub widest: f64,
     /// The gain of a law for which no stops could be left out.
     pub unknown_gain: f64,
+    /// Gains of the law between which the share of the log in it grows to 1; the rest is that of usual links.
+    pub own_gains: [f64; 2],
+    /// The least share.
+    pub own_share: f64,
 }
 
 impl OpinionConstants {
@@ -50,5 +54,15 @@ impl OpinionConstants {
         wider_a_nat: 1.4,
         widest: 10.0,
         unknown_gain: -0.075,
+        own_gains: [0.5, 1.0],
+        own_share: 0.5,
     };
+
+    /// The share of a log in the law of its links, which has this `gain`.
+    #[must_use]
+    pub fn own_share_at(&self, gain: Option<f64>) -> f64 {
+        let [low, high] = self.own_gains;
+        let told = gain.unwrap_or(self.unknown_gain);
+        self.own_share + (1.0 - self.own_share) * ((told - low) / (high - low)).clamp(0.0, 1.0)
+    }
 }

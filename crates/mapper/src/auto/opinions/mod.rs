@@ -30,6 +30,8 @@ pub struct Opinions {
     /// Mean gain of the law over a field of strengths without distance, for each strength at stops that were left out (nats).
     /// `None` without strengths, or if no stops could be left out.
     pub gain: Option<f64>,
+    /// How much of the law of the link model is that of the log; the rest is that of usual links.
+    pub own_share: f64,
     /// Power of the posterior of the link model.
     pub link_model_power: f64,
     /// How far its places may be off beyond what its posterior says (m).
@@ -67,7 +69,7 @@ impl Opinions {
             let [_, power] = constants.links_power;
             let others = vec![opinion(PacketCentroid::NAME, constants.centroid)];
             let error_m = constants.links_error * usual_link_m;
-            return Self { gain: None, link_model_power: power, link_model_error_m: error_m, others };
+            return Self { gain: None, own_share: 1.0, link_model_power: power, link_model_error_m: error_m, others };
         }
         let [low, high] = constants.gains;
         let told = gain.unwrap_or(constants.unknown_gain);
@@ -81,7 +83,9 @@ impl Opinions {
         ];
         // A law that gains much is one of these links: it errs no more than it says.
         let error_m = constants.links_error * usual_link_m / beyond;
-        Self { gain, link_model_power: between(constants.links_power), link_model_error_m: error_m, others }
+        let own_share = constants.own_share_at(gain);
+        let power = between(constants.links_power);
+        Self { gain, own_share, link_model_power: power, link_model_error_m: error_m, others }
     }
 
     /// The place of a node, with its covariance, of that by the link model and of the `others`. Heights follow as the link model
