@@ -165,3 +165,35 @@ const USUAL_EXPONENT: f64 = 2.6;
 /// Least share of the shadowing that neighbouring places share: without any, many places would be as many independent
 /// witnesses, which they never are.
 const LEAST_SHARED: f64 = 0.3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_is_drawn_toward_usual_links_by_geometric_means() {
+        let law = Law {
+            margin: 2.0,
+            distance_m: 8.0,
+            slope: 3.0,
+            shadowing: 2.0,
+            shared: 0.9,
+            correlation_m: 40.0,
+            offset: 0.1,
+            direction: 1.5,
+            slope_spread: 0.4,
+        };
+        let (fading_db, usual_m) = (4.0, 10.0);
+        let is_near = |a: f64, b: f64| (a - b).abs() < 1e-12 * b;
+        let own = law.shrunk(1.0, fading_db, usual_m);
+        assert!(is_near(own.slope, law.slope) && is_near(own.correlation_m, law.correlation_m));
+        let usual = law.shrunk(0.0, fading_db, usual_m);
+        assert!(is_near(exponent(usual.slope, fading_db), 2.26) && is_near(usual.shadowing * fading_db, 5.4));
+        assert!(is_near(usual.direction * fading_db, 1.4) && is_near(usual.offset, 0.33 * usual.shadowing));
+        assert!(is_near(usual.correlation_m, 3.2) && is_near(usual.slope_spread, 0.1));
+        let half = law.shrunk(0.5, fading_db, usual_m);
+        assert!(is_near(half.slope * half.slope, law.slope * usual.slope));
+        assert!(is_near(half.correlation_m * half.correlation_m, law.correlation_m * usual.correlation_m));
+        assert!(is_near(half.margin, law.margin) && is_near(half.distance_m, 8.0) && is_near(half.shared, 0.9));
+    }
+}

@@ -227,6 +227,8 @@ mod tests {
         assert!(told.is_sorted_by(|a, b| a.link_model_power <= b.link_model_power));
         assert!(told.is_sorted_by(|a, b| a.others[0].scale_m <= b.others[0].scale_m));
         assert!(told.is_sorted_by(|a, b| a.link_model_error_m >= b.link_model_error_m));
+        assert!(told.is_sorted_by(|a, b| a.own_share <= b.own_share));
+        assert_eq!((told[2].own_share, told[5].own_share, told[6].own_share), (0.5, 0.5, 1.0));
         assert_eq!(
             (told[0].link_model_power, told[0].others[0].scale_m, told[0].link_model_error_m),
             (0.2, 3.0, 1.0)
