@@ -37,7 +37,7 @@ struct OpinionKeys {
     /// What the law gains over fields of strengths without distance, for each strength at stops that were left out (nats).
     #[serde(skip_serializing_if = "Option::is_none")]
     gain_of_law: Option<f64>,
-    /// How much of the law of the link model is that of the log, if that is not all of it; the rest is that of usual links.
+    /// How much of the law by which the link model places nodes is that of the log, if not all; the rest is that of usual links.
     #[serde(skip_serializing_if = "Option::is_none")]
     own_share_of_law: Option<f64>,
     /// Power of the posterior of the link model.
@@ -184,7 +184,7 @@ fn told(opinions: &Opinions) -> String {
     if opinions.own_share < 1.0 {
         let _ = write!(
             text,
-            "; {:.0} % of its law is that of the log, the rest that of usual links",
+            "; it places nodes by a law that is {:.0} % that of the log, for the rest that of usual links",
             100.0 * opinions.own_share
         );
     }

@@ -27,7 +27,10 @@ const GAIN: f64 = 1e-2;
 /// The law that was found, and whether it settled.
 #[derive(Clone, Debug)]
 pub(super) struct FoundLaw {
+    /// The law of highest evidence.
     pub(super) law: Law,
+    /// The law by which nodes are placed: that one, or one between it and usual links.
+    pub(super) placing: Law,
     pub(super) outages: Outages,
     pub(super) rounds: u32,
     pub(super) settled: bool,
@@ -49,8 +52,8 @@ const LEAST_LINK_M: f64 = 1e-3;
 pub(super) const WORK: u64 = 2;
 
 /// The law of highest evidence, with the places of nodes integrated out (type II maximum likelihood): no place has to be
-/// known for it. Outages are estimated with it. Where the log has strengths, the law is shrunk toward that of usual links, so
-/// that the log has `own_share` in it.
+/// known for it. Outages are estimated with it. Where the log has strengths, the law by which nodes are placed is shrunk toward
+/// that of usual links, so that the log has `own_share` in it.
 pub(super) fn find(
     links: &PlaceLinks,
     window: &LinkWindow<'_>,
@@ -72,7 +75,7 @@ pub(super) fn find(
         .collect();
     let fading_db = hearing.receiver.map(|receiver| receiver.fading_db);
     let law = start(&thinned, &samples);
-    let mut found = FoundLaw { law, outages: usual, rounds: 0, settled: false };
+    let mut found = FoundLaw { law, placing: law, outages: usual, rounds: 0, settled: false };
     for pass in 0..WORK {
         climb(&samples, &mut found, fading_db, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
         let law = found.law;
@@ -98,12 +101,13 @@ pub(super) fn find(
         });
         watch.advance(1);
     }
-    if let Some(fading_db) = fading_db
-        && own_share < 1.0
-    {
-        let shrunk = found.law.shrunk(own_share, fading_db, usual_link_m(&thinned));
-        found.law = levelled(&samples, shrunk, fading_db);
-    }
+    found.placing = match fading_db {
+        Some(fading_db) if own_share < 1.0 => {
+            let shrunk = found.law.shrunk(own_share, fading_db, usual_link_m(&thinned));
+            levelled(&samples, shrunk, fading_db)
+        }
+        _ => found.law,
+    };
     Ok(found)
 }
 

@@ -76,7 +76,7 @@ impl Default for LinkModelConfig {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkModel {
     config: LinkModelConfig,
-    /// How much of the law is that of the log, 0 to 1; the rest is that of usual links.
+    /// How much of the law by which nodes are placed is that of the log, 0 to 1; the rest is that of usual links.
     own_share: f64,
 }
 
@@ -138,8 +138,8 @@ impl LinkModel {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "link-model";
 
-    /// The same model with a law in which the log has a share, 0 to 1, and usual links the rest. Without strengths, whose law is
-    /// in decibels, the law is that of the log.
+    /// The same model, which places nodes by a law in which the log has a share, 0 to 1, and usual links the rest. Without
+    /// strengths, whose law is in decibels, it is that of the log. What it tells of its law is always that of the log.
     #[must_use]
     pub fn with_own_share(self, own_share: f64) -> Self {
         Self { own_share, ..self }
@@ -196,14 +196,14 @@ impl LinkModel {
         let window = LinkWindow::new(links, heights, z_range_m.is_some(), prior);
         watch.begin(Self::work(links, is_spatial));
         let hearing = Hearing::of(links, self.config.rssi);
-        let FoundLaw { law, outages, rounds, settled } =
+        let FoundLaw { law, placing, outages, rounds, settled } =
             fit::find(links, &window, is_spatial, &hearing, self.own_share, watch)?;
         let settled = settled && !law.is_at_bound();
         let evidence = evidence(links, hearing.receiver.is_some());
         let (receiver, losses, outage) = (hearing.receiver, hearing.counts.losses(), outages.of_log);
         let fit = LinkFit { law, receiver, losses, outage, evidence, rounds, settled };
         let inflation = inflation(heard);
-        Ok(Some(Learned { fit, hearing, outages, window, heights, is_spatial, inflation }))
+        Ok(Some(Learned { fit, placing, hearing, outages, window, heights, is_spatial, inflation }))
     }
 
     fn work(links: &PlaceLinks, is_spatial: bool) -> Work {
@@ -237,6 +237,8 @@ fn inflation(nodes: usize) -> f64 {
 #[derive(Debug)]
 struct Learned<'a> {
     fit: LinkFit,
+    /// The law by which nodes are placed.
+    placing: Law,
     hearing: Hearing,
     outages: Outages,
     window: LinkWindow<'a>,
@@ -250,7 +252,7 @@ impl Learned<'_> {
     /// Adds the nodes of `links` to `map`.
     fn locate(&self, links: &PlaceLinks, map: &mut TopologyMap, watch: &dyn Watch) -> Result<(), Interrupted> {
         let Self { hearing, outages, window, is_spatial, inflation, .. } = self;
-        let (law, is_spatial, inflation) = (self.fit.law, *is_spatial, *inflation);
+        let (law, is_spatial, inflation) = (self.placing, *is_spatial, *inflation);
         let model = ModelWithLaw { law, hearing, outages, links, window, is_spatial, inflation };
         let [low_m, high_m] = window.heights();
         let planes = links.nodes.iter().map(|node| window.of(node));

@@ -30,7 +30,7 @@ pub struct Opinions {
     /// Mean gain of the law over a field of strengths without distance, for each strength at stops that were left out (nats).
     /// `None` without strengths, or if no stops could be left out.
     pub gain: Option<f64>,
-    /// How much of the law of the link model is that of the log; the rest is that of usual links.
+    /// How much of the law by which the link model places nodes is that of the log; the rest is that of usual links.
     pub own_share: f64,
     /// Power of the posterior of the link model.
     pub link_model_power: f64,
