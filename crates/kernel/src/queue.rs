@@ -1,10 +1,10 @@
 //! The queue of pending events.
 //!
 //! A monotone radix heap over instants with a sorted bucket in front; the events are in a slab. What is pushed while time goes
-//! over that bucket is in a 4-ary heap. With that heap in front instead of the bucket, saturated networks took a tenth longer,
-//! and the comparisons that follow are of that time. Compared with a 4-ary heap alone, an event takes 0.55 to 0.85 of the time with 500 to 10⁴ pending events (about one per node), with and
-//! without ties. With 10⁶ it takes 0.4 to 0.6. Both were measured side by side under the load of the bench
-//! `event_queue`.
+//! over that bucket is in a 4-ary heap. With that heap in front instead of the bucket, saturated networks took a tenth longer.
+//!
+//! That older queue was measured beside a 4-ary heap alone under the load of the bench `event_queue`. An event took 0.55 to 0.85
+//! of the time with 500 to 10⁴ pending events (about one per node), with and without ties, and 0.4 to 0.6 with 10⁶.
 //! Rejected: a 4-ary heap alone, because of these figures. Also a calendar queue, because it is as fast with up to
 //! 500 events but 1.5 to 5 times slower with 10⁶. It guesses the width of its days from a sample, and mixed gaps
 //! mislead that guess.

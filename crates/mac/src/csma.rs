@@ -62,8 +62,8 @@ pub struct Csma {
     settings: CsmaSettings,
     phy: Phy,
     state: State,
-    /// The frame under way, or the last one. It stays in its place: to move it with the state took a twentieth of the time of
-    /// saturated networks.
+    /// The frame under way, or the last one. It is beside the state, because moving it with each state cost saturated networks
+    /// time.
     attempt: Attempt,
 }
 
