@@ -105,7 +105,7 @@ impl RadixHeap {
             // Its entries went to `near` or to lower buckets. It keeps its memory.
             self.far[lowest] = bucket;
         }
-        sort_down(&mut self.near);
+        self.near.sort_unstable_by(|a, b| b.cmp(a));
         // Not to the end of the bucket, which may be years ahead.
         self.horizon = self.near.first().map_or(self.horizon, Entry::time);
     }
@@ -126,23 +126,5 @@ impl RadixHeap {
     #[cfg(test)]
     pub(super) fn len(&self) -> usize {
         self.near.len() + self.late.len() + self.far.iter().map(Vec::len).sum::<usize>()
-    }
-}
-
-/// Sorts entries, the smallest last.
-#[inline]
-fn sort_down(entries: &mut [Entry]) {
-    if entries.len() > SMALL_BUCKET {
-        entries.sort_unstable_by(|a, b| b.cmp(a));
-        return;
-    }
-    for end in 1..entries.len() {
-        let entry = entries[end];
-        let mut hole = end;
-        while hole > 0 && entries[hole - 1] < entry {
-            entries[hole] = entries[hole - 1];
-            hole -= 1;
-        }
-        entries[hole] = entry;
     }
 }

@@ -103,7 +103,7 @@ pub(super) fn find(
     }
     found.placing = match fading_db {
         Some(fading_db) if own_share < 1.0 => {
-            let shrunk = found.law.shrunk(own_share, fading_db, usual_link_m(&thinned));
+            let shrunk = found.law.shrunk(own_share, fading_db, median_link_m(&thinned));
             levelled(&samples, shrunk, fading_db)
         }
         _ => found.law,
@@ -112,7 +112,7 @@ pub(super) fn find(
 }
 
 /// The median distance from a node's middle to the places that heard it (m).
-fn usual_link_m(links: &PlaceLinks) -> f64 {
+fn median_link_m(links: &PlaceLinks) -> f64 {
     let mut lengths_m: Vec<f64> = Vec::new();
     for node in &links.nodes {
         let middle = node.middle(&links.places);

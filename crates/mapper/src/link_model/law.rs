@@ -96,11 +96,11 @@ impl Law {
 
     /// The law between this one and that of usual links, in which this one has a `share`: each parameter is a geometric mean.
     /// The margin at a distance and the share of the shadowing that places share stay. A margin has `fading_db` decibels, and
-    /// links are `usual_m` long.
+    /// the median link has `median_m`.
     ///
     /// A law of highest evidence can be far off: strong shadowing over long distances, or a direction that explains what the
     /// distance should. What links have at known places keeps it near.
-    pub(super) fn shrunk(&self, share: f64, fading_db: f64, usual_m: f64) -> Self {
+    pub(super) fn shrunk(&self, share: f64, fading_db: f64, median_m: f64) -> Self {
         let slope = POPULATION.exponent / exponent(1.0, fading_db);
         let shadowing = POPULATION.shadowing_db / fading_db;
         let between = |own: f64, usual: f64| libm::exp(share * libm::log(own) + (1.0 - share) * libm::log(usual));
@@ -110,7 +110,7 @@ impl Law {
             shadowing: shrunk_shadowing,
             offset: between(self.offset, POPULATION.offset * shrunk_shadowing),
             direction: between(self.direction, POPULATION.direction_db / fading_db),
-            correlation_m: between(self.correlation_m, POPULATION.correlation * usual_m),
+            correlation_m: between(self.correlation_m, POPULATION.correlation * median_m),
             slope_spread: between(self.slope_spread, POPULATION.slope_spread),
             ..*self
         }
@@ -136,7 +136,7 @@ struct UsualLinks {
     /// Amplitude.
     direction_db: f64,
     slope_spread: f64,
-    /// Share of the usual length of a link.
+    /// Share of the median length of a link.
     correlation: f64,
 }
 
@@ -154,7 +154,8 @@ const POPULATION: UsualLinks = UsualLinks {
 /// Bounds of the slope.
 const SLOPES: [f64; 2] = [0.2, 12.0];
 /// Usual slope, dependence on direction and offsets as multiples of the shadowing, and correlation as a multiple of the
-/// usual distance.
+/// usual distance: the centres of the prior. They are not those of [`POPULATION`], with which maps of real logs are
+/// worse.
 const USUAL_SLOPE: f64 = 1.7;
 const USUAL_DIRECTION: f64 = 0.3;
 const USUAL_OFFSET: f64 = 0.3;
@@ -183,15 +184,15 @@ mod tests {
             direction: 1.5,
             slope_spread: 0.4,
         };
-        let (fading_db, usual_m) = (4.0, 10.0);
+        let (fading_db, median_m) = (4.0, 10.0);
         let is_near = |a: f64, b: f64| (a - b).abs() < 1e-12 * b;
-        let own = law.shrunk(1.0, fading_db, usual_m);
+        let own = law.shrunk(1.0, fading_db, median_m);
         assert!(is_near(own.slope, law.slope) && is_near(own.correlation_m, law.correlation_m));
-        let usual = law.shrunk(0.0, fading_db, usual_m);
+        let usual = law.shrunk(0.0, fading_db, median_m);
         assert!(is_near(exponent(usual.slope, fading_db), 2.26) && is_near(usual.shadowing * fading_db, 5.4));
         assert!(is_near(usual.direction * fading_db, 1.4) && is_near(usual.offset, 0.33 * usual.shadowing));
         assert!(is_near(usual.correlation_m, 3.2) && is_near(usual.slope_spread, 0.1));
-        let half = law.shrunk(0.5, fading_db, usual_m);
+        let half = law.shrunk(0.5, fading_db, median_m);
         assert!(is_near(half.slope * half.slope, law.slope * usual.slope));
         assert!(is_near(half.correlation_m * half.correlation_m, law.correlation_m * usual.correlation_m));
         assert!(is_near(half.margin, law.margin) && is_near(half.distance_m, 8.0) && is_near(half.shared, 0.9));

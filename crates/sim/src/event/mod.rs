@@ -54,7 +54,7 @@ pub(crate) enum Event {
 
 impl Event {
     /// Rank of the event among those of the same instant.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn rank(self) -> Rank {
         match self {
             Self::Timer(station, _)
