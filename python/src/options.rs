@@ -12,7 +12,7 @@ use crate::entries::each_entry_of_dict;
 use crate::whole::whole_u32;
 
 /// The keywords that are known.
-const KNOWN: &str = "stop_every, packet_interval, path, packets, packet_fields, path_fields, stop_files, time_zone, missing, \
+const KNOWN: &str = "stop_every, packet_interval, path, packets, packet_fields, path_fields, range_fields, stop_files, time_zone, missing, \
                      node_columns, reciprocal, transmitter, noise_floor, lora, packet_delay, skip_no_fix, rssi_missing, \
                      pose_topic, child_frame, fixed_frame, packet_topic, bag_clock, pan, fcs";
 
@@ -35,6 +35,7 @@ pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions
             "packets" => form.packets = Some(given.value.extract()?),
             "packet_fields" => form.packet_fields = Some(given.fields(FieldNames::parse_packets)?),
             "path_fields" => form.path_fields = Some(given.fields(FieldNames::parse_places)?),
+            "range_fields" => form.range_fields = Some(given.fields(FieldNames::parse_ranges)?),
             "stop_files" => form.stop_files = Some(given.parsed()?),
             "time_zone" => form.time_zone = Some(given.parsed()?),
             "missing" => form.missing = given.list()?,

@@ -50,6 +50,7 @@ mod obstacles;
 mod power;
 mod propagation;
 mod purpose;
+mod ranging;
 mod reception;
 
 pub use antenna::sector::{EvenSectorsConfig, SectorConfig, SectorDirections, Wedge};
@@ -84,6 +85,8 @@ pub use propagation::path_budget::{ObstacleLoss, PathBudget};
 pub use propagation::path_loss::{CloseInConfig, DistanceLoss, LogDistance, LogDistanceConfig, PathLossConfig};
 pub use propagation::reflection::{Polarisation, Ray, ReflectionsConfig, angles_rad};
 pub use propagation::shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
+pub use ranging::law::{RangeErrorDensity, RangeErrorLaw, RangeErrorShares};
+pub use ranging::sample::RangeSample;
 pub use reception::{
     Contact, Drive, HeardAtStop, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder,
     Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop, StopLog,

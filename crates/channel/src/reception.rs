@@ -16,6 +16,7 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use crate::antenna::sector_table::SectorTable;
 use crate::geometry::position::Position;
+use crate::ranging::sample::{RangeSample, RangeSamples};
 pub use builder::ReceptionLogBuilder;
 use columns::ReceptionColumns;
 pub use drive::Drive;
@@ -92,6 +93,8 @@ pub struct ReceptionLog {
     sectors: Option<SectorTable>,
     /// Shared with the same log with other names or counts.
     sector_snrs: Arc<SectorSnrs>,
+    /// Shared as they are.
+    ranges: Arc<RangeSamples>,
 }
 
 impl Default for ReceptionLog {
@@ -106,6 +109,7 @@ impl Default for ReceptionLog {
             robots: Vec::new(),
             sectors: None,
             sector_snrs: Arc::default(),
+            ranges: Arc::default(),
         }
     }
 }
@@ -167,6 +171,7 @@ impl ReceptionLog {
                 robots: self.robots.clone(),
                 sectors: self.sectors.clone(),
                 sector_snrs: Arc::clone(&self.sector_snrs),
+                ranges: Arc::clone(&self.ranges),
             })
         } else {
             Cow::Borrowed(self)
@@ -184,7 +189,8 @@ impl ReceptionLog {
         reports.for_each(|report| receptions.report(report));
         let contacts = self.contacts.iter().filter(|contact| contact.time < time).copied().collect();
         let cut = receptions.build(self.names.clone(), stops, contacts).expect("a part of a log is a log");
-        Self { robots: self.robots.clone(), sectors: self.sectors.clone(), ..cut }
+        let ranges = Arc::new(self.ranges.until(time));
+        Self { robots: self.robots.clone(), sectors: self.sectors.clone(), ranges, ..cut }
     }
 
     /// The log of other nodes, called `names`, who were heard at the same stops by the same robots: a part of a log that is
@@ -296,6 +302,27 @@ impl ReceptionLog {
     /// The signal-to-noise ratios of all sectors one by one, by node, stop and sector.
     pub fn sector_reports(&self) -> impl Iterator<Item = SectorReport> {
         self.sector_snrs.reports()
+    }
+
+    /// The same log with ranges that robots measured, in the order of time, instead of those that it had.
+    ///
+    /// # Errors
+    /// If a range is to a node that does not exist, or is not finite.
+    pub fn with_ranges(self, ranges: Vec<RangeSample>) -> Result<Self, LogError> {
+        let ranges = Arc::new(RangeSamples::new(&self.names, ranges)?);
+        Ok(Self { ranges, ..self })
+    }
+
+    /// The ranges that robots measured: by node, those of a node in the order of time.
+    #[must_use]
+    pub fn ranges(&self) -> &[RangeSample] {
+        self.ranges.all()
+    }
+
+    /// The ranges to one node, in the order of time.
+    #[must_use]
+    pub fn ranges_to(&self, node: NodeId) -> &[RangeSample] {
+        self.ranges.of(node)
     }
 
     /// The sectors of the listener, if the log has them.

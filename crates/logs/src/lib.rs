@@ -29,6 +29,7 @@ mod log;
 mod options;
 mod packets;
 mod path;
+mod ranges;
 mod place;
 mod robot_log;
 mod sniffer;

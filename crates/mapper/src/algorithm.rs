@@ -13,6 +13,7 @@ use crate::comparators::{
 use crate::estimator::{AnyLog, EstimatorSettings, Mapper, ProfileSetting, ReceiverSetting};
 use crate::grid_ml::{JointConfig, MlTmConfig, MmTm};
 use crate::link_model::LinkModelConfig;
+use crate::range_ml::RangeMlConfig;
 use crate::ranging::RangingConfig;
 use crate::rss_grid::RssGridConfig;
 use crate::self_calibrated::SelfCalibratedConfig;
@@ -181,6 +182,8 @@ estimators! {
     LeastSquares(LogDistanceConfig) as "least_squares",
     /// A Gaussian process over the strengths of each node: the node is where it is greatest.
     GaussianProcess(GaussianProcessConfig) as "gaussian_process",
+    /// Maximum likelihood on measured ranges, with their biases, scale and clock.
+    RangeMl(RangeMlConfig) as "range_ml",
 }
 
 impl AlgorithmConfig {

@@ -13,6 +13,7 @@ use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
 use crate::parts::{LogParts, PartEstimator, PartsError, map_parts};
 use crate::profile::{ProfileConfig, ReceptionProfile};
+use crate::range_ml::RangeMl;
 use crate::ranging::RangingConfig;
 use crate::surface::Surface;
 use crate::survey_frame::{Axes, Survey, in_survey};
@@ -97,6 +98,11 @@ pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
         None
     }
 
+    /// How it places nodes whose distances were measured, if by other evidence than its own.
+    fn by_ranges(&self) -> Option<&RangeMl> {
+        None
+    }
+
     /// The packets that nodes send for its map.
     fn messages(&self) -> Messages {
         if self.uses().contains(&KnowledgeKind::RobotReceptions) { Messages::Survey } else { Messages::Unknown }
@@ -169,10 +175,17 @@ impl Mapper {
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let knowledge = knowledge.into();
         self.check_prior(knowledge.prior)?;
-        match self.axes() {
+        let (mut map, learned) = match self.axes() {
             Axes::Log => self.0.estimate(&knowledge, watch),
             Axes::Survey => estimate_in_survey(&*self.0, &knowledge, watch),
-        }
+        }?;
+        let Some(by_ranges) = self.0.by_ranges() else { return Ok((map, learned)) };
+        let ranges = by_ranges.join(&mut map, knowledge.log, watch)?;
+        let learned = match (learned, ranges) {
+            (Some(learned), Some(ranges)) => Some(learned.with_ranges(ranges)),
+            (learned, ranges) => learned.or(ranges.map(EstimatorFindings::new)),
+        };
+        Ok((map, learned))
     }
 }
 

@@ -78,6 +78,8 @@ pub enum KnowledgeKind {
     RobotReceptions,
     /// With what strength it heard them.
     RobotRssi,
+    /// Distances to nodes that the robot measured.
+    RobotRanges,
     /// Where the robot drove, and which obstacles it met.
     RobotPath,
     /// Which nodes heard each other.
@@ -103,6 +105,7 @@ impl KnowledgeKind {
         match self {
             Self::RobotReceptions => "robot",
             Self::RobotRssi => "robot RSSI",
+            Self::RobotRanges => "robot ranges",
             Self::RobotPath => "robot path",
             Self::Neighbours => "neighbours",
             Self::NeighbourRssi => "neighbour RSSI",

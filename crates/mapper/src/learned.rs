@@ -9,6 +9,7 @@ use sextant_kernel::text::counted;
 
 use crate::absorption::AbsorptionMap;
 use crate::comparable::Comparable;
+use crate::range_ml::RangeFit;
 use crate::survey_frame::SurveyFrame;
 use crate::topology_map::TopologyMap;
 
@@ -67,26 +68,59 @@ pub struct StaticShadowing {
 
 /// What an estimator learned from a log in addition to the map.
 #[derive(Clone, Debug)]
-pub struct EstimatorFindings(Arc<dyn Finding>);
+pub struct EstimatorFindings {
+    of: Arc<dyn Finding>,
+    /// The law of measured ranges, if some nodes were placed by them and others by other evidence.
+    ranges: Option<RangeFit>,
+}
 
 impl EstimatorFindings {
     /// `finding` was learned.
     #[must_use]
     pub fn new(finding: impl Finding) -> Self {
-        Self(Arc::new(finding))
+        Self { of: Arc::new(finding), ranges: None }
+    }
+
+    /// The same, and the law of the ranges by which some nodes were placed.
+    #[must_use]
+    pub(crate) fn with_ranges(self, ranges: RangeFit) -> Self {
+        Self { ranges: Some(ranges), ..self }
+    }
+
+    /// The law of measured ranges, if nodes were placed by them.
+    #[must_use]
+    pub fn ranges(&self) -> Option<&RangeFit> {
+        self.ranges.as_ref().or_else(|| self.get())
+    }
+
+    /// Its keys in the summary of `map`, in their order.
+    #[cfg(feature = "config")]
+    #[must_use]
+    pub fn keys(&self, map: &TopologyMap) -> serde_json::Map<String, serde_json::Value> {
+        let mut keys = self.of.keys(map);
+        keys.extend(self.ranges.iter().flat_map(|ranges| ranges.keys(map)));
+        keys
+    }
+
+    /// Its lines under a table of results that calls `map` by `name`.
+    #[must_use]
+    pub fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
+        let mut lines = self.of.lines(name, map);
+        lines.extend(self.ranges.iter().flat_map(|ranges| ranges.lines(name, map)));
+        lines
     }
 
     /// The finding, if it is of this type: a [`Fit`](crate::Fit), a [`Calibration`](crate::Calibration) or another.
     #[must_use]
     pub fn get<T: Finding>(&self) -> Option<&T> {
-        let finding: &dyn Any = &*self.0;
+        let finding: &dyn Any = &*self.of;
         finding.downcast_ref()
     }
 }
 
 impl PartialEq for EstimatorFindings {
     fn eq(&self, other: &Self) -> bool {
-        (*self.0).is_same(&*other.0)
+        (*self.of).is_same(&*other.of) && self.ranges == other.ranges
     }
 }
 
@@ -94,7 +128,7 @@ impl std::ops::Deref for EstimatorFindings {
     type Target = dyn Finding;
 
     fn deref(&self) -> &Self::Target {
-        &*self.0
+        &*self.of
     }
 }
 

@@ -52,6 +52,7 @@ mod pattern;
 mod posterior;
 mod profile;
 mod purpose;
+mod range_ml;
 mod ranging;
 mod rss_grid;
 mod self_calibrated;
@@ -114,6 +115,7 @@ pub use profile::{
     ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,
     TrapezoidConfig,
 };
+pub use range_ml::{NodeBias, RangeFit, RangeMl, RangeMlConfig};
 pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use self_calibrated::{CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig};

@@ -114,4 +114,12 @@ pub enum LogError {
         /// The value found (dB).
         snr_db: f64,
     },
+    /// A range, or the place where it was measured, that is not a number.
+    #[error("a range to node `{node}` is {range_m} m, or its place is not finite; allowed: finite numbers, at most 10⁷ m")]
+    RangeNotFinite {
+        /// Name of the node.
+        node: String,
+        /// The value found (m).
+        range_m: f64,
+    },
 }

@@ -19,6 +19,11 @@ impl Written {
         Self { names: FieldNames::of_packets(form.packet_fields.as_ref()), time_zone: form.time_zone }
     }
 
+    /// How ranges are written.
+    pub(crate) fn of_ranges(form: &FormOptions) -> Self {
+        Self { names: FieldNames::of_ranges(form.range_fields.as_ref()), time_zone: form.time_zone }
+    }
+
     /// How paths, stops and wide tables are written.
     pub(crate) fn of_places(form: &FormOptions) -> Self {
         Self { names: FieldNames::of_places(form.path_fields.as_ref()), time_zone: form.time_zone }

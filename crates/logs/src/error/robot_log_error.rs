@@ -122,16 +122,22 @@ pub enum RobotLogError {
     },
     /// There is a path and nothing that was heard.
     #[error(
-        "`{}` has {found}, but no packets.csv with what was heard on it; `packets=FILE` takes the packets from another file{}",
-        .path.display(), ranges_note(.ranges.as_deref())
+        "`{}` has {found}, but no packets.csv with what was heard on it; `packets=FILE` takes the packets from another file",
+        .path.display()
     )]
     NoPacketFile {
         /// The file or folder.
         path: PathBuf,
         /// What it has.
         found: String,
-        /// The name of a table of ranges in it.
-        ranges: Option<String>,
+    },
+    /// A table of ranges has none.
+    #[error("{name}: {problem}")]
+    NoRanges {
+        /// The table.
+        name: String,
+        /// What it has.
+        problem: String,
     },
     /// There are packets and no path.
     #[error(
@@ -270,16 +276,6 @@ pub enum RobotLogError {
         /// What the log is.
         found: String,
     },
-}
-
-/// What is said of a table of ranges in a folder without packets.
-fn ranges_note(ranges: Option<&str>) -> String {
-    ranges.map_or_else(String::new, |name| {
-        format!(
-            ". `{name}` has ranges, and no packets: distances that were measured are not read. If each row is a packet too, \
-             give `packets={name}`"
-        )
-    })
 }
 
 impl From<CaptureError> for RobotLogError {

@@ -5,11 +5,15 @@ use std::path::{Path, PathBuf};
 use sextant_channel::{Contact, ReceptionLog, SectorReport, SectorTable};
 use sextant_recording::RobotNames;
 
+use super::layout;
 use super::file_names::{ANTENNA, CONTACTS, SECTOR_SNRS, SECTORS};
 use crate::csv::table_source::TableSource;
+use crate::csv::written::Written;
 use crate::error::log_part::{LogPart, RowAddress};
 use crate::error::robot_log_error::RobotLogError;
+use crate::options::form_options::FormOptions;
 use crate::place::local_plane::LocalPlane;
+use crate::ranges::range_table::{self, ReadRanges, Whereabouts};
 use crate::stops::antenna_file;
 use crate::stops::sector_snrs::{self, KnownParts};
 use crate::stops::sectors;
@@ -29,6 +33,8 @@ pub(crate) struct Companions<'a> {
     pub(crate) antenna: Option<PathBuf>,
     /// The signal-to-noise ratios of all sectors.
     pub(crate) sector_snrs: Option<TableSource<'a>>,
+    /// Distances to nodes that were measured.
+    pub(crate) ranges: Option<TableSource<'a>>,
     /// The zone of times that do not say theirs.
     pub(crate) time_zone: Option<TimeZone>,
 }
@@ -43,13 +49,14 @@ impl Companions<'_> {
             sectors: file(SECTORS).map(TableSource::from),
             antenna: file(ANTENNA),
             sector_snrs: file(SECTOR_SNRS).map(TableSource::from),
+            ranges: layout::ranges_of(folder).map(TableSource::from),
             time_zone,
         }
     }
 
     /// None of a log.
     pub(crate) const fn none(log: LogPart) -> Self {
-        Self { log, contacts: None, sectors: None, antenna: None, sector_snrs: None, time_zone: None }
+        Self { log, contacts: None, sectors: None, antenna: None, sector_snrs: None, ranges: None, time_zone: None }
     }
 
     /// The contacts. The places of the log are in `plane`.
@@ -107,6 +114,19 @@ impl Companions<'_> {
         };
         let log = log.with_sector_snrs(SectorReport::averaged(reports));
         log.map_err(|why| RobotLogError::Log { part: self.log.clone(), why })
+    }
+
+    /// The ranges, of which those to nodes in `known` have their numbers; none if the log has no table of them.
+    pub(crate) fn ranges(
+        &self,
+        form: &FormOptions,
+        whereabouts: Whereabouts<'_>,
+        known: &[String],
+        notes: &mut Vec<String>,
+    ) -> Result<Option<ReadRanges>, RobotLogError> {
+        let read =
+            |ranges: &TableSource<'_>| range_table::read(ranges.clone(), &Written::of_ranges(form), whereabouts, known, notes);
+        self.ranges.as_ref().map(read).transpose()
     }
 
     /// Refuses the signal-to-noise ratios of all sectors beside a log whose stops have no names.

@@ -1,6 +1,7 @@
 //! A path and packets, from any files: `path.csv` and `packets.csv`, a bag, captures, GPX and others.
 
 use super::companions::Companions;
+use super::file_names;
 use super::form::{PacketKind, PathKind};
 use super::layout::{Drive, PacketPart};
 use super::recognition;
@@ -19,6 +20,7 @@ use crate::path::nmea;
 use crate::path::path_file;
 use crate::path::paths::Paths;
 use crate::path::tum;
+use crate::ranges::range_table::Whereabouts;
 use crate::robot_log::RobotLog;
 use crate::sniffer;
 
@@ -58,7 +60,7 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
             }
         },
     };
-    if paths.paths.len() > 1 && packets.kind != PacketKind::Csv {
+    if paths.paths.len() > 1 && !matches!(packets.kind, PacketKind::Csv | PacketKind::Ranges) {
         let robots = paths.paths.len();
         let problem = format!("found the paths of {robots} robots; allowed: that of the one that heard the packets");
         return Err(RobotLogError::line(&path.file, 1, problem));
@@ -67,6 +69,12 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
         Some(folder) => Companions::of_folder(folder, options.form.time_zone),
         None => Companions::none(path.file.as_path().into()),
     };
+    if path.name() == file_names::ODOMETRY {
+        notes.push(format!(
+            "{} is taken as the path as it is, and odometry drifts: compare the map with known places",
+            file_names::ODOMETRY
+        ));
+    }
     gather(paths, &companions, options, notes, |known, roles, gatherer, notes| match (&bag_packets, packets) {
         (Some(bag), _) => {
             let delay = bag.gather(clock, roles, gatherer, notes)?;
@@ -78,6 +86,7 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
         (None, PacketPart { kind: PacketKind::Captures, files }) => {
             sniffer::read(files, &options.sniffer, roles, gatherer, notes)
         }
+        (None, PacketPart { kind: PacketKind::Ranges, .. }) => Ok(()),
         (None, PacketPart { files, .. }) => {
             let written = Written::of_packets(&options.form);
             let robots = Robots { names: known, path: &path.name() };
@@ -123,6 +132,13 @@ fn gather(
     let mut roles = Roles::of(&options.form);
     hear(known, &mut roles, &mut gatherer, &mut notes)?;
     roles.tell(&mut notes)?;
+    let ranges = {
+        let whereabouts = Whereabouts::Paths { paths: &gatherer.paths(), robots: known };
+        companions.ranges(&options.form, whereabouts, gatherer.nodes(), &mut notes)?
+    };
+    if let Some(ranges) = ranges {
+        gatherer.take_ranges(ranges);
+    }
     let gathered = gatherer.finish()?;
     companions.refuse_sector_snrs()?;
     let log = companions.with_sectors(gathered.log, &mut notes)?;

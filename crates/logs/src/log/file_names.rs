@@ -8,6 +8,8 @@ pub(crate) const ANTENNA: &str = "antenna.toml";
 pub(crate) const SECTOR_SNRS: &str = "sector_snrs.csv";
 pub(crate) const PACKETS: &str = "packets.csv";
 pub(crate) const PATH: &str = "path.csv";
+/// A path that drifts.
+pub(crate) const ODOMETRY: &str = "odometry.csv";
 
 /// The true places of nodes, and other names of them: for scores only.
 pub(crate) const NODES: &str = "nodes.csv";

@@ -23,6 +23,8 @@ pub(crate) enum PacketKind {
     Csv,
     Captures,
     Bag,
+    /// There are none, but ranges that were measured.
+    Ranges,
 }
 
 /// The form of a log.
@@ -75,6 +77,7 @@ impl fmt::Display for Form {
             PacketKind::Csv => "a CSV file",
             PacketKind::Captures => "the capture of a sniffer",
             PacketKind::Bag => "a ROS bag",
+            PacketKind::Ranges => return write!(f, "a log with its path from {path} and ranges"),
         };
         write!(f, "a log with its path from {path} and its packets from {packets}")
     }
@@ -95,6 +98,7 @@ enum Use {
     Folder,
     PacketFields,
     Lora,
+    Ranges,
 }
 
 impl Use {
@@ -107,11 +111,14 @@ impl Use {
             (Self::Bag, Form::Drive(path, packets)) => path == PathKind::Bag || packets == PacketKind::Bag,
             (Self::Captures, Form::Drive(_, packets)) => packets == PacketKind::Captures,
             (Self::CsvPlaces | Self::CsvTimes, Form::Stops | Form::Wide | Form::StopFiles) => true,
-            (Self::CsvTimes, Form::Drive(path, packets)) => path == PathKind::Csv || packets == PacketKind::Csv,
+            (Self::CsvTimes, Form::Drive(path, packets)) => path == PathKind::Csv || matches!(packets, PacketKind::Csv | PacketKind::Ranges),
             (Self::Folder, Form::StopFiles) => true,
             (Self::CsvPlaces, Form::Drive(path, _)) => path == PathKind::Csv,
+            (Self::Ranges, Form::Stops | Form::Drive(..)) => true,
             (Self::PacketFields | Self::Lora, Form::Stops | Form::StopFiles) => true,
-            (Self::PacketFields | Self::Lora, Form::Drive(_, packets)) => packets != PacketKind::Captures,
+            (Self::PacketFields | Self::Lora, Form::Drive(_, packets)) => {
+                !matches!(packets, PacketKind::Captures | PacketKind::Ranges)
+            }
             _ => false,
         }
     }
@@ -127,6 +134,7 @@ impl Use {
             Self::CsvTimes => "times in CSV files",
             Self::Folder => "folders with a file a stop",
             Self::PacketFields => "packets in CSV files and ROS bags",
+            Self::Ranges => "ranges beside stops or a path",
             Self::Lora => "packets with RSSI and SNR, in CSV files and ROS bags",
         }
     }
@@ -160,6 +168,7 @@ pub(crate) fn refuse(part: &LogPart, form: Form, options: &ReadOptions) -> Resul
         ("transmitter", of_form.transmitter.is_some(), Use::Drive),
         ("noise_floor", of_form.noise_floor.is_some(), Use::RobotLog),
         ("lora", of_form.lora, Use::Lora),
+        ("range_fields", of_form.range_fields.is_some(), Use::Ranges),
     ];
     match flags.into_iter().find(|(_, is_given, meant)| *is_given && !meant.is_for(form)) {
         Some((flag, _, meant)) => {

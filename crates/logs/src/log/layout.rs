@@ -63,8 +63,10 @@ struct Holding {
     folder: Option<PathBuf>,
     stops: Option<&'static str>,
     tables: Vec<PathBuf>,
-    /// The name of a table of ranges, which are not read.
-    ranges: Option<String>,
+    /// A table of ranges.
+    ranges: Option<PathBuf>,
+    /// The path by odometry.
+    odometry: Option<PathBuf>,
     paths: Vec<PathPart>,
     packets: Vec<PacketPart>,
     /// Names of files that are none of these.
@@ -109,7 +111,10 @@ impl Layout {
             return Ok(Self::StopFiles { folder: owned(), files, content });
         }
         let holding = if path.is_dir() { Holding::of_folder(path)? } else { Holding::of_file(path, form)? };
-        let Holding { folder, stops, tables, ranges, paths, packets, others } = holding;
+        let Holding { folder, stops, tables, ranges, odometry, mut paths, packets, others } = holding;
+        if paths.is_empty() && stops.is_none() {
+            paths.extend(odometry.map(|file| PathPart { kind: PathKind::Csv, file }));
+        }
         if let (Some(stops), None) = (stops, &form.packets) {
             let mut others: Vec<String> = packets.iter().map(PacketPart::name).collect();
             let alone = paths.iter().filter(|path| path.kind != PathKind::Bag).map(PathPart::name);
@@ -126,6 +131,10 @@ impl Layout {
             (Some(file), _) => PacketPart::of(file)?,
             (None, [only]) => only.clone(),
             (None, []) => {
+                if let Some(ranges) = ranges {
+                    let packets = PacketPart { kind: PacketKind::Ranges, files: vec![ranges] };
+                    return Self::drive(path, form, &paths, packets, folder);
+                }
                 let is_table = form.path.is_none() && paths.is_empty();
                 if let ([table], false) = (tables.as_slice(), is_table) {
                     // Beside a path, the only table has the packets.
@@ -135,7 +144,7 @@ impl Layout {
                 return match tables.as_slice() {
                     [table] if is_table => Ok(Self::Wide { table: table.clone(), folder }),
                     [] if is_table => {
-                        Err(RobotLogError::NoLog { path: owned(), found: ranges.into_iter().chain(others).collect() })
+                        Err(RobotLogError::NoLog { path: owned(), found: others })
                     }
                     several if is_table => {
                         let found = several.iter().map(|table| file_name(table)).collect();
@@ -143,7 +152,7 @@ impl Layout {
                     }
                     _ => {
                         let found = paths.first().map_or_else(|| "a path".to_owned(), PathPart::name);
-                        Err(RobotLogError::NoPacketFile { path: owned(), found, ranges })
+                        Err(RobotLogError::NoPacketFile { path: owned(), found })
                     }
                 };
             }
@@ -215,6 +224,7 @@ impl Holding {
                 (file_names::PACKETS, _) => {
                     holding.packets.push(PacketPart { kind: PacketKind::Csv, files: vec![file] })
                 }
+                (file_names::ODOMETRY, _) => holding.odometry = Some(file),
                 (file_names::PATH, _) => holding.paths.push(PathPart { kind: PathKind::Csv, file }),
                 (
                     file_names::CONTACTS
@@ -227,7 +237,7 @@ impl Holding {
                 (_, Some("gpx")) => holding.paths.push(PathPart { kind: PathKind::Gpx, file }),
                 (_, Some("nmea")) => holding.paths.push(PathPart { kind: PathKind::Nmea, file }),
                 (_, Some("tum")) => holding.paths.push(PathPart { kind: PathKind::Tum, file }),
-                (_, Some("csv" | "tsv")) if are_ranges(&file) => holding.ranges = Some(name),
+                (_, Some("csv" | "tsv")) if are_ranges(&file) => holding.ranges = Some(file),
                 (_, Some("csv" | "tsv")) => holding.tables.push(file),
                 _ if sniffer::is_capture(&file) => captures.push(file),
                 _ => holding.others.push(name),
@@ -332,9 +342,9 @@ impl PacketPart {
     }
 }
 
-/// The name of a table of ranges in the folder of a log.
-pub(crate) fn unread_ranges(log: &Path) -> Option<String> {
-    log.is_dir().then(|| Holding::of_folder(log).ok()?.ranges).flatten()
+/// The table of ranges in the folder of a log.
+pub(crate) fn ranges_of(folder: &Path) -> Option<PathBuf> {
+    Holding::of_folder(folder).ok()?.ranges
 }
 
 fn readable(file: &Path) -> Result<(), RobotLogError> {

@@ -55,7 +55,7 @@ impl<'a> MemoryLog<'a> {
             ..Companions::none(log)
         };
         if has_stops {
-            stop_log::read(StopLog { stops: places.into(), receptions: heard.into(), companions }, options)
+            stop_log::read(StopLog { stops: places.into(), receptions: Some(heard.into()), companions }, options)
         } else {
             drive::read_tables(places.into(), heard.into(), &companions, options)
         }

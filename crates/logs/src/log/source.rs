@@ -9,7 +9,7 @@ use sextant_recording::mcap_file::is_mcap;
 use super::companions::Companions;
 use super::drive;
 use super::form::{self, Form};
-use super::layout::{self, Layout};
+use super::layout::Layout;
 use super::memory_log::MemoryLog;
 use super::recognition;
 use super::stop_log::{self, StopLog};
@@ -189,11 +189,7 @@ fn read_once(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLo
         Layout::StopFiles { folder, files, content } => stop_log::read_stop_files(folder, files, *content, options),
         Layout::Drive(parts) => drive::read(parts, options),
     }?;
-    let mut log = noted(log, options);
-    log.notes.extend(
-        layout::unread_ranges(path).map(|name| format!("`{name}` is not read: it has ranges, and no packets")),
-    );
-    Ok(log)
+    Ok(noted(log, options))
 }
 
 /// The log with what the user should know of the options.

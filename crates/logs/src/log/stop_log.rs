@@ -16,6 +16,7 @@ use crate::options::form_options::FormOptions;
 use crate::options::read_options::ReadOptions;
 use crate::packets::rssi_check::RssiCheck;
 use crate::place::local_plane::LocalPlane;
+use crate::ranges::range_table::Whereabouts;
 use crate::robot_log::RobotLog;
 use crate::stops::receptions;
 use crate::stops::sector_snrs;
@@ -27,7 +28,8 @@ use sextant_recording::RobotNames;
 /// The tables of stops and of receptions of a log, and what it has besides.
 pub(crate) struct StopLog<'a> {
     pub(crate) stops: TableSource<'a>,
-    pub(crate) receptions: TableSource<'a>,
+    /// None of a log of ranges alone.
+    pub(crate) receptions: Option<TableSource<'a>>,
     pub(crate) companions: Companions<'a>,
 }
 
@@ -35,10 +37,13 @@ impl StopLog<'_> {
     /// The files of a folder: `stops.csv` and `receptions.csv`, and `contacts.csv`, `sectors.csv`, `antenna.toml` and
     /// `sector_snrs.csv` if they exist.
     pub(crate) fn of_folder(folder: &Path, form: &FormOptions) -> Self {
+        let companions = Companions::of_folder(folder, form.time_zone);
+        let receptions = folder.join(RECEPTIONS);
+        let has_other = companions.ranges.is_some() && !receptions.exists();
         Self {
             stops: folder.join(STOPS).into(),
-            receptions: folder.join(RECEPTIONS).into(),
-            companions: Companions::of_folder(folder, form.time_zone),
+            receptions: (!has_other).then(|| receptions.into()),
+            companions,
         }
     }
 }
@@ -58,14 +63,23 @@ pub(crate) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
         return Err(RobotLogError::NoStops { part: companions.log });
     }
     let mut rssi = RssiCheck::new(options);
-    let receptions::Receptions { name, names, receptions, left_out, reports } =
-        receptions::read(receptions, &stops, &options.form, &mut rssi, &mut notes)?;
+    let receptions::Receptions { name, mut names, receptions, left_out, reports } = match receptions {
+        Some(receptions) => receptions::read(receptions, &stops, &options.form, &mut rssi, &mut notes)?,
+        None => receptions::Receptions::none(),
+    };
     notes.extend(left_out_note(&stops, &name, left_out));
     notes.extend(rssi.note());
     let plane = stops.plane;
     let contacts = companions.contacts(plane, &mut robots, &mut notes)?;
     let places = std::mem::take(&mut stops.stops);
+    let whereabouts = Whereabouts::Stops { stops: &places, ids: &stops.ids };
+    let ranges = companions.ranges(&options.form, whereabouts, &names, &mut notes)?;
+    let samples = ranges.map(|ranges| {
+        names.extend(ranges.strangers);
+        ranges.samples
+    });
     let log = receptions.build(names, places, contacts).and_then(|log| log.with_robots(robots.into_vec()));
+    let log = log.and_then(|log| log.with_ranges(samples.unwrap_or_default()));
     let log = log.map_err(|why| RobotLogError::Log { part: companions.log.clone(), why })?;
     let log = companions.with_sectors(log, &mut notes)?;
     let known = sector_snrs::KnownParts { stops: &stops, receptions: &name };
@@ -107,7 +121,7 @@ pub(crate) fn read_stop_files(
         StopContent::Receptions => {
             let stops = files.stops()?;
             let stops = stops.as_ref().map_or_else(|| folder.join(STOPS).into(), TableSource::from);
-            read(StopLog { stops, receptions: TableSource::Files(files.of_receptions()), companions }, options)
+            read(StopLog { stops, receptions: Some(TableSource::Files(files.of_receptions())), companions }, options)
         }
     }?;
     log.notes.insert(0, files.note.clone());

@@ -20,6 +20,10 @@ const OF_PACKETS: [&str; 13] = [
     "sent",
 ];
 
+/// What a list of ranges can hold.
+const OF_RANGES: [&str; 10] =
+    ["node", "stop", "robot", "range_m", "range_cm", "range_mm", "t_s", "t_ms", "t_us", "t_ns"];
+
 /// What a list of places can hold.
 const OF_PLACES: [&str; 15] = [
     "stop",
@@ -46,6 +50,19 @@ impl FieldNames {
     /// The names of the user for what packets have, or none.
     pub(crate) fn of_packets(given: Option<&Self>) -> Self {
         given.cloned().unwrap_or(Self { flag: Some(PACKET_FIELDS), pairs: Vec::new() })
+    }
+
+    /// The names of the user for what ranges have, or none.
+    pub(crate) fn of_ranges(given: Option<&Self>) -> Self {
+        given.cloned().unwrap_or(Self { flag: Some(RANGE_FIELDS), pairs: Vec::new() })
+    }
+
+    /// Reads the value of option `range_fields`.
+    ///
+    /// # Errors
+    /// If a key is unknown or given twice, or a name is missing.
+    pub fn parse_ranges(text: &str) -> Result<Self, String> {
+        Self::parse(text, RANGE_FIELDS, &OF_RANGES)
     }
 
     /// The names of the user for what places have, or none.
@@ -188,6 +205,8 @@ fn is_number(name: &str) -> bool {
 
 /// The flag that names what packets have.
 const PACKET_FIELDS: &str = "packet_fields";
+/// The flag that names what ranges have.
+const RANGE_FIELDS: &str = "range_fields";
 /// The flag that names what true positions have.
 const TRUTH_FIELDS: &str = "truth_fields";
 /// The flag that names what places have.

@@ -21,6 +21,9 @@ pub struct FormOptions {
     /// (`radio.src`, or `beacons[].address` for each value of a list). KEY is node, rssi_dbm, snr_db, sector, receiver, t_s
     /// (or t_ms, t_us, t_ns), in CSV files also robot, stop, received and sent
     pub packet_fields: Option<FieldNames>,
+    /// The columns of `ranges.csv`, if they have other names: KEY=NAME,.. where KEY is node, range_m (or range_cm, range_mm), stop,
+    /// robot, t_s (or t_ms, t_us, t_ns)
+    pub range_fields: Option<FieldNames>,
     /// The columns of a CSV file with a path or stops, if they have other names: KEY=NAME,.. where KEY is t_s (or t_ms, t_us,
     /// t_ns), x_m, y_m, z_m, lat, lon, alt_m, robot, stop or sent. In a file without a header NAME is the number of the
     /// column: x_m=#1

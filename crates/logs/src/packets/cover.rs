@@ -34,6 +34,11 @@ impl Cover {
         self.span = Some((first.min(time), last.max(time)));
     }
 
+    /// Whether there were no packets.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.span.is_none()
+    }
+
     /// Checks that there are packets on `paths`, and notes those that are not.
     pub(crate) fn check<'a>(
         &self,

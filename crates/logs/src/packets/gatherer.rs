@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use sextant_channel::{Contact, Reception, ReceptionLogBuilder, Stop};
+use sextant_channel::{Contact, RangeSample, Reception, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::cover::{self, Cover};
@@ -22,6 +22,7 @@ use crate::options::read_options::{ReadOptions, StopRule};
 use crate::path::robot_path::Path;
 use crate::path::slot::{self, Slot};
 use crate::place::local_plane::LocalPlane;
+use crate::ranges::range_table::ReadRanges;
 use crate::robot_log::RobotLog;
 use crate::time::instant;
 
@@ -74,6 +75,7 @@ pub struct Gatherer {
     samples: Samples,
     notes: Vec<String>,
     findings: Vec<Finding>,
+    ranges: Vec<RangeSample>,
     /// The plane of the places, if they are given by latitude and longitude.
     plane: Option<LocalPlane>,
 }
@@ -122,6 +124,7 @@ impl Gatherer {
             samples: Samples::default(),
             notes: Vec::new(),
             findings: Vec::new(),
+            ranges: Vec::new(),
             plane: None,
         };
         for path in paths {
@@ -243,12 +246,32 @@ impl Gatherer {
         node
     }
 
+    /// The paths of the robots.
+    pub(crate) fn paths(&self) -> Vec<&Path> {
+        self.tracks.iter().map(|track| &track.path).collect()
+    }
+
+    /// The names of the nodes that were heard so far.
+    pub(crate) fn nodes(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Takes the ranges to nodes, which have the numbers of [`nodes`](Self::nodes), and to others after these.
+    pub(crate) fn take_ranges(&mut self, ranges: ReadRanges) {
+        for name in ranges.strangers {
+            self.node(&name);
+        }
+        self.ranges = ranges.samples;
+    }
+
     /// The log of all packets.
     ///
     /// # Errors
     /// If there were no packets, or none on the path.
     pub fn finish(mut self) -> Result<RobotLog, RobotLogError> {
-        self.cover.check(self.tracks.iter().map(|track| &track.path), &mut self.notes)?;
+        if self.ranges.is_empty() || !self.cover.is_empty() {
+            self.cover.check(self.tracks.iter().map(|track| &track.path), &mut self.notes)?;
+        }
         self.strengths.finish(&mut self.notes)?;
         self.notes.extend(self.rssi.note());
         self.findings.extend(self.rssi.findings());
@@ -286,6 +309,7 @@ impl Gatherer {
         let log = receptions
             .build(self.names, self.stops, self.contacts)
             .and_then(|log| log.with_robots(self.robots))
+            .and_then(|log| log.with_ranges(self.ranges))
             .map_err(RobotLogError::Invalid)?;
         let usual_stop = usual_stop(self.tracks.iter().flat_map(|track| &track.slots));
         let usual = usual_stop.zip(intervals.told.map(|told| told.median).or(self.interval));

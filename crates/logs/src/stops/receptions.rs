@@ -33,6 +33,19 @@ pub(crate) struct Receptions {
     pub(crate) reports: Option<Vec<SectorReport>>,
 }
 
+impl Receptions {
+    /// Those of a log without a table of them.
+    pub(crate) fn none() -> Self {
+        Self {
+            name: String::new(),
+            names: Vec::new(),
+            receptions: ReceptionLogBuilder::default(),
+            left_out: 0,
+            reports: None,
+        }
+    }
+}
+
 /// What the rows of the file have besides what is passed on of each.
 pub(crate) struct OfRows {
     /// Name of the file or table that has them, for messages.

@@ -33,6 +33,7 @@ use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::pattern::{PatternFit, PatternMap};
 use crate::posterior::{EstimateKind, PlacePrior};
 use crate::profile::{FittedConfig, ProfileConfig};
+use crate::range_ml::{RangeMl, RangeMlConfig};
 use crate::self_calibrated::{Calibration, SelfCalibrated, SelfCalibratedConfig};
 use crate::survey_frame::Axes;
 use crate::topology_map::TopologyMap;
@@ -65,7 +66,8 @@ impl Default for AutoConfig {
 /// standard errors. Their regions are enlarged until they explain how far their maps from parts of the stops differ. The places
 /// of the link model are joined with other [`Opinions`], which know no law of radio. A log with too few stops or nodes for folds
 /// is mapped by the link model. Where the log knows the measured gains of the sectors in which nodes were heard, a map by these
-/// is another estimator of independent packets, and the first one.
+/// is another estimator of independent packets, and the first one. Nodes whose distances were measured are placed by these
+/// ([`RangeMl`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Auto {
     rssi: bool,
@@ -74,6 +76,7 @@ pub struct Auto {
     /// Its grid suits no log yet.
     fitted: FittedMlTm,
     self_calibrated: SelfCalibrated,
+    by_ranges: RangeMl,
 }
 
 /// What was learned about a log and its estimators.
@@ -336,6 +339,7 @@ impl TryFrom<AutoConfig> for Auto {
                 z_range_m,
                 ..SelfCalibratedConfig::default()
             })?,
+            by_ranges: RangeMl::try_from(RangeMlConfig { z_range_m, ..RangeMlConfig::default() })?,
         })
     }
 }
@@ -355,6 +359,10 @@ impl Estimator for Auto {
 
     fn uses_prior(&self) -> bool {
         AutoConfig::USES_PRIOR
+    }
+
+    fn by_ranges(&self) -> Option<&RangeMl> {
+        Some(&self.by_ranges)
     }
 
     fn estimate(

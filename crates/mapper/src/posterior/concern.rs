@@ -18,16 +18,23 @@ pub enum Concern {
     /// Receptions and silence say nothing: of the area in which the node was searched for, its posterior leaves at least
     /// four fifths, or the log does not tell how far nodes are heard.
     NoEvidence,
+    /// The ranges leave a second place, such as the mirror image across a straight way, with at least a twentieth of the
+    /// probability.
+    TwoPlaces,
 }
 
 impl Concern {
-    /// The name in files: `at-edge`, `unsettled`, `no-evidence`.
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::AtEdge, Self::Unsettled, Self::NoEvidence, Self::TwoPlaces];
+
+    /// The name in files: `at-edge`, `unsettled`, `no-evidence`, `two-places`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::AtEdge => "at-edge",
             Self::Unsettled => "unsettled",
             Self::NoEvidence => "no-evidence",
+            Self::TwoPlaces => "two-places",
         }
     }
 }

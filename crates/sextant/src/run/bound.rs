@@ -66,6 +66,7 @@ pub(super) fn of_map(
         | KnowledgeKind::PathLoss
         | KnowledgeKind::Obstacles => true,
         KnowledgeKind::RobotRssi
+        | KnowledgeKind::RobotRanges
         | KnowledgeKind::Neighbours
         | KnowledgeKind::NeighbourRssi
         | KnowledgeKind::AnchorReceptions

@@ -295,7 +295,7 @@ fn infeasible(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
 fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     for map in maps {
         let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        for concern in [Concern::AtEdge, Concern::Unsettled, Concern::NoEvidence] {
+        for concern in Concern::ALL {
             let nodes: Vec<&str> =
                 map.concerns.iter().filter(|of| of.concern == concern).map(|of| of.node.as_str()).collect();
             let count = nodes.len();
@@ -306,7 +306,8 @@ fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             let what = match concern {
                 Concern::AtEdge => format!("{is} at the boundary of the searched area"),
                 Concern::Unsettled => format!("{did} not settle within the rounds of the fit"),
-                Concern::NoEvidence => format!("{has} no place that receptions and silence prefer"),
+                Concern::NoEvidence => format!("{has} no place that the evidence prefers"),
+                Concern::TwoPlaces => format!("{has} two places that fit the ranges, each the mirror image of the other"),
             };
             let advice = match concern {
                 Concern::AtEdge => "stops on their other side would tell where they are",
@@ -314,6 +315,7 @@ fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
                 Concern::NoEvidence => {
                     "stops where they are heard and others where they are not would tell where they are"
                 }
+                Concern::TwoPlaces => "a stop beside the straight way, or a `z_range_m` of heights, would tell which it is",
             };
             let nodes = listed(&nodes);
             writeln!(

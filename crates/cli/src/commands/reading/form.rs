@@ -28,6 +28,10 @@ pub(crate) struct FormFlags {
     /// x_m=#1,y_m=#2
     #[arg(long, value_name = "FIELDS", value_parser = FieldNames::parse_places)]
     pub(crate) path_fields: Option<FieldNames>,
+    /// The columns of `ranges.csv`, if they have other names: KEY=NAME,.. where KEY is node, range_m (or range_cm, range_mm),
+    /// stop, robot, t_s (or t_ms, t_us, t_ns)
+    #[arg(long, value_name = "FIELDS", value_parser = FieldNames::parse_ranges)]
+    pub(crate) range_fields: Option<FieldNames>,
     /// LOG is a folder with a file for each stop, and the names of the files say where it is: {x}_{y}.csv. Fields are x, y, z
     /// (metres), lat, lon (degrees), stop and robot, {x:2} has two characters, and * is any text. With {stop} alone, places
     /// are in stops.csv. A file has rows of packets (node,rssi_dbm) or scans with a column a node
@@ -69,6 +73,7 @@ impl From<FormFlags> for FormOptions {
             packets,
             packet_fields,
             path_fields,
+            range_fields,
             stop_files,
             time_zone,
             missing,
@@ -83,6 +88,7 @@ impl From<FormFlags> for FormOptions {
             packets,
             packet_fields,
             path_fields,
+            range_fields,
             stop_files,
             time_zone,
             missing,

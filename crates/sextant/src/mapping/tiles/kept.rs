@@ -244,7 +244,7 @@ fn estimate(record: &csv::StringRecord) -> Option<(usize, Estimate)> {
     let concern = match record.get(7)? {
         "" => None,
         name => Some(
-            [Concern::AtEdge, Concern::Unsettled, Concern::NoEvidence].into_iter().find(|one| one.name() == name)?,
+            Concern::ALL.into_iter().find(|one| one.name() == name)?,
         ),
     };
     let covariance = match record.len() {

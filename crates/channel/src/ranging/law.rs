@@ -1,0 +1,172 @@
+//! How measured ranges differ from true distances.
+
+use std::f64::consts::{LN_2, PI};
+
+use libm::{erfc, exp, log, log1p};
+
+/// Half of the logarithm of 2π.
+const HALF_LOG_OF_TAU: f64 = 0.5 * (LN_2 + 1.144_729_885_849_400_2);
+
+/// The law of the error of a range that is left when bias and scale are taken off: a mixture of three.
+///
+/// - Noise: normal.
+/// - Ranges by a way that is longer than the straight one, because this is blocked: the noise and an exponential excess, so that
+///   the law has a tail to one side.
+/// - Wild values: a Cauchy law, which has no mean.
+///
+/// Its parameters are free of bounds, so that they can be estimated: logarithms of the widths, and of the shares relative to that of
+/// the noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeErrorLaw {
+    /// Logarithm of the standard deviation of the noise (m).
+    pub log_noise: f64,
+    /// Logarithm of the mean excess of ranges by a longer way (m).
+    pub log_excess: f64,
+    /// Logarithm of the share of these over that of the noise.
+    pub log_odds_late: f64,
+    /// Logarithm of the share of wild values over that of the noise.
+    pub log_odds_wild: f64,
+}
+
+/// A value of the law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeErrorDensity {
+    /// Natural logarithm of the density (per metre).
+    pub log_density: f64,
+    /// Its derivative by the error (per metre).
+    pub by_error: f64,
+    /// Its derivatives by the four parameters of the law, in their order.
+    pub by_law: [f64; 4],
+}
+
+/// The shares of the three parts of a law, which sum to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeErrorShares {
+    /// That of the noise alone.
+    pub noise: f64,
+    /// That of ranges by a longer way.
+    pub late: f64,
+    /// That of wild values.
+    pub wild: f64,
+}
+
+impl RangeErrorLaw {
+    /// Half of the wild values are off by less than this (m).
+    pub const WILD_M: f64 = 10.0;
+
+    /// The law with these parameters, in the order of its fields.
+    #[must_use]
+    pub fn of([log_noise, log_excess, log_odds_late, log_odds_wild]: [f64; 4]) -> Self {
+        Self { log_noise, log_excess, log_odds_late, log_odds_wild }
+    }
+
+    /// Standard deviation of the noise (m).
+    #[must_use]
+    pub fn noise_m(&self) -> f64 {
+        exp(self.log_noise)
+    }
+
+    /// Mean excess of ranges by a longer way (m).
+    #[must_use]
+    pub fn excess_m(&self) -> f64 {
+        exp(self.log_excess)
+    }
+
+    /// The shares of the three parts.
+    #[must_use]
+    pub fn shares(&self) -> RangeErrorShares {
+        let most = self.log_odds_late.max(self.log_odds_wild).max(0.0);
+        let [noise, late, wild] = [0.0, self.log_odds_late, self.log_odds_wild].map(|odds| exp(odds - most));
+        let sum = noise + late + wild;
+        RangeErrorShares { noise: noise / sum, late: late / sum, wild: wild / sum }
+    }
+
+    /// The density of a range that is `error_m` too long, and its derivatives.
+    #[must_use]
+    pub fn density(&self, error_m: f64) -> RangeErrorDensity {
+        let (noise_m, excess_m) = (self.noise_m(), self.excess_m());
+        let shares = self.shares();
+        let z = error_m / noise_m;
+        let ratio = noise_m / excess_m;
+        // Of the noise with an exponential excess: its value, and one over Mills' ratio.
+        let below = LogNormal::below(z - ratio);
+        let logs = [
+            log(shares.noise) - 0.5 * z * z - self.log_noise - HALF_LOG_OF_TAU,
+            log(shares.late) - self.log_excess + 0.5 * ratio * ratio - error_m / excess_m + below.log,
+            log(shares.wild) - log(PI * Self::WILD_M) - log1p((error_m / Self::WILD_M).powi(2)),
+        ];
+        let most = logs[0].max(logs[1]).max(logs[2]);
+        let parts = logs.map(|log| exp(log - most));
+        let sum = parts[0] + parts[1] + parts[2];
+        let [noise, late, wild] = parts.map(|part| part / sum);
+        let by_error = noise * (-z / noise_m)
+            + late * (below.slope / noise_m - 1.0 / excess_m)
+            + wild * (-2.0 * error_m / (Self::WILD_M.powi(2) + error_m * error_m));
+        let by_noise = noise * (z * z - 1.0) + late * (ratio * ratio - below.slope * (z + ratio));
+        let by_excess = late * (error_m / excess_m - 1.0 - ratio * ratio + below.slope * ratio);
+        RangeErrorDensity {
+            log_density: most + log(sum),
+            by_error,
+            by_law: [by_noise, by_excess, late - shares.late, wild - shares.wild],
+        }
+    }
+}
+
+/// The logarithm of the normal distribution function, and its derivative.
+struct LogNormal {
+    log: f64,
+    slope: f64,
+}
+
+impl LogNormal {
+    /// Φ at `x`: by the complementary error function, far below by its asymptotic series.
+    fn below(x: f64) -> Self {
+        let log_density = -0.5 * x * x - HALF_LOG_OF_TAU;
+        let log = if x > -10.0 {
+            log(0.5 * erfc(-x * std::f64::consts::FRAC_1_SQRT_2))
+        } else {
+            let square = 1.0 / (x * x);
+            log_density - log(-x) + log1p(square * (-1.0 + square * (3.0 - 15.0 * square)))
+        };
+        Self { log, slope: exp(log_density - log) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAWS: [[f64; 4]; 3] = [[-1.2, 0.0, -1.6, -4.6], [-2.5, 0.7, 1.0, -3.0], [0.3, -0.9, -0.5, -6.0]];
+
+    #[test]
+    fn the_density_integrates_to_its_shares() {
+        for law in LAWS.map(RangeErrorLaw::of) {
+            let step = 1e-3;
+            // Cauchy's law beyond 2 km has 1 − 2/π·arctan(200) of its mass.
+            let sum: f64 =
+                (-2_000_000..2_000_000).map(|i| step * exp(law.density(step * (f64::from(i) + 0.5)).log_density)).sum();
+            let beyond = law.shares().wild * (1.0 - 2.0 / PI * (2000.0 / RangeErrorLaw::WILD_M).atan());
+            assert!((sum + beyond - 1.0).abs() < 1e-7, "{sum}");
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_differences() {
+        for parameters in LAWS {
+            for error_m in [-30.0, -4.0, -0.5, 0.0, 0.2, 1.5, 7.0, 80.0] {
+                let value = |parameters, error_m| RangeErrorLaw::of(parameters).density(error_m).log_density;
+                let found = RangeErrorLaw::of(parameters).density(error_m);
+                let step = 1e-5;
+                let by_error = (value(parameters, error_m + step) - value(parameters, error_m - step)) / (2.0 * step);
+                assert!((found.by_error - by_error).abs() < 1e-5 * (1.0 + by_error.abs()), "{parameters:?}, {error_m}");
+                for (which, by_law) in found.by_law.into_iter().enumerate() {
+                    let (mut more, mut less) = (parameters, parameters);
+                    more[which] += step;
+                    less[which] -= step;
+                    let expected = (value(more, error_m) - value(less, error_m)) / (2.0 * step);
+                    assert!((by_law - expected).abs() < 1e-5 * (1.0 + expected.abs()), "{which}, {error_m}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Distances that devices measure, by how long signals take: ultra-wideband, Wi-Fi round-trip times.
+
+pub(crate) mod law;
+pub(crate) mod sample;

@@ -1,0 +1,64 @@
+//! Measured ranges of a log.
+
+use sextant_kernel::{NodeId, RobotId, SimTime};
+
+use crate::geometry::position::Position;
+use crate::reception::LogError;
+
+/// A distance to a node that a robot measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeSample {
+    /// The node.
+    pub node: NodeId,
+    /// The robot.
+    pub robot: RobotId,
+    /// When it was measured.
+    pub time: SimTime,
+    /// Where the robot was then (m).
+    pub position: Position,
+    /// How fast it drove then, by axis (m/s); zero at a stop.
+    pub velocity: Position,
+    /// The distance that was measured (m). A device may report a negative one: it is the true distance and an error.
+    pub range_m: f64,
+}
+
+/// The ranges of a log by node, each node's in the order in which they were measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct RangeSamples {
+    samples: Vec<RangeSample>,
+}
+
+impl RangeSamples {
+    /// The greatest distance that is a measurement (m).
+    const LONGEST_M: f64 = 1e7;
+
+    /// The ranges `samples` to nodes called `names`; those of a node keep their order.
+    pub(crate) fn new(names: &[String], mut samples: Vec<RangeSample>) -> Result<Self, LogError> {
+        for sample in &samples {
+            let name = names.get(sample.node.index());
+            let name = name.ok_or(LogError::UnknownNode { node: sample.node.0, nodes: names.len() })?;
+            let is_place = sample.position.is_within_reason() && sample.velocity.is_within_reason();
+            if !is_place || !(sample.range_m.abs() <= Self::LONGEST_M) {
+                return Err(LogError::RangeNotFinite { node: name.clone(), range_m: sample.range_m });
+            }
+        }
+        samples.sort_by_key(|sample| sample.node);
+        Ok(Self { samples })
+    }
+
+    pub(crate) fn all(&self) -> &[RangeSample] {
+        &self.samples
+    }
+
+    /// Those of one node.
+    pub(crate) fn of(&self, node: NodeId) -> &[RangeSample] {
+        let from = self.samples.partition_point(|sample| sample.node < node);
+        let to = self.samples.partition_point(|sample| sample.node <= node);
+        &self.samples[from..to]
+    }
+
+    /// Those that were measured before `time`.
+    pub(crate) fn until(&self, time: SimTime) -> Self {
+        Self { samples: self.samples.iter().filter(|sample| sample.time < time).copied().collect() }
+    }
+}

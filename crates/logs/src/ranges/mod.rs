@@ -1,0 +1,3 @@
+//! Measured ranges.
+
+pub(crate) mod range_table;

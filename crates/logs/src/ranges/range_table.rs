@@ -1,0 +1,298 @@
+//! `ranges.csv`: one row for each distance that a robot measured, at a stop or on its path.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use sextant_channel::{Position, RangeSample, Stop};
+use sextant_kernel::text::counted;
+use sextant_kernel::{NodeId, RobotId, SimTime};
+
+use crate::csv::header::{KnownColumns, Others};
+use crate::csv::table::{Column, Table, TableRow};
+use crate::csv::table_source::TableSource;
+use crate::csv::times::Times;
+use crate::csv::written::Written;
+use crate::error::robot_log_error::RobotLogError;
+use crate::path::robot_path::{Path, later};
+use crate::time::instant;
+
+/// The columns of ranges, and a metre in their units.
+const RANGES: [(&str, f64); 3] = [("range_m", 1.0), ("range_cm", 100.0), ("range_mm", 1000.0)];
+/// The longest range that a device of a robot can have measured (m).
+const LONGEST_M: f64 = 1e6;
+/// The velocity is that over twice this span.
+const SPAN: Duration = Duration::from_millis(250);
+/// A value that so many ranges have, and this share of them, is no measurement.
+const REPEATED: (usize, f64) = (20, 0.02);
+
+/// Where robots were when they measured.
+#[derive(Clone, Copy)]
+pub(crate) enum Whereabouts<'a> {
+    /// At stops with these names.
+    Stops { stops: &'a [Stop], ids: &'a BTreeMap<String, u32> },
+    /// On paths, of the robots with these names; no names of one robot.
+    Paths { paths: &'a [&'a Path], robots: &'a [String] },
+}
+
+/// Ranges that were read.
+pub(crate) struct ReadRanges {
+    pub(crate) samples: Vec<RangeSample>,
+    /// The names of the nodes in the samples that were not known before, in the order of their numbers.
+    pub(crate) strangers: Vec<String>,
+}
+
+/// Where a robot was, and how fast.
+struct Pose {
+    robot: RobotId,
+    time: SimTime,
+    position: Position,
+    velocity: Position,
+}
+
+/// The columns that say where a range was measured.
+struct Placing<'a> {
+    whereabouts: Whereabouts<'a>,
+    stop: Column,
+    time: Option<Times>,
+    robot: Column,
+}
+
+/// Reads the ranges in a table, as it is `written`, to nodes of which those in `known` have numbers already.
+pub(crate) fn read(
+    source: TableSource<'_>,
+    written: &Written,
+    whereabouts: Whereabouts<'_>,
+    known: &[String],
+    notes: &mut Vec<String>,
+) -> Result<ReadRanges, RobotLogError> {
+    let optional = [&instant::COLUMNS[..], &["stop", "robot"], &RANGES.map(|(name, _)| name)].concat();
+    let columns =
+        KnownColumns { required: &["node"], optional: &optional, names: &written.names, others: Others::Ignored };
+    let table = Table::open_known(source, columns)?;
+    notes.extend(table.ignored());
+    let name = table.name();
+    let found: Vec<(Column, f64)> = RANGES
+        .into_iter()
+        .map(|(name, unit)| (table.column(name), unit))
+        .filter(|(column, _)| column.exists())
+        .collect();
+    let &[(range, unit)] = found.as_slice() else {
+        let problem = match found.as_slice() {
+            [] => {
+                format!("column `range_m` is missing; ranges need it (or range_cm, range_mm){}", table.hint("range_m"))
+            }
+            _ => "found ranges in several units; allowed: one of range_m, range_cm, range_mm".to_owned(),
+        };
+        return Err(table.wrong_header(problem));
+    };
+    let node = table.column("node");
+    let placing = Placing::of(whereabouts, &table, written, notes)?;
+    let mut numbers: BTreeMap<String, NodeId> =
+        known.iter().enumerate().map(|(number, name)| (name.clone(), NodeId::from_index(number))).collect();
+    let mut read = ReadRanges { samples: Vec::new(), strangers: Vec::new() };
+    let (mut failed, mut zero, mut outside) = (0_usize, 0_usize, 0_usize);
+    table.rows(|row| {
+        let name = row.node(node)?;
+        if row.is_blank(range) {
+            failed += 1;
+            return Ok(());
+        }
+        let range_m = row.finite(range)?.unwrap_or_default() / unit;
+        if range_m.abs() > LONGEST_M {
+            return Err(row.wrong(range, format!("a range of at most {LONGEST_M} m")));
+        }
+        if row.is_zero(range) {
+            zero += 1;
+            return Ok(());
+        }
+        let Some(Pose { robot, time, position, velocity }) = placing.pose(row)? else {
+            outside += 1;
+            return Ok(());
+        };
+        let next = NodeId::from_index(known.len() + read.strangers.len());
+        let node = *numbers.entry(name.clone().into_owned()).or_insert(next);
+        if node == next {
+            read.strangers.push(name.into_owned());
+        }
+        read.samples.push(RangeSample { node, robot, time, position, velocity, range_m });
+        Ok(())
+    })?;
+    let nodes = read.samples.iter().map(|sample| sample.node).collect::<std::collections::BTreeSet<_>>().len();
+    notes.push(format!("{name}: {} to {}", counted(read.samples.len(), "range"), counted(nodes, "node")));
+    if failed > 0 {
+        notes.push(format!("{name}: {} without a range count as failed tries", counted(failed, "row")));
+    }
+    if zero > 0 {
+        notes.push(format!("{name}: {} of exactly 0 count as failed tries", counted(zero, "range")));
+    }
+    if outside > 0 {
+        notes.push(format!(
+            "{name}: {} from before the path begins, after it ends or from gaps of it are not used",
+            counted(outside, "range")
+        ));
+    }
+    notes.extend(repeated(&name, &read.samples));
+    let negative = read.samples.iter().filter(|sample| sample.range_m < 0.0).count();
+    if negative > 0 {
+        notes.push(format!(
+            "{name}: {} below 0: devices report that near a node where ranges are too short; if a column is in another unit, \
+             name it range_mm or range_cm",
+            counted(negative, "range")
+        ));
+    }
+    if read.samples.is_empty() {
+        let problem = format!("{} have no range on the path or at a stop", counted(failed + zero + outside, "row"));
+        return Err(RobotLogError::NoRanges { name, problem });
+    }
+    read.samples.sort_by_key(|sample| sample.time);
+    Ok(read)
+}
+
+/// A note on a value that too many ranges have.
+fn repeated(name: &str, samples: &[RangeSample]) -> Option<String> {
+    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
+    for sample in samples {
+        *counts.entry(sample.range_m.to_bits()).or_default() += 1;
+    }
+    let (bits, count) = counts.into_iter().max_by_key(|&(_, count)| count)?;
+    let share = count as f64 / samples.len() as f64;
+    // Devices with coarse steps repeat values as well, in all places.
+    let is_one = count >= REPEATED.0 && share >= REPEATED.1 && {
+        let places = samples.iter().filter(|sample| sample.range_m.to_bits() == bits).map(|sample| sample.position);
+        let corners = places.fold(None, |corners: Option<(Position, Position)>, place| {
+            let (low, high) = corners.unwrap_or((place, place));
+            let low = Position::new(low.x_m.min(place.x_m), low.y_m.min(place.y_m), low.z_m.min(place.z_m));
+            let high = Position::new(high.x_m.max(place.x_m), high.y_m.max(place.y_m), high.z_m.max(place.z_m));
+            Some((low, high))
+        });
+        corners.is_some_and(|(low, high)| low.distance_m(high) > 5.0)
+    };
+    is_one.then(|| {
+        format!(
+            "{name}: {count} ranges are exactly {} m, in places far apart: if the device reports that for failed tries, leave \
+             these cells empty",
+            f64::from_bits(bits)
+        )
+    })
+}
+
+impl<'a> Placing<'a> {
+    fn of(
+        whereabouts: Whereabouts<'a>,
+        table: &Table<'_>,
+        written: &Written,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, RobotLogError> {
+        let [stop, robot] = ["stop", "robot"].map(|name| table.column(name));
+        let time = match whereabouts {
+            Whereabouts::Stops { .. } if !stop.exists() => {
+                return Err(table.wrong_header(format!(
+                    "column `stop` is missing: the log has stops, and each range needs the one at which it was measured{}",
+                    table.hint("stop")
+                )));
+            }
+            Whereabouts::Stops { .. } => None,
+            Whereabouts::Paths { .. } => Some(Times::of(table, written.time_zone, notes)?),
+        };
+        if let Whereabouts::Paths { paths, .. } = whereabouts
+            && paths.len() > 1
+            && !robot.exists()
+        {
+            let robots = paths.len();
+            return Err(table.wrong_header(format!(
+                "column `robot` is missing: the log has the paths of {robots} robots{}",
+                table.hint("robot")
+            )));
+        }
+        Ok(Self { whereabouts, stop, time, robot })
+    }
+
+    /// Where the robot was when it measured the range of a row; `None` if that is not known.
+    fn pose(&self, row: &TableRow<'_>) -> Result<Option<Pose>, RobotLogError> {
+        match (self.whereabouts, self.time) {
+            (Whereabouts::Stops { stops, ids }, _) => {
+                let name = row.name(self.stop, "the name of a stop")?;
+                let number = ids.get(&*name).ok_or_else(|| row.wrong(self.stop, "the name of a stop in stops.csv"))?;
+                let Stop { robot, time, position, .. } = stops[*number as usize];
+                Ok(Some(Pose { robot, time, position, velocity: Position::ORIGIN }))
+            }
+            (Whereabouts::Paths { paths, robots }, Some(times)) => {
+                let number = match row.filled(self.robot).filter(|_| !robots.is_empty()) {
+                    Some(name) => {
+                        let known = robots.iter().position(|known| *known == name);
+                        known.ok_or_else(|| row.wrong(self.robot, "the name of a robot with a path"))?
+                    }
+                    None => 0,
+                };
+                if row.filled(times.column).is_some_and(|text| row.decimal(&text).parse::<f64>().is_ok_and(|t| t < 0.0)) {
+                    return Ok(None);
+                }
+                let time = row.instant(times)?;
+                let path = paths[number];
+                let pose = path.at(time).map(|position| Pose {
+                    robot: RobotId::from_index(number),
+                    time,
+                    position,
+                    velocity: velocity(path, time),
+                });
+                Ok(pose)
+            }
+            (Whereabouts::Paths { .. }, None) => unreachable!("a path has times"),
+        }
+    }
+}
+
+/// How fast the robot drives at a time (m/s): over half a second, less at the ends of its path.
+fn velocity(path: &Path, time: SimTime) -> Position {
+    let (start, end) = path.span();
+    let from = SimTime::from_nanos(time.as_nanos().saturating_sub(SPAN.as_nanos().try_into().unwrap_or(0))).max(start);
+    let to = later(time, SPAN).min(end);
+    let span_s = to.saturating_since(from).as_secs_f64();
+    match (path.at(from), path.at(to)) {
+        (Some(before), Some(after)) if span_s > 0.0 => (after - before) * (1.0 / span_s),
+        _ => Position::ORIGIN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::test_kit::folder_of;
+    use crate::{ReadOptions, read};
+
+    #[test]
+    fn ranges_on_a_path_have_its_places_and_velocities() {
+        let folder = folder_of([
+            ("path.csv", "t_s,x_m,y_m\n0,0,0\n10,20,0\n"),
+            ("ranges.csv", "t_s,node,range_mm\n-1,a,900\n2.5,a,5100\n5,b,\n7.5,b,0\n8,b,-20\n99,a,1\n"),
+        ]);
+        let found = read(folder.path(), &ReadOptions::default()).unwrap();
+        assert_eq!(found.log.names(), ["a", "b"]);
+        let ranges: Vec<_> = found.log.ranges().iter().map(|range| (range.node.0, range.position.x_m, range.range_m)).collect();
+        assert_eq!(ranges, [(0, 5.0, 5.1), (1, 16.0, -0.02)]);
+        assert!(found.log.ranges().iter().all(|range| (range.velocity.x_m - 2.0).abs() < 1e-12));
+        for note in ["1 row without a range", "1 range of exactly 0", "2 ranges from before", "1 range below 0"] {
+            assert!(found.notes.iter().any(|known| known.contains(note)), "{note}: {:?}", found.notes);
+        }
+    }
+
+    #[test]
+    fn ranges_at_stops_need_no_receptions() {
+        let stops = ("stops.csv", "stop,x_m,y_m\nA,0,0\nB,4,0\n");
+        let folder = folder_of([stops, ("ranges.csv", "node,stop,range_m\nlamp,B,2\nlamp,A,3\n")]);
+        let log = read(folder.path(), &ReadOptions::default()).unwrap().log;
+        let ranges: Vec<_> = log.ranges().iter().map(|range| (range.position.x_m, range.range_m)).collect();
+        assert_eq!(ranges, [(4.0, 2.0), (0.0, 3.0)]);
+        assert_eq!(log.receptions().len(), 0);
+        for (text, problem) in [
+            ("node,stop,range_m\nlamp,C,2\n", "allowed: the name of a stop in stops.csv"),
+            ("node,t_s,range_m\nlamp,1,2\n", "column `stop` is missing"),
+            ("node,stop,distance\nlamp,A,2\n", "column `range_m` is missing"),
+            ("node,stop,range_m,range_mm\nlamp,A,2,2\n", "several units"),
+            ("node,stop,range_m\nlamp,A,2 m\n", "allowed: a finite number"),
+            ("node,stop,range_m\nlamp,A,\n", "no range"),
+        ] {
+            let why = read(folder_of([stops, ("ranges.csv", text)]).path(), &ReadOptions::default()).unwrap_err();
+            assert!(why.to_string().contains(problem), "{why}");
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Ranges that were measured at nearly one place count once, because their errors are nearly the same.
+
+use sextant_channel::{Position, RangeSample, ReceptionLog};
+use sextant_kernel::NodeId;
+
+/// On the way, ranges over this length of path are one group (m): the errors of ultra-wideband and of round-trip times change over
+/// about half a metre to a metre.
+const LENGTH_M: f64 = 0.5;
+
+/// Ranges to a node that were measured one after the other at nearly one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RangeGroup {
+    /// Their median (m).
+    pub(super) range_m: f64,
+    /// The mean place of the robot (m).
+    pub(super) position: [f64; 3],
+    /// Its mean velocity (m/s).
+    pub(super) velocity: [f64; 3],
+}
+
+/// The groups of the nodes that have enough of them to be placed.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RangeGroups {
+    /// These nodes.
+    pub(super) nodes: Vec<NodeId>,
+    groups: Vec<RangeGroup>,
+    /// Where those of each node begin, and the end of the last.
+    first: Vec<usize>,
+}
+
+impl RangeGroups {
+    /// The groups of the ranges in `log`, of nodes with at least `least` of them.
+    pub(super) fn of(log: &ReceptionLog, least: usize) -> Self {
+        let mut all = Self { nodes: Vec::new(), groups: Vec::new(), first: vec![0] };
+        for node in (0..log.node_count()).map(NodeId::from_index) {
+            let before = all.groups.len();
+            all.groups.extend(runs(log.ranges_to(node)).map(group));
+            if all.groups.len() - before < least {
+                all.groups.truncate(before);
+            } else {
+                all.nodes.push(node);
+                all.first.push(all.groups.len());
+            }
+        }
+        all
+    }
+
+    /// Those of the node with this number among `nodes`, in the order of time.
+    pub(super) fn of_node(&self, node: usize) -> &[RangeGroup] {
+        &self.groups[self.first[node]..self.first[node + 1]]
+    }
+
+    /// The same without the nodes with these numbers, in ascending order.
+    pub(super) fn without(&self, left_out: &[usize]) -> Self {
+        let mut all = Self { nodes: Vec::new(), groups: Vec::new(), first: vec![0] };
+        for (number, &node) in self.nodes.iter().enumerate() {
+            if left_out.binary_search(&number).is_err() {
+                all.nodes.push(node);
+                all.groups.extend_from_slice(self.of_node(number));
+                all.first.push(all.groups.len());
+            }
+        }
+        all
+    }
+
+    /// Number of groups.
+    pub(super) fn len(&self) -> usize {
+        self.groups.len()
+    }
+}
+
+/// Whether two ranges are of one group, of which `first` is the first.
+fn is_near(first: &RangeSample, other: &RangeSample) -> bool {
+    let drives = first.velocity != Position::ORIGIN || other.velocity != Position::ORIGIN;
+    let apart_m = first.position.distance_m(other.position);
+    first.robot == other.robot && (apart_m <= 0.0 || drives && apart_m <= LENGTH_M)
+}
+
+fn group(samples: &[RangeSample]) -> RangeGroup {
+    let mut ranges: Vec<f64> = samples.iter().map(|sample| sample.range_m).collect();
+    let mean = |of: fn(&RangeSample) -> Position| {
+        let sum = samples.iter().fold(Position::ORIGIN, |sum, sample| sum + of(sample));
+        (sum * (1.0 / samples.len() as f64)).into()
+    };
+    RangeGroup {
+        range_m: median(&mut ranges),
+        position: mean(|sample| sample.position),
+        velocity: mean(|sample| sample.velocity),
+    }
+}
+
+/// The median of some numbers, which are sorted for it.
+pub(super) fn median(numbers: &mut [f64]) -> f64 {
+    numbers.sort_unstable_by(f64::total_cmp);
+    let upper = numbers.len() / 2;
+    if numbers.len().is_multiple_of(2) { 0.5 * (numbers[upper - 1] + numbers[upper]) } else { numbers[upper] }
+}
+
+/// Runs of ranges of one group each.
+fn runs(samples: &[RangeSample]) -> impl Iterator<Item = &[RangeSample]> {
+    let mut rest = samples;
+    std::iter::from_fn(move || {
+        let first = rest.first()?;
+        let length = rest.iter().position(|other| !is_near(first, other)).unwrap_or(rest.len()).max(1);
+        let (run, after) = rest.split_at(length);
+        rest = after;
+        Some(run)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::Stop;
+    use sextant_kernel::{RobotId, SimTime};
+
+    use super::*;
+
+    fn sample(node: u32, x_m: f64, speed: f64, range_m: f64) -> RangeSample {
+        let (position, velocity) = (Position::new(x_m, 0.0, 0.0), Position::new(speed, 0.0, 0.0));
+        RangeSample { node: NodeId(node), robot: RobotId(0), time: SimTime::ZERO, position, velocity, range_m }
+    }
+
+    #[test]
+    fn ranges_of_one_place_and_of_half_a_metre_of_path_are_one_group() {
+        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+        let log = ReceptionLog::new(vec!["a".into(), "b".into()], vec![stop], Vec::new(), Vec::new()).unwrap();
+        let driving = [0.0, 0.3, 0.5, 0.9, 1.0].map(|x_m| sample(1, x_m, 1.0, 5.0 + x_m));
+        let standing = [(0.0, 4.0), (0.0, 9.0), (0.0, 5.0), (0.4, 7.0)].map(|(x_m, range)| sample(0, x_m, 0.0, range));
+        let log = log.with_ranges(driving.into_iter().chain(standing).collect()).unwrap();
+        let groups = RangeGroups::of(&log, 1);
+        let ranges = |node| -> Vec<f64> { groups.of_node(node).iter().map(|group| group.range_m).collect() };
+        assert_eq!(ranges(0), [5.0, 7.0]);
+        assert_eq!(ranges(1).len(), 2);
+        assert!((ranges(1)[0] - 5.3).abs() < 1e-12 && (ranges(1)[1] - 5.95).abs() < 1e-12);
+        assert!((groups.of_node(1)[1].position[0] - 0.95).abs() < 1e-12);
+    }
+}

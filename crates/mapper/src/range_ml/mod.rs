@@ -1,0 +1,222 @@
+//! Maximum likelihood on measured ranges: the places of nodes, and what is wrong with the ranges, all from one log.
+
+mod fit;
+mod groups;
+mod modes;
+mod problem;
+mod report;
+mod solution;
+mod spread;
+
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{SettingError, Watch};
+
+use self::groups::{RangeGroups, median};
+use self::problem::HeightPrior;
+pub use self::report::RangeFit;
+use self::solution::Solution;
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::log_facts::heights::check_z_range;
+use crate::posterior::Concern;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
+
+/// Maximum likelihood on ranges as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
+pub struct RangeMlConfig {
+    /// Which biases of ranges are estimated.
+    pub bias: NodeBias,
+    /// Standard deviation of the share by which all ranges are too long or too short, from 0 to 0.5; 0 if they are right. Where
+    /// the path is of odometry, both have one scale, which the log does not tell.
+    pub scale_error: f64,
+    /// Standard deviation of the time by which the clocks of ranges and path differ (s), from 0 to 10.
+    pub delay_error_s: f64,
+    /// Lowest and highest height of a node (m). If absent, nodes are at the height of the path if that is level, and near it
+    /// otherwise.
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
+    pub z_range_m: Option<[f64; 2]>,
+}
+
+/// Which biases of ranges are estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
+pub enum NodeBias {
+    /// None: ranges are right on average.
+    None,
+    /// One of all ranges.
+    Common,
+    /// One of all ranges, and one of each node.
+    #[default]
+    Node,
+}
+
+impl Default for RangeMlConfig {
+    fn default() -> Self {
+        Self { bias: NodeBias::Node, scale_error: 0.05, delay_error_s: 0.15, z_range_m: None }
+    }
+}
+
+/// Places from measured ranges, such as those of ultra-wideband or of Wi-Fi round-trip times.
+///
+/// Places, a bias of all ranges, a bias of each node, a scale, a delay of the clock, and the law of errors
+/// ([`RangeErrorLaw`](sextant_channel::RangeErrorLaw)) are estimated in one problem. All of them have priors in physical units, so
+/// that a log that does not tell one of them leaves it at its usual value. Ranges at one place count once. The errors along a way are
+/// similar: their likelihood is raised to the power of one over the autocorrelation time. The standard deviation of the biases of
+/// nodes is integrated over. Regions hold what errors by direction may have moved, and a second place that fits nearly as well, as
+/// the mirror image across a straight way does ([`Concern::TwoPlaces`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeMl {
+    settings: Settings,
+    z_range_m: Option<[f64; 2]>,
+}
+
+/// What is known of the ranges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Settings {
+    node_bias: NodeBias,
+    scale_error: f64,
+    delay_error_s: f64,
+}
+
+impl RangeMl {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "range-ml";
+
+    /// The map of the nodes of `log` that have enough ranges, at least one more than there are coordinates, and the law of their
+    /// ranges; `None` if no node has. The result is bit-identical for any number of threads.
+    ///
+    /// # Errors
+    /// [`MapError::Interrupted`] if `watch` ends the work.
+    pub fn map(
+        &self,
+        log: &ReceptionLog,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<RangeFit>), MapError> {
+        let mut map =
+            TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], CoordinateFrame::World);
+        let Some(heights) = self.heights(log) else { return Ok((map, None)) };
+        let least = if heights.is_given() { 3 } else { 4 };
+        let groups = RangeGroups::of(log, least);
+        let samples = groups.nodes.iter().map(|&node| log.ranges_to(node).len()).sum();
+        let Some(Solution { estimates, fit }) = solution::solve(&self.settings, &groups, samples, heights, watch)?
+        else {
+            return Ok((map, None));
+        };
+        for (node, estimate) in estimates {
+            map.estimates[node.index()] = Some(estimate);
+        }
+        Ok((map, Some(fit)))
+    }
+
+    /// Puts the places of nodes that have ranges into a map of the same log by other evidence. A node whose ranges leave two places
+    /// or none stays where the map has it, if it has it.
+    pub(crate) fn join(
+        &self,
+        map: &mut TopologyMap,
+        log: &ReceptionLog,
+        watch: &dyn Watch,
+    ) -> Result<Option<RangeFit>, MapError> {
+        let (by_ranges, fit) = self.map(log, watch)?;
+        for (place, by_ranges) in map.estimates.iter_mut().zip(by_ranges.estimates) {
+            let is_told = by_ranges.as_ref().is_some_and(|estimate| {
+                !matches!(estimate.concern, Some(Concern::NoEvidence | Concern::TwoPlaces))
+            });
+            if is_told || place.is_none() {
+                *place = by_ranges.or(place.take());
+            }
+        }
+        Ok(fit)
+    }
+
+    /// Where nodes are sought above and below: at the height of a level path; `None` without ranges.
+    fn heights(&self, log: &ReceptionLog) -> Option<HeightPrior> {
+        /// A path whose heights differ by no more than that is level (m).
+        const LEVEL_M: f64 = 1e-3;
+        /// Nodes are usually within about this height of a path (m).
+        const USUAL_M: f64 = 1.0;
+        let mut heights: Vec<f64> = log.ranges().iter().map(|sample| sample.position.z_m).collect();
+        if heights.is_empty() {
+            return None;
+        }
+        if let Some([low, high]) = self.z_range_m {
+            let (mean_m, deviation_m) = (0.5 * (low + high), 0.5 * (high - low));
+            return Some(HeightPrior { mean_m, deviation_m, range_m: self.z_range_m });
+        }
+        let middle = median(&mut heights);
+        let span_m = heights[heights.len() - 1] - heights[0];
+        let deviation_m = if span_m <= LEVEL_M { 0.0 } else { span_m.max(USUAL_M) };
+        Some(HeightPrior { mean_m: middle, deviation_m, range_m: None })
+    }
+}
+
+impl TryFrom<RangeMlConfig> for RangeMl {
+    type Error = SettingError;
+
+    fn try_from(config: RangeMlConfig) -> Result<Self, SettingError> {
+        let RangeMlConfig { bias, scale_error, delay_error_s, z_range_m } = config;
+        check_z_range(z_range_m)?;
+        let settings = Settings {
+            node_bias: bias,
+            scale_error: at_most("scale_error", scale_error, 0.5)?,
+            delay_error_s: at_most("delay_error_s", delay_error_s, 10.0)?,
+        };
+        Ok(Self { settings, z_range_m })
+    }
+}
+
+/// The setting `key`, from 0 to `most`.
+fn at_most(key: &str, value: f64, most: f64) -> Result<f64, SettingError> {
+    if (0.0..=most).contains(&value) {
+        Ok(value)
+    } else {
+        Err(SettingError::new(key, value, format!("a number from 0 to {most}")))
+    }
+}
+
+impl Estimator for RangeMl {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::RobotRanges, KnowledgeKind::RobotPath]
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
+        if knowledge.log.ranges().is_empty() {
+            return Err(MapError::Missing {
+                algorithm: Self::NAME,
+                what: "measured ranges",
+                remedy: "they stand in `ranges.csv` beside the stops or the path",
+            });
+        }
+        let (map, fit) = self.map(knowledge.log, watch)?;
+        Ok((map, fit.map(EstimatorFindings::new)))
+    }
+}
+
+impl EstimatorSettings for RangeMlConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "range-ml",
+        rank: 10,
+        description: "Places, biases, scale and clock that explain measured ranges (ultra-wideband, Wi-Fi round-trip times) best",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        RangeMl::try_from(self).map(Mapper::new)
+    }
+}

@@ -1,0 +1,103 @@
+//! The places of a node that its ranges may mean: on a straight way there are two, mirror images of each other.
+
+use std::f64::consts::FRAC_PI_4;
+
+use nalgebra::Matrix2;
+
+use super::groups::{RangeGroup, median};
+use super::problem::{HeightPrior, NodeMode, NodeState, Problem, Shared};
+use crate::comparators::lateration::{Range, refine};
+
+/// Two places that are closer than this share of the usual range are one.
+const SAME: f64 = 1e-3;
+/// Above and below the height that is most likely, the search begins this far off (m).
+const ABOVE_M: f64 = 0.3;
+
+/// The modes of the node with this number, the most probable first. They are sought from places all around its stops.
+pub(super) fn modes(problem: &Problem<'_>, number: usize, shared: &Shared) -> Vec<NodeMode> {
+    let groups = problem.groups.of_node(number);
+    let middle = [0, 1].map(|axis| groups.iter().map(|group| group.position[axis]).sum::<f64>() / groups.len() as f64);
+    let usual_m = median(&mut groups.iter().map(|group| group.range_m.max(0.0)).collect::<Vec<_>>());
+    let height = problem.heights.mean_m;
+    let lift = if problem.heights.is_given() { 0.0 } else { ABOVE_M };
+    let round = (0..8).map(|eighth| {
+        let angle = f64::from(eighth) * FRAC_PI_4 + 0.1;
+        [middle[0] + usual_m * libm::cos(angle), middle[1] + usual_m * libm::sin(angle)]
+    });
+    let ranges: Vec<Range> =
+        groups.iter().map(|group| Range::new(group.position.into(), group.range_m - shared[0])).collect();
+    let mut starts: Vec<NodeState> = Vec::new();
+    for [x, y] in round {
+        let place = refine([x, y, height].into(), &ranges, 2);
+        starts.extend([[x, y], [place.x_m, place.y_m]].map(|[x, y]| NodeState::new(x, y, height + lift, 0.0)));
+    }
+    let mut found = Vec::new();
+    settle(problem, number, shared, &starts, &mut found);
+    // Mirror images of those that were found.
+    let axis = axis_of(groups, middle);
+    let mirrored: Vec<NodeState> = found
+        .iter()
+        .flat_map(|mode: &NodeMode| {
+            let mut across = mode.state;
+            let along = (across[0] - middle[0]) * axis[0] + (across[1] - middle[1]) * axis[1];
+            for at in 0..2 {
+                across[at] = 2.0 * (middle[at] + along * axis[at]) - across[at];
+            }
+            let mut below = mode.state;
+            below[2] = 2.0 * height - below[2];
+            if problem.heights.is_given() { vec![across] } else { vec![across, below] }
+        })
+        .collect();
+    settle(problem, number, shared, &mirrored, &mut found);
+    found
+}
+
+/// The same modes when the law is another one.
+pub(super) fn settled_again(
+    problem: &Problem<'_>,
+    number: usize,
+    shared: &Shared,
+    modes: &[NodeMode],
+) -> Vec<NodeMode> {
+    let starts: Vec<NodeState> = modes.iter().map(|mode| mode.state).collect();
+    let mut found = Vec::new();
+    settle(problem, number, shared, &starts, &mut found);
+    found
+}
+
+/// Adds the modes near `starts` to `found`, each once, and sorts them.
+fn settle(problem: &Problem<'_>, number: usize, shared: &Shared, starts: &[NodeState], found: &mut Vec<NodeMode>) {
+    let groups = problem.groups.of_node(number);
+    let usual_m = median(&mut groups.iter().map(|group| group.range_m.abs()).collect::<Vec<_>>());
+    for &start in starts {
+        let Some(mode) = problem.settle_node(number, start, shared) else { continue };
+        if !mode.state.iter().all(|value| value.is_finite()) || !problem.heights.allows(mode.state[2]) {
+            continue;
+        }
+        let is_same = |other: &NodeMode| (other.state - mode.state).fixed_rows::<3>(0).norm() <= SAME * (usual_m + 1.0);
+        match found.iter_mut().find(|other| is_same(other)) {
+            Some(other) if other.log_evidence < mode.log_evidence => *other = mode,
+            Some(_) => {}
+            None => found.push(mode),
+        }
+    }
+    found.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
+}
+
+/// The direction in which the places of some ranges spread most: a unit vector.
+fn axis_of(groups: &[RangeGroup], middle: [f64; 2]) -> [f64; 2] {
+    let mut spread = Matrix2::zeros();
+    for group in groups {
+        let apart = nalgebra::Vector2::new(group.position[0] - middle[0], group.position[1] - middle[1]);
+        spread += apart * apart.transpose();
+    }
+    let angle = 0.5 * libm::atan2(2.0 * spread[(0, 1)], spread[(0, 0)] - spread[(1, 1)]);
+    [libm::cos(angle), libm::sin(angle)]
+}
+
+impl HeightPrior {
+    /// Whether a node may be at this height.
+    fn allows(self, height_m: f64) -> bool {
+        self.range_m.is_none_or(|[low, high]| (low - 1e-6..=high + 1e-6).contains(&height_m))
+    }
+}

@@ -1,0 +1,336 @@
+//! What is sought, how likely it is, and how that changes: places, biases, scale, delay and the law of errors, all at once.
+
+use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
+use rayon::prelude::*;
+use sextant_channel::RangeErrorLaw;
+
+use super::groups::{RangeGroup, RangeGroups};
+
+/// Number of parameters that all ranges share.
+pub(super) const SHARED: usize = 7;
+/// The places of bias, scale and delay among them; the law of errors comes after.
+const BIAS: usize = 0;
+const SCALE: usize = 1;
+const DELAY: usize = 2;
+const ERRORS: usize = 3;
+
+pub(super) type Shared = SVector<f64, SHARED>;
+pub(super) type SharedMatrix = SMatrix<f64, SHARED, SHARED>;
+type Mixed = SMatrix<f64, 4, SHARED>;
+
+/// What is sought of a node: x, y, z (m) and how much longer its ranges are than those of others (m).
+pub(super) type NodeState = Vector4<f64>;
+
+/// All that is sought.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Point {
+    pub(super) nodes: Vec<NodeState>,
+    /// Bias of all ranges (m), scale (the share by which they are too long), how late they are (s), and the parameters of the law
+    /// of their errors.
+    pub(super) shared: Shared,
+}
+
+impl Point {
+    pub(super) fn bias_m(&self) -> f64 {
+        self.shared[BIAS]
+    }
+
+    pub(super) fn scale(&self) -> f64 {
+        self.shared[SCALE]
+    }
+
+    pub(super) fn delay_s(&self) -> f64 {
+        self.shared[DELAY]
+    }
+
+    pub(super) fn errors(&self) -> RangeErrorLaw {
+        errors(&self.shared)
+    }
+}
+
+fn errors(shared: &Shared) -> RangeErrorLaw {
+    RangeErrorLaw::of([0, 1, 2, 3].map(|at| shared[ERRORS + at]))
+}
+
+/// A normal prior of the parameters that all ranges share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SharedPrior {
+    pub(super) mean: Shared,
+    pub(super) deviation: Shared,
+}
+
+/// The heights at which nodes are sought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct HeightPrior {
+    /// The most likely height (m).
+    pub(super) mean_m: f64,
+    /// The standard deviation round it (m); 0 if the height is given.
+    pub(super) deviation_m: f64,
+    /// The lowest and the highest height that settings allow (m).
+    pub(super) range_m: Option<[f64; 2]>,
+}
+
+impl HeightPrior {
+    pub(super) fn is_given(self) -> bool {
+        self.deviation_m <= 0.0
+    }
+}
+
+/// The problem: which places and which law explain the ranges.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Problem<'a> {
+    pub(super) groups: &'a RangeGroups,
+    pub(super) prior: SharedPrior,
+    pub(super) heights: HeightPrior,
+    /// Standard deviation of the biases of nodes (m).
+    pub(super) node_bias_m: f64,
+    /// How many independent ranges a group is worth, at most 1: errors of neighbouring groups are similar.
+    pub(super) worth: f64,
+}
+
+/// The slope of the log-posterior by the state of a node, and its curvature.
+#[derive(Clone, Copy, Debug)]
+struct NodeSlopes {
+    value: f64,
+    slope: Vector4<f64>,
+    curvature: Matrix4<f64>,
+    mixed: Mixed,
+    shared_slope: Shared,
+    shared_curvature: SharedMatrix,
+}
+
+/// The same by everything that is sought.
+#[derive(Clone, Debug)]
+pub(super) struct Slopes {
+    nodes: Vec<NodeSlopes>,
+    shared_slope: Shared,
+    shared_curvature: SharedMatrix,
+}
+
+/// What of the error of a range is explained.
+pub(super) struct Residual {
+    /// The range less what is expected of it (m).
+    pub(super) error_m: f64,
+    /// From the robot to the node (m), and how long that is.
+    pub(super) apart: [f64; 3],
+    pub(super) distance_m: f64,
+}
+
+impl Residual {
+    pub(super) fn of(group: &RangeGroup, node: &NodeState, shared: &Shared) -> Self {
+        let apart = [0, 1, 2].map(|axis| node[axis] - group.position[axis] + group.velocity[axis] * shared[DELAY]);
+        let distance_m = (apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2] + 1e-12).sqrt();
+        let error_m = group.range_m - (1.0 + shared[SCALE]) * distance_m - shared[BIAS] - node[3];
+        Self { error_m, apart, distance_m }
+    }
+}
+
+impl Problem<'_> {
+    /// The prior precision of a node's state.
+    fn node_precision(&self) -> Vector4<f64> {
+        let height = if self.heights.is_given() { 0.0 } else { self.heights.deviation_m.powi(-2) };
+        Vector4::new(0.0, 0.0, height, self.node_bias_m.powi(-2))
+    }
+
+    /// The logarithm of the prior of a node's state, up to what is the same for all states.
+    fn node_prior(&self, node: &NodeState) -> f64 {
+        let precision = self.node_precision();
+        -0.5 * (precision[2] * (node[2] - self.heights.mean_m).powi(2) + precision[3] * node[3] * node[3])
+    }
+
+    fn shared_prior(&self, shared: &Shared) -> f64 {
+        -0.5 * (shared - self.prior.mean).component_div(&self.prior.deviation).norm_squared()
+    }
+
+    /// The logarithm of the posterior of one node given the rest.
+    pub(super) fn node_value(&self, number: usize, node: &NodeState, shared: &Shared) -> f64 {
+        let law = errors(shared);
+        let of_group =
+            |group: &RangeGroup| law.density(Residual::of(group, node, shared).error_m).log_density;
+        let likelihood: f64 = self.groups.of_node(number).iter().map(of_group).sum();
+        self.worth * likelihood + self.node_prior(node)
+    }
+
+    /// The logarithm of the posterior.
+    pub(super) fn value(&self, point: &Point) -> f64 {
+        let values: Vec<f64> = (point.nodes.par_iter().enumerate())
+            .map(|(number, node)| self.node_value(number, node, &point.shared))
+            .collect();
+        values.into_iter().sum::<f64>() + self.shared_prior(&point.shared)
+    }
+
+    /// Slopes by the state of one node. The curvature is the sum of the squared slopes of single groups (Berndt et al. 1974),
+    /// which needs no second derivative and is never negative.
+    fn node_slopes(&self, number: usize, node: &NodeState, shared: &Shared) -> NodeSlopes {
+        let law = errors(shared);
+        let mut found = NodeSlopes {
+            value: 0.0,
+            slope: Vector4::zeros(),
+            curvature: Matrix4::zeros(),
+            mixed: Mixed::zeros(),
+            shared_slope: Shared::zeros(),
+            shared_curvature: SharedMatrix::zeros(),
+        };
+        for group in self.groups.of_node(number) {
+            let residual = Residual::of(group, node, shared);
+            let density = law.density(residual.error_m);
+            found.value += density.log_density;
+            let slope = density.by_error;
+            let per_metre = -slope * (1.0 + shared[SCALE]) / residual.distance_m;
+            let apart = residual.apart;
+            let vertical = if self.heights.is_given() { 0.0 } else { per_metre * apart[2] };
+            let by_node = Vector4::new(per_metre * apart[0], per_metre * apart[1], vertical, -slope);
+            let mut by_shared = Shared::zeros();
+            by_shared[BIAS] = -slope;
+            by_shared[SCALE] = -slope * residual.distance_m;
+            let closing: f64 = apart.iter().zip(&group.velocity).map(|(apart, velocity)| apart * velocity).sum();
+            by_shared[DELAY] = per_metre * closing;
+            for (at, by) in density.by_law.into_iter().enumerate() {
+                by_shared[ERRORS + at] = by;
+            }
+            found.slope += by_node;
+            found.curvature += by_node * by_node.transpose();
+            found.mixed += by_node * by_shared.transpose();
+            found.shared_slope += by_shared;
+            found.shared_curvature += by_shared * by_shared.transpose();
+        }
+        let precision = self.node_precision();
+        let from_mean = Vector4::new(0.0, 0.0, node[2] - self.heights.mean_m, node[3]);
+        found.value = self.worth * found.value + self.node_prior(node);
+        found.slope = found.slope * self.worth - precision.component_mul(&from_mean);
+        found.curvature = found.curvature * self.worth + Matrix4::from_diagonal(&precision);
+        if self.heights.is_given() {
+            found.curvature[(2, 2)] = 1.0;
+        }
+        found.mixed *= self.worth;
+        found.shared_slope *= self.worth;
+        found.shared_curvature *= self.worth;
+        found
+    }
+
+    /// Slopes by everything.
+    pub(super) fn slopes(&self, point: &Point) -> Slopes {
+        let nodes: Vec<NodeSlopes> = (point.nodes.par_iter().enumerate())
+            .map(|(number, node)| self.node_slopes(number, node, &point.shared))
+            .collect();
+        let precision = self.prior.deviation.map(|deviation| deviation.powi(-2));
+        let mut shared_slope = -precision.component_mul(&(point.shared - self.prior.mean));
+        let mut shared_curvature = SharedMatrix::from_diagonal(&precision);
+        for node in &nodes {
+            shared_slope += node.shared_slope;
+            shared_curvature += node.shared_curvature;
+        }
+        Slopes { nodes, shared_slope, shared_curvature }
+    }
+
+    /// The likeliest state of one node near `start` with a given law, and the logarithm of the probability of the mode; `None` if
+    /// the ranges do not tell a place there.
+    pub(super) fn settle_node(&self, number: usize, start: NodeState, shared: &Shared) -> Option<NodeMode> {
+        const STEPS: u32 = 100;
+        let (mut state, mut damping) = (start, 1e-3);
+        let mut slopes = self.node_slopes(number, &state, shared);
+        for _ in 0..STEPS {
+            let damped = damp(slopes.curvature, damping);
+            let step = damped.cholesky()?.solve(&slopes.slope);
+            let next = state + step;
+            let reached = self.node_slopes(number, &next, shared);
+            let gain = reached.value - slopes.value;
+            if gain > 0.0 {
+                (state, slopes) = (next, reached);
+                damping = (damping * 0.2).max(1e-9);
+                if gain < 1e-6 {
+                    break;
+                }
+            } else {
+                damping *= 5.0;
+                if damping > 1e8 {
+                    break;
+                }
+            }
+        }
+        let factor = slopes.curvature.cholesky()?;
+        let log_determinant = 2.0 * factor.l().diagonal().map(libm::log).sum();
+        let covariance = factor.inverse();
+        Some(NodeMode { state, log_evidence: slopes.value - 0.5 * log_determinant, covariance })
+    }
+}
+
+/// A place of a node that is likelier than those around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NodeMode {
+    pub(super) state: NodeState,
+    /// Logarithm of the probability of the mode, by Laplace's method, up to what is the same for all modes of the node.
+    pub(super) log_evidence: f64,
+    /// The covariance of the state with a given law.
+    pub(super) covariance: Matrix4<f64>,
+}
+
+fn damp<const N: usize>(mut matrix: SMatrix<f64, N, N>, damping: f64) -> SMatrix<f64, N, N> {
+    for at in 0..N {
+        matrix[(at, at)] = matrix[(at, at)] * (1.0 + damping) + 1e-12;
+    }
+    matrix
+}
+
+/// The curvature with the nodes eliminated.
+pub(super) struct Eliminated {
+    /// The inverse of the curvature of each node by itself.
+    nodes: Vec<Matrix4<f64>>,
+    /// The same times the mixed curvature.
+    mixed: Vec<Mixed>,
+    /// The inverse of the curvature of the shared parameters, all nodes free.
+    shared: SharedMatrix,
+    log_determinant: f64,
+}
+
+impl Slopes {
+    /// Eliminates the nodes, with `damping`; `None` if the curvature is not positive.
+    pub(super) fn eliminated(&self, damping: f64) -> Option<Eliminated> {
+        let mut shared = damp(self.shared_curvature, damping);
+        let (mut nodes, mut mixed) = (Vec::with_capacity(self.nodes.len()), Vec::with_capacity(self.nodes.len()));
+        let mut log_determinant = 0.0;
+        for node in &self.nodes {
+            let factor = damp(node.curvature, damping).cholesky()?;
+            log_determinant += 2.0 * factor.l().diagonal().map(libm::log).sum();
+            let inverse = factor.inverse();
+            let of_mixed = inverse * node.mixed;
+            shared -= node.mixed.transpose() * of_mixed;
+            nodes.push(inverse);
+            mixed.push(of_mixed);
+        }
+        let factor = shared.cholesky()?;
+        log_determinant += 2.0 * factor.l().diagonal().map(libm::log).sum();
+        Some(Eliminated { nodes, mixed, shared: factor.inverse(), log_determinant })
+    }
+
+    /// The step that a Newton method takes from `point`.
+    pub(super) fn moved(&self, point: &Point, eliminated: &Eliminated) -> Point {
+        let mut slope = self.shared_slope;
+        for (node, mixed) in self.nodes.iter().zip(&eliminated.mixed) {
+            slope -= mixed.transpose() * node.slope;
+        }
+        let step = eliminated.shared * slope;
+        let of_node = |number: usize| {
+            point.nodes[number] + eliminated.nodes[number] * self.nodes[number].slope - eliminated.mixed[number] * step
+        };
+        Point { nodes: (0..point.nodes.len()).map(of_node).collect(), shared: point.shared + step }
+    }
+}
+
+impl Eliminated {
+    /// Logarithm of the determinant of the curvature.
+    pub(super) fn log_determinant(&self) -> f64 {
+        self.log_determinant
+    }
+
+    /// The covariance of the state of a node.
+    pub(super) fn of_node(&self, number: usize) -> Matrix4<f64> {
+        let mixed = self.mixed[number];
+        self.nodes[number] + mixed * self.shared * mixed.transpose()
+    }
+
+    /// The standard deviations of the shared parameters.
+    pub(super) fn deviations(&self) -> Shared {
+        self.shared.diagonal().map(|variance| variance.max(0.0).sqrt())
+    }
+}

@@ -1,0 +1,136 @@
+//! How the law of ranges reads.
+
+use std::fmt::Write;
+
+use sextant_channel::RangeErrorLaw;
+use sextant_kernel::text::counted;
+
+use crate::learned::{Finding, Line, Section, Unconverged};
+use crate::topology_map::TopologyMap;
+
+/// What was learned of the ranges of a log with the places of its nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeFit {
+    /// Number of ranges of the nodes that were placed.
+    pub ranges: usize,
+    /// Number of groups of these: ranges at one place count once.
+    pub groups: usize,
+    /// Number of nodes that were placed by them.
+    pub nodes: usize,
+    /// By how much all ranges are too long (m).
+    pub bias_m: f64,
+    /// Its standard deviation (m).
+    pub bias_deviation_m: f64,
+    /// The share by which all ranges are too long.
+    pub scale: f64,
+    /// Its standard deviation.
+    pub scale_deviation: f64,
+    /// How late the ranges are by the clock of the path (s).
+    pub delay_s: f64,
+    /// Its standard deviation (s).
+    pub delay_deviation_s: f64,
+    /// Standard deviation of what the ranges of a node have in common beyond that (m).
+    pub node_bias_m: f64,
+    /// The law of the errors that are left.
+    pub errors: RangeErrorLaw,
+    /// How many independent ranges a group is worth.
+    pub worth: f64,
+    /// Standard deviation of the mean errors over directions from a node (m).
+    pub by_direction_m: f64,
+    /// Whether the search ended by itself.
+    pub settled: bool,
+}
+
+#[cfg(feature = "config")]
+/// The law of measured ranges.
+#[derive(serde::Serialize)]
+struct RangeLawKeys {
+    /// Ranges of the nodes that were placed by them.
+    ranges: usize,
+    /// Groups of these: ranges at one place, or over half a metre of path, count once.
+    groups: usize,
+    /// Nodes that were placed by ranges.
+    nodes: usize,
+    /// Whether the search ended by itself.
+    settled: bool,
+    /// By how much all ranges are too long (m), and the standard deviation.
+    bias_m: f64,
+    bias_sd_m: f64,
+    /// The share by which all ranges are too long, and the standard deviation.
+    scale: f64,
+    scale_sd: f64,
+    /// How late the ranges are by the clock of the path (s), and the standard deviation.
+    delay_s: f64,
+    delay_sd_s: f64,
+    /// Standard deviation of the biases of nodes (m).
+    node_bias_m: f64,
+    /// Standard deviation of the noise (m).
+    noise_m: f64,
+    /// Share of the ranges by a longer way than the straight one, and their mean excess (m).
+    late_share: f64,
+    late_excess_m: f64,
+    /// Share of wild values.
+    wild_share: f64,
+    /// How many independent ranges a group is worth, at most 1.
+    worth: f64,
+    /// Standard deviation of the mean errors over directions from a node (m).
+    by_direction_m: f64,
+}
+
+impl Finding for RangeFit {
+    #[cfg(feature = "config")]
+    fn keys(&self, _: &TopologyMap) -> serde_json::Map<String, serde_json::Value> {
+        let shares = self.errors.shares();
+        let keys = RangeLawKeys {
+            ranges: self.ranges,
+            groups: self.groups,
+            nodes: self.nodes,
+            settled: self.settled,
+            bias_m: self.bias_m,
+            bias_sd_m: self.bias_deviation_m,
+            scale: self.scale,
+            scale_sd: self.scale_deviation,
+            delay_s: self.delay_s,
+            delay_sd_s: self.delay_deviation_s,
+            node_bias_m: self.node_bias_m,
+            noise_m: self.errors.noise_m(),
+            late_share: shares.late,
+            late_excess_m: self.errors.excess_m(),
+            wild_share: shares.wild,
+            worth: self.worth,
+            by_direction_m: self.by_direction_m,
+        };
+        crate::learned::one_key("range_law", &keys)
+    }
+
+    fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
+        let shares = self.errors.shares();
+        let mut text = format!(
+            "{name}: {} to {} in {}: {:.2} ± {:.2} m and {:.1} ± {:.1} % too long, noise {:.2} m, nodes differ by {:.2} m",
+            counted(self.ranges, "range"),
+            counted(self.nodes, "node"),
+            counted(self.groups, "group"),
+            self.bias_m,
+            2.0 * self.bias_deviation_m,
+            100.0 * self.scale,
+            200.0 * self.scale_deviation,
+            self.errors.noise_m(),
+            self.node_bias_m,
+        );
+        if shares.late >= 0.01 {
+            let _ = write!(text, ", {:.0} % by a way {:.2} m longer", 100.0 * shares.late, self.errors.excess_m());
+        }
+        if shares.wild >= 0.01 {
+            let _ = write!(text, ", {:.0} % wild", 100.0 * shares.wild);
+        }
+        if self.delay_s.abs() > 3.0 * self.delay_deviation_s {
+            let _ =
+                write!(text, ", {:.2} ± {:.2} s late (corrected)", self.delay_s, 2.0 * self.delay_deviation_s);
+        }
+        let mut lines = vec![Line { section: Section::Laws, text }];
+        if !self.settled && let Some(why) = Unconverged::of(self.settled, map) {
+            lines.push(why.warning(name, "the law of ranges", 1, None));
+        }
+        lines
+    }
+}
