@@ -313,6 +313,26 @@ impl ReceptionLog {
         Ok(Self { ranges, ..self })
     }
 
+    /// The same log with its stops, ranges and contacts at other places: `place` gives where a place of a robot at a time is, and how
+    /// far all is turned there, counterclockwise (rad).
+    #[must_use]
+    pub fn placed_again(&self, place: impl Fn(RobotId, SimTime, Position) -> (Position, f64)) -> Self {
+        let stop = |stop: &Stop| {
+            let (position, turn_rad) = place(stop.robot, stop.time, stop.position);
+            Stop { position, heading_rad: stop.heading_rad.map(|heading_rad| heading_rad + turn_rad), ..*stop }
+        };
+        let contact = |contact: &Contact| {
+            let (position, _) = place(contact.robot, contact.time, contact.position);
+            Contact { position, ..*contact }
+        };
+        Self {
+            stops: Arc::new(self.stops.iter().map(stop).collect()),
+            contacts: self.contacts.iter().map(contact).collect(),
+            ranges: Arc::new(self.ranges.placed_again(place)),
+            ..self.clone()
+        }
+    }
+
     /// The ranges that robots measured: by node, those of a node in the order of time.
     #[must_use]
     pub fn ranges(&self) -> &[RangeSample] {

@@ -38,6 +38,7 @@ mod each_node;
 mod error;
 mod estimator;
 mod grid_ml;
+mod joint_path;
 mod knowledge;
 mod lattice;
 mod learned;
@@ -86,6 +87,9 @@ pub use estimator::{
 pub use grid_ml::ObstacleMlTm;
 pub use grid_ml::{
     Fit, Fitted, FittedMlTm, JointConfig, JointMlTm, JointNetworkConfig, MlTm, MlTmConfig, MmTm, NetworkFits,
+};
+pub use joint_path::{
+    EstimatedPath, PathError, PathFit, PathPose, TagRange, Track, TrackFit, TrackPose, TrackSettings, estimate_path, track,
 };
 pub use knowledge::{FrameKnowledge, Knowledge, KnowledgeKind};
 pub use lattice::Lattice;

@@ -37,6 +37,9 @@ pub struct RangeErrorDensity {
     pub by_error: f64,
     /// Its derivatives by the four parameters of the law, in their order.
     pub by_law: [f64; 4],
+    /// One over the variance of the part of which the error is, on average over the parts that it may be of (per m²): above 0, and
+    /// what a method of Gauss and Newton takes for the curvature.
+    pub stiffness: f64,
 }
 
 /// The shares of the three parts of a law, which sum to 1.
@@ -108,6 +111,9 @@ impl RangeErrorLaw {
             log_density: most + log(sum),
             by_error,
             by_law: [by_noise, by_excess, late - shares.late, wild - shares.wild],
+            stiffness: noise / (noise_m * noise_m)
+                + late / (noise_m * noise_m + excess_m * excess_m)
+                + wild / Self::WILD_M.powi(2),
         }
     }
 }

@@ -57,6 +57,18 @@ impl RangeSamples {
         &self.samples[from..to]
     }
 
+    /// The same at other places, in a frame that is turned by so much there (rad).
+    pub(crate) fn placed_again(&self, place: impl Fn(RobotId, SimTime, Position) -> (Position, f64)) -> Self {
+        let moved = |sample: &RangeSample| {
+            let (position, turn_rad) = place(sample.robot, sample.time, sample.position);
+            let (sin, cos) = libm::sincos(turn_rad);
+            let Position { x_m, y_m, z_m } = sample.velocity;
+            let velocity = Position::new(cos * x_m - sin * y_m, sin * x_m + cos * y_m, z_m);
+            RangeSample { position, velocity, ..*sample }
+        };
+        Self { samples: self.samples.iter().map(moved).collect() }
+    }
+
     /// Those that were measured before `time`.
     pub(crate) fn until(&self, time: SimTime) -> Self {
         Self { samples: self.samples.iter().filter(|sample| sample.time < time).copied().collect() }

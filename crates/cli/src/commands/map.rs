@@ -1,5 +1,6 @@
 //! `sextant map`: computes maps from a reception log.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,9 +9,11 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::options::{Format, Overrides, PictureFormat, Results, Work};
+use super::path_flags::PathFlags;
 use super::outputs::{Replacing, admit, keep_logs, reads_given};
 use super::reading::Reading;
 use super::slurm_flags::{Scheduler, SlurmFlags, own_program};
+use super::track;
 use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
@@ -124,6 +127,9 @@ pub(crate) struct Arguments {
     /// What a submission asks of Slurm.
     #[command(flatten)]
     pub(crate) slurm: SlurmFlags,
+    /// Paths that are estimated with the places.
+    #[command(flatten)]
+    pub(crate) path: PathFlags,
     /// How the log of a robot is read. This has headings of its own, which would hold for flags below.
     #[command(flatten)]
     pub(crate) reading: Reading,
@@ -139,6 +145,9 @@ pub(super) fn algorithms() -> impl TypedValueParser<Value = AlgorithmName> {
 pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
+    if let Some(known) = arguments.path.known.as_deref().filter(|_| arguments.path.track) {
+        return track::execute(arguments, known, interrupt);
+    }
     let mut outputs = arguments.inputs();
     if let Some(out) = &arguments.out {
         outputs.writes("--out", out, OutputKind::Map);
@@ -184,6 +193,9 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     maps.iter().for_each(|map| {
         outputs.writes("--out", map, OutputKind::Map);
     });
+    if let Some(path) = &arguments.path.path_out {
+        outputs.writes("--path-out", path, OutputKind::Path);
+    }
     arguments.results.among(&mut outputs);
     admit(&outputs, Some(arguments.work))?;
     let summary = arguments.results.summary.as_deref().map(|summary| ("--summary", summary));
@@ -221,6 +233,9 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     };
     let _keeper = keeper.unwrap_or_else(|| interrupt.keep());
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
+    if arguments.path.estimate_path {
+        estimate_path(arguments, &mut input, &watcher)?;
+    }
     let out = arguments.out.as_deref();
     let (mut summary, maps) = match arguments.tiles.zip(survey) {
         Some((count, survey)) => {
@@ -259,14 +274,31 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
 
 impl Arguments {
     /// The files that are read.
-    fn inputs<'a>(&self) -> Outputs<'a> {
+    pub(super) fn inputs<'a>(&self) -> Outputs<'a> {
         let mut outputs = self.replacing.outputs();
         // An area is the name of a file, or numbers.
         let area = self.area.as_deref().map(Path::new);
         let given = [Some(self.log.as_path()), self.truth.as_deref(), self.names.as_deref(), area];
-        reads_given(&mut outputs, given.into_iter().chain(self.reading.files()));
+        reads_given(&mut outputs, given.into_iter().chain(self.path.files()).chain(self.reading.files()));
         outputs
     }
+}
+
+/// Puts the log on the path that its ranges tell, and writes this path.
+fn estimate_path(arguments: &Arguments, input: &mut Input, watcher: &Watcher<'_>) -> Result<(), Failure> {
+    if arguments.tiles.is_some() {
+        let problem = "`--estimate-path` needs all of the log at once, and `--tiles` reads it part by part";
+        return Err(Failure::bad_input_with_help(problem.to_owned(), "leave out `--tiles`"));
+    }
+    let known = match &arguments.path.known {
+        Some(known) => robot_log::read_truth(known, None, input.plane.as_ref(), &mut input.notes)?.places,
+        None => BTreeMap::new(),
+    };
+    input.estimate_path(arguments.path.path_error.unwrap_or_default(), &known, watcher)?;
+    if let (Some(file), Some(path)) = (&arguments.path.path_out, &input.estimated_path) {
+        robot_log::write_path(file, path, |robot| input.log().robot_name(robot).into_owned())?;
+    }
+    Ok(())
 }
 
 /// Submits this very map in so many tiles.

@@ -15,6 +15,7 @@ mod man;
 mod map;
 mod options;
 mod outputs;
+mod path_flags;
 mod plan_flags;
 mod reading;
 mod recover;
@@ -25,6 +26,7 @@ mod schema;
 mod slurm_flags;
 mod spoken;
 mod sweep;
+mod track;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

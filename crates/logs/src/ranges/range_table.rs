@@ -71,20 +71,7 @@ pub(crate) fn read(
     let table = Table::open_known(source, columns)?;
     notes.extend(table.ignored());
     let name = table.name();
-    let found: Vec<(Column, f64)> = RANGES
-        .into_iter()
-        .map(|(name, unit)| (table.column(name), unit))
-        .filter(|(column, _)| column.exists())
-        .collect();
-    let &[(range, unit)] = found.as_slice() else {
-        let problem = match found.as_slice() {
-            [] => {
-                format!("column `range_m` is missing; ranges need it (or range_cm, range_mm){}", table.hint("range_m"))
-            }
-            _ => "found ranges in several units; allowed: one of range_m, range_cm, range_mm".to_owned(),
-        };
-        return Err(table.wrong_header(problem));
-    };
+    let (range, unit) = range_column(&table)?;
     let node = table.column("node");
     let placing = Placing::of(whereabouts, &table, written, notes)?;
     let mut numbers: BTreeMap<String, NodeId> =
@@ -146,6 +133,18 @@ pub(crate) fn read(
     }
     read.samples.sort_by_key(|sample| sample.time);
     Ok(read)
+}
+
+/// The column of ranges of a table, and a metre in its unit.
+pub(crate) fn range_column(table: &Table<'_>) -> Result<(Column, f64), RobotLogError> {
+    let all = RANGES.into_iter().map(|(name, unit)| (table.column(name), unit));
+    let found: Vec<(Column, f64)> = all.filter(|(column, _)| column.exists()).collect();
+    let problem = match found.as_slice() {
+        &[only] => return Ok(only),
+        [] => format!("column `range_m` is missing; ranges need it (or range_cm, range_mm){}", table.hint("range_m")),
+        _ => "found ranges in several units; allowed: one of range_m, range_cm, range_mm".to_owned(),
+    };
+    Err(table.wrong_header(problem))
 }
 
 /// A note on a value that too many ranges have.

@@ -90,7 +90,7 @@ fn group(samples: &[RangeSample]) -> RangeGroup {
 }
 
 /// The median of some numbers, which are sorted for it.
-pub(super) fn median(numbers: &mut [f64]) -> f64 {
+pub(crate) fn median(numbers: &mut [f64]) -> f64 {
     numbers.sort_unstable_by(f64::total_cmp);
     let upper = numbers.len() / 2;
     if numbers.len().is_multiple_of(2) { 0.5 * (numbers[upper - 1] + numbers[upper]) } else { numbers[upper] }

@@ -1,7 +1,8 @@
 //! Maximum likelihood on measured ranges: the places of nodes, and what is wrong with the ranges, all from one log.
 
+pub(crate) mod error_law;
 mod fit;
-mod groups;
+pub(crate) mod groups;
 mod modes;
 mod problem;
 mod report;

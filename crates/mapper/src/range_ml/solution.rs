@@ -7,7 +7,8 @@ use sextant_kernel::{Interrupted, NodeId, Watch};
 use super::fit::{Fitted, fitted};
 use super::groups::{RangeGroups, median};
 use super::modes::{modes, settled_again};
-use super::problem::{HeightPrior, NodeMode, NodeState, Point, Problem, SharedPrior};
+use super::error_law;
+use super::problem::{HeightPrior, NodeMode, NodeState, Point, Problem, Shared, SharedPrior};
 use super::report::RangeFit;
 use super::spread::{autocorrelation_time, variance_over_directions};
 use super::{NodeBias, Settings};
@@ -248,10 +249,11 @@ impl Settings {
     /// clocks of logs differ by a tenth of a second or two.
     fn prior(&self) -> SharedPrior {
         let bias_m = if self.node_bias == NodeBias::None { NONE } else { 3.0 };
-        let [noise, excess, late, wild] = [0.3, 1.0, 0.2, 0.01].map(libm::log);
+        let (mean, deviation) = error_law::prior();
+        let of_shared = [bias_m, self.scale_error.max(NONE), self.delay_error_s.max(NONE)];
         SharedPrior {
-            mean: [0.0, 0.0, 0.0, noise, excess, late, wild].into(),
-            deviation: [bias_m, self.scale_error.max(NONE), self.delay_error_s.max(NONE), 1.0, 0.7, 1.5, 1.0].into(),
+            mean: Shared::from_iterator([0.0; 3].into_iter().chain(mean)),
+            deviation: Shared::from_iterator(of_shared.into_iter().chain(deviation)),
         }
     }
 }

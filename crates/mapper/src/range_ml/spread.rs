@@ -2,43 +2,27 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use super::groups::median;
+use super::error_law::{self, centred};
 use super::problem::{Point, Problem, Residual};
 
-/// Longest lag of the autocorrelation (groups).
-const LAGS: usize = 40;
-/// A correlation below this one is none.
-const LEAST_CORRELATION: f64 = 0.05;
 /// Directions from a node, and the least number of groups of one that has a mean.
 const DIRECTIONS: usize = 8;
 const LEAST_GROUPS: usize = 3;
-/// Errors beyond this many standard deviations are cut: one wild value says nothing of the others.
-const CUT: f64 = 3.0;
 
-/// The errors of the groups of a node from their median (m), with the direction from the robot to the node (rad).
-fn errors(problem: &Problem<'_>, point: &Point, number: usize) -> Vec<(f64, f64)> {
+/// The errors of the groups of a node from their median (m), and the direction from the robot to the node of each (rad).
+fn errors(problem: &Problem<'_>, point: &Point, number: usize) -> (Vec<f64>, Vec<f64>) {
     let groups = problem.groups.of_node(number);
     let residuals = groups.iter().map(|group| Residual::of(group, &point.nodes[number], &point.shared));
-    let mut errors: Vec<(f64, f64)> =
-        residuals.map(|residual| (residual.error_m, libm::atan2(residual.apart[1], residual.apart[0]))).collect();
-    let middle = median(&mut errors.iter().map(|&(error_m, _)| error_m).collect::<Vec<_>>());
-    let spread = 1.4826 * median(&mut errors.iter().map(|&(error_m, _)| (error_m - middle).abs()).collect::<Vec<_>>());
-    let most = CUT * spread + 1e-9;
-    errors.iter_mut().for_each(|(error_m, _)| *error_m = (*error_m - middle).clamp(-most, most));
-    errors
+    let with_direction = residuals.map(|residual| (residual.error_m, libm::atan2(residual.apart[1], residual.apart[0])));
+    let (mut errors, directions): (Vec<f64>, Vec<f64>) = with_direction.unzip();
+    centred(&mut errors);
+    (errors, directions)
 }
 
 /// How many groups have the information of one independent one: the autocorrelation time of the errors, at least 1.
 pub(super) fn autocorrelation_time(problem: &Problem<'_>, point: &Point) -> f64 {
-    let mut sums = [0.0; LAGS];
-    for number in 0..point.nodes.len() {
-        let errors = errors(problem, point, number);
-        for (lag, sum) in sums.iter_mut().enumerate().take((errors.len() / 2).max(1)) {
-            *sum += errors.iter().zip(&errors[lag..]).map(|(one, other)| one.0 * other.0).sum::<f64>();
-        }
-    }
-    let of_lags = sums[1..].iter().map(|sum| sum / sums[0].max(f64::MIN_POSITIVE));
-    1.0 + of_lags.take_while(|&correlation| correlation >= LEAST_CORRELATION).map(|c| 2.0 * c).sum::<f64>()
+    let series: Vec<Vec<f64>> = (0..point.nodes.len()).map(|number| errors(problem, point, number).0).collect();
+    error_law::autocorrelation_time(series.iter().map(Vec::as_slice))
 }
 
 /// Variance of the mean error over directions from a node (m²). What is behind a node in some direction lengthens all ranges from
@@ -47,7 +31,8 @@ pub(super) fn variance_over_directions(problem: &Problem<'_>, point: &Point) -> 
     let (mut sum, mut count) = (0.0, 0.0_f64);
     for number in 0..point.nodes.len() {
         let mut means = [(0.0, 0_usize); DIRECTIONS];
-        for (error_m, direction) in errors(problem, point, number) {
+        let (errors, directions) = errors(problem, point, number);
+        for (error_m, direction) in errors.into_iter().zip(directions) {
             let eighth = crate::numerics::whole((direction + PI) / FRAC_PI_4) % DIRECTIONS;
             means[eighth].0 += error_m;
             means[eighth].1 += 1;

@@ -22,6 +22,8 @@ pub enum OutputKind<'a> {
     Summary,
     /// A map as CSV or GeoJSON.
     Map,
+    /// A path or a track that was estimated, as CSV or TUM.
+    Path,
     /// The frames of a run for protocol analysers.
     Capture,
     /// A report for browsers.
@@ -42,6 +44,12 @@ const HEAD: u64 = 8192;
 /// How a map begins.
 const MAP_HEADER: &str = "node,x_m,y_m,z_m,ties,infeasible,concern";
 
+/// What a path or a track has in the header that begins with its times.
+const PATH_COLUMNS: &str = ",x_m,y_m,z_m,cov_xx_m2,cov_xy_m2,cov_yy_m2,";
+
+/// How an estimated path in the form of TUM begins.
+pub const TUM_PATH: &str = "# estimated by sextant: time x y z qx qy qz qw\n";
+
 /// What ends the title of a report.
 pub const REPORT_TITLE: &str = "Sextant report</title>";
 
@@ -59,6 +67,7 @@ impl OutputKind<'_> {
             Self::Recording | Self::RecoveredRecording => "an earlier recording",
             Self::Summary => "an earlier summary",
             Self::Map => "an earlier map",
+            Self::Path => "an earlier path",
             Self::Capture => "an earlier capture of a simulation",
             Self::Report => "an earlier report",
             Self::Picture => "an earlier picture",
@@ -75,6 +84,7 @@ impl OutputKind<'_> {
             Self::RecoveredRecording => Some(RECOVERING),
             Self::Summary
             | Self::Map
+            | Self::Path
             | Self::Report
             | Self::Picture
             | Self::Table
@@ -101,6 +111,10 @@ impl OutputKind<'_> {
                 json().is_ok_and(|json| serde_json::from_reader(json).is_ok_and(|any: AnyCollection| any.is_map()))
             }
             Self::Map => text.starts_with(MAP_HEADER),
+            Self::Path => {
+                let header = text.lines().next().unwrap_or_default();
+                text.starts_with(TUM_PATH) || header.starts_with("t_s,") && header.contains(PATH_COLUMNS)
+            }
             Self::Capture => is_of_simulation(&head),
             Self::Report => text.contains(REPORT_TITLE),
             Self::Picture => is_own_svg(&text) || is_own_png(&head),
@@ -206,10 +220,10 @@ mod tests {
             b"<svg width=\"10\" height=\"10\" viewBox=\"0 0 10 10\">\n<rect x=\"0\" y=\"0\" width=\"1\"/></svg>",
             b"<html><title>Report</title></html>",
         ];
-        use OutputKind::{Capture, Map, Picture, Recording, Report, Summary, Table, Text};
+        use OutputKind::{Capture, Map, Path, Picture, Recording, Report, Summary, Table, Text};
         for content in foreign {
             std::fs::write(&path, content).unwrap();
-            for kind in [Recording, Summary, Map, Capture, Report, Picture, Table, Text(b"other")] {
+            for kind in [Recording, Summary, Map, Path, Capture, Report, Picture, Table, Text(b"other")] {
                 assert!(!kind.is_ours(&path).unwrap(), "{kind:?}: {}", String::from_utf8_lossy(content));
             }
         }
@@ -230,6 +244,8 @@ mod tests {
             ),
             (OutputKind::Map, b"node,x_m,y_m,z_m,ties,infeasible,concern,lat,lon\n".to_vec()),
             (OutputKind::Map, br#"{"features": [{"properties": {"node": "a", "x_m": 1, "y_m": 2}}]}"#.to_vec()),
+            (OutputKind::Path, b"t_s,robot,x_m,y_m,z_m,cov_xx_m2,cov_xy_m2,cov_yy_m2,turn_rad\n".to_vec()),
+            (OutputKind::Path, TUM_PATH.as_bytes().to_vec()),
             (OutputKind::Capture, capture(&[5, 0, 0, 0])),
             (OutputKind::Text(b"same"), b"same".to_vec()),
         ] {

@@ -5,6 +5,6 @@ mod kind;
 mod outputs;
 mod refusal;
 
-pub use kind::{OutputKind, PICTURE_SOFTWARE, REPORT_TITLE};
+pub use kind::{OutputKind, PICTURE_SOFTWARE, REPORT_TITLE, TUM_PATH};
 pub use outputs::{Outputs, Replace, admit_folder};
 pub use refusal::{OutputNote, OutputRefusal};

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use sextant_channel::{NetworkLogs, Position, ReceptionLog};
-use sextant_kernel::{Files, Seed};
-use sextant_mapper::PlacePrior;
+use sextant_kernel::{Files, NodeId, Seed, Watch};
+use sextant_mapper::{EstimatedPath, PathError, PlacePrior, estimate_path};
 
 use super::error::MapLogError;
 use crate::measure::Dimensions;
@@ -36,6 +36,8 @@ pub struct Input {
     pub known: MutualKnowledge,
     /// Seed of the algorithms that use random numbers.
     pub seed: Seed,
+    /// The estimated path, if the log is on one.
+    pub estimated_path: Option<EstimatedPath>,
     /// Notes on the log for the user.
     pub notes: Vec<String>,
     /// The plane of the places, if the log has them by latitude and longitude.
@@ -104,6 +106,7 @@ impl Input {
             prior: None,
             known: MutualKnowledge::default(),
             seed: Seed(1),
+            estimated_path: None,
             notes,
             plane,
         }
@@ -155,6 +158,7 @@ impl Input {
             prior: None,
             known,
             seed: Seed(seed.unwrap_or(1)),
+            estimated_path: None,
             notes,
             plane: None,
         })
@@ -195,6 +199,37 @@ impl Input {
         }
         self.truth = Some(truth);
         self.true_dimensions = if has_heights { Dimensions::Space } else { Dimensions::Plane };
+    }
+
+    /// Puts the log on the path that its ranges tell, where odometry is wrong by `error`. `known` are places of nodes by name: two fix
+    /// the frame.
+    ///
+    /// # Errors
+    /// If a known node is not in the log, it has too few ranges, or `watch` ends the work.
+    pub fn estimate_path(
+        &mut self,
+        error: PathError,
+        known: &BTreeMap<String, Position>,
+        watch: &dyn Watch,
+    ) -> Result<(), MapLogError> {
+        let log = self.log();
+        let mut places = Vec::new();
+        let mut strangers = Vec::new();
+        for (name, &place) in known {
+            match log.names().iter().position(|node| node == name) {
+                Some(node) => places.push((NodeId::from_index(node), place)),
+                None => strangers.push(name),
+            }
+        }
+        let estimated = estimate_path(log, error, &places, watch)?;
+        let moved = estimated.log(log);
+        if !strangers.is_empty() {
+            self.notes.push(format!("known places of nodes that are not in the log are not used: {}", listed(&strangers)));
+        }
+        self.notes.push(estimated.fit.to_string());
+        *self.logs.first_mut() = moved;
+        self.estimated_path = Some(estimated);
+        Ok(())
     }
 
     /// The true position of each node of the log, where it is known; `None` if none is, because then the maps cannot be

@@ -12,6 +12,7 @@ mod pipeline;
 mod prior;
 pub mod tiles;
 mod tiles_error;
+mod tracks;
 
 pub use contents::{Contents, SectorContents};
 pub use error::MapLogError;
@@ -23,5 +24,6 @@ pub use map_log::{LogMap, map_log};
 pub use pipeline::{ComputedMap, map, map_files};
 pub use prior::place_prior;
 pub use tiles_error::TilesError;
+pub use tracks::{TrackJob, tracks};
 
 pub use crate::measure::Dimensions;

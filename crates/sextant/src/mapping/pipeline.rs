@@ -127,6 +127,7 @@ impl<'a> Stages<'a, '_> {
             gathering: Some(GatheringSummary::of_log(input.log(), &counts, &input.paths)),
             interrupted,
             notes: input.notes.clone(),
+            path: input.estimated_path.as_ref().map(|path| path.fit.value()),
             maps: summaries,
             timing: Some(Timing {
                 wall_s: start.elapsed_s(),

@@ -18,6 +18,7 @@ mod robots;
 mod sensing;
 mod table;
 mod timing;
+mod tracks;
 
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
@@ -40,3 +41,4 @@ pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};
 pub use sensing::{SensingSummary, SensorErrorCounts};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};
+pub use tracks::TrackSummary;

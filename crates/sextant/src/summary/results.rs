@@ -10,6 +10,7 @@ use super::map::MapSummary;
 use super::missions::MissionSummary;
 use super::sensing::SensingSummary;
 use super::timing::Timing;
+use super::tracks::TrackSummary;
 use sextant_recording::output::{OutputError, write_file};
 
 /// All results of a run or of a mapping.
@@ -45,9 +46,15 @@ pub struct Summary {
     /// What the user should know of the log and of the truth that it was compared with, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+    /// The estimated path, if it was estimated with the places of nodes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<serde_json::Value>,
     /// The maps, in the order of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub maps: Vec<MapSummary>,
+    /// The tracks of tags, by name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tracks: Vec<TrackSummary>,
     /// The applications, in the order of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub applications: Vec<MissionSummary>,

@@ -13,6 +13,7 @@ use super::map::{
 use super::missions_table;
 use super::results::{RegionSummary, Summary};
 use super::timing::Timing;
+use super::tracks;
 use crate::columns::{Align, columns};
 use sextant_kernel::text::{counted, listed};
 
@@ -47,6 +48,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         }
         writeln!(out)?;
     }
+    tracks::write(&summary.tracks, out)?;
     for mac in summary.mac.iter().chain(&summary.other_networks) {
         if summary.gathering.is_some() && mac.network.is_none() {
             writeln!(out, "traffic to sinks")?;

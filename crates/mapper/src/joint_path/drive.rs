@@ -1,0 +1,284 @@
+//! The path of odometry, corrected by ranges.
+
+use nalgebra::{DVector, Vector4};
+use sextant_channel::{Position, RangeErrorLaw, ReceptionLog};
+use sextant_kernel::{NodeId, RobotId, SimTime, Watch};
+
+use super::PathError;
+use super::climb::{Top, climb};
+use super::drive_problem::{AFTER_NODES, DrivePoint, DriveProblem, KnownPlace};
+use super::keyframes::Keyframes;
+use super::report::PathFit;
+use crate::comparators::lateration::{Range, refine};
+use crate::error::MapError;
+use crate::range_ml::error_law::{autocorrelation_time, centred, of_errors};
+use crate::range_ml::{RangeMl, RangeMlConfig};
+
+/// Most steps of a climb, and the gain that ends it.
+const STEPS: u32 = 80;
+const LEAST_GAIN: f64 = 1e-3;
+/// The noise of ranges in turn (m): with much of it, a wrong path looks straight ahead to the right one.
+const NOISES_M: [f64; 4] = [3.0, 1.5, 0.8, 0.45];
+/// Shares of the errors of odometry that are tried: the evidence chooses.
+const FACTORS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
+/// Standard deviation of the bias of all ranges, of their scale and of the biases of nodes (m).
+const BIAS_M: f64 = 3.0;
+const SCALE: f64 = 0.05;
+const NODE_BIAS_M: f64 = 0.1;
+/// How well the first pose is known: it is the frame of the map, unless nodes are known (m, rad).
+const FIRST: [f64; 2] = [1e-3, 1e-4];
+const FIRST_BY_NODES: [f64; 2] = [300.0, 3.0];
+/// How well known places are known (m).
+const KNOWN_M: f64 = 0.02;
+
+/// Where a robot was, by odometry and by the estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPose {
+    /// The robot.
+    pub robot: RobotId,
+    /// When.
+    pub time: SimTime,
+    /// Where odometry has it (m).
+    pub believed: Position,
+    /// Where the estimate has it (m).
+    pub position: Position,
+    /// How far the frame of odometry is turned there, counterclockwise (rad).
+    pub turn_rad: f64,
+    /// Covariance of x and y (m²): relative to the first pose, or to the known nodes.
+    pub covariance: [[f64; 2]; 2],
+}
+
+/// A path that was estimated with the places of nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EstimatedPath {
+    /// The poses, robot by robot, in the order of time.
+    pub poses: Vec<PathPose>,
+    /// What was learned of odometry and ranges.
+    pub fit: PathFit,
+}
+
+impl EstimatedPath {
+    /// The same log with its stops, ranges and contacts on the estimated path.
+    #[must_use]
+    pub fn log(&self, log: &ReceptionLog) -> ReceptionLog {
+        log.placed_again(|robot, time, position| self.place(robot, time, position))
+    }
+
+    /// Where a place is that odometry has at `position`, and how far its frame is turned there.
+    fn place(&self, robot: RobotId, time: SimTime, position: Position) -> (Position, f64) {
+        let from = self.poses.partition_point(|pose| (pose.robot, pose.time) <= (robot, time));
+        let of_robot = |at: usize| self.poses.get(at).filter(|pose| pose.robot == robot);
+        let Some(pose) = from.checked_sub(1).and_then(of_robot).or_else(|| of_robot(from)) else { return (position, 0.0) };
+        let (sin, cos) = libm::sincos(pose.turn_rad);
+        let apart = position - pose.believed;
+        let turned = Position::new(cos * apart.x_m - sin * apart.y_m, sin * apart.x_m + cos * apart.y_m, apart.z_m);
+        (pose.position + turned, pose.turn_rad)
+    }
+}
+
+/// Estimates the path of the robots of `log` from what their ranges say: odometry is taken to be wrong by `odometry`. `known` are
+/// places of nodes, if some are known: two fix the frame. Without them the first pose is the frame.
+///
+/// Poses, places of nodes, biases, scales and drift are one problem, whose normal equations are eliminated along the chain of
+/// poses. It is climbed from the believed path under ever less noise of ranges. How much of the error of odometry is real is chosen by
+/// the marginal likelihood, so that a right path stays where it is.
+///
+/// # Errors
+/// If the log has too few ranges, or `watch` ends the work.
+pub fn estimate_path(
+    log: &ReceptionLog,
+    odometry: PathError,
+    known: &[(NodeId, Position)],
+    watch: &dyn Watch,
+) -> Result<EstimatedPath, MapError> {
+    const ALGORITHM: &str = "estimate-path";
+    let missing = MapError::Missing {
+        algorithm: ALGORITHM,
+        what: "measured ranges to two nodes or more",
+        remedy: "they stand in `ranges.csv` beside the path, each with its time",
+    };
+    let by_ranges = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
+    let (map, _) = by_ranges.map(log, watch)?;
+    let mut nodes = vec![None; log.node_count()];
+    let (mut starts, mut places) = (Vec::new(), Vec::<KnownPlace>::new());
+    let mut ids = Vec::new();
+    for (number, estimate) in map.estimates.iter().enumerate() {
+        let node = NodeId::from_index(number);
+        let place = known.iter().find(|(known, _)| *known == node).map(|&(_, place)| place);
+        let Some(start) = place.or(estimate.as_ref().map(|estimate| estimate.position)) else { continue };
+        nodes[number] = Some(starts.len());
+        starts.push(start);
+        ids.push(node);
+        places.push(place.map(|place| ([place.x_m, place.y_m], KNOWN_M)));
+    }
+    if starts.len() < 2 {
+        return Err(missing);
+    }
+    let heights: Vec<f64> = starts.iter().map(|start| start.z_m).collect();
+    let keyframes = Keyframes::of(log, &nodes, &heights);
+    if keyframes.frames.len() < 3 {
+        return Err(missing);
+    }
+    let firsts = keyframes.firsts();
+    let is_fixed_by_nodes = places.iter().flatten().count() >= 2;
+    let problem = DriveProblem {
+        legs: &keyframes.legs,
+        ranges: &keyframes.ranges,
+        known: &places,
+        odometry,
+        law: RangeErrorLaw::of([0.0; 4]),
+        worth: 1.0,
+        node_bias_m: NODE_BIAS_M,
+        bias_m: BIAS_M,
+        scale: SCALE,
+        firsts: &firsts,
+        first_deviation: if is_fixed_by_nodes { FIRST_BY_NODES } else { FIRST },
+    };
+    // Two starts: the places that suit the believed path best by the law of ranges, and those of plain least squares.
+    let plain: Vec<Position> = (0..starts.len()).map(|node| least_squares(&keyframes, node, starts[node])).collect();
+    let mut best: Option<(DriveProblem<'_>, Top<DrivePoint>)> = None;
+    for starts in [&starts, &plain] {
+        let (problem, top) = annealed(problem.clone(), &keyframes, starts, watch)?;
+        if best.as_ref().is_none_or(|(_, best)| top.value > best.value) {
+            best = Some((problem, top));
+        }
+    }
+    let (problem, start) = best.expect("there are two starts");
+    let (problem, top) = chosen(problem, start, odometry, watch)?;
+    Ok(estimated(&keyframes, &problem, &top, log, &ids))
+}
+
+/// The place of a node by least squares on the believed path.
+fn least_squares(keyframes: &Keyframes, node: usize, start: Position) -> Position {
+    let ranges: Vec<Range> = keyframes
+        .ranges
+        .iter()
+        .filter(|range| range.node == node)
+        .map(|range| {
+            let place = keyframes.frames[range.pose].position + Position::new(range.offset[0], range.offset[1], 0.0);
+            Range::new(place, range.range_m)
+        })
+        .collect();
+    refine(start, &ranges, 2)
+}
+
+/// Climbs from the believed path with ever less noise, then with the law that the errors have.
+fn annealed<'a>(
+    mut problem: DriveProblem<'a>,
+    keyframes: &Keyframes,
+    starts: &[Position],
+    watch: &dyn Watch,
+) -> Result<(DriveProblem<'a>, Top<DrivePoint>), MapError> {
+    let pose = |frame: &super::keyframes::Keyframe| Vector4::new(frame.position.x_m, frame.position.y_m, 0.0, 0.0);
+    let border = starts.iter().flat_map(|start| [start.x_m, start.y_m, 0.0]).chain([0.0; AFTER_NODES]);
+    let mut point = DrivePoint {
+        poses: keyframes.frames.iter().map(pose).collect(),
+        border: DVector::from_iterator(3 * starts.len() + AFTER_NODES, border),
+    };
+    for noise_m in NOISES_M {
+        problem.law = RangeErrorLaw::of([noise_m, 1.0, 0.05, 0.01].map(libm::log));
+        point = climb(&problem, point, STEPS, LEAST_GAIN, watch)?.point;
+    }
+    let mut top = None;
+    for _ in 0..2 {
+        let errors = problem.errors_m(&point);
+        problem.law = of_errors(&errors);
+        problem.worth = 1.0 / along_the_way(&problem, &errors);
+        let found = climb(&problem, point, STEPS, LEAST_GAIN, watch)?;
+        point = found.point.clone();
+        top = Some(found);
+    }
+    Ok((problem, top.expect("there were rounds")))
+}
+
+/// The autocorrelation time of the errors of ranges to each node.
+fn along_the_way(problem: &DriveProblem<'_>, errors_m: &[f64]) -> f64 {
+    let mut series = vec![Vec::new(); problem.known.len()];
+    for (range, &error_m) in problem.ranges.iter().zip(errors_m) {
+        series[range.node].push(error_m);
+    }
+    series.iter_mut().filter(|errors| !errors.is_empty()).for_each(|errors| centred(errors));
+    autocorrelation_time(series.iter().map(Vec::as_slice))
+}
+
+/// The climb with as much error of odometry as the marginal likelihood prefers.
+fn chosen<'a>(
+    problem: DriveProblem<'a>,
+    start: Top<DrivePoint>,
+    odometry: PathError,
+    watch: &dyn Watch,
+) -> Result<(DriveProblem<'a>, Top<DrivePoint>), MapError> {
+    let mut best: Option<(f64, DriveProblem<'a>, Top<DrivePoint>)> = None;
+    for factor in FACTORS {
+        let tried = DriveProblem { odometry: odometry.times(factor), ..problem.clone() };
+        let top = climb(&tried, start.point.clone(), STEPS, LEAST_GAIN, watch)?;
+        let Some(curvature) = &top.curvature else { continue };
+        let log_evidence = top.value + tried.log_widths() - 0.5 * curvature.log_determinant;
+        if best.as_ref().is_none_or(|(best, ..)| log_evidence > *best) {
+            best = Some((log_evidence, tried, top));
+        }
+    }
+    Ok(best.map_or((problem, start), |(_, problem, top)| (problem, top)))
+}
+
+fn estimated(
+    keyframes: &Keyframes,
+    problem: &DriveProblem<'_>,
+    top: &Top<DrivePoint>,
+    log: &ReceptionLog,
+    ids: &[NodeId],
+) -> EstimatedPath {
+    let covariances = top.curvature.as_ref().map(super::chain::Eliminated::covariances);
+    let mut poses = Vec::with_capacity(keyframes.frames.len());
+    for (at, (frame, pose)) in keyframes.frames.iter().zip(&top.point.poses).enumerate() {
+        let covariance = covariances.as_ref().map_or([[0.0; 2]; 2], |(states, _)| {
+            let state = &states[at];
+            [[state[(0, 0)], state[(0, 1)]], [state[(1, 0)], state[(1, 1)]]]
+        });
+        poses.push(PathPose {
+            robot: frame.robot,
+            time: frame.time,
+            believed: frame.position,
+            position: Position::new(pose[0], pose[1], frame.position.z_m),
+            turn_rad: pose[2],
+            covariance,
+        });
+    }
+    let border = &top.point.border;
+    let after = 3 * problem.known.len();
+    let deviation = |which: usize| {
+        covariances.as_ref().map_or(0.0, |(_, border)| border[(after + which, after + which)].max(0.0).sqrt())
+    };
+    let moved = poses.iter().map(|pose| pose.position.distance_m(pose.believed));
+    let length_m = keyframes.legs.iter().filter(|leg| !leg.is_jump).map(|leg| leg.length_m).sum();
+    let fit = PathFit {
+        poses: poses.len(),
+        nodes: ids.iter().map(|node| log.names()[node.index()].clone()).collect(),
+        known_nodes: problem.known.iter().flatten().count(),
+        length_m,
+        odometry: problem.odometry,
+        scale: border[after + 2],
+        scale_deviation: deviation(2),
+        drift_rad_per_m: border[after + 3],
+        drift_deviation_rad_per_m: deviation(3),
+        range_bias_m: border[after],
+        range_scale: border[after + 1],
+        range_scale_deviation: deviation(1),
+        most_moved_m: moved.fold(0.0, f64::max),
+        settled: top.settled && covariances.is_some(),
+    };
+    EstimatedPath { poses, fit }
+}
+
+impl DriveProblem<'_> {
+    /// What the widths of the priors add to the logarithm of the marginal likelihood.
+    fn log_widths(&self) -> f64 {
+        let of_legs: f64 = (self.legs.iter().filter(|leg| !leg.is_jump))
+            .map(|leg| {
+                let [along, turning] = self.variances(leg);
+                -libm::log(along) - 0.5 * libm::log(turning)
+            })
+            .sum();
+        of_legs - libm::log(self.odometry.drift_rad_per_m.max(1e-9))
+    }
+}

@@ -1,0 +1,134 @@
+//! How an estimated path reads.
+
+use std::fmt;
+
+use sextant_kernel::text::counted;
+
+use super::PathError;
+
+/// What was learned of odometry and ranges with a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathFit {
+    /// Number of poses that were estimated.
+    pub poses: usize,
+    /// Names of the nodes that were placed with them.
+    pub nodes: Vec<String>,
+    /// How many of these have a known place.
+    pub known_nodes: usize,
+    /// Length of the path (m).
+    pub length_m: f64,
+    /// How wrong the evidence finds odometry: standard deviations.
+    pub odometry: PathError,
+    /// The share by which odometry is too short.
+    pub scale: f64,
+    /// Its standard deviation.
+    pub scale_deviation: f64,
+    /// How much the heading of odometry drifts (rad/m).
+    pub drift_rad_per_m: f64,
+    /// Its standard deviation (rad/m).
+    pub drift_deviation_rad_per_m: f64,
+    /// By how much all ranges are too long (m).
+    pub range_bias_m: f64,
+    /// The share by which all ranges are too long.
+    pub range_scale: f64,
+    /// Its standard deviation.
+    pub range_scale_deviation: f64,
+    /// How far the most moved pose is from where odometry has it (m).
+    pub most_moved_m: f64,
+    /// Whether the search ended by itself.
+    pub settled: bool,
+}
+
+#[cfg(feature = "config")]
+/// An estimated path in a summary.
+#[derive(serde::Serialize)]
+struct PathKeys<'a> {
+    poses: usize,
+    nodes: &'a [String],
+    known_nodes: usize,
+    length_m: f64,
+    most_moved_m: f64,
+    settled: bool,
+    frame: &'static str,
+    scale: f64,
+    scale_sd: f64,
+    drift_rad_per_m: f64,
+    drift_sd_rad_per_m: f64,
+    heading_rad_per_root_m: f64,
+    position_m_per_root_m: f64,
+    range_bias_m: f64,
+    range_scale: f64,
+    range_scale_sd: f64,
+}
+
+impl PathFit {
+    /// What fixes the frame of the path: `first-pose` or `known-nodes`.
+    #[must_use]
+    pub fn frame(&self) -> &'static str {
+        if self.known_nodes >= 2 { "known-nodes" } else { "first-pose" }
+    }
+
+    /// The same as an object of a summary.
+    #[cfg(feature = "config")]
+    #[must_use]
+    pub fn value(&self) -> serde_json::Value {
+        let keys = PathKeys {
+            poses: self.poses,
+            nodes: &self.nodes,
+            known_nodes: self.known_nodes,
+            length_m: self.length_m,
+            most_moved_m: self.most_moved_m,
+            settled: self.settled,
+            frame: self.frame(),
+            scale: self.scale,
+            scale_sd: self.scale_deviation,
+            drift_rad_per_m: self.drift_rad_per_m,
+            drift_sd_rad_per_m: self.drift_deviation_rad_per_m,
+            heading_rad_per_root_m: self.odometry.heading_rad_per_root_m,
+            position_m_per_root_m: self.odometry.position_m_per_root_m,
+            range_bias_m: self.range_bias_m,
+            range_scale: self.range_scale,
+            range_scale_sd: self.range_scale_deviation,
+        };
+        serde_json::to_value(&keys).expect("plain numbers and names")
+    }
+
+    /// Whether the ranges tell another scale than odometry has, so that one of both instruments is wrong.
+    #[must_use]
+    pub fn scales_differ(&self) -> bool {
+        self.range_scale.abs() > 0.02 && self.range_scale.abs() > 4.0 * self.range_scale_deviation
+    }
+}
+
+impl fmt::Display for PathFit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let frame = match self.frame() {
+            "known-nodes" => format!("the frame is that of {}", counted(self.known_nodes, "known node")),
+            _ => "the frame is that of the first pose".to_owned(),
+        };
+        write!(
+            f,
+            "the path is estimated with the places of {}: {} over {:.0} m, moved by at most {:.2} m; odometry is {:.2} ± {:.2} % too \
+             short and drifts by {:.4} ± {:.4} rad/m; {frame}",
+            counted(self.nodes.len(), "node"),
+            counted(self.poses, "pose"),
+            self.length_m,
+            self.most_moved_m,
+            100.0 * self.scale,
+            200.0 * self.scale_deviation,
+            self.drift_rad_per_m,
+            2.0 * self.drift_deviation_rad_per_m,
+        )?;
+        if self.scales_differ() {
+            write!(
+                f,
+                "; ranges are {:.1} % longer than odometry says: one of the two has a wrong scale, and a known distance tells which",
+                100.0 * self.range_scale
+            )?;
+        }
+        if !self.settled {
+            write!(f, "; warning: the search did not settle, so the path is not reliable")?;
+        }
+        Ok(())
+    }
+}
