@@ -71,7 +71,7 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
     };
     if path.name() == file_names::ODOMETRY {
         notes.push(format!(
-            "{} is taken as the path as it is, and odometry drifts: compare the map with known places",
+            "{} is the path, and odometry drifts: option `estimate_path` corrects it",
             file_names::ODOMETRY
         ));
     }

@@ -6,9 +6,12 @@ use sextant_kernel::{NodeId, RobotId, SimTime, Watch};
 
 use super::PathError;
 use super::climb::{Top, climb};
-use super::drive_problem::{AFTER_NODES, DrivePoint, DriveProblem, KnownPlace};
+use super::drive_problem::{
+    AFTER_NODES, DRIFT, DrivePoint, DriveProblem, KnownPlace, ODOMETRY_SCALE, after_nodes,
+};
 use super::keyframes::Keyframes;
-use super::report::PathFit;
+use super::odometry::Odometry;
+use super::report::{PathFit, PathRanges};
 use crate::comparators::lateration::{Range, refine};
 use crate::error::MapError;
 use crate::range_ml::error_law::{autocorrelation_time, centred, of_errors};
@@ -26,7 +29,7 @@ const BIAS_M: f64 = 3.0;
 const SCALE: f64 = 0.05;
 const NODE_BIAS_M: f64 = 0.1;
 /// How well the first pose is known: it is the frame of the map, unless nodes are known (m, rad).
-const FIRST: [f64; 2] = [1e-3, 1e-4];
+pub(super) const FIRST: [f64; 2] = [1e-3, 1e-4];
 const FIRST_BY_NODES: [f64; 2] = [300.0, 3.0];
 /// How well known places are known (m).
 const KNOWN_M: f64 = 0.02;
@@ -76,16 +79,8 @@ impl EstimatedPath {
     }
 }
 
-/// Estimates the path of the robots of `log` from what their ranges say: odometry is taken to be wrong by `odometry`. `known` are
-/// places of nodes, if some are known: two fix the frame. Without them the first pose is the frame.
-///
-/// Poses, places of nodes, biases, scales and drift are one problem, whose normal equations are eliminated along the chain of
-/// poses. It is climbed from the believed path under ever less noise of ranges. How much of the error of odometry is real is chosen by
-/// the marginal likelihood, so that a right path stays where it is.
-///
-/// # Errors
-/// If the log has too few ranges, or `watch` ends the work.
-pub fn estimate_path(
+/// Estimates the path from ranges: see [`super::estimate_path`].
+pub(super) fn by_ranges(
     log: &ReceptionLog,
     odometry: PathError,
     known: &[(NodeId, Position)],
@@ -97,8 +92,8 @@ pub fn estimate_path(
         what: "measured ranges to two nodes or more",
         remedy: "they stand in `ranges.csv` beside the path, each with its time",
     };
-    let by_ranges = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
-    let (map, _) = by_ranges.map(log, watch)?;
+    let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
+    let (map, _) = estimator.map(log, watch)?;
     let mut nodes = vec![None; log.node_count()];
     let (mut starts, mut places) = (Vec::new(), Vec::<KnownPlace>::new());
     let mut ids = Vec::new();
@@ -122,17 +117,21 @@ pub fn estimate_path(
     let firsts = keyframes.firsts();
     let is_fixed_by_nodes = places.iter().flatten().count() >= 2;
     let problem = DriveProblem {
-        legs: &keyframes.legs,
+        odometry: Odometry {
+            legs: &keyframes.legs,
+            error: odometry,
+            firsts: &firsts,
+            first_deviation: if is_fixed_by_nodes { FIRST_BY_NODES } else { FIRST },
+            scale: after_nodes(places.len(), ODOMETRY_SCALE),
+            drift: after_nodes(places.len(), DRIFT),
+        },
         ranges: &keyframes.ranges,
         known: &places,
-        odometry,
         law: RangeErrorLaw::of([0.0; 4]),
         worth: 1.0,
         node_bias_m: NODE_BIAS_M,
         bias_m: BIAS_M,
         scale: SCALE,
-        firsts: &firsts,
-        first_deviation: if is_fixed_by_nodes { FIRST_BY_NODES } else { FIRST },
     };
     // Two starts: the places that suit the believed path best by the law of ranges, and those of plain least squares.
     let plain: Vec<Position> = (0..starts.len()).map(|node| least_squares(&keyframes, node, starts[node])).collect();
@@ -210,10 +209,11 @@ fn chosen<'a>(
 ) -> Result<(DriveProblem<'a>, Top<DrivePoint>), MapError> {
     let mut best: Option<(f64, DriveProblem<'a>, Top<DrivePoint>)> = None;
     for factor in FACTORS {
-        let tried = DriveProblem { odometry: odometry.times(factor), ..problem.clone() };
+        let prior = Odometry { error: odometry.times(factor), ..problem.odometry };
+        let tried = DriveProblem { odometry: prior, ..problem.clone() };
         let top = climb(&tried, start.point.clone(), STEPS, LEAST_GAIN, watch)?;
         let Some(curvature) = &top.curvature else { continue };
-        let log_evidence = top.value + tried.log_widths() - 0.5 * curvature.log_determinant;
+        let log_evidence = top.value + tried.odometry.log_widths() - 0.5 * curvature.log_determinant;
         if best.as_ref().is_none_or(|(best, ..)| log_evidence > *best) {
             best = Some((log_evidence, tried, top));
         }
@@ -256,29 +256,15 @@ fn estimated(
         nodes: ids.iter().map(|node| log.names()[node.index()].clone()).collect(),
         known_nodes: problem.known.iter().flatten().count(),
         length_m,
-        odometry: problem.odometry,
+        odometry: problem.odometry.error,
         scale: border[after + 2],
         scale_deviation: deviation(2),
         drift_rad_per_m: border[after + 3],
         drift_deviation_rad_per_m: deviation(3),
-        range_bias_m: border[after],
-        range_scale: border[after + 1],
-        range_scale_deviation: deviation(1),
+        ranges: Some(PathRanges { bias_m: border[after], scale: border[after + 1], scale_deviation: deviation(1) }),
         most_moved_m: moved.fold(0.0, f64::max),
+        held_out: None,
         settled: top.settled && covariances.is_some(),
     };
     EstimatedPath { poses, fit }
-}
-
-impl DriveProblem<'_> {
-    /// What the widths of the priors add to the logarithm of the marginal likelihood.
-    fn log_widths(&self) -> f64 {
-        let of_legs: f64 = (self.legs.iter().filter(|leg| !leg.is_jump))
-            .map(|leg| {
-                let [along, turning] = self.variances(leg);
-                -libm::log(along) - 0.5 * libm::log(turning)
-            })
-            .sum();
-        of_legs - libm::log(self.odometry.drift_rad_per_m.max(1e-9))
-    }
 }

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use sextant_channel::{Position, RangeSample, ReceptionLog};
 use sextant_kernel::{RobotId, SimTime};
 
-use super::drive_problem::{Leg, PoseRange};
+use super::drive_problem::PoseRange;
+use super::odometry::{Leg, legs};
 use crate::range_ml::groups::median;
 
 /// Poses are at least that far apart (m).
@@ -50,17 +51,9 @@ impl Keyframes {
             }
         }
         found.close(&mut open, heights_m);
-        let mut before: Option<[f64; 2]> = None;
-        for pair in found.frames.windows(2) {
-            let apart = pair[1].position - pair[0].position;
-            let by = [apart.x_m, apart.y_m];
-            let turn_rad = before.map_or(0.0, |before| {
-                libm::atan2(before[0] * by[1] - before[1] * by[0], before[0] * by[0] + before[1] * by[1])
-            });
-            let is_jump = pair[0].robot != pair[1].robot;
-            before = (!is_jump).then_some(by);
-            found.legs.push(Leg { by, length_m: libm::hypot(by[0], by[1]), turn_rad, is_jump });
-        }
+        let place = |frame: &Keyframe| [frame.position.x_m, frame.position.y_m];
+        let is_first = |at: usize| at > 0 && found.frames[at].robot != found.frames[at - 1].robot;
+        found.legs = legs(found.frames.iter().enumerate().map(|(at, frame)| (place(frame), is_first(at))));
         found
     }
 

@@ -4,15 +4,21 @@ mod chain;
 mod climb;
 mod drive;
 mod drive_problem;
+mod held_out;
 mod keyframes;
+mod odometry;
+mod packet_path;
+mod packet_problem;
+mod reception_curve;
 mod report;
 mod track;
 mod track_problem;
 
 use std::str::FromStr;
 
-pub use drive::{EstimatedPath, PathPose, estimate_path};
-pub use report::PathFit;
+pub use drive::{EstimatedPath, PathPose};
+pub use held_out::{HeldOut, estimate_path};
+pub use report::{PathFit, PathRanges};
 pub use track::{TagRange, Track, TrackFit, TrackPose, TrackSettings, track};
 
 /// How wrong odometry is: standard deviations.
@@ -36,10 +42,10 @@ impl Default for PathError {
 }
 
 impl PathError {
-    /// The same with all but the scale multiplied.
+    /// The same, multiplied.
     fn times(self, factor: f64) -> Self {
         Self {
-            scale: self.scale,
+            scale: self.scale * factor,
             drift_rad_per_m: self.drift_rad_per_m * factor,
             heading_rad_per_root_m: self.heading_rad_per_root_m * factor,
             position_m_per_root_m: self.position_m_per_root_m * factor,

@@ -5,6 +5,7 @@ use std::fmt;
 use sextant_kernel::text::counted;
 
 use super::PathError;
+use super::held_out::HeldOut;
 
 /// What was learned of odometry and ranges with a path.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,16 +28,26 @@ pub struct PathFit {
     pub drift_rad_per_m: f64,
     /// Its standard deviation (rad/m).
     pub drift_deviation_rad_per_m: f64,
-    /// By how much all ranges are too long (m).
-    pub range_bias_m: f64,
-    /// The share by which all ranges are too long.
-    pub range_scale: f64,
-    /// Its standard deviation.
-    pub range_scale_deviation: f64,
+    /// What was learned of ranges, if the path was estimated by them, and not by packets.
+    pub ranges: Option<PathRanges>,
     /// How far the most moved pose is from where odometry has it (m).
     pub most_moved_m: f64,
+    /// What nodes that were left out gain by it; `None` if there were too few nodes to leave some out. The path is moved only if the
+    /// gain is clear.
+    pub held_out: Option<HeldOut>,
     /// Whether the search ended by itself.
     pub settled: bool,
+}
+
+/// What was learned of ranges with a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathRanges {
+    /// By how much all ranges are too long (m).
+    pub bias_m: f64,
+    /// The share by which all ranges are too long.
+    pub scale: f64,
+    /// Its standard deviation.
+    pub scale_deviation: f64,
 }
 
 #[cfg(feature = "config")]
@@ -56,9 +67,18 @@ struct PathKeys<'a> {
     drift_sd_rad_per_m: f64,
     heading_rad_per_root_m: f64,
     position_m_per_root_m: f64,
-    range_bias_m: f64,
-    range_scale: f64,
-    range_scale_sd: f64,
+    evidence: &'static str,
+    moved: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    held_out_gain: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    held_out_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range_bias_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range_scale: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range_scale_sd: Option<f64>,
 }
 
 impl PathFit {
@@ -66,6 +86,12 @@ impl PathFit {
     #[must_use]
     pub fn frame(&self) -> &'static str {
         if self.known_nodes >= 2 { "known-nodes" } else { "first-pose" }
+    }
+
+    /// Whether the path was moved: nodes that were left out gain by it, or there were too few of them to tell.
+    #[must_use]
+    pub fn is_moved(&self) -> bool {
+        self.held_out.is_none_or(|held_out| held_out.is_clear())
     }
 
     /// The same as an object of a summary.
@@ -86,9 +112,13 @@ impl PathFit {
             drift_sd_rad_per_m: self.drift_deviation_rad_per_m,
             heading_rad_per_root_m: self.odometry.heading_rad_per_root_m,
             position_m_per_root_m: self.odometry.position_m_per_root_m,
-            range_bias_m: self.range_bias_m,
-            range_scale: self.range_scale,
-            range_scale_sd: self.range_scale_deviation,
+            moved: self.is_moved(),
+            held_out_gain: self.held_out.map(|held_out| held_out.gain),
+            held_out_error: self.held_out.map(|held_out| held_out.error),
+            evidence: if self.ranges.is_some() { "ranges" } else { "packets" },
+            range_bias_m: self.ranges.map(|ranges| ranges.bias_m),
+            range_scale: self.ranges.map(|ranges| ranges.scale),
+            range_scale_sd: self.ranges.map(|ranges| ranges.scale_deviation),
         };
         serde_json::to_value(&keys).expect("plain numbers and names")
     }
@@ -96,20 +126,32 @@ impl PathFit {
     /// Whether the ranges tell another scale than odometry has, so that one of both instruments is wrong.
     #[must_use]
     pub fn scales_differ(&self) -> bool {
-        self.range_scale.abs() > 0.02 && self.range_scale.abs() > 4.0 * self.range_scale_deviation
+        self.ranges.is_some_and(|ranges| {
+            ranges.scale.abs() > 0.02 && ranges.scale.abs() > 4.0 * ranges.scale_deviation
+        })
     }
 }
 
 impl fmt::Display for PathFit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let by = if self.ranges.is_some() { "ranges" } else { "packets" };
+        if let Some(HeldOut { gain, error }) = self.held_out.filter(|_| !self.is_moved()) {
+            return write!(
+                f,
+                "the path stays as it is: on one that is estimated by {by}, what was found of nodes that were left out is not clearly more \
+                 probable (gain {gain:.1} ± {:.1} nats)",
+                2.0 * error
+            );
+        }
         let frame = match self.frame() {
             "known-nodes" => format!("the frame is that of {}", counted(self.known_nodes, "known node")),
             _ => "the frame is that of the first pose".to_owned(),
         };
         write!(
             f,
-            "the path is estimated with the places of {}: {} over {:.0} m, moved by at most {:.2} m; odometry is {:.2} ± {:.2} % too \
+            "the path is estimated by {} with the places of {}: {} over {:.0} m, moved by at most {:.2} m; odometry is {:.2} ± {:.2} % too \
              short and drifts by {:.4} ± {:.4} rad/m; {frame}",
+            by,
             counted(self.nodes.len(), "node"),
             counted(self.poses, "pose"),
             self.length_m,
@@ -119,11 +161,11 @@ impl fmt::Display for PathFit {
             self.drift_rad_per_m,
             2.0 * self.drift_deviation_rad_per_m,
         )?;
-        if self.scales_differ() {
+        if let Some(ranges) = self.ranges.filter(|_| self.scales_differ()) {
             write!(
                 f,
                 "; ranges are {:.1} % longer than odometry says: one of the two has a wrong scale, and a known distance tells which",
-                100.0 * self.range_scale
+                100.0 * ranges.scale
             )?;
         }
         if !self.settled {

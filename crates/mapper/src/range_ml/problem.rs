@@ -142,6 +142,16 @@ impl Problem<'_> {
         -0.5 * (shared - self.prior.mean).component_div(&self.prior.deviation).norm_squared()
     }
 
+    /// The mean logarithm of the density of the errors of all groups (per m).
+    pub(super) fn mean_log_density(&self, point: &Point) -> f64 {
+        let law = point.errors();
+        let of_node = |(number, node): (usize, &NodeState)| -> f64 {
+            let error_m = |group: &RangeGroup| Residual::of(group, node, &point.shared).error_m;
+            self.groups.of_node(number).iter().map(|group| law.density(error_m(group)).log_density).sum()
+        };
+        point.nodes.iter().enumerate().map(of_node).sum::<f64>() / self.groups.len() as f64
+    }
+
     /// The logarithm of the posterior of one node given the rest.
     pub(super) fn node_value(&self, number: usize, node: &NodeState, shared: &Shared) -> f64 {
         let law = errors(shared);

@@ -33,6 +33,8 @@ pub struct RangeFit {
     pub node_bias_m: f64,
     /// The law of the errors that are left.
     pub errors: RangeErrorLaw,
+    /// Mean logarithm of the density of the errors of groups (per m).
+    pub log_density: f64,
     /// How many independent ranges a group is worth.
     pub worth: f64,
     /// Standard deviation of the mean errors over directions from a node (m).

@@ -183,6 +183,7 @@ impl Search<'_> {
             delay_deviation_s: deviations[2],
             node_bias_m: trials.iter().map(|trial| trial.weight * trial.node_bias_m).sum(),
             errors: law,
+            log_density: self.problem.mean_log_density(point),
             worth: self.problem.worth,
             by_direction_m: by_direction.sqrt(),
             settled,

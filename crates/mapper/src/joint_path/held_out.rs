@@ -1,0 +1,133 @@
+//! Whether a corrected path explains nodes that it was not corrected by: real drift moves all nodes, what walls and bodies do to
+//! single links does not.
+
+use sextant_channel::{Position, RangeSample, ReceptionLog};
+use sextant_kernel::{NodeId, Watch};
+
+use super::PathError;
+use super::drive::{EstimatedPath, by_ranges};
+use super::packet_path::{PacketNodes, by_packets};
+use crate::error::MapError;
+use crate::range_ml::{RangeMl, RangeMlConfig};
+
+/// What the nodes that were left out gain by a corrected path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldOut {
+    /// Logarithm of how much more probable what was heard of them, or measured to them, is on the corrected path than on the
+    /// believed one.
+    pub gain: f64,
+    /// Its standard error over nodes.
+    pub error: f64,
+}
+
+/// A gain below this one is none (nats).
+const LEAST_GAIN: f64 = 5.0;
+
+impl HeldOut {
+    /// Whether the path is better by more than chance.
+    #[must_use]
+    pub fn is_clear(&self) -> bool {
+        self.gain > LEAST_GAIN && self.gain > 2.0 * self.error
+    }
+
+    fn of(gains: &[f64]) -> Self {
+        let gain: f64 = gains.iter().sum();
+        let mean = gain / gains.len().max(1) as f64;
+        let error = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>().sqrt();
+        Self { gain, error }
+    }
+}
+
+/// Estimates the path of the robots of `log` from their ranges or, without any, from what packets they heard where: odometry is taken
+/// to be wrong by `odometry`. `known` are places of nodes, if some are known: with ranges, two fix the frame. Without them the first
+/// pose is the frame.
+///
+/// Poses, places of nodes, biases, scales and drift are one problem, whose normal equations are eliminated along the chain of
+/// poses. Ranges: it is climbed from the believed path under ever less noise. Packets: the places of nodes are integrated over grids,
+/// and the share of packets that arrive over a distance is estimated again after each climb. How much of the error of odometry is
+/// real is chosen by the marginal likelihood. At last the path is estimated by each half of the nodes. Only if what was heard of the
+/// other half is clearly more probable on it than on the believed path, the path is moved: see [`PathFit::held_out`](super::PathFit).
+///
+/// # Errors
+/// If the log has too few ranges or nodes, or `watch` ends the work.
+pub fn estimate_path(
+    log: &ReceptionLog,
+    odometry: PathError,
+    known: &[(NodeId, Position)],
+    watch: &dyn Watch,
+) -> Result<EstimatedPath, MapError> {
+    if log.ranges().is_empty() {
+        let nodes = PacketNodes::of(log)?;
+        let whole = by_packets(log, &nodes, odometry, watch)?;
+        let halves = nodes.halves();
+        let mut gains = Vec::new();
+        for (own, other) in [(&halves[0], &halves[1]), (&halves[1], &halves[0])] {
+            if own.len() < PacketNodes::LEAST || other.len() == 0 {
+                continue;
+            }
+            let path = by_packets(log, own, odometry, watch)?;
+            let corrected = other.evidences(log, Some(&path), watch)?;
+            let believed = other.evidences(log, None, watch)?;
+            gains.extend(corrected.into_iter().zip(believed).map(|(corrected, believed)| corrected - believed));
+        }
+        return Ok(whole.held_to(&gains));
+    }
+    let whole = by_ranges(log, odometry, known, watch)?;
+    let nodes = whole.nodes(log);
+    let half = |parity: usize, node: NodeId| {
+        let number = nodes.iter().position(|other| *other == node);
+        known.iter().any(|(known, _)| *known == node) || number.is_some_and(|number| number % 2 == parity)
+    };
+    let mut gains = Vec::new();
+    for parity in [0, 1] {
+        let own = with_ranges_of(log, |node| half(parity, node));
+        if let Ok(path) = by_ranges(&own, odometry, known, watch) {
+            let other = with_ranges_of(log, |node| half(1 - parity, node) && !known.iter().any(|(known, _)| *known == node));
+            gains.extend(range_gain(&other, &path, watch)?);
+        }
+        watch.check()?;
+    }
+    Ok(whole.held_to(&gains))
+}
+
+/// The same log with the ranges to some nodes alone.
+fn with_ranges_of(log: &ReceptionLog, holds: impl Fn(NodeId) -> bool) -> ReceptionLog {
+    let ranges: Vec<RangeSample> = log.ranges().iter().filter(|range| holds(range.node)).copied().collect();
+    log.clone().with_ranges(ranges).unwrap_or_else(|error| unreachable!("a part of the ranges of a log: {error}"))
+}
+
+/// How much more probable the ranges of `log` are on `path` than on the believed one, with places and laws that suit each best;
+/// `None` if they place no node.
+fn range_gain(log: &ReceptionLog, path: &EstimatedPath, watch: &dyn Watch) -> Result<Option<f64>, MapError> {
+    let by_ranges = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
+    let (_, believed) = by_ranges.map(log, watch)?;
+    let (_, corrected) = by_ranges.map(&path.log(log), watch)?;
+    let (Some(believed), Some(corrected)) = (believed, corrected) else { return Ok(None) };
+    let groups = believed.groups.min(corrected.groups) as f64;
+    Ok(Some(groups * believed.worth.min(corrected.worth) * (corrected.log_density - believed.log_density)))
+}
+
+impl EstimatedPath {
+    /// The path, if nodes that were left out gain so much by it, and the believed one otherwise. Without gains it is the path, which
+    /// nothing has checked.
+    fn held_to(mut self, gains: &[f64]) -> Self {
+        if gains.is_empty() {
+            return self;
+        }
+        let held_out = HeldOut::of(gains);
+        self.fit.held_out = Some(held_out);
+        if !held_out.is_clear() {
+            self.fit.most_moved_m = 0.0;
+            for pose in &mut self.poses {
+                (pose.position, pose.turn_rad) = (pose.believed, 0.0);
+            }
+        }
+        self
+    }
+
+    /// The nodes that were placed with the path.
+    fn nodes(&self, log: &ReceptionLog) -> Vec<NodeId> {
+        let number = |name: &String| log.names().iter().position(|other| other == name);
+        self.fit.nodes.iter().filter_map(number).map(NodeId::from_index).collect()
+    }
+}
