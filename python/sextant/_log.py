@@ -28,6 +28,9 @@ class Log:
         packets, with a path: ``t_s``, ``node``, ``rssi_dbm``.
     contacts : table, optional
         Where it met obstacles: ``t_s``, ``x_m``, ``y_m``.
+    ranges : table, optional
+        Distances to nodes that it measured: ``node``, ``range_m`` (or ``range_cm``, ``range_mm``), and ``stop``, or ``t_s`` with a path.
+        With ranges, `receptions` may be None.
     **options
         As the flags of ``sextant map``, with ``_`` for ``-``: ``stop_every="1m"``, ``lora=True``.
 
@@ -45,8 +48,10 @@ class Log:
 
     __slots__ = ("_like", "_native")
 
-    def __init__(self, stops: Any, receptions: Any, *, contacts: Any = None, **options: Any) -> None:
-        self._native = _native.log_of_tables(stops, receptions, contacts, options)
+    def __init__(
+        self, stops: Any, receptions: Any = None, *, contacts: Any = None, ranges: Any = None, **options: Any
+    ) -> None:
+        self._native = _native.log_of_tables(stops, receptions, contacts, ranges, options)
         self._like: Like = stops
 
     @classmethod
@@ -199,10 +204,11 @@ def read(path: str | os.PathLike[str], *, network: str | None = None, **options:
 
 def map_log(
     stops: Any,
-    receptions: Any,
+    receptions: Any = None,
     *,
     algorithm: str = "auto",
     contacts: Any = None,
+    ranges: Any = None,
     profile: str | None = None,
     area: str | tuple[float, float, float, float] | None = None,
     near_stops: float | None = None,
@@ -214,7 +220,7 @@ def map_log(
 ) -> Map:
     """Work out where the nodes are, from your own tables.
 
-    It is ``Log(stops, receptions, contacts=contacts, **options).map(algorithm, ..)``: see :class:`Log` and :meth:`Log.map` for the
+    It is ``Log(stops, receptions, contacts=contacts, ranges=ranges, **options).map(algorithm, ..)``: see :class:`Log` and :meth:`Log.map` for the
     parameters. The same log gives the same map as ``sextant map``, to the last bit.
 
     Returns
@@ -233,7 +239,7 @@ def map_log(
     >>> places["node"]
     ['lamp']
     """
-    log = Log(stops, receptions, contacts=contacts, **options)
+    log = Log(stops, receptions, contacts=contacts, ranges=ranges, **options)
     return log.map(
         algorithm,
         profile=profile,

@@ -191,13 +191,20 @@ pub(crate) fn read(
 pub(crate) fn log_of_tables(
     py: Python<'_>,
     places: &Bound<'_, PyAny>,
-    heard: &Bound<'_, PyAny>,
+    heard: Option<&Bound<'_, PyAny>>,
     contacts: Option<&Bound<'_, PyAny>>,
+    ranges: Option<&Bound<'_, PyAny>>,
     options: &Bound<'_, PyDict>,
 ) -> PyResult<Log> {
     let options: ReadOptions = read_options(options)?;
     let contacts = contacts.map(batch_of).transpose()?;
-    let given = Given { places: batch_of(places)?, heard: batch_of(heard)?, contacts };
+    let [heard, ranges] = [heard, ranges].map(|table| table.map(batch_of).transpose());
+    let (heard, ranges) = (heard?, ranges?);
+    if heard.is_none() && ranges.is_none() {
+        let problem = "a log has receptions (or packets), or `ranges` that were measured, and this one has neither";
+        return Err(PyTypeError::new_err(problem));
+    }
+    let given = Given { places: batch_of(places)?, heard, ranges, contacts };
     let read = supervised(py, None, None, |_| table_log::read(&given, &options))?;
     let mut read = read.or_exception(py)?;
     let seen = std::mem::take(&mut read.findings);

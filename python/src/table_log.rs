@@ -19,7 +19,8 @@ use crate::given::{coded, numbers_of, whole_of};
 /// The tables of a log.
 pub(crate) struct Given {
     pub(crate) places: RecordBatch,
-    pub(crate) heard: RecordBatch,
+    pub(crate) heard: Option<RecordBatch>,
+    pub(crate) ranges: Option<RecordBatch>,
     pub(crate) contacts: Option<RecordBatch>,
 }
 
@@ -28,8 +29,10 @@ pub(crate) fn read(given: &Given, options: &ReadOptions) -> Result<RobotLog, Rob
     let with_stops = given.places.column_by_name("stop").is_some();
     let (places, heard) = if with_stops { ("stops", "receptions") } else { ("path", "packets") };
     let contacts = given.contacts.as_ref().map(|contacts| memory_table("contacts", contacts)).transpose()?;
-    let log = MemoryLog::new(memory_table(places, &given.places)?, memory_table(heard, &given.heard)?);
-    gather_tables(&MemoryLog { contacts, ..log }, options)
+    let ranges = given.ranges.as_ref().map(|ranges| memory_table("ranges", ranges)).transpose()?;
+    let heard = given.heard.as_ref().map(|batch| memory_table(heard, batch)).transpose()?;
+    let places = memory_table(places, &given.places)?;
+    gather_tables(&MemoryLog { places, heard, ranges, contacts, sectors: None, sector_snrs: None }, options)
 }
 
 /// The true places of nodes.

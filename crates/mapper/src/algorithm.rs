@@ -12,6 +12,7 @@ use crate::comparators::{
 };
 use crate::estimator::{AnyLog, EstimatorSettings, Mapper, ProfileSetting, ReceiverSetting};
 use crate::grid_ml::{JointConfig, MlTmConfig, MmTm};
+use crate::joint_path::{PathErrorConfig, PathUse};
 use crate::link_model::LinkModelConfig;
 use crate::range_ml::RangeMlConfig;
 use crate::ranging::RangingConfig;
@@ -37,8 +38,19 @@ pub struct MapConfig {
     /// frames are known keep them. If absent, all robots are taken to have one frame.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub stitch: Option<StitchConfig>,
+    /// On which path of the robots: as they believe it to be, or estimated with the places of nodes.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_believed"))]
+    pub path: PathUse,
+    /// How wrong the odometry of the robots may be, for an estimated path.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub path_error: Option<PathErrorConfig>,
     /// How the map is computed.
     pub algorithm: AlgorithmConfig,
+}
+
+#[cfg(feature = "config")]
+fn is_believed(path: &PathUse) -> bool {
+    *path == PathUse::Believed
 }
 
 /// Declares the settings of all estimators as one type, and finds for each what it can do.

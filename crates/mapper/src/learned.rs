@@ -9,6 +9,7 @@ use sextant_kernel::text::counted;
 
 use crate::absorption::AbsorptionMap;
 use crate::comparable::Comparable;
+use crate::joint_path::PathFit;
 use crate::range_ml::RangeFit;
 use crate::survey_frame::SurveyFrame;
 use crate::topology_map::TopologyMap;
@@ -72,19 +73,27 @@ pub struct EstimatorFindings {
     of: Arc<dyn Finding>,
     /// The law of measured ranges, if some nodes were placed by them and others by other evidence.
     ranges: Option<RangeFit>,
+    /// The path that was estimated with the map.
+    path: Option<PathFit>,
 }
 
 impl EstimatorFindings {
     /// `finding` was learned.
     #[must_use]
     pub fn new(finding: impl Finding) -> Self {
-        Self { of: Arc::new(finding), ranges: None }
+        Self { of: Arc::new(finding), ranges: None, path: None }
     }
 
     /// The same, and the law of the ranges by which some nodes were placed.
     #[must_use]
     pub(crate) fn with_ranges(self, ranges: RangeFit) -> Self {
         Self { ranges: Some(ranges), ..self }
+    }
+
+    /// The same, and the path that was estimated with the map.
+    #[must_use]
+    pub(crate) fn with_path(self, path: PathFit) -> Self {
+        Self { path: Some(path), ..self }
     }
 
     /// The law of measured ranges, if nodes were placed by them.
@@ -99,6 +108,7 @@ impl EstimatorFindings {
     pub fn keys(&self, map: &TopologyMap) -> serde_json::Map<String, serde_json::Value> {
         let mut keys = self.of.keys(map);
         keys.extend(self.ranges.iter().flat_map(|ranges| ranges.keys(map)));
+        keys.extend(self.path.iter().flat_map(|path| path.keys(map)));
         keys
     }
 
@@ -107,6 +117,7 @@ impl EstimatorFindings {
     pub fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
         let mut lines = self.of.lines(name, map);
         lines.extend(self.ranges.iter().flat_map(|ranges| ranges.lines(name, map)));
+        lines.extend(self.path.iter().flat_map(|path| path.lines(name, map)));
         lines
     }
 
@@ -120,7 +131,7 @@ impl EstimatorFindings {
 
 impl PartialEq for EstimatorFindings {
     fn eq(&self, other: &Self) -> bool {
-        (*self.of).is_same(&*other.of) && self.ranges == other.ranges
+        (*self.of).is_same(&*other.of) && self.ranges == other.ranges && self.path == other.path
     }
 }
 

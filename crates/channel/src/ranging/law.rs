@@ -149,8 +149,9 @@ mod tests {
         for law in LAWS.map(RangeErrorLaw::of) {
             let step = 1e-3;
             // Cauchy's law beyond 2 km has 1 − 2/π·arctan(200) of its mass.
-            let sum: f64 =
-                (-2_000_000..2_000_000).map(|i| step * exp(law.density(step * (f64::from(i) + 0.5)).log_density)).sum();
+            let sum: f64 = (-2_000_000..2_000_000)
+                .map(|i| step * exp(law.density(step * (f64::from(i) + 0.5)).log_density))
+                .sum();
             let beyond = law.shares().wild * (1.0 - 2.0 / PI * (2000.0 / RangeErrorLaw::WILD_M).atan());
             assert!((sum + beyond - 1.0).abs() < 1e-7, "{sum}");
         }
@@ -164,7 +165,10 @@ mod tests {
                 let found = RangeErrorLaw::of(parameters).density(error_m);
                 let step = 1e-5;
                 let by_error = (value(parameters, error_m + step) - value(parameters, error_m - step)) / (2.0 * step);
-                assert!((found.by_error - by_error).abs() < 1e-5 * (1.0 + by_error.abs()), "{parameters:?}, {error_m}");
+                assert!(
+                    (found.by_error - by_error).abs() < 1e-5 * (1.0 + by_error.abs()),
+                    "{parameters:?}, {error_m}"
+                );
                 for (which, by_law) in found.by_law.into_iter().enumerate() {
                     let (mut more, mut less) = (parameters, parameters);
                     more[which] += step;

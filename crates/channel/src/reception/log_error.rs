@@ -115,7 +115,9 @@ pub enum LogError {
         snr_db: f64,
     },
     /// A range, or the place where it was measured, that is not a number.
-    #[error("a range to node `{node}` is {range_m} m, or its place is not finite; allowed: finite numbers, at most 10⁷ m")]
+    #[error(
+        "a range to node `{node}` is {range_m} m, or its place is not finite; allowed: finite numbers, at most 10⁷ m"
+    )]
     RangeNotFinite {
         /// Name of the node.
         node: String,

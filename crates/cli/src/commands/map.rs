@@ -9,8 +9,8 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::options::{Format, Overrides, PictureFormat, Results, Work};
-use super::path_flags::PathFlags;
 use super::outputs::{Replacing, admit, keep_logs, reads_given};
+use super::path_flags::PathFlags;
 use super::reading::Reading;
 use super::slurm_flags::{Scheduler, SlurmFlags, own_program};
 use super::track;
@@ -154,7 +154,11 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     }
     arguments.results.among(&mut outputs);
     outputs.keep_inputs()?;
-    let named = [("--out", arguments.out.as_deref()), ("--summary", arguments.results.summary.as_deref())];
+    let named = [
+        ("--out", arguments.out.as_deref()),
+        ("--path-out", arguments.path.path_out.as_deref()),
+        ("--summary", arguments.results.summary.as_deref()),
+    ];
     // A file that is there may be an input, which is told later, with what it is.
     let new = named.into_iter().filter_map(|(flag, path)| Some((flag, path.filter(|path| !path.exists())?)));
     keep_logs(Some(&arguments.log), new)?;
@@ -199,7 +203,8 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     arguments.results.among(&mut outputs);
     admit(&outputs, Some(arguments.work))?;
     let summary = arguments.results.summary.as_deref().map(|summary| ("--summary", summary));
-    keep_logs(Some(&arguments.log), maps.iter().map(|map| ("--out", map.as_path())).chain(summary))?;
+    let path = arguments.path.path_out.as_deref().map(|path| ("--path-out", path));
+    keep_logs(Some(&arguments.log), maps.iter().map(|map| ("--out", map.as_path())).chain(summary).chain(path))?;
     if let Some(name) = network
         && input.logs.names().next().is_none()
         && settings.maps.iter().all(|map| map.network.is_none())

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::map::Arguments;
-use super::outputs::admit;
+use super::outputs::{admit, keep_logs};
 use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
@@ -20,6 +20,8 @@ pub(super) fn execute(arguments: &Arguments, known: &Path, interrupt: &Interrupt
         outputs.writes("--out", out, OutputKind::Path);
     }
     arguments.results.among(&mut outputs);
+    let named = [("--out", arguments.out.as_deref()), ("--summary", arguments.results.summary.as_deref())];
+    keep_logs(Some(&arguments.log), named.into_iter().filter_map(|(flag, path)| Some((flag, path?))))?;
     admit(&outputs, Some(arguments.work))?;
     let options = arguments.reading.options();
     let mut notes = Vec::new();
@@ -27,7 +29,10 @@ pub(super) fn execute(arguments: &Arguments, known: &Path, interrupt: &Interrupt
     let height_m = arguments.path.antenna_height;
     if let Some(height_m) = height_m.filter(|height_m| !height_m.is_finite()) {
         let problem = format!("`--antenna-height` is {height_m}; allowed: a finite number of metres");
-        return Err(Failure::bad_input_with_help(problem, "leave it out, and it is estimated where receivers have heights"));
+        return Err(Failure::bad_input_with_help(
+            problem,
+            "leave it out, and it is estimated where receivers have heights",
+        ));
     }
     let job = TrackJob {
         log: &arguments.log,

@@ -46,6 +46,7 @@ mod pcap;
 mod place_prior;
 mod program;
 mod purposes;
+mod ranges;
 mod recording;
 mod repairs;
 mod report;

@@ -203,25 +203,21 @@ fn ranges_are_not_taken_for_packets() {
         ("ranges.csv", "t_s,node,range_m\n1,5,65.4\n2,5,66.1\n"),
         ("nodes.csv", "node,x_m,y_m\n5,1,1\n"),
     ];
-    let drive = folder(&files);
-    let (code, _, stderr) = run(&["map", &drive.path().display().to_string()]);
-    assert_eq!(code, 2, "{stderr}");
-    assert!(
-        stderr.contains("`ranges.csv` has ranges, and no packets") && stderr.contains("`--packets ranges.csv`"),
-        "{stderr}"
-    );
-    // By its columns, whatever its name is.
-    let named = folder(&[files[0], ("uwb.csv", files[1].1)]);
-    let (code, _, stderr) = run(&["map", &named.path().display().to_string()]);
-    assert!(code == 2 && stderr.contains("`uwb.csv` has ranges"), "{stderr}");
-    // Who says that each row is a packet is believed, and a log with packets is read without the ranges.
-    let ranges = drive.path().join("ranges.csv").display().to_string();
-    let (code, _, stderr) = run(&["inspect", &drive.path().display().to_string(), "--packets", &ranges]);
-    assert_eq!(code, 0, "{stderr}");
+    // By its name, or by its columns, whatever its name is.
+    for folder in [folder(&files), folder(&[files[0], ("uwb.csv", files[1].1)])] {
+        let (code, stdout, stderr) = run(&["inspect", &folder.path().display().to_string()]);
+        assert_eq!(code, 0, "{stderr}");
+        assert!(stdout.contains("2 ranges to 1 node"), "{stdout}");
+    }
+    // Ranges alone are no log: they need places.
+    let lonely = folder(&[files[1]]);
+    let (code, _, stderr) = run(&["map", &lonely.path().display().to_string()]);
+    assert!(code == 2 && stderr.contains("path=FILE") || stderr.contains("--path"), "{stderr}");
+    // A log with packets has both.
     let whole = folder(&[files[0], files[1], ("packets.csv", "t_s,node,rssi_dbm\n1,lamp,-50\n5,lamp,-60\n")]);
     let (code, stdout, stderr) = run(&["inspect", &whole.path().display().to_string()]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stdout.contains("`ranges.csv` is not read"), "{stdout}");
+    assert!(stdout.contains("2 ranges to 1 node") && stdout.contains("2 named, 1 heard"), "{stdout}");
 }
 
 #[test]

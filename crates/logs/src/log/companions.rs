@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use sextant_channel::{Contact, ReceptionLog, SectorReport, SectorTable};
 use sextant_recording::RobotNames;
 
-use super::layout;
 use super::file_names::{ANTENNA, CONTACTS, SECTOR_SNRS, SECTORS};
+use super::layout;
 use crate::csv::table_source::TableSource;
 use crate::csv::written::Written;
 use crate::error::log_part::{LogPart, RowAddress};
@@ -124,8 +124,9 @@ impl Companions<'_> {
         known: &[String],
         notes: &mut Vec<String>,
     ) -> Result<Option<ReadRanges>, RobotLogError> {
-        let read =
-            |ranges: &TableSource<'_>| range_table::read(ranges.clone(), &Written::of_ranges(form), whereabouts, known, notes);
+        let read = |ranges: &TableSource<'_>| {
+            range_table::read(ranges.clone(), &Written::of_ranges(form), whereabouts, known, notes)
+        };
         self.ranges.as_ref().map(read).transpose()
     }
 

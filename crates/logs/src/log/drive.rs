@@ -100,7 +100,7 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
 /// Reads the log of a path and packets in tables.
 pub(crate) fn read_tables(
     path: TableSource<'_>,
-    packets: TableSource<'_>,
+    packets: Option<TableSource<'_>>,
     companions: &Companions<'_>,
     options: &ReadOptions,
 ) -> Result<RobotLog, RobotLogError> {
@@ -109,6 +109,7 @@ pub(crate) fn read_tables(
     let written = Written::of_places(&options.form);
     let paths = path_file::read(path, &written, options.repair.skip_no_fix, &mut notes)?;
     gather(paths, companions, options, notes, |known, roles, gatherer, notes| {
+        let Some(packets) = packets else { return Ok(()) };
         let written = Written::of_packets(&options.form);
         packet_table::read(packets, &written, Robots { names: known, path: &name }, roles, gatherer, notes)
     })

@@ -111,7 +111,9 @@ impl Use {
             (Self::Bag, Form::Drive(path, packets)) => path == PathKind::Bag || packets == PacketKind::Bag,
             (Self::Captures, Form::Drive(_, packets)) => packets == PacketKind::Captures,
             (Self::CsvPlaces | Self::CsvTimes, Form::Stops | Form::Wide | Form::StopFiles) => true,
-            (Self::CsvTimes, Form::Drive(path, packets)) => path == PathKind::Csv || matches!(packets, PacketKind::Csv | PacketKind::Ranges),
+            (Self::CsvTimes, Form::Drive(path, packets)) => {
+                path == PathKind::Csv || matches!(packets, PacketKind::Csv | PacketKind::Ranges)
+            }
             (Self::Folder, Form::StopFiles) => true,
             (Self::CsvPlaces, Form::Drive(path, _)) => path == PathKind::Csv,
             (Self::Ranges, Form::Stops | Form::Drive(..)) => true,

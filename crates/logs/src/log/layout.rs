@@ -143,9 +143,7 @@ impl Layout {
                 }
                 return match tables.as_slice() {
                     [table] if is_table => Ok(Self::Wide { table: table.clone(), folder }),
-                    [] if is_table => {
-                        Err(RobotLogError::NoLog { path: owned(), found: others })
-                    }
+                    [] if is_table => Err(RobotLogError::NoLog { path: owned(), found: others }),
                     several if is_table => {
                         let found = several.iter().map(|table| file_name(table)).collect();
                         Err(RobotLogError::SeveralTables { path: owned(), found })

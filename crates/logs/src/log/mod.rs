@@ -11,7 +11,7 @@ pub(crate) mod part_name;
 mod recognition;
 pub(crate) mod row_log;
 pub(crate) mod source;
-pub(crate) mod tag_ranges;
 mod stop_files;
 mod stop_log;
+pub(crate) mod tag_ranges;
 pub(crate) mod writing;

@@ -40,11 +40,7 @@ impl StopLog<'_> {
         let companions = Companions::of_folder(folder, form.time_zone);
         let receptions = folder.join(RECEPTIONS);
         let has_other = companions.ranges.is_some() && !receptions.exists();
-        Self {
-            stops: folder.join(STOPS).into(),
-            receptions: (!has_other).then(|| receptions.into()),
-            companions,
-        }
+        Self { stops: folder.join(STOPS).into(), receptions: (!has_other).then(|| receptions.into()), companions }
     }
 }
 

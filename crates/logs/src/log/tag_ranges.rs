@@ -61,7 +61,8 @@ fn read_table(
     let (range, unit) = range_column(&table)?;
     let [node, tag] = ["node", "tag"].map(|name| table.column(name));
     let times = Times::of(&table, written.time_zone, &mut found.notes)?;
-    let numbers: BTreeMap<&str, usize> = known.keys().enumerate().map(|(number, name)| (name.as_str(), number)).collect();
+    let numbers: BTreeMap<&str, usize> =
+        known.keys().enumerate().map(|(number, name)| (name.as_str(), number)).collect();
     let mut strangers: BTreeMap<String, usize> = BTreeMap::new();
     let (mut failed, mut before) = (0_usize, 0_usize);
     table.rows(|row| {
@@ -85,7 +86,10 @@ fn read_table(
         Ok(())
     })?;
     if failed > 0 {
-        found.notes.push(format!("{name}: {} without a range, or of exactly 0, count as failed tries", counted(failed, "row")));
+        found.notes.push(format!(
+            "{name}: {} without a range, or of exactly 0, count as failed tries",
+            counted(failed, "row")
+        ));
     }
     if before > 0 {
         found.notes.push(format!("{name}: {} with a time below 0 are not used", counted(before, "row")));
@@ -100,7 +104,10 @@ fn read_table(
         ));
     }
     if found.tags.is_empty() {
-        let problem = format!("it has no range of a receiver with a known place; those are {}", listed(&known.keys().collect::<Vec<_>>()));
+        let problem = format!(
+            "it has no range of a receiver with a known place; those are {}",
+            listed(&known.keys().collect::<Vec<_>>())
+        );
         return Err(RobotLogError::NoRanges { name, problem });
     }
     Ok(found)
@@ -116,7 +123,11 @@ pub fn read_true_path(path: &FilePath, form: &FormOptions, notes: &mut Vec<Strin
     if paths.len() == 1 {
         Ok(paths.remove(0))
     } else {
-        Err(RobotLogError::line(path, 1, format!("found the paths of {}; allowed: one", counted(paths.len(), "robot"))))
+        Err(RobotLogError::line(
+            path,
+            1,
+            format!("found the paths of {}; allowed: one", counted(paths.len(), "robot")),
+        ))
     }
 }
 
@@ -133,7 +144,10 @@ mod tests {
             ["a", "b"].map(|name| (name.to_owned(), Position::ORIGIN)).into_iter().collect();
         let found = read_tag_ranges(folder.path(), &known, &FormOptions::default()).unwrap();
         assert_eq!(found.tags.keys().collect::<Vec<_>>(), ["x", "y"]);
-        assert_eq!(found.tags["y"].iter().map(|range| (range.receiver, range.range_m)).collect::<Vec<_>>(), [(1, 2.0)]);
+        assert_eq!(
+            found.tags["y"].iter().map(|range| (range.receiver, range.range_m)).collect::<Vec<_>>(),
+            [(1, 2.0)]
+        );
         for part in ["failed tries", "below 0", "without a known place are not used: c"] {
             assert!(found.notes.iter().any(|note| note.contains(part)), "{part}: {:?}", found.notes);
         }

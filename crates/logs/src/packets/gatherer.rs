@@ -376,7 +376,7 @@ impl Gatherer {
                 told.nodes
             ));
         }
-        if unknown > 0 {
+        if unknown > 0 && !self.cover.is_empty() {
             self.notes.push(format!(
                 "how often {unknown} of {nodes} nodes send cannot be told from the gaps between their packets: each stop counts \
                  as one packet of theirs, received if any was (option `packet_interval` sets the interval)"

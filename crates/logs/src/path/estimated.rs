@@ -26,7 +26,8 @@ pub fn write_path(
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tum")) {
         let first = estimated.poses.first().map(|pose| pose.robot);
         if estimated.poses.iter().any(|pose| Some(pose.robot) != first) {
-            let problem = "a TUM file holds the path of one robot, and there are several; allowed: a name that ends in .csv";
+            let problem =
+                "a TUM file holds the path of one robot, and there are several; allowed: a name that ends in .csv";
             return Err(RobotLogError::line(path, 1, problem));
         }
         let mut text = TUM_PATH.to_owned();
@@ -38,7 +39,8 @@ pub fn write_path(
         return write_whole(path, text.as_bytes()).map_err(|why| RobotLogError::write(path, why));
     }
     let covariance = ["cov_xx_m2", "cov_xy_m2", "cov_yy_m2"];
-    let header = [&["t_s", "robot", "x_m", "y_m", "z_m"][..], &covariance, &["believed_x_m", "believed_y_m", "turn_rad"]];
+    let header =
+        [&["t_s", "robot", "x_m", "y_m", "z_m"][..], &covariance, &["believed_x_m", "believed_y_m", "turn_rad"]];
     let mut output = Output::new(&header.concat());
     for pose in &estimated.poses {
         output.instant(pose.time).text(&robots(pose.robot)).position(pose.position);
@@ -55,7 +57,8 @@ pub fn write_path(
 /// If the file cannot be written.
 pub fn write_tracks(path: &FilePath, tracks: &[(String, Track)]) -> Result<(), RobotLogError> {
     let covariance = ["cov_xx_m2", "cov_xy_m2", "cov_yy_m2"];
-    let header = [&["t_s", "tag", "x_m", "y_m", "z_m"][..], &covariance, &["velocity_x_m_per_s", "velocity_y_m_per_s"]];
+    let header =
+        [&["t_s", "tag", "x_m", "y_m", "z_m"][..], &covariance, &["velocity_x_m_per_s", "velocity_y_m_per_s"]];
     let mut output = Output::new(&header.concat());
     for (tag, track) in tracks {
         for pose in &track.poses {

@@ -1,7 +1,7 @@
 //! Paths of robots, the stops that they are cut into, and the files that they are read from.
 
-mod fix;
 pub(crate) mod estimated;
+mod fix;
 pub(crate) mod gpx;
 pub(crate) mod nmea;
 pub(crate) mod path_file;

@@ -211,7 +211,8 @@ impl<'a> Placing<'a> {
         match (self.whereabouts, self.time) {
             (Whereabouts::Stops { stops, ids }, _) => {
                 let name = row.name(self.stop, "the name of a stop")?;
-                let number = ids.get(&*name).ok_or_else(|| row.wrong(self.stop, "the name of a stop in stops.csv"))?;
+                let number =
+                    ids.get(&*name).ok_or_else(|| row.wrong(self.stop, "the name of a stop in stops.csv"))?;
                 let Stop { robot, time, position, .. } = stops[*number as usize];
                 Ok(Some(Pose { robot, time, position, velocity: Position::ORIGIN }))
             }
@@ -223,7 +224,10 @@ impl<'a> Placing<'a> {
                     }
                     None => 0,
                 };
-                if row.filled(times.column).is_some_and(|text| row.decimal(&text).parse::<f64>().is_ok_and(|t| t < 0.0)) {
+                if row
+                    .filled(times.column)
+                    .is_some_and(|text| row.decimal(&text).parse::<f64>().is_ok_and(|t| t < 0.0))
+                {
                     return Ok(None);
                 }
                 let time = row.instant(times)?;
@@ -244,7 +248,8 @@ impl<'a> Placing<'a> {
 /// How fast the robot drives at a time (m/s): over half a second, less at the ends of its path.
 fn velocity(path: &Path, time: SimTime) -> Position {
     let (start, end) = path.span();
-    let from = SimTime::from_nanos(time.as_nanos().saturating_sub(SPAN.as_nanos().try_into().unwrap_or(0))).max(start);
+    let from =
+        SimTime::from_nanos(time.as_nanos().saturating_sub(SPAN.as_nanos().try_into().unwrap_or(0))).max(start);
     let to = later(time, SPAN).min(end);
     let span_s = to.saturating_since(from).as_secs_f64();
     match (path.at(from), path.at(to)) {
@@ -266,7 +271,8 @@ mod tests {
         ]);
         let found = read(folder.path(), &ReadOptions::default()).unwrap();
         assert_eq!(found.log.names(), ["a", "b"]);
-        let ranges: Vec<_> = found.log.ranges().iter().map(|range| (range.node.0, range.position.x_m, range.range_m)).collect();
+        let ranges: Vec<_> =
+            found.log.ranges().iter().map(|range| (range.node.0, range.position.x_m, range.range_m)).collect();
         assert_eq!(ranges, [(0, 5.0, 5.1), (1, 16.0, -0.02)]);
         assert!(found.log.ranges().iter().all(|range| (range.velocity.x_m - 2.0).abs() < 1e-12));
         for note in ["1 row without a range", "1 range of exactly 0", "2 ranges from before", "1 range below 0"] {

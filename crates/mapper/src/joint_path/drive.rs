@@ -6,9 +6,7 @@ use sextant_kernel::{NodeId, RobotId, SimTime, Watch};
 
 use super::PathError;
 use super::climb::{Top, climb};
-use super::drive_problem::{
-    AFTER_NODES, DRIFT, DrivePoint, DriveProblem, KnownPlace, ODOMETRY_SCALE, after_nodes,
-};
+use super::drive_problem::{AFTER_NODES, DRIFT, DrivePoint, DriveProblem, KnownPlace, ODOMETRY_SCALE, after_nodes};
 use super::keyframes::Keyframes;
 use super::odometry::Odometry;
 use super::report::{PathFit, PathRanges};
@@ -16,6 +14,7 @@ use crate::comparators::lateration::{Range, refine};
 use crate::error::MapError;
 use crate::range_ml::error_law::{autocorrelation_time, centred, of_errors};
 use crate::range_ml::{RangeMl, RangeMlConfig};
+use crate::topology_map::TopologyMap;
 
 /// Most steps of a climb, and the gain that ends it.
 const STEPS: u32 = 80;
@@ -67,11 +66,41 @@ impl EstimatedPath {
         log.placed_again(|robot, time, position| self.place(robot, time, position))
     }
 
+    /// Widens the regions of a map of the log on this path by how unsure the path is near each node: errors that neighbouring poses
+    /// share move the node as well.
+    pub fn widen(&self, map: &mut TopologyMap) {
+        /// So many of the nearest poses are near a node.
+        const NEAR: usize = 10;
+        if !self.fit.is_moved() {
+            return;
+        }
+        for estimate in map.estimates.iter_mut().flatten() {
+            let place = estimate.position;
+            let Some(covariance) = &mut estimate.covariance else { continue };
+            let mut poses: Vec<(f64, usize)> =
+                self.poses.iter().map(|pose| pose.position.distance_m(place)).zip(0..).collect();
+            let near = NEAR.min(poses.len());
+            if near == 0 {
+                continue;
+            }
+            poses.select_nth_unstable_by(near - 1, |a, b| a.0.total_cmp(&b.0));
+            for &(_, pose) in &poses[..near] {
+                for row in 0..2 {
+                    for column in 0..2 {
+                        covariance[row][column] += self.poses[pose].covariance[row][column] / near as f64;
+                    }
+                }
+            }
+        }
+    }
+
     /// Where a place is that odometry has at `position`, and how far its frame is turned there.
     fn place(&self, robot: RobotId, time: SimTime, position: Position) -> (Position, f64) {
         let from = self.poses.partition_point(|pose| (pose.robot, pose.time) <= (robot, time));
         let of_robot = |at: usize| self.poses.get(at).filter(|pose| pose.robot == robot);
-        let Some(pose) = from.checked_sub(1).and_then(of_robot).or_else(|| of_robot(from)) else { return (position, 0.0) };
+        let Some(pose) = from.checked_sub(1).and_then(of_robot).or_else(|| of_robot(from)) else {
+            return (position, 0.0);
+        };
         let (sin, cos) = libm::sincos(pose.turn_rad);
         let apart = position - pose.believed;
         let turned = Position::new(cos * apart.x_m - sin * apart.y_m, sin * apart.x_m + cos * apart.y_m, apart.z_m);

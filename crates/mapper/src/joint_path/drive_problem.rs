@@ -81,7 +81,8 @@ impl DriveProblem<'_> {
     /// Entries of the border with a prior: where, the mean, and the standard deviation.
     fn priors(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let of_nodes = self.known.iter().enumerate().flat_map(|(node, known)| {
-            let place = known.map(|(place, deviation)| [0, 1].map(|axis| (OF_NODE * node + axis, place[axis], deviation)));
+            let place =
+                known.map(|(place, deviation)| [0, 1].map(|axis| (OF_NODE * node + axis, place[axis], deviation)));
             let bias = (OF_NODE * node + 2, 0.0, self.node_bias_m);
             place.into_iter().flatten().chain([bias])
         });

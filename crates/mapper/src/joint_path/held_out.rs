@@ -16,25 +16,33 @@ pub struct HeldOut {
     /// Logarithm of how much more probable what was heard of them, or measured to them, is on the corrected path than on the
     /// believed one.
     pub gain: f64,
-    /// Its standard error over nodes.
+    /// Its standard error over nodes, or over the parts of a few nodes.
     pub error: f64,
+    /// Whether the path is better by more than chance.
+    pub is_clear: bool,
 }
 
 /// A gain below this one is none (nats).
 const LEAST_GAIN: f64 = 5.0;
+/// The same of one part of them, of which one may gain less.
+const LEAST_OF_PART: f64 = 1.0;
+/// So many nodes are a few.
+const FEW_NODES: usize = 8;
 
 impl HeldOut {
-    /// Whether the path is better by more than chance.
-    #[must_use]
-    pub fn is_clear(&self) -> bool {
-        self.gain > LEAST_GAIN && self.gain > 2.0 * self.error
-    }
-
-    fn of(gains: &[f64]) -> Self {
+    /// What each of many nodes gains.
+    fn of_nodes(gains: &[f64]) -> Self {
         let gain: f64 = gains.iter().sum();
         let mean = gain / gains.len().max(1) as f64;
         let error = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>().sqrt();
-        Self { gain, error }
+        Self { gain, error, is_clear: gain > LEAST_GAIN && gain > 2.0 * error }
+    }
+
+    /// What each part of a few nodes gains.
+    fn of_parts(gains: &[f64]) -> Self {
+        let Self { gain, error, .. } = Self::of_nodes(gains);
+        let without = gains.iter().filter(|&&gain| gain <= LEAST_OF_PART).count();
+        Self { gain, error, is_clear: gain > LEAST_GAIN && without <= usize::from(gains.len() > 3) }
     }
 }
 
@@ -45,8 +53,8 @@ impl HeldOut {
 /// Poses, places of nodes, biases, scales and drift are one problem, whose normal equations are eliminated along the chain of
 /// poses. Ranges: it is climbed from the believed path under ever less noise. Packets: the places of nodes are integrated over grids,
 /// and the share of packets that arrive over a distance is estimated again after each climb. How much of the error of odometry is
-/// real is chosen by the marginal likelihood. At last the path is estimated by each half of the nodes. Only if what was heard of the
-/// other half is clearly more probable on it than on the believed path, the path is moved: see [`PathFit::held_out`](super::PathFit).
+/// real is chosen by the marginal likelihood. At last the path is estimated without each half of the nodes, or without each of a few
+/// nodes. Only if what was found of those is clearly more probable on it than on the believed path, the path is moved: see [`PathFit::held_out`](super::PathFit).
 ///
 /// # Errors
 /// If the log has too few ranges or nodes, or `watch` ends the work.
@@ -62,32 +70,29 @@ pub fn estimate_path(
         let halves = nodes.halves();
         let mut gains = Vec::new();
         for (own, other) in [(&halves[0], &halves[1]), (&halves[1], &halves[0])] {
-            if own.len() < PacketNodes::LEAST || other.len() == 0 {
-                continue;
-            }
             let path = by_packets(log, own, odometry, watch)?;
             let corrected = other.evidences(log, Some(&path), watch)?;
             let believed = other.evidences(log, None, watch)?;
             gains.extend(corrected.into_iter().zip(believed).map(|(corrected, believed)| corrected - believed));
         }
-        return Ok(whole.held_to(&gains));
+        return Ok(whole.held_to(Some(HeldOut::of_nodes(&gains))));
     }
     let whole = by_ranges(log, odometry, known, watch)?;
     let nodes = whole.nodes(log);
-    let half = |parity: usize, node: NodeId| {
-        let number = nodes.iter().position(|other| *other == node);
-        known.iter().any(|(known, _)| *known == node) || number.is_some_and(|number| number % 2 == parity)
-    };
+    let unknown: Vec<NodeId> =
+        nodes.into_iter().filter(|node| !known.iter().any(|(known, _)| known == node)).collect();
+    // Of a few nodes one is left out at a time.
+    let folds = if unknown.len() <= FEW_NODES { unknown.len() } else { 2 };
     let mut gains = Vec::new();
-    for parity in [0, 1] {
-        let own = with_ranges_of(log, |node| half(parity, node));
+    for fold in 0..folds {
+        let is_left_out = |node| unknown.iter().position(|other| *other == node).is_some_and(|at| at % folds == fold);
+        let own = with_ranges_of(log, |node| !is_left_out(node));
         if let Ok(path) = by_ranges(&own, odometry, known, watch) {
-            let other = with_ranges_of(log, |node| half(1 - parity, node) && !known.iter().any(|(known, _)| *known == node));
-            gains.extend(range_gain(&other, &path, watch)?);
+            gains.extend(range_gain(&with_ranges_of(log, is_left_out), &path, watch)?);
         }
         watch.check()?;
     }
-    Ok(whole.held_to(&gains))
+    Ok(whole.held_to((!gains.is_empty()).then(|| HeldOut::of_parts(&gains))))
 }
 
 /// The same log with the ranges to some nodes alone.
@@ -110,13 +115,9 @@ fn range_gain(log: &ReceptionLog, path: &EstimatedPath, watch: &dyn Watch) -> Re
 impl EstimatedPath {
     /// The path, if nodes that were left out gain so much by it, and the believed one otherwise. Without gains it is the path, which
     /// nothing has checked.
-    fn held_to(mut self, gains: &[f64]) -> Self {
-        if gains.is_empty() {
-            return self;
-        }
-        let held_out = HeldOut::of(gains);
-        self.fit.held_out = Some(held_out);
-        if !held_out.is_clear() {
+    fn held_to(mut self, held_out: Option<HeldOut>) -> Self {
+        self.fit.held_out = held_out;
+        if !self.fit.is_moved() {
             self.fit.most_moved_m = 0.0;
             for pose in &mut self.poses {
                 (pose.position, pose.turn_rad) = (pose.believed, 0.0);

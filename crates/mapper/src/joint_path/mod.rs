@@ -7,6 +7,7 @@ mod drive_problem;
 mod held_out;
 mod keyframes;
 mod odometry;
+mod on_path;
 mod packet_path;
 mod packet_problem;
 mod reception_curve;
@@ -18,6 +19,7 @@ use std::str::FromStr;
 
 pub use drive::{EstimatedPath, PathPose};
 pub use held_out::{HeldOut, estimate_path};
+pub use on_path::{OnEstimatedPath, PathErrorConfig, PathUse};
 pub use report::{PathFit, PathRanges};
 pub use track::{TagRange, Track, TrackFit, TrackPose, TrackSettings, track};
 
@@ -82,15 +84,4 @@ impl FromStr for PathError {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn errors_of_odometry_are_read() {
-        let found: PathError = "scale=2%,heading=0.02/m".parse().unwrap();
-        assert_eq!(found, PathError { scale: 0.02, drift_rad_per_m: 0.02, ..PathError::default() });
-        for text in ["scale", "scale=x", "turn=1", "scale=-1", "scale=200%"] {
-            assert!(text.parse::<PathError>().is_err(), "{text}");
-        }
-    }
-}
+mod tests;

@@ -97,7 +97,12 @@ impl Odometry<'_> {
         for (pose, entry, mean, deviation) in self.of_firsts() {
             value -= 0.5 * ((poses[pose][entry] - mean) / deviation).powi(2);
         }
-        value - self.of_border().iter().map(|&(entry, deviation)| 0.5 * (border[entry] / deviation).powi(2)).sum::<f64>()
+        value
+            - self
+                .of_border()
+                .iter()
+                .map(|&(entry, deviation)| 0.5 * (border[entry] / deviation).powi(2))
+                .sum::<f64>()
     }
 
     /// Adds the slope and the curvature of the prior.
@@ -111,8 +116,20 @@ impl Odometry<'_> {
             // What the leg is in the frame of odometry, which is turned.
             let (turned_x, turned_y) = (x + longer * leg.by[0], y + longer * leg.by[1]);
             let rows = [
-                (Vector4::new(-cos, -sin, turned_y, 0.0), Vector4::new(cos, sin, 0.0, 0.0), (self.scale, -leg.by[0]), x, along),
-                (Vector4::new(sin, -cos, -turned_x, 0.0), Vector4::new(-sin, cos, 0.0, 0.0), (self.scale, -leg.by[1]), y, along),
+                (
+                    Vector4::new(-cos, -sin, turned_y, 0.0),
+                    Vector4::new(cos, sin, 0.0, 0.0),
+                    (self.scale, -leg.by[0]),
+                    x,
+                    along,
+                ),
+                (
+                    Vector4::new(sin, -cos, -turned_x, 0.0),
+                    Vector4::new(-sin, cos, 0.0, 0.0),
+                    (self.scale, -leg.by[1]),
+                    y,
+                    along,
+                ),
                 (
                     Vector4::new(0.0, 0.0, -1.0, 0.0),
                     Vector4::new(0.0, 0.0, 1.0, 0.0),

@@ -41,8 +41,8 @@ pub(super) struct PacketNodes {
 }
 
 impl PacketNodes {
-    /// So many nodes tell a path.
-    pub(super) const LEAST: usize = 3;
+    /// So many nodes tell a path, and whether it is better: three of each half.
+    const LEAST: usize = 6;
 
     /// Those of `log` that were heard at three stops or more, at most [`MOST_NODES`].
     pub(super) fn of(log: &ReceptionLog) -> Result<Self, MapError> {
@@ -54,8 +54,8 @@ impl PacketNodes {
         if nodes.len() < Self::LEAST {
             return Err(MapError::Missing {
                 algorithm: "estimate-path",
-                what: "three nodes that were heard at three stops each, or measured ranges",
-                remedy: "a path is told by nodes that were heard from several parts of it",
+                what: "six nodes that were heard at three stops each, or measured ranges",
+                remedy: "half of the nodes estimate a path, and the others tell whether it is better",
             });
         }
         Ok(Self { nodes, reach_m })
@@ -93,7 +93,11 @@ impl PacketNodes {
         let problem = search.problem(&grids, PathError::default());
         let posteriors = problem.posteriors(&search.point.poses);
         let log_area = |area: &Area| libm::log((area.high[0] - area.low[0]) * (area.high[1] - area.low[1]));
-        Ok(posteriors.iter().zip(&search.areas).map(|(posterior, area)| posterior.log_evidence + log_area(area)).collect())
+        Ok(posteriors
+            .iter()
+            .zip(&search.areas)
+            .map(|(posterior, area)| posterior.log_evidence + log_area(area))
+            .collect())
     }
 }
 
@@ -111,7 +115,8 @@ impl PacketDrive {
         order.sort_by_key(|&stop| (log.stops()[stop].robot, log.stops()[stop].time));
         let is_first = |at: usize| at > 0 && log.stops()[order[at - 1]].robot != log.stops()[order[at]].robot;
         let legs = legs(order.iter().enumerate().map(|(at, &stop)| (place(log, stop), is_first(at))));
-        let firsts = (0..order.len()).filter(|&at| at == 0 || is_first(at)).map(|at| (at, place(log, order[at]))).collect();
+        let firsts =
+            (0..order.len()).filter(|&at| at == 0 || is_first(at)).map(|at| (at, place(log, order[at]))).collect();
         Self { order, legs, firsts }
     }
 }
@@ -355,7 +360,8 @@ impl<'a> Search<'a> {
         self.take_scale_of_odometry();
         self.refit(error);
         watch.advance(1);
-        let moved_m = |(before, after): (&Vector4<f64>, &Vector4<f64>)| libm::hypot(after[0] - before[0], after[1] - before[1]);
+        let moved_m =
+            |(before, after): (&Vector4<f64>, &Vector4<f64>)| libm::hypot(after[0] - before[0], after[1] - before[1]);
         let most_m = before.iter().zip(&self.point.poses).map(moved_m).fold(0.0, f64::max);
         Ok(most_m < 0.05 * self.reach_m)
     }
@@ -386,9 +392,8 @@ fn estimated(
     };
     let poses: Vec<PathPose> = drive.order.iter().zip(&top.point.poses).enumerate().map(pose).collect();
     let after = 2 * nodes.len();
-    let deviation = |entry: usize| {
-        covariances.as_ref().map_or(0.0, |(_, border)| border[(entry, entry)].max(0.0).sqrt())
-    };
+    let deviation =
+        |entry: usize| covariances.as_ref().map_or(0.0, |(_, border)| border[(entry, entry)].max(0.0).sqrt());
     let fit = PathFit {
         poses: poses.len(),
         nodes: nodes.iter().map(|node| log.names()[node.node.index()].clone()).collect(),

@@ -148,7 +148,8 @@ impl PacketProblem<'_> {
 
     /// What the nodes add to the logarithm of the determinant of a curvature, which has them as free places.
     pub(super) fn log_determinant_of_nodes(&self, system: &ChainSystem) -> f64 {
-        let block = |node: usize| system.border.fixed_view::<2, 2>(2 * node, 2 * node).determinant().max(f64::MIN_POSITIVE);
+        let block =
+            |node: usize| system.border.fixed_view::<2, 2>(2 * node, 2 * node).determinant().max(f64::MIN_POSITIVE);
         (0..self.grids.len()).map(|node| libm::log(block(node))).sum()
     }
 }
@@ -192,7 +193,8 @@ impl Hill for PacketProblem<'_> {
                     let value = self.curve.at(distance_m);
                     // The pose nearer by a metre is the distance shorter by one.
                     slope -= direction * (weight * (received * value.slopes[0] + missed * value.slopes[1]));
-                    information += direction * direction.transpose() * (weight * (received + missed) * value.information);
+                    information +=
+                        direction * direction.transpose() * (weight * (received + missed) * value.information);
                 }
                 PoseSlope { pose: heard.pose, slope, information }
             };

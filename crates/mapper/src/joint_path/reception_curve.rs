@@ -111,7 +111,11 @@ impl ReceptionCurve {
         let (step, after_m) = self.step(distance_m);
         let silent = step.logs[1] + after_m * step.slopes[1];
         // Most stops heard nothing of a node.
-        if received > 0.0 { received * (step.logs[0] + after_m * step.slopes[0]) + missed * silent } else { missed * silent }
+        if received > 0.0 {
+            received * (step.logs[0] + after_m * step.slopes[0]) + missed * silent
+        } else {
+            missed * silent
+        }
     }
 
     /// The share that arrives, at the beginning of the step of a distance.

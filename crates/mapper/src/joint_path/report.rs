@@ -91,7 +91,7 @@ impl PathFit {
     /// Whether the path was moved: nodes that were left out gain by it, or there were too few of them to tell.
     #[must_use]
     pub fn is_moved(&self) -> bool {
-        self.held_out.is_none_or(|held_out| held_out.is_clear())
+        self.held_out.is_none_or(|held_out| held_out.is_clear)
     }
 
     /// The same as an object of a summary.
@@ -126,16 +126,15 @@ impl PathFit {
     /// Whether the ranges tell another scale than odometry has, so that one of both instruments is wrong.
     #[must_use]
     pub fn scales_differ(&self) -> bool {
-        self.ranges.is_some_and(|ranges| {
-            ranges.scale.abs() > 0.02 && ranges.scale.abs() > 4.0 * ranges.scale_deviation
-        })
+        self.ranges
+            .is_some_and(|ranges| ranges.scale.abs() > 0.02 && ranges.scale.abs() > 4.0 * ranges.scale_deviation)
     }
 }
 
 impl fmt::Display for PathFit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let by = if self.ranges.is_some() { "ranges" } else { "packets" };
-        if let Some(HeldOut { gain, error }) = self.held_out.filter(|_| !self.is_moved()) {
+        if let Some(HeldOut { gain, error, .. }) = self.held_out.filter(|_| !self.is_moved()) {
             return write!(
                 f,
                 "the path stays as it is: on one that is estimated by {by}, what was found of nodes that were left out is not clearly more \

@@ -223,7 +223,8 @@ impl Epochs {
 
     /// A place for each epoch from the ranges around it; `None` if no moment has ranges to three receivers.
     fn start(&self, receivers: &[Position], height_m: f64) -> Option<Vec<[f64; 2]>> {
-        let middle = receivers.iter().fold(Position::ORIGIN, |sum, &place| sum + place) * (1.0 / receivers.len() as f64);
+        let middle =
+            receivers.iter().fold(Position::ORIGIN, |sum, &place| sum + place) * (1.0 / receivers.len() as f64);
         let mut last = middle;
         let mut known: Vec<(f64, [f64; 2])> = Vec::new();
         let (mut from, mut to) = (0, 0);
@@ -254,15 +255,18 @@ impl Epochs {
             let around = [[1.0, 0.2], [-0.2, 1.0], [-1.0, -0.2], [0.2, -1.0]]
                 .map(|[x, y]| middle + Position::new(x * usual_m, y * usual_m, 0.0));
             let misfit = |place: &Position| -> f64 {
-                flat.iter().map(|range| {
-                    let apart = *place - range.anchor;
-                    (libm::hypot(apart.x_m, apart.y_m) - range.distance_m).abs()
-                }).sum()
+                flat.iter()
+                    .map(|range| {
+                        let apart = *place - range.anchor;
+                        (libm::hypot(apart.x_m, apart.y_m) - range.distance_m).abs()
+                    })
+                    .sum()
             };
             // A place near the last one is preferred where two fit alike.
             let starts = std::iter::once(last).chain(around).chain([middle + Position::new(0.01, 0.02, 0.0)]);
             let found = starts.map(|start| refine(start, &flat, 2));
-            let cost = |place: &Position| misfit(place) + 0.05 * libm::hypot(place.x_m - last.x_m, place.y_m - last.y_m);
+            let cost =
+                |place: &Position| misfit(place) + 0.05 * libm::hypot(place.x_m - last.x_m, place.y_m - last.y_m);
             let best = found.min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
             last = best;
             known.push((time_s, [best.x_m, best.y_m]));
@@ -296,7 +300,8 @@ impl Epochs {
             covariance: covariances.as_ref().map_or([[0.0; 2]; 2], |states| {
                 let (mean, state, more) = (state, &states[at], by_place[at]);
                 let by_clock = |row: usize, column: usize| CLOCK_S * CLOCK_S * mean[2 + row] * mean[2 + column];
-                let entry = |row: usize, column: usize| state[(row, column)] + more[(row, column)] + by_clock(row, column);
+                let entry =
+                    |row: usize, column: usize| state[(row, column)] + more[(row, column)] + by_clock(row, column);
                 [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]
             }),
             velocity_m_per_s: [state[2], state[3]],
@@ -357,8 +362,7 @@ fn is_among(receivers: &[Position], track: &[[f64; 2]]) -> bool {
         .collect();
     let hull = hull(larger);
     let is_inside = |place: &&[f64; 2]| {
-        hull.len() >= 3
-            && (0..hull.len()).all(|at| cross(hull[at], hull[(at + 1) % hull.len()], **place) >= 0.0)
+        hull.len() >= 3 && (0..hull.len()).all(|at| cross(hull[at], hull[(at + 1) % hull.len()], **place) >= 0.0)
     };
     2 * track.iter().filter(is_inside).count() >= track.len()
 }

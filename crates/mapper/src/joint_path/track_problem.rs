@@ -116,7 +116,8 @@ impl Hill for TrackProblem<'_> {
         for (pair, &step_s) in at.states.windows(2).zip(self.steps_s) {
             for axis in 0..2 {
                 let residuals = self.of_step(step_s, axis, &pair[0], &pair[1]);
-                value -= residuals.iter().map(|(residual, variance)| 0.5 * residual * residual / variance).sum::<f64>();
+                value -=
+                    residuals.iter().map(|(residual, variance)| 0.5 * residual * residual / variance).sum::<f64>();
             }
         }
         for state in &at.states {

@@ -74,7 +74,8 @@ pub(crate) fn autocorrelation_time<'a>(series: impl Iterator<Item = &'a [f64]>) 
 pub(crate) fn centred(errors_m: &mut [f64]) {
     const CUT: f64 = 3.0;
     let middle = super::groups::median(&mut errors_m.to_vec());
-    let spread = 1.4826 * super::groups::median(&mut errors_m.iter().map(|error| (error - middle).abs()).collect::<Vec<_>>());
+    let spread =
+        1.4826 * super::groups::median(&mut errors_m.iter().map(|error| (error - middle).abs()).collect::<Vec<_>>());
     let most = CUT * spread + 1e-9;
     errors_m.iter_mut().for_each(|error| *error = (*error - middle).clamp(-most, most));
 }

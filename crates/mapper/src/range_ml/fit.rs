@@ -4,9 +4,9 @@ use super::problem::{Eliminated, Point, Problem};
 use sextant_kernel::{Interrupted, Watch};
 
 /// Most steps of a fit.
-const STEPS: u32 = 400;
+const STEPS: u32 = 600;
 /// A fit has settled if a step gains less than that.
-const LEAST_GAIN: f64 = 1e-5;
+const LEAST_GAIN: f64 = 1e-4;
 
 /// A point at which the posterior is greatest.
 pub(super) struct Fitted {
@@ -20,11 +20,7 @@ pub(super) struct Fitted {
 
 /// The point near `start` at which the posterior is greatest (Levenberg and Marquardt's method); `None` if the curvature is not
 /// positive.
-pub(super) fn fitted(
-    problem: &Problem<'_>,
-    start: Point,
-    watch: &dyn Watch,
-) -> Result<Option<Fitted>, Interrupted> {
+pub(super) fn fitted(problem: &Problem<'_>, start: Point, watch: &dyn Watch) -> Result<Option<Fitted>, Interrupted> {
     let (mut point, mut damping, mut settled) = (start, 1e-3, false);
     let mut value = problem.value(&point);
     let mut slopes = problem.slopes(&point);

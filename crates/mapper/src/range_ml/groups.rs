@@ -125,7 +125,8 @@ mod tests {
         let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
         let log = ReceptionLog::new(vec!["a".into(), "b".into()], vec![stop], Vec::new(), Vec::new()).unwrap();
         let driving = [0.0, 0.3, 0.5, 0.9, 1.0].map(|x_m| sample(1, x_m, 1.0, 5.0 + x_m));
-        let standing = [(0.0, 4.0), (0.0, 9.0), (0.0, 5.0), (0.4, 7.0)].map(|(x_m, range)| sample(0, x_m, 0.0, range));
+        let standing =
+            [(0.0, 4.0), (0.0, 9.0), (0.0, 5.0), (0.4, 7.0)].map(|(x_m, range)| sample(0, x_m, 0.0, range));
         let log = log.with_ranges(driving.into_iter().chain(standing).collect()).unwrap();
         let groups = RangeGroups::of(&log, 1);
         let ranges = |node| -> Vec<f64> { groups.of_node(node).iter().map(|group| group.range_m).collect() };

@@ -9,14 +9,15 @@ use super::problem::{HeightPrior, NodeMode, NodeState, Problem, Shared};
 use crate::comparators::lateration::{Range, refine};
 
 /// Two places that are closer than this share of the usual range are one.
-const SAME: f64 = 1e-3;
+const SAME: f64 = 0.02;
 /// Above and below the height that is most likely, the search begins this far off (m).
 const ABOVE_M: f64 = 0.3;
 
 /// The modes of the node with this number, the most probable first. They are sought from places all around its stops.
 pub(super) fn modes(problem: &Problem<'_>, number: usize, shared: &Shared) -> Vec<NodeMode> {
     let groups = problem.groups.of_node(number);
-    let middle = [0, 1].map(|axis| groups.iter().map(|group| group.position[axis]).sum::<f64>() / groups.len() as f64);
+    let middle =
+        [0, 1].map(|axis| groups.iter().map(|group| group.position[axis]).sum::<f64>() / groups.len() as f64);
     let usual_m = median(&mut groups.iter().map(|group| group.range_m.max(0.0)).collect::<Vec<_>>());
     let height = problem.heights.mean_m;
     let lift = if problem.heights.is_given() { 0.0 } else { ABOVE_M };
@@ -52,16 +53,10 @@ pub(super) fn modes(problem: &Problem<'_>, number: usize, shared: &Shared) -> Ve
     found
 }
 
-/// The same modes when the law is another one.
-pub(super) fn settled_again(
-    problem: &Problem<'_>,
-    number: usize,
-    shared: &Shared,
-    modes: &[NodeMode],
-) -> Vec<NodeMode> {
-    let starts: Vec<NodeState> = modes.iter().map(|mode| mode.state).collect();
+/// The modes near `starts` of the node with this number, the most probable first.
+pub(super) fn settled(problem: &Problem<'_>, number: usize, shared: &Shared, starts: &[NodeState]) -> Vec<NodeMode> {
     let mut found = Vec::new();
-    settle(problem, number, shared, &starts, &mut found);
+    settle(problem, number, shared, starts, &mut found);
     found
 }
 
@@ -74,7 +69,8 @@ fn settle(problem: &Problem<'_>, number: usize, shared: &Shared, starts: &[NodeS
         if !mode.state.iter().all(|value| value.is_finite()) || !problem.heights.allows(mode.state[2]) {
             continue;
         }
-        let is_same = |other: &NodeMode| (other.state - mode.state).fixed_rows::<3>(0).norm() <= SAME * (usual_m + 1.0);
+        let is_same =
+            |other: &NodeMode| (other.state - mode.state).fixed_rows::<3>(0).norm() <= SAME * (usual_m + 1.0);
         match found.iter_mut().find(|other| is_same(other)) {
             Some(other) if other.log_evidence < mode.log_evidence => *other = mode,
             Some(_) => {}

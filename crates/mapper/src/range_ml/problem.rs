@@ -155,8 +155,7 @@ impl Problem<'_> {
     /// The logarithm of the posterior of one node given the rest.
     pub(super) fn node_value(&self, number: usize, node: &NodeState, shared: &Shared) -> f64 {
         let law = errors(shared);
-        let of_group =
-            |group: &RangeGroup| law.density(Residual::of(group, node, shared).error_m).log_density;
+        let of_group = |group: &RangeGroup| law.density(Residual::of(group, node, shared).error_m).log_density;
         let likelihood: f64 = self.groups.of_node(number).iter().map(of_group).sum();
         self.worth * likelihood + self.node_prior(node)
     }
@@ -321,7 +320,8 @@ impl Slopes {
         }
         let step = eliminated.shared * slope;
         let of_node = |number: usize| {
-            point.nodes[number] + eliminated.nodes[number] * self.nodes[number].slope - eliminated.mixed[number] * step
+            point.nodes[number] + eliminated.nodes[number] * self.nodes[number].slope
+                - eliminated.mixed[number] * step
         };
         Point { nodes: (0..point.nodes.len()).map(of_node).collect(), shared: point.shared + step }
     }

@@ -126,11 +126,12 @@ impl Finding for RangeFit {
             let _ = write!(text, ", {:.0} % wild", 100.0 * shares.wild);
         }
         if self.delay_s.abs() > 3.0 * self.delay_deviation_s {
-            let _ =
-                write!(text, ", {:.2} ± {:.2} s late (corrected)", self.delay_s, 2.0 * self.delay_deviation_s);
+            let _ = write!(text, ", {:.2} ± {:.2} s late (corrected)", self.delay_s, 2.0 * self.delay_deviation_s);
         }
         let mut lines = vec![Line { section: Section::Laws, text }];
-        if !self.settled && let Some(why) = Unconverged::of(self.settled, map) {
+        if !self.settled
+            && let Some(why) = Unconverged::of(self.settled, map)
+        {
             lines.push(why.warning(name, "the law of ranges", 1, None));
         }
         lines

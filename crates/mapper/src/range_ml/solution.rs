@@ -4,10 +4,10 @@ use nalgebra::{Matrix3, Vector3};
 use sextant_channel::{Position, RangeErrorLaw};
 use sextant_kernel::{Interrupted, NodeId, Watch};
 
+use super::error_law;
 use super::fit::{Fitted, fitted};
 use super::groups::{RangeGroups, median};
-use super::modes::{modes, settled_again};
-use super::error_law;
+use super::modes::{modes, settled};
 use super::problem::{HeightPrior, NodeMode, NodeState, Point, Problem, Shared, SharedPrior};
 use super::report::RangeFit;
 use super::spread::{autocorrelation_time, variance_over_directions};
@@ -68,8 +68,8 @@ pub(super) fn solve(
         return solve(settings, &groups.without(&lost), samples, heights, watch);
     }
     let mut search = Search { problem: Problem { node_bias_m: usual_m, ..wide }, modes: found, watch };
-    let start = Point { nodes: search.best(), shared: prior.mean };
-    let Some(first) = fitted(&search.problem, start, watch)? else { return Ok(None) };
+    let Some(start) = fitted(&wide, in_common(settings, search.best(), prior.mean), watch)? else { return Ok(None) };
+    let Some(first) = fitted(&search.problem, start.point, watch)? else { return Ok(None) };
     let Some(mut point) = search.switched(first)?.map(|fitted| fitted.point) else { return Ok(None) };
     let mut trials = Vec::new();
     for _ in 0..ROUNDS {
@@ -93,6 +93,16 @@ pub(super) fn solve(
     Ok(Some(search.solution(&trials, samples)))
 }
 
+/// Places with biases of their own, as places with a bias in common and what is left.
+fn in_common(settings: &Settings, mut nodes: Vec<NodeState>, mut shared: Shared) -> Point {
+    if settings.node_bias != NodeBias::None {
+        let common_m = median(&mut nodes.iter().map(|node| node[3]).collect::<Vec<_>>());
+        nodes.iter_mut().for_each(|node| node[3] -= common_m);
+        shared[0] += common_m;
+    }
+    Point { nodes, shared }
+}
+
 /// The likeliest trial.
 fn best(trials: &[Trial]) -> Option<&Trial> {
     trials.iter().max_by(|a, b| a.weight.total_cmp(&b.weight))
@@ -112,10 +122,14 @@ impl Search<'_> {
         self.modes.iter().map(|modes| modes[0].state).collect()
     }
 
-    /// Settles the modes of all nodes by the law of `point`. A node keeps its old ones if none is left.
+    /// Settles the modes of all nodes by the law of `point`, whose places are modes as well. What was a bias of a node may be one of
+    /// all ranges now, so the search for each begins with the bias that the node has there.
     fn modes_again(&mut self, point: &Point) {
         for (number, modes) in self.modes.iter_mut().enumerate() {
-            let again = settled_again(&self.problem, number, &point.shared, modes);
+            let now = point.nodes[number];
+            let others = modes.iter().map(|mode| NodeState::new(mode.state[0], mode.state[1], mode.state[2], now[3]));
+            let starts: Vec<NodeState> = std::iter::once(now).chain(others).collect();
+            let again = settled(&self.problem, number, &point.shared, &starts);
             if !again.is_empty() {
                 *modes = again;
             }

@@ -13,7 +13,8 @@ const LEAST_GROUPS: usize = 3;
 fn errors(problem: &Problem<'_>, point: &Point, number: usize) -> (Vec<f64>, Vec<f64>) {
     let groups = problem.groups.of_node(number);
     let residuals = groups.iter().map(|group| Residual::of(group, &point.nodes[number], &point.shared));
-    let with_direction = residuals.map(|residual| (residual.error_m, libm::atan2(residual.apart[1], residual.apart[0])));
+    let with_direction =
+        residuals.map(|residual| (residual.error_m, libm::atan2(residual.apart[1], residual.apart[0])));
     let (mut errors, directions): (Vec<f64>, Vec<f64>) = with_direction.unzip();
     centred(&mut errors);
     (errors, directions)

@@ -224,7 +224,8 @@ impl Input {
         let estimated = estimate_path(log, error, &places, watch)?;
         let moved = estimated.log(log);
         if !strangers.is_empty() {
-            self.notes.push(format!("known places of nodes that are not in the log are not used: {}", listed(&strangers)));
+            self.notes
+                .push(format!("known places of nodes that are not in the log are not used: {}", listed(&strangers)));
         }
         self.notes.push(estimated.fit.to_string());
         *self.logs.first_mut() = moved;

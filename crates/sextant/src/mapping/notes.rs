@@ -14,7 +14,8 @@ const RARELY_MISSED: f64 = 0.01;
 /// The notes on `log`, of which these are the `counts`: which nodes were never heard, and whether silence says anything.
 pub(super) fn of_log(log: &ReceptionLog, counts: &LogCounts) -> Vec<String> {
     let mut notes = Vec::new();
-    let unheard: Vec<&str> = counts.unheard.iter().map(|node| log.names()[node.index()].as_str()).collect();
+    let unheard = counts.unheard.iter().filter(|node| log.ranges_to(**node).is_empty());
+    let unheard: Vec<&str> = unheard.map(|node| log.names()[node.index()].as_str()).collect();
     if !unheard.is_empty() {
         let were = if unheard.len() == 1 { "was" } else { "were" };
         notes.push(format!(

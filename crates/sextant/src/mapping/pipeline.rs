@@ -41,7 +41,11 @@ pub fn map<'a>(
     let stages = Stages { settings, out, start, watch, counts };
     stages.run(input, &mut |input, job| {
         let logs = MapLogs::from(&input.logs);
-        Ok(job.mapper.map_and_learn(knowledge(input, settings, logs.knowledge(job)), watch)?)
+        let (mut map, learned) = job.mapper.map_and_learn(knowledge(input, settings, logs.knowledge(job)), watch)?;
+        if let Some(path) = &input.estimated_path {
+            path.widen(&mut map);
+        }
+        Ok((map, learned))
     })
 }
 

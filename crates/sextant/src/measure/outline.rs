@@ -1,7 +1,9 @@
 //! The properties of a map in the summary, without the truth.
 
 use sextant_kernel::NodeId;
-use sextant_mapper::{Concern, EstimatorFindings, HeightReason, PositionError, SoughtHeights, TopologyMap};
+use sextant_mapper::{
+    Concern, EstimatorFindings, HeightReason, KnowledgeKind, PositionError, SoughtHeights, TopologyMap,
+};
 
 use super::subject::Subject;
 use crate::summary::{ConcernSummary, ErrorSummary, HeightsSource, HeightsSummary, LearnedSummary, MapSummary};
@@ -24,7 +26,7 @@ pub(crate) fn outline(
     MapSummary {
         name: (name != map.algorithm).then(|| name.to_owned()),
         algorithm: map.algorithm.to_owned(),
-        knowledge: subject.knowledge.to_vec(),
+        knowledge: knowledge(subject, learned),
         networks: subject.networks.clone(),
         concerns: map.concerns().map(concern).collect(),
         heights: map.heights.map(HeightsSummary::from),
@@ -39,6 +41,16 @@ pub(crate) fn outline(
         at_bound: learned.map(at_bound).unwrap_or_default(),
         ..MapSummary::default()
     }
+}
+
+/// What a map used: what its estimator uses, and ranges where nodes were placed by them.
+fn knowledge(subject: &Subject<'_>, learned: Option<&EstimatorFindings>) -> Vec<KnowledgeKind> {
+    let mut knowledge = subject.knowledge.to_vec();
+    let has_ranges = learned.is_some_and(|learned| learned.ranges().is_some());
+    if has_ranges && !knowledge.contains(&KnowledgeKind::RobotRanges) {
+        knowledge.push(KnowledgeKind::RobotRanges);
+    }
+    knowledge
 }
 
 impl From<SoughtHeights> for HeightsSummary {

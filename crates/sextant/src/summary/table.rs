@@ -309,7 +309,9 @@ fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
                 Concern::AtEdge => format!("{is} at the boundary of the searched area"),
                 Concern::Unsettled => format!("{did} not settle within the rounds of the fit"),
                 Concern::NoEvidence => format!("{has} no place that the evidence prefers"),
-                Concern::TwoPlaces => format!("{has} two places that fit the ranges, each the mirror image of the other"),
+                Concern::TwoPlaces => {
+                    format!("{has} two places that fit the ranges, each the mirror image of the other")
+                }
             };
             let advice = match concern {
                 Concern::AtEdge => "stops on their other side would tell where they are",
@@ -317,7 +319,9 @@ fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
                 Concern::NoEvidence => {
                     "stops where they are heard and others where they are not would tell where they are"
                 }
-                Concern::TwoPlaces => "a stop beside the straight way, or a `z_range_m` of heights, would tell which it is",
+                Concern::TwoPlaces => {
+                    "a stop beside the straight way, or a `z_range_m` of heights, would tell which it is"
+                }
             };
             let nodes = listed(&nodes);
             writeln!(

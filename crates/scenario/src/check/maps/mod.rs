@@ -5,7 +5,7 @@ pub(crate) mod grids;
 use sextant_apps::ControllerConfig;
 use sextant_kernel::text::choices;
 use sextant_kernel::{SettingError, SettingProblem};
-use sextant_mapper::{AlgorithmConfig, KnowledgeKind, Mapper, Stitched};
+use sextant_mapper::{AlgorithmConfig, KnowledgeKind, Mapper, OnEstimatedPath, PathError, PathUse, Stitched};
 use sextant_sim::{RobotConfig, RoleConfig};
 
 use super::errors::Errors;
@@ -40,9 +40,21 @@ pub(crate) fn check_maps(config: &ScenarioConfig, networks: &Networks<'_>, error
             continue;
         }
         let mapper = Mapper::try_from(map.algorithm).map_err(|error| error.within("algorithm"));
-        let mapper = mapper.and_then(|mapper| match map.stitch {
-            Some(rules) => Stitched::mapper(mapper, rules),
-            None => Ok(mapper),
+        let mapper = mapper.and_then(|mapper| match (map.stitch, map.path) {
+            (Some(_), PathUse::Estimated) => {
+                let remedy = "leave out one of them: robots whose frames are joined have a path each";
+                Err(SettingError::conflict("path", "`stitch`", remedy))
+            }
+            (Some(rules), PathUse::Believed) => Stitched::mapper(mapper, rules),
+            (None, PathUse::Estimated) => {
+                let error = PathError::try_from(map.path_error.unwrap_or_default());
+                OnEstimatedPath::mapper(mapper, error.map_err(|error| error.within("path_error"))?)
+            }
+            (None, PathUse::Believed) if map.path_error.is_some() => {
+                let remedy = "give `path = \"estimated\"` too, or leave `path_error` out";
+                Err(SettingError::conflict("path_error", "the path as it is believed to be", remedy))
+            }
+            (None, PathUse::Believed) => Ok(mapper),
         });
         // A setting may only be absent because the network that should say it is invalid.
         let is_missing = |error: &SettingError| matches!(error.problem, SettingProblem::Missing { .. });
@@ -85,6 +97,13 @@ pub(crate) fn check_log_of_maps(
     for i in (0..config.maps.len()).filter(|&i| surveying.len() == 1 && config.maps[i].stitch.is_some()) {
         let remedy = "leave out `stitch`, which joins the logs of two or more robots";
         errors.refuse(&SettingError::conflict(format!("maps[{i}].stitch"), "one robot that surveys", remedy));
+    }
+    for (i, _) in
+        config.maps.iter().enumerate().filter(|(_, map)| matches!(map.algorithm, AlgorithmConfig::RangeMl(_)))
+    {
+        let with = "a simulation, whose robots measure no ranges";
+        let remedy = "map a log that has `ranges.csv` by `sextant map LOG --algorithm range-ml`";
+        errors.refuse(&SettingError::conflict(format!("maps[{i}].algorithm.range_ml"), with, remedy));
     }
     if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
         return;

@@ -243,9 +243,7 @@ fn estimate(record: &csv::StringRecord) -> Option<(usize, Estimate)> {
     let number = |at: usize| finite(record.get(at)?);
     let concern = match record.get(7)? {
         "" => None,
-        name => Some(
-            Concern::ALL.into_iter().find(|one| one.name() == name)?,
-        ),
+        name => Some(Concern::ALL.into_iter().find(|one| one.name() == name)?),
     };
     let covariance = match record.len() {
         8 => None,

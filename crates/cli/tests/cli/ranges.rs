@@ -1,0 +1,178 @@
+//! Measured ranges: maps of them, paths that they correct, and tracks of tags.
+
+#![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
+
+use std::fmt::Write;
+use std::process::Output;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::drive::folder;
+use super::program::sextant;
+
+const NODES: &str = "node,x_m,y_m\nA,4,5\nB,16,3\nC,10,13\nD,-3,9\n";
+const PLACES: [(&str, [f64; 2]); 4] =
+    [("A", [4.0, 5.0]), ("B", [16.0, 3.0]), ("C", [10.0, 13.0]), ("D", [-3.0, 9.0])];
+
+/// Error of a range (m): of a fixed series that looks like noise.
+fn noise(number: usize) -> f64 {
+    0.2 * (((number * 7919) % 1000) as f64 / 1000.0 - 0.5)
+}
+
+/// The tables of a drive through lanes, with ranges 0.5 m too long: `path.csv` as odometry has it, whose heading drifts by so much,
+/// and the true one.
+fn drive(drift_rad_per_m: f64) -> [String; 3] {
+    let mut path = "t_s,x_m,y_m\n".to_owned();
+    let (mut truth, mut ranges) = (path.clone(), "t_s,node,range_mm\n".to_owned());
+    let (mut true_place, mut believed, mut turn) = ([0.0_f64, 0.0], [0.0_f64, 0.0], 0.0_f64);
+    let mut step = 0_usize;
+    for lane in 0..5 {
+        let along = if lane % 2 == 0 { [0.5, 0.0] } else { [-0.5, 0.0] };
+        let legs = std::iter::repeat_n(along, 28).chain(std::iter::repeat_n([0.0, 0.5], 6));
+        for [x, y] in legs {
+            let (sin, cos) = turn.sin_cos();
+            true_place = [true_place[0] + x, true_place[1] + y];
+            believed = [believed[0] + cos * x - sin * y, believed[1] + sin * x + cos * y];
+            turn += 0.5 * drift_rad_per_m;
+            step += 1;
+            let t_s = 0.5 * step as f64;
+            writeln!(path, "{t_s},{},{}", believed[0], believed[1]).unwrap();
+            writeln!(truth, "{t_s},{},{}", true_place[0], true_place[1]).unwrap();
+            for (number, (node, place)) in PLACES.iter().enumerate() {
+                let distance_m = f64::hypot(place[0] - true_place[0], place[1] - true_place[1]);
+                let range_mm = 1000.0 * (distance_m + 0.5 + noise(4 * step + number));
+                writeln!(ranges, "{t_s},{node},{range_mm:.0}").unwrap();
+            }
+        }
+    }
+    [path, truth, ranges]
+}
+
+fn run(folder: &TempDir, arguments: &[&str]) -> Output {
+    sextant().arg("map").arg(folder.path()).args(arguments).current_dir(folder.path()).output().unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn refusal(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(2));
+    String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_path_with_ranges_alone_is_mapped_by_default() {
+    let [path, _, ranges] = drive(0.0);
+    let log = folder(&[("path.csv", &path), ("ranges.csv", &ranges), ("nodes.csv", NODES)]);
+    let out = folder(&[]);
+    let places = out.path().join("places.csv").display().to_string();
+    let summary = json(&run(&log, &["--truth", "nodes.csv", "--out", &places, "--format", "json"]));
+    let map = &summary["maps"][0];
+    assert_eq!((map["algorithm"].as_str(), map["mapped"].as_u64()), (Some("auto"), Some(4)));
+    assert!(map["position_error_m"]["max"].as_f64().unwrap() < 0.2, "{map}");
+    let law = &map["range_law"];
+    assert!((law["bias_m"].as_f64().unwrap() - 0.5).abs() < 4.0 * law["bias_sd_m"].as_f64().unwrap(), "{law}");
+    assert!(map["knowledge"].as_array().unwrap().contains(&"robot-ranges".into()), "{map}");
+    assert!(std::fs::read_to_string(&places).unwrap().contains("cov_xx_m2"));
+    // Names of columns, and the same by the algorithm itself.
+    let other = ranges.replace("t_s,node,range_mm", "seconds,anchor,dist");
+    std::fs::write(log.path().join("ranges.csv"), other).unwrap();
+    let fields = ["--range-fields", "t_s=seconds,node=anchor,range_mm=dist"];
+    let same = json(&run(
+        &log,
+        &[&fields[..], &["--algorithm", "range-ml", "--truth", "nodes.csv", "--format", "json"]].concat(),
+    ));
+    assert_eq!(same["maps"][0]["position_error_m"], map["position_error_m"]);
+    let refused = refusal(&run(&log, &["--truth", "nodes.csv"]));
+    assert!(refused.contains("`node`") && refused.contains("--range-fields"), "{refused}");
+}
+
+#[test]
+fn odometry_is_corrected_by_ranges_and_a_right_path_is_left_alone() {
+    let [odometry, _, ranges] = drive(0.012);
+    let log = folder(&[("odometry.csv", &odometry), ("ranges.csv", &ranges), ("nodes.csv", NODES)]);
+    let error = |output: &Output| json(output)["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();
+    let believed_m = error(&run(&log, &["--truth", "nodes.csv", "--format", "json"]));
+    let out = folder(&[]);
+    let [tum, csv] = ["path.tum", "path.csv"].map(|name| out.path().join(name).display().to_string());
+    let arguments = ["--estimate-path", "--path-out", &tum, "--truth", "nodes.csv", "--format", "json"];
+    let corrected = run(&log, &arguments);
+    assert!(error(&corrected) < 0.3 * believed_m, "{} of {believed_m} m", error(&corrected));
+    let path = &json(&corrected)["path"];
+    assert_eq!((path["moved"].as_bool(), path["frame"].as_str()), (Some(true), Some("first-pose")));
+    let tum = std::fs::read_to_string(&tum).unwrap();
+    assert!(tum.lines().nth(1).unwrap().split(' ').count() == 8, "{tum}");
+    // A path of ours may be replaced, and CSV is read as a path again.
+    assert!(run(&log, &arguments).status.success());
+    assert!(run(&log, &["--estimate-path", "--path-out", &csv]).status.success());
+    assert!(
+        (error(&run(&log, &["--path", &csv, "--truth", "nodes.csv", "--format", "json"])) - error(&corrected)).abs()
+            < 0.1
+    );
+
+    let [path, _, ranges] = drive(0.0);
+    let right = folder(&[("path.csv", &path), ("ranges.csv", &ranges)]);
+    let summary = json(&run(&right, &["--estimate-path", "--format", "json"]));
+    assert_eq!(summary["path"]["moved"], Value::Bool(false), "{}", summary["path"]);
+    for (arguments, problem) in [
+        (&["--estimate-path", "--path-error", "scale=9"][..], "allowed: KEY=NUMBER from 0 to 1"),
+        (&["--path-out", "a.csv"], "--estimate-path"),
+        (&["--estimate-path", "--path-out", "path.csv"], "a part of the log"),
+        (&["--estimate-path", "--tiles", "2"], "tiles"),
+    ] {
+        let refused = refusal(&run(&right, arguments));
+        assert!(refused.contains(problem), "{refused}");
+    }
+}
+
+#[test]
+fn a_tag_is_tracked_among_receivers() {
+    let [_, truth, ranges] = drive(0.0);
+    let log = folder(&[("ranges.csv", &ranges), ("nodes.csv", NODES), ("truth.csv", &truth)]);
+    let known = ["--track", "--known", "nodes.csv"];
+    let place = folder(&[]);
+    let out = place.path().join("track.csv").display().to_string();
+    let arguments = [&known[..], &["--truth", "truth.csv", "--out", &out, "--format", "json"]].concat();
+    let summary = json(&run(&log, &arguments));
+    let track = &summary["tracks"][0];
+    assert!(track["position_rmse_m"].as_f64().unwrap() < 0.35, "{track}");
+    assert!(track["in_region_95"].as_f64().unwrap() > 0.8, "{track}");
+    let table = std::fs::read_to_string(&out).unwrap();
+    assert!(table.starts_with("t_s,tag,x_m,y_m,z_m,cov_xx_m2,"));
+    assert!(run(&log, &arguments).status.success(), "a track of ours may be replaced");
+    let text = run(&log, &[&known[..], &["--truth", "truth.csv"]].concat());
+    assert!(String::from_utf8_lossy(&text.stdout).contains("within the 95 % regions"), "{text:?}");
+    std::fs::write(log.path().join("two.csv"), "node,x_m,y_m\nA,4,5\nB,16,3\n").unwrap();
+    let refused = refusal(&run(&log, &["--track", "--known", "two.csv"]));
+    assert!(refused.contains("three receivers"), "{refused}");
+    let refused = refusal(&run(&log, &["--track"]));
+    assert!(refused.contains("--known"), "{refused}");
+    std::fs::write(log.path().join("other.csv"), "node,x_m,y_m\nX,4,5\n").unwrap();
+    let refused = refusal(&run(&log, &["--track", "--known", "other.csv"]));
+    assert!(refused.contains("no range of a receiver with a known place"), "{refused}");
+}
+
+#[test]
+fn a_scenario_says_that_a_map_is_on_the_estimated_path() {
+    let scenario = super::program::scenario("ml-tm/odometry-drift.toml");
+    let run = |more: &[&str]| {
+        let set = ["--set", "robots.0.odometry.heading_drift_rad_per_m=0.01", "--format", "json", "--quiet"];
+        sextant().arg("run").arg(&scenario).args(set).args(more).output().unwrap()
+    };
+    let mean = |output: &Output| json(output)["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();
+    let estimated = run(&["--set", "maps.0.path=\"estimated\""]);
+    assert!(mean(&estimated) < 0.35 * mean(&run(&[])), "{} m", mean(&estimated));
+    assert_eq!(json(&estimated)["maps"][0]["path"]["evidence"], "packets");
+    for (set, problem) in [
+        ("maps.0.path_error.scale=0.1", "path_error"),
+        ("maps.0.algorithm={range_ml={}}", "robots measure no ranges"),
+        ("maps.0.path=\"guessed\"", "believed"),
+    ] {
+        let refused = refusal(&run(&["--set", set]));
+        assert!(refused.contains(problem), "{refused}");
+    }
+}

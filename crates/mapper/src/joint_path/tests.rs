@@ -1,0 +1,179 @@
+use sextant_channel::{Position, RangeSample, Reception, ReceptionLog, Stop};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+
+use super::*;
+
+const NODES: [[f64; 2]; 6] = [[4.0, 5.0], [16.0, 3.0], [10.0, 16.0], [-3.0, 12.0], [18.0, 14.0], [8.0, 9.0]];
+
+fn normal(address: [u64; 2]) -> f64 {
+    Seed(2).normal(Purpose::new(8), [address[0], address[1], 0])
+}
+
+/// True places every half metre of lanes over 20 m, and where odometry has them: its heading drifts.
+fn drive(drift_rad_per_m: f64) -> Vec<([f64; 2], [f64; 2])> {
+    let mut corners = Vec::new();
+    for lane in 0..6 {
+        let y = 4.0 * f64::from(lane) - 2.0;
+        corners.extend(if lane % 2 == 0 { [[0.0, y], [20.0, y]] } else { [[20.0, y], [0.0, y]] });
+    }
+    let mut found = vec![(corners[0], corners[0])];
+    let mut turn = 0.0;
+    for leg in corners.windows(2) {
+        let by = [leg[1][0] - leg[0][0], leg[1][1] - leg[0][1]];
+        let steps = (libm::hypot(by[0], by[1]) / 0.5).round();
+        for _ in 0..steps as u32 {
+            let (truth, believed) = found[found.len() - 1];
+            let step = by.map(|along| along / steps);
+            let (sin, cos) = libm::sincos(turn);
+            let off = [cos * step[0] - sin * step[1], sin * step[0] + cos * step[1]];
+            found.push(([truth[0] + step[0], truth[1] + step[1]], [believed[0] + off[0], believed[1] + off[1]]));
+            turn += drift_rad_per_m * 0.5;
+        }
+    }
+    found
+}
+
+fn time(step: usize) -> SimTime {
+    SimTime::from_nanos(step as u64 * 500_000_000)
+}
+
+fn place([x_m, y_m]: [f64; 2]) -> Position {
+    Position::new(x_m, y_m, 0.0)
+}
+
+/// Stops on the believed path, with the ranges or the packets of the true one.
+fn log(drive: &[([f64; 2], [f64; 2])], has_ranges: bool) -> ReceptionLog {
+    let stop = |(step, (_, believed)): (usize, &([f64; 2], [f64; 2]))| Stop {
+        robot: RobotId(0),
+        time: time(step),
+        position: place(*believed),
+        heading_rad: None,
+    };
+    let stops = drive.iter().enumerate().map(stop).collect();
+    let nodes: Vec<Position> = if has_ranges {
+        NODES.map(place).to_vec()
+    } else {
+        (0..60_u64)
+            .map(|node| place([0, 1].map(|axis| 20.0 * Seed(1).uniform(Purpose::new(8), [node, axis, 0]))))
+            .collect()
+    };
+    let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
+    let pairs = || (0..nodes.len()).flat_map(|node| (0..drive.len()).map(move |step| (node, step)));
+    let distance_m = |node: usize, step: usize| place(drive[step].0).distance_m(nodes[node]);
+    if has_ranges {
+        let samples = pairs().map(|(node, step)| RangeSample {
+            node: NodeId::from_index(node),
+            robot: RobotId(0),
+            time: time(step),
+            position: place(drive[step].1),
+            velocity: Position::ORIGIN,
+            range_m: distance_m(node, step) + 0.3 + 0.1 * normal([node as u64, step as u64]),
+        });
+        let log = ReceptionLog::new(names, stops, Vec::new(), Vec::new()).unwrap();
+        return log.with_ranges(samples.collect()).unwrap();
+    }
+    let is_heard = |&(node, step): &(usize, usize)| {
+        let share = 0.95 / (1.0 + libm::exp((distance_m(node, step) - 3.0) / 0.3));
+        Seed(3).uniform(Purpose::new(8), [node as u64, step as u64, 0]) < share
+    };
+    let heard = pairs().filter(is_heard).map(|(node, step)| Reception {
+        node: NodeId::from_index(node),
+        stop: u32::try_from(step).unwrap(),
+        received: 1,
+        sent: 1,
+        sector: None,
+        rssi_dbm: None,
+        snr_db: None,
+    });
+    ReceptionLog::new(names, stops, heard.collect(), Vec::new()).unwrap()
+}
+
+/// Root of the mean square distance of an estimated path from the true one (m).
+fn error_m(estimated: &EstimatedPath, drive: &[([f64; 2], [f64; 2])]) -> f64 {
+    let square = |pose: &PathPose| {
+        let step = usize::try_from(pose.time.as_nanos() / 500_000_000).unwrap();
+        pose.position.distance_m(place(drive[step].0)).powi(2)
+    };
+    (estimated.poses.iter().map(square).sum::<f64>() / estimated.poses.len() as f64).sqrt()
+}
+
+#[test]
+fn ranges_take_the_drift_from_a_path_and_leave_a_right_one_alone() {
+    let drifted = drive(0.01);
+    let found = estimate_path(&log(&drifted, true), PathError::default(), &[], &Unwatched).unwrap();
+    assert!(found.fit.is_moved() && found.fit.settled, "{}", found.fit);
+    assert!((found.fit.drift_rad_per_m + 0.01).abs() < 0.003, "{}", found.fit);
+    assert!(error_m(&found, &drifted) < 0.3, "{} m, {}", error_m(&found, &drifted), found.fit);
+
+    let right = drive(0.0);
+    let found = estimate_path(&log(&right, true), PathError::default(), &[], &Unwatched).unwrap();
+    assert!(!found.fit.is_moved() && error_m(&found, &right) <= 0.0, "{}", found.fit);
+}
+
+#[test]
+fn known_nodes_are_the_frame_of_a_path() {
+    // Odometry begins elsewhere, turned by 0.4 rad.
+    let (sin, cos) = libm::sincos(0.4);
+    let turned = |[x, y]: [f64; 2]| [7.0 + cos * x - sin * y, -3.0 + sin * x + cos * y];
+    let drive: Vec<_> = drive(0.002).into_iter().map(|(truth, believed)| (truth, turned(believed))).collect();
+    let known = [0, 1, 2].map(|node| (NodeId(node), place(NODES[node as usize])));
+    let found = estimate_path(&log(&drive, true), PathError::default(), &known, &Unwatched).unwrap();
+    assert_eq!(found.fit.frame(), "known-nodes");
+    assert!(error_m(&found, &drive) < 0.15, "{} m, {}", error_m(&found, &drive), found.fit);
+}
+
+#[test]
+fn packets_take_the_drift_from_a_path_and_leave_a_right_one_alone() {
+    let drifted = drive(0.01);
+    let log_of_drift = log(&drifted, false);
+    let found = estimate_path(&log_of_drift, PathError::default(), &[], &Unwatched).unwrap();
+    let believed_m = drifted.iter().map(|(truth, believed)| place(*truth).distance_m(place(*believed)).powi(2));
+    let believed_m = (believed_m.sum::<f64>() / drifted.len() as f64).sqrt();
+    let corrected_m = error_m(&found, &drifted);
+    assert!(
+        found.fit.is_moved() && corrected_m < 0.25 * believed_m,
+        "{corrected_m} of {believed_m} m, {}",
+        found.fit
+    );
+    // The stops of the log that is mapped are on the new path.
+    let moved = found.log(&log_of_drift);
+    assert_eq!(moved.stops()[40].position, found.poses[40].position);
+
+    let right = drive(0.0);
+    let found = estimate_path(&log(&right, false), PathError::default(), &[], &Unwatched).unwrap();
+    assert!(!found.fit.is_moved() && error_m(&found, &right) <= 0.0, "{}", found.fit);
+}
+
+#[test]
+fn a_tag_is_tracked_among_receivers_although_ranges_are_too_long() {
+    let receivers = [[0.0, 0.0], [12.0, 1.0], [11.0, 13.0], [-1.0, 12.0]].map(place);
+    let truth = |second: f64| place([6.0 + 4.0 * libm::cos(0.2 * second), 6.0 + 4.0 * libm::sin(0.2 * second)]);
+    let ranges: Vec<TagRange> = (0..800_u64)
+        .map(|number| {
+            let second = 0.1 * number as f64;
+            let receiver = (number % 4) as usize;
+            let noise = 0.15 * normal([number, 7]);
+            let range_m = 1.03 * truth(second).distance_m(receivers[receiver]) + 0.8 + noise;
+            TagRange { receiver, time: SimTime::from_nanos(number * 100_000_000), range_m }
+        })
+        .collect();
+    let found = track(&receivers, &ranges, TrackSettings::default(), &Unwatched).unwrap();
+    assert!(found.fit.is_among_receivers && found.fit.settled);
+    let errors: Vec<f64> = (found.poses.iter())
+        .map(|pose| pose.position.distance_m(truth(pose.time.as_nanos() as f64 * 1e-9)))
+        .collect();
+    let rms_m = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+    assert!(rms_m < 0.25, "{rms_m}, {:?}", found.fit);
+    // Two receivers tell no place.
+    let few: Vec<TagRange> = ranges.iter().filter(|range| range.receiver < 2).copied().collect();
+    assert!(track(&receivers, &few, TrackSettings::default(), &Unwatched).is_err());
+}
+
+#[test]
+fn errors_of_odometry_are_read() {
+    let found: PathError = "scale=2%,heading=0.02/m".parse().unwrap();
+    assert_eq!(found, PathError { scale: 0.02, drift_rad_per_m: 0.02, ..PathError::default() });
+    for text in ["scale", "scale=x", "turn=1", "scale=-1", "scale=200%"] {
+        assert!(text.parse::<PathError>().is_err(), "{text}");
+    }
+}
