@@ -85,7 +85,7 @@ pub use propagation::path_budget::{ObstacleLoss, PathBudget};
 pub use propagation::path_loss::{CloseInConfig, DistanceLoss, LogDistance, LogDistanceConfig, PathLossConfig};
 pub use propagation::reflection::{Polarisation, Ray, ReflectionsConfig, angles_rad};
 pub use propagation::shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
-pub use ranging::law::{RangeErrorDensity, RangeErrorLaw, RangeErrorShares};
+pub use ranging::law::{PreparedRangeErrorLaw, RangeErrorDensity, RangeErrorLaw, RangeErrorShares};
 pub use ranging::sample::RangeSample;
 pub use reception::{
     Contact, Drive, HeardAtStop, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder,

@@ -87,33 +87,81 @@ impl RangeErrorLaw {
     /// The density of a range that is `error_m` too long, and its derivatives.
     #[must_use]
     pub fn density(&self, error_m: f64) -> RangeErrorDensity {
-        let (noise_m, excess_m) = (self.noise_m(), self.excess_m());
-        let shares = self.shares();
+        self.prepared().density(error_m)
+    }
+
+    /// The same law, ready for the densities of many ranges.
+    #[must_use]
+    pub fn prepared(&self) -> PreparedRangeErrorLaw {
+        let (noise_m, excess_m, shares) = (self.noise_m(), self.excess_m(), self.shares());
+        PreparedRangeErrorLaw {
+            noise_m,
+            excess_m,
+            shares,
+            log_noise: log(shares.noise) - self.log_noise - HALF_LOG_OF_TAU,
+            log_late: log(shares.late) - self.log_excess + 0.5 * (noise_m / excess_m).powi(2),
+            log_wild: log(shares.wild) - log(PI * Self::WILD_M),
+        }
+    }
+}
+
+/// A law of errors with what is the same for all ranges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PreparedRangeErrorLaw {
+    noise_m: f64,
+    excess_m: f64,
+    shares: RangeErrorShares,
+    /// What the logarithms of the three densities begin with.
+    log_noise: f64,
+    log_late: f64,
+    log_wild: f64,
+}
+
+impl PreparedRangeErrorLaw {
+    /// The logarithms of the shares of the three parts in the density at an error, and the normal distribution function of the late part.
+    #[inline]
+    fn logs(&self, error_m: f64, below: &LogNormal) -> [f64; 3] {
+        let z = error_m / self.noise_m;
+        [
+            self.log_noise - 0.5 * z * z,
+            self.log_late - error_m / self.excess_m + below.log,
+            self.log_wild - log1p((error_m / RangeErrorLaw::WILD_M).powi(2)),
+        ]
+    }
+
+    /// Natural logarithm of the density of a range that is `error_m` too long (per metre).
+    #[must_use]
+    pub fn log_density(&self, error_m: f64) -> f64 {
+        let below = LogNormal { log: log_below(error_m / self.noise_m - self.noise_m / self.excess_m), slope: 0.0 };
+        let logs = self.logs(error_m, &below);
+        let most = logs[0].max(logs[1]).max(logs[2]);
+        most + log(logs.map(|log| exp(log - most)).iter().sum())
+    }
+
+    /// The density of a range that is `error_m` too long, and its derivatives.
+    #[must_use]
+    pub fn density(&self, error_m: f64) -> RangeErrorDensity {
+        let Self { noise_m, excess_m, shares, .. } = *self;
         let z = error_m / noise_m;
         let ratio = noise_m / excess_m;
         // Of the noise with an exponential excess: its value, and one over Mills' ratio.
         let below = LogNormal::below(z - ratio);
-        let logs = [
-            log(shares.noise) - 0.5 * z * z - self.log_noise - HALF_LOG_OF_TAU,
-            log(shares.late) - self.log_excess + 0.5 * ratio * ratio - error_m / excess_m + below.log,
-            log(shares.wild) - log(PI * Self::WILD_M) - log1p((error_m / Self::WILD_M).powi(2)),
-        ];
+        let logs = self.logs(error_m, &below);
         let most = logs[0].max(logs[1]).max(logs[2]);
         let parts = logs.map(|log| exp(log - most));
         let sum = parts[0] + parts[1] + parts[2];
         let [noise, late, wild] = parts.map(|part| part / sum);
+        let square = RangeErrorLaw::WILD_M.powi(2);
         let by_error = noise * (-z / noise_m)
             + late * (below.slope / noise_m - 1.0 / excess_m)
-            + wild * (-2.0 * error_m / (Self::WILD_M.powi(2) + error_m * error_m));
+            + wild * (-2.0 * error_m / (square + error_m * error_m));
         let by_noise = noise * (z * z - 1.0) + late * (ratio * ratio - below.slope * (z + ratio));
         let by_excess = late * (error_m / excess_m - 1.0 - ratio * ratio + below.slope * ratio);
         RangeErrorDensity {
             log_density: most + log(sum),
             by_error,
             by_law: [by_noise, by_excess, late - shares.late, wild - shares.wild],
-            stiffness: noise / (noise_m * noise_m)
-                + late / (noise_m * noise_m + excess_m * excess_m)
-                + wild / Self::WILD_M.powi(2),
+            stiffness: noise / (noise_m * noise_m) + late / (noise_m * noise_m + excess_m * excess_m) + wild / square,
         }
     }
 }
@@ -125,16 +173,19 @@ struct LogNormal {
 }
 
 impl LogNormal {
-    /// Φ at `x`: by the complementary error function, far below by its asymptotic series.
     fn below(x: f64) -> Self {
-        let log_density = -0.5 * x * x - HALF_LOG_OF_TAU;
-        let log = if x > -10.0 {
-            log(0.5 * erfc(-x * std::f64::consts::FRAC_1_SQRT_2))
-        } else {
-            let square = 1.0 / (x * x);
-            log_density - log(-x) + log1p(square * (-1.0 + square * (3.0 - 15.0 * square)))
-        };
-        Self { log, slope: exp(log_density - log) }
+        let log = log_below(x);
+        Self { log, slope: exp(-0.5 * x * x - HALF_LOG_OF_TAU - log) }
+    }
+}
+
+/// The logarithm of Φ at `x`: by the complementary error function, far below by its asymptotic series.
+fn log_below(x: f64) -> f64 {
+    if x > -10.0 {
+        log(0.5 * erfc(-x * std::f64::consts::FRAC_1_SQRT_2))
+    } else {
+        let square = 1.0 / (x * x);
+        -0.5 * x * x - HALF_LOG_OF_TAU - log(-x) + log1p(square * (-1.0 + square * (3.0 - 15.0 * square)))
     }
 }
 

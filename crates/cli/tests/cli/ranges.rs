@@ -160,7 +160,8 @@ fn a_tag_is_tracked_among_receivers() {
 fn a_scenario_says_that_a_map_is_on_the_estimated_path() {
     let scenario = super::program::scenario("ml-tm/odometry-drift.toml");
     let run = |more: &[&str]| {
-        let set = ["--set", "robots.0.odometry.heading_drift_rad_per_m=0.01", "--format", "json", "--quiet"];
+        let drift = "robots.0.odometry.heading_drift_rad_per_m=0.01";
+        let set = ["--set", drift, "--set", "world.nodes.random.count=50", "--format", "json", "--quiet"];
         sextant().arg("run").arg(&scenario).args(set).args(more).output().unwrap()
     };
     let mean = |output: &Output| json(output)["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();

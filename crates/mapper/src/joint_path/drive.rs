@@ -108,11 +108,13 @@ impl EstimatedPath {
     }
 }
 
-/// Estimates the path from ranges: see [`super::estimate_path`].
+/// Estimates the path from ranges: see [`super::estimate_path`]. At last, odometry is as wrong as the evidence says, or by `sure`: then
+/// the search has one start.
 pub(super) fn by_ranges(
     log: &ReceptionLog,
     odometry: PathError,
     known: &[(NodeId, Position)],
+    sure: Option<PathError>,
     watch: &dyn Watch,
 ) -> Result<EstimatedPath, MapError> {
     const ALGORITHM: &str = "estimate-path";
@@ -165,14 +167,15 @@ pub(super) fn by_ranges(
     // Two starts: the places that suit the believed path best by the law of ranges, and those of plain least squares.
     let plain: Vec<Position> = (0..starts.len()).map(|node| least_squares(&keyframes, node, starts[node])).collect();
     let mut best: Option<(DriveProblem<'_>, Top<DrivePoint>)> = None;
-    for starts in [&starts, &plain] {
+    for starts in [&starts, &plain].into_iter().take(if sure.is_some() { 1 } else { 2 }) {
         let (problem, top) = annealed(problem.clone(), &keyframes, starts, watch)?;
         if best.as_ref().is_none_or(|(_, best)| top.value > best.value) {
             best = Some((problem, top));
         }
     }
     let (problem, start) = best.expect("there are two starts");
-    let (problem, top) = chosen(problem, start, odometry, watch)?;
+    let errors = sure.map_or_else(|| FACTORS.map(|factor| odometry.times(factor)).to_vec(), |sure| vec![sure]);
+    let (problem, top) = chosen(problem, start, &errors, watch)?;
     Ok(estimated(&keyframes, &problem, &top, log, &ids))
 }
 
@@ -229,16 +232,16 @@ fn along_the_way(problem: &DriveProblem<'_>, errors_m: &[f64]) -> f64 {
     autocorrelation_time(series.iter().map(Vec::as_slice))
 }
 
-/// The climb with as much error of odometry as the marginal likelihood prefers.
+/// The climb with that of these errors of odometry which the marginal likelihood prefers.
 fn chosen<'a>(
     problem: DriveProblem<'a>,
     start: Top<DrivePoint>,
-    odometry: PathError,
+    errors: &[PathError],
     watch: &dyn Watch,
 ) -> Result<(DriveProblem<'a>, Top<DrivePoint>), MapError> {
     let mut best: Option<(f64, DriveProblem<'a>, Top<DrivePoint>)> = None;
-    for factor in FACTORS {
-        let prior = Odometry { error: odometry.times(factor), ..problem.odometry };
+    for &error in errors {
+        let prior = Odometry { error, ..problem.odometry };
         let tried = DriveProblem { odometry: prior, ..problem.clone() };
         let top = climb(&tried, start.point.clone(), STEPS, LEAST_GAIN, watch)?;
         let Some(curvature) = &top.curvature else { continue };

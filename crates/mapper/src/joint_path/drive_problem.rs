@@ -101,7 +101,8 @@ impl Hill for DriveProblem<'_> {
     type Point = DrivePoint;
 
     fn value(&self, at: &DrivePoint) -> f64 {
-        let of_range = |error_m: f64| self.law.density(error_m).log_density;
+        let law = self.law.prepared();
+        let of_range = |error_m: f64| law.log_density(error_m);
         let mut value: f64 = self.worth * self.errors_m(at).into_iter().map(of_range).sum::<f64>();
         value += self.odometry.value(&at.poses, &at.border);
         for (entry, mean, deviation) in self.priors() {
@@ -112,9 +113,10 @@ impl Hill for DriveProblem<'_> {
 
     fn system(&self, at: &DrivePoint) -> ChainSystem {
         let mut system = ChainSystem::zeros(at.poses.len(), at.border.len());
+        let law = self.law.prepared();
         for range in self.ranges {
             let (apart, distance_m) = self.apart(range, at);
-            let density = self.law.density(self.error_m(range, distance_m, &at.border));
+            let density = law.density(self.error_m(range, distance_m, &at.border));
             let longer = (1.0 + at.border[self.shared(SCALE)]) / distance_m;
             let (sin, cos) = libm::sincos(at.poses[range.pose][2]);
             let [x, y] = range.offset;

@@ -8,7 +8,7 @@ use super::PathError;
 use super::drive::{EstimatedPath, by_ranges};
 use super::packet_path::{PacketNodes, by_packets};
 use crate::error::MapError;
-use crate::range_ml::{RangeMl, RangeMlConfig};
+use crate::range_ml::{NodeBias, RangeMl, RangeMlConfig};
 
 /// What the nodes that were left out gain by a corrected path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,18 +66,18 @@ pub fn estimate_path(
 ) -> Result<EstimatedPath, MapError> {
     if log.ranges().is_empty() {
         let nodes = PacketNodes::of(log)?;
-        let whole = by_packets(log, &nodes, odometry, watch)?;
+        let whole = by_packets(log, &nodes, odometry, None, watch)?;
         let halves = nodes.halves();
         let mut gains = Vec::new();
         for (own, other) in [(&halves[0], &halves[1]), (&halves[1], &halves[0])] {
-            let path = by_packets(log, own, odometry, watch)?;
+            let path = by_packets(log, own, odometry, Some(whole.fit.odometry), watch)?;
             let corrected = other.evidences(log, Some(&path), watch)?;
             let believed = other.evidences(log, None, watch)?;
             gains.extend(corrected.into_iter().zip(believed).map(|(corrected, believed)| corrected - believed));
         }
         return Ok(whole.held_to(Some(HeldOut::of_nodes(&gains))));
     }
-    let whole = by_ranges(log, odometry, known, watch)?;
+    let whole = by_ranges(log, odometry, known, None, watch)?;
     let nodes = whole.nodes(log);
     let unknown: Vec<NodeId> =
         nodes.into_iter().filter(|node| !known.iter().any(|(known, _)| known == node)).collect();
@@ -87,7 +87,7 @@ pub fn estimate_path(
     for fold in 0..folds {
         let is_left_out = |node| unknown.iter().position(|other| *other == node).is_some_and(|at| at % folds == fold);
         let own = with_ranges_of(log, |node| !is_left_out(node));
-        if let Ok(path) = by_ranges(&own, odometry, known, watch) {
+        if let Ok(path) = by_ranges(&own, odometry, known, Some(whole.fit.odometry), watch) {
             gains.extend(range_gain(&with_ranges_of(log, is_left_out), &path, watch)?);
         }
         watch.check()?;
@@ -104,7 +104,9 @@ fn with_ranges_of(log: &ReceptionLog, holds: impl Fn(NodeId) -> bool) -> Recepti
 /// How much more probable the ranges of `log` are on `path` than on the believed one, with places and laws that suit each best;
 /// `None` if they place no node.
 fn range_gain(log: &ReceptionLog, path: &EstimatedPath, watch: &dyn Watch) -> Result<Option<f64>, MapError> {
-    let by_ranges = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
+    // Of one node, its own bias and that of all ranges are one.
+    let config = RangeMlConfig { bias: NodeBias::Common, ..RangeMlConfig::default() };
+    let by_ranges = RangeMl::try_from(config).expect("the defaults are valid");
     let (_, believed) = by_ranges.map(log, watch)?;
     let (_, corrected) = by_ranges.map(&path.log(log), watch)?;
     let (Some(believed), Some(corrected)) = (believed, corrected) else { return Ok(None) };

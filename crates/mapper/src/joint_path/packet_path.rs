@@ -18,7 +18,7 @@ use crate::log_facts::reach::{HeardNode, heard_nodes, reach_m};
 const MOST_NODES: usize = 150;
 /// Steps of a climb between new grids.
 const STEPS: u32 = 6;
-const LEAST_GAIN: f64 = 1e-2;
+const LEAST_GAIN: f64 = 0.05;
 /// Rounds in which only scale and drift are free, then those with all of the path, and the last ones with what the evidence chose.
 const STIFF_ROUNDS: u32 = 4;
 const ROUNDS: u32 = 10;
@@ -121,11 +121,12 @@ impl PacketDrive {
     }
 }
 
-/// Estimates the path from packets: see [`super::estimate_path`].
+/// Estimates the path from packets: see [`super::estimate_path`]. At last, odometry is as wrong as the evidence says, or by `sure`.
 pub(super) fn by_packets(
     log: &ReceptionLog,
     nodes: &PacketNodes,
     error: PathError,
+    sure: Option<PathError>,
     watch: &dyn Watch,
 ) -> Result<EstimatedPath, MapError> {
     let drive = PacketDrive::of(log);
@@ -150,23 +151,9 @@ pub(super) fn by_packets(
             break;
         }
     }
-    let mut best: Option<(f64, PathError, PacketPoint)> = None;
-    for factor in FACTORS {
-        let tried = error.times(factor);
-        let Climbed { top, log_evidence } = search.climbed(tried, 4 * STEPS, watch)?;
-        if let Some(log_evidence) = log_evidence
-            && best.as_ref().is_none_or(|(best, ..)| log_evidence > *best)
-        {
-            best = Some((log_evidence, tried, top.point));
-        }
-        watch.advance(1);
-    }
-    let chosen = match best {
-        Some((_, chosen, point)) => {
-            search.point = point;
-            chosen
-        }
-        None => error,
+    let chosen = match sure {
+        Some(error) => error,
+        None => search.chosen(error, watch)?,
     };
     let mut settled = false;
     for _ in 0..LAST_ROUNDS {
@@ -320,6 +307,25 @@ impl<'a> Search<'a> {
             top.value + problem.odometry.log_widths() - 0.5 * (curvature.log_determinant - of_nodes)
         });
         Ok(Climbed { top, log_evidence })
+    }
+
+    /// Takes the path with as much error of odometry as the marginal likelihood prefers, and returns that.
+    fn chosen(&mut self, error: PathError, watch: &dyn Watch) -> Result<PathError, MapError> {
+        let mut best: Option<(f64, PathError, PacketPoint)> = None;
+        for factor in FACTORS {
+            let tried = error.times(factor);
+            let Climbed { top, log_evidence } = self.climbed(tried, 2 * STEPS, watch)?;
+            if let Some(log_evidence) = log_evidence
+                && best.as_ref().is_none_or(|(best, ..)| log_evidence > *best)
+            {
+                best = Some((log_evidence, tried, top.point));
+            }
+            watch.advance(1);
+        }
+        Ok(best.map_or(error, |(_, chosen, point)| {
+            self.point = point;
+            chosen
+        }))
     }
 
     /// Shrinks path and curve by what the path grew. Packets know no scale: a larger world with a curve that reaches farther is heard

@@ -89,9 +89,10 @@ impl ReceptionCurve {
         Self::of(self.step_m / factor, self.shares.clone())
     }
 
-    /// The distance at which it ends (m); beyond, nothing changes any more.
+    /// A distance beyond which the curve tells nothing: it is at its least (m).
     pub(super) fn end_m(&self) -> f64 {
-        self.step_m * (self.shares.len() - 1) as f64
+        let last = self.shares.iter().rposition(|&share| share > 1.5 * LIMITS[0]).unwrap_or(0);
+        self.step_m * (last + 1).min(self.shares.len() - 1) as f64
     }
 
     /// The step at a distance, and how far from its beginning the distance is (m).

@@ -111,7 +111,8 @@ impl Hill for TrackProblem<'_> {
     type Point = TrackPoint;
 
     fn value(&self, at: &TrackPoint) -> f64 {
-        let of_range = |error_m: f64| self.law.density(error_m).log_density;
+        let law = self.law.prepared();
+        let of_range = |error_m: f64| law.log_density(error_m);
         let mut value: f64 = self.worth * self.errors_m(at).into_iter().map(of_range).sum::<f64>();
         for (pair, &step_s) in at.states.windows(2).zip(self.steps_s) {
             for axis in 0..2 {
@@ -131,9 +132,10 @@ impl Hill for TrackProblem<'_> {
 
     fn system(&self, at: &TrackPoint) -> ChainSystem {
         let mut system = ChainSystem::zeros(at.states.len(), at.border.len());
+        let law = self.law.prepared();
         for range in self.ranges {
             let (apart, distance_m) = self.apart(range, at);
-            let density = self.law.density(self.error_m(range, distance_m, &at.border));
+            let density = law.density(self.error_m(range, distance_m, &at.border));
             let longer = (1.0 + at.border[self.shared(SCALE)]) / distance_m;
             let [x, y] = [longer * apart[0], longer * apart[1]];
             let by_state = Vector4::new(x, y, x * range.after_s, y * range.after_s);

@@ -14,10 +14,10 @@ pub(crate) fn of_errors(errors_m: &[f64]) -> RangeErrorLaw {
     const STEPS: u32 = 60;
     let (mean, deviation) = prior();
     let (mean, precision) = (Vector4::from(mean), Vector4::from(deviation.map(|deviation| deviation.powi(-2))));
-    let law = |at: &Vector4<f64>| RangeErrorLaw::of((*at).into());
+    let law = |at: &Vector4<f64>| RangeErrorLaw::of((*at).into()).prepared();
     let value = |at: &Vector4<f64>| -> f64 {
         let law = law(at);
-        let likelihood: f64 = errors_m.iter().map(|&error_m| law.density(error_m).log_density).sum();
+        let likelihood: f64 = errors_m.iter().map(|&error_m| law.log_density(error_m)).sum();
         likelihood - 0.5 * precision.dot(&(at - mean).component_mul(&(at - mean)))
     };
     let (mut at, mut damping) = (mean, 1e-3);
@@ -49,7 +49,7 @@ pub(crate) fn of_errors(errors_m: &[f64]) -> RangeErrorLaw {
             break;
         }
     }
-    law(&at)
+    RangeErrorLaw::of(at.into())
 }
 
 /// How many of a series of errors have the information of one independent one: their autocorrelation time, at least 1. Each list

@@ -5,11 +5,13 @@ use std::f64::consts::FRAC_PI_4;
 use nalgebra::Matrix2;
 
 use super::groups::{RangeGroup, median};
-use super::problem::{HeightPrior, NodeMode, NodeState, Problem, Shared};
+use super::problem::{Effort, HeightPrior, NodeMode, NodeState, Problem, Shared};
 use crate::comparators::lateration::{Range, refine};
 
 /// Two places that are closer than this share of the usual range are one.
 const SAME: f64 = 0.02;
+/// A mode that is seen from afar is left out if it is less probable than the best by this and this for each group (nats).
+const HOPELESS: [f64; 2] = [20.0, 0.25];
 /// Above and below the height that is most likely, the search begins this far off (m).
 const ABOVE_M: f64 = 0.3;
 
@@ -64,17 +66,29 @@ pub(super) fn settled(problem: &Problem<'_>, number: usize, shared: &Shared, sta
 fn settle(problem: &Problem<'_>, number: usize, shared: &Shared, starts: &[NodeState], found: &mut Vec<NodeMode>) {
     let groups = problem.groups.of_node(number);
     let usual_m = median(&mut groups.iter().map(|group| group.range_m.abs()).collect::<Vec<_>>());
-    for &start in starts {
-        let Some(mode) = problem.settle_node(number, start, shared) else { continue };
-        if !mode.state.iter().all(|value| value.is_finite()) || !problem.heights.allows(mode.state[2]) {
-            continue;
-        }
+    let is_told =
+        |mode: &NodeMode| mode.state.iter().all(|value| value.is_finite()) && problem.heights.allows(mode.state[2]);
+    let add = |found: &mut Vec<NodeMode>, mode: NodeMode| {
         let is_same =
             |other: &NodeMode| (other.state - mode.state).fixed_rows::<3>(0).norm() <= SAME * (usual_m + 1.0);
         match found.iter_mut().find(|other| is_same(other)) {
             Some(other) if other.log_evidence < mode.log_evidence => *other = mode,
             Some(_) => {}
             None => found.push(mode),
+        }
+    };
+    // Most starts lead to the same few modes.
+    let mut seen = Vec::new();
+    for &start in starts {
+        if let Some(mode) = problem.settle_node(number, start, shared, Effort::Look).filter(is_told) {
+            add(&mut seen, mode);
+        }
+    }
+    let best = seen.iter().map(|mode| mode.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let least = best - HOPELESS[0] - HOPELESS[1] * problem.worth * groups.len() as f64;
+    for mode in seen.into_iter().filter(|mode| mode.log_evidence >= least) {
+        if let Some(mode) = problem.settle_node(number, mode.state, shared, Effort::Settle).filter(is_told) {
+            add(found, mode);
         }
     }
     found.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));

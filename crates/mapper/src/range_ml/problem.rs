@@ -144,18 +144,18 @@ impl Problem<'_> {
 
     /// The mean logarithm of the density of the errors of all groups (per m).
     pub(super) fn mean_log_density(&self, point: &Point) -> f64 {
-        let law = point.errors();
+        let law = point.errors().prepared();
         let of_node = |(number, node): (usize, &NodeState)| -> f64 {
             let error_m = |group: &RangeGroup| Residual::of(group, node, &point.shared).error_m;
-            self.groups.of_node(number).iter().map(|group| law.density(error_m(group)).log_density).sum()
+            self.groups.of_node(number).iter().map(|group| law.log_density(error_m(group))).sum()
         };
         point.nodes.iter().enumerate().map(of_node).sum::<f64>() / self.groups.len() as f64
     }
 
     /// The logarithm of the posterior of one node given the rest.
     pub(super) fn node_value(&self, number: usize, node: &NodeState, shared: &Shared) -> f64 {
-        let law = errors(shared);
-        let of_group = |group: &RangeGroup| law.density(Residual::of(group, node, shared).error_m).log_density;
+        let law = errors(shared).prepared();
+        let of_group = |group: &RangeGroup| law.log_density(Residual::of(group, node, shared).error_m);
         let likelihood: f64 = self.groups.of_node(number).iter().map(of_group).sum();
         self.worth * likelihood + self.node_prior(node)
     }
@@ -171,7 +171,7 @@ impl Problem<'_> {
     /// Slopes by the state of one node. The curvature is the sum of the squared slopes of single groups (Berndt et al. 1974),
     /// which needs no second derivative and is never negative.
     fn node_slopes(&self, number: usize, node: &NodeState, shared: &Shared) -> NodeSlopes {
-        let law = errors(shared);
+        let law = errors(shared).prepared();
         let mut found = NodeSlopes {
             value: 0.0,
             slope: Vector4::zeros(),
@@ -234,20 +234,28 @@ impl Problem<'_> {
 
     /// The likeliest state of one node near `start` with a given law, and the logarithm of the probability of the mode; `None` if
     /// the ranges do not tell a place there.
-    pub(super) fn settle_node(&self, number: usize, start: NodeState, shared: &Shared) -> Option<NodeMode> {
-        const STEPS: u32 = 100;
+    pub(super) fn settle_node(
+        &self,
+        number: usize,
+        start: NodeState,
+        shared: &Shared,
+        effort: Effort,
+    ) -> Option<NodeMode> {
+        let (steps, least_gain) = match effort {
+            Effort::Look => (25, 0.05),
+            Effort::Settle => (100, 1e-5),
+        };
         let (mut state, mut damping) = (start, 1e-3);
         let mut slopes = self.node_slopes(number, &state, shared);
-        for _ in 0..STEPS {
+        for _ in 0..steps {
             let damped = damp(slopes.curvature, damping);
             let step = damped.cholesky()?.solve(&slopes.slope);
             let next = state + step;
-            let reached = self.node_slopes(number, &next, shared);
-            let gain = reached.value - slopes.value;
+            let gain = self.node_value(number, &next, shared) - slopes.value;
             if gain > 0.0 {
-                (state, slopes) = (next, reached);
+                (state, slopes) = (next, self.node_slopes(number, &next, shared));
                 damping = (damping * 0.2).max(1e-9);
-                if gain < 1e-6 {
+                if gain < least_gain {
                     break;
                 }
             } else {
@@ -262,6 +270,15 @@ impl Problem<'_> {
         let covariance = factor.inverse();
         Some(NodeMode { state, log_evidence: slopes.value - 0.5 * log_determinant, covariance })
     }
+}
+
+/// How far a mode is climbed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Effort {
+    /// Near enough to tell which mode it is.
+    Look,
+    /// To its top.
+    Settle,
 }
 
 /// A place of a node that is likelier than those around it.
