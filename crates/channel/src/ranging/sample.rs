@@ -38,7 +38,8 @@ impl RangeSamples {
             let name = names.get(sample.node.index());
             let name = name.ok_or(LogError::UnknownNode { node: sample.node.0, nodes: names.len() })?;
             let is_place = sample.position.is_within_reason() && sample.velocity.is_within_reason();
-            if !is_place || !(sample.range_m.abs() <= Self::LONGEST_M) {
+            let is_range = sample.range_m.abs() <= Self::LONGEST_M;
+            if !is_place || !is_range {
                 return Err(LogError::RangeNotFinite { node: name.clone(), range_m: sample.range_m });
             }
         }

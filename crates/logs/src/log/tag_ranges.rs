@@ -1,7 +1,7 @@
 //! Ranges between moving tags and fixed receivers: `ranges.csv` without a path.
 
 use std::collections::BTreeMap;
-use std::path::{Path as FilePath, PathBuf};
+use std::path::Path as FilePath;
 
 use sextant_channel::Position;
 use sextant_kernel::text::{counted, listed};
@@ -47,7 +47,7 @@ pub fn read_tag_ranges(
 }
 
 fn read_table(
-    file: &PathBuf,
+    file: &FilePath,
     known: &BTreeMap<String, Position>,
     form: &FormOptions,
 ) -> Result<TagRanges, RobotLogError> {
@@ -55,7 +55,7 @@ fn read_table(
     let optional = [&instant::COLUMNS[..], &["tag", "range_m", "range_cm", "range_mm"]].concat();
     let columns =
         KnownColumns { required: &["node"], optional: &optional, names: &written.names, others: Others::Ignored };
-    let table = Table::open_known(file.as_path(), columns)?;
+    let table = Table::open_known(file, columns)?;
     let mut found = TagRanges { notes: table.ignored().into_iter().collect(), ..TagRanges::default() };
     let name = table.name();
     let (range, unit) = range_column(&table)?;

@@ -85,10 +85,8 @@ impl EstimatedPath {
             }
             poses.select_nth_unstable_by(near - 1, |a, b| a.0.total_cmp(&b.0));
             for &(_, pose) in &poses[..near] {
-                for row in 0..2 {
-                    for column in 0..2 {
-                        covariance[row][column] += self.poses[pose].covariance[row][column] / near as f64;
-                    }
+                for (row, of_pose) in covariance.iter_mut().zip(self.poses[pose].covariance) {
+                    row.iter_mut().zip(of_pose).for_each(|(entry, of_pose)| *entry += of_pose / near as f64);
                 }
             }
         }

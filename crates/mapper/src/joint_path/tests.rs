@@ -21,7 +21,7 @@ fn drive(drift_rad_per_m: f64) -> Vec<([f64; 2], [f64; 2])> {
     for leg in corners.windows(2) {
         let by = [leg[1][0] - leg[0][0], leg[1][1] - leg[0][1]];
         let steps = (libm::hypot(by[0], by[1]) / 0.5).round();
-        for _ in 0..steps as u32 {
+        for _ in 0..crate::numerics::whole(steps) {
             let (truth, believed) = found[found.len() - 1];
             let step = by.map(|along| along / steps);
             let (sin, cos) = libm::sincos(turn);

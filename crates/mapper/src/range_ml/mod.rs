@@ -242,8 +242,8 @@ mod tests {
         for leg in corners.windows(2) {
             let length_m = leg[0].distance_m(leg[1]);
             let velocity = (leg[1] - leg[0]) * (1.0 / length_m);
-            for step in 0..(4.0 * length_m) as u32 {
-                let along_m = 0.25 * f64::from(step);
+            for step in 0..crate::numerics::whole(4.0 * length_m) {
+                let along_m = 0.25 * step as f64;
                 let position = leg[0] + velocity * along_m;
                 for (node, &place) in nodes.iter().enumerate() {
                     let draw = |which| Seed(4).uniform(Purpose::new(8), [samples.len() as u64, which, 0]);
@@ -253,7 +253,7 @@ mod tests {
                     let measured_from = position - velocity * errors.delay_s;
                     let distance_m = measured_from.distance_m(place);
                     let range_m = (1.0 + errors.scale) * distance_m + errors.bias_m + noise + late + wild;
-                    let time = SimTime::from_nanos(((time_s + along_m) * 1e9) as u64);
+                    let time = SimTime::from_nanos(crate::numerics::whole((time_s + along_m) * 1e9) as u64);
                     let node = NodeId::from_index(node);
                     samples.push(RangeSample { node, robot: RobotId(0), time, position, velocity, range_m });
                 }
