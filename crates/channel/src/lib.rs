@@ -86,8 +86,7 @@ pub use propagation::path_loss::{CloseInConfig, DistanceLoss, LogDistance, LogDi
 pub use propagation::reflection::{Polarisation, Ray, ReflectionsConfig, angles_rad};
 pub use propagation::shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
 pub use ranging::law::{PreparedRangeErrorLaw, RangeErrorDensity, RangeErrorLaw, RangeErrorShares};
-pub use ranging::sample::RangeSample;
 pub use reception::{
-    Contact, Drive, HeardAtStop, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder,
-    Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop, StopLog,
+    Contact, Drive, HeardAtStop, LogError, NetworkLog, NetworkLogs, RangeSample, Reception, ReceptionLog,
+    ReceptionLogBuilder, Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop, StopLog,
 };

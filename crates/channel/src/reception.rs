@@ -6,6 +6,7 @@ mod drive;
 mod heard_at_stop;
 mod log_error;
 mod network_logs;
+mod range_samples;
 mod sector_snrs;
 mod view;
 
@@ -16,13 +17,14 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use crate::antenna::sector_table::SectorTable;
 use crate::geometry::position::Position;
-use crate::ranging::sample::{RangeSample, RangeSamples};
 pub use builder::ReceptionLogBuilder;
 use columns::ReceptionColumns;
 pub use drive::Drive;
 pub use heard_at_stop::{HeardAtStop, StopLog};
 pub use log_error::LogError;
 pub use network_logs::{NetworkLog, NetworkLogs};
+pub use range_samples::RangeSample;
+use range_samples::RangeSamples;
 use sector_snrs::SectorSnrs;
 pub use sector_snrs::{SectorReport, SectorSnr};
 pub use view::{Receptions, ReceptionsIter};

@@ -12,8 +12,8 @@ use crate::error::MapError;
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
 use crate::parts::{LogParts, PartEstimator, PartsError, map_parts};
+use crate::posterior::Concern;
 use crate::profile::{ProfileConfig, ReceptionProfile};
-use crate::range_ml::RangeMl;
 use crate::ranging::RangingConfig;
 use crate::surface::Surface;
 use crate::survey_frame::{Axes, Survey, in_survey};
@@ -99,7 +99,7 @@ pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
     }
 
     /// How it places nodes whose distances were measured, if by other evidence than its own.
-    fn by_ranges(&self) -> Option<&RangeMl> {
+    fn by_ranges(&self) -> Option<&Mapper> {
         None
     }
 
@@ -179,13 +179,29 @@ impl Mapper {
             Axes::Log => self.0.estimate(&knowledge, watch),
             Axes::Survey => estimate_in_survey(&*self.0, &knowledge, watch),
         }?;
-        let Some(by_ranges) = self.0.by_ranges() else { return Ok((map, learned)) };
-        let ranges = by_ranges.join(&mut map, knowledge.log, watch)?;
+        let Some(by_ranges) = self.0.by_ranges().filter(|_| !knowledge.log.ranges().is_empty()) else {
+            return Ok((map, learned));
+        };
+        let (of_ranges, ranges) = by_ranges.map_and_learn(knowledge, watch)?;
+        take_places(&mut map, of_ranges);
         let learned = match (learned, ranges) {
-            (Some(learned), Some(ranges)) => Some(learned.with_ranges(ranges)),
-            (learned, ranges) => learned.or(ranges.map(EstimatorFindings::new)),
+            (Some(learned), Some(ranges)) => Some(learned.and(ranges)),
+            (learned, ranges) => learned.or(ranges),
         };
         Ok((map, learned))
+    }
+}
+
+/// Puts the places of nodes that have ranges into a map of the same log by other evidence. A node whose ranges leave two places or
+/// none stays where the map has it, if it has it.
+fn take_places(map: &mut TopologyMap, of_ranges: TopologyMap) {
+    for (place, of_ranges) in map.estimates.iter_mut().zip(of_ranges.estimates) {
+        let is_told = of_ranges
+            .as_ref()
+            .is_some_and(|estimate| !matches!(estimate.concern, Some(Concern::NoEvidence | Concern::TwoPlaces)));
+        if is_told || place.is_none() {
+            *place = of_ranges.or(place.take());
+        }
     }
 }
 

@@ -9,8 +9,6 @@ use sextant_kernel::text::counted;
 
 use crate::absorption::AbsorptionMap;
 use crate::comparable::Comparable;
-use crate::joint_path::PathFit;
-use crate::range_ml::RangeFit;
 use crate::survey_frame::SurveyFrame;
 use crate::topology_map::TopologyMap;
 
@@ -71,35 +69,33 @@ pub struct StaticShadowing {
 #[derive(Clone, Debug)]
 pub struct EstimatorFindings {
     of: Arc<dyn Finding>,
-    /// The law of measured ranges, if some nodes were placed by them and others by other evidence.
-    ranges: Option<RangeFit>,
-    /// The path that was estimated with the map.
-    path: Option<PathFit>,
+    /// What was learned besides: of the ranges by which some nodes were placed, of the path.
+    others: Vec<Arc<dyn Finding>>,
 }
 
 impl EstimatorFindings {
     /// `finding` was learned.
     #[must_use]
     pub fn new(finding: impl Finding) -> Self {
-        Self { of: Arc::new(finding), ranges: None, path: None }
+        Self { of: Arc::new(finding), others: Vec::new() }
     }
 
-    /// The same, and the law of the ranges by which some nodes were placed.
+    /// The same, and what `others` are.
     #[must_use]
-    pub(crate) fn with_ranges(self, ranges: RangeFit) -> Self {
-        Self { ranges: Some(ranges), ..self }
+    pub(crate) fn and(mut self, others: Self) -> Self {
+        self.others.push(others.of);
+        self.others.extend(others.others);
+        self
     }
 
-    /// The same, and the path that was estimated with the map.
+    /// The finding, if one of this type was learned: a [`Fit`](crate::Fit), a [`Calibration`](crate::Calibration) or another.
     #[must_use]
-    pub(crate) fn with_path(self, path: PathFit) -> Self {
-        Self { path: Some(path), ..self }
-    }
-
-    /// The law of measured ranges, if nodes were placed by them.
-    #[must_use]
-    pub fn ranges(&self) -> Option<&RangeFit> {
-        self.ranges.as_ref().or_else(|| self.get())
+    pub fn get<T: Finding>(&self) -> Option<&T> {
+        let mut all = std::iter::once(&self.of).chain(&self.others);
+        all.find_map(|finding| {
+            let finding: &dyn Any = &**finding;
+            finding.downcast_ref()
+        })
     }
 
     /// Its keys in the summary of `map`, in their order.
@@ -107,8 +103,7 @@ impl EstimatorFindings {
     #[must_use]
     pub fn keys(&self, map: &TopologyMap) -> serde_json::Map<String, serde_json::Value> {
         let mut keys = self.of.keys(map);
-        keys.extend(self.ranges.iter().flat_map(|ranges| ranges.keys(map)));
-        keys.extend(self.path.iter().flat_map(|path| path.keys(map)));
+        keys.extend(self.others.iter().flat_map(|other| other.keys(map)));
         keys
     }
 
@@ -116,22 +111,17 @@ impl EstimatorFindings {
     #[must_use]
     pub fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
         let mut lines = self.of.lines(name, map);
-        lines.extend(self.ranges.iter().flat_map(|ranges| ranges.lines(name, map)));
-        lines.extend(self.path.iter().flat_map(|path| path.lines(name, map)));
+        lines.extend(self.others.iter().flat_map(|other| other.lines(name, map)));
         lines
-    }
-
-    /// The finding, if it is of this type: a [`Fit`](crate::Fit), a [`Calibration`](crate::Calibration) or another.
-    #[must_use]
-    pub fn get<T: Finding>(&self) -> Option<&T> {
-        let finding: &dyn Any = &*self.of;
-        finding.downcast_ref()
     }
 }
 
 impl PartialEq for EstimatorFindings {
     fn eq(&self, other: &Self) -> bool {
-        (*self.of).is_same(&*other.of) && self.ranges == other.ranges && self.path == other.path
+        let is_same = |(one, other): (&Arc<dyn Finding>, &Arc<dyn Finding>)| (**one).is_same(&**other);
+        is_same((&self.of, &other.of))
+            && self.others.len() == other.others.len()
+            && self.others.iter().zip(&other.others).all(is_same)
     }
 }
 

@@ -1,4 +1,3 @@
 //! Distances that devices measure, by how long signals take: ultra-wideband, Wi-Fi round-trip times.
 
 pub(crate) mod law;
-pub(crate) mod sample;

@@ -33,7 +33,7 @@ use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::pattern::{PatternFit, PatternMap};
 use crate::posterior::{EstimateKind, PlacePrior};
 use crate::profile::{FittedConfig, ProfileConfig};
-use crate::range_ml::{RangeMl, RangeMlConfig};
+use crate::range_ml::RangeMlConfig;
 use crate::self_calibrated::{Calibration, SelfCalibrated, SelfCalibratedConfig};
 use crate::survey_frame::Axes;
 use crate::topology_map::TopologyMap;
@@ -67,7 +67,7 @@ impl Default for AutoConfig {
 /// of the link model are joined with other [`Opinions`], which know no law of radio. A log with too few stops or nodes for folds
 /// is mapped by the link model. Where the log knows the measured gains of the sectors in which nodes were heard, a map by these
 /// is another estimator of independent packets, and the first one. Nodes whose distances were measured are placed by these
-/// ([`RangeMl`]).
+/// ([`RangeMl`](crate::RangeMl)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Auto {
     rssi: bool,
@@ -76,7 +76,7 @@ pub struct Auto {
     /// Its grid suits no log yet.
     fitted: FittedMlTm,
     self_calibrated: SelfCalibrated,
-    by_ranges: RangeMl,
+    by_ranges: Mapper,
 }
 
 /// What was learned about a log and its estimators.
@@ -339,7 +339,7 @@ impl TryFrom<AutoConfig> for Auto {
                 z_range_m,
                 ..SelfCalibratedConfig::default()
             })?,
-            by_ranges: RangeMl::try_from(RangeMlConfig { z_range_m, ..RangeMlConfig::default() })?,
+            by_ranges: RangeMlConfig { z_range_m, ..RangeMlConfig::default() }.mapper()?,
         })
     }
 }
@@ -361,7 +361,7 @@ impl Estimator for Auto {
         AutoConfig::USES_PRIOR
     }
 
-    fn by_ranges(&self) -> Option<&RangeMl> {
+    fn by_ranges(&self) -> Option<&Mapper> {
         Some(&self.by_ranges)
     }
 

@@ -131,9 +131,10 @@ impl Estimator for OnEstimatedPath {
         let log = path.log(knowledge.log);
         let (mut map, learned) = self.inner.map_and_learn(Knowledge { log: &log, ..*knowledge }, watch)?;
         path.widen(&mut map);
+        let of_path = EstimatorFindings::new(path.fit);
         let learned = match learned {
-            Some(learned) => learned.with_path(path.fit),
-            None => EstimatorFindings::new(path.fit),
+            Some(learned) => learned.and(of_path),
+            None => of_path,
         };
         Ok((map, Some(learned)))
     }

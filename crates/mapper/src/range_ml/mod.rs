@@ -23,7 +23,6 @@ use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
 use crate::log_facts::heights::check_z_range;
-use crate::posterior::Concern;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Maximum likelihood on ranges as written in a scenario.
@@ -111,26 +110,6 @@ impl RangeMl {
             map.estimates[node.index()] = Some(estimate);
         }
         Ok((map, Some(fit)))
-    }
-
-    /// Puts the places of nodes that have ranges into a map of the same log by other evidence. A node whose ranges leave two places
-    /// or none stays where the map has it, if it has it.
-    pub(crate) fn join(
-        &self,
-        map: &mut TopologyMap,
-        log: &ReceptionLog,
-        watch: &dyn Watch,
-    ) -> Result<Option<RangeFit>, MapError> {
-        let (by_ranges, fit) = self.map(log, watch)?;
-        for (place, by_ranges) in map.estimates.iter_mut().zip(by_ranges.estimates) {
-            let is_told = by_ranges
-                .as_ref()
-                .is_some_and(|estimate| !matches!(estimate.concern, Some(Concern::NoEvidence | Concern::TwoPlaces)));
-            if is_told || place.is_none() {
-                *place = by_ranges.or(place.take());
-            }
-        }
-        Ok(fit)
     }
 
     /// Where nodes are sought above and below: at the height of a level path; `None` without ranges.
@@ -223,6 +202,7 @@ mod tests {
     use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 
     use super::*;
+    use crate::posterior::Concern;
 
     /// How ranges are wrong.
     #[derive(Clone, Copy, Default)]

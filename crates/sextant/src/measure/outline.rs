@@ -2,7 +2,7 @@
 
 use sextant_kernel::NodeId;
 use sextant_mapper::{
-    Concern, EstimatorFindings, HeightReason, KnowledgeKind, PositionError, SoughtHeights, TopologyMap,
+    Concern, EstimatorFindings, HeightReason, KnowledgeKind, PositionError, RangeFit, SoughtHeights, TopologyMap,
 };
 
 use super::subject::Subject;
@@ -46,7 +46,7 @@ pub(crate) fn outline(
 /// What a map used: what its estimator uses, and ranges where nodes were placed by them.
 fn knowledge(subject: &Subject<'_>, learned: Option<&EstimatorFindings>) -> Vec<KnowledgeKind> {
     let mut knowledge = subject.knowledge.to_vec();
-    let has_ranges = learned.is_some_and(|learned| learned.ranges().is_some());
+    let has_ranges = learned.is_some_and(|learned| learned.get::<RangeFit>().is_some());
     if has_ranges && !knowledge.contains(&KnowledgeKind::RobotRanges) {
         knowledge.push(KnowledgeKind::RobotRanges);
     }

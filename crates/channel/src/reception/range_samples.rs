@@ -2,8 +2,8 @@
 
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
+use super::LogError;
 use crate::geometry::position::Position;
-use crate::reception::LogError;
 
 /// A distance to a node that a robot measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct RangeSample {
 
 /// The ranges of a log by node, each node's in the order in which they were measured.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct RangeSamples {
+pub(super) struct RangeSamples {
     samples: Vec<RangeSample>,
 }
 
@@ -33,7 +33,7 @@ impl RangeSamples {
     const LONGEST_M: f64 = 1e7;
 
     /// The ranges `samples` to nodes called `names`; those of a node keep their order.
-    pub(crate) fn new(names: &[String], mut samples: Vec<RangeSample>) -> Result<Self, LogError> {
+    pub(super) fn new(names: &[String], mut samples: Vec<RangeSample>) -> Result<Self, LogError> {
         for sample in &samples {
             let name = names.get(sample.node.index());
             let name = name.ok_or(LogError::UnknownNode { node: sample.node.0, nodes: names.len() })?;
@@ -47,19 +47,19 @@ impl RangeSamples {
         Ok(Self { samples })
     }
 
-    pub(crate) fn all(&self) -> &[RangeSample] {
+    pub(super) fn all(&self) -> &[RangeSample] {
         &self.samples
     }
 
     /// Those of one node.
-    pub(crate) fn of(&self, node: NodeId) -> &[RangeSample] {
+    pub(super) fn of(&self, node: NodeId) -> &[RangeSample] {
         let from = self.samples.partition_point(|sample| sample.node < node);
         let to = self.samples.partition_point(|sample| sample.node <= node);
         &self.samples[from..to]
     }
 
     /// The same at other places, in a frame that is turned by so much there (rad).
-    pub(crate) fn placed_again(&self, place: impl Fn(RobotId, SimTime, Position) -> (Position, f64)) -> Self {
+    pub(super) fn placed_again(&self, place: impl Fn(RobotId, SimTime, Position) -> (Position, f64)) -> Self {
         let moved = |sample: &RangeSample| {
             let (position, turn_rad) = place(sample.robot, sample.time, sample.position);
             let (sin, cos) = libm::sincos(turn_rad);
@@ -71,7 +71,7 @@ impl RangeSamples {
     }
 
     /// Those that were measured before `time`.
-    pub(crate) fn until(&self, time: SimTime) -> Self {
+    pub(super) fn until(&self, time: SimTime) -> Self {
         Self { samples: self.samples.iter().filter(|sample| sample.time < time).copied().collect() }
     }
 }
