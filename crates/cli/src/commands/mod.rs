@@ -26,7 +26,6 @@ mod schema;
 mod slurm_flags;
 mod spoken;
 mod sweep;
-mod track;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -122,7 +122,7 @@ fn odometry_is_corrected_by_ranges_and_a_right_path_is_left_alone() {
         (&["--estimate-path", "--path-error", "scale=9"][..], "allowed: KEY=NUMBER from 0 to 1"),
         (&["--path-out", "a.csv"], "--estimate-path"),
         (&["--estimate-path", "--path-out", "path.csv"], "an output never replaces an input"),
-        (&["--estimate-path", "--tiles", "2"], "tiles"),
+        (&["--estimate-path", "--tiles", "2"], "tile by tile"),
     ] {
         let refused = refusal(&run(&right, arguments));
         assert!(refused.contains(problem), "{refused}");

@@ -7,44 +7,12 @@ use sextant_kernel::{NodeId, Watch};
 use super::PathError;
 use super::drive::{EstimatedPath, by_ranges};
 use super::packet_path::{PacketNodes, by_packets};
+use super::report::HeldOut;
 use crate::error::MapError;
 use crate::range_ml::{NodeBias, RangeMl, RangeMlConfig};
 
-/// What the nodes that were left out gain by a corrected path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeldOut {
-    /// Logarithm of how much more probable what was heard of them, or measured to them, is on the corrected path than on the
-    /// believed one.
-    pub gain: f64,
-    /// Its standard error over nodes, or over the parts of a few nodes.
-    pub error: f64,
-    /// Whether the path is better by more than chance.
-    pub is_clear: bool,
-}
-
-/// A gain below this one is none (nats).
-const LEAST_GAIN: f64 = 5.0;
-/// The same of one part of them, of which one may gain less.
-const LEAST_OF_PART: f64 = 1.0;
 /// So many nodes are a few.
 const FEW_NODES: usize = 8;
-
-impl HeldOut {
-    /// What each of many nodes gains.
-    fn of_nodes(gains: &[f64]) -> Self {
-        let gain: f64 = gains.iter().sum();
-        let mean = gain / gains.len().max(1) as f64;
-        let error = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>().sqrt();
-        Self { gain, error, is_clear: gain > LEAST_GAIN && gain > 2.0 * error }
-    }
-
-    /// What each part of a few nodes gains.
-    fn of_parts(gains: &[f64]) -> Self {
-        let Self { gain, error, .. } = Self::of_nodes(gains);
-        let without = gains.iter().filter(|&&gain| gain <= LEAST_OF_PART).count();
-        Self { gain, error, is_clear: gain > LEAST_GAIN && without <= usize::from(gains.len() > 3) }
-    }
-}
 
 /// Estimates the path of the robots of `log` from their ranges or, without any, from what packets they heard where: odometry is taken
 /// to be wrong by `odometry`. `known` are places of nodes, if some are known: with ranges, two fix the frame. Without them the first

@@ -18,9 +18,9 @@ mod track_problem;
 use std::str::FromStr;
 
 pub use drive::{EstimatedPath, PathPose};
-pub use held_out::{HeldOut, estimate_path};
+pub use held_out::estimate_path;
 pub use on_path::{OnEstimatedPath, PathErrorConfig, PathUse};
-pub use report::{PathFit, PathRanges};
+pub use report::{HeldOut, PathFit, PathRanges};
 pub use track::{TagRange, Track, TrackFit, TrackPose, TrackSettings, track};
 
 /// How wrong odometry is: standard deviations.

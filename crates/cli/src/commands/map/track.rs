@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::map::Arguments;
-use super::outputs::{admit, keep_logs};
-use super::with_flags;
+use super::Arguments;
+use crate::commands::outputs::{admit, keep_logs};
+use crate::commands::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;

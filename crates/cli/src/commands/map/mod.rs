@@ -1,5 +1,7 @@
 //! `sextant map`: computes maps from a reception log.
 
+mod track;
+
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io::Write;
@@ -13,7 +15,6 @@ use super::outputs::{Replacing, admit, keep_logs, reads_given};
 use super::path_flags::PathFlags;
 use super::reading::Reading;
 use super::slurm_flags::{Scheduler, SlurmFlags, own_program};
-use super::track;
 use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
