@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -72,6 +73,21 @@ def test_a_log_in_memory_gives_the_map_of_the_command_line_to_the_last_bit(
     table = sextant.table(made.places)
     assert texts(table) == expected
     assert texts(sextant.read(folder).map(algorithm).places) == expected
+
+
+def test_a_log_of_ranges_needs_no_receptions_and_is_mapped_as_by_the_command_line(
+    command: Callable[..., str], tmp_path: Path
+) -> None:
+    folder = tmp_path / "uwb"
+    shutil.copytree(Path(__file__).parents[2] / "docs" / "examples" / "uwb", folder)
+    path, ranges, nodes = (of_folder(folder, name) for name in ("odometry", "ranges", "nodes"))
+    made = sextant.map_log(path, ranges=ranges, truth=nodes)
+    assert texts(sextant.table(made.places)) == places_by_command(command, folder)
+    assert made.summary["position_error_m"]["mean"] > 0.0
+    with pytest.raises(TypeError, match="neither"):
+        sextant.Log(path)
+    with pytest.raises(sextant.LogError, match="range_m"):
+        sextant.Log(path, ranges={"node": ["A"], "t_s": [1.0]})
 
 
 def test_the_truth_gives_errors(folder: Path) -> None:

@@ -343,8 +343,7 @@ fn a_curve_and_nodes_at_their_bound_are_reported() {
     assert_eq!(mapped["concerns"], serde_json::json!(concerns), "{mapped:#}");
     let (_, text, _) = map(folder.path(), &words);
     assert!(
-        text.contains("warning: 3 nodes have no place that receptions and silence prefer")
-            && text.contains(": a, b, c"),
+        text.contains("warning: 3 nodes have no place that the evidence prefers") && text.contains(": a, b, c"),
         "{text}"
     );
     assert!(text.contains("did not converge") && text.contains("received at all distances in the log"), "{text}");

@@ -96,36 +96,38 @@ impl ChainSystem {
         for at in 0..width {
             border[(at, at)] += damping * self.border[(at, at)] + 1e-12;
         }
-        let mut found = Eliminated {
-            inverse: Vec::with_capacity(self.states.len()),
-            next: self.next.clone(),
-            sides: self.sides.clone(),
-            slopes: self.slopes.clone(),
-            border: DMatrix::identity(0, 0).cholesky()?,
-            border_slope: self.border_slope.clone(),
-            log_determinant: 0.0,
-        };
+        let (mut sides, mut slopes) = (self.sides.clone(), self.slopes.clone());
+        let mut border_slope = self.border_slope.clone();
+        let mut inverses = Vec::with_capacity(self.states.len());
+        let mut log_determinant = 0.0;
         let mut state = self.states.first().map(|first| damped(*first, first))?;
         for at in 0..self.states.len() {
             let factor = state.cholesky()?;
-            found.log_determinant += 2.0 * factor.l().diagonal().map(libm::log).sum();
+            log_determinant += 2.0 * factor.l().diagonal().map(libm::log).sum();
             let inverse = factor.inverse();
-            let of_side = inverse * &found.sides[at];
-            let of_slope = inverse * found.slopes[at];
-            border.gemm_tr(-1.0, &found.sides[at], &of_side, 1.0);
-            found.border_slope.gemv_tr(-1.0, &found.sides[at], &of_slope, 1.0);
+            let of_side = inverse * &sides[at];
+            let of_slope = inverse * slopes[at];
+            border.gemm_tr(-1.0, &sides[at], &of_side, 1.0);
+            border_slope.gemv_tr(-1.0, &sides[at], &of_slope, 1.0);
             if let Some(next) = self.next.get(at) {
                 let link = next.transpose();
                 state = damped(self.states[at + 1], &self.states[at + 1]) - link * inverse * next;
-                let side = link * &of_side;
-                found.sides[at + 1] -= side;
-                found.slopes[at + 1] -= link * of_slope;
+                sides[at + 1] -= link * &of_side;
+                slopes[at + 1] -= link * of_slope;
             }
-            found.inverse.push(inverse);
+            inverses.push(inverse);
         }
-        found.border = border.cholesky()?;
-        found.log_determinant += 2.0 * found.border.l_dirty().diagonal().map(libm::log).sum();
-        Some(found)
+        let border = border.cholesky()?;
+        log_determinant += 2.0 * border.l_dirty().diagonal().map(libm::log).sum();
+        Some(Eliminated {
+            inverse: inverses,
+            next: self.next.clone(),
+            sides,
+            slopes,
+            border,
+            border_slope,
+            log_determinant,
+        })
     }
 }
 

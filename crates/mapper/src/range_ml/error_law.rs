@@ -9,6 +9,13 @@ pub(crate) fn prior() -> ([f64; 4], [f64; 4]) {
     ([0.3, 1.0, 0.2, 0.01].map(libm::log), [1.0, 0.7, 1.5, 1.0])
 }
 
+/// Parameters of a law within reason: no device is better than a millimetre, so that ranges that fit exactly have a law.
+pub(crate) fn bounded(parameters: [f64; 4]) -> [f64; 4] {
+    /// Logarithms of a millimetre, a centimetre and a hundred metres.
+    const LIMITS: [[f64; 2]; 4] = [[-6.9, 4.6], [-4.6, 4.6], [-12.0, 6.0], [-12.0, 6.0]];
+    [0, 1, 2, 3].map(|at| parameters[at].clamp(LIMITS[at][0], LIMITS[at][1]))
+}
+
 /// The most probable law of these errors (m).
 pub(crate) fn of_errors(errors_m: &[f64]) -> RangeErrorLaw {
     const STEPS: u32 = 60;
@@ -35,7 +42,7 @@ pub(crate) fn of_errors(errors_m: &[f64]) -> RangeErrorLaw {
         while damping < 1e8 {
             let damped = curvature + Matrix4::from_diagonal(&(curvature.diagonal() * damping));
             let Some(factor) = damped.cholesky() else { break };
-            let next = at + factor.solve(&slope);
+            let next = Vector4::from(bounded((at + factor.solve(&slope)).into()));
             let value = value(&next);
             if value > reached {
                 gain = value - reached;

@@ -4,6 +4,7 @@ use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
 use rayon::prelude::*;
 use sextant_channel::RangeErrorLaw;
 
+use super::error_law::bounded;
 use super::groups::{RangeGroup, RangeGroups};
 
 /// Number of parameters that all ranges share.
@@ -88,6 +89,9 @@ pub(super) struct Problem<'a> {
     pub(super) worth: f64,
 }
 
+/// The least curvature of a range, as a share of that of a law with its stiffness.
+const LEAST_CURVATURE: f64 = 0.1;
+
 /// The slope of the log-posterior by the state of a node, and its curvature.
 #[derive(Clone, Copy, Debug)]
 struct NodeSlopes {
@@ -97,6 +101,17 @@ struct NodeSlopes {
     mixed: Mixed,
     shared_slope: Shared,
     shared_curvature: SharedMatrix,
+}
+
+impl NodeSlopes {
+    /// Adds a curvature of so much along a direction.
+    fn add(&mut self, by_node: &Vector4<f64>, by_shared: &Shared, much: f64) {
+        if much > 0.0 {
+            self.curvature += by_node * by_node.transpose() * much;
+            self.mixed += by_node * by_shared.transpose() * much;
+            self.shared_curvature += by_shared * by_shared.transpose() * much;
+        }
+    }
 }
 
 /// The same by everything that is sought.
@@ -169,7 +184,7 @@ impl Problem<'_> {
     }
 
     /// Slopes by the state of one node. The curvature is the sum of the squared slopes of single groups (Berndt et al. 1974),
-    /// which needs no second derivative and is never negative.
+    /// which needs no second derivative and is never negative. A range that fits exactly has no slope, so that each has a least curvature.
     fn node_slopes(&self, number: usize, node: &NodeState, shared: &Shared) -> NodeSlopes {
         let law = errors(shared).prepared();
         let mut found = NodeSlopes {
@@ -185,23 +200,25 @@ impl Problem<'_> {
             let density = law.density(residual.error_m);
             found.value += density.log_density;
             let slope = density.by_error;
-            let per_metre = -slope * (1.0 + shared[SCALE]) / residual.distance_m;
+            // The error by the state of the node and by what all ranges share.
+            let per_metre = -(1.0 + shared[SCALE]) / residual.distance_m;
             let apart = residual.apart;
             let vertical = if self.heights.is_given() { 0.0 } else { per_metre * apart[2] };
-            let by_node = Vector4::new(per_metre * apart[0], per_metre * apart[1], vertical, -slope);
+            let by_node = Vector4::new(per_metre * apart[0], per_metre * apart[1], vertical, -1.0);
             let mut by_shared = Shared::zeros();
-            by_shared[BIAS] = -slope;
-            by_shared[SCALE] = -slope * residual.distance_m;
+            by_shared[BIAS] = -1.0;
+            by_shared[SCALE] = -residual.distance_m;
             let closing: f64 = apart.iter().zip(&group.velocity).map(|(apart, velocity)| apart * velocity).sum();
             by_shared[DELAY] = per_metre * closing;
+            found.add(&by_node, &by_shared, (LEAST_CURVATURE * density.stiffness - slope * slope).max(0.0));
+            let mut shared_slope = by_shared * slope;
             for (at, by) in density.by_law.into_iter().enumerate() {
-                by_shared[ERRORS + at] = by;
+                shared_slope[ERRORS + at] = by;
             }
-            found.slope += by_node;
-            found.curvature += by_node * by_node.transpose();
-            found.mixed += by_node * by_shared.transpose();
-            found.shared_slope += by_shared;
-            found.shared_curvature += by_shared * by_shared.transpose();
+            let node_slope = by_node * slope;
+            found.slope += node_slope;
+            found.shared_slope += shared_slope;
+            found.add(&node_slope, &shared_slope, 1.0);
         }
         let precision = self.node_precision();
         let from_mean = Vector4::new(0.0, 0.0, node[2] - self.heights.mean_m, node[3]);
@@ -340,7 +357,10 @@ impl Slopes {
             point.nodes[number] + eliminated.nodes[number] * self.nodes[number].slope
                 - eliminated.mixed[number] * step
         };
-        Point { nodes: (0..point.nodes.len()).map(of_node).collect(), shared: point.shared + step }
+        let mut shared = point.shared + step;
+        let law = bounded([0, 1, 2, 3].map(|at| shared[ERRORS + at]));
+        law.into_iter().enumerate().for_each(|(at, value)| shared[ERRORS + at] = value);
+        Point { nodes: (0..point.nodes.len()).map(of_node).collect(), shared }
     }
 }
 

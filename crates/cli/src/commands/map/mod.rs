@@ -230,6 +230,11 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     }
     input.prior =
         mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, input.plane.as_ref(), &settings.maps)?;
+    let _keeper = keeper.unwrap_or_else(|| interrupt.keep());
+    let watcher = Watcher::new(interrupt, arguments.work.quiet);
+    if arguments.path.estimate_path {
+        estimate_path(arguments, &mut input, &watcher)?;
+    }
     let drawn = match &arguments.figure {
         Some(folder) => {
             open_folder(folder)?;
@@ -237,11 +242,6 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
         }
         None => None,
     };
-    let _keeper = keeper.unwrap_or_else(|| interrupt.keep());
-    let watcher = Watcher::new(interrupt, arguments.work.quiet);
-    if arguments.path.estimate_path {
-        estimate_path(arguments, &mut input, &watcher)?;
-    }
     let out = arguments.out.as_deref();
     let (mut summary, maps) = match arguments.tiles.zip(survey) {
         Some((count, survey)) => {
