@@ -72,7 +72,7 @@ impl Default for RangeMlConfig {
 /// that a log that does not tell one of them leaves it at its usual value. Ranges at one place count once. The errors along a way are
 /// similar: their likelihood is raised to the power of one over the autocorrelation time. The standard deviation of the biases of
 /// nodes is integrated over. Regions hold what errors by direction may have moved, and a second place that fits nearly as well, as
-/// the mirror image across a straight way does ([`Concern::TwoPlaces`]).
+/// the mirror image across a straight way does ([`Concern::TwoPlaces`](crate::Concern::TwoPlaces)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeMl {
     settings: Settings,
