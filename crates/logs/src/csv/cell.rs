@@ -94,6 +94,11 @@ impl TableRow<'_> {
         time.ok_or_else(|| self.wrong(times.column, times.allowed(self.text(times.column).trim())))
     }
 
+    /// Whether the time in the cell is a number below 0: before any path begins.
+    pub(crate) fn is_before_zero(&self, times: Times) -> bool {
+        self.filled(times.column).is_some_and(|text| self.decimal(&text).parse::<f64>().is_ok_and(|time| time < 0.0))
+    }
+
     /// The name of a node.
     pub(crate) fn node(&self, column: Column) -> Result<Cow<'_, str>, RobotLogError> {
         Some(self.text(column))

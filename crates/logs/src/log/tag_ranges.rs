@@ -72,7 +72,7 @@ fn read_table(
             return Ok(());
         }
         let range_m = row.finite(range)?.unwrap_or_default() / unit;
-        if row.filled(times.column).is_some_and(|text| row.decimal(&text).parse::<f64>().is_ok_and(|t| t < 0.0)) {
+        if row.is_before_zero(times) {
             before += 1;
             return Ok(());
         }

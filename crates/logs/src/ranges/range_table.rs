@@ -224,10 +224,7 @@ impl<'a> Placing<'a> {
                     }
                     None => 0,
                 };
-                if row
-                    .filled(times.column)
-                    .is_some_and(|text| row.decimal(&text).parse::<f64>().is_ok_and(|t| t < 0.0))
-                {
+                if row.is_before_zero(times) {
                     return Ok(None);
                 }
                 let time = row.instant(times)?;

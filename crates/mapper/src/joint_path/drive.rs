@@ -1,18 +1,18 @@
 //! The path of odometry, corrected by ranges.
 
-use nalgebra::{DVector, Vector4};
+use nalgebra::{DVector, Matrix4, Vector4};
 use sextant_channel::{Position, RangeErrorLaw, ReceptionLog};
 use sextant_kernel::{NodeId, RobotId, SimTime, Watch};
 
 use super::PathError;
 use super::climb::{Top, climb};
 use super::drive_problem::{AFTER_NODES, DRIFT, DrivePoint, DriveProblem, KnownPlace, ODOMETRY_SCALE, after_nodes};
-use super::keyframes::Keyframes;
-use super::odometry::Odometry;
+use super::keyframes::{Keyframe, Keyframes};
+use super::odometry::{FACTORS, Odometry};
 use super::report::{PathFit, PathRanges};
 use crate::comparators::lateration::{Range, refine};
 use crate::error::MapError;
-use crate::range_ml::error_law::{autocorrelation_time, centred, of_errors};
+use crate::range_ml::error_law;
 use crate::range_ml::{RangeMl, RangeMlConfig};
 use crate::topology_map::TopologyMap;
 
@@ -21,8 +21,6 @@ const STEPS: u32 = 80;
 const LEAST_GAIN: f64 = 1e-3;
 /// The noise of ranges in turn (m): with much of it, a wrong path looks straight ahead to the right one.
 const NOISES_M: [f64; 4] = [3.0, 1.5, 0.8, 0.45];
-/// Shares of the errors of odometry that are tried: the evidence chooses.
-const FACTORS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
 /// Standard deviation of the bias of all ranges, of their scale and of the biases of nodes (m).
 const BIAS_M: f64 = 3.0;
 const SCALE: f64 = 0.05;
@@ -48,6 +46,27 @@ pub struct PathPose {
     pub turn_rad: f64,
     /// Covariance of x and y (m²): relative to the first pose, or to the known nodes.
     pub covariance: [[f64; 2]; 2],
+}
+
+impl PathPose {
+    /// The pose of a robot at a time, which is believed to be somewhere, with its estimated state and the covariance of that.
+    pub(super) fn of(
+        robot: RobotId,
+        time: SimTime,
+        believed: Position,
+        state: &Vector4<f64>,
+        covariance: Option<&Matrix4<f64>>,
+    ) -> Self {
+        let entry = |row, column| covariance.map_or(0.0, |covariance| covariance[(row, column)]);
+        Self {
+            robot,
+            time,
+            believed,
+            position: Position::new(state[0], state[1], believed.z_m),
+            turn_rad: state[2],
+            covariance: [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]],
+        }
+    }
 }
 
 /// A path that was estimated with the places of nodes.
@@ -198,36 +217,27 @@ fn annealed<'a>(
     starts: &[Position],
     watch: &dyn Watch,
 ) -> Result<(DriveProblem<'a>, Top<DrivePoint>), MapError> {
-    let pose = |frame: &super::keyframes::Keyframe| Vector4::new(frame.position.x_m, frame.position.y_m, 0.0, 0.0);
+    let pose = |frame: &Keyframe| Vector4::new(frame.position.x_m, frame.position.y_m, 0.0, 0.0);
     let border = starts.iter().flat_map(|start| [start.x_m, start.y_m, 0.0]).chain([0.0; AFTER_NODES]);
     let mut point = DrivePoint {
         poses: keyframes.frames.iter().map(pose).collect(),
         border: DVector::from_iterator(3 * starts.len() + AFTER_NODES, border),
     };
     for noise_m in NOISES_M {
-        problem.law = RangeErrorLaw::of([noise_m, 1.0, 0.05, 0.01].map(libm::log));
+        problem.law = error_law::noisy(noise_m);
         point = climb(&problem, point, STEPS, LEAST_GAIN, watch)?.point;
     }
     let mut top = None;
     for _ in 0..2 {
         let errors = problem.errors_m(&point);
-        problem.law = of_errors(&errors);
-        problem.worth = 1.0 / along_the_way(&problem, &errors);
+        problem.law = error_law::of_errors(&errors);
+        let of_nodes = problem.ranges.iter().map(|range| range.node);
+        problem.worth = error_law::worth(problem.known.len(), of_nodes.zip(errors));
         let found = climb(&problem, point, STEPS, LEAST_GAIN, watch)?;
         point = found.point.clone();
         top = Some(found);
     }
     Ok((problem, top.expect("there were rounds")))
-}
-
-/// The autocorrelation time of the errors of ranges to each node.
-fn along_the_way(problem: &DriveProblem<'_>, errors_m: &[f64]) -> f64 {
-    let mut series = vec![Vec::new(); problem.known.len()];
-    for (range, &error_m) in problem.ranges.iter().zip(errors_m) {
-        series[range.node].push(error_m);
-    }
-    series.iter_mut().filter(|errors| !errors.is_empty()).for_each(|errors| centred(errors));
-    autocorrelation_time(series.iter().map(Vec::as_slice))
 }
 
 /// The climb with that of these errors of odometry which the marginal likelihood prefers.
@@ -259,33 +269,22 @@ fn estimated(
     ids: &[NodeId],
 ) -> EstimatedPath {
     let covariances = top.curvature.as_ref().map(super::chain::Eliminated::covariances);
-    let mut poses = Vec::with_capacity(keyframes.frames.len());
-    for (at, (frame, pose)) in keyframes.frames.iter().zip(&top.point.poses).enumerate() {
-        let covariance = covariances.as_ref().map_or([[0.0; 2]; 2], |(states, _)| {
-            let state = &states[at];
-            [[state[(0, 0)], state[(0, 1)]], [state[(1, 0)], state[(1, 1)]]]
-        });
-        poses.push(PathPose {
-            robot: frame.robot,
-            time: frame.time,
-            believed: frame.position,
-            position: Position::new(pose[0], pose[1], frame.position.z_m),
-            turn_rad: pose[2],
-            covariance,
-        });
-    }
+    let pose = |(at, (frame, state)): (usize, (&Keyframe, &Vector4<f64>))| {
+        let covariance = covariances.as_ref().map(|(states, _)| &states[at]);
+        PathPose::of(frame.robot, frame.time, frame.position, state, covariance)
+    };
+    let poses: Vec<PathPose> = keyframes.frames.iter().zip(&top.point.poses).enumerate().map(pose).collect();
     let border = &top.point.border;
     let after = 3 * problem.known.len();
     let deviation = |which: usize| {
         covariances.as_ref().map_or(0.0, |(_, border)| border[(after + which, after + which)].max(0.0).sqrt())
     };
     let moved = poses.iter().map(|pose| pose.position.distance_m(pose.believed));
-    let length_m = keyframes.legs.iter().filter(|leg| !leg.is_jump).map(|leg| leg.length_m).sum();
     let fit = PathFit {
         poses: poses.len(),
         nodes: ids.iter().map(|node| log.names()[node.index()].clone()).collect(),
         known_nodes: problem.known.iter().flatten().count(),
-        length_m,
+        length_m: problem.odometry.length_m(),
         odometry: problem.odometry.error,
         scale: border[after + 2],
         scale_deviation: deviation(2),

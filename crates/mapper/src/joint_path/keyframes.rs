@@ -7,7 +7,7 @@ use sextant_kernel::{RobotId, SimTime};
 
 use super::drive_problem::PoseRange;
 use super::odometry::{Leg, legs};
-use crate::range_ml::groups::median;
+use crate::numerics::median;
 
 /// Poses are at least that far apart (m).
 const APART_M: f64 = 0.5;

@@ -5,6 +5,9 @@ use nalgebra::{DVector, Vector4};
 use super::PathError;
 use super::chain::ChainSystem;
 
+/// Shares of the error of odometry that are tried: the evidence chooses.
+pub(super) const FACTORS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
+
 /// A step of the path as odometry has it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leg {
@@ -71,6 +74,11 @@ impl Odometry<'_> {
             -sin * x + cos * y - longer * leg.by[1],
             to[2] - from[2] - border[self.drift] * leg.length_m,
         ]
+    }
+
+    /// Length of the path (m).
+    pub(super) fn length_m(&self) -> f64 {
+        self.legs.iter().filter(|leg| !leg.is_jump).map(|leg| leg.length_m).sum()
     }
 
     /// What is known of first poses: pose, entry, mean, standard deviation.

@@ -1,13 +1,13 @@
 //! The path of odometry, corrected by packets.
 
 use nalgebra::{DVector, Vector4};
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
 use super::PathError;
 use super::climb::{Hill, Top, climb};
 use super::drive::{EstimatedPath, PathPose};
-use super::odometry::{Leg, Odometry, legs};
+use super::odometry::{FACTORS, Leg, Odometry, legs};
 use super::packet_problem::{Heard, NodeGrid, PacketPoint, PacketProblem};
 use super::reception_curve::ReceptionCurve;
 use super::report::PathFit;
@@ -23,8 +23,6 @@ const LEAST_GAIN: f64 = 0.05;
 const STIFF_ROUNDS: u32 = 4;
 const ROUNDS: u32 = 10;
 const LAST_ROUNDS: u32 = 3;
-/// Shares of the error of odometry that are tried.
-const FACTORS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
 /// The wander of odometry of which only scale and drift are free.
 const STIFF: f64 = 1e-3;
 /// Rounds in which the curve of a path that stands is estimated.
@@ -163,7 +161,8 @@ pub(super) fn by_packets(
     search.point = top.point.clone();
     search.take_scale_of_odometry();
     let top = Top { point: search.point, ..top };
-    Ok(estimated(log, &drive, &nodes.nodes, chosen, &top, settled))
+    let odometry = Odometry { error: chosen, ..search.odometry };
+    Ok(estimated(log, &drive, &nodes.nodes, &odometry, &top, settled))
 }
 
 fn place(log: &ReceptionLog, stop: usize) -> [f64; 2] {
@@ -377,24 +376,15 @@ fn estimated(
     log: &ReceptionLog,
     drive: &PacketDrive,
     nodes: &[HeardNode],
-    error: PathError,
+    odometry: &Odometry<'_>,
     top: &Top<PacketPoint>,
     settled: bool,
 ) -> EstimatedPath {
     let covariances = top.curvature.as_ref().map(super::chain::Eliminated::covariances);
     let pose = |(at, (&stop, state)): (usize, (&usize, &Vector4<f64>))| {
         let own = &log.stops()[stop];
-        PathPose {
-            robot: own.robot,
-            time: own.time,
-            believed: own.position,
-            position: Position::new(state[0], state[1], own.position.z_m),
-            turn_rad: state[2],
-            covariance: covariances.as_ref().map_or([[0.0; 2]; 2], |(states, _)| {
-                let state = &states[at];
-                [[state[(0, 0)], state[(0, 1)]], [state[(1, 0)], state[(1, 1)]]]
-            }),
-        }
+        let covariance = covariances.as_ref().map(|(states, _)| &states[at]);
+        PathPose::of(own.robot, own.time, own.position, state, covariance)
     };
     let poses: Vec<PathPose> = drive.order.iter().zip(&top.point.poses).enumerate().map(pose).collect();
     let after = 2 * nodes.len();
@@ -404,8 +394,8 @@ fn estimated(
         poses: poses.len(),
         nodes: nodes.iter().map(|node| log.names()[node.node.index()].clone()).collect(),
         known_nodes: 0,
-        length_m: drive.legs.iter().filter(|leg| !leg.is_jump).map(|leg| leg.length_m).sum(),
-        odometry: error,
+        length_m: odometry.length_m(),
+        odometry: odometry.error,
         scale: top.point.border[after],
         scale_deviation: deviation(after),
         drift_rad_per_m: top.point.border[after + 1],

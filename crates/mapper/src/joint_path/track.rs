@@ -8,8 +8,9 @@ use super::climb::{Top, climb};
 use super::track_problem::{AFTER_RECEIVERS, Calibration, EpochRange, TrackPoint, TrackProblem};
 use crate::comparators::lateration::{Range, refine};
 use crate::error::MapError;
-use crate::range_ml::error_law::{autocorrelation_time, centred, of_errors};
-use crate::range_ml::groups::median;
+use crate::numerics::convex_hull::{hull, turn};
+use crate::numerics::median;
+use crate::range_ml::error_law;
 
 /// Ranges within this time are one epoch (s).
 const EPOCH_S: f64 = 0.25;
@@ -137,7 +138,7 @@ pub fn track(
     let states = start.iter().map(|&[x, y]| Vector4::new(x, y, 0.0, 0.0)).collect();
     let mut point = TrackPoint { states, border };
     for noise_m in NOISES_M {
-        problem.law = RangeErrorLaw::of([noise_m, 1.0, 0.05, 0.01].map(libm::log));
+        problem.law = error_law::noisy(noise_m);
         point = climb(&problem, point, STEPS, LEAST_GAIN, watch)?.point;
     }
     let mut top = None;
@@ -155,13 +156,9 @@ pub fn track(
 /// Takes the law of the errors at a point, and how similar neighbouring ones are.
 fn take_law(problem: &mut TrackProblem<'_>, point: &TrackPoint) {
     let errors = problem.errors_m(point);
-    problem.law = of_errors(&errors);
-    let mut series = vec![Vec::new(); problem.receivers.len()];
-    for (range, error_m) in problem.ranges.iter().zip(errors) {
-        series[range.receiver].push(error_m);
-    }
-    series.iter_mut().filter(|errors| !errors.is_empty()).for_each(|errors| centred(errors));
-    problem.worth = 1.0 / autocorrelation_time(series.iter().map(Vec::as_slice));
+    problem.law = error_law::of_errors(&errors);
+    let of_receivers = problem.ranges.iter().map(|range| range.receiver);
+    problem.worth = error_law::worth(problem.receivers.len(), of_receivers.zip(errors));
 }
 
 /// The climb with the acceleration that the marginal likelihood prefers.
@@ -362,33 +359,7 @@ fn is_among(receivers: &[Position], track: &[[f64; 2]]) -> bool {
         .collect();
     let hull = hull(larger);
     let is_inside = |place: &&[f64; 2]| {
-        hull.len() >= 3 && (0..hull.len()).all(|at| cross(hull[at], hull[(at + 1) % hull.len()], **place) >= 0.0)
+        hull.len() >= 3 && (0..hull.len()).all(|at| turn(hull[at], hull[(at + 1) % hull.len()], **place) >= 0.0)
     };
     2 * track.iter().filter(is_inside).count() >= track.len()
-}
-
-/// Twice the area of the triangle from a to b to c, positive if it turns to the left.
-fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-/// The corners of the convex hull, counterclockwise (Andrew 1979).
-fn hull(mut places: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let half = |places: &mut dyn Iterator<Item = [f64; 2]>| {
-        let mut chain: Vec<[f64; 2]> = Vec::new();
-        for place in places {
-            while let [.., a, b] = chain[..]
-                && cross(a, b, place) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(place);
-        }
-        chain.pop();
-        chain
-    };
-    let mut found = half(&mut places.iter().copied());
-    found.extend(half(&mut places.iter().rev().copied()));
-    found
 }

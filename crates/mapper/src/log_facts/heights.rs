@@ -115,9 +115,7 @@ pub(crate) fn check_z_range(z_range_m: Option<[f64; 2]>) -> Result<(), SettingEr
 /// The median height of the stops (m). There must be at least one.
 fn median_m(stops: &[Stop]) -> f64 {
     let mut heights: Vec<f64> = stops.iter().map(|stop| stop.position.z_m).collect();
-    heights.sort_unstable_by(f64::total_cmp);
-    let upper = heights.len() / 2;
-    if heights.len().is_multiple_of(2) { 0.5 * (heights[upper - 1] + heights[upper]) } else { heights[upper] }
+    crate::numerics::median(&mut heights)
 }
 
 /// Whether the heights of the stops of a log differ too little to determine the heights of nodes that are heard over

@@ -1,12 +1,15 @@
 //! Mathematics that several estimators share, and limits of memory.
 
+pub(crate) mod convex_hull;
 pub(crate) mod decades;
 mod isotonic;
 pub(crate) mod least_squares;
+mod median;
 pub(crate) mod memory;
 pub(crate) mod normal;
 pub(crate) mod octahedron;
 mod whole;
 
 pub use isotonic::never_rising;
+pub(crate) use median::median;
 pub(crate) use whole::whole;

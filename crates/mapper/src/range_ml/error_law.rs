@@ -3,6 +3,8 @@
 use nalgebra::{Matrix4, Vector4};
 use sextant_channel::RangeErrorLaw;
 
+use crate::numerics::median;
+
 /// What is known of the law of errors before a log is seen: means and standard deviations of its parameters. The noise of common
 /// devices is a few decimetres, one range in five comes by a way that is a metre longer, and one in a hundred is wild.
 pub(crate) fn prior() -> ([f64; 4], [f64; 4]) {
@@ -59,6 +61,20 @@ pub(crate) fn of_errors(errors_m: &[f64]) -> RangeErrorLaw {
     RangeErrorLaw::of(at.into())
 }
 
+/// A law with much noise, whatever the ranges are: from far off, a search under it looks straight ahead.
+pub(crate) fn noisy(noise_m: f64) -> RangeErrorLaw {
+    RangeErrorLaw::of([noise_m, 1.0, 0.05, 0.01].map(libm::log))
+}
+
+/// How many independent errors one is worth, at most 1, of errors in so many series: each with the number of its series, in the order
+/// of time.
+pub(crate) fn worth(count: usize, errors_m: impl Iterator<Item = (usize, f64)>) -> f64 {
+    let mut series = vec![Vec::new(); count];
+    errors_m.for_each(|(number, error_m)| series[number].push(error_m));
+    series.iter_mut().filter(|errors| !errors.is_empty()).for_each(|errors| centred(errors));
+    1.0 / autocorrelation_time(series.iter().map(Vec::as_slice))
+}
+
 /// How many of a series of errors have the information of one independent one: their autocorrelation time, at least 1. Each list
 /// is one series; errors are from its median, in the order of time.
 pub(crate) fn autocorrelation_time<'a>(series: impl Iterator<Item = &'a [f64]>) -> f64 {
@@ -80,9 +96,8 @@ pub(crate) fn autocorrelation_time<'a>(series: impl Iterator<Item = &'a [f64]>) 
 /// the others.
 pub(crate) fn centred(errors_m: &mut [f64]) {
     const CUT: f64 = 3.0;
-    let middle = super::groups::median(&mut errors_m.to_vec());
-    let spread =
-        1.4826 * super::groups::median(&mut errors_m.iter().map(|error| (error - middle).abs()).collect::<Vec<_>>());
+    let middle = median(&mut errors_m.to_vec());
+    let spread = 1.4826 * median(&mut errors_m.iter().map(|error| (error - middle).abs()).collect::<Vec<_>>());
     let most = CUT * spread + 1e-9;
     errors_m.iter_mut().for_each(|error| *error = (*error - middle).clamp(-most, most));
 }

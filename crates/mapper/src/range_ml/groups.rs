@@ -3,6 +3,8 @@
 use sextant_channel::{Position, RangeSample, ReceptionLog};
 use sextant_kernel::NodeId;
 
+use crate::numerics::median;
+
 /// On the way, ranges over this length of path are one group (m): the errors of ultra-wideband and of round-trip times change over
 /// about half a metre to a metre.
 const LENGTH_M: f64 = 0.5;
@@ -87,13 +89,6 @@ fn group(samples: &[RangeSample]) -> RangeGroup {
         position: mean(|sample| sample.position),
         velocity: mean(|sample| sample.velocity),
     }
-}
-
-/// The median of some numbers, which are sorted for it.
-pub(crate) fn median(numbers: &mut [f64]) -> f64 {
-    numbers.sort_unstable_by(f64::total_cmp);
-    let upper = numbers.len() / 2;
-    if numbers.len().is_multiple_of(2) { 0.5 * (numbers[upper - 1] + numbers[upper]) } else { numbers[upper] }
 }
 
 /// Runs of ranges of one group each.

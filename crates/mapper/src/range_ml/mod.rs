@@ -2,7 +2,7 @@
 
 pub(crate) mod error_law;
 mod fit;
-pub(crate) mod groups;
+mod groups;
 mod modes;
 mod problem;
 mod report;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
-use self::groups::{RangeGroups, median};
+use self::groups::RangeGroups;
 use self::problem::HeightPrior;
 pub use self::report::RangeFit;
 use self::solution::Solution;
@@ -23,6 +23,7 @@ use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
 use crate::log_facts::heights::check_z_range;
+use crate::numerics::median;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Maximum likelihood on ranges as written in a scenario.

@@ -4,9 +4,10 @@ use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::Matrix2;
 
-use super::groups::{RangeGroup, median};
+use super::groups::RangeGroup;
 use super::problem::{Effort, HeightPrior, NodeMode, NodeState, Problem, Shared};
 use crate::comparators::lateration::{Range, refine};
+use crate::numerics::median;
 
 /// Two places that are closer than this share of the usual range are one.
 const SAME: f64 = 0.02;

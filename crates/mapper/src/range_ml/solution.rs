@@ -6,12 +6,13 @@ use sextant_kernel::{Interrupted, NodeId, Watch};
 
 use super::error_law;
 use super::fit::{Fitted, fitted};
-use super::groups::{RangeGroups, median};
+use super::groups::RangeGroups;
 use super::modes::{modes, settled};
 use super::problem::{HeightPrior, NodeMode, NodeState, Point, Problem, Shared, SharedPrior};
 use super::report::RangeFit;
 use super::spread::{autocorrelation_time, variance_over_directions};
 use super::{NodeBias, Settings};
+use crate::numerics::median;
 use crate::posterior::{Concern, Estimate};
 
 /// Standard deviations of the biases of nodes that are tried (m), and the logarithmic prior of it: its middle (m) and its width.

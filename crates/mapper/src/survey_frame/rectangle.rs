@@ -1,5 +1,7 @@
 //! The least rectangle round places, seen from above.
 
+use crate::numerics::convex_hull::hull;
+
 /// Areas and widths that differ by less than these shares are alike: differences come from rounding, or from places that were
 /// written with few digits.
 const SAME_AREA: f64 = 1e-6;
@@ -99,31 +101,6 @@ impl Rectangle {
         let way = moments.into_iter().find(|moment| moment.abs() > NO_MOMENT).unwrap_or(usual);
         if way < 0.0 { self.axes[axis].map(|along| -along) } else { self.axes[axis] }
     }
-}
-
-/// The corners of the convex hull, counterclockwise (Andrew 1979).
-fn hull(mut places: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    places.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    places.dedup();
-    if places.len() < 3 {
-        return places;
-    }
-    let chain = |places: &mut dyn Iterator<Item = [f64; 2]>| {
-        let mut chain: Vec<[f64; 2]> = Vec::new();
-        for place in places {
-            while let [.., a, b] = chain[..]
-                && cross(minus(b, a), minus(place, b)) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(place);
-        }
-        chain.pop();
-        chain
-    };
-    let mut hull = chain(&mut places.iter().copied());
-    hull.extend(chain(&mut places.iter().rev().copied()));
-    hull
 }
 
 fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
