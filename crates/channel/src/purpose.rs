@@ -6,3 +6,7 @@ use sextant_kernel::Purpose;
 pub(crate) const SHADOWING: Purpose = Purpose::new(4);
 /// Gain ripple of the sectors of an antenna.
 pub(crate) const GAIN_RIPPLE: Purpose = Purpose::new(20);
+/// Errors of measured ranges.
+pub(crate) const RANGING: Purpose = Purpose::new(35);
+/// Biases of nodes in measured ranges.
+pub(crate) const RANGE_BIAS: Purpose = Purpose::new(36);

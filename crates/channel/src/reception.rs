@@ -347,6 +347,13 @@ impl ReceptionLog {
         self.ranges.of(node)
     }
 
+    /// The stop to which each of [`ranges`](Self::ranges) belongs: the last one of its robot that had begun when it was measured, or
+    /// the first one.
+    #[must_use]
+    pub fn stops_of_ranges(&self) -> Vec<u32> {
+        self.ranges.stops(&self.stops)
+    }
+
     /// The sectors of the listener, if the log has them.
     #[must_use]
     pub fn sectors(&self) -> Option<&SectorTable> {

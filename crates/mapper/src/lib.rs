@@ -113,7 +113,7 @@ pub use own_place::{
 };
 pub use parts::{FixedLaw, LogParts, PartEstimator, PartsError};
 pub use pattern::{PatternFit, PatternLaw};
-pub use posterior::{Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule};
+pub use posterior::{Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule, TrueRanges, range_bound_m};
 #[cfg(feature = "obstacles")]
 pub use posterior::{TrueModel, posterior_bound_m};
 pub use profile::{

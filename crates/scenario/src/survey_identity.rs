@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use sextant_apps::ControllerConfig;
 use sextant_apps::distributed::DistributedMappingConfig;
-use sextant_channel::ChannelConfig;
+use sextant_channel::{ChannelConfig, RangingDeviceConfig};
 use sextant_mac::EnergyConfig;
 use sextant_sim::{
     AnchorsConfig, AntennasConfig, FaultsConfig, InterfererConfig, MacConfig, RadioConfig, ReceptionConfig,
@@ -33,6 +33,8 @@ struct SurveySettings<'a> {
     mac: &'a MacConfig,
     traffic: &'a Option<TrafficConfig>,
     reception: &'a Option<ReceptionConfig>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ranging: &'a Option<RangingDeviceConfig>,
     antenna: &'a Option<AntennasConfig>,
     energy: &'a Option<EnergyConfig>,
     networks: &'a BTreeMap<String, NetworkConfig>,
@@ -69,6 +71,7 @@ impl SurveyIdentity {
             mac,
             traffic,
             reception,
+            ranging,
             antenna,
             energy,
             networks,
@@ -99,6 +102,7 @@ impl SurveyIdentity {
             mac,
             traffic,
             reception,
+            ranging,
             antenna,
             energy,
             networks,

@@ -41,6 +41,10 @@ macro_rules! scenario {
 /// All templates.
 const TEMPLATES: &[Template] = &[
     scenario!("survey", "a robot drives through a network, listens, and its log becomes a map of the nodes"),
+    scenario!(
+        "ranges",
+        "a robot measures ranges, as ultra-wideband does, and its log becomes a map: biases included"
+    ),
     scenario!("mac", "nodes send packets to a sink by CSMA-CA: deliveries, delays, collisions, retries"),
     scenario!("mmwave", "a robot with a 60 GHz antenna maps nodes by the sectors in which they answer"),
     scenario!("distributed", "no robot: nodes work out their own places from messages of those that know theirs"),

@@ -78,6 +78,7 @@
 //!     technology: Technology::Ieee802154(links),
 //!     radio_states: RadioStates::cc2420(),
 //!     traffic: TrafficPlan::silent(2),
+//!     ranging: None,
 //!     members: None,
 //! };
 //! let world = World { nodes: vec![node(0.0), node(3.0)], ..World::default() };

@@ -1,6 +1,6 @@
 //! Networks: what the links of their stations have in common, checked.
 
-use sextant_channel::ChannelLaw;
+use sextant_channel::{ChannelLaw, RangingDevice};
 use sextant_kernel::NodeId;
 use sextant_mac::RadioStates;
 
@@ -20,6 +20,8 @@ pub struct Network {
     pub radio_states: RadioStates,
     /// Traffic of the nodes.
     pub traffic: TrafficPlan,
+    /// How robots measure the ranges to its nodes; `None` if they do not.
+    pub ranging: Option<RangingDevice>,
     /// Whether each node is in the network; `None` if all nodes are. Robots and sinks name the networks that they are in.
     pub members: Option<Vec<bool>>,
 }

@@ -118,6 +118,7 @@ impl Scene {
             technology: self.technology(),
             radio_states: RadioStates::mmwave_60_ghz(),
             traffic: TrafficPlan::silent(places.len()),
+            ranging: None,
             members: None,
         };
         let setup = Setup {

@@ -119,6 +119,7 @@ impl Scene {
             }),
             radio_states: RadioStates::cc2420(),
             traffic: TrafficPlan::silent(nodes),
+            ranging: None,
             members: None,
         }
     }

@@ -144,6 +144,7 @@ impl Scene {
             }),
             radio_states: RadioStates::cc2420(),
             traffic: TrafficPlan::silent(world.nodes.len()),
+            ranging: None,
             members: None,
         };
         let body = |(i, text): (usize, &&str)| {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{LN_2, PI};
 
-use libm::{erfc, exp, log, log1p};
+use libm::{cosh, erfc, exp, log, log1p, sinh};
 
 /// Half of the logarithm of 2π.
 const HALF_LOG_OF_TAU: f64 = 0.5 * (LN_2 + 1.144_729_885_849_400_2);
@@ -88,6 +88,23 @@ impl RangeErrorLaw {
     #[must_use]
     pub fn density(&self, error_m: f64) -> RangeErrorDensity {
         self.prepared().density(error_m)
+    }
+
+    /// Fisher's information of one range on the distance (per m²): the mean square of the derivative of the logarithm of the density,
+    /// integrated over all errors.
+    #[must_use]
+    pub fn information_per_m2(&self) -> f64 {
+        /// Errors are sought at sinh(t) times the noise, at so many values of t up to the last one.
+        const STEPS: i32 = 6000;
+        const LAST: f64 = 20.0;
+        let (law, noise_m) = (self.prepared(), self.noise_m());
+        let step = 2.0 * LAST / f64::from(STEPS);
+        let of = |at: i32| {
+            let t = step * (f64::from(at) + 0.5) - LAST;
+            let density = law.density(noise_m * sinh(t));
+            density.by_error * density.by_error * exp(density.log_density) * noise_m * cosh(t) * step
+        };
+        (0..STEPS).map(of).sum()
     }
 
     /// The same law, ready for the densities of many ranges.
@@ -229,5 +246,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_information_is_that_of_the_normal_law_and_of_cauchys() {
+        let information = |law| RangeErrorLaw::of(law).information_per_m2();
+        let alone = -30.0;
+        assert!((information([-1.0, 0.0, alone, alone]) / libm::exp(2.0) - 1.0).abs() < 1e-6);
+        // Of Cauchy's law with the scale s it is 1/(2 s²).
+        assert!((information([0.0, 0.0, 0.0, 60.0]) * 200.0 - 1.0).abs() < 1e-3);
+        // A share of wild values takes away more than its share.
+        let clean = information([-1.2, 0.0, -1.6, alone]);
+        assert!(information([-1.2, 0.0, -1.6, -2.0]) < 0.9 * clean);
     }
 }

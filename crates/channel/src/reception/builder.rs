@@ -5,7 +5,7 @@ use std::sync::Arc;
 use sextant_kernel::NodeId;
 
 use super::columns::{ReceptionColumns, scatter};
-use super::{Contact, LogError, Reception, ReceptionLog, SectorReport, Stop};
+use super::{Contact, LogError, RangeSample, Reception, ReceptionLog, SectorReport, Stop};
 use crate::geometry::position::Position;
 
 /// Builds a [`ReceptionLog`]. Needs the memory of the log, half as much again while the receptions are sorted,
@@ -32,6 +32,8 @@ pub struct ReceptionLogBuilder {
     /// Whether the log has antenna sectors even if no reception names one.
     has_sectors: bool,
     reports: Vec<SectorReport>,
+    /// Measured ranges, each with its stop.
+    ranges: Vec<(u32, RangeSample)>,
 }
 
 /// The node of each reception.
@@ -114,6 +116,11 @@ impl ReceptionLogBuilder {
         self.reports.push(report);
     }
 
+    /// Adds a range that a robot measured while it was at a stop, or on its way from there.
+    pub fn range(&mut self, stop: u32, sample: RangeSample) {
+        self.ranges.push((stop, sample));
+    }
+
     /// Number of receptions added.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -126,11 +133,13 @@ impl ReceptionLogBuilder {
         self.len() == 0
     }
 
-    /// Removes the receptions at the stop `first` and at later stops.
+    /// Removes the receptions and ranges at the stop `first` and at later stops.
     pub fn forget_from(&mut self, first: u32) {
         let mut reports = std::mem::take(&mut self.reports);
         reports.retain(|report| report.stop < first);
-        let mut kept = Self { has_sectors: self.has_sectors, reports, ..Self::default() };
+        let mut ranges = std::mem::take(&mut self.ranges);
+        ranges.retain(|&(stop, _)| stop < first);
+        let mut kept = Self { has_sectors: self.has_sectors, reports, ranges, ..Self::default() };
         let nodes = self.nodes.runs().flat_map(|(node, count)| std::iter::repeat_n(node, count));
         for (at, node) in nodes.enumerate() {
             if self.columns.stops[at] < first {
@@ -145,7 +154,7 @@ impl ReceptionLogBuilder {
     /// # Errors
     /// If a reception names a node or stop that does not exist, appears twice, or has more packets than were sent;
     /// if a stop or its heading is not finite, or a stop is farther than 10⁹ m from zero along an axis; if a report of sectors is not of a reception,
-    /// appears twice or is not finite.
+    /// appears twice or is not finite; if a range is to a node that does not exist, or is not finite.
     pub fn build(
         self,
         names: Vec<String>,
@@ -195,7 +204,14 @@ impl ReceptionLogBuilder {
             }
         }
         let log = ReceptionLog { names, stops, columns, first, contacts, ..ReceptionLog::default() };
-        if self.reports.is_empty() { Ok(log) } else { log.with_sector_snrs(self.reports) }
+        let log = if self.reports.is_empty() { log } else { log.with_sector_snrs(self.reports)? };
+        if self.ranges.is_empty() {
+            return Ok(log);
+        }
+        // Robots write a stop when it is over: ranges of several robots come in turns.
+        let mut ranges: Vec<RangeSample> = self.ranges.into_iter().map(|(_, sample)| sample).collect();
+        ranges.sort_by_key(|sample| sample.time);
+        log.with_ranges(ranges)
     }
 
     /// Checks each reception on its own. Returns where those of each node will begin.

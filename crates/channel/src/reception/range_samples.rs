@@ -2,7 +2,7 @@
 
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
-use super::LogError;
+use super::{LogError, Stop};
 use crate::geometry::position::Position;
 
 /// A distance to a node that a robot measured.
@@ -56,6 +56,21 @@ impl RangeSamples {
         let from = self.samples.partition_point(|sample| sample.node < node);
         let to = self.samples.partition_point(|sample| sample.node <= node);
         &self.samples[from..to]
+    }
+
+    /// The stop to which each sample belongs, of these `stops`: the last one of its robot that had begun when it was measured, or
+    /// the first one.
+    pub(super) fn stops(&self, stops: &[Stop]) -> Vec<u32> {
+        let mut of_robots: Vec<(RobotId, SimTime, u32)> =
+            (0..).zip(stops).map(|(number, stop)| (stop.robot, stop.time, number)).collect();
+        of_robots.sort_unstable();
+        let of = |sample: &RangeSample| {
+            let next = of_robots.partition_point(|&(robot, time, _)| (robot, time) <= (sample.robot, sample.time));
+            let before = next.checked_sub(1).and_then(|last| of_robots.get(last));
+            let own = before.filter(|stop| stop.0 == sample.robot).or(of_robots.get(next));
+            own.map_or(0, |&(_, _, number)| number)
+        };
+        self.samples.iter().map(of).collect()
     }
 
     /// The same at other places, in a frame that is turned by so much there (rad).

@@ -47,6 +47,16 @@ fn the_survey_maps_all_nodes_better_than_a_centroid() {
 }
 
 #[test]
+fn ranges_map_all_nodes_to_a_few_centimetres_and_no_better_than_their_bound() {
+    let summary = run("ranges");
+    let map = &summary["maps"][0];
+    let bound_m = map["posterior_bound_m"].as_f64().expect("a bound");
+    assert_eq!((&map["mapped"], &map["coverage_95"]), (&Value::from(16), &Value::from(1.0)));
+    assert!(bound_m > 0.005 && mean_error_m(map) > bound_m && mean_error_m(map) < 0.05, "{bound_m}: {map}");
+    assert!(summary["gathering"]["ranges"].as_u64().expect("a count") > 5000);
+}
+
+#[test]
 fn the_study_of_channel_access_delivers_most_packets() {
     let summary = run("mac");
     assert!(summary["mac"]["prr"].as_f64().expect("a share") > 0.98);

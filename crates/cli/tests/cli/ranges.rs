@@ -177,3 +177,58 @@ fn a_scenario_says_that_a_map_is_on_the_estimated_path() {
         assert!(refused.contains(problem), "{refused}");
     }
 }
+
+/// The recording of a run, its tables, and the track of its robot.
+#[test]
+fn simulated_ranges_give_the_same_map_from_the_recording_and_from_its_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let command = |words: &[&str]| {
+        let output = sextant().args(words).current_dir(folder.path()).output().unwrap();
+        assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+        output
+    };
+    command(&["init", "ranges", "--quiet"]);
+    let sets = ["--set", "recording.map_snapshots=0", "--format", "json", "--quiet"];
+    let run = json(&command(&[&["run", "ranges.toml", "--out", "run.mcap"], &sets[..]].concat()));
+    command(&["export", "run.mcap", "--out", "tables", "--quiet"]);
+    let from_recording = json(&command(&["map", "run.mcap", "--algorithm", "range-ml", "--format", "json"]));
+    let truth = ["--truth", "tables/nodes.csv", "--format", "json"];
+    let from_tables = json(&command(&[&["map", "tables", "--algorithm", "range-ml"], &truth[..]].concat()));
+    let law = |summary: &Value| summary["maps"][0]["range_law"].clone();
+    assert!(law(&run)["bias_m"].as_f64().is_some_and(|bias_m| (bias_m - 0.3).abs() < 0.1));
+    assert_eq!(law(&run), law(&from_recording));
+    assert_eq!(law(&run), law(&from_tables));
+    let errors = |summary: &Value| summary["maps"][0]["position_error_m"].clone();
+    assert_eq!(errors(&from_recording), errors(&from_tables));
+
+    let words =
+        ["map", "run.mcap", "--track", "--known", "tables/nodes.csv", "--out", "track.csv", "--format", "json"];
+    let track = json(&command(&words))["tracks"][0].clone();
+    assert_eq!((&track["tag"], &track["receivers"]), (&Value::from("surveyor"), &Value::from(16)));
+    let length_m = track["length_m"].as_f64().unwrap();
+    assert!((length_m - 140.0).abs() < 6.0, "{length_m}");
+}
+
+#[test]
+fn ranges_that_cannot_be_are_refused_where_they_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |set: &[&str]| {
+        let sets: Vec<&str> = set.iter().flat_map(|set| ["--set", set]).collect();
+        let words = [&["check", "ranges.toml"], &sets[..]].concat();
+        let output = sextant().args(words).current_dir(folder.path()).output().unwrap();
+        assert!(!output.status.success());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    sextant().args(["init", "ranges"]).current_dir(folder.path()).output().unwrap();
+    assert!(refused(&["ranging.noise_m=-1"]).contains("`ranging.noise_m` is -1; allowed: a number from 0 to 1000"));
+    assert!(refused(&["ranging.exchange={ideal={interval_s=0}}"]).contains("ranging.exchange.ideal.interval_s"));
+    assert!(refused(&["ranging.bias=1"]).contains("no such key"));
+    // A recording without ranges has no track.
+    sextant().args(["init", "survey"]).current_dir(folder.path()).output().unwrap();
+    sextant().args(["run", "survey.toml", "--quiet"]).current_dir(folder.path()).output().unwrap();
+    std::fs::write(folder.path().join("known.csv"), NODES).unwrap();
+    let words = ["map", "survey.mcap", "--track", "--known", "known.csv"];
+    let output = sextant().args(words).current_dir(folder.path()).output().unwrap();
+    let problem = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && problem.contains("[ranging]"), "{problem}");
+}

@@ -6,6 +6,7 @@ pub(crate) const CONTACTS: &str = "contacts.csv";
 pub(crate) const SECTORS: &str = "sectors.csv";
 pub(crate) const ANTENNA: &str = "antenna.toml";
 pub(crate) const SECTOR_SNRS: &str = "sector_snrs.csv";
+pub(crate) const RANGES: &str = "ranges.csv";
 pub(crate) const PACKETS: &str = "packets.csv";
 pub(crate) const PATH: &str = "path.csv";
 /// A path that drifts.

@@ -2,13 +2,27 @@
 
 use std::path::Path;
 
-use super::file_names::{ANTENNA, CONTACTS, NAMES, NODES, PACKETS, PATH, RECEPTIONS, SECTOR_SNRS, SECTORS, STOPS};
+use super::file_names::{
+    ANTENNA, CONTACTS, NAMES, NODES, PACKETS, PATH, RANGES, RECEPTIONS, SECTOR_SNRS, SECTORS, STOPS,
+};
 use super::layout::FolderLog;
 use crate::bag;
 
 /// The files of a folder whose names say what they are.
-const PARTS: [&str; 11] =
-    [STOPS, RECEPTIONS, CONTACTS, SECTORS, ANTENNA, SECTOR_SNRS, PACKETS, PATH, NODES, NAMES, "metadata.yaml"];
+const PARTS: [&str; 12] = [
+    STOPS,
+    RECEPTIONS,
+    RANGES,
+    CONTACTS,
+    SECTORS,
+    ANTENNA,
+    SECTOR_SNRS,
+    PACKETS,
+    PATH,
+    NODES,
+    NAMES,
+    "metadata.yaml",
+];
 
 /// Whether a new file at `path` would be read as a part of the log in its folder, or keep that from being read. `read` is a log
 /// that is read now, if there is one. Capital letters are small ones here, as on some file systems.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path as FilePath;
 
-use sextant_channel::Position;
+use sextant_channel::{Position, RangeSample, ReceptionLog};
 use sextant_kernel::text::{counted, listed};
 use sextant_mapper::TagRange;
 
@@ -27,6 +27,50 @@ pub struct TagRanges {
     pub tags: BTreeMap<String, Vec<TagRange>>,
     /// What the user should know.
     pub notes: Vec<String>,
+}
+
+impl TagRanges {
+    /// The ranges of the robots of a recorded log to its nodes, of which those at `known` places, by name, are receivers: each robot
+    /// is a tag. Where it was is not looked at.
+    ///
+    /// # Errors
+    /// If no range is to a known receiver.
+    pub fn of_log(
+        path: &FilePath,
+        log: &ReceptionLog,
+        known: &BTreeMap<String, Position>,
+    ) -> Result<Self, RobotLogError> {
+        let numbers: BTreeMap<&str, usize> =
+            known.keys().enumerate().map(|(number, name)| (name.as_str(), number)).collect();
+        let mut samples: Vec<&RangeSample> = log.ranges().iter().collect();
+        samples.sort_by_key(|sample| sample.time);
+        let mut found = Self::default();
+        let mut strangers = 0_usize;
+        for &&RangeSample { node, robot, time, range_m, .. } in &samples {
+            match numbers.get(log.names()[node.index()].as_str()) {
+                Some(&receiver) => {
+                    let tag = log.robot_name(robot).into_owned();
+                    found.tags.entry(tag).or_default().push(TagRange { receiver, time, range_m });
+                }
+                None => strangers += 1,
+            }
+        }
+        if strangers > 0 {
+            let rows = counted(strangers, "range");
+            found.notes.push(format!("{rows} to nodes without a known place are not used"));
+        }
+        if found.tags.is_empty() {
+            let name = path.display().to_string();
+            let problem = if samples.is_empty() {
+                "the recording has no ranges: a scenario with a table `[ranging]` makes them".to_owned()
+            } else {
+                let names = listed(&known.keys().collect::<Vec<_>>());
+                format!("it has no range to a node with a known place; those are {names}")
+            };
+            return Err(RobotLogError::NoRanges { name, problem });
+        }
+        Ok(found)
+    }
 }
 
 /// Reads the ranges of moving tags to receivers at `known` places, by name: the table of ranges in the folder `path`, or the file

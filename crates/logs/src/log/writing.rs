@@ -6,9 +6,10 @@ use sextant_channel::{Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 use sextant_recording::disk;
 
-use super::file_names::{ANTENNA, CONTACTS, RECEPTIONS, SECTOR_SNRS, SECTORS, STOPS};
+use super::file_names::{ANTENNA, CONTACTS, RANGES, RECEPTIONS, SECTOR_SNRS, SECTORS, STOPS};
 use crate::csv::output::Output;
 use crate::error::robot_log_error::RobotLogError;
+use crate::ranges::range_table;
 use crate::stops::antenna_file;
 use crate::stops::sector_snrs;
 use crate::stops::sectors;
@@ -97,6 +98,9 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
         sector_snrs::write(&folder.join(SECTOR_SNRS), log)?;
     }
 
+    if !log.ranges().is_empty() {
+        range_table::write(&folder.join(RANGES), log)?;
+    }
     if log.contacts().is_empty() {
         return Ok(());
     }

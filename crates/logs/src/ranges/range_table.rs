@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use sextant_channel::{Position, RangeSample, Stop};
+use sextant_channel::{Position, RangeSample, ReceptionLog, Stop};
 use sextant_kernel::text::counted;
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use crate::csv::header::{KnownColumns, Others};
+use crate::csv::output::Output;
 use crate::csv::table::{Column, Table, TableRow};
 use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
@@ -18,6 +19,11 @@ use crate::time::instant;
 
 /// The columns of ranges, and a metre in their units.
 const RANGES: [(&str, f64); 3] = [("range_m", 1.0), ("range_cm", 100.0), ("range_mm", 1000.0)];
+/// The columns of ranges as [`write`] writes them: with the robot's own place and velocity.
+const WRITTEN: [&str; 10] =
+    ["stop", "t_s", "node", "range_m", "x_m", "y_m", "z_m", "vx_m_per_s", "vy_m_per_s", "vz_m_per_s"];
+/// Those of them that say where and how fast.
+const OWN_PLACE: [&str; 6] = ["x_m", "y_m", "z_m", "vx_m_per_s", "vy_m_per_s", "vz_m_per_s"];
 /// The longest range that a device of a robot can have measured (m).
 const LONGEST_M: f64 = 1e6;
 /// The velocity is that over twice this span.
@@ -55,6 +61,8 @@ struct Placing<'a> {
     stop: Column,
     time: Option<Times>,
     robot: Column,
+    /// The columns of places and velocities of the rows themselves; `None` if a log of stops has not all of them, and times.
+    own: Option<[Column; 6]>,
 }
 
 /// Reads the ranges in a table, as it is `written`, to nodes of which those in `known` have numbers already.
@@ -65,7 +73,7 @@ pub(crate) fn read(
     known: &[String],
     notes: &mut Vec<String>,
 ) -> Result<ReadRanges, RobotLogError> {
-    let optional = [&instant::COLUMNS[..], &["stop", "robot"], &RANGES.map(|(name, _)| name)].concat();
+    let optional = [&instant::COLUMNS[..], &["stop", "robot"], &OWN_PLACE, &RANGES.map(|(name, _)| name)].concat();
     let columns =
         KnownColumns { required: &["node"], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, columns)?;
@@ -135,6 +143,17 @@ pub(crate) fn read(
     Ok(read)
 }
 
+/// Writes the ranges of `log` to the file `path`.
+pub(crate) fn write(path: &std::path::Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
+    let mut output = Output::new(&WRITTEN);
+    for (stop, sample) in log.stops_of_ranges().into_iter().zip(log.ranges()) {
+        let &RangeSample { node, time, position, velocity, range_m, robot: _ } = sample;
+        output.text(&stop.to_string()).instant(time).text(&log.names()[node.index()]).number(range_m);
+        output.position(position).position(velocity).end();
+    }
+    output.save(path)
+}
+
 /// The column of ranges of a table, and a metre in its unit.
 pub(crate) fn range_column(table: &Table<'_>) -> Result<(Column, f64), RobotLogError> {
     let all = RANGES.into_iter().map(|(name, unit)| (table.column(name), unit));
@@ -183,6 +202,22 @@ impl<'a> Placing<'a> {
         notes: &mut Vec<String>,
     ) -> Result<Self, RobotLogError> {
         let [stop, robot] = ["stop", "robot"].map(|name| table.column(name));
+        let own = OWN_PLACE.map(|name| table.column(name));
+        let has_time = instant::COLUMNS.iter().any(|name| table.column(name).exists());
+        let is_own = has_time && own.iter().all(|column| column.exists());
+        let own = Some(own).filter(|_| is_own && matches!(whereabouts, Whereabouts::Stops { .. }));
+        let unused = OWN_PLACE.iter().filter(|name| own.is_none() && table.column(name).exists());
+        let unused: Vec<&str> = unused.copied().collect();
+        if !unused.is_empty() {
+            let used = match whereabouts {
+                Whereabouts::Stops { .. } => "the places of the stops count, unless all of these and t_s are there",
+                Whereabouts::Paths { .. } => "the places on the path count",
+            };
+            let (name, unused, of) = (table.name(), unused.join(", "), OWN_PLACE.join(", "));
+            let of =
+                if matches!(whereabouts, Whereabouts::Stops { .. }) { format!(" ({of})") } else { String::new() };
+            notes.push(format!("{name}: {unused} are not used: {used}{of}"));
+        }
         let time = match whereabouts {
             Whereabouts::Stops { .. } if !stop.exists() => {
                 return Err(table.wrong_header(format!(
@@ -190,7 +225,9 @@ impl<'a> Placing<'a> {
                     table.hint("stop")
                 )));
             }
-            Whereabouts::Stops { .. } => None,
+            Whereabouts::Stops { .. } => {
+                own.is_some().then(|| Times::of(table, written.time_zone, notes)).transpose()?
+            }
             Whereabouts::Paths { .. } => Some(Times::of(table, written.time_zone, notes)?),
         };
         if let Whereabouts::Paths { paths, .. } = whereabouts
@@ -203,7 +240,7 @@ impl<'a> Placing<'a> {
                 table.hint("robot")
             )));
         }
-        Ok(Self { whereabouts, stop, time, robot })
+        Ok(Self { whereabouts, stop, time, robot, own })
     }
 
     /// Where the robot was when it measured the range of a row; `None` if that is not known.
@@ -214,6 +251,15 @@ impl<'a> Placing<'a> {
                 let number =
                     ids.get(&*name).ok_or_else(|| row.wrong(self.stop, "the name of a stop in stops.csv"))?;
                 let Stop { robot, time, position, .. } = stops[*number as usize];
+                if let (Some(own), Some(times)) = (self.own, self.time) {
+                    let mut values = [0.0; 6];
+                    for (value, column) in values.iter_mut().zip(own) {
+                        *value = row.finite(column)?.ok_or_else(|| row.wrong(column, "a finite number"))?;
+                    }
+                    let [x_m, y_m, z_m, vx, vy, vz] = values;
+                    let (position, velocity) = (Position::new(x_m, y_m, z_m), Position::new(vx, vy, vz));
+                    return Ok(Some(Pose { robot, time: row.instant(times)?, position, velocity }));
+                }
                 Ok(Some(Pose { robot, time, position, velocity: Position::ORIGIN }))
             }
             (Whereabouts::Paths { paths, robots }, Some(times)) => {
@@ -296,5 +342,42 @@ mod tests {
             let why = read(folder_of([stops, ("ranges.csv", text)]).path(), &ReadOptions::default()).unwrap_err();
             assert!(why.to_string().contains(problem), "{why}");
         }
+    }
+
+    #[test]
+    fn ranges_with_places_of_their_own_are_read_back_equal() {
+        use sextant_channel::{Position, RangeSample};
+        use sextant_kernel::{NodeId, RobotId, SimTime};
+
+        let stops = "stop,t_s,x_m,y_m,robot\nA,0,0,0,r\nB,10,4,0,r\nC,5,1,1,s\n";
+        let receptions = "node,stop,received,sent\nlamp,A,1,1\nfan,C,1,1\n";
+        let folder = folder_of([("stops.csv", stops), ("receptions.csv", receptions)]);
+        let log = read(folder.path(), &ReadOptions::default()).unwrap().log;
+        let sample = |node, robot, nanos, x_m| RangeSample {
+            node: NodeId(node),
+            robot: RobotId(robot),
+            time: SimTime::from_nanos(nanos),
+            position: Position::new(x_m, 0.25, 1.0),
+            velocity: Position::new(0.5, -0.125, 0.0),
+            range_m: x_m - 0.3,
+        };
+        // The second one is from before the first stop of its robot.
+        let ranges = vec![
+            sample(0, 0, 7_000_000_001, 3.0),
+            sample(1, 1, 1_000_000_000, 0.1),
+            sample(0, 0, 12_000_000_000, 5.0),
+        ];
+        let log = log.with_ranges(ranges).unwrap();
+        assert_eq!(log.stops_of_ranges(), [0, 1, 2]);
+        let parent = tempfile::tempdir().unwrap();
+        crate::write(&parent.path().join("log"), &log).unwrap();
+        let again = read(&parent.path().join("log"), &ReadOptions::default()).unwrap();
+        assert_eq!(again.log, log, "{:?}", again.notes);
+
+        // Without all of these columns the places are those of the stops, and a note says so.
+        let partly = ("ranges.csv", "node,stop,range_m,x_m,y_m\nlamp,B,2,9,9\n");
+        let found = read(folder_of([("stops.csv", stops), partly]).path(), &ReadOptions::default()).unwrap();
+        assert!((found.log.ranges()[0].position.x_m - 4.0).abs() < 1e-12);
+        assert!(found.notes.iter().any(|note| note.contains("x_m, y_m are not used")), "{:?}", found.notes);
     }
 }

@@ -11,6 +11,7 @@ mod estimate_kind;
 mod local;
 mod node_evidence;
 mod prior;
+mod range_bound;
 mod region;
 mod verdict;
 
@@ -24,5 +25,6 @@ pub use estimate_kind::{EstimateKind, TieRule};
 pub(crate) use local::{LocalPosterior, local_posterior};
 pub(crate) use node_evidence::NodeEvidence;
 pub use prior::{Area, PlacePrior};
+pub use range_bound::{TrueRanges, range_bound_m};
 pub use region::Region;
 pub(crate) use verdict::{FitState, LIKELY, Verdict};

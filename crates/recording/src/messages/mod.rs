@@ -50,6 +50,7 @@ pub(crate) mod names;
 pub(super) mod networks;
 pub(super) mod packets;
 pub(crate) mod phase;
+pub(super) mod ranges;
 pub(super) mod sector_gains;
 pub(super) mod sector_snrs;
 pub(crate) mod sensation;
@@ -60,6 +61,7 @@ pub use applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
 pub use distributed::MappedNodeMessage;
 pub(crate) use networks::{NetworksMessage, SectorMessage};
 pub use packets::{AssessmentMessage, PacketMessage, TransmissionMessage};
+pub(crate) use ranges::RangeMessage;
 pub(crate) use sector_gains::SectorGainsMessage;
 pub(crate) use sector_snrs::SectorSnrsMessage;
 pub(crate) use sensing::SensedMessage;
@@ -242,6 +244,7 @@ pub(crate) fn declarations() -> impl Iterator<Item = &'static Declaration> {
         distributed::DECLARATIONS,
         networks::DECLARATIONS,
         packets::DECLARATIONS,
+        ranges::DECLARATIONS,
         sector_gains::DECLARATIONS,
         sector_snrs::DECLARATIONS,
         sensing::DECLARATIONS,

@@ -58,8 +58,10 @@ const RECEPTIONS_TOPIC: &str = "/receptions";
 const SECTORS_TOPIC: &str = "/sectors";
 const SECTOR_GAINS_TOPIC: &str = "/sector_gains";
 const SECTOR_SNRS_TOPIC: &str = "/sector_snrs";
+const RANGES_TOPIC: &str = "/ranges";
 /// Their ends, of any network.
-const LOG_TOPICS: [&str; 5] = [STOPS_TOPIC, RECEPTIONS_TOPIC, SECTORS_TOPIC, SECTOR_GAINS_TOPIC, SECTOR_SNRS_TOPIC];
+const LOG_TOPICS: [&str; 6] =
+    [STOPS_TOPIC, RECEPTIONS_TOPIC, SECTORS_TOPIC, SECTOR_GAINS_TOPIC, SECTOR_SNRS_TOPIC, RANGES_TOPIC];
 
 /// The topics of the reception log of one network.
 pub(crate) struct LogTopics {
@@ -68,6 +70,7 @@ pub(crate) struct LogTopics {
     pub(crate) sectors: Cow<'static, str>,
     pub(crate) sector_gains: Cow<'static, str>,
     pub(crate) sector_snrs: Cow<'static, str>,
+    pub(crate) ranges: Cow<'static, str>,
 }
 
 impl LogTopics {
@@ -83,6 +86,7 @@ impl LogTopics {
             sectors: topic(SECTORS_TOPIC),
             sector_gains: topic(SECTOR_GAINS_TOPIC),
             sector_snrs: topic(SECTOR_SNRS_TOPIC),
+            ranges: topic(RANGES_TOPIC),
         }
     }
 

@@ -22,8 +22,8 @@ use foxglove::messages::{Log, log::Level};
 use mcap::Attachment;
 use mcap::records::{MessageHeader, Metadata};
 use sextant_channel::{
-    Anchor, Contact, Dbm, HeardAtStop, Link, NeighbourLog, Position, Reception, ReceptionLog, SectorReport,
-    SectorTable, Stop,
+    Anchor, Contact, Dbm, HeardAtStop, Link, NeighbourLog, Position, RangeSample, Reception, ReceptionLog,
+    SectorReport, SectorTable, Stop,
 };
 use sextant_kernel::SimTime;
 
@@ -244,7 +244,7 @@ impl<W: Write> Recorder<W> {
         stop: &Stop,
         heard: impl Into<HeardAtStop<'a>>,
     ) -> Result<(), RecordingError> {
-        let HeardAtStop { receptions, reports } = heard.into();
+        let HeardAtStop { receptions, reports, ranges } = heard.into();
         let Position { x_m, y_m, z_m } = stop.position;
         let topics = LogTopics::new(other);
         let message = messages::StopMessage {
@@ -261,6 +261,9 @@ impl<W: Write> Recorder<W> {
         // Before the receptions, which complete the stop.
         if !reports.is_empty() {
             self.append(stop.time, &topics.sector_snrs, &messages::SectorSnrsMessage::new(index, reports))?;
+        }
+        for sample in ranges {
+            self.append(stop.time, &topics.ranges, &messages::RangeMessage::new(index, sample))?;
         }
         let sensitivity = self.sensitivities.get(&other.map(str::to_owned)).copied();
         if self.detail == Detail::Compact && !receptions.is_empty() {
@@ -321,13 +324,21 @@ impl<W: Write> Recorder<W> {
         by_stop.sort_by_key(|reception| (reception.stop, reception.node));
         let mut reports: Vec<SectorReport> = log.sector_reports().collect();
         reports.sort_by_key(|report| (report.stop, report.node));
+        let mut ranges: Vec<(u32, RangeSample)> =
+            log.stops_of_ranges().into_iter().zip(log.ranges().iter().copied()).collect();
+        ranges.sort_by_key(|&(stop, sample)| (stop, sample.time, sample.node));
+        let mut rest_of_ranges = ranges.as_slice();
         let (mut rest, mut rest_of_reports) = (by_stop.as_slice(), reports.as_slice());
         for (index, stop) in log.stops().iter().enumerate() {
             let index = u32::try_from(index).expect("fewer than 2^32 stops");
             let (here, later) = rest.split_at(rest.partition_point(|reception| reception.stop <= index));
             let of_stop = rest_of_reports.partition_point(|report| report.stop <= index);
             let (reports, later_reports) = rest_of_reports.split_at(of_stop);
-            let heard = HeardAtStop { receptions: here, reports };
+            let (of_stop, later_ranges) =
+                rest_of_ranges.split_at(rest_of_ranges.partition_point(|&(stop, _)| stop <= index));
+            let ranges: Vec<RangeSample> = of_stop.iter().map(|&(_, sample)| sample).collect();
+            rest_of_ranges = later_ranges;
+            let heard = HeardAtStop { receptions: here, reports, ranges: &ranges };
             self.stop(None, &log.robot_name(stop.robot), index, stop, heard)?;
             (rest, rest_of_reports) = (later, later_reports);
         }

@@ -69,9 +69,10 @@ pub(super) fn network_table(table: &str, topic: &str) -> String {
 const STOP: &str = "Stop";
 
 /// The table of each message type: its name, the fields that are the index of a node, and whether the topic says more.
-const TABLES: [(&str, &str, &[&str], NamedByTopic); 17] = [
+const TABLES: [(&str, &str, &[&str], NamedByTopic); 18] = [
     (STOP, "stops", &[], NamedByTopic::Network),
     ("Reception", "receptions", &["node"], NamedByTopic::Network),
+    ("Range", "ranges", &["node"], NamedByTopic::Network),
     ("Sector", "sectors", &[], NamedByTopic::Network),
     ("Contact", "contacts", &[], NamedByTopic::Robot),
     ("Anchor", "anchors", &["node"], NamedByTopic::Topic),

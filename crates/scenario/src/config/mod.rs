@@ -13,7 +13,7 @@ use std::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 use sextant_apps::distributed::DistributedMappingConfig;
 use sextant_apps::{ControllerConfig, MissionConfig};
-use sextant_channel::ChannelConfig;
+use sextant_channel::{ChannelConfig, RangingDeviceConfig};
 use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::{MapConfig, NodeDisplacement};
@@ -61,6 +61,9 @@ pub struct ScenarioConfig {
     /// signal to interference of at least 3 dB.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reception: Option<ReceptionConfig>,
+    /// How robots measure the ranges to nodes; they do not if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ranging: Option<RangingDeviceConfig>,
     /// The antennas of a network with sector sweeps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub antenna: Option<AntennasConfig>,
@@ -68,8 +71,8 @@ pub struct ScenarioConfig {
     /// 868 and 915 MHz, `mmwave_60_ghz` with sector sweeps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyConfig>,
-    /// Several networks by name, each with tables `radio`, `channel`, `mac`, `traffic`, `reception`, `antenna` and `energy`
-    /// of its own; one network with the tables of the scenario if absent.
+    /// Several networks by name, each with tables `radio`, `channel`, `mac`, `traffic`, `reception`, `ranging`, `antenna` and
+    /// `energy` of its own; one network with the tables of the scenario if absent.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub networks: BTreeMap<String, NetworkConfig>,
     /// When the simulation ends (s); if absent, when the last robot has finished and the nodes have computed their map.

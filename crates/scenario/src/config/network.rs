@@ -1,7 +1,7 @@
 //! One of several networks, as written in a scenario.
 
 use serde::{Deserialize, Serialize};
-use sextant_channel::ChannelConfig;
+use sextant_channel::{ChannelConfig, RangingDeviceConfig};
 use sextant_mac::EnergyConfig;
 use sextant_sim::{AntennasConfig, MacConfig, NodesOfGroup, RadioConfig, ReceptionConfig, TrafficConfig};
 
@@ -28,6 +28,9 @@ pub struct NetworkConfig {
     /// When a frame that arrives is received.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reception: Option<ReceptionConfig>,
+    /// How robots measure the ranges to its nodes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ranging: Option<RangingDeviceConfig>,
     /// The antennas, with sector sweeps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub antenna: Option<AntennasConfig>,

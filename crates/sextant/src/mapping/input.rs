@@ -141,6 +141,9 @@ impl Input {
                     .to_owned(),
             );
         }
+        if run.leaves_out_ranges {
+            notes.push("measured ranges are not used, because the log is mapped part by part".to_owned());
+        }
         if !run.metadata.contains_key(ORIGIN_METADATA) {
             notes.push("the recording does not name its scenario".to_owned());
         }

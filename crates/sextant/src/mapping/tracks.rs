@@ -1,11 +1,13 @@
 //! The pipeline of `map --track`: the tracks of moving tags among receivers at known places.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use sextant_channel::Position;
 use sextant_kernel::{SimTime, Watch};
-use sextant_logs::{self as robot_log, FormOptions, TrueNodes, read_tag_ranges, read_true_path};
+use sextant_logs::{self as robot_log, FormOptions, TagRanges, TrueNodes, read_tag_ranges, read_true_path};
 use sextant_mapper::{PositionError, Track, TrackSettings, track};
+use sextant_recording as recording;
 
 use super::error::MapLogError;
 use crate::summary::{ErrorSummary, Stopwatch, Summary, Timing, TrackSummary, peak_rss_bytes};
@@ -13,7 +15,7 @@ use crate::summary::{ErrorSummary, Stopwatch, Summary, Timing, TrackSummary, pea
 /// What a track is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackJob<'a> {
-    /// The folder with `ranges.csv`, or such a file.
+    /// The folder with `ranges.csv`, such a file, or a recording whose robots are the tags.
     pub log: &'a Path,
     /// Where receivers are, by name.
     pub known: &'a TrueNodes,
@@ -34,14 +36,21 @@ pub fn tracks(
     start: Stopwatch,
     watch: &dyn Watch,
 ) -> Result<(Summary, Vec<(String, Track)>), MapLogError> {
-    let ranges = read_tag_ranges(job.log, &job.known.places, job.form)?;
+    let is_recording = job.log.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"));
+    let ranges = if is_recording {
+        let run = recording::read_log(job.log)?;
+        TagRanges::of_log(job.log, run.log(), &job.known.places)?
+    } else {
+        read_tag_ranges(job.log, &job.known.places, job.form)?
+    };
     let mut notes = ranges.notes;
     let truth = job.truth.map(|path| read_true_path(path, job.form, &mut notes)).transpose()?;
     let receivers: Vec<Position> = job.known.places.values().copied().collect();
     let (mut tracks, mut summaries) = (Vec::new(), Vec::new());
     for (tag, ranges) in ranges.tags {
         let found = track(&receivers, &ranges, TrackSettings { height_m: job.height_m }, watch)?;
-        summaries.push(summary(&tag, &found, receivers.len(), truth.as_ref()));
+        let heard: BTreeSet<usize> = ranges.iter().map(|range| range.receiver).collect();
+        summaries.push(summary(&tag, &found, heard.len(), truth.as_ref()));
         tracks.push((tag, found));
     }
     let timing = Timing { wall_s: start.elapsed_s(), peak_rss_bytes: peak_rss_bytes(), ..Timing::default() };

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use sextant_apps::ControllerConfig;
+use sextant_kernel::NodeId;
 use sextant_scenario::Scenario;
 use sextant_sim::{Ending, RobotRecord, RoleConfig, StopsLeftOut, Survey};
 
@@ -56,9 +57,13 @@ fn left_out(StopsLeftOut { in_obstacles, unreachable }: StopsLeftOut) -> Option<
     (in_obstacles + unreachable > 0).then_some(LeftOutSummary { in_obstacles, unreachable })
 }
 
-/// Names of the nodes from which all robots together received fewer than `wanted` packets.
+/// Names of the nodes from which all robots together received fewer than `wanted` packets. Where one is enough, a range is too.
 fn unreached(survey: &Survey, wanted: u32) -> Vec<String> {
     let heard = |node: usize| survey.robots.iter().fold(0, |sum: u32, robot| sum.saturating_add(robot.packets[node]));
+    let has_ranges = |node| {
+        let node = NodeId::from_index(node);
+        wanted <= 1 && survey.logs.iter().any(|network| !network.log.ranges_to(node).is_empty())
+    };
     let names = survey.log().names().iter().enumerate();
-    names.filter(|&(node, _)| heard(node) < wanted).map(|(_, name)| name.clone()).collect()
+    names.filter(|&(node, _)| heard(node) < wanted && !has_ranges(node)).map(|(_, name)| name.clone()).collect()
 }

@@ -6,7 +6,7 @@ use sextant_mapper::{EstimatorFindings, MapError, SectorDisplacement, TopologyMa
 use sextant_scenario::{MapJob, Scenario};
 use sextant_sim::{NetworkId, Survey};
 
-use super::bound::{self, NoBound, SurveyBound};
+use super::bound::{self, LazyBound};
 use super::discovery::Discoveries;
 use super::error::RunError;
 use super::message_energy::message_energy_j;
@@ -45,13 +45,13 @@ pub(super) fn evaluate(
     named: &MapJob,
     survey: &Survey,
     discoveries: &Discoveries,
-    bound: &SurveyBound,
+    bound: &LazyBound,
     watch: &dyn Watch,
 ) -> Result<Evaluation, RunError> {
+    let bound = bound::of_map(scenario, named, survey, bound, watch)?;
     let start = Stopwatch::start();
     let logs = MapLogs::from(&survey.logs);
     let networks = scenario.networks_of(named);
-    let bound = bound::of_map(scenario, named, survey, bound);
     let knowledge = discoveries.knowledge(scenario, &logs, named);
     let counted = CountedWork::new(watch);
     let (map, learned) = named.mapper.map_and_learn(knowledge, &counted)?;
@@ -118,21 +118,6 @@ pub(super) fn sector_displacement(
     let sectors = u32::from(nodes.sector_count() / nodes.rings());
     let antennas = NodeSectors { sectors, headings_rad: &headings_rad };
     displacement(truth, map, antennas, scenario.metrics())
-}
-
-/// The posterior bound for the maps of `survey`, or why it does not apply.
-///
-/// # Errors
-/// If `watch` stops the work.
-pub(super) fn survey_bound(
-    scenario: &Scenario,
-    survey: &Survey,
-    watch: &dyn Watch,
-) -> Result<SurveyBound, Interrupted> {
-    if scenario.maps().is_empty() {
-        return Ok(Err(NoBound::NothingHeard));
-    }
-    bound::posterior_bound(scenario, survey, &truth(scenario), watch)
 }
 
 /// The true positions of the nodes.

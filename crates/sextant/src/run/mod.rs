@@ -23,7 +23,7 @@ mod stepped;
 mod stop;
 mod witness;
 
-pub use bound::{NoBound, SurveyBound};
+pub use bound::{LazyBound, NoBound, SurveyBound};
 pub use capture::RunCapture;
 pub use discovery::Discoveries;
 pub use error::RunError;

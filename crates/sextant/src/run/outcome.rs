@@ -109,6 +109,7 @@ fn gathering(scenario: &Scenario, simulated: &Simulated) -> GatheringSummary {
         sweeps: sweeps(scenario, survey),
         sector_reports: sector_reports(scenario, survey),
         receptions: heard(survey),
+        ranges: GatheringSummary::ranges_of(survey.logs.iter().map(|network| &network.log)),
     }
 }
 

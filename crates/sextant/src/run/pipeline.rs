@@ -5,11 +5,11 @@ use sextant_recording::Phase;
 use sextant_scenario::{PlannedMission, Scenario};
 use sextant_sim::{Reached, Snapshot, Survey};
 
-use super::bound::{NoBound, SurveyBound};
+use super::bound::LazyBound;
 use super::discovery::Discoveries;
 use super::distributed::evaluate_distributed;
 use super::error::RunError;
-use super::evaluation::{Evaluation, evaluate, survey_bound};
+use super::evaluation::{Evaluation, evaluate};
 use super::mission::{Performance, ReadyMission, Stage, UnalignedMap};
 use super::observer::{MapEnd, MissionEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use super::outcome::sum_up;
@@ -52,7 +52,7 @@ pub struct Surveyed {
     /// What was heard, and what became of the packets.
     pub simulated: Simulated,
     /// The posterior bound for its maps (m), or why it does not apply.
-    pub bound: SurveyBound,
+    pub bound: LazyBound,
 }
 
 /// Runs `scenario`: simulates its survey, computes and measures its maps, and runs its missions. If `watch` stops the
@@ -131,14 +131,14 @@ impl<'a> StartedRun<'a> {
         let gather_s = begun.elapsed_s();
         let map_start = Stopwatch::start();
         let mut maps = Maps { scenario, discoveries: &discoveries, summaries: Vec::new(), evaluations: Vec::new() };
-        let mut bound = Err(NoBound::NothingHeard);
+        let bound = LazyBound::default();
         let mut interrupted = false;
         if let Some(simulated) = &simulated {
             maps.of_nodes(simulated, observer, watch)?;
-            let mapped = watch.check().map_err(RunError::from).and_then(|()| {
-                bound = survey_bound(scenario, &simulated.survey, watch)?;
-                maps.of_robots(simulated, &bound, observer, watch)
-            });
+            let mapped = watch
+                .check()
+                .map_err(RunError::from)
+                .and_then(|()| maps.of_robots(simulated, &bound, observer, watch));
             interrupted = is_interrupted(mapped)?;
         }
         let map_s = map_start.elapsed_s();
@@ -179,8 +179,7 @@ pub fn survey(
     let simulator = Simulator::new(scenario)?;
     start_survey(scenario, observer)?;
     let simulated = finish_survey(scenario, simulator, observer, watch)?;
-    let bound = survey_bound(scenario, &simulated.survey, watch)?;
-    Ok(Some(Surveyed { simulated, bound }))
+    Ok(Some(Surveyed { simulated, bound: LazyBound::default() }))
 }
 
 /// The summary of `scenario` on a survey that was simulated before, without timing; what [`run`] does after its survey.
@@ -260,7 +259,7 @@ impl Maps<'_> {
     fn of_robots(
         &mut self,
         simulated: &Simulated,
-        bound: &SurveyBound,
+        bound: &LazyBound,
         observer: &mut dyn RunObserver,
         watch: &dyn Watch,
     ) -> Result<(), RunError> {

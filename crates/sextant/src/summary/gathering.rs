@@ -21,6 +21,9 @@ pub struct GatheringSummary {
     pub sector_reports: Option<SectorReportsSummary>,
     /// Pairs of a stop and a node from which at least one packet was received there, in each network.
     pub receptions: usize,
+    /// Ranges that robots measured, in all networks. Absent without them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ranges: Option<usize>,
     /// Length of the robots' paths through all their known positions (m). A run and its recording know each turn; a log
     /// without paths knows the stops only.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,6 +85,12 @@ pub struct GatheringSummary {
 }
 
 impl GatheringSummary {
+    /// Number of ranges in `logs`; `None` without them.
+    pub(crate) fn ranges_of<'a>(logs: impl IntoIterator<Item = &'a ReceptionLog>) -> Option<usize> {
+        let count: usize = logs.into_iter().map(|log| log.ranges().len()).sum();
+        (count > 0).then_some(count)
+    }
+
     /// The summary of a log and of the known `paths` of its robots, by name.
     pub(crate) fn of_log(log: &ReceptionLog, counts: &LogCounts, paths: &[(String, Vec<Position>)]) -> Self {
         let mut robots = vec![RobotSummary::default(); log.robot_count()];
@@ -100,6 +109,7 @@ impl GatheringSummary {
         Self {
             stops: log.stops().len(),
             receptions: usize::try_from(counts.receptions).unwrap_or(usize::MAX),
+            ranges: Self::ranges_of([log]),
             path_length_m: Some(robots.iter().map(|robot| robot.path_length_m).sum()),
             packets_received: (robots.len() == 1).then_some(counts.received),
             packets_received_by_robots: (robots.len() > 1).then_some(counts.received),

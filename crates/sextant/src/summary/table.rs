@@ -109,6 +109,7 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     let by_robots = count(gathering.packets_received_by_robots);
     row("packets received", by_robots, "by all robots together; one that two of them received counts twice");
     row("receptions", Some(gathering.receptions.to_string()), "pairs of a stop and a node heard there");
+    row("ranges", gathering.ranges.map(|ranges| ranges.to_string()), "that robots measured");
     row("lost to collisions", count(gathering.lost_collision), "");
     row("lost to a busy channel", count(gathering.lost_channel_access), "");
     row("lost to a weak signal", count(gathering.lost_signal), "");

@@ -15,7 +15,7 @@ pub struct TrackSummary {
     pub poses: usize,
     /// Ranges that were used.
     pub ranges: usize,
-    /// Receivers with a known place.
+    /// Receivers at known places of which it has ranges.
     pub receivers: usize,
     /// From the first to the last pose (s).
     pub duration_s: f64,
@@ -62,7 +62,8 @@ pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result
             track.receivers,
             track.noise_m,
             track.range_bias_m,
-            100.0 * track.range_scale,
+            // Without a sign of zero.
+            (1000.0 * track.range_scale).round() / 10.0 + 0.0,
         )?;
         if !track.is_among_receivers {
             writeln!(

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Contact, Position, Stop, StopLog};
+use sextant_channel::{Contact, Position, RangeSample, RangingDevice, Stop, StopLog};
 use sextant_kernel::{EventKey, NodeId, Seed, SimTime, StationId};
 
 use crate::event::{Event, Timer};
@@ -180,6 +180,22 @@ impl Port<'_> {
     #[must_use]
     pub fn has_sectors(&self, network: NetworkId) -> bool {
         self.model.networks[network.index()].sweeps_sectors()
+    }
+
+    /// How the robots measure ranges in a network; `None` if they do not.
+    #[must_use]
+    pub fn ranging(&self, network: NetworkId) -> Option<&RangingDevice> {
+        self.model.rangings[network.index()].as_ref().map(|ranging| &ranging.device)
+    }
+
+    /// A robot measures the range to a node in a network, from where its odometry says that it is. No frame is sent for that. `None`
+    /// if the network has no ranging, if the node is not in it or dead, or if the try brings no range.
+    ///
+    /// # Panics
+    /// If the station is no robot.
+    #[must_use]
+    pub fn measure_range(&self, network: NetworkId, node: NodeId) -> Option<RangeSample> {
+        self.model.measure_range(self.station, network, node)
     }
 
     /// Number of sectors of the station's antenna in a network, all rings and tilts together; `None` if it has none, or the

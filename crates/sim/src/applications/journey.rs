@@ -261,7 +261,7 @@ impl Application for Journey {
         }
         let Some((slot, _)) = &self.slot else { return };
         match &mut self.work {
-            Work::Survey(survey) => survey.timed(timer, port),
+            Work::Survey(survey) => survey.timed(timer, slot, port),
             Work::Broadcast(broadcasting) => broadcasting.timed(timer, slot, port),
         }
         self.end_slot(port);

@@ -2,7 +2,10 @@
 
 mod tally;
 
-use sextant_channel::Reception;
+use std::time::Duration;
+
+use sextant_channel::{Position, RangeSample, RangingDevice, Reception};
+use sextant_kernel::NodeId;
 
 use super::controller::HeardNode;
 use super::slot::Slot;
@@ -16,6 +19,8 @@ use tally::Tally;
 
 /// The timer of the next sweep in the first network; those of the others follow.
 const FIRST_SWEEP: u16 = 1;
+/// The timer of the next ranges without frames in the first network; those of the others follow.
+const FIRST_RANGES: u16 = 1001;
 
 /// What a robot does in a slot of its survey.
 pub(super) struct Survey {
@@ -50,6 +55,10 @@ impl Survey {
             let surveyed = &mut self.networks[number];
             surveyed.is_listening = true;
             port.listen(surveyed.network, slot.span);
+            if port.ranging(surveyed.network).is_some_and(|ranging| ranging.interval_s().is_some()) {
+                self.measure_all(number, slot, port);
+            }
+            let surveyed = &mut self.networks[number];
             if port.has_sectors(surveyed.network) {
                 surveyed.sweeps_left = self.sweeps;
                 self.sweep(number, port);
@@ -66,8 +75,40 @@ impl Survey {
         }
     }
 
-    pub(super) fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
-        self.sweep(usize::from(timer.0 - FIRST_SWEEP), port);
+    pub(super) fn timed(&mut self, timer: Timer, slot: &Slot, port: &mut Port<'_>) {
+        match timer.0.checked_sub(FIRST_RANGES) {
+            Some(number) => self.measure_all(usize::from(number), slot, port),
+            None => self.sweep(usize::from(timer.0 - FIRST_SWEEP), port),
+        }
+    }
+
+    /// Measures the ranges to all nodes in a network without frames, and sets the timer of the next ones in the slot.
+    fn measure_all(&mut self, number: usize, slot: &Slot, port: &mut Port<'_>) {
+        let network = self.networks[number].network;
+        let Some(interval_s) = port.ranging(network).and_then(RangingDevice::interval_s) else { return };
+        for node in (0..port.node_count()).map(NodeId::from_index) {
+            self.measure(number, node, port);
+        }
+        let interval = Duration::from_secs_f64(interval_s);
+        if port.now() + interval < slot.since + slot.span {
+            let number = u16::try_from(number).expect("at most 256 networks");
+            port.after(interval, Timer(FIRST_RANGES + number));
+        }
+    }
+
+    /// Measures the range to a node that was heard in a network, if packets bring ranges there.
+    fn measure_by_packet(&mut self, number: usize, node: NodeId, port: &Port<'_>) {
+        if port.ranging(self.networks[number].network).is_some_and(|ranging| ranging.interval_s().is_none()) {
+            self.measure(number, node, port);
+        }
+    }
+
+    fn measure(&mut self, number: usize, node: NodeId, port: &Port<'_>) {
+        let surveyed = &mut self.networks[number];
+        let Some(sample) = port.measure_range(surveyed.network, node) else { return };
+        let position = self.frame.of_world(sample.position);
+        let velocity = self.frame.of_world(sample.velocity) - self.frame.of_world(Position::ORIGIN);
+        surveyed.tally.note_range(RangeSample { position, velocity, ..sample });
     }
 
     pub(super) fn delivered(&mut self, delivery: &Delivery<'_>, port: &Port<'_>) {
@@ -77,6 +118,7 @@ impl Survey {
         }
         if let (Some(node), Some(number)) = (port.node(delivery.from), self.number(delivery.network)) {
             self.networks[number].tally.note(node, delivery.sequence, delivery.rssi);
+            self.measure_by_packet(number, node, port);
         }
     }
 
@@ -93,6 +135,12 @@ impl Survey {
         let surveyed = &mut self.networks[number];
         let of_nodes = answers.iter().filter_map(|answer| Some((port.node(answer.from)?, answer)));
         surveyed.tally.note_sweep(of_nodes);
+        for answer in answers {
+            if let Some(node) = port.node(answer.from) {
+                self.measure_by_packet(number, node, port);
+            }
+        }
+        let surveyed = &mut self.networks[number];
         surveyed.sweeps_left = surveyed.sweeps_left.saturating_sub(1);
         if surveyed.sweeps_left > 0 {
             let due = slot.due(self.sweeps - surveyed.sweeps_left, self.sweeps);

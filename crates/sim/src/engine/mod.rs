@@ -24,6 +24,7 @@ use crate::link::antennas::Antennas;
 use crate::link::links::Cut;
 use crate::link::settings::Placement;
 use crate::model::log::Logs;
+use crate::model::ranging::Ranging;
 use crate::model::{Model, Vehicle};
 use crate::network::Network;
 use crate::observer::{Observer, Progress};
@@ -160,6 +161,8 @@ impl<A: Application> Engine<A> {
             };
             links.push(network.technology.links(placement, &mut scene));
         }
+        let ranging = |network: &Network| Some(Ranging::new(network.ranging?, &network.channel, world));
+        let rangings = networks.iter().map(ranging).collect();
         let sectors = networks.iter().map(|network| network.technology.antennas());
         let sectors = sectors.map(|antennas| antennas.map(Antennas::robot_sectors).filter(|table| !table.is_empty()));
         let logs = Logs::new(sectors.map(Option::<&SectorTable>::cloned), roll.nodes);
@@ -171,6 +174,7 @@ impl<A: Application> Engine<A> {
             model: Model {
                 scene,
                 networks: links,
+                rangings,
                 world: setup.world,
                 vehicles: setup.robots.into_iter().map(|robot| Vehicle::new(robot.body)).collect(),
                 sensing,

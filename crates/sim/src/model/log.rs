@@ -53,10 +53,15 @@ impl Logs {
             self.nodes_heard += usize::from(!std::mem::replace(known, true));
             self.receptions += usize::from(reception.received > 0);
         }
+        for sample in &heard.ranges {
+            let known = &mut self.heard[sample.node.index()];
+            self.nodes_heard += usize::from(!std::mem::replace(known, true));
+        }
         tell(index, &stop, heard.heard());
         log.stops.push(stop);
         log.receptions.extend(heard.receptions);
         heard.reports.into_iter().for_each(|report| log.receptions.report(report));
+        heard.ranges.into_iter().for_each(|sample| log.receptions.range(index, sample));
     }
 
     /// The whole log of each network, of nodes and robots with these names.

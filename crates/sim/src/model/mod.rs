@@ -3,6 +3,7 @@
 mod driving;
 mod following;
 pub(crate) mod log;
+pub(crate) mod ranging;
 mod vehicle;
 
 use sextant_channel::{Contact, Position, Stop, StopLog};
@@ -26,6 +27,8 @@ pub(crate) use vehicle::Vehicle;
 pub(crate) struct Model {
     pub(crate) scene: Scene,
     pub(crate) networks: Vec<Links>,
+    /// How ranges are measured in each network; `None` where they are not.
+    pub(crate) rangings: Vec<Option<ranging::Ranging>>,
     pub(crate) world: World,
     pub(crate) vehicles: Vec<Vehicle>,
     pub(crate) sensing: Sensing,

@@ -50,6 +50,7 @@ pub(crate) fn link(antennas: &str) -> Network {
         technology: Technology::Ieee80211ad(Box::new(links)),
         radio_states: RadioStates::mmwave_60_ghz(),
         traffic: TrafficPlan::silent(0),
+        ranging: None,
         members: None,
     }
 }

@@ -27,6 +27,7 @@ mod own;
 mod phy;
 mod queue;
 mod quiet;
+mod ranging;
 mod saturated;
 mod scripted;
 mod sector_reports;

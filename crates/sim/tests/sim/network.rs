@@ -104,6 +104,7 @@ pub(crate) fn setup(
         }),
         radio_states: RadioStates::cc2420(),
         traffic: plan(traffic, places.len()),
+        ranging: None,
         members: None,
     };
     Setup {
@@ -166,6 +167,7 @@ pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> Network {
         }),
         radio_states: RadioStates::cc2420(),
         traffic: TrafficPlan::silent(0),
+        ranging: None,
         members: None,
     }
 }

@@ -69,6 +69,7 @@ impl Scene {
             technology: self.technology(&antennas),
             radio_states: RadioStates::mmwave_60_ghz(),
             traffic: TrafficPlan::silent(self.places.len()),
+            ranging: None,
             members: None,
         };
         let mut robot = network::tour(vec![Position::ORIGIN], 0.1, Duration::from_millis(100));

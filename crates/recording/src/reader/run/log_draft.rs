@@ -30,6 +30,14 @@ impl LogDraft {
         Ok(())
     }
 
+    pub(super) fn add_range(&mut self, message: &messages::RangeMessage) -> Result<(), String> {
+        let stop = self.stops.get(message.stop as usize);
+        let robot =
+            stop.ok_or_else(|| format!("a range names stop {}, which was not before it", message.stop))?.robot;
+        self.receptions.range(message.stop, message.sample(robot));
+        Ok(())
+    }
+
     pub(super) fn add_sector(&mut self, message: messages::SectorMessage) -> Result<(), String> {
         let known = self.sectors.take().unwrap_or_default();
         if known.gains().is_some() {
@@ -111,7 +119,9 @@ impl LogDraft {
 mod tests {
     use std::path::Path;
 
-    use sextant_channel::{ListenerAntennaConfig, Position, ReceptionLog, SectorGains, SectorReport, SectorTable};
+    use sextant_channel::{
+        ListenerAntennaConfig, Position, RangeSample, ReceptionLog, SectorGains, SectorReport, SectorTable,
+    };
     use sextant_kernel::{Files, RobotId, SimTime, Unwatched};
 
     use super::*;
@@ -167,6 +177,42 @@ mod tests {
         }
         recorder.log(log).unwrap();
         recorder.into_output().unwrap()
+    }
+
+    #[test]
+    fn ranges_are_read_back_equal_with_those_of_a_stop_that_is_cut_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let range = |i: u32| RangeSample {
+            node: NodeId(i % 3),
+            robot: RobotId(0),
+            time: SimTime::from_nanos(u64::from(i) * 130_000_000),
+            position: Position::new(f64::from(i) / 7.0, 0.5, 1.0),
+            velocity: Position::new(0.25, 0.0, -0.125),
+            range_m: f64::from(i) - 0.3,
+        };
+        let log = log().with_ranges((0..300).map(range).collect()).unwrap();
+        for is_compact in [false, true] {
+            let path = folder.path().join(format!("{is_compact}.mcap"));
+            std::fs::write(&path, recorded(&log, is_compact)).unwrap();
+            let run = read_log(&path).unwrap();
+            assert_eq!((run.log(), run.leaves_out_ranges), (&log, false));
+            let streamed = stream_log(&path, None, &mut |_, _| Ok(())).unwrap();
+            assert!(streamed.leaves_out_ranges && streamed.log().ranges().is_empty());
+            let mut rows = 0;
+            read_tables(&path, &mut |piece| {
+                rows += usize::from(matches!(&piece, TablePiece::Row(row) if row.table == "ranges"));
+                Ok(())
+            })
+            .unwrap();
+            assert_eq!(rows, 300);
+        }
+        let mut draft = LogDraft { stops: log.stops()[..2].to_vec(), owed: 1, ..LogDraft::default() };
+        for (stop, sample) in log.stops_of_ranges().into_iter().zip(log.ranges()) {
+            draft.receptions.range(stop, *sample);
+        }
+        assert_eq!(draft.cut_last_stop(), 1);
+        let kept = draft.receptions.build(log.names().to_vec(), draft.stops, Vec::new()).unwrap();
+        assert!(!kept.ranges().is_empty() && kept.ranges().iter().all(|range| range.time < log.stops()[1].time));
     }
 
     #[test]

@@ -33,6 +33,8 @@ pub struct RecordedRun {
     pub cut_stops: usize,
     /// Whether signal-to-noise ratios of all sectors were left out, because receptions were passed on one by one.
     pub leaves_out_sector_snrs: bool,
+    /// Whether ranges were left out, for the same reason.
+    pub leaves_out_ranges: bool,
     /// Metadata records by name. A recording of `run` has [`crate::ORIGIN_METADATA`].
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
     /// Attachments in the order of the file.
@@ -118,7 +120,7 @@ pub type TakeReception<'a> = &'a mut dyn FnMut(Reception, &Stop) -> Result<(), R
 
 /// Reads the recording `path` as [`read_log`] does, but passes the receptions of one network to `take`, each with its stop, in
 /// the order of the stops, instead of keeping them: that of `network`, or the first one. The logs of all networks have no
-/// receptions then, and no signal-to-noise ratios of all sectors. Needs memory for the stops, the names, one chunk and the receptions of one stop.
+/// receptions then, no signal-to-noise ratios of all sectors and no ranges. Needs memory for the stops, the names, one chunk and the receptions of one stop.
 ///
 /// # Errors
 /// Those of [`read_log`], and the first error of `take`.
@@ -196,10 +198,10 @@ impl RunReading<'_> {
     pub(crate) fn finish(mut self, path: &Path) -> Result<RecordedRun, RecordingError> {
         let cut_stops = self.draft.cut_last_stops();
         let paths = std::mem::take(&mut self.draft.paths);
-        let leaves_out_sector_snrs = self.draft.leaves_out_sector_snrs;
+        let RunDraft { leaves_out_sector_snrs, leaves_out_ranges, .. } = self.draft;
         let logs = self.draft.build().map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
         let Self { metadata, attachments, .. } = self;
-        Ok(RecordedRun { logs, paths, cut_stops, leaves_out_sector_snrs, metadata, attachments })
+        Ok(RecordedRun { logs, paths, cut_stops, leaves_out_sector_snrs, leaves_out_ranges, metadata, attachments })
     }
 }
 
@@ -270,6 +272,7 @@ struct RunDraft<'a> {
     paths: Vec<(String, Vec<Position>)>,
     /// Whether whoever takes receptions one by one has missed them.
     leaves_out_sector_snrs: bool,
+    leaves_out_ranges: bool,
 }
 
 impl RunDraft<'_> {
@@ -311,6 +314,13 @@ impl RunDraft<'_> {
                 let receptions = &mut self.of(LogTopics::network(topic)).receptions;
                 message.reports()?.for_each(|report| receptions.report(report));
                 Ok(())
+            }
+            "sextant.Range" => {
+                if self.stream.is_some() {
+                    self.leaves_out_ranges = true;
+                    return Ok(());
+                }
+                self.of(LogTopics::network(topic)).add_range(&decode(data)?)
             }
             "sextant.Sector" => self.of(LogTopics::network(topic)).add_sector(decode(data)?),
             "sextant.SectorGains" => self.of(LogTopics::network(topic)).add_gains(&decode(data)?),

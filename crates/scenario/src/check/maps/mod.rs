@@ -5,7 +5,9 @@ pub(crate) mod grids;
 use sextant_apps::ControllerConfig;
 use sextant_kernel::text::choices;
 use sextant_kernel::{SettingError, SettingProblem};
-use sextant_mapper::{AlgorithmConfig, KnowledgeKind, Mapper, OnEstimatedPath, PathError, PathUse, Stitched};
+use sextant_mapper::{
+    AlgorithmConfig, KnowledgeKind, MapConfig, Mapper, OnEstimatedPath, PathError, PathUse, Stitched,
+};
 use sextant_sim::{RobotConfig, RoleConfig};
 
 use super::errors::Errors;
@@ -98,17 +100,22 @@ pub(crate) fn check_log_of_maps(
         let remedy = "leave out `stitch`, which joins the logs of two or more robots";
         errors.refuse(&SettingError::conflict(format!("maps[{i}].stitch"), "one robot that surveys", remedy));
     }
-    for (i, _) in
-        config.maps.iter().enumerate().filter(|(_, map)| matches!(map.algorithm, AlgorithmConfig::RangeMl(_)))
-    {
-        let with = "a simulation, whose robots measure no ranges";
-        let remedy = "map a log that has `ranges.csv` by `sextant map LOG --algorithm range-ml`";
+    let by_ranges = |map: &MapConfig| {
+        matches!(map.algorithm, AlgorithmConfig::RangeMl(_)) && !networks.log_has_ranges(map.network.as_deref())
+    };
+    for (i, _) in config.maps.iter().enumerate().filter(|(_, map)| by_ranges(map)) {
+        let with = "a network without `ranging`, whose robots measure no ranges";
+        let remedy =
+            "add a table `[ranging]`, or map a log that has `ranges.csv` by `sextant map LOG --algorithm range-ml`";
         errors.refuse(&SettingError::conflict(format!("maps[{i}].algorithm.range_ml"), with, remedy));
     }
     if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
         return;
     }
-    let of_log = |map: &&MapJob| map.mapper.uses().contains(&KnowledgeKind::RobotReceptions);
+    let of_log = |map: &&MapJob| {
+        let uses = map.mapper.uses();
+        uses.contains(&KnowledgeKind::RobotReceptions) || uses.contains(&KnowledgeKind::RobotRanges)
+    };
     if let Some(map) = maps.iter().find(of_log) {
         let allowed = format!("a robot that surveys: the map `{}` is made from what robots hear", map.name);
         errors.refuse(&SettingError::new("robots", "no surveying robot", allowed));

@@ -105,6 +105,7 @@ impl CheckedNetwork<'_> {
     fn simulated(&self, config: &ScenarioConfig, named: Named<'_>, errors: &mut Errors) -> Option<Network> {
         let radio_states = self.tables.radio_states(errors);
         let traffic = self.tables.traffic_plan(config, named, errors);
+        let ranging = errors.take("", self.tables.ranging());
         let members = named.nodes.map(|nodes| errors.take("", self.tables.members(nodes, config)));
         Some(Network {
             name: self.tables.name.map(str::to_owned),
@@ -112,6 +113,7 @@ impl CheckedNetwork<'_> {
             technology: self.technology.clone()?,
             radio_states: radio_states?,
             traffic: traffic?,
+            ranging: ranging?,
             members: members??,
         })
     }

@@ -77,6 +77,11 @@ impl<'a> Networks<'a> {
         self.find("network", name).ok().is_none_or(|network| network.tables.sweeps_sectors())
     }
 
+    /// Whether a log of the network called `name`, or of the first one, has ranges; true if there is no such network.
+    pub(crate) fn log_has_ranges(&self, name: Option<&str>) -> bool {
+        self.find("network", name).ok().is_none_or(|network| network.tables.measures_ranges())
+    }
+
     /// Whether the channel and the links of all surveyed networks are known.
     pub(crate) fn are_known_to_maps(&self) -> bool {
         self.surveyed().iter().all(|network| network.links().is_some())

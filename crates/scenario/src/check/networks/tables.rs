@@ -1,6 +1,6 @@
 //! The tables of a network as written, with the key of each, and what each becomes.
 
-use sextant_channel::{ChannelConfig, ChannelLaw};
+use sextant_channel::{ChannelConfig, ChannelLaw, RangingDevice, RangingDeviceConfig};
 use sextant_kernel::{Files, SettingError};
 use sextant_mac::{EnergyConfig, Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
@@ -23,6 +23,7 @@ pub(crate) struct NetworkTables<'a> {
     pub(crate) mac: Keyed<&'a MacConfig>,
     traffic: Keyed<Option<&'a TrafficConfig>>,
     reception: Keyed<Option<&'a ReceptionConfig>>,
+    ranging: Keyed<Option<&'a RangingDeviceConfig>>,
     pub(crate) antenna: Keyed<Option<&'a AntennasConfig>>,
     energy: Keyed<Option<&'a EnergyConfig>>,
 }
@@ -82,6 +83,7 @@ impl<'a> NetworkTables<'a> {
             mac: pick!(mac, unwrap_or(&config.mac)),
             traffic: pick!(traffic, or(config.traffic.as_ref())),
             reception: pick!(reception, or(config.reception.as_ref())),
+            ranging: pick!(ranging, or(config.ranging.as_ref())),
             antenna: pick!(antenna, or(config.antenna.as_ref())),
             energy: pick!(energy, or(config.energy.as_ref())),
         }
@@ -151,6 +153,20 @@ impl<'a> NetworkTables<'a> {
         };
         let chip = self.energy.value.copied().unwrap_or_else(usual);
         errors.take(&self.energy.key, RadioStates::try_from(chip))
+    }
+
+    /// Whether robots measure the ranges to its nodes.
+    pub(super) fn measures_ranges(&self) -> bool {
+        self.ranging.value.is_some()
+    }
+
+    /// How robots measure the ranges to its nodes, if they do.
+    ///
+    /// # Errors
+    /// If a setting is invalid.
+    pub(super) fn ranging(&self) -> Result<Option<RangingDevice>, SettingError> {
+        let device = self.ranging.value.map(|&device| RangingDevice::try_from(device)).transpose();
+        device.map_err(|error| error.within(&self.ranging.key))
     }
 
     /// What its nodes send, if these are known.

@@ -1,6 +1,6 @@
 //! What a robot heard in a slot in one network, by node.
 
-use sextant_channel::{Dbm, Reception, SectorReport, SectorSnr, StopLog};
+use sextant_channel::{Dbm, RangeSample, Reception, SectorReport, SectorSnr, StopLog};
 use sextant_kernel::NodeId;
 
 use crate::service::sweep::SweepAnswer;
@@ -13,6 +13,8 @@ pub(super) struct Tally {
     sweeps: u32,
     /// What nodes reported of all sectors in these.
     reports: Vec<SectorReport>,
+    /// The ranges that were measured in the slot.
+    ranges: Vec<RangeSample>,
     /// Number of packets of all earlier slots.
     pub(super) total: Vec<u32>,
 }
@@ -36,6 +38,7 @@ impl Tally {
             heard: Vec::new(),
             sweeps: 0,
             reports: Vec::new(),
+            ranges: Vec::new(),
             total: vec![0; nodes],
         }
     }
@@ -82,6 +85,11 @@ impl Tally {
         }
     }
 
+    /// Keeps a range that was measured in this slot.
+    pub(super) fn note_range(&mut self, sample: RangeSample) {
+        self.ranges.push(sample);
+    }
+
     /// Returns what was heard, by node, and empties the tally. Of sectors that a node reported in several sweeps, the mean
     /// counts.
     pub(super) fn take(&mut self) -> StopLog {
@@ -101,6 +109,7 @@ impl Tally {
             }
         });
         let receptions = heard.collect();
-        StopLog { receptions, reports: SectorReport::averaged(std::mem::take(&mut self.reports)) }
+        let reports = SectorReport::averaged(std::mem::take(&mut self.reports));
+        StopLog { receptions, reports, ranges: std::mem::take(&mut self.ranges) }
     }
 }

@@ -16,6 +16,7 @@ pub(super) const RUN: &[KnownMeasure<'static>] = &[
     known("gathering.lost_collision", Count, "packets lost to collisions at robots"),
     known("gathering.lost_channel_access", Count, "packets never sent during the survey: the channel was busy"),
     known("gathering.lost_signal", Count, "packets too weak at robots in range"),
+    known("gathering.ranges", Count, "ranges that robots measured"),
     known("gathering.sector_reports.asked", Count, "reports of all sectors that robots asked for in sector sweeps"),
     known("gathering.sector_reports.received", Count, "reports of all sectors that robots received"),
     known("gathering.energy_j.tx", Joule, "energy of nodes for transmitting during the survey"),
