@@ -14,7 +14,7 @@ use crate::whole::whole_u32;
 /// The keywords that are known.
 const KNOWN: &str = "stop_every, packet_interval, path, packets, packet_fields, path_fields, range_fields, stop_files, time_zone, missing, \
                      node_columns, reciprocal, transmitter, noise_floor, lora, packet_delay, skip_no_fix, rssi_missing, \
-                     pose_topic, child_frame, fixed_frame, packet_topic, bag_clock, pan, fcs";
+                     pose_topic, child_frame, fixed_frame, packet_topic, range_topic, bag_clock, pan, fcs";
 
 /// The options of keywords, which are those of the flags of `sextant map` with `_` for `-`.
 pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions> {
@@ -51,6 +51,7 @@ pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions
             "child_frame" => bag.child_frame = Some(given.text()?),
             "fixed_frame" => bag.fixed_frame = Some(given.text()?),
             "packet_topic" => bag.packet_topic = Some(given.text()?),
+            "range_topic" => bag.range_topic = Some(given.text()?),
             "bag_clock" => {
                 bag.bag_clock = Some(match given.text()?.as_str() {
                     "stamp" => BagClock::Stamp,

@@ -4,7 +4,8 @@
 
 use std::path::Path;
 
-use sextant_logs::{self as robot_log, BagClock, FieldNames, ReadOptions, RobotLog};
+use sextant_kernel::NodeId;
+use sextant_logs::{self as robot_log, BagClock, BagOptions, FieldNames, FormOptions, ReadOptions, RobotLog};
 
 use super::drive::{assert_holds, kept, map, options, unwrapped};
 
@@ -33,6 +34,40 @@ fn odometry_and_packets_of_any_message_are_read_without_options() {
              node=src,rssi_dbm=rssi,t_s=header.stamp), the times are the stamps of the messages"
         );
     }
+}
+
+/// Levels stand for ranges: they are known, and negative.
+#[test]
+fn ranges_are_read_beside_packets_and_instead_of_them() {
+    let fields = |text| FieldNames::parse_ranges(text).unwrap();
+    let of_ranges = |text| FormOptions { range_fields: Some(fields(text)), ..FormOptions::default() };
+    let alone = ReadOptions { form: of_ranges("node=src,range_cm=rssi"), ..ReadOptions::default() };
+    let alone = read("odometry", &alone).unwrap();
+    assert_eq!((alone.log.receptions().len(), alone.log.ranges().len()), (0, 22));
+    let first = alone.log.ranges_to(NodeId(0))[0];
+    assert!((first.range_m + 0.5).abs() < 1e-9 && (first.velocity.x_m - 0.5).abs() < 1e-6, "{first:?}");
+    assert!((first.position.x_m - 0.125).abs() < 1e-6 && (first.position.y_m - 2.0).abs() < 1e-6, "{first:?}");
+    for note in ["the ranges are those of `", "22 ranges were measured, of which 22 count"] {
+        assert!(alone.notes.iter().any(|known| known.contains(note)), "{:?}", alone.notes);
+    }
+
+    let of_packets = |text| {
+        let form = FormOptions { packet_fields: Some(FieldNames::parse_packets(text).unwrap()), ..FormOptions::default() };
+        read("odometry", &ReadOptions { form, ..ReadOptions::default() }).unwrap()
+    };
+    let beside = of_packets("node=src,rssi_dbm=rssi,range_m=rssi");
+    let plain = of_packets("node=src,rssi_dbm=rssi");
+    assert_eq!(beside.log.ranges().len(), 22);
+    assert_eq!(beside.log.receptions().to_vec(), plain.log.receptions().to_vec());
+
+    let form = FormOptions { range_fields: Some(fields("node=src,range_m=distance")), ..FormOptions::default() };
+    let why = read("odometry", &ReadOptions { form, ..ReadOptions::default() }).unwrap_err();
+    assert!(why.contains("distance"), "{why}");
+    let why = read("odometry", &ReadOptions { form: of_ranges("node=src"), ..ReadOptions::default() }).unwrap_err();
+    assert!(why.contains("`range_m` (or range_cm, range_mm) is missing"), "{why}");
+    let bag = BagOptions { range_topic: Some("/radio".to_owned()), ..BagOptions::default() };
+    let why = read("odometry", &ReadOptions { bag, ..ReadOptions::default() }).unwrap_err();
+    assert!(why.contains("range_fields=node=PATH,range_m=PATH"), "{why}");
 }
 
 #[test]

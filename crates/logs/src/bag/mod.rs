@@ -31,7 +31,7 @@ use sextant_kernel::SimTime;
 use self::clock::Moment;
 use self::fixes::Fixes;
 use self::packet_fields::PacketFields;
-use self::packets::{BagPacket, PacketSource};
+use self::packets::{BagPacket, PacketSource, Sought};
 use self::poses::{PoseSource, TimedPosition};
 use self::transforms::Chain;
 use crate::error::bag_error::BagError;
@@ -154,7 +154,16 @@ impl<'a> BagPackets<'a> {
     /// If the bag has no such packets, or lacks a field.
     pub(super) fn choose(bag: &'a Bag, options: &ReadOptions) -> Result<Self, RobotLogError> {
         let fields = PacketFields::of(&options.form)?;
-        let source = PacketSource::choose(bag, &options.bag, fields.as_ref())?;
+        let source = PacketSource::choose(
+            bag,
+            Sought {
+                what: "packets",
+                topic: options.bag.packet_topic.as_ref(),
+                topic_option: "packet_topic",
+                fields: fields.as_ref(),
+                fields_option: "packet_fields=node=PATH[,rssi_dbm=PATH]",
+            },
+        )?;
         if options.form.lora && source.fields.snr_db.is_none() {
             let problem = "option `lora` needs the field of the signal-to-noise ratio: give `packet_fields=node=PATH,rssi_dbm=PATH,\
                            snr_db=PATH`";
@@ -163,9 +172,55 @@ impl<'a> BagPackets<'a> {
         Ok(Self { bag, source })
     }
 
+    /// The ranges that `options` name; `None` if they name none.
+    ///
+    /// # Errors
+    /// If the bag has no such ranges, or lacks a field.
+    pub(super) fn of_ranges(bag: &'a Bag, options: &ReadOptions) -> Result<Option<Self>, RobotLogError> {
+        let fields_option = "range_fields=node=PATH,range_m=PATH";
+        let Some(fields) = PacketFields::of_ranges(&options.form)? else {
+            return match &options.bag.range_topic {
+                Some(topic) => {
+                    let problem = format!("option `range_topic` needs the fields of ranges: give `{fields_option}`");
+                    Err(bag.topic_problem(topic, problem).into())
+                }
+                None => Ok(None),
+            };
+        };
+        let sought = Sought {
+            what: "ranges",
+            topic: options.bag.range_topic.as_ref(),
+            topic_option: "range_topic",
+            fields: Some(&fields),
+            fields_option,
+        };
+        Ok(Some(Self { bag, source: PacketSource::choose(bag, sought)? }))
+    }
+
     /// Whether the packets have stamps.
     pub(super) fn has_stamps(&self) -> bool {
         self.source.has_stamps()
+    }
+
+    /// Gives the ranges to `gatherer`, with times by `clock`.
+    ///
+    /// # Errors
+    /// If a message does not fit its definition or has no stamp, or the files cannot be read.
+    pub(super) fn gather_ranges(&self, clock: BagClock, gatherer: &mut Gatherer) -> Result<(), RobotLogError> {
+        let Self { bag, source } = self;
+        bag.messages::<RobotLogError>(|message| {
+            if message.topic != source.topic.name {
+                return Ok(());
+            }
+            let visited = source.packets(message.log_ns, message.data, |packet| {
+                let time = time(bag, &source.topic.name, packet.moment, clock)?;
+                match packet.range_m {
+                    Some(range_m) if !packet.node.is_empty() => gatherer.take_range(time, packet.node, range_m),
+                    _ => Ok(()),
+                }
+            });
+            visited.map_err(|problem| bag.topic_problem(&source.topic.name, problem))?
+        })
     }
 
     /// What gives them, for people.
@@ -205,8 +260,8 @@ impl<'a> BagPackets<'a> {
                     }
                 }
                 let time = time(bag, &source.topic.name, packet.moment, clock)?;
-                let BagPacket { rssi_dbm, snr_db, sector, .. } = packet;
-                gatherer.take(Packet { rssi_dbm, snr_db, sector, ..Packet::new(time, packet.node) })
+                let BagPacket { rssi_dbm, snr_db, sector, range_m, .. } = packet;
+                gatherer.take(Packet { rssi_dbm, snr_db, sector, range_m, ..Packet::new(time, packet.node) })
             });
             visited.map_err(|problem| bag.topic_problem(&source.topic.name, problem))?
         })?;

@@ -57,6 +57,7 @@ pub(super) fn obvious_fields(definitions: &Definitions) -> Option<PacketFields> 
         rssi_dbm: beside(&leaf.path, &RSSI_NAMES, &[Content::Integer, Content::Real]),
         snr_db: beside(&leaf.path, &SNR_NAMES, &[Content::Integer, Content::Real]),
         sector: beside(&leaf.path, &SECTOR_NAMES, &[Content::Integer]),
+        range: None,
         time: None,
     };
     let is_node = |leaf: &&Leaf, name: &str| {

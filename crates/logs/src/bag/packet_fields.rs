@@ -6,9 +6,10 @@ use super::field_path::FieldPath;
 use crate::error::robot_log_error::RobotLogError;
 use crate::options::field_names::FieldNames;
 use crate::options::form_options::FormOptions;
+use crate::ranges::range_table::RANGES;
 
 /// The fields of the messages of packets.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct PacketFields {
     /// Who is mapped: the sender, or the receiver if roles are turned.
     pub(super) node: FieldPath,
@@ -17,8 +18,13 @@ pub(super) struct PacketFields {
     pub(super) rssi_dbm: Option<FieldPath>,
     pub(super) snr_db: Option<FieldPath>,
     pub(super) sector: Option<FieldPath>,
+    /// A measured distance, and a metre in its unit.
+    pub(super) range: Option<(RangeUnit, FieldPath)>,
     pub(super) time: Option<(TimeUnit, FieldPath)>,
 }
+
+/// The key of a field with a range, and a metre in its unit.
+pub(super) type RangeUnit = (&'static str, f64);
 
 /// The unit of a field with a time, if it is a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,8 +78,25 @@ impl PacketFields {
             .map_err(|problem| refused(format!("option `packet_fields`: {problem}")))
     }
 
+    /// The fields of ranges that the user names; `None` if there are none.
+    ///
+    /// # Errors
+    /// If the node or the range is missing, a key is for CSV files only, or a name is not the path of a field.
+    pub(super) fn of_ranges(form: &FormOptions) -> Result<Option<Self>, RobotLogError> {
+        let Some(names) = &form.range_fields else { return Ok(None) };
+        let refused = |problem: String| refused(format!("option `range_fields`: {problem}"));
+        let fields = Self::read(names, false).map_err(refused)?;
+        if fields.range.is_none() {
+            return Err(refused("`range_m` (or range_cm, range_mm) is missing; it is required".to_owned()));
+        }
+        Ok(Some(fields))
+    }
+
     fn read(names: &FieldNames, is_turned: bool) -> Result<Self, String> {
-        let allowed: &[&str] = &["node", "receiver", "rssi_dbm", "snr_db", "sector", "t_s", "t_ms", "t_us", "t_ns"];
+        let allowed: &[&str] = &[
+            "node", "receiver", "rssi_dbm", "snr_db", "sector", "range_m", "range_cm", "range_mm", "t_s", "t_ms",
+            "t_us", "t_ns",
+        ];
         if let Some(key) = names.keys().find(|key| !allowed.contains(key)) {
             return Err(format!("`{key}` is for CSV files; allowed for bags: {}", allowed.join(", ")));
         }
@@ -89,8 +112,13 @@ impl PacketFields {
         if let (Some((unit, _)), Some((other, _))) = (&time, times.next()) {
             return Err(format!("both `{}` and `{}` are given; allowed: one of them", unit.key(), other.key()));
         }
+        let mut ranges = RANGES.into_iter().filter_map(|unit| Some((unit, path(unit.0).transpose()?)));
+        let range = ranges.next().map(|(unit, path)| path.map(|path| (unit, path))).transpose()?;
+        if let (Some(((first, _), _)), Some(((other, _), _))) = (&range, ranges.next()) {
+            return Err(format!("both `{first}` and `{other}` are given; allowed: one of them"));
+        }
         let [rssi_dbm, snr_db, sector] = [path("rssi_dbm")?, path("snr_db")?, path("sector")?];
-        Ok(Self { node, sender, rssi_dbm, snr_db, sector, time })
+        Ok(Self { node, sender, rssi_dbm, snr_db, sector, range, time })
     }
 }
 
@@ -109,6 +137,9 @@ impl fmt::Display for PacketFields {
             if let Some(path) = path {
                 write!(f, ",{key}={path}")?;
             }
+        }
+        if let Some(((key, _), path)) = &self.range {
+            write!(f, ",{key}={path}")?;
         }
         match &self.time {
             Some((unit, path)) => write!(f, ",{}={path}", unit.key()),
@@ -134,6 +165,7 @@ mod tests {
             ("node=beacons[].id,rssi_dbm=beacons[].rssi,sector=antenna,t_s=header.stamp", false),
             ("node=src,snr_db=snr,t_us=time", false),
             ("receiver=gateway,node=tag,rssi_dbm=rssi", true),
+            ("node=anchor_id,rssi_dbm=rss,range_mm=range,t_s=stamp", false),
         ] {
             assert_eq!(read(text, reciprocal).as_deref(), Ok(text));
         }
@@ -143,6 +175,7 @@ mod tests {
             ("node=a,stop=b", false, "`stop` is for CSV files"),
             ("node=a,receiver=b", false, "`receiver` is for option `reciprocal`"),
             ("node=a", true, "`receiver` is missing"),
+            ("node=a,range_m=b,range_mm=c", false, "both `range_m` and `range_mm` are given"),
             ("node=a,t_s=b,t_ms=c", false, "both `t_s` and `t_ms` are given"),
         ] {
             let found = read(text, reciprocal).unwrap_err();

@@ -10,7 +10,7 @@ use super::packet_fields::{PacketFields, TimeUnit};
 use super::selection::{Selection, Value};
 use super::topics::{Bag, Topic};
 use crate::error::bag_error::BagError;
-use crate::options::bag_options::{BagClock, BagOptions};
+use crate::options::bag_options::BagClock;
 
 /// What gives the packets.
 #[derive(Clone, Debug)]
@@ -23,7 +23,22 @@ pub(super) struct PacketSource<'a> {
     rssi: Option<usize>,
     snr: Option<usize>,
     sector: Option<usize>,
+    /// That of a range, and a metre in its unit.
+    range: Option<(usize, f64)>,
     stamp: Option<usize>,
+}
+
+/// What is sought in a bag, and the options that name it.
+#[derive(Clone, Copy)]
+pub(super) struct Sought<'a> {
+    /// In words: packets or ranges.
+    pub(super) what: &'static str,
+    /// The topic that the user names, and the option for it.
+    pub(super) topic: Option<&'a String>,
+    pub(super) topic_option: &'static str,
+    /// The fields that the user names, and how to.
+    pub(super) fields: Option<&'a PacketFields>,
+    pub(super) fields_option: &'static str,
 }
 
 /// A packet in a bag.
@@ -37,14 +52,16 @@ pub(super) struct BagPacket<'a> {
     pub(super) rssi_dbm: Option<f64>,
     pub(super) snr_db: Option<f64>,
     pub(super) sector: Option<u8>,
+    pub(super) range_m: Option<f64>,
 }
 
 impl<'a> PacketSource<'a> {
-    /// What `options` name, or the only topic whose messages have an obvious node and RSSI.
+    /// What the user names, or the only topic whose messages have an obvious node and RSSI.
     ///
     /// # Errors
     /// If there is no such topic, several, or it lacks a field.
-    pub(super) fn choose(bag: &'a Bag, options: &BagOptions, given: Option<&PacketFields>) -> Result<Self, BagError> {
+    pub(super) fn choose(bag: &'a Bag, sought: Sought<'_>) -> Result<Self, BagError> {
+        let Sought { what, topic_option, fields_option, .. } = sought;
         let named = |name: &String| {
             bag.topic(name).ok_or_else(|| {
                 bag.problem(format!(
@@ -53,15 +70,14 @@ impl<'a> PacketSource<'a> {
                 ))
             })
         };
-        let (topic, fields) = match (&options.packet_topic, given) {
+        let (topic, fields) = match (sought.topic, sought.fields) {
             (Some(name), Some(fields)) => (named(name)?, fields.clone()),
             (Some(name), None) => {
                 let topic = named(name)?;
                 let definitions = topic.definitions().map_err(|problem| bag.topic_problem(name, problem))?;
                 let fields = obvious_fields(&definitions).ok_or_else(|| {
                     let problem = format!(
-                        "its messages ({}) have no obvious field with the node that sent the packet; give \
-                         `packet_fields=node=PATH[,rssi_dbm=PATH]`; their fields: {}",
+                        "its messages ({}) have no obvious field with the node of the {what}; give `{fields_option}`; their fields: {}",
                         topic.message_type,
                         listing(&definitions)
                     );
@@ -94,7 +110,7 @@ impl<'a> PacketSource<'a> {
                             Some(format!("; `{}` cannot be read: {why}", topic.name))
                         });
                         let problem = format!(
-                            "no topic has messages with {missing}; name that of the packets with option `packet_topic`; its \
+                            "no topic has messages with {missing}; name that of the {what} with option `{topic_option}`; its \
                              topics: {topics}{}",
                             unreadable.unwrap_or_default()
                         );
@@ -103,7 +119,7 @@ impl<'a> PacketSource<'a> {
                     several => {
                         let topics = Bag::list(several.iter().map(|(topic, _)| *topic));
                         let problem = format!(
-                            "several topics can have the packets; choose one with option `packet_topic`: {topics}"
+                            "several topics can have the {what}; choose one with option `{topic_option}`: {topics}"
                         );
                         return Err(bag.problem(problem));
                     }
@@ -127,6 +143,7 @@ impl<'a> PacketSource<'a> {
         };
         let [sender, rssi, snr, sector] =
             [&fields.sender, &fields.rssi_dbm, &fields.snr_db, &fields.sector].map(&mut slot);
+        let range = slot(&fields.range.as_ref().map(|(_, path)| path.clone()));
         let stamp = slot(&fields.time.as_ref().map(|(_, path)| path.clone()));
         let unit = fields.time.as_ref().map_or(TimeUnit::Seconds, |(unit, _)| *unit);
         let selection = Selection::new(definitions, &paths)?;
@@ -143,6 +160,7 @@ impl<'a> PacketSource<'a> {
             ("rssi_dbm", rssi, number, "a number"),
             ("snr_db", snr, number, "a number"),
             ("sector", sector, &[Content::Integer], "an integer"),
+            (fields.range.as_ref().map_or("range_m", |((key, _), _)| key), range, number, "a number"),
             (unit.key(), stamp, moment, moment_words),
         ] {
             if let Some(slot) = slot
@@ -152,7 +170,8 @@ impl<'a> PacketSource<'a> {
                 return Err(format!("`{key}` is the field `{}`, which is {found}; allowed: {words}", paths[slot]));
             }
         }
-        Ok(Self { topic, fields, selection, sender, rssi, snr, sector, stamp })
+        let range = range.zip(fields.range.as_ref().map(|((_, unit), _)| *unit));
+        Ok(Self { topic, fields, selection, sender, rssi, snr, sector, range, stamp })
     }
 
     /// Whether the packets have stamps: the first message has none that was never set.
@@ -212,6 +231,7 @@ impl<'a> PacketSource<'a> {
             })
         };
         let [rssi_dbm, snr_db] = [self.rssi, self.snr].map(level);
+        let range_m = self.range.map(|(slot, unit)| level(Some(slot)).unwrap_or(f64::NAN) / unit);
         let sector = match self.sector.map(|slot| row[slot]) {
             Some(Value::Integer(sector)) => {
                 Some(u8::try_from(sector).map_err(|_| format!("its sector is {sector}; allowed: 0 to 255"))?)
@@ -229,7 +249,7 @@ impl<'a> PacketSource<'a> {
             _ => None,
         });
         let sender = self.sender.map(|_| sender.as_str());
-        Ok(BagPacket { moment: Moment { stamp_ns, log_ns }, node, sender, rssi_dbm, snr_db, sector })
+        Ok(BagPacket { moment: Moment { stamp_ns, log_ns }, node, sender, rssi_dbm, snr_db, sector, range_m })
     }
 }
 

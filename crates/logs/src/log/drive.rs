@@ -38,11 +38,18 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
     }
     let bag_path = path_bag.as_ref().map(|bag| BagPath::read(bag, options)).transpose()?;
     let heard_in = if packets.kind == PacketKind::Bag { packet_bag.as_ref().or(path_bag.as_ref()) } else { None };
-    let bag_packets = heard_in.map(|bag| BagPackets::choose(bag, options)).transpose()?;
-    let has_stamps =
-        bag_path.as_ref().is_none_or(BagPath::has_stamps) && bag_packets.as_ref().is_none_or(BagPackets::has_stamps);
+    let bag_ranges = heard_in.map(|bag| BagPackets::of_ranges(bag, options)).transpose()?.flatten();
+    // Where ranges are named and packets are not, there may be none.
+    let has_packets =
+        bag_ranges.is_none() || options.form.packet_fields.is_some() || options.bag.packet_topic.is_some();
+    let bag_packets = heard_in.filter(|_| has_packets).map(|bag| BagPackets::choose(bag, options)).transpose()?;
+    let has_stamps = bag_path.as_ref().is_none_or(BagPath::has_stamps)
+        && bag_packets.iter().chain(&bag_ranges).all(BagPackets::has_stamps);
     let clock = options.bag.bag_clock.unwrap_or(if has_stamps { BagClock::Stamp } else { BagClock::Log });
-    tell_bags(drive, bag_path.as_ref(), bag_packets.as_ref(), clock, &mut notes);
+    tell_bags(drive, bag_path.as_ref(), bag_packets.as_ref().or(bag_ranges.as_ref()), clock, &mut notes);
+    if let Some(ranges) = &bag_ranges {
+        notes.push(format!("the ranges are those of {}", ranges.described()));
+    }
 
     let skips_no_fix = options.repair.skip_no_fix;
     if path.kind != PathKind::Bag {
@@ -75,24 +82,29 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
             file_names::ODOMETRY
         ));
     }
-    gather(paths, &companions, options, notes, |known, roles, gatherer, notes| match (&bag_packets, packets) {
-        (Some(bag), _) => {
-            let delay = bag.gather(clock, roles, gatherer, notes)?;
-            if let (Some(path), BagClock::Stamp) = (&bag_path, clock) {
-                notes.extend(path.least_delay().differs(delay));
+    gather(paths, &companions, options, notes, |known, roles, gatherer, notes| {
+        if let Some(ranges) = &bag_ranges {
+            ranges.gather_ranges(clock, gatherer)?;
+        }
+        match (&bag_packets, packets) {
+            (Some(bag), _) => {
+                let delay = bag.gather(clock, roles, gatherer, notes)?;
+                if let (Some(path), BagClock::Stamp) = (&bag_path, clock) {
+                    notes.extend(path.least_delay().differs(delay));
+                }
+                Ok(())
             }
-            Ok(())
-        }
-        (None, PacketPart { kind: PacketKind::Captures, files }) => {
-            sniffer::read(files, &options.sniffer, roles, gatherer, notes)
-        }
-        (None, PacketPart { kind: PacketKind::Ranges, .. }) => Ok(()),
-        (None, PacketPart { files, .. }) => {
-            let written = Written::of_packets(&options.form);
-            let robots = Robots { names: known, path: &path.name() };
-            files
-                .iter()
-                .try_for_each(|file| packet_table::read(file.as_path(), &written, robots, roles, gatherer, notes))
+            (None, PacketPart { kind: PacketKind::Captures, files }) => {
+                sniffer::read(files, &options.sniffer, roles, gatherer, notes)
+            }
+            (None, PacketPart { kind: PacketKind::Ranges | PacketKind::Bag, .. }) => Ok(()),
+            (None, PacketPart { files, .. }) => {
+                let written = Written::of_packets(&options.form);
+                let robots = Robots { names: known, path: &path.name() };
+                files
+                    .iter()
+                    .try_for_each(|file| packet_table::read(file.as_path(), &written, robots, roles, gatherer, notes))
+            }
         }
     })
 }

@@ -136,7 +136,7 @@ impl Use {
             Self::CsvTimes => "times in CSV files",
             Self::Folder => "folders with a file a stop",
             Self::PacketFields => "packets in CSV files and ROS bags",
-            Self::Ranges => "ranges beside stops or a path",
+            Self::Ranges => "ranges beside stops or a path, and in ROS bags",
             Self::Lora => "packets with RSSI and SNR, in CSV files and ROS bags",
         }
     }
@@ -157,6 +157,7 @@ pub(crate) fn refuse(part: &LogPart, form: Form, options: &ReadOptions) -> Resul
         ("child_frame", bag.child_frame.is_some(), Use::BagPath),
         ("fixed_frame", bag.fixed_frame.is_some(), Use::BagPath),
         ("packet_topic", bag.packet_topic.is_some(), Use::BagPackets),
+        ("range_topic", bag.range_topic.is_some(), Use::BagPackets),
         ("bag_clock", bag.bag_clock.is_some(), Use::Bag),
         ("pan", sniffer.pan.is_some(), Use::Captures),
         ("fcs", sniffer.fcs.is_some(), Use::Captures),

@@ -14,6 +14,8 @@ pub struct BagOptions {
     /// Take the received packets from this topic, one in each message or in each value of a list in it. The default is the
     /// only topic whose messages have an obvious node and RSSI (node and rssi, or address and rssi for example)
     pub packet_topic: Option<String>,
+    /// Take measured ranges from this topic. The default is the only one with the fields that `range_fields` names
+    pub range_topic: Option<String>,
     /// The clock of poses and packets: the stamps in the messages, or the times of recording. The default is the stamps if
     /// both have them
     pub bag_clock: Option<BagClock>,

@@ -15,9 +15,9 @@ pub struct FieldNames {
 }
 
 /// What a list of packets, or of receptions, can hold.
-const OF_PACKETS: [&str; 13] = [
+const OF_PACKETS: [&str; 16] = [
     "node", "receiver", "stop", "t_s", "t_ms", "t_us", "t_ns", "rssi_dbm", "snr_db", "sector", "robot", "received",
-    "sent",
+    "sent", "range_m", "range_cm", "range_mm",
 ];
 
 /// What a list of ranges can hold.

@@ -18,11 +18,11 @@ pub struct FormOptions {
     /// sniffer (pcap, pcapng; or a folder of captures), or a ROS 2 bag
     pub packets: Option<PathBuf>,
     /// How packets are written: KEY=NAME,.. where NAME is the column of a CSV file, or the field of a bag's messages
-    /// (`radio.src`, or `beacons[].address` for each value of a list). KEY is node, rssi_dbm, snr_db, sector, receiver, t_s
+    /// (`radio.src`, or `beacons[].address` for each value of a list). KEY is node, rssi_dbm, snr_db, sector, range_m, receiver, t_s
     /// (or t_ms, t_us, t_ns), in CSV files also robot, stop, received and sent
     pub packet_fields: Option<FieldNames>,
-    /// The columns of `ranges.csv`, if they have other names: KEY=NAME,.. where KEY is node, range_m (or range_cm, range_mm), stop,
-    /// robot, t_s (or t_ms, t_us, t_ns)
+    /// How ranges are written: KEY=NAME,.. where NAME is the column of `ranges.csv`, or the field of a bag's messages. KEY is node,
+    /// range_m (or range_cm, range_mm), t_s (or t_ms, t_us, t_ns), in `ranges.csv` also stop and robot
     pub range_fields: Option<FieldNames>,
     /// The columns of a CSV file with a path or stops, if they have other names: KEY=NAME,.. where KEY is t_s (or t_ms, t_us,
     /// t_ns), x_m, y_m, z_m, lat, lon, alt_m, robot, stop or sent. In a file without a header NAME is the number of the

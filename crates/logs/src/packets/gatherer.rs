@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use sextant_channel::{Contact, RangeSample, Reception, ReceptionLogBuilder, Stop};
+use sextant_channel::{Contact, Reception, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::cover::{self, Cover};
@@ -11,6 +11,7 @@ use super::gathered::Gathered;
 use super::heard::{HeardPackets, reception};
 use super::interval::{Gaps, Intervals, intervals};
 use super::packet::Packet;
+use super::path_ranges::PathRanges;
 use super::rssi_check::RssiCheck;
 use super::sending::{self, MOST_SENT};
 use super::signal::Signal;
@@ -22,7 +23,7 @@ use crate::options::read_options::{ReadOptions, StopRule};
 use crate::path::robot_path::Path;
 use crate::path::slot::{self, Slot};
 use crate::place::local_plane::LocalPlane;
-use crate::ranges::range_table::ReadRanges;
+use crate::ranges::range_table::{LONGEST_M, ReadRanges};
 use crate::robot_log::RobotLog;
 use crate::time::instant;
 
@@ -75,7 +76,9 @@ pub struct Gatherer {
     samples: Samples,
     notes: Vec<String>,
     findings: Vec<Finding>,
-    ranges: Vec<RangeSample>,
+    ranges: PathRanges,
+    /// Those of them that packets or messages brought.
+    brought: usize,
     /// The plane of the places, if they are given by latitude and longitude.
     plane: Option<LocalPlane>,
 }
@@ -124,7 +127,8 @@ impl Gatherer {
             samples: Samples::default(),
             notes: Vec::new(),
             findings: Vec::new(),
-            ranges: Vec::new(),
+            ranges: PathRanges::default(),
+            brought: 0,
             plane: None,
         };
         for path in paths {
@@ -190,6 +194,9 @@ impl Gatherer {
         if packet.node.is_empty() {
             return Err(refused("it has no name of a node"));
         }
+        if packet.range_m.is_some_and(|range_m| range_m.abs() > LONGEST_M) {
+            return Err(refused(&format!("its range is above {LONGEST_M} m: is it in another unit?")));
+        }
         if [packet.rssi_dbm, packet.snr_db].iter().flatten().any(|level| !level.is_finite()) {
             return Err(refused("its signal strength or signal-to-noise ratio is not a finite number"));
         }
@@ -208,6 +215,10 @@ impl Gatherer {
         }
         let back = track.gaps[node as usize].heard(time);
         self.cover.take(time, back);
+        if let Some(range_m) = packet.range_m {
+            self.brought += 1;
+            self.ranges.take(&track.path, packet.robot, NodeId(node), time, range_m);
+        }
         if let Report::Heard(rssi_dbm) = report {
             self.samples.take(node, packet.robot, time, rssi_dbm);
         }
@@ -232,6 +243,26 @@ impl Gatherer {
             None if time < start => self.cover.before += 1,
             None if time > end => self.cover.after += 1,
             None => self.cover.in_gaps += 1,
+        }
+        Ok(())
+    }
+
+    /// Takes a range that the first robot measured, which is no packet: it is not counted among those that were received.
+    ///
+    /// # Errors
+    /// If the name of the node is empty, or the range is too long.
+    pub(crate) fn take_range(&mut self, time: SimTime, node: &str, range_m: f64) -> Result<(), RobotLogError> {
+        let refused = |problem: String| Err(RobotLogError::Packet { time, problem });
+        if node.is_empty() {
+            return refused("it has no name of a node".to_owned());
+        }
+        if range_m.abs() > LONGEST_M {
+            return refused(format!("its range is above {LONGEST_M} m: is it in another unit?"));
+        }
+        let node = NodeId(self.node(node));
+        self.brought += 1;
+        if let (Some(time), Some(track)) = (instant::shifted(time, -self.delay_s), self.tracks.first()) {
+            self.ranges.take(&track.path, RobotId(0), node, time, range_m);
         }
         Ok(())
     }
@@ -261,7 +292,7 @@ impl Gatherer {
         for name in ranges.strangers {
             self.node(&name);
         }
-        self.ranges = ranges.samples;
+        self.ranges.extend(ranges.samples);
     }
 
     /// The log of all packets.
@@ -269,6 +300,10 @@ impl Gatherer {
     /// # Errors
     /// If there were no packets, or none on the path.
     pub fn finish(mut self) -> Result<RobotLog, RobotLogError> {
+        if self.ranges.is_empty() && self.brought > 0 && self.cover.is_empty() {
+            let problem = format!("none of {} ranges is a number that was measured on the path", self.brought);
+            return Err(RobotLogError::NoRanges { name: "the log".to_owned(), problem });
+        }
         if self.ranges.is_empty() || !self.cover.is_empty() {
             self.cover.check(self.tracks.iter().map(|track| &track.path), &mut self.notes)?;
         }
@@ -306,10 +341,15 @@ impl Gatherer {
                 }
             }
         }
+        if self.brought > 0 {
+            let (brought, placed) = (self.brought, self.ranges.len());
+            self.notes.push(format!("{brought} ranges were measured, of which {placed} count"));
+        }
+        let ranges = self.ranges.finish(&mut self.notes);
         let log = receptions
             .build(self.names, self.stops, self.contacts)
             .and_then(|log| log.with_robots(self.robots))
-            .and_then(|log| log.with_ranges(self.ranges))
+            .and_then(|log| log.with_ranges(ranges))
             .map_err(RobotLogError::Invalid)?;
         let usual_stop = usual_stop(self.tracks.iter().flat_map(|track| &track.slots));
         let usual = usual_stop.zip(intervals.told.map(|told| told.median).or(self.interval));

@@ -7,6 +7,7 @@ mod heard;
 mod interval;
 pub(crate) mod packet;
 pub(crate) mod packet_table;
+mod path_ranges;
 pub(crate) mod reciprocal;
 pub(crate) mod rssi_check;
 pub(crate) mod sending;

@@ -17,12 +17,14 @@ pub struct Packet<'a> {
     pub snr_db: Option<f64>,
     /// The antenna sector in which it was heard, if the robot has sectors.
     pub sector: Option<u8>,
+    /// The distance to the node that was measured with it (m), if it was.
+    pub range_m: Option<f64>,
 }
 
 impl<'a> Packet<'a> {
     /// A packet that the first robot heard, of which nothing else is known.
     #[must_use]
     pub fn new(time: SimTime, node: &'a str) -> Self {
-        Self { time, robot: RobotId(0), node, rssi_dbm: None, snr_db: None, sector: None }
+        Self { time, robot: RobotId(0), node, rssi_dbm: None, snr_db: None, sector: None, range_m: None }
     }
 }

@@ -12,6 +12,7 @@ use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
 use crate::csv::written::Written;
 use crate::error::robot_log_error::RobotLogError;
+use crate::ranges::range_table::optional_range_column;
 use crate::time::instant;
 
 /// The robots of a log.
@@ -36,7 +37,8 @@ pub(crate) fn read<'a>(
         Roles::Usual => ("node", ["robot"].as_slice()),
         Roles::Turned(_) => ("receiver", ["node"].as_slice()),
     };
-    let optional = [&instant::COLUMNS[..], &["rssi_dbm", "snr_db", "sector"], ends].concat();
+    let optional =
+        [&instant::COLUMNS[..], &["rssi_dbm", "snr_db", "sector", "range_m", "range_cm", "range_mm"], ends].concat();
     let known =
         KnownColumns { required: &[required], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;
@@ -44,6 +46,7 @@ pub(crate) fn read<'a>(
     let time = Times::of(&table, written.time_zone, notes)?;
     let [node, mover] = [required, ends[0]].map(|name| table.column(name));
     let [rssi, snr, sector] = ["rssi_dbm", "snr_db", "sector"].map(|name| table.column(name));
+    let range = optional_range_column(&table)?;
     robots.check(&table, mover, roles)?;
     table.rows(|row| {
         let robot = match roles {
@@ -51,6 +54,11 @@ pub(crate) fn read<'a>(
             Roles::Turned(transmitter) => robots.transmitter(row, mover, transmitter)?,
         };
         let Some(robot) = robot else { return Ok(()) };
+        let range_m = match range {
+            Some((column, _)) if row.is_blank(column) => None,
+            Some((column, unit)) => row.finite(column)?.map(|range| range / unit),
+            None => None,
+        };
         gatherer.take(Packet {
             time: row.instant(time)?,
             robot,
@@ -58,6 +66,7 @@ pub(crate) fn read<'a>(
             rssi_dbm: row.finite(rssi)?,
             snr_db: row.finite(snr)?,
             sector: row.sector(sector)?,
+            range_m,
         })
     })?;
     Ok(())

@@ -107,6 +107,20 @@ impl Path {
         Some(before.position + (next.position - before.position) * share)
     }
 
+    /// How fast the robot drives at a time (m/s): over half a second, less at the ends of its path.
+    pub(crate) fn velocity_m_per_s(&self, time: SimTime) -> Position {
+        const SPAN: Duration = Duration::from_millis(250);
+        let (start, end) = self.span();
+        let span_ns = u64::try_from(SPAN.as_nanos()).unwrap_or(0);
+        let from = SimTime::from_nanos(time.as_nanos().saturating_sub(span_ns)).max(start);
+        let to = later(time, SPAN).min(end);
+        let span_s = to.saturating_since(from).as_secs_f64();
+        match (self.at(from), self.at(to)) {
+            (Some(before), Some(after)) if span_s > 0.0 => (after - before) * (1.0 / span_s),
+            _ => Position::ORIGIN,
+        }
+    }
+
     /// The first and the last time.
     #[must_use]
     pub fn span(&self) -> (SimTime, SimTime) {

@@ -1,7 +1,6 @@
 //! `ranges.csv`: one row for each distance that a robot measured, at a stop or on its path.
 
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 use sextant_channel::{Position, RangeSample, ReceptionLog, Stop};
 use sextant_kernel::text::counted;
@@ -14,20 +13,18 @@ use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
 use crate::csv::written::Written;
 use crate::error::robot_log_error::RobotLogError;
-use crate::path::robot_path::{Path, later};
+use crate::path::robot_path::Path;
 use crate::time::instant;
 
 /// The columns of ranges, and a metre in their units.
-const RANGES: [(&str, f64); 3] = [("range_m", 1.0), ("range_cm", 100.0), ("range_mm", 1000.0)];
+pub(crate) const RANGES: [(&str, f64); 3] = [("range_m", 1.0), ("range_cm", 100.0), ("range_mm", 1000.0)];
 /// The columns of ranges as [`write`] writes them: with the robot's own place and velocity.
 const WRITTEN: [&str; 10] =
     ["stop", "t_s", "node", "range_m", "x_m", "y_m", "z_m", "vx_m_per_s", "vy_m_per_s", "vz_m_per_s"];
 /// Those of them that say where and how fast.
 const OWN_PLACE: [&str; 6] = ["x_m", "y_m", "z_m", "vx_m_per_s", "vy_m_per_s", "vz_m_per_s"];
 /// The longest range that a device of a robot can have measured (m).
-const LONGEST_M: f64 = 1e6;
-/// The velocity is that over twice this span.
-const SPAN: Duration = Duration::from_millis(250);
+pub(crate) const LONGEST_M: f64 = 1e6;
 /// A value that so many ranges have, and this share of them, is no measurement.
 const REPEATED: (usize, f64) = (20, 0.02);
 
@@ -156,14 +153,21 @@ pub(crate) fn write(path: &std::path::Path, log: &ReceptionLog) -> Result<(), Ro
 
 /// The column of ranges of a table, and a metre in its unit.
 pub(crate) fn range_column(table: &Table<'_>) -> Result<(Column, f64), RobotLogError> {
+    optional_range_column(table)?.ok_or_else(|| {
+        let hint = table.hint("range_m");
+        table.wrong_header(format!("column `range_m` is missing; ranges need it (or range_cm, range_mm){hint}"))
+    })
+}
+
+/// The same of a table that may have none.
+pub(crate) fn optional_range_column(table: &Table<'_>) -> Result<Option<(Column, f64)>, RobotLogError> {
     let all = RANGES.into_iter().map(|(name, unit)| (table.column(name), unit));
     let found: Vec<(Column, f64)> = all.filter(|(column, _)| column.exists()).collect();
-    let problem = match found.as_slice() {
-        &[only] => return Ok(only),
-        [] => format!("column `range_m` is missing; ranges need it (or range_cm, range_mm){}", table.hint("range_m")),
-        _ => "found ranges in several units; allowed: one of range_m, range_cm, range_mm".to_owned(),
-    };
-    Err(table.wrong_header(problem))
+    match found.as_slice() {
+        [] => Ok(None),
+        &[only] => Ok(Some(only)),
+        _ => Err(table.wrong_header("found ranges in several units; allowed: one of range_m, range_cm, range_mm")),
+    }
 }
 
 /// A note on a value that too many ranges have.
@@ -279,25 +283,12 @@ impl<'a> Placing<'a> {
                     robot: RobotId::from_index(number),
                     time,
                     position,
-                    velocity: velocity(path, time),
+                    velocity: path.velocity_m_per_s(time),
                 });
                 Ok(pose)
             }
             (Whereabouts::Paths { .. }, None) => unreachable!("a path has times"),
         }
-    }
-}
-
-/// How fast the robot drives at a time (m/s): over half a second, less at the ends of its path.
-fn velocity(path: &Path, time: SimTime) -> Position {
-    let (start, end) = path.span();
-    let from =
-        SimTime::from_nanos(time.as_nanos().saturating_sub(SPAN.as_nanos().try_into().unwrap_or(0))).max(start);
-    let to = later(time, SPAN).min(end);
-    let span_s = to.saturating_since(from).as_secs_f64();
-    match (path.at(from), path.at(to)) {
-        (Some(before), Some(after)) if span_s > 0.0 => (after - before) * (1.0 / span_s),
-        _ => Position::ORIGIN,
     }
 }
 
@@ -321,6 +312,25 @@ mod tests {
         for note in ["1 row without a range", "1 range of exactly 0", "2 ranges from before", "1 range below 0"] {
             assert!(found.notes.iter().any(|known| known.contains(note)), "{note}: {:?}", found.notes);
         }
+    }
+
+    #[test]
+    fn a_range_beside_a_packet_is_both() {
+        let folder = folder_of([
+            ("path.csv", "t_s,x_m,y_m\n0,0,0\n10,20,0\n"),
+            ("packets.csv", "t_s,node,rssi_dbm,range_mm\n2.5,a,-50,5100\n5,b,-60,\n7.5,b,-61,0\n99,a,-70,1\n"),
+        ]);
+        let found = read(folder.path(), &ReadOptions::default()).unwrap();
+        let ranges: Vec<_> = found.log.ranges().iter().map(|range| (range.position.x_m, range.range_m)).collect();
+        assert_eq!(ranges, [(5.0, 5.1)]);
+        assert_eq!(found.log.receptions().iter().map(|reception| reception.received).sum::<u32>(), 3);
+        for note in ["3 ranges were measured, of which 1 count", "1 range without a number, or of exactly 0"] {
+            assert!(found.notes.iter().any(|known| known.contains(note)), "{note}: {:?}", found.notes);
+        }
+        let both = ("packets.csv", "t_s,node,range_m,range_mm\n2.5,a,5,5100\n");
+        let why =
+            read(folder_of([("path.csv", "t_s,x_m,y_m\n0,0,0\n10,20,0\n"), both]).path(), &ReadOptions::default());
+        assert!(why.unwrap_err().to_string().contains("several units"));
     }
 
     #[test]

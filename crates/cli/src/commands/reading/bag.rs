@@ -22,6 +22,9 @@ pub(crate) struct BagFlags {
     /// only topic whose messages have an obvious node and RSSI (node and rssi, or address and rssi for example)
     #[arg(long, value_name = "TOPIC")]
     pub(crate) packet_topic: Option<String>,
+    /// Take measured ranges from this topic. The default is the only one with the fields that --range-fields names
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) range_topic: Option<String>,
     /// The clock of poses and packets: the stamps in the messages, or the times of recording. The default is the stamps if
     /// both have them
     #[arg(long, value_enum, value_name = "CLOCK")]
@@ -30,8 +33,15 @@ pub(crate) struct BagFlags {
 
 impl From<BagFlags> for BagOptions {
     fn from(flags: BagFlags) -> Self {
-        let BagFlags { pose_topic, child_frame, fixed_frame, packet_topic, bag_clock } = flags;
-        Self { pose_topic, child_frame, fixed_frame, packet_topic, bag_clock: bag_clock.map(BagClock::from) }
+        let BagFlags { pose_topic, child_frame, fixed_frame, packet_topic, range_topic, bag_clock } = flags;
+        Self {
+            pose_topic,
+            child_frame,
+            fixed_frame,
+            packet_topic,
+            range_topic,
+            bag_clock: bag_clock.map(BagClock::from),
+        }
     }
 }
 

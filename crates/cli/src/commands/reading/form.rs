@@ -18,7 +18,7 @@ pub(crate) struct FormFlags {
     #[arg(long, value_name = "FILE")]
     pub(crate) packets: Option<PathBuf>,
     /// How packets are written: KEY=NAME,.. where NAME is the column of a CSV file, or the field of a bag's messages
-    /// (`radio.src`, or `beacons[].address` for each value of a list). KEY is node, rssi_dbm, snr_db, sector, receiver, t_s
+    /// (`radio.src`, or `beacons[].address` for each value of a list). KEY is node, rssi_dbm, snr_db, sector, range_m, receiver, t_s
     /// (or t_ms, t_us, t_ns), in CSV files also robot, stop, received and sent. In a file without a header NAME is the
     /// number of the column: node=#1,rssi_dbm=#2
     #[arg(long, value_name = "FIELDS", value_parser = FieldNames::parse_packets)]
@@ -28,8 +28,8 @@ pub(crate) struct FormFlags {
     /// x_m=#1,y_m=#2
     #[arg(long, value_name = "FIELDS", value_parser = FieldNames::parse_places)]
     pub(crate) path_fields: Option<FieldNames>,
-    /// The columns of `ranges.csv`, if they have other names: KEY=NAME,.. where KEY is node, range_m (or range_cm, range_mm),
-    /// stop, robot, t_s (or t_ms, t_us, t_ns)
+    /// How ranges are written: KEY=NAME,.. where NAME is the column of `ranges.csv`, or the field of a bag's messages. KEY is
+    /// node, range_m (or range_cm, range_mm), t_s (or t_ms, t_us, t_ns), in `ranges.csv` also stop and robot
     #[arg(long, value_name = "FIELDS", value_parser = FieldNames::parse_ranges)]
     pub(crate) range_fields: Option<FieldNames>,
     /// LOG is a folder with a file for each stop, and the names of the files say where it is: {x}_{y}.csv. Fields are x, y, z
