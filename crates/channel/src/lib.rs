@@ -75,6 +75,8 @@ pub use neighbour::{Anchor, Link, NeighbourError, NeighbourLog};
 pub use obstacles::field::{Crossing, ObstacleField};
 #[cfg(feature = "obstacles")]
 pub use obstacles::obstacle::{Obstacle, ObstacleConfig};
+#[cfg(feature = "obstacles")]
+pub use obstacles::wall::{OpeningConfig, USUAL_HEIGHT_M, USUAL_THICKNESS_M, WallConfig};
 pub use power::{Db, Dbm, Milliwatts};
 pub use propagation::environment::Environment;
 pub use propagation::gas::GasConfig;

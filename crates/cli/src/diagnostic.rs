@@ -9,6 +9,7 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, Na
 use sextant::LinkError;
 use sextant::antenna::{BookError, ConvertError};
 use sextant::export::ExportError;
+use sextant::floorplan::FloorPlanError;
 use sextant::mapping::MapLogError;
 use sextant::run::RunError;
 use sextant::scenario::{ScenarioError, ScenarioErrors};
@@ -125,6 +126,19 @@ pub(crate) fn report(error: &ScenarioError) -> Report {
 impl From<BookError> for Failure {
     fn from(error: BookError) -> Self {
         Self::of(&error, None, false)
+    }
+}
+
+impl From<FloorPlanError> for Failure {
+    fn from(error: FloorPlanError) -> Self {
+        let help = match &error {
+            FloorPlanError::NoScale { .. } => {
+                Some("divide a known length by its pixels: --scale 0.02 is 2 cm a pixel")
+            }
+            FloorPlanError::NoWalls { .. } => Some("walls are dark; what is thicker than --thickest is no wall"),
+            _ => None,
+        };
+        Self::of(&error, help, matches!(error, FloorPlanError::Read { .. }))
     }
 }
 

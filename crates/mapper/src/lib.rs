@@ -106,7 +106,7 @@ pub use metrics::{
     RssLinks, SectorDisplacement, SectorDisplacementRule, SectorDistance, Similarity, connectivity_error, rss_crlb_m,
     sector_displacement, sector_of, topology_preservation_error,
 };
-pub use numerics::never_rising;
+pub use numerics::{convex_hull, never_rising};
 pub use own_place::{
     AnchorSilence, Bearing, BearingTable, DirectionRule, HeardAnchor, HeardSector, OrientationMethod, OwnEstimate,
     OwnPlace, OwnPlaceConfig, PlaceModel, RingOrientation, SectorBearing, UnorientedRing,

@@ -398,17 +398,19 @@ impl Scenario {
         let world = self.world();
         let applications = Some(self.missions().len()).filter(|&count| count > 0);
         let applications = applications.map(|count| counted(count, "application"));
-        [
-            counted(world.nodes.len(), "node"),
-            counted(world.obstacles.len(), "obstacle"),
-            counted(self.config.robots.len(), "robot"),
-            counted(self.config.sinks.len(), "sink"),
-            counted(self.maps().len() + usize::from(self.distributed().is_some()), "map"),
-        ]
-        .into_iter()
-        .chain(applications)
-        .collect::<Vec<_>>()
-        .join(", ")
+        let pieces: usize = world.walls.iter().map(ExactSizeIterator::len).sum();
+        let walls = Some(world.walls.len()).filter(|&count| count > 0).map(|count| counted(count, "wall"));
+        [counted(world.nodes.len(), "node"), counted(world.obstacles.len() - pieces, "obstacle")]
+            .into_iter()
+            .chain(walls)
+            .chain([
+                counted(self.config.robots.len(), "robot"),
+                counted(self.config.sinks.len(), "sink"),
+                counted(self.maps().len() + usize::from(self.distributed().is_some()), "map"),
+            ])
+            .chain(applications)
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 }
 

@@ -8,7 +8,6 @@ use sextant_channel::ObstacleField;
 use sextant_kernel::Files;
 use sextant_kernel::text::{choices, shortened};
 use sextant_mapper::{AlgorithmConfig, AnyLog, KnowledgeKind, MapConfig};
-use sextant_sim::WorldConfig;
 
 use super::check::errors::Errors;
 use super::check::maps::{MapJob, check_maps};
@@ -160,7 +159,7 @@ impl MapSettings {
         errors.take("metrics", config.metrics.check());
         let knows = |map: &MapJob| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {
-            errors.take("world", WorldConfig::set_up_obstacles(&config.world.obstacles, files))
+            errors.take("world", config.world.set_up_obstacles(files)).map(|(obstacles, _)| obstacles)
         } else {
             None
         };

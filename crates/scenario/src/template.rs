@@ -42,6 +42,10 @@ macro_rules! scenario {
 const TEMPLATES: &[Template] = &[
     scenario!("survey", "a robot drives through a network, listens, and its log becomes a map of the nodes"),
     scenario!(
+        "building",
+        "walls with doors and windows, two storeys: a robot looks into the rooms and maps the nodes"
+    ),
+    scenario!(
         "ranges",
         "a robot measures ranges, as ultra-wideband does, and its log becomes a map: biases included"
     ),

@@ -31,6 +31,7 @@
 //! - [`Watch`]: asked by long work whether to go on, and told how far it is; [`Unwatched`] goes on to the end.
 //! - [`Forecast`]: what follows from a scenario before it runs.
 //! - [`explain_link`]: why a station hears another one, or not.
+//! - [`floorplan`]: walls of a scenario from an image, a map of ROS or GeoJSON.
 //! - [`export`](export()): the tables of a recording as files.
 //!
 //! # What is in the crates below
@@ -60,6 +61,7 @@
 pub mod antenna;
 pub mod columns;
 pub mod export;
+pub mod floorplan;
 pub mod forecast;
 pub mod link;
 pub mod mapping;

@@ -6,3 +6,4 @@ pub(crate) mod mirror;
 pub(crate) mod obstacle;
 pub(crate) mod rays;
 pub(crate) mod sight;
+pub(crate) mod wall;

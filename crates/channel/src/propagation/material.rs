@@ -125,7 +125,8 @@ impl Material {
     }
 
     /// All names, for messages.
-    pub(crate) fn names() -> String {
+    #[must_use]
+    pub fn names() -> String {
         Self::all().iter().map(|material| format!("\"{}\"", material.name)).collect::<Vec<_>>().join(", ")
     }
 }

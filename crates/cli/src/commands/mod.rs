@@ -8,6 +8,7 @@ mod explain;
 mod explain_link;
 mod export;
 mod figure;
+mod floorplan;
 mod init;
 mod inspect;
 mod live;
@@ -71,6 +72,8 @@ pub(crate) enum Command {
     ExplainLink(explain_link::Arguments),
     /// Show what the sectors of an antenna cover, or make a code book of a measurement
     Antenna(Box<antenna::Arguments>),
+    /// Make walls for a scenario from a floor plan
+    Floorplan(floorplan::Arguments),
     /// Draw figures of the network, the maps and their errors
     Figure(figure::Arguments),
     /// Write a run, a log, a sweep or a reproduction as one HTML file for a browser
@@ -126,6 +129,7 @@ fn execute(command: &Command, invocation: &Invocation) -> Result<(), Failure> {
         Command::Explain(arguments) => explain::execute(arguments),
         Command::ExplainLink(arguments) => explain_link::execute(arguments),
         Command::Antenna(arguments) => antenna::execute(arguments, &interrupt),
+        Command::Floorplan(arguments) => floorplan::execute(arguments),
         Command::Figure(arguments) => figure::execute(arguments, &interrupt),
         Command::Report(arguments) => report::execute(arguments, &interrupt),
         Command::Export(arguments) => export::execute(arguments, &interrupt),

@@ -52,7 +52,8 @@ fn ranges_are_read_beside_packets_and_instead_of_them() {
     }
 
     let of_packets = |text| {
-        let form = FormOptions { packet_fields: Some(FieldNames::parse_packets(text).unwrap()), ..FormOptions::default() };
+        let form =
+            FormOptions { packet_fields: Some(FieldNames::parse_packets(text).unwrap()), ..FormOptions::default() };
         read("odometry", &ReadOptions { form, ..ReadOptions::default() }).unwrap()
     };
     let beside = of_packets("node=src,rssi_dbm=rssi,range_m=rssi");

@@ -22,6 +22,7 @@ mod failing_disk;
 mod faults;
 mod figure;
 #[cfg(unix)]
+mod floorplan;
 mod foreign_plans;
 mod forms;
 mod grid_sizes;

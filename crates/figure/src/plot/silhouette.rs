@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use sextant_channel::{Bounds, Position};
 use sextant_recording::Solid;
 
 use super::view::{Panel, View};
@@ -13,9 +14,25 @@ pub(crate) const RIM: Stroke = Stroke::new(OBSTACLE_RIM, 1.0);
 
 type Corner = (f64, f64);
 
-/// Draws the obstacles.
+/// Draws the obstacles. Of a sheet that is seen from its flat side, such as the floor of a storey from above, the outline alone is drawn:
+/// filled, it would hide what is behind it.
 pub(crate) fn draw_solids(picture: &mut Picture, panel: &Panel, solids: &[Solid]) {
-    solids.iter().for_each(|solid| Silhouette::of(solid, panel.view).draw(picture, panel));
+    let (sheets, others): (Vec<&Solid>, Vec<&Solid>) = solids.iter().partition(|solid| is_sheet(solid, panel.view));
+    others.into_iter().for_each(|solid| Silhouette::of(solid, panel.view).draw(picture, panel));
+    sheets.into_iter().for_each(|sheet| draw_rims(picture, panel, std::slice::from_ref(sheet), RIM));
+}
+
+/// Whether an obstacle is thin in the direction of the view, and large across it.
+fn is_sheet(solid: &Solid, view: View) -> bool {
+    /// The thickest sheet (m), and the share of its width.
+    const THICKEST: (f64, f64) = (0.5, 0.3);
+    let Some(bounds) = Bounds::of(solid.vertices.iter().copied()) else { return false };
+    let Position { x_m, y_m, z_m } = bounds.max - bounds.min;
+    let (thickness_m, across_m) = match view {
+        View::Top => (z_m, x_m.min(y_m)),
+        View::Side => (y_m, x_m),
+    };
+    thickness_m <= THICKEST.0.min(THICKEST.1 * across_m)
 }
 
 /// Draws the outlines of the obstacles within the frame.

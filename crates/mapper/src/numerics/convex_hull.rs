@@ -1,7 +1,8 @@
 //! The convex hull of places in the plane.
 
 /// The corners of the convex hull, counterclockwise (Andrew 1979).
-pub(crate) fn hull(mut places: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+#[must_use]
+pub fn hull(mut places: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     places.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     places.dedup();
     if places.len() < 3 {

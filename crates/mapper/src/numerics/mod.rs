@@ -10,6 +10,7 @@ pub(crate) mod normal;
 pub(crate) mod octahedron;
 mod whole;
 
+pub use convex_hull::hull as convex_hull;
 pub use isotonic::never_rising;
 pub(crate) use median::median;
 pub(crate) use whole::whole;

@@ -16,7 +16,8 @@ const MOST_TRIES: usize = 10_000_000;
 const ROUNDING_DB: f64 = 1e-6;
 
 const NOTHING_TO_DO: &str = "it neither absorbs nor stops robots; give it a `material`";
-const APART: &str = "it lies beside, above or below all stations and their links; check its place and size";
+pub(super) const APART: &str =
+    "it lies beside, above or below all stations and their links; check its place and size";
 
 /// Those whom an obstacle may stand in the way of.
 pub(super) struct Audience<'a> {

@@ -9,7 +9,7 @@ use sextant_mac::EnergyConfig;
 use sextant_scenario::{ForeignChip, Scenario};
 use sextant_sim::{RobotTask, Setup};
 
-use super::idle_obstacles::Audience;
+use super::idle_obstacles::{APART, Audience};
 use super::network::Reach;
 use super::way::{Way, is_planned};
 
@@ -205,7 +205,20 @@ impl Warnings<'_> {
     /// Obstacles that change neither signals nor ways of robots.
     fn obstacles(&mut self, reaches: &[Reach<'_>], planned: &[Way<'_>]) {
         let idle = Audience { scenario: self.scenario, setup: self.setup, reaches, planned }.idle_obstacles();
-        let Some(&(i, why)) = idle.first() else { return };
+        let walls = &self.setup.world.walls;
+        let pieces = walls.first().map_or(usize::MAX, |pieces| pieces.start);
+        // Of a wall, some piece is often out of the way: what is above a door, for example.
+        let is_idle = |i: usize| idle.iter().any(|&(other, _)| other == i);
+        let wall = walls.iter().position(|pieces| pieces.clone().all(is_idle));
+        let idle: Vec<_> = idle.iter().filter(|(i, _)| *i < pieces).collect();
+        let Some(&&(i, why)) = idle.first() else {
+            if let Some(wall) = wall {
+                let name = self.scenario.config().world.walls[wall].name.as_ref();
+                let name = name.map_or(String::new(), |name| format!(" `{name}`"));
+                self.warn(format!("world.walls[{wall}]"), format!("the wall{name} blocks nothing: {APART}"));
+            }
+            return;
+        };
         let others = match idle.len() {
             1 => String::new(),
             count => format!(" (and {} more)", counted(count - 1, "obstacle")),

@@ -8,10 +8,11 @@ pub mod layout;
 pub(crate) mod sensors;
 pub(crate) mod target;
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Obstacle, ObstacleConfig, ObstacleField};
+use sextant_channel::{Obstacle, ObstacleConfig, ObstacleField, WallConfig};
 use sextant_kernel::{Files, Seed, SettingError};
 
 use field::{Field, FieldConfig};
@@ -33,6 +34,10 @@ pub struct WorldConfig {
     /// The obstacles to radio and robots.
     #[serde(default)]
     pub obstacles: Vec<ObstacleConfig>,
+    /// The walls, with their doors and windows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
+    pub walls: Vec<WallConfig>,
     /// The bodies that move without a radio, and that sensors of nodes detect.
     #[serde(default)]
     pub targets: Vec<TargetConfig>,
@@ -46,8 +51,10 @@ pub struct WorldConfig {
 pub struct World {
     /// The nodes; the index is the [`NodeId`](sextant_kernel::NodeId).
     pub nodes: Vec<PlacedNode>,
-    /// The obstacles.
+    /// The obstacles; the pieces of walls come last.
     pub obstacles: ObstacleField,
+    /// Which obstacles are the pieces of each wall.
+    pub walls: Vec<Range<usize>>,
     /// The targets.
     pub targets: Vec<Target>,
     /// The scalar fields.
@@ -75,7 +82,7 @@ impl WorldConfig {
     /// If an obstacle has no volume, a node or target is in an obstacle, the nodes do not fit, a target is far from all
     /// nodes or has no way, or a field is invalid.
     pub fn build(&self, seed: Seed, files: &Files) -> Result<World, SettingError> {
-        let obstacles = Self::set_up_obstacles(&self.obstacles, files)?;
+        let (obstacles, walls) = self.set_up_obstacles(files)?;
         let nodes = self.nodes.place(&obstacles, seed, files).map_err(|error| error.within("nodes"))?;
         let target = |(i, config): (usize, &TargetConfig)| {
             config.check_places(&nodes)?;
@@ -85,19 +92,27 @@ impl WorldConfig {
         unique("targets", targets.iter().map(Target::name))?;
         let fields = all("fields", &self.fields, |(_, config)| Field::try_from(config))?;
         unique("fields", fields.iter().map(Field::name))?;
-        Ok(World { nodes, obstacles, targets, fields, sensors: Sensors::default(), interferers: Vec::new() })
+        Ok(World { nodes, obstacles, walls, targets, fields, sensors: Sensors::default(), interferers: Vec::new() })
     }
 
-    /// The obstacles alone, those of a mesh file with several materials in the place of its entry. Paths are among `files`.
+    /// The obstacles alone, those of a mesh file with several materials in the place of its entry and the pieces of walls at the end,
+    /// and which are those of each wall. Paths are among `files`.
     ///
     /// # Errors
-    /// If an obstacle has no volume.
-    pub fn set_up_obstacles(configs: &[ObstacleConfig], files: &Files) -> Result<ObstacleField, SettingError> {
-        let obstacle = |(i, config): (usize, &ObstacleConfig)| {
-            Obstacle::read_all(config.clone(), files).map_err(|error| error.within(format!("obstacles[{i}]")))
-        };
-        let obstacles = configs.iter().enumerate().map(obstacle).collect::<Result<Vec<_>, _>>()?;
-        Ok(ObstacleField::new(obstacles.into_iter().flatten().collect()))
+    /// If an obstacle has no volume, or a wall is invalid.
+    pub fn set_up_obstacles(&self, files: &Files) -> Result<(ObstacleField, Vec<Range<usize>>), SettingError> {
+        let mut all = Vec::new();
+        for (i, config) in self.obstacles.iter().enumerate() {
+            let obstacles = Obstacle::read_all(config.clone(), files);
+            all.extend(obstacles.map_err(|error| error.within(format!("obstacles[{i}]")))?);
+        }
+        let mut walls = Vec::new();
+        for (i, config) in self.walls.iter().enumerate() {
+            let first = all.len();
+            all.extend(config.obstacles().map_err(|error| error.within(format!("walls[{i}]")))?);
+            walls.push(first..all.len());
+        }
+        Ok((ObstacleField::new(all), walls))
     }
 }
 

@@ -1,0 +1,456 @@
+//! Walls as people have them: a line on the floor, a thickness and a height, with doors and windows.
+
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+use super::obstacle::{Obstacle, ObstacleConfig};
+use crate::geometry::shape::{PrismConfig, ShapeConfig};
+
+/// A wall as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of these and
+/// `loss_db`.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
+pub struct WallConfig {
+    /// Name in messages and pictures.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub name: Option<String>,
+    /// The middle of the wall on the floor, corner by corner (m). If the last corner is the first one, the wall is closed.
+    pub points_m: Vec<[f64; 2]>,
+    /// Thickness (m).
+    #[cfg_attr(feature = "config", serde(default = "usual_thickness_m"))]
+    pub thickness_m: f64,
+    /// Height of its foot (m).
+    #[cfg_attr(feature = "config", serde(default))]
+    pub bottom_m: f64,
+    /// Height from its foot to its top (m).
+    #[cfg_attr(feature = "config", serde(default = "usual_height_m"))]
+    pub height_m: f64,
+    /// Name of a known material.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub material: Option<String>,
+    /// Absorption coefficient α (1/m), as that of an obstacle.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub absorption_per_m: Option<f64>,
+    /// Loss of a link through the wall, however thick it is (dB), beside absorption.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub loss_db: Option<f64>,
+    /// Loss of a reflection off its faces (dB); that of the channel if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub reflection_loss_db: Option<f64>,
+    /// Doors and windows.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
+    pub openings: Vec<OpeningConfig>,
+}
+
+/// A door, a window or a passage in a wall, as written in a scenario. Nothing stands in it without `material`, `absorption_per_m`
+/// and `loss_db`; with one of them it is closed, for robots too.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
+pub struct OpeningConfig {
+    /// Where it begins, along the middle of the wall from its first corner (m).
+    pub at_m: f64,
+    /// Its width along the wall (m).
+    pub width_m: f64,
+    /// Where it begins above the foot of the wall (m).
+    #[cfg_attr(feature = "config", serde(default))]
+    pub bottom_m: f64,
+    /// Where it ends above the foot of the wall (m); at the top of the wall if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub top_m: Option<f64>,
+    /// Name of the material that closes it.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub material: Option<String>,
+    /// Absorption coefficient α of what closes it (1/m).
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub absorption_per_m: Option<f64>,
+    /// Loss of a link through what closes it (dB).
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub loss_db: Option<f64>,
+}
+
+/// Thickness of a wall that does not say its own (m).
+pub const USUAL_THICKNESS_M: f64 = 0.15;
+/// Height of a wall that does not say its own (m).
+pub const USUAL_HEIGHT_M: f64 = 2.5;
+
+#[cfg(feature = "config")]
+fn usual_thickness_m() -> f64 {
+    USUAL_THICKNESS_M
+}
+
+#[cfg(feature = "config")]
+fn usual_height_m() -> f64 {
+    USUAL_HEIGHT_M
+}
+
+/// Two places are one if they are nearer than this (m).
+const SAME_M: f64 = 1e-6;
+
+type Vector = [f64; 2];
+
+fn plus([x, y]: Vector, [dx, dy]: Vector, times: f64) -> Vector {
+    [x + dx * times, y + dy * times]
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// A straight part of a wall.
+struct Segment {
+    from: Vector,
+    /// Direction, of length 1.
+    along: Vector,
+    length_m: f64,
+    /// Where it begins along the wall (m).
+    at_m: f64,
+    /// How far from `from` its left and its right side begin (m).
+    start_m: [f64; 2],
+    /// How far from its end its left and its right side go on (m).
+    end_m: [f64; 2],
+    /// The corner beyond its end that it has, if it turns there.
+    corner: Option<Vector>,
+}
+
+impl Segment {
+    /// The footprint of the part between these distances from the start (m): at its ends it meets its neighbours.
+    fn footprint(&self, from_m: f64, to_m: f64, thickness_m: f64) -> Vec<Vector> {
+        let half_m = 0.5 * thickness_m;
+        let is_last = to_m >= self.length_m;
+        let start_m = if from_m <= 0.0 { self.start_m } else { [0.0; 2] };
+        let end_m = if is_last { self.end_m } else { [0.0; 2] };
+        let left = |along_m: f64| self.beside(along_m, half_m);
+        let right = |along_m: f64| self.beside(along_m, -half_m);
+        let corner = self.corner.filter(|_| is_last);
+        [Some(left(from_m + start_m[0])), Some(right(from_m + start_m[1])), Some(right(to_m + end_m[1])), corner]
+            .into_iter()
+            .flatten()
+            .chain([left(to_m + end_m[0])])
+            .collect()
+    }
+
+    /// The place at a distance from the start, so far to the left of the middle.
+    fn beside(&self, along_m: f64, left_m: f64) -> Vector {
+        let left = [-self.along[1], self.along[0]];
+        plus(plus(self.from, self.along, along_m), left, left_m)
+    }
+
+    /// The longest that its ends take of it (m).
+    fn joints_m(&self) -> [f64; 2] {
+        [self.start_m, self.end_m].map(|ends| ends[0].abs().max(ends[1].abs()))
+    }
+}
+
+impl WallConfig {
+    /// The obstacles that the wall consists of: one for each piece between corners and openings, what is below and above openings,
+    /// and what closes them.
+    ///
+    /// # Errors
+    /// If a number is invalid, the wall has no length, a part is too short for its thickness, or an opening is not within one
+    /// straight part, is higher than the wall or overlaps another one.
+    pub fn obstacles(&self) -> Result<Vec<Obstacle>, SettingError> {
+        let thickness_m = SettingError::positive("thickness_m", self.thickness_m)?;
+        let height_m = SettingError::positive("height_m", self.height_m)?;
+        SettingError::finite("bottom_m", self.bottom_m)?;
+        let segments = self.segments()?;
+        let openings = self.placed_openings(&segments, height_m)?;
+        let mut made = Vec::new();
+        for (number, segment) in segments.iter().enumerate() {
+            let mut from_m = 0.0;
+            for &(_, at_m, opening) in openings.iter().filter(|(of, ..)| *of == number) {
+                let to_m = at_m + opening.width_m;
+                self.add(&mut made, segment.footprint(from_m, at_m, thickness_m), [0.0, height_m], None)?;
+                let footprint = segment.footprint(at_m, to_m, thickness_m);
+                let top_m = opening.top_m.unwrap_or(height_m);
+                self.add(&mut made, footprint.clone(), [0.0, opening.bottom_m], None)?;
+                self.add(&mut made, footprint.clone(), [opening.bottom_m, top_m], Some(opening))?;
+                self.add(&mut made, footprint, [top_m, height_m], None)?;
+                from_m = to_m;
+            }
+            self.add(&mut made, segment.footprint(from_m, segment.length_m, thickness_m), [0.0, height_m], None)?;
+        }
+        Ok(made)
+    }
+
+    /// Adds a piece between these heights above the foot, of the wall or of what closes an opening; nothing if it has no height.
+    fn add(
+        &self,
+        made: &mut Vec<Obstacle>,
+        corners_m: Vec<Vector>,
+        [from_m, to_m]: [f64; 2],
+        opening: Option<&OpeningConfig>,
+    ) -> Result<(), SettingError> {
+        if to_m - from_m <= SAME_M {
+            return Ok(());
+        }
+        let (material, absorption_per_m, loss_db) = match opening {
+            None => (&self.material, self.absorption_per_m, self.loss_db),
+            Some(opening) => (&opening.material, opening.absorption_per_m, opening.loss_db),
+        };
+        if opening.is_some() && material.is_none() && absorption_per_m.is_none() && loss_db.is_none() {
+            return Ok(());
+        }
+        let what = if opening.is_some() { "opening" } else { "piece" };
+        let number = made.len();
+        made.push(Obstacle::try_from(ObstacleConfig {
+            name: self.name.as_ref().map(|name| format!("{name}, {what} {number}")),
+            shape: ShapeConfig::Prism(PrismConfig {
+                corners_m,
+                bottom_m: self.bottom_m + from_m,
+                height_m: to_m - from_m,
+            }),
+            material: material.clone(),
+            absorption_per_m,
+            loss_db,
+            solid: true,
+            reflection_loss_db: self.reflection_loss_db,
+        })?);
+        Ok(())
+    }
+
+    /// The straight parts of the wall.
+    fn segments(&self) -> Result<Vec<Segment>, SettingError> {
+        /// Of two parts that turn back by more, the ends are square: a joint would be a spike.
+        const SHARPEST: f64 = 0.3;
+        let refused = |found: String, allowed: &str| SettingError::new("points_m", found, allowed);
+        let points = &self.points_m;
+        if let Some(bad) = points.iter().flatten().find(|number| !(number.abs() <= 1e9)) {
+            return Err(refused(format!("a list with {bad}"), "numbers of metres"));
+        }
+        if points.len() < 2 {
+            return Err(refused(format!("a list of {}", points.len()), "two corners or more"));
+        }
+        let mut segments: Vec<Segment> = Vec::new();
+        let mut at_m = 0.0;
+        for (number, pair) in points.windows(2).enumerate() {
+            let way = plus(pair[1], pair[0], -1.0);
+            let length_m = dot(way, way).sqrt();
+            if length_m <= SAME_M {
+                let found = format!("corners {number} and {} at one place", number + 1);
+                return Err(refused(found, "each corner apart from the one before"));
+            }
+            let along = [way[0] / length_m, way[1] / length_m];
+            segments.push(Segment {
+                from: pair[0],
+                along,
+                length_m,
+                at_m,
+                start_m: [0.0; 2],
+                end_m: [0.0; 2],
+                corner: None,
+            });
+            at_m += length_m;
+        }
+        let is_closed = segments.len() > 2 && {
+            let apart = plus(points[0], points[points.len() - 1], -1.0);
+            dot(apart, apart).sqrt() <= SAME_M
+        };
+        let count = segments.len();
+        let half_m = 0.5 * self.thickness_m;
+        for before in (0..count).filter(|before| is_closed || before + 1 < count) {
+            let after = (before + 1) % count;
+            let (a, b) = (segments[before].along, segments[after].along);
+            let cosine = dot(a, b);
+            let sine = a[0] * b[1] - a[1] * b[0];
+            if 1.0 + cosine <= SHARPEST || sine.abs() <= f64::EPSILON {
+                continue;
+            }
+            // By the tangent of half the turn: to the left, the left sides are shorter.
+            let joint_m = half_m * sine / (1.0 + cosine);
+            segments[before].end_m = [-joint_m, joint_m];
+            segments[after].start_m = if cosine >= -1e-9 {
+                // The part before has the whole corner, and the part after begins with a square end: no link runs along the joint.
+                segments[before].corner = Some(segments[after].beside(joint_m.abs(), -half_m * joint_m.signum()));
+                [joint_m.abs(); 2]
+            } else {
+                [joint_m, -joint_m]
+            };
+        }
+        for (number, segment) in segments.iter().enumerate() {
+            let [first_m, last_m] = segment.joints_m();
+            if first_m + last_m >= segment.length_m {
+                let found = format!("a part {number} of {} m", segment.length_m);
+                let allowed = format!(
+                    "parts longer than the joints with their neighbours at thickness_m = {}",
+                    self.thickness_m
+                );
+                return Err(SettingError::new("points_m", found, allowed));
+            }
+        }
+        Ok(segments)
+    }
+
+    /// The openings in the order of the wall, each with the number of its part and its start there (m).
+    fn placed_openings(
+        &self,
+        segments: &[Segment],
+        height_m: f64,
+    ) -> Result<Vec<(usize, f64, &OpeningConfig)>, SettingError> {
+        let mut placed: Vec<(usize, f64, &OpeningConfig, usize)> = Vec::new();
+        for (i, opening) in self.openings.iter().enumerate() {
+            let within = |error: SettingError| error.within(format!("openings[{i}]"));
+            SettingError::not_negative("at_m", opening.at_m).map_err(within)?;
+            SettingError::positive("width_m", opening.width_m).map_err(within)?;
+            let top_m = opening.top_m.unwrap_or(height_m);
+            if !(0.0..height_m).contains(&opening.bottom_m) {
+                let allowed = format!("a number from 0 to less than {height_m}, the height of the wall");
+                return Err(within(SettingError::new("bottom_m", opening.bottom_m, allowed)));
+            }
+            if !(top_m > opening.bottom_m && top_m <= height_m + SAME_M) {
+                let allowed = format!("a number above bottom_m, at most {height_m}, the height of the wall");
+                return Err(within(SettingError::new("top_m", top_m, allowed)));
+            }
+            let of = segments.iter().rposition(|segment| segment.at_m <= opening.at_m).unwrap_or(0);
+            let segment = &segments[of];
+            let from_m = opening.at_m - segment.at_m;
+            let [first_m, last_m] = segment.joints_m();
+            let (least_m, most_m) = (first_m, segment.length_m - last_m);
+            if from_m < least_m || from_m + opening.width_m > most_m + SAME_M {
+                let found = format!("{} with width_m = {}", opening.at_m, opening.width_m);
+                let (from, to) = (segment.at_m + least_m, segment.at_m + most_m);
+                let allowed =
+                    format!("an opening within a straight part of the wall: this one is from {from:.3} to {to:.3} m");
+                return Err(within(SettingError::new("at_m", found, allowed)));
+            }
+            placed.push((of, from_m, opening, i));
+        }
+        placed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        for pair in placed.windows(2) {
+            let (before, after) = (&pair[0], &pair[1]);
+            if before.0 == after.0 && before.1 + before.2.width_m > after.1 + SAME_M {
+                let (later, other) = (before.3.max(after.3), before.3.min(after.3));
+                let found = self.openings[later].at_m;
+                let allowed = format!("a place beside openings[{other}]");
+                return Err(SettingError::new(format!("openings[{later}].at_m"), found, allowed));
+            }
+        }
+        Ok(placed.into_iter().map(|(of, from_m, opening, _)| (of, from_m, opening)).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::position::Position;
+    use crate::obstacles::field::ObstacleField;
+
+    fn wall(points_m: &[Vector], openings: Vec<OpeningConfig>) -> WallConfig {
+        WallConfig {
+            name: Some("wall".into()),
+            points_m: points_m.to_vec(),
+            thickness_m: 0.2,
+            bottom_m: 0.0,
+            height_m: 3.0,
+            material: None,
+            absorption_per_m: Some(1.0),
+            loss_db: None,
+            reflection_loss_db: None,
+            openings,
+        }
+    }
+
+    fn door(at_m: f64, width_m: f64) -> OpeningConfig {
+        OpeningConfig {
+            at_m,
+            width_m,
+            bottom_m: 0.0,
+            top_m: Some(2.0),
+            material: None,
+            absorption_per_m: None,
+            loss_db: None,
+        }
+    }
+
+    fn field(wall: &WallConfig) -> ObstacleField {
+        ObstacleField::new(wall.obstacles().unwrap())
+    }
+
+    /// Length inside the wall (m) of a link between two places.
+    fn inside_m(field: &ObstacleField, from: [f64; 3], to: [f64; 3]) -> f64 {
+        field.loss(Position::from(from), Position::from(to)).0 / (10.0 * std::f64::consts::LOG10_E)
+    }
+
+    #[test]
+    fn a_closed_wall_has_the_area_of_its_ring_and_no_piece_twice() {
+        let corners = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [0.0, 4.0], [0.0, 0.0]];
+        for corners in [corners, [corners[4], corners[3], corners[2], corners[1], corners[0]]] {
+            let field = field(&wall(&corners, Vec::new()));
+            assert_eq!(field.len(), 4);
+            // A link through two sides, one along a side, and one through a corner: each is in the wall once.
+            assert!((inside_m(&field, [-1.0, 2.0, 1.0], [7.0, 2.0, 1.0]) - 0.4).abs() < 1e-9);
+            assert!((inside_m(&field, [-1.0, 0.05, 1.0], [7.0, 0.05, 1.0]) - 6.2).abs() < 1e-9);
+            let diagonal = inside_m(&field, [-1.0, -1.0, 1.0], [3.0, 3.0, 1.0]);
+            assert!((diagonal - 0.2 * 2.0_f64.sqrt()).abs() < 1e-9, "{diagonal}");
+            // At ground level too, and not above.
+            assert!((inside_m(&field, [-1.0, 2.0, 0.0], [1.0, 2.0, 0.0]) - 0.2).abs() < 1e-9);
+            assert!(inside_m(&field, [-1.0, 2.0, 3.1], [7.0, 2.0, 3.1]) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn links_go_through_open_doors_and_below_lintels() {
+        let window = OpeningConfig { bottom_m: 1.0, absorption_per_m: Some(0.5), ..door(4.0, 1.0) };
+        let field = field(&wall(&[[0.0, 0.0], [6.0, 0.0]], vec![window, door(1.0, 0.9)]));
+        // Before, between and after; the lintel; below, in and above the window.
+        assert_eq!(field.len(), 3 + 1 + 3);
+        let across = |x_m: f64, z_m: f64| inside_m(&field, [x_m, -1.0, z_m], [x_m, 1.0, z_m]);
+        for (x_m, z_m, expected_m) in [
+            (0.5, 1.0, 0.2),
+            (1.5, 1.0, 0.0),
+            (1.5, 2.5, 0.2),
+            (1.95, 1.0, 0.2),
+            (4.5, 0.5, 0.2),
+            (4.5, 1.5, 0.1),
+            (4.5, 2.5, 0.2),
+            (6.1, 1.0, 0.0),
+        ] {
+            assert!((across(x_m, z_m) - expected_m).abs() < 1e-9, "{x_m}, {z_m}: {}", across(x_m, z_m));
+        }
+    }
+
+    /// By sampling: no place is in two pieces, and all near the line are in one, also where the wall turns by odd angles.
+    #[test]
+    fn pieces_meet_at_each_turn() {
+        let corners = [[0.0, 0.0], [3.0, 0.4], [4.0, 3.0], [7.0, 2.5], [6.0, 6.0], [1.0, 5.0]];
+        let field = field(&wall(&corners, vec![door(1.0, 1.0)]));
+        let mut covered = 0;
+        for x in 0..240 {
+            for y in 0..200 {
+                let (x_m, y_m) = (-0.5 + 0.0347 * f64::from(x), -0.5 + 0.0353 * f64::from(y));
+                let inside = inside_m(&field, [x_m, y_m, 2.2], [x_m, y_m, 2.3]);
+                assert!(inside < 0.1 + 1e-9, "{x_m}, {y_m}: {inside}");
+                covered += usize::from(inside > 0.05);
+            }
+        }
+        let length_m: f64 =
+            corners.windows(2).map(|pair| f64::hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1])).sum();
+        let area_m2 = covered as f64 * 0.0347 * 0.0353;
+        assert!((area_m2 / (0.2 * length_m) - 1.0).abs() < 0.03, "{area_m2}");
+    }
+
+    #[test]
+    fn impossible_walls_are_refused_where_they_are_written() {
+        let line = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0]];
+        let refused = |wall: WallConfig| wall.obstacles().unwrap_err().to_string();
+        for (wall, part) in [
+            (wall(&line[..1], Vec::new()), "`points_m` is a list of 1"),
+            (wall(&[[0.0, 0.0], [0.0, 0.0]], Vec::new()), "corners 0 and 1 at one place"),
+            (wall(&[[0.0, 0.0], [0.0, 3.0], [0.05, 3.0], [0.05, 0.0]], Vec::new()), "a part 1 of 0.05 m"),
+            (WallConfig { thickness_m: 0.0, ..wall(&line, Vec::new()) }, "`thickness_m` is 0"),
+            (WallConfig { absorption_per_m: None, ..wall(&line, Vec::new()) }, "material"),
+            (wall(&line, vec![door(5.5, 1.0)]), "`openings[0].at_m` is 5.5 with width_m = 1"),
+            (wall(&line, vec![door(1.0, 1.0), door(1.5, 1.0)]), "a place beside openings[0]"),
+            (wall(&line, vec![OpeningConfig { top_m: Some(4.0), ..door(1.0, 1.0) }]), "`openings[0].top_m` is 4"),
+            (wall(&line, vec![OpeningConfig { bottom_m: 3.0, ..door(1.0, 1.0) }]), "`openings[0].bottom_m` is 3"),
+        ] {
+            let found = refused(wall);
+            assert!(found.contains(part), "{found}");
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! `sextant floorplan`: walls of a scenario from a floor plan.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use sextant::floorplan::{self, FloorPlanOptions};
+use sextant_kernel::text::counted;
+use sextant_recording::admission::OutputKind;
+use sextant_recording::output::write_file;
+
+use super::outputs::{Replacing, admit, keep_logs};
+use crate::diagnostic::Failure;
+use crate::terminal::{say, stdout};
+
+/// Arguments of `sextant floorplan`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    /// The floor plan: an image in which walls are dark (.png, .pgm), a map of ROS (map.yaml beside its image), or GeoJSON (lines, and
+    /// the borders of areas)
+    #[arg(value_name = "PLAN")]
+    pub(crate) plan: PathBuf,
+    /// Where the walls are written: a scenario takes them with `extends`; `-` prints them
+    #[arg(long, value_name = "WALLS.toml", default_value = "walls.toml")]
+    pub(crate) out: PathBuf,
+    /// Length of a pixel of an image (m) [default: that of a map of ROS]
+    #[arg(long, value_name = "METRES")]
+    pub(crate) scale: Option<f64>,
+    /// Where the lower left corner of the image, or zero of GeoJSON, is: X,Y (m) [default: that of a map of ROS, or 0,0]
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
+    pub(crate) origin: Vec<f64>,
+    /// Material of the walls, if the plan does not say it
+    #[arg(long, value_name = "NAME", default_value = "brick")]
+    pub(crate) material: String,
+    /// Height of the walls (m), if the plan does not say it
+    #[arg(long, value_name = "METRES", default_value_t = FloorPlanOptions::default().height_m)]
+    pub(crate) height: f64,
+    /// Thickness of the walls of GeoJSON that do not say their own (m). In an image it is measured
+    #[arg(long, value_name = "METRES", default_value_t = FloorPlanOptions::default().thickness_m)]
+    pub(crate) thickness: f64,
+    /// What is thicker in an image is no wall but a block (m)
+    #[arg(long, value_name = "METRES", default_value_t = FloorPlanOptions::default().thickest_m)]
+    pub(crate) thickest: f64,
+    /// What may be replaced.
+    #[command(flatten)]
+    pub(crate) replacing: Replacing,
+}
+
+/// Tells what the user should know.
+fn tell(note: &str) {
+    say(&format!("note: {note}"));
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let origin_m = match *arguments.origin.as_slice() {
+        [] => None,
+        [x_m, y_m] => Some([x_m, y_m]),
+        _ => {
+            let found = arguments.origin.len();
+            return Err(Failure::bad_input(format!("`--origin` has {found} numbers; allowed: two, X,Y in metres")));
+        }
+    };
+    let options = FloorPlanOptions {
+        metres_per_pixel: arguments.scale,
+        origin_m,
+        material: arguments.material.clone(),
+        height_m: arguments.height,
+        thickness_m: arguments.thickness,
+        thickest_m: arguments.thickest,
+    };
+    let plan = floorplan::read(&arguments.plan, &options)?;
+    let name = arguments.plan.file_name().unwrap_or_default().to_string_lossy();
+    let text = plan.to_toml(&name);
+    let out = &arguments.out;
+    if out == Path::new("-") {
+        plan.notes.iter().for_each(|note| tell(note));
+        return Ok(write!(stdout(), "{text}")?);
+    }
+    let mut outputs = arguments.replacing.outputs();
+    outputs.reads(&arguments.plan).writes("--out", out, OutputKind::Text(text.as_bytes()));
+    admit(&outputs, None)?;
+    keep_logs(None, [("--out", out.as_path())])?;
+    plan.notes.iter().for_each(|note| tell(note));
+    write_file(out, text.as_bytes())?;
+    let (walls, blocks) = (counted(plan.walls.len(), "wall"), counted(plan.blocks.len(), "block"));
+    let mut stdout = stdout();
+    writeln!(stdout, "{}: {walls} of {:.1} m in all, {blocks}", out.display(), plan.length_m())?;
+    writeln!(stdout, "in a scenario: extends = \"{}\"", out.display())?;
+    Ok(())
+}

@@ -1,0 +1,57 @@
+//! What is wrong with a floor plan.
+
+use std::path::PathBuf;
+
+/// Why a floor plan was not read.
+#[derive(Debug, thiserror::Error)]
+pub enum FloorPlanError {
+    /// Its form is not known.
+    #[error(
+        "`{}` is not a floor plan that can be read; allowed: an image (.png, .pgm), a map of ROS (map.yaml) or GeoJSON (.geojson, .json)",
+        path.display()
+    )]
+    Form {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An image without a scale.
+    #[error("`{}` is an image: how long is a pixel? Option `scale` says it in metres", path.display())]
+    NoScale {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file cannot be read.
+    #[error("cannot read `{}`: {why}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// The file has something wrong in it.
+    #[error("`{}`: {problem}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What.
+        problem: String,
+    },
+    /// An option is wrong.
+    #[error("option `{option}` is {found}; allowed: {allowed}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// There is nothing in it.
+    #[error("`{}` has no walls{}", path.display(), if notes.is_empty() { String::new() } else { format!(": {notes}") })]
+    NoWalls {
+        /// The file.
+        path: PathBuf,
+        /// What was not read.
+        notes: String,
+    },
+}

@@ -1,0 +1,170 @@
+//! GeoJSON: lines and the borders of areas are walls.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use sextant_channel::WallConfig;
+use sextant_kernel::text::counted;
+
+use super::error::FloorPlanError;
+use super::{FloorPlan, FloorPlanOptions, to_mm};
+
+/// Places farther apart than this are not degrees of one building (°).
+const MOST_DEGREES: f64 = 0.5;
+/// Length of a degree of latitude (m): WGS 84 at 45°.
+const DEGREE_M: f64 = 111_131.7;
+
+/// Reads lines (`LineString`, `MultiLineString`) and areas (`Polygon`, `MultiPolygon`). The properties `name`, `thickness_m`,
+/// `height_m`, `bottom_m` and `material` of a feature are those of its walls. Coordinates are longitude and latitude (RFC 7946), or
+/// metres if they are too far apart for that.
+pub(super) fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorPlanError> {
+    let text = fs::read_to_string(path)
+        .map_err(|why| FloorPlanError::Read { path: path.to_owned(), why: why.to_string() })?;
+    plan(&text, options).map_err(|problem| FloorPlanError::Content { path: path.to_owned(), problem })
+}
+
+/// A line with the properties of its feature.
+struct Line {
+    points: Vec<[f64; 2]>,
+    properties: Value,
+}
+
+fn plan(text: &str, options: &FloorPlanOptions) -> Result<FloorPlan, String> {
+    let root: Value = serde_json::from_str(text).map_err(|why| format!("it is no JSON: {why}"))?;
+    let mut plan = FloorPlan::default();
+    let mut lines = Vec::new();
+    let mut others = 0;
+    match root["type"].as_str() {
+        Some("FeatureCollection") => {
+            let features = root["features"].as_array().ok_or("it has no list `features`")?;
+            for feature in features {
+                take(&feature["geometry"], &feature["properties"], &mut lines, &mut others)?;
+            }
+        }
+        Some("Feature") => take(&root["geometry"], &root["properties"], &mut lines, &mut others)?,
+        Some(_) => take(&root, &Value::Null, &mut lines, &mut others)?,
+        None => return Err("it has no key `type`: it is no GeoJSON".to_owned()),
+    }
+    if others > 0 {
+        plan.notes.push(format!("{} are neither lines nor areas, and are left out", counted(others, "feature")));
+    }
+    to_metres(&mut lines, options, &mut plan.notes);
+    for (number, Line { mut points, properties }) in lines.into_iter().enumerate() {
+        points.dedup_by(|a, b| libm::hypot(a[0] - b[0], a[1] - b[1]) < 1e-3);
+        let number_of = |key: &str, usual: f64| properties[key].as_f64().unwrap_or(usual);
+        let text_of = |key: &str| properties[key].as_str().map(str::to_owned);
+        let wall = WallConfig {
+            name: text_of("name"),
+            points_m: points.iter().map(|point| point.map(to_mm)).collect(),
+            thickness_m: number_of("thickness_m", options.thickness_m),
+            bottom_m: number_of("bottom_m", 0.0),
+            height_m: number_of("height_m", options.height_m),
+            material: Some(text_of("material").unwrap_or_else(|| options.material.clone())),
+            absorption_per_m: None,
+            loss_db: None,
+            reflection_loss_db: None,
+            openings: Vec::new(),
+        };
+        match wall.obstacles() {
+            Ok(_) => plan.walls.push(wall),
+            Err(why) => plan.notes.push(format!("line {number} is left out: {why}")),
+        }
+    }
+    Ok(plan)
+}
+
+fn take(geometry: &Value, properties: &Value, lines: &mut Vec<Line>, others: &mut usize) -> Result<(), String> {
+    let coordinates = &geometry["coordinates"];
+    let list = |value: &Value| value.as_array().cloned().ok_or("found coordinates that are no list");
+    let mut add = |line: &Value| -> Result<(), String> {
+        let point = |point: &Value| {
+            let numbers = point[0].as_f64().zip(point[1].as_f64());
+            numbers.map(|(x, y)| [x, y]).ok_or("found a place that is not two numbers")
+        };
+        let points = list(line)?.iter().map(point).collect::<Result<_, _>>()?;
+        lines.push(Line { points, properties: properties.clone() });
+        Ok(())
+    };
+    match geometry["type"].as_str() {
+        Some("LineString") => add(coordinates)?,
+        Some("MultiLineString" | "Polygon") => list(coordinates)?.iter().try_for_each(add)?,
+        Some("MultiPolygon") => {
+            for polygon in list(coordinates)? {
+                list(&polygon)?.iter().try_for_each(&mut add)?;
+            }
+        }
+        Some("GeometryCollection") => {
+            let parts = geometry["geometries"].as_array().ok_or("a collection has no list `geometries`")?;
+            for part in parts {
+                take(part, properties, lines, others)?;
+            }
+        }
+        _ => *others += 1,
+    }
+    Ok(())
+}
+
+/// Degrees to metres from their middle, if the places are degrees.
+fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, notes: &mut Vec<String>) {
+    let [x_m, y_m] = options.origin_m.unwrap_or_default();
+    let points = || lines.iter().flat_map(|line| line.points.iter());
+    let low = points().fold([f64::MAX; 2], |low, point| [0, 1].map(|axis| low[axis].min(point[axis])));
+    let high = points().fold([f64::MIN; 2], |high, point| [0, 1].map(|axis| high[axis].max(point[axis])));
+    let is_on_earth = high[0].abs().max(low[0].abs()) <= 180.0 && high[1].abs().max(low[1].abs()) <= 90.0;
+    let [longitude, latitude] = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
+    let is_degrees = is_on_earth && (high[0] - low[0]).max(high[1] - low[1]) < MOST_DEGREES;
+    let (scale, middle) = if is_degrees {
+        notes.push(format!("coordinates are longitude and latitude: zero is at {longitude:.7}, {latitude:.7}"));
+        ([DEGREE_M * libm::cos(latitude.to_radians()), DEGREE_M], [longitude, latitude])
+    } else {
+        notes.push("coordinates are metres: they are too far apart for degrees of one building".to_owned());
+        ([1.0, 1.0], [0.0, 0.0])
+    };
+    for point in lines.iter_mut().flat_map(|line| line.points.iter_mut()) {
+        *point = [x_m + (point[0] - middle[0]) * scale[0], y_m + (point[1] - middle[1]) * scale[1]];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_areas_are_walls() {
+        let text = r#"{"type": "FeatureCollection", "features": [
+            {"type": "Feature", "properties": {"name": "north", "material": "glass", "thickness_m": 0.02},
+             "geometry": {"type": "LineString", "coordinates": [[0, 0], [12, 0, 7]]}},
+            {"type": "Feature", "properties": null,
+             "geometry": {"type": "Polygon", "coordinates": [[[0, 2], [12, 2], [12, 8], [0, 8], [0, 2]]]}},
+            {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [1, 1]}}]}"#;
+        let plan = plan(text, &FloorPlanOptions::default()).unwrap();
+        assert_eq!(plan.walls.len(), 2);
+        assert_eq!(
+            (plan.walls[0].name.as_deref(), plan.walls[0].material.as_deref()),
+            (Some("north"), Some("glass"))
+        );
+        assert!((plan.walls[0].thickness_m - 0.02).abs() < 1e-12 && (plan.length_m() - 48.0).abs() < 1e-9);
+        assert!(
+            plan.notes.iter().any(|note| note.contains("1 feature"))
+                && plan.notes.iter().any(|note| note.contains("metres"))
+        );
+    }
+
+    #[test]
+    fn degrees_become_metres_round_their_middle() {
+        let text = r#"{"type": "LineString", "coordinates": [[8.0, 48.0], [8.001, 48.0]]}"#;
+        let plan = plan(text, &FloorPlanOptions::default()).unwrap();
+        assert!((plan.length_m() - 111.13 * 48.0_f64.to_radians().cos()).abs() < 0.1, "{}", plan.length_m());
+        assert!((plan.walls[0].points_m[0][0] + plan.walls[0].points_m[1][0]).abs() < 2e-3);
+        for (text, problem) in [
+            ("{", "no JSON"),
+            ("{}", "no key `type`"),
+            (r#"{"type": "FeatureCollection"}"#, "no list `features`"),
+            (r#"{"type": "LineString", "coordinates": [["a", 1]]}"#, "not two numbers"),
+        ] {
+            let found = super::plan(text, &FloorPlanOptions::default()).unwrap_err();
+            assert!(found.contains(problem), "{found}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Floor plans: walls for a scenario from an image, from a map of a robot, or from GeoJSON.
+
+mod blobs;
+mod error;
+mod geojson;
+mod graph;
+mod image;
+mod lines;
+mod occupancy;
+mod ros_map;
+mod thinning;
+mod traced;
+
+use std::path::Path;
+
+use serde::Serialize;
+use sextant_channel::{Material, ObstacleConfig, WallConfig};
+
+pub use error::FloorPlanError;
+use occupancy::Occupancy;
+
+/// How a floor plan is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FloorPlanOptions {
+    /// Length of a pixel (m); that of the map of a robot if absent.
+    pub metres_per_pixel: Option<f64>,
+    /// Where the lower left corner of an image is (m); that of the map of a robot, or zero, if absent.
+    pub origin_m: Option<[f64; 2]>,
+    /// Material of the walls that do not say their own.
+    pub material: String,
+    /// Height of such walls (m).
+    pub height_m: f64,
+    /// Thickness of such walls in GeoJSON (m). In an image it is measured.
+    pub thickness_m: f64,
+    /// What is thicker is no wall but a block (m).
+    pub thickest_m: f64,
+}
+
+impl Default for FloorPlanOptions {
+    fn default() -> Self {
+        Self {
+            metres_per_pixel: None,
+            origin_m: None,
+            material: "brick".to_owned(),
+            height_m: sextant_channel::USUAL_HEIGHT_M,
+            thickness_m: sextant_channel::USUAL_THICKNESS_M,
+            thickest_m: 0.6,
+        }
+    }
+}
+
+/// Walls and blocks of a floor plan.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FloorPlan {
+    /// The walls.
+    pub walls: Vec<WallConfig>,
+    /// What is thicker than walls: pillars, shafts, furniture.
+    pub blocks: Vec<ObstacleConfig>,
+    /// What the user should know, above all what was not read.
+    pub notes: Vec<String>,
+}
+
+/// Reads the floor plan `path`: an image (PNG, PGM) in which walls are dark, a map of a robot (`map.yaml` of ROS beside its image), or
+/// GeoJSON with lines and areas.
+///
+/// # Errors
+/// If the file cannot be read, an option is missing or invalid, or there are no walls.
+pub fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorPlanError> {
+    check(options)?;
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_lowercase();
+    let plan = match extension.as_str() {
+        "png" | "pgm" => {
+            let pixel_m =
+                options.metres_per_pixel.ok_or_else(|| FloorPlanError::NoScale { path: path.to_owned() })?;
+            let picture = image::read(path)?;
+            traced::plan(&Occupancy::of_image(&picture, pixel_m, options.origin_m.unwrap_or_default()), options)
+        }
+        "yaml" | "yml" => {
+            let map = ros_map::read(path)?;
+            let picture = image::read(&map.image)?;
+            let mut occupancy = map.occupancy(&picture);
+            occupancy.pixel_m = options.metres_per_pixel.unwrap_or(occupancy.pixel_m);
+            occupancy.origin_m = options.origin_m.unwrap_or(occupancy.origin_m);
+            traced::plan(&occupancy, options)
+        }
+        "json" | "geojson" => geojson::read(path, options)?,
+        _ => return Err(FloorPlanError::Form { path: path.to_owned() }),
+    };
+    if plan.walls.is_empty() && plan.blocks.is_empty() {
+        return Err(FloorPlanError::NoWalls { path: path.to_owned(), notes: plan.notes.join("; ") });
+    }
+    Ok(plan)
+}
+
+fn check(options: &FloorPlanOptions) -> Result<(), FloorPlanError> {
+    let refused = |option, found: String, allowed: String| FloorPlanError::Option { option, found, allowed };
+    if Material::named(&options.material).is_none() {
+        return Err(refused("material", options.material.clone(), Material::names()));
+    }
+    let sizes = [("height", options.height_m), ("thickness", options.thickness_m), ("thickest", options.thickest_m)];
+    let pixel = options.metres_per_pixel.map(|pixel_m| ("scale", pixel_m));
+    for (option, value) in sizes.into_iter().chain(pixel) {
+        if !(value > 0.0 && value <= 1000.0) {
+            return Err(refused(option, value.to_string(), "a number of metres above 0, at most 1000".to_owned()));
+        }
+    }
+    let places = options.origin_m.into_iter().flatten();
+    match places.into_iter().find(|place| !(place.abs() <= 1e9)) {
+        Some(bad) => Err(refused("origin", bad.to_string(), "two finite numbers of metres".to_owned())),
+        None => Ok(()),
+    }
+}
+
+impl FloorPlan {
+    /// The plan as tables of a scenario, which others can extend. `source` is named in its head.
+    ///
+    /// # Panics
+    /// Never: numbers and names can all be written.
+    #[must_use]
+    pub fn to_toml(&self, source: &str) -> String {
+        #[derive(Serialize)]
+        struct Tables<'a> {
+            world: World<'a>,
+        }
+        #[derive(Serialize)]
+        struct World<'a> {
+            #[serde(skip_serializing_if = "<[_]>::is_empty")]
+            walls: &'a [WallConfig],
+            #[serde(skip_serializing_if = "<[_]>::is_empty")]
+            obstacles: &'a [ObstacleConfig],
+        }
+        let world = World { walls: &self.walls, obstacles: &self.blocks };
+        let tables = toml::to_string(&Tables { world }).expect("tables of numbers and names");
+        format!(
+            "# Walls of the floor plan {source}. A scenario takes them with `extends`. Lengths are in metres.\n\
+             # Doors and windows: [[world.walls.openings]] with at_m, width_m, bottom_m, top_m and material.\n\n{tables}"
+        )
+    }
+
+    /// Length of all walls (m).
+    #[must_use]
+    pub fn length_m(&self) -> f64 {
+        let of = |wall: &WallConfig| {
+            let legs = wall.points_m.windows(2);
+            legs.map(|leg| libm::hypot(leg[1][0] - leg[0][0], leg[1][1] - leg[0][1])).sum::<f64>()
+        };
+        self.walls.iter().map(of).sum()
+    }
+}
+
+/// A length (m) to the millimetre, without a sign of zero.
+fn to_mm(length_m: f64) -> f64 {
+    (length_m * 1000.0).round() / 1000.0 + 0.0
+}

@@ -1,0 +1,109 @@
+//! Maps of robots as ROS saves them: `map.yaml` beside an image.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::error::FloorPlanError;
+use super::image::Picture;
+use super::occupancy::Occupancy;
+
+/// What `map.yaml` says.
+#[derive(Debug)]
+pub(super) struct RosMap {
+    pub(super) image: PathBuf,
+    resolution_m: f64,
+    /// Where the lower left corner is, and how the map is turned (rad).
+    origin: [f64; 3],
+    negate: bool,
+    occupied: f64,
+}
+
+/// Reads `map.yaml`: keys `image`, `resolution`, `origin`, `negate`, `occupied_thresh`.
+///
+/// # Errors
+/// If it cannot be read, or a key is missing or invalid.
+pub(super) fn read(path: &Path) -> Result<RosMap, FloorPlanError> {
+    let text = fs::read_to_string(path)
+        .map_err(|why| FloorPlanError::Read { path: path.to_owned(), why: why.to_string() })?;
+    parse(&text, path.parent().unwrap_or(Path::new("")))
+        .map_err(|problem| FloorPlanError::Content { path: path.to_owned(), problem })
+}
+
+fn parse(text: &str, folder: &Path) -> Result<RosMap, String> {
+    let value = |key: &str| {
+        text.lines().find_map(|line| {
+            let (found, value) = line.split_once(':')?;
+            let value = value.split(" #").next().unwrap_or_default().trim();
+            (found.trim() == key).then(|| value.trim_matches(['"', '\'']).to_owned())
+        })
+    };
+    let required = |key: &str| value(key).ok_or_else(|| format!("the key `{key}` is missing"));
+    let number = |key: &str, text: &str| -> Result<f64, String> {
+        let number = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+        number.ok_or_else(|| format!("`{key}` is `{text}`; allowed: a number"))
+    };
+    let resolution_m = number("resolution", &required("resolution")?)?;
+    if !(resolution_m > 0.0 && resolution_m <= 100.0) {
+        return Err(format!("`resolution` is {resolution_m}; allowed: metres a pixel above 0, at most 100"));
+    }
+    let origin = value("origin").unwrap_or_else(|| "[0, 0, 0]".to_owned());
+    let numbers = origin.trim_start_matches('[').trim_end_matches(']').split(',');
+    let numbers: Vec<f64> = numbers.map(|text| number("origin", text)).collect::<Result<_, _>>()?;
+    let origin = match numbers.as_slice() {
+        &[x_m, y_m] => [x_m, y_m, 0.0],
+        &[x_m, y_m, yaw_rad] => [x_m, y_m, yaw_rad],
+        _ => return Err(format!("`origin` is {origin}; allowed: [x, y, yaw] on one line")),
+    };
+    let negate = match value("negate").as_deref() {
+        None | Some("0" | "false") => false,
+        Some("1" | "true") => true,
+        Some(other) => return Err(format!("`negate` is `{other}`; allowed: 0 or 1")),
+    };
+    let occupied = value("occupied_thresh").map(|text| number("occupied_thresh", &text)).transpose()?;
+    let image = folder.join(required("image")?);
+    Ok(RosMap { image, resolution_m, origin, negate, occupied: occupied.unwrap_or(0.65) })
+}
+
+impl RosMap {
+    /// Which cells of its image are occupied. Cells that are unknown are free.
+    pub(super) fn occupancy(&self, picture: &Picture) -> Occupancy {
+        let is_occupied = |&grey: &u8| {
+            let dark = if self.negate { f64::from(grey) } else { 255.0 - f64::from(grey) };
+            dark / 255.0 > self.occupied
+        };
+        Occupancy {
+            width: picture.width,
+            height: picture.height,
+            cells: picture.grey.iter().map(is_occupied).collect(),
+            pixel_m: self.resolution_m,
+            origin_m: [self.origin[0], self.origin[1]],
+            turn_rad: self.origin[2],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_map_says_where_its_image_lies() {
+        let text = "image: floor.pgm\nmode: trinary\nresolution: 0.05 # m\norigin: [-3.5, 2, 0.1]\nnegate: 0\noccupied_thresh: 0.7\n";
+        let map = parse(text, Path::new("/maps")).unwrap();
+        assert_eq!(map.image, Path::new("/maps/floor.pgm"));
+        assert_eq!((map.resolution_m, map.origin, map.negate, map.occupied), (0.05, [-3.5, 2.0, 0.1], false, 0.7));
+        let picture = Picture { width: 3, height: 1, grey: vec![0, 205, 254] };
+        assert_eq!(map.occupancy(&picture).cells, [true, false, false]);
+        for (text, problem) in [
+            ("resolution: 0.05\n", "`image` is missing"),
+            ("image: a.pgm\n", "`resolution` is missing"),
+            ("image: a.pgm\nresolution: fine\n", "`resolution` is `fine`"),
+            ("image: a.pgm\nresolution: 0\n", "`resolution` is 0"),
+            ("image: a.pgm\nresolution: 1\norigin: [1]\n", "`origin` is [1]"),
+            ("image: a.pgm\nresolution: 1\nnegate: maybe\n", "`negate` is `maybe`"),
+        ] {
+            let found = parse(text, Path::new("")).unwrap_err();
+            assert!(found.contains(problem), "{found}");
+        }
+    }
+}
