@@ -55,6 +55,13 @@ files robots.md
 run spiral.toml
 keep spiral.figures/network spiral-network
 
+"$sextant" init building --out building.toml > /dev/null
+run building.toml
+keep building.figures/network building-network
+run scenarios/ranges/odometry-drift.toml
+keep odometry-drift.figures/map-believed ranges-believed
+keep odometry-drift.figures/map-estimated ranges-estimated
+
 "$sextant" sweep scenarios/mac/hidden-nodes.toml --out hidden.csv --runs 3 --quiet > /dev/null
 "$sextant" figure hidden.csv --out hidden.figures > /dev/null
 keep hidden.figures/hidden-mac-prr hidden-prr

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 pub enum FloorPlanError {
     /// Its form is not known.
     #[error(
-        "`{}` is not a floor plan that can be read; allowed: an image (.png, .pgm), a map of ROS (map.yaml) or GeoJSON (.geojson, .json)",
+        "`{}` is not a floor plan that can be read; allowed: an image (.png, .pgm), a map of ROS (map.yaml), GeoJSON (.geojson, .json) or walls of a scenario (.toml)",
         path.display()
     )]
     Form {

@@ -13,8 +13,9 @@ mod traced;
 
 use std::path::Path;
 
-use serde::Serialize;
-use sextant_channel::{Material, ObstacleConfig, WallConfig};
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Material, Obstacle, ObstacleConfig, ObstacleField, WallConfig};
+use sextant_kernel::{Files, SettingError};
 
 pub use error::FloorPlanError;
 use occupancy::Occupancy;
@@ -61,7 +62,7 @@ pub struct FloorPlan {
 }
 
 /// Reads the floor plan `path`: an image (PNG, PGM) in which walls are dark, a map of a robot (`map.yaml` of ROS beside its image), or
-/// GeoJSON with lines and areas.
+/// GeoJSON with lines and areas; or walls and obstacles of a scenario, as [`FloorPlan::to_toml`] writes them.
 ///
 /// # Errors
 /// If the file cannot be read, an option is missing or invalid, or there are no walls.
@@ -84,12 +85,33 @@ pub fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorP
             traced::plan(&occupancy, options)
         }
         "json" | "geojson" => geojson::read(path, options)?,
+        "toml" => of_tables(path)?,
         _ => return Err(FloorPlanError::Form { path: path.to_owned() }),
     };
     if plan.walls.is_empty() && plan.blocks.is_empty() {
         return Err(FloorPlanError::NoWalls { path: path.to_owned(), notes: plan.notes.join("; ") });
     }
     Ok(plan)
+}
+
+/// The walls and obstacles in the tables `world.walls` and `world.obstacles` of a file; what else is in it is not looked at.
+fn of_tables(path: &Path) -> Result<FloorPlan, FloorPlanError> {
+    #[derive(Deserialize)]
+    struct Tables {
+        world: World,
+    }
+    #[derive(Deserialize)]
+    struct World {
+        #[serde(default)]
+        walls: Vec<WallConfig>,
+        #[serde(default)]
+        obstacles: Vec<ObstacleConfig>,
+    }
+    let text = std::fs::read_to_string(path)
+        .map_err(|why| FloorPlanError::Read { path: path.to_owned(), why: why.to_string() })?;
+    let Tables { world: World { walls, obstacles } } = toml::from_str(&text)
+        .map_err(|why| FloorPlanError::Content { path: path.to_owned(), problem: why.to_string() })?;
+    Ok(FloorPlan { walls, blocks: obstacles, notes: Vec::new() })
 }
 
 fn check(options: &FloorPlanOptions) -> Result<(), FloorPlanError> {
@@ -135,6 +157,22 @@ impl FloorPlan {
             "# Walls of the floor plan {source}. A scenario takes them with `extends`. Lengths are in metres.\n\
              # Doors and windows: [[world.walls.openings]] with at_m, width_m, bottom_m, top_m and material.\n\n{tables}"
         )
+    }
+
+    /// What stands on the floor. Files of meshes are relative to the working folder.
+    ///
+    /// # Errors
+    /// If a wall or a block is invalid.
+    pub fn obstacles(&self) -> Result<ObstacleField, SettingError> {
+        let mut all = Vec::new();
+        for (i, block) in self.blocks.iter().enumerate() {
+            let read = Obstacle::read_all(block.clone(), &Files::default());
+            all.extend(read.map_err(|error| error.within(format!("world.obstacles[{i}]")))?);
+        }
+        for (i, wall) in self.walls.iter().enumerate() {
+            all.extend(wall.obstacles().map_err(|error| error.within(format!("world.walls[{i}]")))?);
+        }
+        Ok(ObstacleField::new(all))
     }
 
     /// Length of all walls (m).

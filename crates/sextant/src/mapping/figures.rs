@@ -9,7 +9,7 @@ use super::logs::MapLogs;
 use super::pipeline::ComputedMap;
 use crate::measure::Dimensions;
 use sextant_figure::{self as figure, EstimatedMap, Figure, Model, ReceptionCurve, Source};
-use sextant_recording::{self as recording, RecordedWorld, RecordingError};
+use sextant_recording::{self as recording, RecordedWorld, RecordingError, Solid};
 
 /// What figures show of a log besides its maps: true positions, obstacles and paths.
 ///
@@ -20,12 +20,15 @@ pub fn drawn(input: &Input) -> Result<RecordedWorld, RecordingError> {
     let truth = input.truth.as_ref();
     let place = |(node, name): (usize, &String)| Some((NodeId::from_index(node), *truth?.get(name)?));
     let nodes = input.log().names().iter().enumerate().filter_map(place).collect();
-    Ok(match recorded {
+    let mut drawn = match recorded {
         Some(RecordedWorld { sinks, anchors, obstacles, paths, .. }) => {
             RecordedWorld { nodes, sinks, anchors, obstacles, paths, ..RecordedWorld::default() }
         }
         None => RecordedWorld { nodes, paths: paths_of_stops(input), ..RecordedWorld::default() },
-    })
+    };
+    let floor = input.floor.iter().flat_map(|floor| floor.obstacles()).enumerate();
+    drawn.obstacles.extend(floor.map(|(index, obstacle)| Solid::of(obstacle, index)));
+    Ok(drawn)
 }
 
 /// The path of each robot, as straight lines between its stops.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use sextant_channel::{NetworkLogs, Position, ReceptionLog};
+use sextant_channel::{NetworkLogs, ObstacleField, Position, ReceptionLog};
 use sextant_kernel::{Files, NodeId, Seed, Watch};
 use sextant_mapper::{EstimatedPath, PathError, PlacePrior, estimate_path};
 
@@ -38,6 +38,8 @@ pub struct Input {
     pub seed: Seed,
     /// The estimated path, if the log is on one.
     pub estimated_path: Option<EstimatedPath>,
+    /// What stands on the floor, if the user has a plan of it: maps that know obstacles know these, and figures show them.
+    pub floor: Option<ObstacleField>,
     /// Notes on the log for the user.
     pub notes: Vec<String>,
     /// The plane of the places, if the log has them by latitude and longitude.
@@ -107,6 +109,7 @@ impl Input {
             known: MutualKnowledge::default(),
             seed: Seed(1),
             estimated_path: None,
+            floor: None,
             notes,
             plane,
         }
@@ -162,6 +165,7 @@ impl Input {
             known,
             seed: Seed(seed.unwrap_or(1)),
             estimated_path: None,
+            floor: None,
             notes,
             plane: None,
         })

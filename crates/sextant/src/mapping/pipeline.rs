@@ -57,7 +57,7 @@ pub(super) fn knowledge<'a>(input: &'a Input, settings: &'a MapSettings, logs: K
         neighbours: input.known.neighbours.as_ref(),
         beacons: input.known.beacons.as_ref(),
         anchors: &input.known.anchors,
-        obstacles: settings.obstacles.as_ref(),
+        obstacles: input.floor.as_ref().or(settings.obstacles.as_ref()),
         prior: input.prior.as_ref(),
         seed: input.seed,
         ..logs

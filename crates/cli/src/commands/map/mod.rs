@@ -21,6 +21,7 @@ use crate::interrupt::Interrupt;
 use crate::invocation::Invocation;
 use crate::terminal::{Watcher, stdout};
 use sextant::NumberRange;
+use sextant::floorplan::{self, FloorPlanOptions};
 use sextant::mapping::tiles::{self, KeptTiles, TileCount, TileFolders, Tiling};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
@@ -81,6 +82,10 @@ pub(crate) struct Arguments {
     /// exp(-d / METRES). Only for algorithms that use it
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     pub(crate) near_stops: Option<f64>,
+    /// Walls under the map: a map of ROS (map.yaml), GeoJSON, or what `sextant floorplan` wrote (walls.toml), in the frame of the log.
+    /// Figures show them, and maps that know obstacles know these
+    #[arg(long, value_name = "PLAN")]
+    pub(crate) floorplan: Option<PathBuf>,
     /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern. The concern is why a
     /// position is unreliable: at-edge, unsettled, no-evidence or two-places. The entries of the covariance follow, if there is
     /// one, and lat,lon, if the log has them. A name that ends in .geojson gets GeoJSON. Each further map is written
@@ -230,6 +235,12 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     }
     input.prior =
         mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, input.plane.as_ref(), &settings.maps)?;
+    if let Some(plan) = &arguments.floorplan {
+        let read = floorplan::read(plan, &FloorPlanOptions::default())?;
+        let wrong = |why| Failure::bad_input(format!("`{}`: {why}", plan.display()));
+        input.floor = Some(read.obstacles().map_err(wrong)?);
+        input.notes.extend(read.notes.iter().map(|note| format!("{}: {note}", plan.display())));
+    }
     let _keeper = keeper.unwrap_or_else(|| interrupt.keep());
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     if arguments.path.estimate_path {
@@ -284,7 +295,8 @@ impl Arguments {
         let mut outputs = self.replacing.outputs();
         // An area is the name of a file, or numbers.
         let area = self.area.as_deref().map(Path::new);
-        let given = [Some(self.log.as_path()), self.truth.as_deref(), self.names.as_deref(), area];
+        let given =
+            [Some(self.log.as_path()), self.truth.as_deref(), self.names.as_deref(), self.floorplan.as_deref(), area];
         reads_given(&mut outputs, given.into_iter().chain(self.path.files()).chain(self.reading.files()));
         outputs
     }
