@@ -141,6 +141,7 @@ export class Map2d {
     ctx.strokeStyle = ink("obstacle");
     ctx.lineWidth = 1;
     for (const solid of model.obstacles) {
+      const sheet = this.#isSheet(solid);
       // One shape of all triangles: where they overlap, it is not darker.
       ctx.beginPath();
       for (let t = 0; t + 2 < solid.triangles.length; t += 3) {
@@ -152,9 +153,27 @@ export class Map2d {
         ctx.lineTo(...corners[2]);
         ctx.closePath();
       }
+      if (sheet) ctx.globalAlpha = 0.25;
       ctx.fill("nonzero");
-      ctx.stroke();
+      ctx.globalAlpha = 1;
+      if (!sheet) ctx.stroke();
     }
+  }
+
+  /** Whether an obstacle is thin in the direction of the view and large across it, as a floor seen from above: filled, it would hide what is behind it. */
+  #isSheet(solid) {
+    const { axes } = this.camera;
+    const size = (axis) => {
+      let [low, high] = [Infinity, -Infinity];
+      for (let i = axis; i < solid.corners_m.length; i += 3) {
+        low = Math.min(low, solid.corners_m[i]);
+        high = Math.max(high, solid.corners_m[i]);
+      }
+      return high - low;
+    };
+    const depth = size(3 - axes[0] - axes[1]);
+    const across = axes[1] === 1 ? Math.min(size(0), size(1)) : size(0);
+    return depth <= Math.min(0.5, 0.3 * across);
   }
 
 

@@ -93,7 +93,8 @@ export class MapView {
 
   #choices() {
     const { model } = this;
-    const maps = model.maps.map((map) => [map.name, map.name]);
+    const isDoubtful = (name) => model.summaries.some((map) => (map.name ?? map.algorithm) === name && (map.judgement ?? []).some((one) => one.level === "warning"));
+    const maps = model.maps.map((map) => [map.name, isDoubtful(map.name) ? `${map.name} (has warnings)` : map.name]);
     const fields = [];
     if (maps.length > 0) {
       fields.push(choice("Map", maps, this.mapA.name, (name) => { this.mapA = model.maps.find((map) => map.name === name); this.#changed(); }));

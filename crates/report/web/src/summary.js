@@ -59,6 +59,8 @@ function mapsTable(maps) {
     { title: "90 % (m)", of: error("p90") },
     { title: "95 % (m)", of: error("p95") },
     { title: "Max (m)", of: error("max") },
+    { title: "In 95 % region", of: (row) => maps[row].coverage_95 ?? NaN, text: percent },
+    { title: "Bound (m)", of: (row) => maps[row].posterior_bound_m ?? NaN },
     { title: "Aligned mean (m)", of: (row) => maps[row].aligned_error_m?.mean ?? NaN },
     { title: "Connectivity error", of: (row) => maps[row].connectivity_error ?? NaN, text: percent },
     { title: "False neighbours", of: (row) => maps[row].false_neighbour_rate ?? NaN, text: percent },
@@ -66,6 +68,24 @@ function mapsTable(maps) {
   ];
   const used = columns.filter((column) => maps.some((_, row) => { const value = column.of(row); return value === value && value !== ""; }));
   return dataTable("Maps", used, maps.length);
+}
+
+/** Sentences on a map that begin with its name: the name in bold. */
+function sentence(map, text) {
+  const name = map.name ?? map.algorithm;
+  const rest = text.startsWith(`${name}: `) ? text.slice(name.length + 2) : text;
+  const plain = rest.replace(/^warning: /, "");
+  return element("li", {}, element("strong", {}, isolated(name)), `: ${plain}`);
+}
+
+/** What there is to know of the maps before trusting them: what is not reliable at the top, and how each map came about behind. */
+function judgements(maps) {
+  const of = (level) => maps.flatMap((map) => (map.judgement ?? []).filter((one) => one.level === level).map((one) => sentence(map, one.text)));
+  const [warnings, notes] = [of("warning"), of("note")];
+  return [
+    warnings.length ? element("div", { class: "notes warnings" }, element("h3", {}, warnings.length > 1 ? "What is not reliable" : "Not reliable"), element("ul", {}, warnings)) : null,
+    notes.length ? () => behind("How the maps came about", () => element("ul", { class: "judgement" }, of("note"))) : null,
+  ];
 }
 
 export function summarySection(report) {
@@ -76,10 +96,13 @@ export function summarySection(report) {
   const details = [
     ["Survey", summary.gathering], ["Simulation", summary.simulation], ["Discovery", summary.discovery], ["Sensing", summary.sensing],
   ].filter(([, object]) => object);
+  const [warnings, notes] = judgements(summary.maps ?? []);
   return section("summary", "Summary",
     element("ul", { class: "tiles" }, shown.map(([name, text]) => element("li", {}, element("strong", {}, text), element("span", {}, name)))),
+    warnings,
     report.notes?.length ? element("div", { class: "notes" }, element("h3", {}, report.notes.length > 1 ? "Notes" : "Note"), element("ul", {}, report.notes.map((note) => element("li", {}, note)))) : null,
     summary.maps?.length ? mapsTable(summary.maps) : null,
+    notes?.(),
     robots.length > 1 ? dataTable("Robots", [
       { title: "Robot", of: (row) => robots[row].name, words: true },
       { title: "Stops", of: (row) => robots[row].stops },

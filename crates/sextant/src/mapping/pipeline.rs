@@ -110,7 +110,7 @@ impl<'a> Stages<'a, '_> {
                 }
                 made => made?,
             };
-            summaries.push(MapSummary { alignment: Some(alignment), ..summary });
+            summaries.push(MapSummary { alignment: Some(alignment), ..summary }.judged());
             if let Some(out) = out {
                 let path = file_of(out, summaries.len() - 1, &named.name);
                 sextant_logs::write_map(&path, input.log().names(), &computed.map, input.plane.as_ref())?;

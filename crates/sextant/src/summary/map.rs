@@ -4,6 +4,7 @@ use serde::Serialize;
 use sextant_mapper::{Concern, KnowledgeKind, Line, SectorDisplacement};
 
 use super::distributed::DistributedSummary;
+use super::judgement::Judgement;
 
 /// One map and its errors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -107,6 +108,9 @@ pub struct MapSummary {
     /// How the nodes computed the map, and what it took, if they did it themselves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distributed: Option<DistributedSummary>,
+    /// What a user should know before trusting the map, in sentences: those that are printed under the table, warnings first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub judgement: Vec<Judgement>,
 }
 
 /// How far the sectors that a map suggests are from those that point to the neighbours.

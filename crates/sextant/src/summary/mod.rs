@@ -6,10 +6,12 @@
 mod distributed;
 mod distributed_table;
 mod gathering;
+mod judgement;
 mod log_counts;
 mod mac;
 mod mac_table;
 mod map;
+mod map_judgement;
 pub mod measures;
 mod missions;
 mod missions_table;
@@ -26,6 +28,7 @@ pub use distributed::{
 pub use gathering::{
     DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RoundSummary, SectorReportsSummary,
 };
+pub use judgement::{Judgement, JudgementLevel};
 pub(crate) use log_counts::LogCounts;
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{

@@ -2,20 +2,19 @@
 
 use std::io::{self, Write};
 
-use sextant_mapper::{Concern, Section};
+use sextant_mapper::Section;
 
 use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
-use super::map::{
-    AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn, SectorsSummary,
-};
+use super::map::{AlignmentSummary, ErrorSummary, MapSummary};
+use super::map_judgement::{self, Subject};
 use super::missions_table;
 use super::results::{RegionSummary, Summary};
 use super::timing::Timing;
 use super::tracks;
 use crate::columns::{Align, columns};
-use sextant_kernel::text::{counted, listed};
+use sextant_kernel::text::counted;
 
 /// Writes `summary` as a table.
 ///
@@ -65,16 +64,12 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     }
     if !summary.maps.is_empty() {
         maps(&summary.maps, out)?;
-        measured(&summary.maps, out)?;
+        say(&summary.maps, [Subject::Measured], out)?;
         bounds(&summary.maps, out)?;
-        for section in Section::ALL.into_iter().filter(|section| *section != Section::Warnings) {
-            summary.maps.iter().try_for_each(|map| learned(map, section, out))?;
-        }
-        infeasible(&summary.maps, out)?;
-        displacements(&summary.maps, out)?;
+        let learned = Section::ALL.into_iter().filter(|section| *section != Section::Warnings).map(Subject::Learned);
+        say(&summary.maps, learned.chain([Subject::Infeasible, Subject::Displacements]), out)?;
         distributed_table::write(&summary.maps, summary.interrupted, out)?;
-        concerns(&summary.maps, out)?;
-        heights(&summary.maps, out)?;
+        say(&summary.maps, [Subject::Concerns, Subject::Heights], out)?;
         writeln!(out)?;
     }
     if !summary.applications.is_empty() {
@@ -193,23 +188,11 @@ fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     columns(&rows, &align, out)
 }
 
-/// How many nodes were measured, where the true positions of some are unknown, and whether in the plane.
-fn measured(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps {
-        if map.measured_in == Some(MeasuredIn::Plane) {
-            let name = map.name.as_ref().unwrap_or(&map.algorithm);
-            writeln!(out, "{name}: errors and regions in the plane (x, y): the true positions have no heights")?;
-        }
-        if let Some(measured) = map.measured {
-            let name = map.name.as_ref().unwrap_or(&map.algorithm);
-            writeln!(
-                out,
-                "{name}: errors of {measured} of {}: those whose true positions are known",
-                counted(map.mapped, "mapped node")
-            )?;
-        }
-    }
-    Ok(())
+/// What there is to know of the maps, subject by subject.
+fn say(maps: &[MapSummary], subjects: impl IntoIterator<Item = Subject>, out: &mut impl Write) -> io::Result<()> {
+    let lines =
+        subjects.into_iter().flat_map(|subject| maps.iter().flat_map(move |map| map_judgement::on(map, subject)));
+    lines.map(|line| line.text).try_for_each(|text| writeln!(out, "{text}"))
 }
 
 /// Why maps have no bound: one line for each reason.
@@ -250,112 +233,6 @@ fn knowledge(map: &MapSummary) -> String {
         words.push("(aligned to the truth)");
     }
     words.join(", ").replace(", (", " (")
-}
-
-/// What the algorithm of a map learned from the log, in one section.
-fn learned(map: &MapSummary, section: Section, out: &mut impl Write) -> io::Result<()> {
-    let lines = map.learned.lines.iter().filter(|line| line.section == section);
-    lines.map(|line| &line.text).try_for_each(|text| writeln!(out, "{text}"))
-}
-
-/// Shares of the nodes by sector displacement, and the pairs of neighbours that have no bearing.
-fn displacements(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps {
-        let Some(SectorsSummary { sector_displacement, sector_pairs: pairs, .. }) = &map.sectors else { continue };
-        let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        let shares = sector_displacement.iter().enumerate();
-        let shares: Vec<_> = shares.map(|(sectors, share)| format!("{sectors}: {:.1} %", 100.0 * share)).collect();
-        writeln!(out, "{name}: nodes by sector displacement: {}", shares.join(", "))?;
-        let all = pairs.compared + pairs.without_bearing;
-        for (count, what) in [
-            (pairs.without_bearing, "stand on one another, and are not compared: they have no bearing"),
-            (pairs.without_bearing_on_map, "are in one place on the map: it suggests the azimuth 0 for them"),
-        ] {
-            if count > 0 {
-                writeln!(out, "{name}: {count} of {all} pairs of neighbours {what}")?;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Nodes whose receptions no position explains.
-fn infeasible(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps {
-        let Some(count) = map.infeasible.filter(|&count| count > 0) else { continue };
-        let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        let (have, they) = if count == 1 { ("has", "it is") } else { ("have", "they are") };
-        writeln!(
-            out,
-            "{name}: {count} of {} {have} no position that agrees with all receptions; {they} placed where most agree",
-            counted(map.mapped, "mapped node")
-        )?;
-    }
-    Ok(())
-}
-
-/// Warnings of nodes whose position is unreliable, and of curves at the bound of their search.
-fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps {
-        let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        for concern in Concern::ALL {
-            let nodes: Vec<&str> =
-                map.concerns.iter().filter(|of| of.concern == concern).map(|of| of.node.as_str()).collect();
-            let count = nodes.len();
-            if count == 0 {
-                continue;
-            }
-            let (is, did, has) = if count == 1 { ("is", "did", "has") } else { ("are", "did", "have") };
-            let what = match concern {
-                Concern::AtEdge => format!("{is} at the boundary of the searched area"),
-                Concern::Unsettled => format!("{did} not settle within the rounds of the fit"),
-                Concern::NoEvidence => format!("{has} no place that the evidence prefers"),
-                Concern::TwoPlaces => {
-                    format!("{has} two places that fit the ranges, each the mirror image of the other")
-                }
-            };
-            let advice = match concern {
-                Concern::AtEdge => "stops on their other side would tell where they are",
-                Concern::Unsettled => "more rounds or more stops would tell where they are",
-                Concern::NoEvidence => {
-                    "stops where they are heard and others where they are not would tell where they are"
-                }
-                Concern::TwoPlaces => {
-                    "a stop beside the straight way, or a `z_range_m` of heights, would tell which it is"
-                }
-            };
-            let nodes = listed(&nodes);
-            writeln!(
-                out,
-                "{name}: warning: {} {what}, so the position is unreliable: {nodes}; {advice}",
-                counted(count, "node")
-            )?;
-        }
-        learned(map, Section::Warnings, out)?;
-    }
-    Ok(())
-}
-
-/// The heights at which nodes were searched for, if the stops have different heights and no setting gives the heights.
-fn heights(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps {
-        let Some(HeightsSummary { low_m, high_m, from, uneven_m }) = map.heights else { continue };
-        let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        match (from, uneven_m) {
-            (HeightsSource::Reach, _) => writeln!(
-                out,
-                "{name}: nodes searched at heights from {low_m:.2} to {high_m:.2} m, the range of packets from the stops \
-                 (z_range_m sets other heights)"
-            )?,
-            (_, Some(uneven_m)) => writeln!(
-                out,
-                "{name}: nodes searched in the plane at {low_m:.2} m, because the heights of the stops differ by only \
-                 {uneven_m:.2} m (z_range_m sets other heights)"
-            )?,
-            _ => {}
-        }
-    }
-    Ok(())
 }
 
 fn timing_line(timing: &Timing) -> String {

@@ -1,0 +1,175 @@
+//! What a user should know of a map before trusting it: one source for the printed table, the summary and the report.
+
+use sextant_kernel::text::{counted, listed};
+use sextant_mapper::{Concern, Section};
+
+use super::judgement::{Judgement, JudgementLevel};
+use super::map::{HeightsSource, HeightsSummary, MapSummary, MeasuredIn, SectorsSummary};
+
+/// What sentences are about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Subject {
+    /// Which nodes are measured, and whether in the plane.
+    Measured,
+    /// What the algorithm learned from the log.
+    Learned(Section),
+    /// Nodes whose receptions no position explains.
+    Infeasible,
+    /// Shares of the nodes by sector displacement.
+    Displacements,
+    /// Nodes whose position is unreliable, and curves at the bound of their search.
+    Concerns,
+    /// The heights at which nodes were searched for.
+    Heights,
+}
+
+impl MapSummary {
+    /// The same with its judgement, once everything else is known.
+    #[must_use]
+    pub(crate) fn judged(self) -> Self {
+        Self { judgement: of(&self), ..self }
+    }
+}
+
+/// All sentences on a map: what is not reliable first.
+fn of(map: &MapSummary) -> Vec<Judgement> {
+    let learned = Section::ALL.into_iter().filter(|section| *section != Section::Warnings).map(Subject::Learned);
+    let subjects = [Subject::Concerns, Subject::Infeasible, Subject::Measured]
+        .into_iter()
+        .chain(learned)
+        .chain([Subject::Displacements, Subject::Heights]);
+    let (warnings, notes): (Vec<Judgement>, Vec<Judgement>) =
+        subjects.flat_map(|subject| on(map, subject)).partition(|one| one.level == JudgementLevel::Warning);
+    warnings.into_iter().chain(notes).collect()
+}
+
+/// The sentences on a map about one subject.
+pub(super) fn on(map: &MapSummary, subject: Subject) -> Vec<Judgement> {
+    let name = map.name.as_ref().unwrap_or(&map.algorithm);
+    let note = |text: String| Judgement { level: JudgementLevel::Note, text };
+    let warning = |text: String| Judgement { level: JudgementLevel::Warning, text };
+    match subject {
+        Subject::Measured => measured(map, name).into_iter().map(note).collect(),
+        Subject::Learned(section) => learned(map, section).map(note).collect(),
+        Subject::Infeasible => infeasible(map, name).into_iter().map(warning).collect(),
+        Subject::Displacements => displacements(map, name).into_iter().map(note).collect(),
+        Subject::Concerns => {
+            concerns(map, name).into_iter().chain(learned(map, Section::Warnings)).map(warning).collect()
+        }
+        Subject::Heights => heights(map, name).into_iter().map(note).collect(),
+    }
+}
+
+fn learned(map: &MapSummary, section: Section) -> impl Iterator<Item = String> {
+    map.learned.lines.iter().filter(move |line| line.section == section).map(|line| line.text.clone())
+}
+
+/// How many nodes were measured, where the true positions of some are unknown, and whether in the plane.
+fn measured(map: &MapSummary, name: &str) -> Vec<String> {
+    let in_plane = (map.measured_in == Some(MeasuredIn::Plane))
+        .then(|| format!("{name}: errors and regions in the plane (x, y): the true positions have no heights"));
+    let some = map.measured.map(|measured| {
+        let nodes = counted(map.mapped, "mapped node");
+        format!("{name}: errors of {measured} of {nodes}: those whose true positions are known")
+    });
+    in_plane.into_iter().chain(some).collect()
+}
+
+/// Shares of the nodes by sector displacement, and the pairs of neighbours that have no bearing.
+fn displacements(map: &MapSummary, name: &str) -> Vec<String> {
+    let Some(SectorsSummary { sector_displacement, sector_pairs: pairs, .. }) = &map.sectors else {
+        return Vec::new();
+    };
+    let shares = sector_displacement.iter().enumerate();
+    let shares: Vec<_> = shares.map(|(sectors, share)| format!("{sectors}: {:.1} %", 100.0 * share)).collect();
+    let all = pairs.compared + pairs.without_bearing;
+    let without = [
+        (pairs.without_bearing, "stand on one another, and are not compared: they have no bearing"),
+        (pairs.without_bearing_on_map, "are in one place on the map: it suggests the azimuth 0 for them"),
+    ];
+    let without = without.into_iter().filter(|(count, _)| *count > 0);
+    let without = without.map(|(count, what)| format!("{name}: {count} of {all} pairs of neighbours {what}"));
+    [format!("{name}: nodes by sector displacement: {}", shares.join(", "))].into_iter().chain(without).collect()
+}
+
+/// Nodes whose receptions no position explains.
+fn infeasible(map: &MapSummary, name: &str) -> Option<String> {
+    let count = map.infeasible.filter(|&count| count > 0)?;
+    let (have, they) = if count == 1 { ("has", "it is") } else { ("have", "they are") };
+    let nodes = counted(map.mapped, "mapped node");
+    Some(format!(
+        "{name}: {count} of {nodes} {have} no position that agrees with all receptions; {they} placed where most agree"
+    ))
+}
+
+/// Nodes whose position is unreliable.
+fn concerns(map: &MapSummary, name: &str) -> Vec<String> {
+    let of = |concern: Concern| {
+        let nodes: Vec<&str> =
+            map.concerns.iter().filter(|of| of.concern == concern).map(|of| of.node.as_str()).collect();
+        let count = nodes.len();
+        let (is, did, has) = if count == 1 { ("is", "did", "has") } else { ("are", "did", "have") };
+        let what = match concern {
+            Concern::AtEdge => format!("{is} at the boundary of the searched area"),
+            Concern::Unsettled => format!("{did} not settle within the rounds of the fit"),
+            Concern::NoEvidence => format!("{has} no place that the evidence prefers"),
+            Concern::TwoPlaces => {
+                format!("{has} two places that fit the ranges, each the mirror image of the other")
+            }
+        };
+        let advice = match concern {
+            Concern::AtEdge => "stops on their other side would tell where they are",
+            Concern::Unsettled => "more rounds or more stops would tell where they are",
+            Concern::NoEvidence => {
+                "stops where they are heard and others where they are not would tell where they are"
+            }
+            Concern::TwoPlaces => {
+                "a stop beside the straight way, or a `z_range_m` of heights, would tell which it is"
+            }
+        };
+        let (many, nodes) = (counted(count, "node"), listed(&nodes));
+        let text = format!("{name}: warning: {many} {what}, so the position is unreliable: {nodes}; {advice}");
+        (count > 0).then_some(text)
+    };
+    Concern::ALL.into_iter().filter_map(of).collect()
+}
+
+/// The heights at which nodes were searched for, if the stops have different heights and no setting gives the heights.
+fn heights(map: &MapSummary, name: &str) -> Option<String> {
+    let HeightsSummary { low_m, high_m, from, uneven_m } = map.heights?;
+    match (from, uneven_m) {
+        (HeightsSource::Reach, _) => Some(format!(
+            "{name}: nodes searched at heights from {low_m:.2} to {high_m:.2} m, the range of packets from the stops \
+             (z_range_m sets other heights)"
+        )),
+        (_, Some(uneven_m)) => Some(format!(
+            "{name}: nodes searched in the plane at {low_m:.2} m, because the heights of the stops differ by only \
+             {uneven_m:.2} m (z_range_m sets other heights)"
+        )),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::map::ConcernSummary;
+    use super::*;
+
+    #[test]
+    fn what_is_not_reliable_comes_first() {
+        let concern = |node: &str| ConcernSummary { node: node.into(), concern: Concern::AtEdge };
+        let map = MapSummary {
+            algorithm: "auto".into(),
+            mapped: 3,
+            measured: Some(2),
+            infeasible: Some(1),
+            concerns: vec![concern("a"), concern("b")],
+            ..MapSummary::default()
+        };
+        let said = of(&map);
+        let levels: Vec<JudgementLevel> = said.iter().map(|one| one.level).collect();
+        assert_eq!(levels, [JudgementLevel::Warning, JudgementLevel::Warning, JudgementLevel::Note]);
+        assert!(said[0].text.starts_with("auto: warning: 2 nodes are at the boundary"), "{}", said[0].text);
+        assert!(of(&MapSummary::default()).is_empty());
+    }
+}
