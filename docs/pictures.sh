@@ -55,6 +55,9 @@ files robots.md
 run spiral.toml
 keep spiral.figures/network spiral-network
 
+"$sextant" map "$root/docs/examples/uwb" --truth "$root/docs/examples/uwb/nodes.csv" --estimate-path --figure uwb.figures --quiet > /dev/null 2>&1
+keep uwb.figures/network uwb-path
+
 "$sextant" init building --out building.toml > /dev/null
 run building.toml
 keep building.figures/network building-network

@@ -83,5 +83,9 @@ fn robots(input: &Input, drawn: &RecordedWorld, frame: &Frame) -> Vec<Body> {
         let way = if has_times { Way::timed(&points, frame) } else { Way::untimed(path, frame) };
         Body { name: name.clone(), way }
     };
-    drawn.paths.iter().map(body).collect()
+    let believed = drawn
+        .believed_paths
+        .iter()
+        .map(|(name, path)| Body { name: format!("{name}, as believed"), way: Way::untimed(path, frame) });
+    drawn.paths.iter().map(body).chain(believed).collect()
 }

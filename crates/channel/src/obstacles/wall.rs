@@ -14,7 +14,7 @@ use crate::geometry::shape::{PrismConfig, ShapeConfig};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct WallConfig {
-    /// Name in messages and pictures.
+    /// Name in messages and pictures; `wall 0` for the first one, and so on, if absent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub name: Option<String>,
     /// The middle of the wall on the floor, corner by corner (m). If the last corner is the first one, the wall is closed.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sextant::floorplan::{self, FloorPlanOptions};
+use sextant::mapping::Input;
 use sextant_kernel::text::counted;
 use sextant_recording::admission::OutputKind;
 use sextant_recording::output::write_file;
@@ -44,6 +45,19 @@ pub(crate) struct Arguments {
     /// What may be replaced.
     #[command(flatten)]
     pub(crate) replacing: Replacing,
+}
+
+/// Puts the walls of a plan under the maps of a log.
+///
+/// # Errors
+/// If the plan cannot be read, or a wall is invalid.
+pub(super) fn lay(plan: Option<&Path>, input: &mut Input) -> Result<(), Failure> {
+    let Some(plan) = plan else { return Ok(()) };
+    let read = floorplan::read(plan, &FloorPlanOptions::default())?;
+    let wrong = |why| Failure::bad_input(format!("`{}`: {why}", plan.display()));
+    input.floor = Some(read.obstacles().map_err(wrong)?);
+    input.notes.extend(read.notes.iter().map(|note| format!("{}: {note}", plan.display())));
+    Ok(())
 }
 
 /// Tells what the user should know.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::floorplan;
 use super::map::algorithms;
 use super::options::Work;
 use super::outputs::{Replacing, admit, keep_logs, reads_given};
@@ -46,6 +47,9 @@ pub(crate) struct Arguments {
     /// The columns of the file of true positions, if they have other names, as for `map`
     #[arg(long, value_name = "FIELDS", requires = "truth", value_parser = FieldNames::parse_truth)]
     pub(crate) truth_fields: Option<FieldNames>,
+    /// Walls under the map of a log, as for `map`
+    #[arg(long, value_name = "PLAN")]
+    pub(crate) floorplan: Option<PathBuf>,
     /// What may be replaced.
     #[command(flatten)]
     pub(crate) replacing: Replacing,
@@ -60,7 +64,7 @@ pub(crate) struct Arguments {
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let out = arguments.out.clone().unwrap_or_else(|| file_name(&arguments.input));
     let mut outputs = arguments.replacing.outputs();
-    let given = [Some(arguments.input.as_path()), arguments.truth.as_deref()];
+    let given = [Some(arguments.input.as_path()), arguments.truth.as_deref(), arguments.floorplan.as_deref()];
     reads_given(&mut outputs, given.into_iter().chain(arguments.reading.files()));
     outputs.writes("--out", &out, OutputKind::Report);
     admit(&outputs, Some(arguments.work))?;
@@ -80,7 +84,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
 
 /// The report of the input, by its kind.
 fn report(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failure> {
-    let Arguments { input, algorithm, truth, .. } = arguments;
+    let Arguments { input, algorithm, truth, floorplan, .. } = arguments;
     if Report::is_reproduction(input) {
         return Ok(Report::of_reproduction(input, &titles())?);
     }
@@ -100,7 +104,7 @@ fn report(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failur
             "`sextant sweep SCENARIO.toml --out TABLE.csv` writes the table as CSV",
         ));
     }
-    if algorithm.is_some() || truth.is_some() {
+    if algorithm.is_some() || truth.is_some() || floorplan.is_some() {
         return of_log(arguments, interrupt);
     }
     robot_log::refuse_options(input, &arguments.reading.options()).map_err(mapping::MapLogError::from)?;
@@ -124,6 +128,7 @@ fn of_log(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failur
         let truth = robot_log::read_truth(path, fields, input.plane.as_ref(), &mut input.notes)?;
         input.take_truth(truth);
     }
+    floorplan::lay(arguments.floorplan.as_deref(), &mut input)?;
     let drawn = mapping::drawn(&input)?;
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let (mut summary, maps) = mapping::map(&mut input, &settings, None, start, &watcher)?;

@@ -18,8 +18,19 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 10] =
-    ["run", "export", "forecast", "link", "antenna", "mapping", "measure", "summary", "columns", "threads"];
+const ROOMS: [&str; 11] = [
+    "run",
+    "export",
+    "forecast",
+    "link",
+    "antenna",
+    "floorplan",
+    "mapping",
+    "measure",
+    "summary",
+    "columns",
+    "threads",
+];
 
 /// The modules of studies from top to bottom.
 const STUDIES: [&str; 2] = ["campaign", "sweep"];

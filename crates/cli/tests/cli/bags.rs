@@ -56,8 +56,8 @@ fn ranges_are_read_beside_packets_and_instead_of_them() {
             FormOptions { packet_fields: Some(FieldNames::parse_packets(text).unwrap()), ..FormOptions::default() };
         read("odometry", &ReadOptions { form, ..ReadOptions::default() }).unwrap()
     };
-    let beside = of_packets("node=src,rssi_dbm=rssi,range_m=rssi");
-    let plain = of_packets("node=src,rssi_dbm=rssi");
+    let beside = of_packets("node=src,range_m=rssi");
+    let plain = of_packets("node=src");
     assert_eq!(beside.log.ranges().len(), 22);
     assert_eq!(beside.log.receptions().to_vec(), plain.log.receptions().to_vec());
 

@@ -32,7 +32,8 @@ const TOLD_M: f64 = 1e-6;
 impl Source<'_> {
     /// The positions of paths, stops and contacts of the robots.
     pub(crate) fn survey(&self) -> impl Iterator<Item = Position> {
-        let paths = self.drawn.paths.iter().flat_map(|(_, path)| path).copied();
+        let all = self.drawn.paths.iter().chain(&self.drawn.believed_paths);
+        let paths = all.flat_map(|(_, path)| path).copied();
         let stops = self.log.stops().iter().map(|stop| stop.position);
         paths.chain(stops).chain(self.log.contacts().iter().map(|contact| contact.position))
     }

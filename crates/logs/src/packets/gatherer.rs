@@ -344,6 +344,7 @@ impl Gatherer {
         if self.brought > 0 {
             let (brought, placed) = (self.brought, self.ranges.len());
             self.notes.push(format!("{brought} ranges were measured, of which {placed} count"));
+            self.notes.extend(self.ranges.unit_note());
         }
         let ranges = self.ranges.finish(&mut self.notes);
         let log = receptions

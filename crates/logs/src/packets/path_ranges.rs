@@ -5,6 +5,7 @@ use sextant_kernel::text::counted;
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use crate::path::robot_path::Path;
+use crate::ranges::units;
 
 /// Ranges on the paths of robots.
 #[derive(Clone, Debug, Default)]
@@ -31,6 +32,11 @@ impl PathRanges {
             }
             None => self.outside += 1,
         }
+    }
+
+    /// A note on ranges that are in another unit, of those that were taken one by one.
+    pub(super) fn unit_note(&self) -> Option<String> {
+        units::note("the ranges", &self.samples)
     }
 
     /// Takes ranges that have their places.

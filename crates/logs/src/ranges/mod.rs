@@ -1,3 +1,4 @@
 //! Measured ranges.
 
 pub(crate) mod range_table;
+pub(crate) mod units;

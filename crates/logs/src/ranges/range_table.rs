@@ -6,6 +6,7 @@ use sextant_channel::{Position, RangeSample, ReceptionLog, Stop};
 use sextant_kernel::text::counted;
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
+use super::units;
 use crate::csv::header::{KnownColumns, Others};
 use crate::csv::output::Output;
 use crate::csv::table::{Column, Table, TableRow};
@@ -124,6 +125,7 @@ pub(crate) fn read(
         ));
     }
     notes.extend(repeated(&name, &read.samples));
+    notes.extend(units::note(&name, &read.samples));
     let negative = read.samples.iter().filter(|sample| sample.range_m < 0.0).count();
     if negative > 0 {
         notes.push(format!(

@@ -32,7 +32,7 @@ export function aboutNode(model, show, node) {
     pairs.push(["Stops that heard it", number(heard.places[node])]);
     const best = strongest(model, show.survey, node);
     if (Number.isFinite(best)) pairs.push(["Strongest signal", withUnit(best, "dBm")]);
-    if (Number.isFinite(heard.firstTime[node]) && model.hasTimes) pairs.push(["First heard", withUnit(heard.firstTime[node] + model.start, "s")]);
+    if (Number.isFinite(heard.firstTime[node]) && model.hasTimes) pairs.push(["First heard", `${withUnit(heard.firstTime[node], "s")} after the start`]);
   }
   return pairs;
 }

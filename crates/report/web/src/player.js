@@ -23,7 +23,7 @@ export function player(clock, model) {
     button.textContent = clock.playing ? "Pause" : "Play";
     if (document.activeElement !== slider || clock.playing) slider.value = String(Math.round((1000 * (clock.time - from)) / (to - from)));
     const phase = model.phases.find((one) => clock.time >= one.start_s && clock.time <= one.end_s);
-    const text = unit ? clockTime(clock.time + model.start) : `stop ${number(Math.floor(clock.time))}`;
+    const text = unit ? clockTime(clock.time) : `stop ${number(Math.floor(clock.time))}`;
     const all = phase && model.phases.length > 1 ? `${text}, ${isolated(phase.name)}` : text;
     shown.textContent = all;
     slider.setAttribute("aria-valuetext", all);

@@ -1,6 +1,6 @@
 //! The figures of maps that were computed from a log.
 
-use sextant_channel::Position;
+use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, RobotId};
 use sextant_mapper::{CurveFinding, ReceptionProfile};
 
@@ -24,16 +24,18 @@ pub fn drawn(input: &Input) -> Result<RecordedWorld, RecordingError> {
         Some(RecordedWorld { sinks, anchors, obstacles, paths, .. }) => {
             RecordedWorld { nodes, sinks, anchors, obstacles, paths, ..RecordedWorld::default() }
         }
-        None => RecordedWorld { nodes, paths: paths_of_stops(input), ..RecordedWorld::default() },
+        None => RecordedWorld { nodes, paths: paths_of_stops(input.log()), ..RecordedWorld::default() },
     };
+    if let Some(log) = &input.believed_log {
+        drawn.believed_paths = paths_of_stops(log);
+    }
     let floor = input.floor.iter().flat_map(|floor| floor.obstacles()).enumerate();
     drawn.obstacles.extend(floor.map(|(index, obstacle)| Solid::of(obstacle, index)));
     Ok(drawn)
 }
 
 /// The path of each robot, as straight lines between its stops.
-fn paths_of_stops(input: &Input) -> Vec<(String, Vec<Position>)> {
-    let log = input.log();
+fn paths_of_stops(log: &ReceptionLog) -> Vec<(String, Vec<Position>)> {
     let robots = (0..log.robot_count()).map(RobotId::from_index);
     let path = |robot| {
         let stops = log.stops().iter().filter(|stop| stop.robot == robot);

@@ -38,6 +38,8 @@ pub struct Input {
     pub seed: Seed,
     /// The estimated path, if the log is on one.
     pub estimated_path: Option<EstimatedPath>,
+    /// The log on the path as it was believed to be, if the estimated one is another.
+    pub believed_log: Option<ReceptionLog>,
     /// What stands on the floor, if the user has a plan of it: maps that know obstacles know these, and figures show them.
     pub floor: Option<ObstacleField>,
     /// Notes on the log for the user.
@@ -109,6 +111,7 @@ impl Input {
             known: MutualKnowledge::default(),
             seed: Seed(1),
             estimated_path: None,
+            believed_log: None,
             floor: None,
             notes,
             plane,
@@ -165,6 +168,7 @@ impl Input {
             known,
             seed: Seed(seed.unwrap_or(1)),
             estimated_path: None,
+            believed_log: None,
             floor: None,
             notes,
             plane: None,
@@ -235,7 +239,8 @@ impl Input {
                 .push(format!("known places of nodes that are not in the log are not used: {}", listed(&strangers)));
         }
         self.notes.push(estimated.fit.to_string());
-        *self.logs.first_mut() = moved;
+        let believed = std::mem::replace(self.logs.first_mut(), moved);
+        self.believed_log = estimated.fit.is_moved().then_some(believed);
         self.estimated_path = Some(estimated);
         Ok(())
     }

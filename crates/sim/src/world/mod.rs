@@ -109,7 +109,9 @@ impl WorldConfig {
         let mut walls = Vec::new();
         for (i, config) in self.walls.iter().enumerate() {
             let first = all.len();
-            all.extend(config.obstacles().map_err(|error| error.within(format!("walls[{i}]")))?);
+            let name = config.name.clone().unwrap_or_else(|| format!("wall {i}"));
+            let pieces = WallConfig { name: Some(name), ..config.clone() }.obstacles();
+            all.extend(pieces.map_err(|error| error.within(format!("walls[{i}]")))?);
             walls.push(first..all.len());
         }
         Ok((ObstacleField::new(all), walls))

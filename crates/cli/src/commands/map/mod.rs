@@ -16,12 +16,12 @@ use super::path_flags::PathFlags;
 use super::reading::Reading;
 use super::slurm_flags::{Scheduler, SlurmFlags, own_program};
 use super::with_flags;
+use crate::commands::floorplan;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::invocation::Invocation;
 use crate::terminal::{Watcher, stdout};
 use sextant::NumberRange;
-use sextant::floorplan::{self, FloorPlanOptions};
 use sextant::mapping::tiles::{self, KeptTiles, TileCount, TileFolders, Tiling};
 use sextant::mapping::{self, Input};
 use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
@@ -235,12 +235,7 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     }
     input.prior =
         mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, input.plane.as_ref(), &settings.maps)?;
-    if let Some(plan) = &arguments.floorplan {
-        let read = floorplan::read(plan, &FloorPlanOptions::default())?;
-        let wrong = |why| Failure::bad_input(format!("`{}`: {why}", plan.display()));
-        input.floor = Some(read.obstacles().map_err(wrong)?);
-        input.notes.extend(read.notes.iter().map(|note| format!("{}: {note}", plan.display())));
-    }
+    floorplan::lay(arguments.floorplan.as_deref(), &mut input)?;
     let _keeper = keeper.unwrap_or_else(|| interrupt.keep());
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     if arguments.path.estimate_path {

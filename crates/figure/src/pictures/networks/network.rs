@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 use sextant_channel::{Position, ReceptionLog};
 
-use crate::paint::palette::{ACCENT, INK, Ramp};
+use crate::paint::palette::{ACCENT, INK, Ramp, THREAD};
 use crate::paint::picture::{Picture, Stroke};
 use crate::pictures::source::Source;
 use crate::plot::sheet::{ColourBar, Entry, Sheet, Symbol};
@@ -15,6 +15,9 @@ pub(crate) const SINK: RGBColor = ACCENT;
 /// Side of the square of a sink (px).
 pub(crate) const SINK_SIDE: f64 = 10.0;
 pub(crate) const CONTACT: Stroke = Stroke::new(ACCENT, 1.6);
+
+/// A path as it was believed to be, beside the estimated one.
+const BELIEVED: Stroke = Stroke::new(THREAD, 1.0);
 
 /// Width of a path (px).
 pub(crate) const PATH_WIDTH: f64 = 1.4;
@@ -39,6 +42,9 @@ pub(crate) fn draw(source: &Source<'_>) -> Picture {
     let mut picture = picture;
     for panel in views.panels(&areas) {
         draw_solids(&mut picture, &panel, source.solids());
+        for (_, path) in &drawn.believed_paths {
+            picture.path(path.iter().map(|&place| panel.at(place)).collect(), BELIEVED);
+        }
         for (robot, path) in &drawn.paths {
             picture.path(path.iter().map(|&place| panel.at(place)).collect(), track(source, robot));
         }
@@ -75,6 +81,10 @@ fn sheet(source: &Source<'_>, bar: &ColourBar, radius: f64, side: f64) -> Sheet 
         legend.push(Entry { symbol: Symbol::Square { side, fill }, text: "stop".to_owned() });
     }
     legend.extend(path_entries(source));
+    legend.extend(drawn.believed_paths.iter().map(|(robot, _)| Entry {
+        symbol: Symbol::Line { stroke: BELIEVED, pattern: &[] },
+        text: format!("path of {robot} as believed"),
+    }));
     if !log.contacts().is_empty() {
         legend
             .push(Entry { symbol: Symbol::Cross { stroke: CONTACT }, text: "contact of a range sensor".to_owned() });

@@ -41,6 +41,8 @@ pub struct RecordedWorld {
     pub obstacles: Vec<Solid>,
     /// Robots and their paths, in the order of the file.
     pub paths: Vec<(String, Vec<Position>)>,
+    /// Robots and the paths that they believed, beside `paths`, if they were estimated again; a recording has none.
+    pub believed_paths: Vec<(String, Vec<Position>)>,
     /// Maps and their positions of nodes, in the order of the file.
     pub maps: Vec<(String, Places)>,
     /// The nodes that computed a map themselves.

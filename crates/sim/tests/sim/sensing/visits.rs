@@ -210,6 +210,7 @@ fn a_target_far_from_all_nodes_is_refused() {
         let config = WorldConfig {
             nodes: NodesConfig::Explicit(nodes.clone()),
             obstacles: Vec::new(),
+            walls: Vec::new(),
             targets: vec![TargetConfig { name: "t".into(), motion }],
             fields: Vec::new(),
         };
