@@ -220,7 +220,7 @@ impl WallConfig {
         const SHARPEST: f64 = 0.3;
         let refused = |found: String, allowed: &str| SettingError::new("points_m", found, allowed);
         let points = &self.points_m;
-        if let Some(bad) = points.iter().flatten().find(|number| !(number.abs() <= 1e9)) {
+        if let Some(bad) = points.iter().flatten().find(|number| !(-1e9..=1e9).contains(*number)) {
             return Err(refused(format!("a list with {bad}"), "numbers of metres"));
         }
         if points.len() < 2 {

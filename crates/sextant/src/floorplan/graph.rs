@@ -23,6 +23,13 @@ struct Stroke {
     depths: [f64; 2],
 }
 
+/// The cells of a stroke in order.
+struct Course {
+    cells: Vec<usize>,
+    ends: [Option<usize>; 2],
+    is_closed: bool,
+}
+
 /// One end of a stroke.
 type End = (usize, usize);
 
@@ -69,7 +76,7 @@ fn strokes(
         let mut nodes = thin.neighbours(cell).filter_map(|neighbour| node_of[neighbour]);
         nodes.find(|&node| Some(node) != other)
     };
-    let mut orders: Vec<(Vec<usize>, [Option<usize>; 2], bool)> = Vec::new();
+    let mut courses: Vec<Course> = Vec::new();
     for component in rest.components() {
         let order = in_order(&rest, &component);
         let (first, last) = (order[0], order[order.len() - 1]);
@@ -81,7 +88,7 @@ fn strokes(
             && at_last.is_none()
             && rest.neighbours(first).any(|neighbour| neighbour == last);
         if is_closed {
-            orders.push((order, [None; 2], true));
+            courses.push(Course { cells: order, ends: [None; 2], is_closed: true });
             continue;
         }
         // Walls of different thickness meet at each place where it changes.
@@ -94,13 +101,14 @@ fn strokes(
             } else {
                 at_last
             };
-            orders.push((piece, [from, to], false));
+            courses.push(Course { cells: piece, ends: [from, to], is_closed: false });
             from = to;
         }
     }
-    let lines: Vec<&[usize]> = orders.iter().map(|(order, ..)| order.as_slice()).collect();
+    let lines: Vec<&[usize]> = courses.iter().map(|course| course.cells.as_slice()).collect();
     let areas = areas(mask, &lines);
-    let stroke = |((order, ends, is_closed), area): ((Vec<usize>, [Option<usize>; 2], bool), usize)| {
+    let stroke = |(course, area): (Course, usize)| {
+        let Course { cells: order, ends, is_closed } = course;
         let (first, last) = (order[0], order[order.len() - 1]);
         let mut cells: Vec<Cell> = order.iter().map(|&cell| thin.place(cell)).collect();
         if is_closed {
@@ -112,7 +120,7 @@ fn strokes(
         let covered = length + if is_closed { 0.0 } else { 1.0 } + free.max(0.0);
         Stroke { cells, ends, is_closed, thickness: (area as f64 / covered).max(1.0), depths }
     };
-    orders.into_iter().zip(areas).map(stroke).collect()
+    courses.into_iter().zip(areas).map(stroke).collect()
 }
 
 /// A line cut at those of its corners at which the wall is thicker on one side than on the other.
@@ -120,7 +128,7 @@ fn pieces(thin: &Mask, depths: &[f32], order: &[usize]) -> Vec<Vec<usize>> {
     let places: Vec<Cell> = order.iter().map(|&cell| thin.place(cell)).collect();
     let corners: Vec<usize> = simplified(&places, 2.0)
         .iter()
-        .filter_map(|corner| places.iter().position(|place| place == corner))
+        .filter_map(|corner| places.iter().position(|&place| distance(place, *corner) <= 0.0))
         .collect();
     let thickness = |from: usize, to: usize| {
         let mut depths: Vec<f32> = order[from..=to].iter().map(|&cell| depths[cell]).collect();

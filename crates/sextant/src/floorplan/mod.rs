@@ -127,7 +127,7 @@ fn check(options: &FloorPlanOptions) -> Result<(), FloorPlanError> {
         }
     }
     let places = options.origin_m.into_iter().flatten();
-    match places.into_iter().find(|place| !(place.abs() <= 1e9)) {
+    match places.into_iter().find(|place| !(-1e9..=1e9).contains(place)) {
         Some(bad) => Err(refused("origin", bad.to_string(), "two finite numbers of metres".to_owned())),
         None => Ok(()),
     }

@@ -49,9 +49,9 @@ fn parse(text: &str, folder: &Path) -> Result<RosMap, String> {
     let origin = value("origin").unwrap_or_else(|| "[0, 0, 0]".to_owned());
     let numbers = origin.trim_start_matches('[').trim_end_matches(']').split(',');
     let numbers: Vec<f64> = numbers.map(|text| number("origin", text)).collect::<Result<_, _>>()?;
-    let origin = match numbers.as_slice() {
-        &[x_m, y_m] => [x_m, y_m, 0.0],
-        &[x_m, y_m, yaw_rad] => [x_m, y_m, yaw_rad],
+    let origin = match *numbers.as_slice() {
+        [x_m, y_m] => [x_m, y_m, 0.0],
+        [x_m, y_m, yaw_rad] => [x_m, y_m, yaw_rad],
         _ => return Err(format!("`origin` is {origin}; allowed: [x, y, yaw] on one line")),
     };
     let negate = match value("negate").as_deref() {

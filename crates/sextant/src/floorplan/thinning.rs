@@ -31,10 +31,12 @@ fn is_removed(mask: &Mask, cell: usize, is_second: bool) -> bool {
     let ring: [bool; 8] = std::array::from_fn(|at| mask.has_neighbour(cell, at));
     let count = ring.iter().filter(|&&is_in| is_in).count();
     let [above, _, right, _, below, _, left, _] = ring;
-    let is_edge = if is_second {
-        !(above && right && left) && !(above && below && left)
+    let all = |sides: [bool; 3]| sides == [true; 3];
+    let (one, other) = if is_second {
+        ([above, right, left], [above, below, left])
     } else {
-        !(above && right && below) && !(right && below && left)
+        ([above, right, below], [right, below, left])
     };
+    let is_edge = !all(one) && !all(other);
     (2..=6).contains(&count) && is_edge && crossings(mask, cell) == 1
 }
