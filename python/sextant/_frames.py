@@ -25,3 +25,15 @@ def as_like(table: Table, sample: Like) -> Any:
             return {name: table[name] for name in table.column_names}
         return table.to_dict()
     return table
+
+
+def without_rows(sample: Like) -> Like:
+    """Give a sample of the same form without rows."""
+    library = type(sample).__module__.partition(".")[0]
+    if library in ("pandas", "polars"):
+        return sample.head(0)
+    if library == "pyarrow":
+        return sample.slice(0, 0)
+    if isinstance(sample, dict):
+        return {name: column[:0] for name, column in sample.items()}
+    return None

@@ -46,19 +46,24 @@ class Log:
     logs of robots in the guide.
     """
 
-    __slots__ = ("_like", "_native")
+    __slots__ = ("_like", "_made_of", "_native")
 
     def __init__(
         self, stops: Any, receptions: Any = None, *, contacts: Any = None, ranges: Any = None, **options: Any
     ) -> None:
         self._native = _native.log_of_tables(stops, receptions, contacts, ranges, options)
         self._like: Like = stops
+        # Pickle makes it again, of the same tables or the same file.
+        self._made_of: tuple[Any, ...] = (_of_tables, (stops, receptions, contacts, ranges, options))
 
     @classmethod
-    def _of(cls, native: _native.Log) -> Log:
+    def _of(cls, native: _native.Log, made_of: tuple[Any, ...]) -> Log:
         made = cls.__new__(cls)
-        made._native, made._like = native, None
+        made._native, made._like, made._made_of = native, None, made_of
         return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._made_of
 
     @property
     def stops(self) -> Table:
@@ -199,7 +204,16 @@ def read(path: str | os.PathLike[str], *, network: str | None = None, **options:
     LogError
         With the file, the line, the column, what was found and what is allowed.
     """
-    return Log._of(_native.read(os.fspath(path), network, options))
+    path = os.path.abspath(os.fspath(path))
+    return Log._of(_native.read(path, network, options), (_read_again, (path, network, options)))
+
+
+def _read_again(path: str, network: str | None, options: dict[str, Any]) -> Log:
+    return read(path, network=network, **options)
+
+
+def _of_tables(stops: Any, receptions: Any, contacts: Any, ranges: Any, options: dict[str, Any]) -> Log:
+    return Log(stops, receptions, contacts=contacts, ranges=ranges, **options)
 
 
 def map_log(

@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from . import _native
-from ._frames import Like, as_like
+from ._frames import Like, as_like, without_rows
 from ._native import Table
 
 
@@ -42,15 +42,41 @@ class Figure:
         return f"sextant.Figure({self.name!r})"
 
 
+class _KeptMap:
+    """What pickle keeps of a map: the results, without what the library has of them."""
+
+    def __init__(self, state: dict[str, Any]) -> None:
+        self.name: str = state["name"]
+        self.algorithm: str = state["algorithm"]
+        self.places: Table = state["places"]
+        self.truth: Table | None = state["truth"]
+        self.stops: Table = state["stops"]
+        self.summary: dict[str, Any] = state["summary"]
+        self.notes: list[str] = state["notes"]
+        self._told: str = state["told"]
+
+    def figures(self) -> list[tuple[str, str]]:
+        return []
+
+    def __repr__(self) -> str:
+        return self._told
+
+
+def _kept_map(state: dict[str, Any], like: Like) -> Map:
+    return Map(_KeptMap(state), like)
+
+
 class Map:
     """Where the nodes are, as worked out from what was heard.
+
+    Pickle keeps everything but the figures: :meth:`plot` draws afterwards too.
 
     It is made by :meth:`Run.maps`, :func:`map_log` or :meth:`Log.map`.
     """
 
     __slots__ = ("_like", "_native", "_figures")
 
-    def __init__(self, native: _native.Map, like: Like = None) -> None:
+    def __init__(self, native: _native.Map | _KeptMap, like: Like = None) -> None:
         self._native = native
         self._like = like
         self._figures: dict[str, Figure] | None = None
@@ -130,6 +156,20 @@ class Map:
 
     def __repr__(self) -> str:
         return repr(self._native)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        native = self._native
+        state = {
+            "name": native.name,
+            "algorithm": native.algorithm,
+            "places": native.places,
+            "truth": native.truth,
+            "stops": native.stops,
+            "summary": native.summary,
+            "notes": native.notes,
+            "told": repr(native),
+        }
+        return (_kept_map, (state, without_rows(self._like)))
 
 
 def algorithms() -> dict[str, str]:

@@ -78,7 +78,7 @@ class Scenario:
         Parameters
         ----------
         name : str
-            ``survey``, ``mac``, ``mmwave``, ``distributed``, ``search`` or ``seek``.
+            ``survey``, ``building``, ``ranges``, ``mac``, ``mmwave``, ``distributed``, ``search`` or ``seek``.
         **settings
             As for :class:`Scenario`.
         """
@@ -108,6 +108,50 @@ class Scenario:
     def warnings(self) -> list[str]:
         """What is likely a mistake, although it can be simulated."""
         return self._native.warnings
+
+    def link(self, a: str, b: str, *, network: str | None = None) -> dict[str, Any]:
+        """Explain the link between two stations, item by item, as ``sextant explain-link`` does.
+
+        Parameters
+        ----------
+        a, b : str
+            Names of nodes, robots (at their start) or sinks, or places ``"x,y"`` or ``"x,y,z"`` (m).
+        network : str, optional
+            The network; the default is the first one that both are in.
+
+        Returns
+        -------
+        dict
+            ``distance_m``, ``path`` (losses in dB by distance, obstacles and reflections), ``shadowing``, ``directions`` (power and
+            reception each way), ``rays`` where there are any.
+
+        Examples
+        --------
+        >>> import sextant
+        >>> link = sextant.Scenario.template("mac").link("n0", "sink")
+        >>> sorted(link)[:3]
+        ['directions', 'distance_m', 'ends']
+        """
+        return self._native.link(a, b, network)
+
+    def graph(self, *, network: str | None = None, least: float = 0.01) -> Table:
+        """Give the graph of a network: a row for each link over which frames are received.
+
+        Parameters
+        ----------
+        network : str, optional
+            The network; the default is the first one.
+        least : float
+            Links with a smaller probability are left out.
+
+        Returns
+        -------
+        Table
+            ``from``, ``to`` (nodes, sinks, robots at their start), ``distance_m``, ``received_dbm``, and ``probability`` that a frame is
+            received if nobody else sends. networkx takes it:
+            ``networkx.from_pandas_edgelist(graph.to_pandas(), "from", "to", edge_attr=True, create_using=networkx.DiGraph)``.
+        """
+        return self._native.graph(network, least)
 
     def replace(self, **settings: Any) -> Scenario:
         """Make the same scenario with other settings."""
@@ -210,15 +254,55 @@ def _escaped(text: str) -> str:
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
+class _KeptRun:
+    """What pickle keeps of a run: the results, without what the library has of them."""
+
+    def __init__(self, state: dict[str, Any]) -> None:
+        self.scenario = Scenario.from_text(state["text"], seed=state["seed"])._native
+        self.summary = state["summary"]
+        self.record = state["record"]
+        self.interrupted = state["interrupted"]
+        self.heard_text = state["heard_text"]
+        self.maps = [(name, made._native) for name, made in state["maps"].items()]
+        self._tables = state["tables"]
+
+    def _table(self, name: str) -> Table:
+        if self._tables is None:
+            raise ValueError("the scenario has no survey")
+        return self._tables[name]
+
+    @property
+    def stops(self) -> Table:
+        return self._table("stops")
+
+    @property
+    def receptions(self) -> Table:
+        return self._table("receptions")
+
+    @property
+    def nodes(self) -> Table:
+        return self._table("nodes")
+
+    def tables(self) -> list[tuple[str, Table]]:
+        if self.record is None:
+            raise ValueError("the run was not recorded; run with `record`")
+        return inner.read(self.record, None, {}).tables()
+
+
+def _kept_run(state: dict[str, Any]) -> Run:
+    return Run(_KeptRun(state))
+
+
 class Run:
     """A run that is over: what was simulated, heard and mapped.
 
-    Attributes are read from it; it is made by :meth:`Scenario.run`.
+    Attributes are read from it; it is made by :meth:`Scenario.run`. Pickle keeps all of them, but for the figures of its maps; the tables
+    of a recording are read from its file.
     """
 
     __slots__ = ("_maps", "_native", "_summary")
 
-    def __init__(self, native: inner.Run) -> None:
+    def __init__(self, native: inner.Run | _KeptRun) -> None:
         self._native = native
         self._summary: dict[str, Any] | None = None
         self._maps: dict[str, Map] | None = None
@@ -302,3 +386,21 @@ class Run:
 
     def __iter__(self) -> Iterator[Map]:
         return iter(self.maps.values())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        native = self._native
+        try:
+            tables = {"stops": native.stops, "receptions": native.receptions, "nodes": native.nodes}
+        except ValueError:
+            tables = None
+        state = {
+            "text": self.scenario.text,
+            "seed": self.scenario.seed,
+            "summary": self.summary,
+            "record": native.record if native.record is None else os.path.abspath(native.record),
+            "interrupted": native.interrupted,
+            "heard_text": native.heard_text,
+            "maps": self.maps,
+            "tables": tables,
+        }
+        return (_kept_run, (state,))

@@ -9,6 +9,7 @@ from typing import Any
 from . import _native
 from ._native import Table
 from ._progress import Progress, shown
+from ._scenario import Scenario
 
 
 def _values(axis: str, values: Any) -> list[Any]:
@@ -19,7 +20,7 @@ def _values(axis: str, values: Any) -> list[Any]:
 
 
 def sweep(
-    scenario: str | os.PathLike[str],
+    scenario: str | os.PathLike[str] | Scenario,
     axes: Mapping[str, Sequence[Any]] | None = None,
     *,
     runs: int | None = None,
@@ -34,7 +35,7 @@ def sweep(
 
     Parameters
     ----------
-    scenario : path
+    scenario : path or Scenario
         The scenario; its table ``[sweep]``, if it has one, lists settings that vary.
     axes : dict of str to sequence, optional
         Settings that vary, with their values: each combination is a cell.
@@ -61,7 +62,7 @@ def sweep(
     """
     with shown(progress) as told:
         return _native.sweep(
-            os.fspath(scenario),
+            scenario._native if isinstance(scenario, Scenario) else os.fspath(scenario),
             settings,
             {key: _values(key, values) for key, values in (axes or {}).items()},
             runs,

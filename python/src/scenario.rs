@@ -14,7 +14,8 @@ use crate::entries::each_entry_of_dict;
 use crate::error::OrException;
 use crate::programs::Given;
 use crate::run::{Run, simulate};
-use crate::values::{document, setting};
+use crate::table::{Columns, Table};
+use crate::values::{document, of_serialized, setting};
 use crate::whole::{threads, whole};
 use crate::work::{guarded, supervised};
 
@@ -126,6 +127,27 @@ impl Scenario {
     #[getter]
     fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         guarded(py, || warnings(&self.0).iter().map(ToString::to_string).collect())
+    }
+
+    /// The link between two stations, item by item.
+    #[pyo3(signature = (a, b, network=None))]
+    fn link<'py>(&self, py: Python<'py>, a: &str, b: &str, network: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
+        let report = guarded(py, || sextant::explain_link(&self.0, a, b, network))?;
+        of_serialized(py, &report.map_err(|why| PyValueError::new_err(why.to_string()))?)
+    }
+
+    /// The links over which frames are received, a row each.
+    #[pyo3(signature = (network=None, least=0.01))]
+    fn graph(&self, py: Python<'_>, network: Option<&str>, least: f64) -> PyResult<Table> {
+        let edges = guarded(py, || sextant::link::graph(&self.0, network, least))?;
+        let edges = edges.map_err(|why| PyValueError::new_err(why.to_string()))?;
+        Columns::default()
+            .texts("from", edges.iter().map(|edge| &edge.from))
+            .texts("to", edges.iter().map(|edge| &edge.to))
+            .numbers("distance_m", edges.iter().map(|edge| edge.distance_m))
+            .numbers("received_dbm", edges.iter().map(|edge| edge.received_dbm))
+            .numbers("probability", edges.iter().map(|edge| edge.probability))
+            .table()
     }
 
     #[pyo3(signature = (record=None, progress=None, controllers=None, applications=None, threads=None, force=false))]

@@ -11,19 +11,28 @@ use sextant_study::sweep::{self as sweeps, ColumnKind, Shard, Sweep, TableError}
 
 use crate::entries::each_entry_of_dict;
 use crate::error::{OrException, RunError};
-use crate::scenario::settings as settings_of;
+use crate::scenario::{Scenario, settings as settings_of};
 use crate::table::{Columns, Table};
 use crate::values::toml;
 use crate::whole::{threads, whole_u32};
 use crate::work::{guarded, supervised};
 
+/// What is swept.
+#[derive(FromPyObject)]
+pub(crate) enum Swept<'py> {
+    /// A scenario that is made.
+    Scenario(PyRef<'py, Scenario>),
+    /// The path of a file.
+    Path(PathBuf),
+}
+
 /// Runs a scenario with many settings and seeds. Returns the table of all runs.
 #[pyfunction]
-#[pyo3(signature = (path, settings, axes, runs=None, out=None, resume=false, force=false, progress=None, threads=None))]
+#[pyo3(signature = (swept, settings, axes, runs=None, out=None, resume=false, force=false, progress=None, threads=None))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
 pub(crate) fn sweep(
     py: Python<'_>,
-    path: PathBuf,
+    swept: Swept<'_>,
     settings: &Bound<'_, PyDict>,
     axes: &Bound<'_, PyDict>,
     runs: Option<&Bound<'_, PyAny>>,
@@ -40,7 +49,16 @@ pub(crate) fn sweep(
         set.push(format!("sweep.product.{}={}", serde_json::Value::from(key), toml(&values)?));
         Ok(())
     })?;
-    let plan = guarded(py, || Sweep::read(&path, &set, seed, runs))?.or_exception(py)?;
+    let plan = match swept {
+        Swept::Path(path) => guarded(py, || Sweep::read(&path, &set, seed, runs))?,
+        Swept::Scenario(scenario) => {
+            let scenario = scenario.0.clone();
+            let (own, own_seed) = scenario.overrides();
+            let set: Vec<String> = own.iter().cloned().chain(set).collect();
+            guarded(py, || Sweep::of(scenario.file().clone(), &set, seed.or(own_seed), runs))?
+        }
+    };
+    let plan = plan.or_exception(py)?;
     if let Some(out) = &out {
         let mut outputs = Outputs::new(if force { Replace::Any } else { Replace::Ours });
         let named = plan.named_files().iter().map(|file| file.path.as_path());

@@ -216,6 +216,18 @@ impl Scenario {
         Ok(Self { file, set, seed, config, named_files, text, parts })
     }
 
+    /// The file, or the text, that it was read from.
+    #[must_use]
+    pub fn file(&self) -> &ScenarioFile {
+        &self.file
+    }
+
+    /// The settings that override that file, each `path.to.key=value`, and the seed if one does.
+    #[must_use]
+    pub fn overrides(&self) -> (&[String], Option<u64>) {
+        (&self.set, self.seed)
+    }
+
     /// The scenario as written, with all layers merged.
     #[must_use]
     pub fn config(&self) -> &ScenarioConfig {

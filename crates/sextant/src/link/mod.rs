@@ -1,5 +1,6 @@
 //! Why a station hears another one, or not: the power between the two, item by item.
 
+mod graph;
 mod rays;
 mod report;
 mod stations;
@@ -9,6 +10,7 @@ use sextant_channel::Position;
 use sextant_kernel::{SettingError, StationId};
 use sextant_sim::{LinkBudgets, NetworkId};
 
+pub use graph::{GraphEdge, graph};
 pub use rays::{RayReport, rays_csv};
 pub use report::{Direction, LinkEnd, LinkReport, LossOfObstacle, PathReport, ReceptionReport, ShadowingReport};
 
@@ -133,25 +135,11 @@ fn choose(
     a: &stations::End,
     b: &stations::End,
 ) -> Result<NetworkId, LinkError> {
-    let networks = || (0..=u8::MAX).map(NetworkId).zip(scenario.networks());
     let is_in = |network: NetworkId, station: StationId| budgets.is_in(network, station);
-    let chosen = match name {
-        Some(name) => {
-            let found = networks().find(|(_, network)| network.name.as_deref() == Some(name));
-            let (id, _) = found.ok_or_else(|| {
-                let names: Vec<_> =
-                    networks().filter_map(|(_, network)| Some(format!("`{}`", network.name.as_ref()?))).collect();
-                let allowed =
-                    if names.is_empty() { "no name: there is one network".to_owned() } else { names.join(", ") };
-                LinkError::UnknownNetwork { name: name.to_owned(), allowed }
-            })?;
-            id
-        }
-        None => {
-            let shared = networks().map(|(id, _)| id).find(|&id| is_in(id, a.station) && is_in(id, b.station));
-            shared.unwrap_or_default()
-        }
-    };
+    let chosen = named_network(scenario, name)?.unwrap_or_else(|| {
+        let mut networks = (0..=u8::MAX).map(NetworkId).zip(scenario.networks()).map(|(id, _)| id);
+        networks.find(|&id| is_in(id, a.station) && is_in(id, b.station)).unwrap_or_default()
+    });
     match [a, b].into_iter().find(|end| !is_in(chosen, end.station)) {
         None => Ok(chosen),
         Some(end) => {
@@ -159,6 +147,20 @@ fn choose(
             Err(LinkError::NotInNetwork { station: end.name.clone(), network })
         }
     }
+}
+
+/// The network of this name; `None` without a name.
+fn named_network(scenario: &Scenario, name: Option<&str>) -> Result<Option<NetworkId>, LinkError> {
+    let Some(name) = name else { return Ok(None) };
+    let networks = || (0..=u8::MAX).map(NetworkId).zip(scenario.networks());
+    let found = networks().find(|(_, network)| network.name.as_deref() == Some(name));
+    let found = found.ok_or_else(|| {
+        let names: Vec<_> =
+            networks().filter_map(|(_, network)| Some(format!("`{}`", network.name.as_ref()?))).collect();
+        let allowed = if names.is_empty() { "no name: there is one network".to_owned() } else { names.join(", ") };
+        LinkError::UnknownNetwork { name: name.to_owned(), allowed }
+    })?;
+    Ok(Some(found.0))
 }
 
 #[cfg(test)]

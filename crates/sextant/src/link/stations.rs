@@ -42,6 +42,17 @@ impl Stations {
         &self.setup
     }
 
+    /// All stations that take part: nodes, robots at their start, sinks.
+    pub(super) fn ends(&self) -> Vec<End> {
+        let Setup { world, robots, sinks, .. } = &self.setup;
+        let nodes = world.nodes.iter().enumerate().map(|(i, node)| (&node.name, StationKind::Node(i), node.position));
+        let robots =
+            robots.iter().enumerate().map(|(i, robot)| (&robot.body.name, StationKind::Robot(i), robot.body.start));
+        let sinks = sinks.iter().enumerate().map(|(i, sink)| (&sink.name, StationKind::Sink(i), sink.position));
+        let all = nodes.chain(robots).chain(sinks).enumerate();
+        all.map(|(station, (name, kind, place))| self.end(station, name, kind, place)).collect()
+    }
+
     /// The station of this name; or a sink at a place, or for a robot that takes no part in the survey.
     pub(super) fn find(&mut self, name: &str) -> Result<End, LinkError> {
         let name = name.trim();
