@@ -1,5 +1,6 @@
 """The part of the package that is written in Rust."""
 
+import os
 import random
 from collections.abc import Mapping
 from typing import Any, final
@@ -100,7 +101,7 @@ class Run:
     @property
     def scenario(self) -> Scenario: ...
     @property
-    def record(self) -> str | None: ...
+    def record(self) -> os.PathLike[str] | str | None: ...
     @property
     def summary(self) -> dict[str, Any]: ...
     @property

@@ -269,7 +269,8 @@ class _KeptRun:
     def _table(self, name: str) -> Table:
         if self._tables is None:
             raise ValueError("the scenario has no survey")
-        return self._tables[name]
+        table: Table = self._tables[name]
+        return table
 
     @property
     def stops(self) -> Table:
@@ -365,7 +366,8 @@ class Run:
     @property
     def record(self) -> str | None:
         """The file of the recording, if there is one."""
-        return self._native.record
+        record = self._native.record
+        return None if record is None else os.fspath(record)
 
     def __repr__(self) -> str:
         name = self.scenario.name
@@ -397,7 +399,7 @@ class Run:
             "text": self.scenario.text,
             "seed": self.scenario.seed,
             "summary": self.summary,
-            "record": native.record if native.record is None else os.path.abspath(native.record),
+            "record": None if native.record is None else os.path.abspath(native.record),
             "interrupted": native.interrupted,
             "heard_text": native.heard_text,
             "maps": self.maps,

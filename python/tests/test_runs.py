@@ -145,3 +145,62 @@ def test_scenarios_and_tables_can_be_pickled(survey: sextant.Scenario, surveyed:
     assert (again.text, again.seed) == (survey.text, survey.seed)
     table = pickle.loads(pickle.dumps(surveyed.stops))
     assert table.to_dict() == surveyed.stops.to_dict()
+
+
+def test_runs_maps_and_logs_can_be_pickled(surveyed: sextant.Run, tmp_path: Path) -> None:
+    again = pickle.loads(pickle.dumps(surveyed))
+    assert again.summary == surveyed.summary and repr(again) == repr(surveyed)
+    assert again.stops.to_dict() == surveyed.stops.to_dict()
+    assert again.scenario.text == surveyed.scenario.text
+    made = again.maps["ml-tm"]
+    assert made.places.to_dict() == surveyed.maps["ml-tm"].places.to_dict()
+    assert made.summary == surveyed.maps["ml-tm"].summary
+    twice = pickle.loads(pickle.dumps(again))
+    assert twice.summary == surveyed.summary
+
+    stops = {"stop": [0, 1, 2], "x_m": [0.0, 4.0, 0.0], "y_m": [0.0, 0.0, 4.0]}
+    heard = {"stop": [0, 1, 2], "node": ["a", "a", "a"], "received": [5, 3, 4], "sent": [5, 5, 5]}
+    log = sextant.Log(stops, heard)
+    assert pickle.loads(pickle.dumps(log)).receptions.to_dict() == log.receptions.to_dict()
+    (tmp_path / "stops.csv").write_text("stop,x_m,y_m\n0,0,0\n1,4,0\n2,0,4\n")
+    (tmp_path / "receptions.csv").write_text("stop,node,received,sent\n0,a,5,5\n1,a,3,5\n2,a,4,5\n")
+    read = sextant.read(tmp_path)
+    assert read.receptions.to_dict() == log.receptions.to_dict()
+    assert pickle.loads(pickle.dumps(read)).receptions.to_dict() == read.receptions.to_dict()
+
+
+def test_a_recorded_run_is_pickled_with_the_path_of_its_recording(survey: sextant.Scenario, tmp_path: Path) -> None:
+    run = survey.run(record=tmp_path / "run.mcap")
+    again = pickle.loads(pickle.dumps(run))
+    assert again.record == run.record
+    assert again.packets.to_dict() == run.packets.to_dict()
+
+
+def test_a_sweep_takes_a_scenario_with_its_settings() -> None:
+    axes = {"channel.max_range_m": [8.0, 10.0]}
+    settings = {"robots.0.listen_s": 2.4}
+    by_scenario = sextant.sweep(sextant.Scenario(SCENARIOS / "smoke.toml", seed=5, **settings), axes, runs=2)
+    by_file = sextant.sweep(SCENARIOS / "smoke.toml", axes, runs=2, seed=5, **settings)
+    assert by_scenario.to_dict() == by_file.to_dict()
+
+
+def test_a_link_is_explained_and_a_network_has_a_graph(command: Callable[..., str]) -> None:
+    scenario = sextant.Scenario.template("mac")
+    graph = scenario.graph()
+    assert graph.column_names == ["from", "to", "distance_m", "received_dbm", "probability"]
+    edges = list(zip(graph.to_list("from"), graph.to_list("to"), strict=True))
+    assert len(edges) == len(set(edges)) > 0 and all(a != b for a, b in edges)
+    link = scenario.link(*edges[0])
+    assert link["distance_m"] == pytest.approx(graph["distance_m"][0])
+    with pytest.raises(ValueError, match="nobody"):
+        scenario.link("nobody", edges[0][0])
+    with pytest.raises(ValueError, match="0 to 1"):
+        scenario.graph(least=2.0)
+
+
+def test_tables_become_data_frames(surveyed: sextant.Run) -> None:
+    frame = pytest.importorskip("pandas")
+    stops = surveyed.stops.to_pandas()
+    assert isinstance(stops, frame.DataFrame)
+    assert list(stops.columns) == surveyed.stops.column_names
+    assert stops["x_m"].tolist() == surveyed.stops.to_list("x_m")

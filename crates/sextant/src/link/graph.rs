@@ -27,8 +27,11 @@ pub struct GraphEdge {
 /// received with a probability of at least `least`. The network is the first one, if none is named.
 ///
 /// # Errors
-/// If there is no such network, or the networks do not fit together.
+/// If `least` is not from 0 to 1, there is no such network, or the networks do not fit together.
 pub fn graph(scenario: &Scenario, network: Option<&str>, least: f64) -> Result<Vec<GraphEdge>, LinkError> {
+    if !(0.0..=1.0).contains(&least) {
+        return Err(LinkError::Probability(least));
+    }
     let stations = Stations::of(scenario);
     let setup = stations.setup();
     let mut budgets = LinkBudgets::new(setup)?;

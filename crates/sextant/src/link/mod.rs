@@ -60,6 +60,9 @@ pub enum LinkError {
         /// Where both are.
         place: Position,
     },
+    /// A probability that is none.
+    #[error("`{0}` is not a probability; allowed: 0 to 1")]
+    Probability(f64),
     /// The networks do not fit together.
     #[error(transparent)]
     Setting(#[from] SettingError),

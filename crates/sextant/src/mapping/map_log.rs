@@ -50,5 +50,5 @@ pub fn map_log(log: &ReceptionLog, algorithm: AlgorithmName, watch: &dyn Watch) 
     let (map, learned) = job.mapper.map_and_learn(logs.knowledge(job), watch)?;
     let (map, alignment) = in_world(map, None);
     let summary = measure(&job.into(), &map, learned.as_ref(), log.names(), None, &settings.metrics, watch)?;
-    Ok(LogMap { map, learned, summary: MapSummary { alignment: Some(alignment), ..summary } })
+    Ok(LogMap { map, learned, summary: MapSummary { alignment: Some(alignment), ..summary }.judged() })
 }

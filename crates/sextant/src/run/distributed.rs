@@ -48,7 +48,8 @@ pub(super) fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -
         message_energy_j: message_energy_j(scenario, map, &simulated.nodes),
         distributed: Some(summary(scenario, map, simulated)),
         ..measured.expect("nobody stops the work")
-    };
+    }
+    .judged();
     let made = UnalignedMap::new(&map.name, &found);
     Some(Evaluation {
         name: map.name.clone(),

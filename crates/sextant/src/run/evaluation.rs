@@ -77,7 +77,8 @@ pub(super) fn evaluate(
             scenario.metrics(),
             watch,
         )?
-    };
+    }
+    .judged();
     Ok(Evaluation { name: named.name.clone(), map, made, learned, summary, wall_s: start.elapsed_s(), operations })
 }
 

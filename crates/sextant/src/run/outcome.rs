@@ -41,7 +41,7 @@ pub(super) fn sum_up(
             region: survey.and_then(region),
         }),
         discovery: discoveries.summary(scenario),
-        maps: maps.into_iter().map(MapSummary::judged).collect(),
+        maps,
         applications,
         ..of_survey
     }
