@@ -170,7 +170,7 @@ def test_runs_maps_and_logs_can_be_pickled(surveyed: sextant.Run, tmp_path: Path
 
 
 def test_a_recorded_run_is_pickled_with_the_path_of_its_recording(survey: sextant.Scenario, tmp_path: Path) -> None:
-    run = survey.run(record=tmp_path / "run.mcap")
+    run = survey.replace(**{"recording.packets": True}).run(record=tmp_path / "run.mcap")
     again = pickle.loads(pickle.dumps(run))
     assert again.record == run.record
     assert again.packets.to_dict() == run.packets.to_dict()
