@@ -1,11 +1,13 @@
-//! Exponentials and logarithms for hot loops: without branches, so that the compiler works on several numbers at once.
+//! Mathematics for hot loops.
 //!
-//! The results are those of the method of FreeBSD's library (Sun Microsystems 1993), within one unit in the last place, and the same
+//! Exponentials and logarithms have no branches, so that the compiler works on several numbers at once. The results are those of the method of FreeBSD's library (Sun Microsystems 1993), within one unit in the last place, and the same
 //! on every machine: they need no instruction that some processors lack, and no fused multiplication.
 
+mod cholesky;
 mod exponential;
 mod logarithm;
 
+pub use cholesky::{cholesky, cholesky_watched, solve_lower};
 pub use exponential::{exp, exp_each};
 pub use logarithm::{ln, ln_each};
 

@@ -7,6 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::Position;
+use sextant_kernel::maths::{cholesky, exp_each, solve_lower};
 
 use super::node_strengths::NodeStrengths;
 use crate::place::distance::plane_m;
@@ -116,20 +117,26 @@ impl NodeField {
         self.levels_dbm.len()
     }
 
-    /// The covariance of the strengths at the stops `rows`, apart from the law.
+    /// The covariance of the strengths at the stops `rows`, apart from the law: its lower triangle.
     pub(super) fn covariance(&self, rows: &[usize], shadowing: Shadowing) -> DMatrix<f64> {
         let Shadowing { shared_db, range_m, alone_db } = shadowing;
-        DMatrix::from_fn(rows.len(), rows.len(), |a, b| {
-            let shared = shared_db * shared_db * libm::exp(-self.apart_m[(rows[a], rows[b])] / range_m);
-            LEVEL_DB * LEVEL_DB + shared + if a == b { alone_db * alone_db } else { 0.0 }
-        })
+        let mut below = DMatrix::zeros(rows.len(), rows.len());
+        let columns = below.as_mut_slice().chunks_exact_mut(rows.len().max(1));
+        for (column, (entries, &own)) in columns.zip(rows).enumerate() {
+            let entries = &mut entries[column..];
+            let others = entries.iter_mut().zip(&rows[column..]);
+            others.for_each(|(entry, &other)| *entry = -self.apart_m[(own, other)] / range_m);
+            exp_each(entries);
+            entries.iter_mut().for_each(|entry| *entry = LEVEL_DB * LEVEL_DB + shared_db * shared_db * *entry);
+            entries[0] += alone_db * alone_db;
+        }
+        below
     }
 
     /// The logarithm of the probability of the strengths at the stops `rows`, whose covariance is that, from each place of the
     /// lattice. `None` if the covariance is none.
     pub(super) fn by_place(&self, rows: &[usize], covariance: DMatrix<f64>) -> Option<Vec<f64>> {
-        let root = covariance.cholesky()?;
-        let root = root.l_dirty();
+        let root = root(covariance)?;
         let mut levels = self.centred(rows);
         let mut logs = self.logs.select_rows(rows);
         for mut column in logs.column_iter_mut() {
@@ -137,10 +144,9 @@ impl NodeField {
             column.add_scalar_mut(-mean);
         }
         let [slope, deviation] = SLOPE_DB;
-        if !(root.solve_lower_triangular_mut(&mut levels) && root.solve_lower_triangular_mut(&mut logs)) {
-            return None;
-        }
-        let constant = constant(root);
+        solve_lower(root.as_slice(), rows.len(), levels.as_mut_slice());
+        solve_lower(root.as_slice(), rows.len(), logs.as_mut_slice());
+        let constant = constant(&root);
         let of_place = |log: usize| {
             let log = logs.column(log);
             let (with_levels, square) = (log.dot(&levels) - slope * log.norm_squared(), log.norm_squared());
@@ -155,10 +161,10 @@ impl NodeField {
 
     /// The same without a law: all distances are alike.
     pub(super) fn without_law(&self, rows: &[usize], covariance: DMatrix<f64>) -> Option<f64> {
-        let root = covariance.cholesky()?;
-        let root = root.l_dirty();
+        let root = root(covariance)?;
         let mut levels = self.centred(rows);
-        root.solve_lower_triangular_mut(&mut levels).then(|| constant(root) - 0.5 * levels.norm_squared())
+        solve_lower(root.as_slice(), rows.len(), levels.as_mut_slice());
+        Some(constant(&root) - 0.5 * levels.norm_squared())
     }
 
     /// The strengths at `rows` about their mean (dB).
@@ -168,6 +174,12 @@ impl NodeField {
         levels.add_scalar_mut(-mean);
         levels
     }
+}
+
+/// The Cholesky factor of a covariance, below its diagonal; `None` if it is none.
+fn root(mut covariance: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let size = covariance.nrows();
+    cholesky(covariance.as_mut_slice(), size).then_some(covariance)
 }
 
 /// What a Gaussian density with the covariance of this root has apart from its exponent.

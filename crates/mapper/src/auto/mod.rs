@@ -63,7 +63,7 @@ impl Default for AutoConfig {
 /// then without those of the next. Its score is how probable it finds what was heard at the stops that were left out: packets,
 /// and their strengths where the log has them. The self-calibrated map and the fitted grid take packets as independent: one of
 /// them maps the log if it predicts as well as the link model does, the first of them unless the second is better by two
-/// standard errors. Their regions are enlarged until they explain how far their maps from parts of the stops differ. The places
+/// standard errors. One that is far behind after a fold is not tried on the next. Their regions are enlarged until they explain how far their maps from parts of the stops differ. The places
 /// of the link model are joined with other [`Opinions`], which know no law of radio. A log with too few stops or nodes for folds
 /// is mapped by the link model. Where the log knows the measured gains of the sectors in which nodes were heard, a map by these
 /// is another estimator of independent packets, and the first one. Nodes whose distances were measured are placed by these
@@ -237,15 +237,20 @@ impl Auto {
     ) -> Result<(), MapError> {
         let (of_links, law) = self.link_model.map(&fold.rest, None, watch)?;
         let Trials { predicted, parts, gain } = trials;
-        for ((candidate, predicted), parts) in candidates.iter().zip(predicted).zip(parts) {
+        for (number, candidate) in candidates.iter().enumerate() {
             match candidate {
                 Candidate::LinkModel(_) => {
-                    predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, predicted, gain);
+                    predicted[number].begin_fold();
+                    predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, &mut predicted[number], gain);
                 }
                 Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..) => {
+                    if score::is_hopeless(&predicted[number], &predicted[LINKS]) {
+                        continue;
+                    }
                     let (map, fit) = candidate.map(&fold.rest, None, watch)?;
-                    predict::independent(fold, &map, fit.as_ref(), predicted);
-                    parts.push(map);
+                    predicted[number].begin_fold();
+                    predict::independent(fold, &map, fit.as_ref(), &mut predicted[number]);
+                    parts[number].push(map);
                 }
             }
         }

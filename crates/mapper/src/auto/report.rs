@@ -83,9 +83,13 @@ impl Choice {
 
     fn line(&self, name: &str) -> String {
         let mut text = format!("{name}: the log chose {} ({})", self.chosen, self.reason.because());
+        let most = self.scores.iter().map(|score| score.pairs).max();
         for (number, score) in self.scores.iter().enumerate() {
             let lead = if number == 0 { "; log-probability a pair of stops left out: " } else { ", " };
             let _ = write!(text, "{lead}{} {:.3}", score.estimator, score.log_probability);
+            if Some(score.pairs) < most {
+                text += " (on a part of them, far behind)";
+            }
         }
         if let Some(opinions) = &self.opinions {
             text += &told(opinions);

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, Dyn, linalg::Cholesky};
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
+use sextant_kernel::maths::cholesky_watched;
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use super::frame::FrameConfig;
@@ -224,31 +225,14 @@ fn factored(
     Ok(cholesky(v, watch)?.filter(|cholesky| cholesky.l_dirty().diagonal().min() > 1e-6))
 }
 
-/// The Cholesky factor of a symmetric matrix; `None` if it is not positive definite. The function of the library
-/// cannot be interrupted, and takes minutes for ten thousand nodes.
+/// The Cholesky factor of a symmetric matrix; `None` if it is not positive definite.
 fn cholesky(mut matrix: DMatrix<f64>, watch: &dyn Watch) -> Result<Option<Cholesky<f64, Dyn>>, Interrupted> {
     let size = matrix.nrows();
     #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
     let operations = (size as f64).powi(3) / 6.0;
     watch.begin(Work { name: Smacof::NAME, unit: "column", steps: size as u64, operations });
-    for j in 0..size {
-        watch.check()?;
-        for k in 0..j {
-            let factor = -matrix[(j, k)];
-            let (mut column, before) = matrix.columns_range_pair_mut(j, k);
-            column.rows_range_mut(j..).axpy(factor, &before.rows_range(j..), 1.0);
-        }
-        let diagonal = matrix[(j, j)];
-        if diagonal <= 0.0 || diagonal.is_nan() {
-            return Ok(None);
-        }
-        let root = diagonal.sqrt();
-        matrix[(j, j)] = root;
-        let mut below = matrix.view_range_mut(j + 1.., j);
-        below /= root;
-        watch.advance(1);
-    }
-    Ok(Some(Cholesky::pack_dirty(matrix)))
+    let is_definite = cholesky_watched(matrix.as_mut_slice(), size, watch)?;
+    Ok(is_definite.then(|| Cholesky::pack_dirty(matrix)))
 }
 
 /// One step of majorisation, `X = V⁺ B(Z) Z`: the stress never rises.

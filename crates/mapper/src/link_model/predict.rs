@@ -1,14 +1,15 @@
 //! What a law says of links that were not heard yet.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::maths::exp_each;
+use sextant_kernel::maths::{cholesky, exp_each, solve_lower};
 
 use super::hearing::Hearing;
 use super::law::Law;
 use super::links::{HeardLink, NodeLinks, PlaceLinks};
 use super::site::Site;
 use super::{LinkFit, posterior};
+use crate::numerics::sums::dot;
 
 /// A node for which links are predicted.
 #[derive(Clone, Copy, Debug)]
@@ -70,15 +71,23 @@ impl Predictor {
             covariance[(i, i)] += self.alone() + site.variance;
         }
         let errors = DVector::from_fn(known.len(), |i, _| sites[i].margin - self.mean(&known[i]));
-        let factor = covariance.cholesky()?;
+        let size = covariance.nrows();
+        if !cholesky(covariance.as_mut_slice(), size) {
+            return None;
+        }
+        let factor = Cholesky::pack_dirty(covariance);
         let weights = factor.solve(&errors);
-        let predicted = others.iter().map(|&other| {
-            let other = self.seen(placed.place, other);
-            let with = DVector::from_vec(self.covariances(&other, &known));
-            let mean = self.mean(&other) + with.dot(&weights);
-            let own: f64 = self.covariances(&other, std::slice::from_ref(&other)).iter().sum();
-            let told = factor.l_dirty().solve_lower_triangular_unchecked(&with).norm_squared();
-            let variance = own + self.alone() - told + self.of_place(placed, &other);
+        let others: Vec<SeenPlace> = others.iter().map(|&other| self.seen(placed.place, other)).collect();
+        let with: Vec<Vec<f64>> = others.iter().map(|other| self.covariances(other, &known)).collect();
+        // The squares of half of the solutions.
+        let mut halves = with.concat();
+        solve_lower(factor.l_dirty().as_slice(), size, &mut halves);
+        let each = others.iter().zip(&with).zip(halves.chunks_exact(size.max(1)));
+        let predicted = each.map(|((other, with), half)| {
+            let mean = self.mean(other) + dot(with, weights.as_slice());
+            let own: f64 = self.covariances(other, std::slice::from_ref(other)).iter().sum();
+            let told = dot(half, half);
+            let variance = own + self.alone() - told + self.of_place(placed, other);
             PredictedMargin { mean, variance: variance.max(1e-6) }
         });
         Some(predicted.collect())

@@ -8,6 +8,7 @@ mod median;
 pub(crate) mod memory;
 pub(crate) mod normal;
 pub(crate) mod octahedron;
+pub(crate) mod sums;
 mod whole;
 
 pub use convex_hull::hull as convex_hull;

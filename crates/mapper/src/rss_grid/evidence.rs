@@ -8,6 +8,8 @@ use crate::numerics::normal::index;
 
 /// Least probability of what a stop heard.
 const LEAST: f64 = 1e-6;
+/// A logarithm of a probability this near to 0 is 0.
+const CERTAIN: f64 = 1e-12;
 /// Below this distance the strength is constant (m).
 pub(super) const LEAST_M: f64 = 0.1;
 
@@ -60,6 +62,8 @@ pub(super) struct StrengthEvidence {
     ln_heard: Vec<f64>,
     ln_silent: Vec<f64>,
     per_sigma: f64,
+    /// Beyond this distance silence is certain (m).
+    certain_m: f64,
 }
 
 impl StrengthEvidence {
@@ -77,8 +81,21 @@ impl StrengthEvidence {
         let heard = |mean: &f64| kept * below(mean - channel.sensitivity_dbm * per_sigma);
         let ln = |p: f64| libm::log(p.max(LEAST));
         let ln_heard = mean.iter().map(|mean| ln(heard(mean))).collect();
-        let ln_silent = mean.iter().map(|mean| ln(1.0 - heard(mean))).collect();
-        Self { per_m, mean, ln_heard, ln_silent, per_sigma }
+        let ln_silent: Vec<f64> = mean.iter().map(|mean| ln(1.0 - heard(mean))).collect();
+        let certain = ln_silent.iter().rposition(|&ln| ln < -CERTAIN).map_or(0, |last| last + 1);
+        let certain_m = if certain > CELLS { f64::INFINITY } else { certain as f64 / per_m };
+        Self { per_m, mean, ln_heard, ln_silent, per_sigma, certain_m }
+    }
+
+    /// The links of a node without the silent stops that tell nothing of places in the box with these corners.
+    pub(super) fn near(&self, links: &HeardByStops, low: [f64; 3], high: [f64; 3]) -> HeardByStops {
+        let least_m = |stop: Position| {
+            let along: [f64; 3] = stop.into();
+            let outside = [0, 1, 2].map(|axis| (low[axis] - along[axis]).max(along[axis] - high[axis]).max(0.0));
+            outside.iter().map(|way| way * way).sum::<f64>().sqrt()
+        };
+        let silent = links.silent.iter().copied().filter(|&(stop, _)| least_m(stop) < self.certain_m).collect();
+        HeardByStops { silent, ..links.clone() }
     }
 
     /// Log-likelihood of a place, up to a constant.

@@ -54,7 +54,8 @@ impl WeighedPlaces {
         for grid in 0.. {
             let steps = [0, 1, 2].map(|axis| (high[axis] - low[axis]) / f64::from(counts));
             let mut found: Vec<(Position, f64)> = Vec::new();
-            each(low, steps, counts, |place| found.push((place, evidence.log_likelihood(links, place))));
+            let near = evidence.near(links, low, high);
+            each(low, steps, counts, |place| found.push((place, evidence.log_likelihood(&near, place))));
             vertices += found.len() as u64;
             let best =
                 found.iter().fold((within.nearest(within.middle()), f64::NEG_INFINITY), |best, &(place, value)| {

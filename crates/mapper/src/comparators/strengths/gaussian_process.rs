@@ -5,7 +5,7 @@ use rayon::prelude::*;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
-use sextant_kernel::maths::exp_each;
+use sextant_kernel::maths::{cholesky, exp_each};
 use sextant_kernel::{SettingError, Watch, Work};
 
 use crate::error::MapError;
@@ -15,6 +15,7 @@ use crate::learned::EstimatorFindings;
 use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::strengths::{Strength, all_strengths};
+use crate::numerics::sums::dot;
 use crate::survey_frame::Axes;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
@@ -161,7 +162,10 @@ impl<'a> Process<'a> {
         for i in 0..count {
             whole[(i, i)] += noise * noise;
         }
-        let factor: Cholesky<f64, Dyn> = whole.cholesky()?;
+        if !cholesky(whole.as_mut_slice(), count) {
+            return None;
+        }
+        let factor: Cholesky<f64, Dyn> = Cholesky::pack_dirty(whole);
         let values = DVector::from_fn(count, |i, _| strengths[i].rssi_dbm);
         let ones = DVector::from_element(count, 1.0);
         let of_ones = factor.solve(&ones);
@@ -254,19 +258,6 @@ impl StrengthCorrelations {
 fn exponent(a: Position, b: Position, length_m: f64) -> f64 {
     let apart = a - b;
     -0.5 * apart.dot(apart) / (length_m * length_m)
-}
-
-/// The product of two vectors, in four sums side by side.
-fn dot(first: &[f64], second: &[f64]) -> f64 {
-    let (first, second) = (first.chunks_exact(4), second.chunks_exact(4));
-    let rest: f64 = first.remainder().iter().zip(second.remainder()).map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; 4];
-    for (first, second) in first.zip(second) {
-        for ((sum, a), b) in sums.iter_mut().zip(first).zip(second) {
-            *sum += a * b;
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 impl Estimator for GaussianProcess {

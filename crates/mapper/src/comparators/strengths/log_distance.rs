@@ -1,5 +1,6 @@
 //! The place, power and path-loss exponent of each node that fit its strengths best.
 
+use std::cell::RefCell;
 use std::convert::Infallible;
 
 use nalgebra::{Matrix3, Vector3};
@@ -7,6 +8,7 @@ use rayon::prelude::*;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
+use sextant_kernel::maths::ln_each;
 use sextant_kernel::{SettingError, Watch, Work};
 
 use super::rssi_centroid::{DEFAULT_G, centroid};
@@ -20,6 +22,7 @@ use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
+use crate::numerics::sums::{dot, sum};
 use crate::posterior::Concern;
 use crate::survey_frame::Axes;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
@@ -141,7 +144,7 @@ impl LogDistance {
         if strengths.len() < unknowns {
             return Some((middle, Some(Concern::NoEvidence)));
         }
-        let fit = LogDistanceFit { strengths, exponents: self.exponents, within };
+        let fit = LogDistanceFit::new(strengths, self.exponents, within);
         let mut starts: Vec<(f64, Position)> =
             fit.grid().into_iter().chain([within.nearest(middle)]).map(|place| (fit.cost(&place), place)).collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -157,28 +160,81 @@ impl LogDistance {
 
 /// The fit of one node.
 struct LogDistanceFit<'a> {
-    strengths: &'a [Strength],
+    /// Coordinates of the stops (m).
+    x_m: Vec<f64>,
+    y_m: Vec<f64>,
+    z_m: Vec<f64>,
+    /// Strengths, less their mean (dB), and the sum of their squares.
+    over_mean_db: Vec<f64>,
+    squares_db2: f64,
     exponents: [f64; 2],
     within: &'a SearchBox,
+    /// Logarithms of the distances from the place that is looked at.
+    logarithms: RefCell<Vec<f64>>,
 }
 
 /// The regression of strengths on the logarithms of the distances from a place.
 struct Regression {
-    power_dbm: f64,
-    exponent: f64,
-    /// Mean logarithm of the distances, and the sum of their squared differences from it.
-    mean: f64,
+    /// The fall of strength (dB) for each e-fold of distance.
+    fall_db: f64,
+    /// Sums of the squared logarithms and of their products with the strengths, both less their means.
     squares: f64,
+    products_db: f64,
     /// Whether the exponent is within its bounds.
     is_free: bool,
 }
 
-/// The common logarithm of the distance (m).
-fn decades(place: Position, strength: &Strength) -> f64 {
-    libm::log10(place.distance_m(strength.place).max(LEAST_M))
-}
+/// The fall of strength for each e-fold of distance, of an exponent of 1 (dB).
+const FALL_DB: f64 = 10.0 * std::f64::consts::LOG10_E;
 
-impl LogDistanceFit<'_> {
+impl<'a> LogDistanceFit<'a> {
+    fn new(strengths: &[Strength], exponents: [f64; 2], within: &'a SearchBox) -> Self {
+        let along = |of: fn(&Position) -> f64| strengths.iter().map(|strength| of(&strength.place)).collect();
+        let strengths_dbm: Vec<f64> = strengths.iter().map(|strength| strength.rssi_dbm).collect();
+        let mean_dbm = sum(&strengths_dbm) / strengths.len() as f64;
+        let over_mean_db: Vec<f64> = strengths_dbm.iter().map(|dbm| dbm - mean_dbm).collect();
+        Self {
+            x_m: along(|place| place.x_m),
+            y_m: along(|place| place.y_m),
+            z_m: along(|place| place.z_m),
+            squares_db2: dot(&over_mean_db, &over_mean_db),
+            over_mean_db,
+            exponents,
+            within,
+            logarithms: RefCell::new(vec![0.0; strengths.len()]),
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.x_m.len()
+    }
+
+    /// The way from a stop to a place (m).
+    fn way(&self, stop: usize, place: Position) -> Vector3<f64> {
+        Vector3::new(place.x_m - self.x_m[stop], place.y_m - self.y_m[stop], place.z_m - self.z_m[stop])
+    }
+
+    /// Writes the logarithms of the distances (m) from `place`, less their mean.
+    fn take_logarithms(&self, place: Position, logarithms: &mut [f64]) {
+        let stops = self.x_m.iter().zip(&self.y_m).zip(&self.z_m);
+        for (own, ((x_m, y_m), z_m)) in logarithms.iter_mut().zip(stops) {
+            let (x, y, z) = (place.x_m - x_m, place.y_m - y_m, place.z_m - z_m);
+            *own = (x * x + y * y + z * z).max(LEAST_M * LEAST_M);
+        }
+        ln_each(logarithms);
+        let mean = sum(logarithms) / logarithms.len() as f64;
+        logarithms.iter_mut().for_each(|own| *own = 0.5 * (*own - mean));
+    }
+
+    fn regression(&self, logarithms: &[f64]) -> Regression {
+        let squares = dot(logarithms, logarithms);
+        let products_db = dot(logarithms, &self.over_mean_db);
+        let [low_db, high_db] = self.exponents.map(|exponent| FALL_DB * exponent);
+        let best_db = if squares > 0.0 { -products_db / squares } else { low_db };
+        let is_free = squares > 0.0 && best_db > low_db && best_db < high_db;
+        Regression { fall_db: best_db.clamp(low_db, high_db), squares, products_db, is_free }
+    }
+
     /// The middles of the cells of a grid over the box.
     fn grid(&self) -> Vec<Position> {
         let count = VERTICES[usize::from(!self.within.is_level())];
@@ -195,26 +251,6 @@ impl LogDistanceFit<'_> {
         }
         places
     }
-
-    fn regression(&self, place: Position) -> Regression {
-        let count = self.strengths.len() as f64;
-        let (mut x, mut y) = (0.0, 0.0);
-        for strength in self.strengths {
-            x += decades(place, strength);
-            y += strength.rssi_dbm;
-        }
-        let (mean, mean_dbm) = (x / count, y / count);
-        let (mut squares, mut products) = (0.0, 0.0);
-        for strength in self.strengths {
-            let apart = decades(place, strength) - mean;
-            squares += apart * apart;
-            products += apart * (strength.rssi_dbm - mean_dbm);
-        }
-        let best = if squares > 0.0 { -0.1 * products / squares } else { self.exponents[0] };
-        let exponent = best.clamp(self.exponents[0], self.exponents[1]);
-        let is_free = squares > 0.0 && best > self.exponents[0] && best < self.exponents[1];
-        Regression { power_dbm: mean_dbm + 10.0 * exponent * mean, exponent, mean, squares, is_free }
-    }
 }
 
 impl LeastSquares for LogDistanceFit<'_> {
@@ -223,40 +259,42 @@ impl LeastSquares for LogDistanceFit<'_> {
     type Error = Infallible;
 
     fn cost(&self, at: &Position) -> f64 {
-        let law = self.regression(*at);
-        let residual =
-            |strength: &Strength| strength.rssi_dbm - law.power_dbm + 10.0 * law.exponent * decades(*at, strength);
-        self.strengths.iter().map(|strength| residual(strength).powi(2)).sum()
+        let mut logarithms = self.logarithms.borrow_mut();
+        self.take_logarithms(*at, &mut logarithms);
+        let Regression { fall_db, squares, products_db, .. } = self.regression(&logarithms);
+        self.squares_db2 + fall_db * (2.0 * products_db + fall_db * squares)
     }
 
     fn step(&self, at: &Position, damping: f64) -> Result<Option<Vector3<f64>>, Infallible> {
-        let law = self.regression(*at);
-        let slope = |strength: &Strength| {
-            let apart = *at - strength.place;
-            let square = apart.length_m().powi(2);
+        let mut logarithms = self.logarithms.borrow_mut();
+        self.take_logarithms(*at, &mut logarithms);
+        let law = self.regression(&logarithms);
+        let is_level = self.within.is_level();
+        let slope = |stop: usize| {
+            let mut way = self.way(stop, *at);
+            let square = way.norm_squared();
             if square < LEAST_M * LEAST_M {
                 return Vector3::zeros();
             }
-            let z_m = if self.within.is_level() { 0.0 } else { apart.z_m };
-            Vector3::new(apart.x_m, apart.y_m, z_m) * (10.0 * law.exponent / (std::f64::consts::LN_10 * square))
+            if is_level {
+                way.z = 0.0;
+            }
+            way * (law.fall_db / square)
         };
         // The parts of the slopes that power and exponent can follow do not count (Kaufman).
-        let count = self.strengths.len() as f64;
-        let mean: Vector3<f64> = self.strengths.iter().map(slope).sum::<Vector3<f64>>() / count;
-        let along: Vector3<f64> = if law.is_free {
-            self.strengths
-                .iter()
-                .map(|strength| slope(strength) * ((decades(*at, strength) - law.mean) / law.squares))
-                .sum()
-        } else {
-            Vector3::zeros()
-        };
+        let (mut total, mut along) = (Vector3::zeros(), Vector3::zeros());
+        for (stop, logarithm) in logarithms.iter().enumerate() {
+            let slope = slope(stop);
+            total += slope;
+            along += slope * *logarithm;
+        }
+        let mean = total / self.count() as f64;
+        let along = if law.is_free { along / law.squares } else { Vector3::zeros() };
         let mut normal = Matrix3::zeros();
         let mut gradient = Vector3::zeros();
-        for strength in self.strengths {
-            let x = decades(*at, strength);
-            let residual = strength.rssi_dbm - law.power_dbm + 10.0 * law.exponent * x;
-            let row = slope(strength) - mean - along * (x - law.mean);
+        for (stop, (logarithm, over_mean_db)) in logarithms.iter().zip(&self.over_mean_db).enumerate() {
+            let residual = over_mean_db + law.fall_db * logarithm;
+            let row = slope(stop) - mean - along * *logarithm;
             normal += row * row.transpose();
             gradient += row * residual;
         }
