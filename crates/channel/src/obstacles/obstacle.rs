@@ -24,6 +24,7 @@ pub struct ObstacleConfig {
     pub shape: ShapeConfig,
     /// Name of a known material.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(feature = "schema", schemars(transform = crate::propagation::material::listed))]
     pub material: Option<String>,
     /// Absorption coefficient α of the Lambert-Bouguer law (1/m): 10 α log10(e) = 4.343 α dB per metre.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]

@@ -30,6 +30,7 @@ pub struct WallConfig {
     pub height_m: f64,
     /// Name of a known material.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(feature = "schema", schemars(transform = crate::propagation::material::listed))]
     pub material: Option<String>,
     /// Absorption coefficient α (1/m), as that of an obstacle.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
@@ -65,6 +66,7 @@ pub struct OpeningConfig {
     pub top_m: Option<f64>,
     /// Name of the material that closes it.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(feature = "schema", schemars(transform = crate::propagation::material::listed))]
     pub material: Option<String>,
     /// Absorption coefficient α of what closes it (1/m).
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]

@@ -131,6 +131,13 @@ impl Material {
     }
 }
 
+/// Adds the names of all materials to the schema of a key that is one.
+#[cfg(feature = "schema")]
+pub(crate) fn listed(schema: &mut schemars::Schema) {
+    let names = Material::all().iter().map(|material| material.name).collect::<Vec<_>>();
+    schema.insert("enum".to_owned(), names.into());
+}
+
 impl Model {
     fn absorption_per_m(self, f_ghz: f64) -> f64 {
         let factor = if let Self::Permittivity(_, factor) = self { factor } else { 1.0 };

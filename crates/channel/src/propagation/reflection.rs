@@ -25,6 +25,7 @@ pub struct ReflectionsConfig {
     pub ground_z_m: Option<f64>,
     /// Material of the ground; needed for a ground without `loss_db`.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(feature = "schema", schemars(transform = crate::propagation::material::listed))]
     pub ground_material: Option<MaterialName>,
     /// Most reflections of a link that count, the strongest ones.
     #[cfg_attr(feature = "config", serde(default = "most"))]

@@ -132,26 +132,31 @@ impl Printed<'_> {
         self.plan.measures().iter().find(|measure| measure.path() == path)
     }
 
-    /// The names of the measures of whole runs that are printed, with their paths: those of which any cell has a value.
-    fn printed(&self) -> Vec<(String, String)> {
-        let measures = [
-            ("path", "gathering.path_length_m"),
+    /// The names of the measures that may be printed, with their paths, the most important ones first: those of which any cell has
+    /// a value.
+    fn measures(&self) -> Vec<(String, String)> {
+        let of_map = |what: &str, path: &str| {
+            let named = |map: &String| (format!("{map}: {what}"), format!("maps.{map}.{path}"));
+            self.plan.maps().iter().map(named).collect::<Vec<_>>()
+        };
+        let of_application = |name: &String| {
+            [("captured", "captured"), ("arrived", "arrived"), ("time", "time_s")]
+                .map(|(what, path)| (format!("{name}: {what}"), format!("applications.{name}.{path}")))
+        };
+        let of_run = [
             ("PRR", "mac.prr"),
             ("throughput", "mac.throughput_bit_per_s"),
             ("mean delay", "mac.delay_s.mean"),
             ("detections", "sensing.detections"),
+            ("path", "gathering.path_length_m"),
         ];
-        let measures = measures.map(|(name, path)| (name.to_owned(), path.to_owned()));
-        measures.into_iter().filter(|(_, path)| self.has(path)).collect()
-    }
-
-    /// The same of the measures of applications.
-    fn printed_of_applications(&self) -> Vec<(String, String)> {
-        let of = |name: &String| {
-            [("captured", "captured"), ("arrived", "arrived"), ("time", "time_s")]
-                .map(|(what, path)| (format!("{name}: {what}"), format!("applications.{name}.{path}")))
-        };
-        self.plan.applications().iter().flat_map(of).filter(|(_, path)| self.has(path)).collect()
+        let of_run = of_run.map(|(name, path)| (name.to_owned(), path.to_owned()));
+        let measures = of_map("mean error", "position_error_m.mean")
+            .into_iter()
+            .chain(self.plan.applications().iter().flat_map(of_application))
+            .chain(of_run)
+            .chain(of_map("connectivity error", "connectivity_error"));
+        measures.filter(|(_, path)| self.has(path)).collect()
     }
 
     /// Whether any run has a value of a measure.
@@ -163,32 +168,48 @@ impl Printed<'_> {
     fn print(&self, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
         let cells = 0..self.cells.len();
         let mut named = vec![
-            ("cell".to_owned(), cells.clone().map(|i| i.to_string()).collect()),
+            ("cell".to_owned(), cells.clone().map(|i| i.to_string()).collect::<Vec<_>>()),
             ("runs".to_owned(), self.cells.iter().map(|cell| cell.succeeded.to_string()).collect()),
         ];
-        let mut add = |name: String, path: &str| named.push((name, self.written(path)));
-        self.printed().iter().for_each(|(name, path)| add(name.clone(), path));
-        for map in self.plan.maps() {
-            add(format!("{map}: connectivity error"), &format!("maps.{map}.connectivity_error"));
-            add(format!("{map}: mean error"), &format!("maps.{map}.position_error_m.mean"));
-        }
-        self.printed_of_applications().iter().for_each(|(name, path)| add(name.clone(), path));
         for (i, name) in shortened(self.plan.keys()).enumerate() {
             named.push((name, cells.clone().map(|cell| self.plan.values(cell)[i].clone()).collect()));
+        }
+        let mut width: usize = named.iter().map(width_of).sum();
+        let mut left_out = Vec::new();
+        for (number, (name, path)) in self.measures().into_iter().enumerate() {
+            let column = (name, self.written(&path));
+            // One measure is printed, however wide.
+            if number == 0 || width + width_of(&column) <= WIDTH {
+                width += width_of(&column);
+                named.push(column);
+            } else {
+                left_out.push(column.0);
+            }
         }
         let align = vec![Align::Right; named.len()];
         let header = named.iter().map(|(name, _)| name.clone()).collect();
         let row = |i: usize| named.iter().map(|(_, texts): &(String, Vec<String>)| texts[i].clone()).collect();
         let rows: Vec<_> = [header].into_iter().chain(cells.map(row)).collect();
         columns(&rows, &align, stdout)?;
-        let left_out = self.plan.cells().len() - self.cells.len();
-        if left_out > 0 {
-            writeln!(stdout, "and {} that are in the table only", counted(left_out, "cell"))?;
+        let cells_left_out = self.plan.cells().len() - self.cells.len();
+        if cells_left_out > 0 {
+            writeln!(stdout, "and {} that are in the table only", counted(cells_left_out, "cell"))?;
+        }
+        if !left_out.is_empty() {
+            writeln!(stdout, "in the table only: {}", left_out.join(", "))?;
         }
         let Overview { rows, failed, .. } = self.overview;
         let failures = if failed > 0 { format!(", {failed} of them failed (column error)") } else { String::new() };
         writeln!(stdout, "\n{}: {}{failures}", out.display(), counted(rows, "run"))
     }
+}
+
+/// Columns of the terminal that the printed table may take.
+const WIDTH: usize = 80;
+
+/// How wide a column is printed, with the space beside it.
+fn width_of((name, texts): &(String, Vec<String>)) -> usize {
+    texts.iter().chain([name]).map(|text| text.chars().count()).max().unwrap_or(0) + 2
 }
 
 /// The shortest end of each key that no other key has: `p0` for `maps.0.algorithm.ml_tm.profile.trapezoid.p0`.
