@@ -11,6 +11,7 @@ sextant.Run('survey': 36 of 36 nodes heard, 2 maps)
 - :class:`Run` is what came of it: its summary, what was heard, and its maps.
 - :func:`sweep` runs a scenario with many settings and seeds.
 - :func:`map_log` maps what your own robots heard, from data frames; :func:`read` reads their files.
+- :func:`localise` places nodes by a matrix of the distances between them.
 - :class:`Controller` drives a robot by what it hears; :class:`Application` is a program of a node, a robot or a sink.
 
 Positions are in metres in the frame of the stops: x east, y north, z up. Angles are in radians, counterclockwise from the x
@@ -19,6 +20,7 @@ axis, times in seconds, powers in dBm.
 
 from ._application import Application
 from ._controller import Controller
+from ._localise import Localised, localise
 from ._log import Log, map_log, read
 from ._map import Figure, Map, algorithms
 from ._native import (
@@ -54,6 +56,7 @@ __all__ = [
     "DriveEnd",
     "Figure",
     "Heard",
+    "Localised",
     "Log",
     "LogError",
     "Map",
@@ -72,6 +75,7 @@ __all__ = [
     "TimerKey",
     "__version__",
     "algorithms",
+    "localise",
     "map_log",
     "read",
     "sweep",

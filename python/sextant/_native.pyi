@@ -373,4 +373,17 @@ def sweep(
     progress: object | None = None,
     threads: int | None = None,
 ) -> Table: ...
+def localise(
+    nodes: int,
+    pairs: list[tuple[int, int, float]],
+    anchors: list[tuple[int, tuple[float, float, float]]],
+    dimensions: int,
+    method: str,
+) -> tuple[
+    list[list[float] | None],
+    list[list[list[float]] | None],
+    bool,
+    list[int],
+    float | None,
+]: ...
 def main(program: str, words: list[str]) -> int: ...

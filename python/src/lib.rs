@@ -11,6 +11,7 @@ mod depth;
 mod entries;
 mod error;
 mod given;
+mod localise;
 mod log;
 mod map;
 mod names;
@@ -46,6 +47,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(log::log_of_tables, module)?)?;
     module.add_function(wrap_pyfunction!(map::algorithms, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(localise::localise, module)?)?;
     module.add_function(wrap_pyfunction!(command::main, module)?)?;
     Ok(())
 }

@@ -76,7 +76,7 @@ pub use comparators::{
     LogDistanceConfig, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, PacketCentroid, PacketCentroidConfig, RssMl,
     RssMlConfig, RssiCentroid, RssiCentroidConfig, Smacof, SmacofConfig, StrongestStop, StrongestStopConfig, Tpm,
     TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
-    lateration,
+    lateration, localise,
 };
 pub use count_rule::CountRule;
 pub use error::MapError;

@@ -11,6 +11,7 @@ mod heard_anchors;
 mod hop_distance;
 mod landmarks;
 pub mod lateration;
+pub mod localise;
 mod mds;
 mod mds_map;
 mod ntldv_hop;
