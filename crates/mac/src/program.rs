@@ -16,7 +16,7 @@ use sextant_kernel::SimTime;
 use crate::energy::RadioState;
 use crate::timing::Phy;
 
-pub use port::{Event, News, Refusal, Rest, Sending, Timers};
+pub use port::{Event, News, Refusal, Rest, Sending, Timers, Whole};
 pub use settings::{ProgramConfig, ProgramSettings};
 
 /// A frame that is due.
@@ -53,7 +53,7 @@ struct Window {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Assessment {
     until: SimTime,
-    is_whole: bool,
+    whole: Whole,
 }
 
 /// The radio of a station whose program commands it. It begins off.
@@ -90,6 +90,12 @@ impl ProgramRadio {
             assessment: None,
             scheduled: None,
         }
+    }
+
+    /// The same, with its receiver on.
+    #[must_use]
+    pub fn receiving(self) -> Self {
+        Self { rest: Rest::Receive, state: RadioState::Receive, ..self }
     }
 
     /// Its state.
@@ -211,7 +217,7 @@ impl ProgramRadio {
         {
             return Err(Refusal::Sending { until: due.at + due.airtime });
         }
-        self.assessment = Some(Assessment { until, is_whole: true });
+        self.assessment = Some(Assessment { until, whole: Whole::Unbroken });
         timers.set(Event::AssessmentEnded, until);
         Ok(until)
     }
@@ -245,6 +251,26 @@ impl ProgramRadio {
             self.plan_turn(timers)
         }
         Ok(at)
+    }
+
+    /// How long it waits for an acknowledgement from now on, counted from the end of a frame: that of the standard
+    /// (macAckWaitDuration) at first.
+    ///
+    /// # Errors
+    /// If an acknowledgement would not be over by then; returns the least time.
+    pub fn set_ack_wait(&mut self, wait: Duration) -> Result<(), Duration> {
+        let least = self.turnaround + self.ack_airtime;
+        if wait < least {
+            return Err(least);
+        }
+        self.ack_wait = wait;
+        Ok(())
+    }
+
+    /// It does nothing any more; its timers are to be cancelled.
+    pub fn turn_off(&mut self) {
+        (self.rest, self.state, self.activity) = (Rest::Off, RadioState::Sleep, Activity::Resting);
+        (self.window, self.assessment, self.scheduled) = (None, None, None);
     }
 
     /// Takes back a frame for which it has not turned around yet. Returns whether there was one.
@@ -281,7 +307,7 @@ impl ProgramRadio {
             return false;
         }
         if let Some(assessment) = &mut self.assessment {
-            assessment.is_whole = false;
+            assessment.whole = Whole::Broken;
         }
         self.activity = Activity::Acknowledging { until };
         self.state = RadioState::Turnaround;
@@ -321,9 +347,7 @@ impl ProgramRadio {
                 }
                 Some(News::WindowOver)
             }
-            Event::AssessmentEnded => {
-                self.assessment.take().map(|assessment| News::Assessed { is_whole: assessment.is_whole })
-            }
+            Event::AssessmentEnded => self.assessment.take().map(|assessment| News::Assessed(assessment.whole)),
             Event::TurnDue => {
                 self.turn(now, timers);
                 None

@@ -68,6 +68,15 @@ pub trait Timers {
     fn cancel(&mut self, event: Event);
 }
 
+/// Whether the receiver was on from the start of an assessment to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Whole {
+    /// It was.
+    Unbroken,
+    /// The radio sent something itself.
+    Broken,
+}
+
 /// What has happened at a radio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum News {
@@ -76,10 +85,7 @@ pub enum News {
     /// A window is over.
     WindowOver,
     /// An assessment of the channel is over.
-    Assessed {
-        /// Whether the receiver was on from its start to its end; if not, the radio sent something itself.
-        is_whole: bool,
-    },
+    Assessed(Whole),
     /// The frame goes on air now.
     FrameBegins,
     /// The frame is out.

@@ -183,6 +183,11 @@ fn an_acknowledgement_is_awaited_for_864_us() {
     assert!(!script.radio.receive_acknowledgement(8, script.now, &mut script.timers));
     assert!(script.radio.receive_acknowledgement(7, script.now, &mut script.timers));
     assert_eq!((script.state(), script.until(9000)), (RadioState::Idle, vec![]));
+    // The shortest wait ends with the acknowledgement.
+    assert_eq!(script.radio.set_ack_wait(us(543)), Err(us(544)));
+    assert_eq!(script.radio.set_ack_wait(us(544)), Ok(()));
+    script.send(None, Some(7)).expect("it is free");
+    assert_eq!(script.until(20_000).last(), Some(&(9000 + 192 + 832 + 544, News::Unacknowledged)));
 }
 
 #[test]
@@ -255,7 +260,7 @@ fn the_channel_is_assessed_only_with_the_receiver_on() {
     assert_eq!(assess(&mut script), Ok(at(320)));
     assert_eq!(assess(&mut script), Err(Refusal::Assessing { until: at(320) }));
     assert_eq!(script.send(None, None), Err(Refusal::Assessing { until: at(320) }));
-    assert_eq!(script.until(1000), [(320, News::Assessed { is_whole: true })]);
+    assert_eq!(script.until(1000), [(320, News::Assessed(Whole::Unbroken))]);
     assert_eq!(script.send(Some(1300), None), Ok(at(1300)));
     assert_eq!(assess(&mut script), Err(Refusal::Sending { until: at(1300 + 832) }));
     script.until(5000);
@@ -277,7 +282,7 @@ fn a_frame_is_acknowledged_192_us_after_its_end_unless_a_frame_is_due() {
     assert_eq!(
         script.until(9000),
         [
-            (128, News::Assessed { is_whole: false }),
+            (128, News::Assessed(Whole::Broken)),
             (192, News::AcknowledgementBegins),
             (544, News::AcknowledgementSent),
             (736, News::Ready)
