@@ -10,11 +10,12 @@ use sextant::sim::{Application, Destination, FrameId, NetworkId, Port, RadioEven
 use sextant::{Programs, Scenario, Unwatched};
 
 const SCENARIO: &str = "name = \"aloha\"\nseed = 1\nduration_s = 100.0\n\
-    world.nodes.lattice = { spacing_m = 1.0, count = 50, region.rectangle = { min_m = [0, 0], max_m = [9, 4] } }\n\
+    world.nodes.lattice = { spacing_m = 1.0, count = 50, region.rectangle = { min_m = [0, 0], max_m = [10, 5] } }\n\
     radio = { tx_power_dbm = 0, sensitivity_dbm = -90 }\n\
+    channel.path_loss.log_distance.exponent = 2.0\n\
     reception = \"overlap\"\n\
     mac.program = {}\n\
-    sinks = [{ name = \"sink\", position_m = [4.5, 2.0, 0] }]\n";
+    sinks = [{ name = \"sink\", position_m = [5, 2.4, 0] }]\n";
 const NODES: i32 = 50;
 const NETWORK: NetworkId = NetworkId(0);
 /// A frame of 20 octets is 832 us on air; the radio turns around for 192 us before.

@@ -10,12 +10,13 @@ use sextant::kernel::SimTime;
 use sextant::sim::{Application, Destination, FrameId, NetworkId, Port, RadioEvent, RadioFrame, SendOutcome, Timer};
 use sextant::{Programs, Scenario, Unwatched};
 
-const SCENARIO: &str = "name = \"tdma\"\nseed = 1\nduration_s = 2000.0\n\
-    world.nodes.lattice = { spacing_m = 1.0, count = 20, region.rectangle = { min_m = [0, 0], max_m = [4, 3] } }\n\
+const SCENARIO: &str = "name = \"tdma\"\nseed = 1\nduration_s = 200.0\n\
+    world.nodes.lattice = { spacing_m = 1.0, count = 20, region.rectangle = { min_m = [0, 0], max_m = [5, 4] } }\n\
     radio = { tx_power_dbm = 0, sensitivity_dbm = -90 }\n\
+    channel.path_loss.log_distance.exponent = 2.0\n\
     reception = \"overlap\"\n\
     mac.program = {}\n\
-    sinks = [{ name = \"sink\", position_m = [2.0, 1.5, 0] }]\n";
+    sinks = [{ name = \"sink\", position_m = [2, 1.4, 0] }]\n";
 const NODES: u64 = 20;
 const NETWORK: NetworkId = NetworkId(0);
 const PAYLOAD: &[u8] = b"a reading";
@@ -117,6 +118,7 @@ pub(crate) fn simulated(load: f64, seed: u64) -> Result<Measured, Box<dyn std::e
     }
     let run = sextant::run_with(&scenario, programs, &mut (), &Unwatched)?;
     let survey = run.survey().ok_or("the nodes are simulated")?;
+
     let (packets, network) = (&survey.packets, &survey.networks[0]);
     let nodes = &network.delays[..NODES as usize];
     let received = packets.received as f64;

@@ -10,8 +10,9 @@ use sextant::sim::{Application, Destination, FrameId, NetworkId, Port, RadioEven
 use sextant::{Programs, Scenario, Unwatched};
 
 const SCENARIO: &str = "name = \"x-mac\"\nseed = 1\nduration_s = 2000.0\n\
-    world.nodes.explicit = [{ name = \"node\", position_m = [0, 0, 0] }]\n\
+    world.nodes.explicit = { positions_m = [[0, 0]], names = [\"node\"] }\n\
     radio = { tx_power_dbm = 0, sensitivity_dbm = -90 }\n\
+    channel.path_loss.log_distance.exponent = 2.0\n\
     mac.program = {}\n\
     sinks = [{ name = \"sink\", position_m = [5, 0, 0] }]\n";
 const NETWORK: NetworkId = NetworkId(0);
@@ -194,6 +195,7 @@ pub(crate) fn simulated(interval_s: f64, seed: u64) -> Result<Measured, Box<dyn 
     };
     let mut node = mac(Some(StationId(1)));
     let (run, idle) = (simulate(&mut node)?, simulate(&mut mac(None))?);
+
     let (survey, idle) = run.survey().zip(idle.survey()).ok_or("the nodes are simulated")?;
     let sent = survey.packets.sent as f64;
     // Off, a CC2420 draws 20 uA at 3 V.
