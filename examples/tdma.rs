@@ -118,7 +118,6 @@ pub(crate) fn simulated(load: f64, seed: u64) -> Result<Measured, Box<dyn std::e
     }
     let run = sextant::run_with(&scenario, programs, &mut (), &Unwatched)?;
     let survey = run.survey().ok_or("the nodes are simulated")?;
-
     let (packets, network) = (&survey.packets, &survey.networks[0]);
     let nodes = &network.delays[..NODES as usize];
     let received = packets.received as f64;

@@ -195,7 +195,6 @@ pub(crate) fn simulated(interval_s: f64, seed: u64) -> Result<Measured, Box<dyn 
     };
     let mut node = mac(Some(StationId(1)));
     let (run, idle) = (simulate(&mut node)?, simulate(&mut mac(None))?);
-
     let (survey, idle) = run.survey().zip(idle.survey()).ok_or("the nodes are simulated")?;
     let sent = survey.packets.sent as f64;
     // Off, a CC2420 draws 20 uA at 3 V.

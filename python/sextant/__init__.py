@@ -11,7 +11,8 @@ sextant.Run('survey': 36 of 36 nodes heard, 2 maps)
 - :class:`Run` is what came of it: its summary, what was heard, and its maps.
 - :func:`sweep` runs a scenario with many settings and seeds.
 - :func:`map_log` maps what your own robots heard, from data frames; :func:`read` reads their files.
-- :class:`Controller` drives a robot by what it hears; :class:`Application` is a program of a node, a robot or a sink.
+- :class:`Controller` drives a robot by what it hears; :class:`Application` is a program of a node, a robot or a sink,
+  and :class:`RadioProgram` one that commands its radio.
 
 Positions are in metres in the frame of the stops: x east, y north, z up. Angles are in radians, counterclockwise from the x
 axis, times in seconds, powers in dBm.
@@ -30,6 +31,8 @@ from ._native import (
     LogError,
     Port,
     Pose,
+    Radio,
+    RadioEvent,
     Robot,
     RunError,
     ScenarioError,
@@ -42,6 +45,7 @@ from ._native import (
     __version__,
     table,
 )
+from ._radio import RadioProgram, Wait, wait
 from ._scenario import Run, Scenario
 from ._sweep import sweep
 
@@ -59,6 +63,9 @@ __all__ = [
     "Map",
     "Port",
     "Pose",
+    "Radio",
+    "RadioEvent",
+    "RadioProgram",
     "Robot",
     "Run",
     "RunError",
@@ -70,10 +77,12 @@ __all__ = [
     "SweepAnswer",
     "Table",
     "TimerKey",
+    "Wait",
     "__version__",
     "algorithms",
     "map_log",
     "read",
     "sweep",
     "table",
+    "wait",
 ]

@@ -16,6 +16,7 @@ use sextant_kernel::SimTime;
 use crate::energy::RadioState;
 use crate::timing::Phy;
 
+use port::LATEST;
 pub use port::{Event, News, Refusal, Rest, Sending, Timers, Whole};
 pub use settings::{ProgramConfig, ProgramSettings};
 
@@ -162,7 +163,7 @@ impl ProgramRadio {
     /// earlier window. Returns its start.
     ///
     /// # Errors
-    /// If the receiver cannot be on by then, or the window has no length.
+    /// If the receiver cannot be on by then, or the window has no length or ends too late.
     pub fn open(
         &mut self,
         from: Option<SimTime>,
@@ -176,6 +177,9 @@ impl ProgramRadio {
             _ => self.earliest(now),
         };
         let from = from.unwrap_or(earliest);
+        if until > LATEST {
+            return Err(Refusal::TooLate(until));
+        }
         if from < earliest {
             return Err(Refusal::TooEarly { asked: from, earliest });
         }
@@ -236,6 +240,9 @@ impl ProgramRadio {
         }
         let earliest = self.earliest(now);
         let at = at.unwrap_or(earliest);
+        if at > LATEST {
+            return Err(Refusal::TooLate(at));
+        }
         if at < earliest {
             return Err(Refusal::TooEarly { asked: at, earliest });
         }

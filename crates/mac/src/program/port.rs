@@ -98,6 +98,9 @@ pub enum News {
     Unacknowledged,
 }
 
+/// No radio is told to do something after this instant: 31 years.
+pub(super) const LATEST: SimTime = SimTime::from_secs(1_000_000_000);
+
 /// Why a command is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refusal {
@@ -109,6 +112,9 @@ pub enum Refusal {
         /// The first instant that is possible.
         earliest: SimTime,
     },
+    /// No simulation goes on for so long.
+    #[error("the instant is {0}; allowed: within {LATEST}")]
+    TooLate(SimTime),
     /// It has something to send.
     #[error("the radio has a frame to send, or waits for its acknowledgement, until {until}")]
     Sending {

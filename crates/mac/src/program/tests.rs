@@ -229,6 +229,16 @@ fn a_window_goes_on_after_a_frame_and_ends_with_a_command() {
 }
 
 #[test]
+fn instants_after_the_end_of_all_simulations_are_refused() {
+    let mut script = Script::resting(Rest::Idle);
+    let sending = Sending { at: Some(SimTime::MAX), airtime: us(832), awaited: None };
+    let sent = script.radio.send(sending, script.now, &mut script.timers);
+    assert_eq!(sent, Err(Refusal::TooLate(SimTime::MAX)));
+    let opened = script.radio.open(None, SimTime::MAX, script.now, &mut script.timers);
+    assert_eq!(opened, Err(Refusal::TooLate(SimTime::MAX)));
+}
+
+#[test]
 fn a_radio_whose_window_ends_shortly_before_a_frame_stays_awake_for_it() {
     let mut script = Script::resting(Rest::Off);
     script.open(None, 2000).expect("it is free");

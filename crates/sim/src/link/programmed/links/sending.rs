@@ -119,6 +119,7 @@ impl Links {
         tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
         observer.framed(FrameOnAir {
             network: self.radios[0].network,
+            channel: Some(self.channel_of(transmission.source())),
             start: transmission.start(),
             airtime: scene.now - transmission.start(),
             source: transmission.source(),
