@@ -43,13 +43,13 @@ impl Node {
     /// Waits until the radio must turn around for the next frame.
     fn wait(&mut self, port: &mut Port<'_>) {
         self.draws += 1;
-        let exponential = -port.uniform(self.draws).ln();
+        let exponential = -libm::log(port.uniform(self.draws));
         let wait = match self.aloha {
             Aloha::Pure { pause_s } => Duration::from_secs_f64(exponential * pause_s),
             Aloha::Slotted { probability } => {
                 // The number of slots until the next one in which it sends is geometrically distributed.
                 let now = port.now().saturating_since(SimTime::ZERO);
-                let slots = (exponential / -(1.0 - probability).ln()).ceil();
+                let slots = (exponential / -libm::log(1.0 - probability)).ceil();
                 let next = (now.as_secs_f64() / SLOT.as_secs_f64()).floor() + slots;
                 SLOT.mul_f64(next).saturating_sub(now + Duration::from_secs_f64(TURNAROUND_S))
             }
@@ -95,11 +95,11 @@ impl Aloha {
         let alone = match self {
             Self::Pure { pause_s } => {
                 let (airtime, turnaround) = (AIRTIME_S / pause_s, TURNAROUND_S / pause_s);
-                (turnaround - airtime).exp() / (1.0 + turnaround + airtime)
+                libm::exp(turnaround - airtime) / (1.0 + turnaround + airtime)
             }
             Self::Slotted { probability } => 1.0 - probability,
         };
-        self.load() * alone.powi(NODES - 1)
+        self.load() * libm::pow(alone, f64::from(NODES - 1))
     }
 
     /// Throughput S in a simulation.
@@ -124,7 +124,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         for aloha in [Aloha::Pure { pause_s }, Aloha::Slotted { probability: load / f64::from(NODES) }] {
             let (name, exponent) = if let Aloha::Pure { .. } = aloha { ("pure", 2.0) } else { ("slotted", 1.0) };
             let (simulated, closed) = (aloha.simulated(1)?, aloha.closed_form());
-            let limit = load * (-exponent * load).exp();
+            let limit = load * libm::exp(-exponent * load);
             writeln!(out, "{name:8} {load:6.1} {simulated:11.4} {closed:13.4} {limit:13.4}")?;
         }
     }

@@ -17,7 +17,7 @@ const SCENARIO: &str = "name = \"tdma\"\nseed = 1\nduration_s = 200.0\n\
     reception = \"overlap\"\n\
     mac.program = {}\n\
     sinks = [{ name = \"sink\", position_m = [2, 1.4, 0] }]\n";
-const NODES: u64 = 20;
+const NODES: u32 = 20;
 const NETWORK: NetworkId = NetworkId(0);
 const PAYLOAD: &[u8] = b"a reading";
 /// A frame of 20 octets is 832 us on air; the radio turns around for 192 us before.
@@ -32,8 +32,9 @@ const SLOT_DUE: Timer = Timer(1);
 
 /// Sends one packet of its queue in its slot of each round; else its radio is off.
 struct Node {
-    /// Number of its slot.
+    /// Number of its slot, and of the next round.
     slot: u32,
+    round: u32,
     /// Mean time between its packets (s); they arrive at random.
     interval_s: f64,
     queue: VecDeque<FrameId>,
@@ -43,17 +44,17 @@ struct Node {
 impl Node {
     fn await_arrival(&mut self, port: &mut Port<'_>) {
         self.draws += 1;
-        port.after(Duration::from_secs_f64(-port.uniform(self.draws).ln() * self.interval_s), ARRIVAL);
+        port.after(Duration::from_secs_f64(-libm::log(port.uniform(self.draws)) * self.interval_s), ARRIVAL);
     }
 
     /// Sets the timer of the next slot that the radio can still be ready for.
     fn await_slot(&mut self, port: &mut Port<'_>) {
-        let round = SLOT.as_nanos() as u64 * NODES;
-        let phase = (SLOT * self.slot).as_nanos() as u64;
-        let ready = (port.now() + TURNAROUND).as_nanos();
-        let rounds = (ready + 1).saturating_sub(phase).div_ceil(round);
-        let start = SimTime::from_nanos(rounds * round + phase);
-        port.after(start - port.now() - TURNAROUND, SLOT_DUE);
+        let start = |round| SimTime::ZERO + SLOT * (self.slot + NODES * round);
+        if start(self.round) < port.now() + TURNAROUND {
+            self.round += 1;
+        }
+        port.after(start(self.round) - port.now() - TURNAROUND, SLOT_DUE);
+        self.round += 1;
     }
 }
 
@@ -97,7 +98,7 @@ pub(crate) struct Measured {
 
 /// Time of a round of all slots (s).
 fn round_s() -> f64 {
-    NODES as f64 * SLOT.as_secs_f64()
+    f64::from(NODES) * SLOT.as_secs_f64()
 }
 
 /// With a load of `load` packets a round and node. A queue with one slot a round that packets reach at random waits for
@@ -113,15 +114,15 @@ pub(crate) fn simulated(load: f64, seed: u64) -> Result<Measured, Box<dyn std::e
     let scenario = Scenario::parse(SCENARIO)?.with("seed", seed)?;
     let mut programs = Programs::default();
     for (slot, node) in (0..).zip(&scenario.world().nodes) {
-        let node_program = Node { slot, interval_s: round_s() / load, queue: VecDeque::new(), draws: 0 };
+        let node_program = Node { slot, round: 0, interval_s: round_s() / load, queue: VecDeque::new(), draws: 0 };
         programs = programs.with_node(&node.name, Box::new(node_program));
     }
     let run = sextant::run_with(&scenario, programs, &mut (), &Unwatched)?;
     let survey = run.survey().ok_or("the nodes are simulated")?;
     let (packets, network) = (&survey.packets, &survey.networks[0]);
-    let nodes = &network.delays[..NODES as usize];
     let received = packets.received as f64;
-    let delays_s = nodes
+    let delays_s = network
+        .delays
         .iter()
         .zip(&network.packets)
         .map(|(delays, packets)| delays.mean_s().unwrap_or_default() * packets.received as f64);
@@ -130,7 +131,7 @@ pub(crate) fn simulated(load: f64, seed: u64) -> Result<Measured, Box<dyn std::e
     Ok(Measured {
         delivery: received / packets.sent as f64,
         delay_s: delays_s.sum::<f64>() / received,
-        duty: 1.0 - asleep_s / (NODES as f64 * survey.end.as_secs_f64()),
+        duty: 1.0 - asleep_s / (f64::from(NODES) * survey.end.as_secs_f64()),
     })
 }
 

@@ -53,6 +53,7 @@ struct XMac {
     interval: Duration,
     /// To whom it sends, if it does.
     to: Option<StationId>,
+    next_window: SimTime,
     state: State,
     draws: u64,
     strobes: u64,
@@ -72,8 +73,10 @@ impl XMac {
         self.state = State::Sampling;
         let Ok(mut radio) = port.radio(NETWORK) else { return };
         radio.off();
-        let interval = self.interval.as_nanos() as u64;
-        let from = SimTime::from_nanos((radio.earliest().as_nanos() / interval + 1) * interval);
+        while self.next_window < radio.earliest() {
+            self.next_window += self.interval;
+        }
+        let from = self.next_window;
         // The radio is off, so it can be on by then.
         let _ = radio.listen(Some(from), from + PERIOD);
     }
@@ -187,7 +190,7 @@ pub(crate) fn closed_form(interval_s: f64) -> Measured {
 /// The same in a simulation: of a node that sends to the sink, and of a sink to which nobody sends.
 pub(crate) fn simulated(interval_s: f64, seed: u64) -> Result<Measured, Box<dyn std::error::Error>> {
     let interval = Duration::from_secs_f64(interval_s);
-    let mac = |to| XMac { interval, to, state: State::Sampling, draws: 0, strobes: 0 };
+    let mac = |to| XMac { interval, to, next_window: SimTime::ZERO, state: State::Sampling, draws: 0, strobes: 0 };
     let simulate = |node: &mut XMac| {
         let scenario = Scenario::parse(SCENARIO)?.with("seed", seed)?;
         let programs = Programs::default().with_node("node", Box::new(node)).with_sink("sink", Box::new(mac(None)));
@@ -209,19 +212,17 @@ pub(crate) fn simulated(interval_s: f64, seed: u64) -> Result<Measured, Box<dyn 
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut out = std::io::stdout();
-    writeln!(out, "interval (s)  strobes   closed form   delay (ms)   closed form   idle duty (%)   closed form")?;
+    writeln!(
+        out,
+        "interval (s)  delivery  strobes  closed form  delay (ms)  closed form  idle duty (%)  closed form"
+    )?;
     for interval_s in [0.125, 0.5, 1.0] {
         let (found, closed) = (simulated(interval_s, 1)?, closed_form(interval_s));
-        let Measured { strobes, delay_s, idle_duty, .. } = found;
-        writeln!(
-            out,
-            "{interval_s:12.3} {strobes:8.1} {:13.1} {:12.1} {:13.1} {:15.3} {:13.3}",
-            closed.strobes,
-            1e3 * delay_s,
-            1e3 * closed.delay_s,
-            1e2 * idle_duty,
-            1e2 * closed.idle_duty
-        )?;
+        let [delay, closed_delay] = [found, closed].map(|measured| 1e3 * measured.delay_s);
+        let [duty, closed_duty] = [found, closed].map(|measured| 1e2 * measured.idle_duty);
+        let Measured { delivery, strobes, .. } = found;
+        write!(out, "{interval_s:12.3} {delivery:9.4} {strobes:8.1} {:12.1}", closed.strobes)?;
+        writeln!(out, " {delay:11.1} {closed_delay:12.1} {duty:14.3} {closed_duty:12.3}")?;
     }
     Ok(())
 }

@@ -47,7 +47,7 @@ def test_slotted_aloha_brings_the_throughput_of_its_closed_form() -> None:
     slots = duration_s / SLOT_S
     expected = nodes * probability * (1 - probability) ** (nodes - 1)
     assert abs(expected - 0.3874) < 1e-4
-    found = run.summary["gathering"]["packets_received"] / slots
+    found = run.summary["mac"]["delivered"] / slots
     # Slots are independent: four deviations, a false alarm in 16000 runs.
     assert abs(found - expected) < 4 * math.sqrt(expected * (1 - expected) / slots), found
 

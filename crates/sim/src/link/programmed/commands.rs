@@ -9,7 +9,7 @@ use sextant_mac::program::{Rest, Sending};
 use sextant_mac::{Phy, RadioState};
 
 use super::Links;
-use super::packets::{Outgoing, RadioFrame};
+use super::packet::{Outgoing, RadioFrame};
 use super::stack::{Acknowledging, Hearing};
 use crate::scene::Scene;
 use crate::service::network_id::NetworkId;

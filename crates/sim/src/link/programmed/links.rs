@@ -1,5 +1,6 @@
 //! A network whose programs command the radios: the radios of all its stations.
 
+mod packets;
 mod receiving;
 mod sending;
 

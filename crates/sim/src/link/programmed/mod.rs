@@ -2,12 +2,12 @@
 
 mod commands;
 mod links;
-mod packets;
+mod packet;
 mod settings;
 mod stack;
 
 pub(crate) use links::Links;
-pub use packets::RadioFrame;
+pub use packet::RadioFrame;
 pub use settings::Programmed;
 pub(super) use settings::Programmed as Settings;
 pub use stack::{Acknowledging, Hearing};

@@ -7,7 +7,7 @@ use sextant_kernel::{EventKey, SimTime, StationId};
 use sextant_mac::program::{Event, ProgramRadio, Timers};
 use sextant_mac::{EnergyMeter, Phy, RadioState, RadioStates};
 
-use super::packets::{OpenPacket, Outgoing};
+use super::packet::{OpenPacket, Outgoing};
 use crate::air::Transmission;
 use crate::event::link::LinkEvent;
 use crate::event::programmed;

@@ -4,7 +4,7 @@ use sextant_kernel::StationId;
 
 use super::Links;
 use crate::air::{Arrival, Transmission};
-use crate::link::programmed::packets::Outgoing;
+use crate::link::programmed::packet::Outgoing;
 use crate::link::programmed::stack::{Acknowledging, Hearing};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;

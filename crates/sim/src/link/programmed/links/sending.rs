@@ -9,11 +9,14 @@ use crate::event::link::LinkEvent;
 use crate::event::programmed::Event;
 use crate::link::collectors::tell_collectors;
 use crate::link::fate::Fate;
-use crate::link::programmed::packets::Outgoing;
+use crate::link::programmed::packet::Outgoing;
 use crate::link::programmed::stack::{Kind, OnAir};
 use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
 use crate::service::report::Destination;
+
+/// Size of an acknowledgement (octets).
+const ACKNOWLEDGEMENT_OCTETS: u8 = 5;
 
 impl Links {
     /// The frame of a station goes on air.
@@ -130,6 +133,3 @@ impl Links {
         });
     }
 }
-
-/// Size of an acknowledgement (octets).
-const ACKNOWLEDGEMENT_OCTETS: u8 = 5;

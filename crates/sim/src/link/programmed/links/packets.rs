@@ -5,53 +5,13 @@ use sextant_kernel::{SimTime, StationId};
 use super::Links;
 use crate::air::Transmission;
 use crate::link::fate::Fate;
+use crate::link::programmed::packet::OpenPacket;
 use crate::link::track::{PacketTrack, Traced, TransmissionEnd};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
 use crate::service::radio_error::RadioError;
 use crate::service::report::{Destination, FrameId, SendOutcome};
-
-/// A frame that a program sends: a data frame of IEEE 802.15.4.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RadioFrame<'a> {
-    /// For whom it is.
-    pub to: Destination,
-    /// What it carries: at most 116 octets between short addresses.
-    pub payload: &'a [u8],
-    /// Whether it asks the station that it is for to acknowledge it.
-    pub acknowledged: bool,
-    /// The packet that it carries; none if it is a part of the protocol of the program.
-    pub packet: Option<FrameId>,
-}
-
-/// A frame that waits for its instant or is on air.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Outgoing {
-    pub(super) to: Destination,
-    /// The slot of its payload.
-    pub(super) payload: u32,
-    pub(super) sequence: u8,
-    pub(super) acknowledged: bool,
-    pub(super) packet: Option<FrameId>,
-}
-
-/// A packet that a program carries.
-#[derive(Debug)]
-pub(super) struct OpenPacket {
-    pub(super) id: FrameId,
-    to: Destination,
-    pub(super) sequence: u8,
-    mpdu_octets: u8,
-    offered: SimTime,
-    transmissions: u64,
-    assessments: u64,
-    /// The best outcome of its transmissions.
-    outcome: FrameOutcome,
-    /// The stations to which it was delivered.
-    delivered: Vec<StationId>,
-    track: Option<Box<PacketTrack>>,
-}
 
 impl Links {
     /// Takes a packet of a station: it counts as offered.
@@ -93,7 +53,7 @@ impl Links {
     }
 
     /// A look at the channel begins, for the oldest packet.
-    pub(super) fn note_assessment(&mut self, station: StationId, now: SimTime) {
+    pub(in crate::link::programmed) fn note_assessment(&mut self, station: StationId, now: SimTime) {
         if let Some(packet) = self.stacks[station.index()].open.first_mut() {
             packet.assessments += 1;
             if let Some(track) = &mut packet.track {
@@ -219,7 +179,7 @@ impl Links {
     /// Counts the packets that are open at the end: one that was received counts so.
     pub(super) fn count_open(&mut self, station: StationId) {
         for packet in std::mem::take(&mut self.stacks[station.index()].open) {
-            self.count(station, &packet, None, pending(&packet));
+            self.count(station, &packet, None, packet.fate_at_end());
         }
     }
 
@@ -227,7 +187,7 @@ impl Links {
     pub(super) fn trace_open(&mut self, station: StationId, scene: &mut Scene) {
         for place in 0..self.stacks[station.index()].open.len() {
             let packet = &mut self.stacks[station.index()].open[place];
-            let (fate, track) = (pending(packet), packet.track.take());
+            let (fate, track) = (packet.fate_at_end(), packet.track.take());
             let traced = self.traced(station, &self.stacks[station.index()].open[place], PacketEnd::Pending, fate);
             self.tell(station, track, &traced, scene);
         }
@@ -261,13 +221,5 @@ impl Links {
             let power = self.stacks[station.index()].power;
             scene.traced.push(track.end(traced, &self.ledger.radio_states, power, scene.now));
         }
-    }
-}
-
-/// As what a packet counts that is open at the end.
-fn pending(packet: &OpenPacket) -> PacketFate {
-    match packet.outcome {
-        FrameOutcome::Received => PacketFate::Sent(FrameOutcome::Received),
-        _ => PacketFate::Pending,
     }
 }
