@@ -12,7 +12,8 @@ sextant.Run('survey': 36 of 36 nodes heard, 2 maps)
 - :func:`sweep` runs a scenario with many settings and seeds.
 - :func:`map_log` maps what your own robots heard, from data frames; :func:`read` reads their files.
 - :func:`localise` places nodes by a matrix of the distances between them.
-- :class:`Controller` drives a robot by what it hears; :class:`Application` is a program of a node, a robot or a sink.
+- :class:`Controller` drives a robot by what it hears; :class:`Application` is a program of a node, a robot or a sink,
+  and :class:`RadioProgram` one that commands its radio.
 
 Positions are in metres in the frame of the stops: x east, y north, z up. Angles are in radians, counterclockwise from the x
 axis, times in seconds, powers in dBm.
@@ -32,6 +33,8 @@ from ._native import (
     LogError,
     Port,
     Pose,
+    Radio,
+    RadioEvent,
     Robot,
     RunError,
     ScenarioError,
@@ -44,6 +47,7 @@ from ._native import (
     __version__,
     table,
 )
+from ._radio import RadioProgram, Wait, wait
 from ._scenario import Run, Scenario
 from ._sweep import sweep
 
@@ -62,6 +66,9 @@ __all__ = [
     "Map",
     "Port",
     "Pose",
+    "Radio",
+    "RadioEvent",
+    "RadioProgram",
     "Robot",
     "Run",
     "RunError",
@@ -73,6 +80,7 @@ __all__ = [
     "SweepAnswer",
     "Table",
     "TimerKey",
+    "Wait",
     "__version__",
     "algorithms",
     "localise",
@@ -80,4 +88,5 @@ __all__ = [
     "read",
     "sweep",
     "table",
+    "wait",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ._native import Announcement, Delivery, DriveEnd, Port, SendReport, Sensed, SweepAnswer
+from ._native import Announcement, Delivery, DriveEnd, Port, RadioEvent, SendReport, Sensed, SweepAnswer
 
 
 class Application:
@@ -52,6 +52,12 @@ class Application:
 
     def sent(self, report: SendReport, port: Port) -> None:
         """A frame that was given to ``port.send`` has ended."""
+
+    def radio(self, event: RadioEvent, port: Port) -> None:
+        """The radio says something that the program commands with ``port.radio()``, in a network with ``mac.program``.
+
+        Without this method, frames that are received are ``delivered``.
+        """
 
     def sensed(self, sensed: Sensed, port: Port) -> None:
         """A sensor of the node says something."""

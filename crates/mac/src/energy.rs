@@ -21,6 +21,20 @@ pub enum RadioState {
     Turnaround,
 }
 
+impl RadioState {
+    /// Its name: `sleep`, `idle`, `receive`, `transmit`, `turnaround`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sleep => "sleep",
+            Self::Idle => "idle",
+            Self::Receive => "receive",
+            Self::Transmit => "transmit",
+            Self::Turnaround => "turnaround",
+        }
+    }
+}
+
 /// The radio whose energy is counted, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

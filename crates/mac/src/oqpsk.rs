@@ -23,6 +23,21 @@ pub fn bit_error_rate(sinr: f64) -> f64 {
     sum.clamp(0.0, 0.5)
 }
 
+/// Quality of a link, 0 to 255, as a radio tells it with a frame (LQI; IEEE 802.15.4-2006, 6.9.8, which leaves the measure
+/// to the radio). Here it grows evenly with the least ratio of signal to noise and interference during the frame, from -5 dB, at
+/// which a receiver just locks on, to 25 dB.
+#[must_use]
+pub fn link_quality(sinr: Db) -> u8 {
+    let share = (sinr.0 - LEAST_QUALITY.0) / (GREATEST_QUALITY.0 - LEAST_QUALITY.0);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255; not a number becomes 0")]
+    let quality = (255.0 * share.clamp(0.0, 1.0)).round() as u8;
+    quality
+}
+
+/// Ratios with the least and with the greatest quality.
+const LEAST_QUALITY: Db = Db(-5.0);
+const GREATEST_QUALITY: Db = Db(25.0);
+
 /// Weight and exponent per unit of SINR of each term of the sum, k from 16 down to 2: the small ones first.
 const TERMS: [(f64, f64); 15] = {
     let mut terms = [(0.0, 0.0); 15];
@@ -113,6 +128,13 @@ mod tests {
         assert!(bit_error_rate(1e3) < 1e-300);
         assert!((chunk_success(1e3, 1016.0) - 1.0).abs() < f64::EPSILON);
         assert!((chunk_success(f64::INFINITY, 1016.0) - 1.0).abs() < f64::EPSILON);
+    }
+
+    #[test]
+    fn the_quality_of_a_link_grows_evenly_from_the_lock_to_25_db() {
+        let qualities = [f64::NEG_INFINITY, -5.0, 10.0, 25.0, f64::INFINITY].map(|db| link_quality(Db(db)));
+        assert_eq!(qualities, [0, 0, 128, 255, 255]);
+        assert!((-10..40).all(|db| link_quality(Db(f64::from(db))) <= link_quality(Db(f64::from(db + 1)))));
     }
 
     #[test]

@@ -119,7 +119,7 @@ mod station;
 mod world;
 
 pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};
-pub use application::{Application, BoxedApplication, DriveAhead, Driving, Port};
+pub use application::{Application, BoxedApplication, DriveAhead, Driving, Port, RadioPort};
 pub use applications::broadcast::{Broadcast, DuplicateBroadcast};
 pub use applications::controller::{
     CommandOutcome, Controller, Duplicate, Ending, HeardNode, RobotCommand, Situation, StopsLeftOut,
@@ -136,6 +136,7 @@ pub use halo::{AllSimulated, SimulatedPart};
 pub use link::antennas::{Antennas, AntennasConfig, HeadingsConfig, RobotHeadingsConfig};
 pub use link::ieee80211ad::DmgRadio;
 pub use link::ieee802154::{Mac, Radio};
+pub use link::programmed::{Acknowledging, Hearing, Programmed, RadioFrame};
 pub use link::{
     FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig, Technology,
 };
@@ -153,6 +154,8 @@ pub use service::network_id::NetworkId;
 pub use service::outcome::{Deafness, FrameOutcome};
 pub use service::packet_trace::{AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace};
 pub use service::packets::{NetworkRecord, Packets};
+pub use service::radio_error::RadioError;
+pub use service::radio_event::{RadioEvent, ReceivedFrame};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
 pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};

@@ -6,7 +6,7 @@ use sextant_channel::{ChannelLaw, Db, Dbm, ObstacleField, PathBudget, Position};
 use sextant_kernel::{NodeId, SettingError, StationId};
 
 use crate::air::{Aim, Air, Emission, Interface, LinkItems, PlacedRadio, ReceiverId, ReceptionModel, ReceptionRules};
-use crate::engine::bands::{Bands, bands};
+use crate::engine::bands::{Bands, band_of, bands};
 use crate::network::Network;
 use crate::service::network_id::NetworkId;
 use crate::setup::Setup;
@@ -97,15 +97,13 @@ impl LinkBudgets {
         let bands = bands(networks)?;
         let message_loss = setup.faults.message_loss();
         let all = Bands { world, channel_seed: *seed, seed: *seed, round: 0, message_loss };
-        let in_band = |band: &Vec<usize>| band.iter().map(|&network| &networks[network]).collect::<Vec<_>>();
         let mut airs: Vec<Air> = (bands.iter().enumerate())
-            .map(|(i, band)| Air::new(all.air(i, &in_band(band)), fixed.clone(), roll))
+            .map(|(i, band)| Air::new(all.air(i, band, networks), fixed.clone(), roll))
             .collect();
         let mut placed = Vec::with_capacity(networks.len());
         for (number, network) in (0..=u8::MAX).zip(networks) {
             let settings = network.technology.settings();
-            let index = usize::from(number);
-            let air = bands.iter().position(|band| band.contains(&index)).expect("each network is in a band");
+            let air = band_of(&bands, settings.spectrum());
             let rules = (0..roll.nodes).map(|node| settings.rule_of(NodeId::from_index(node)));
             let rules = rules.chain(std::iter::repeat_n(0, roll.robots + roll.sinks));
             let first_receiver = airs[air].add_receivers(settings.reception_rules(), rules, &vec![true; roll.len()]);

@@ -19,6 +19,8 @@ use crate::station::Pose;
 pub struct FrameOnAir<'a> {
     /// The network in which it was sent.
     pub network: NetworkId,
+    /// Number of its radio channel, if programs choose it; if not, that of the settings.
+    pub channel: Option<u8>,
     /// First symbol on air.
     pub start: SimTime,
     /// Time on air.

@@ -9,6 +9,7 @@ use sextant::sim::{self, Application, NetworkId, Timer};
 
 use super::events::{Announcement, Delivery, DriveEnd, SendReport, Sensed, SweepAnswer};
 use super::port::{Port, with_port};
+use super::radio_event::RadioEvent;
 use crate::names::Names;
 use crate::work::Brake;
 
@@ -28,6 +29,7 @@ struct Methods {
     timer: Option<Py<PyAny>>,
     delivered: Option<Py<PyAny>>,
     sent: Option<Py<PyAny>>,
+    radio: Option<Py<PyAny>>,
     sensed: Option<Py<PyAny>>,
     drive_ended: Option<Py<PyAny>>,
     swept: Option<Py<PyAny>>,
@@ -53,6 +55,7 @@ impl Methods {
             timer: own("timer")?,
             delivered: own("delivered")?,
             sent: own("sent")?,
+            radio: own("radio")?,
             sensed: own("sensed")?,
             drive_ended: own("drive_ended")?,
             swept: own("swept")?,
@@ -157,6 +160,17 @@ impl Application for PyApplication {
 
     fn sent(&mut self, network: NetworkId, report: &sim::SendReport, port: &mut sim::Port<'_>) {
         self.call(self.methods.sent.as_ref(), port, |names| One(SendReport::new(network.0, report, names)));
+    }
+
+    fn radio(&mut self, network: NetworkId, event: &sim::RadioEvent<'_>, port: &mut sim::Port<'_>) {
+        match event {
+            sim::RadioEvent::Received(frame) if self.methods.radio.is_none() => {
+                self.delivered(&frame.delivery, port);
+            }
+            event => {
+                self.call(self.methods.radio.as_ref(), port, |names| One(RadioEvent::new(network, event, names)));
+            }
+        }
     }
 
     fn sensed(&mut self, sensed: &sim::Sensed, port: &mut sim::Port<'_>) {

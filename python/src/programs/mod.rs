@@ -4,6 +4,8 @@ mod application;
 mod controller;
 mod events;
 mod port;
+mod radio;
+mod radio_event;
 mod robot;
 mod seeded;
 
@@ -29,6 +31,8 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<robot::Heard>()?;
     module.add_class::<port::Port>()?;
     module.add_class::<port::TimerKey>()?;
+    module.add_class::<radio::Radio>()?;
+    module.add_class::<radio_event::RadioEvent>()?;
     module.add_class::<events::Pose>()?;
     module.add_class::<events::Delivery>()?;
     module.add_class::<events::SendReport>()?;

@@ -13,6 +13,7 @@ use sextant::scenario::Scenario;
 use sextant::sim::{self, Destination, Driving, NetworkId, Payload, SweepKind, Timer};
 
 use super::events::{DriveEnd, Pose, checked_place};
+use super::radio::Radio;
 use super::robot::{checked_arc, direction};
 use super::seeded::Seeded;
 use crate::entries::each_entry_of_dict;
@@ -68,7 +69,7 @@ impl Port {
     }
 
     /// Asks the port of the library.
-    fn ask<T>(&self, ask: impl FnOnce(&mut sim::Port<'_>) -> T) -> PyResult<T> {
+    pub(super) fn ask<T>(&self, ask: impl FnOnce(&mut sim::Port<'_>) -> T) -> PyResult<T> {
         let closed = || PyRuntimeError::new_err("a port can be used only while its application is called");
         if !PORT.is_set() {
             return Err(closed());
@@ -100,6 +101,19 @@ impl Port {
         answer.ok_or_else(|| PyRuntimeError::new_err("the robot drives already; call port.halt() first"))
     }
 
+    /// The station with a name, or all.
+    pub(super) fn destination(&self, to: Option<&str>) -> PyResult<Destination> {
+        let Some(name) = to else { return Ok(Destination::All) };
+        let station = self.names.station(name);
+        let unknown = || PyKeyError::new_err(format!("there is no station `{name}`"));
+        Ok(Destination::Station(station.ok_or_else(unknown)?))
+    }
+
+    /// The name of a station.
+    pub(super) fn name(&self, station: StationId) -> &str {
+        self.names.name(station)
+    }
+
     fn network(&self, network: u8) -> PyResult<NetworkId> {
         if network < self.networks {
             Ok(NetworkId(network))
@@ -111,7 +125,7 @@ impl Port {
 }
 
 /// A span of time.
-fn span(seconds: f64) -> PyResult<Duration> {
+pub(super) fn span(seconds: f64) -> PyResult<Duration> {
     if (0.0..=LONGEST_S).contains(&seconds) {
         Ok(Duration::from_secs_f64(seconds))
     } else {
@@ -200,14 +214,7 @@ impl Port {
     #[pyo3(signature = (payload, to=None, network=0))]
     fn send(&self, payload: &[u8], to: Option<&str>, network: u8) -> PyResult<u32> {
         let network = self.network(network)?;
-        let to = match to {
-            None => Destination::All,
-            Some(name) => {
-                let station = self.names.station(name);
-                let unknown = || PyKeyError::new_err(format!("there is no station `{name}`"));
-                Destination::Station(station.ok_or_else(unknown)?)
-            }
-        };
+        let to = self.destination(to)?;
         let sent = self.ask(|port| port.send(network, to, Payload::Octets(payload)))?;
         let frame = sent.map_err(|why| match why {
             sim::SendError::NoSuchStation(station) => {
@@ -232,6 +239,15 @@ impl Port {
     fn listen(&self, seconds: f64, network: u8) -> PyResult<()> {
         let (span, network) = (span(seconds)?, self.network(network)?);
         self.ask_robot(|port| port.listen(network, span))
+    }
+
+    /// The radio of the station, in a network with `mac.program`.
+    #[pyo3(signature = (network=0))]
+    fn radio(slf: Bound<'_, Self>, network: u8) -> PyResult<Radio> {
+        let port = slf.get();
+        let network = port.network(network)?;
+        port.ask(|port| port.radio(network).map(drop))?.map_err(|why| RunError::new_err(why.to_string()))?;
+        Ok(Radio::new(slf.unbind(), network))
     }
 
     #[pyo3(signature = (network=0))]

@@ -40,6 +40,7 @@ mod named_files;
 mod odometry;
 mod outcomes;
 mod outdoor_paths;
+mod own_radio;
 mod packet_trace;
 mod partial_truth;
 mod parts;

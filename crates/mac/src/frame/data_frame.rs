@@ -23,6 +23,14 @@ static FILLER: [u8; MAX_MPDU_OCTETS as usize] = {
 pub struct DataFrame {
     source: Endpoint,
     destination: Endpoint,
+    asks: Asks,
+}
+
+/// Whether a frame asks for an acknowledgement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Asks {
+    ForAcknowledgement,
+    ForNothing,
 }
 
 impl DataFrame {
@@ -30,14 +38,20 @@ impl DataFrame {
     #[must_use]
     pub fn broadcast(pan: u16, from: StationId) -> Self {
         let source = Endpoint { pan, address: Address::of(from) };
-        Self { source, destination: Endpoint { pan, address: Address::BROADCAST } }
+        Self { source, destination: Endpoint { pan, address: Address::BROADCAST }, asks: Asks::ForNothing }
     }
 
     /// A frame of `from` to one station in `pan`, which must acknowledge it.
     #[must_use]
     pub fn unicast(pan: u16, from: StationId, to: StationId) -> Self {
         let source = Endpoint { pan, address: Address::of(from) };
-        Self { source, destination: Endpoint { pan, address: Address::of(to) } }
+        Self { source, destination: Endpoint { pan, address: Address::of(to) }, asks: Asks::ForAcknowledgement }
+    }
+
+    /// The same, without a request for an acknowledgement.
+    #[must_use]
+    pub fn without_acknowledgement(self) -> Self {
+        Self { asks: Asks::ForNothing, ..self }
     }
 
     /// Size of everything but the payload (octets), FCS included: 11 for two short addresses; each extended address
@@ -72,7 +86,7 @@ impl DataFrame {
     #[must_use]
     pub fn frame<'a>(&self, sequence: u8, payload: &'a [u8]) -> Frame<'a> {
         let mut frame = Frame::data(sequence, self.source, self.destination, payload);
-        frame.ack_request = self.destination.address != Address::BROADCAST;
+        frame.ack_request = self.asks == Asks::ForAcknowledgement;
         frame
     }
 

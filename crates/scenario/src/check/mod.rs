@@ -84,7 +84,7 @@ fn check_in_world(
     let robots = check_robots(config, world.as_ref(), &networks, errors);
     let sinks = check_sinks(config, world.as_ref(), &networks, errors);
     let duration = check_duration(config, errors);
-    check_purpose(config, errors);
+    check_purpose(config, &networks, errors);
     let warm_up = check_warm_up(config, &networks, errors);
     let region = errors.take("simulation", config.simulation.region()).unwrap_or_default();
     let maps = check_maps(config, &networks, errors);
@@ -159,15 +159,16 @@ fn check_duration(config: &ScenarioConfig, errors: &mut Errors) -> Option<Durati
 }
 
 /// Refuses scenarios in which nothing happens, or packets that are for nobody.
-fn check_purpose(config: &ScenarioConfig, errors: &mut Errors) {
+fn check_purpose(config: &ScenarioConfig, networks: &Networks<'_>, errors: &mut Errors) {
     if !config.has_traffic() && config.distributed_mapping.is_none() && config.applications.is_empty() {
         let needed = "at least one robot, or `duration_s` to end a simulation without robots";
         errors.refuse(&SettingError::missing("robots", needed));
     }
-    // Neither a map in the nodes nor what they sense needs a receiver.
+    // Neither a map in the nodes nor what they sense needs a receiver, and nodes with programs receive themselves.
     let surveys = config.robots.iter().any(|robot| robot.role != RoleConfig::Agent);
     let senses = !config.world.targets.is_empty() || !config.world.fields.is_empty();
-    let is_for_nobody = config.sinks.is_empty() && !surveys && config.distributed_mapping.is_none();
+    let is_for_nobody =
+        config.sinks.is_empty() && !surveys && config.distributed_mapping.is_none() && !networks.have_programs();
     if config.duration_s.is_some() && is_for_nobody && !senses && config.applications.is_empty() {
         let needed = "at least one sink in `[[sinks]]`, or a robot that surveys, to receive the packets";
         errors.refuse(&SettingError::missing("sinks", needed));

@@ -47,6 +47,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
         .collect();
     let mut warnings = Warnings { scenario, setup: &setup, found: Vec::new() };
     reaches.iter().for_each(|reach| warnings.loss_at_a_metre(reach));
+    reaches.iter().for_each(|reach| warnings.programs(reach));
     warnings.chips();
     warnings.short_stops(&reaches);
     planned.iter().for_each(|way| warnings.way(way));
@@ -85,6 +86,18 @@ impl Warnings<'_> {
                     "the loss over 1 m is {loss_db:.1} dB, so {power_dbm} dBm is the power at 1 m, as of about \
                      {at_antenna_dbm:.0} dBm at an antenna at 2.4 GHz; remove the key for the loss of free space"
                 ),
+            );
+        }
+    }
+
+    /// Networks whose radios do nothing without programs.
+    fn programs(&mut self, reach: &Reach<'_>) {
+        if reach.network.technology.is_programmed() {
+            let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+            self.warn(
+                format!("{table}mac.program"),
+                "no program comes with a scenario, so the nodes are silent; run it by the library or in Python with programs \
+                 of the nodes",
             );
         }
     }

@@ -88,7 +88,7 @@ impl RunCapture {
         match format {
             FrameFormat::Tap { page, channel, sensitivity } => {
                 let signal = power.map(|power| Signal { power, sensitivity });
-                let channel = self.channel.unwrap_or(channel);
+                let channel = self.channel.or(frame.channel).unwrap_or(channel);
                 capture.frame(&CapturedFrame { start, airtime, mpdu: bytes, channel, page, signal })
             }
             FrameFormat::Radiotap { carrier_hz: of_radio } => {

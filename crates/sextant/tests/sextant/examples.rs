@@ -1,5 +1,7 @@
 //! Each example of the guide runs.
 
+#[path = "../../../../examples/aloha.rs"]
+pub(crate) mod aloha;
 #[path = "../../../../examples/map_log.rs"]
 mod map_log;
 #[path = "../../../../examples/own_application.rs"]
@@ -14,6 +16,10 @@ mod own_mission;
 mod stepped;
 #[path = "../../../../examples/survey.rs"]
 mod survey;
+#[path = "../../../../examples/tdma.rs"]
+pub(crate) mod tdma;
+#[path = "../../../../examples/x_mac.rs"]
+pub(crate) mod x_mac;
 
 #[test]
 fn a_scenario_is_run_and_observed() {
@@ -51,12 +57,20 @@ fn an_own_estimator_is_compared() {
 }
 
 #[test]
+fn channel_access_of_ones_own_is_shown_beside_its_closed_forms() {
+    aloha::main().unwrap();
+    tdma::main().unwrap();
+    x_mac::main().unwrap();
+}
+
+#[test]
 fn the_guide_shows_each_example() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let guide = std::fs::read_to_string(root.join("docs/library.md")).unwrap();
+    let pages = ["docs/library.md", "docs/own-radio.md"];
+    let guide: String = pages.map(|page| std::fs::read_to_string(root.join(page)).unwrap()).concat();
     for example in std::fs::read_dir(root.join("examples")).unwrap() {
         let path = example.unwrap().path();
         let code = std::fs::read_to_string(&path).unwrap();
-        assert!(guide.contains(&code), "docs/library.md does not show {}", path.display());
+        assert!(guide.contains(&code), "{pages:?} do not show {}", path.display());
     }
 }

@@ -3,6 +3,7 @@
 mod disasters;
 mod examples;
 mod mutants;
+mod own_access;
 mod own_missions;
 mod programs;
 mod stepping;

@@ -30,6 +30,8 @@ pub(super) struct Budget {
     floor: Dbm,
     /// Whether shadowing changes with each packet.
     is_per_packet: bool,
+    /// Whether a station may change its transmit power.
+    powers_vary: bool,
     /// Number of stations, which address the slots.
     stations: usize,
     /// The stations that may move.
@@ -76,11 +78,17 @@ impl Budget {
             emission,
             floor,
             is_per_packet,
+            powers_vary: false,
             stations,
             mobile,
             links,
             mobile_links,
         }
+    }
+
+    /// The same, where stations may change their transmit power.
+    pub(super) fn with_varying_powers(self) -> Self {
+        Self { powers_vary: true, ..self }
     }
 
     pub(super) fn channel(&self) -> &Channel {
@@ -153,9 +161,13 @@ impl Budget {
         !self.is_per_packet
     }
 
-    /// Whether the power between the sender of a signal and a station is the same for all its signals: both stand.
+    /// Whether the power between the sender of a signal and a station is the same for all its signals: both stand, and the
+    /// sender keeps its transmit power.
     pub(super) fn stays(&self, signal: &Signal, station: StationId) -> bool {
-        self.is_lasting() && !self.has_antennas() && self.mobile_of(signal.source, station).is_none()
+        self.is_lasting()
+            && !self.powers_vary
+            && !self.has_antennas()
+            && self.mobile_of(signal.source, station).is_none()
     }
 
     /// Power of a signal at a listener without the gains of antennas, if powers last and there are antennas; `None`

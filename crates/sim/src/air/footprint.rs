@@ -204,6 +204,7 @@ mod tests {
             sensing: Duration::ZERO,
             salt: 0,
             message_loss: 0.0,
+            powers_vary: false,
             seed,
         };
         let fixed = places.iter().enumerate().filter(|&(i, _)| i != ROLL.nodes).map(|(_, &place)| place);

@@ -107,6 +107,7 @@ mod tests {
             sensing: std::time::Duration::ZERO,
             salt: 0,
             message_loss: 0.0,
+            powers_vary: false,
             seed: Seed(5),
         };
         let roll = Roll { nodes: 2, robots: 1, sinks: 1 };

@@ -1,6 +1,7 @@
 //! The signals on air, and the receivers that can hear them.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::time::Duration;
 
 use sextant_channel::{Dbm, Milliwatts, Position};
@@ -182,6 +183,19 @@ impl Medium {
         let mut found = false;
         self.signals.near(sense.place, |cell| found = found || cell.iter().any(&mut is_busy));
         found
+    }
+
+    /// Mean power that a radio hears from others in a window.
+    pub(super) fn mean_power(&mut self, sense: &Sense) -> Milliwatts {
+        let (budget, reach_m) = (&mut self.budget, self.reach_m);
+        let signals = self.bursts.iter().chain(&self.recent);
+        let energy: f64 = signals.map(|signal| energy_in(signal, sense, reach_m, budget)).sum();
+        Milliwatts(energy / (sense.to - sense.from).as_secs_f64())
+    }
+
+    /// Start and end of a signal that is on air, or ended within the memory.
+    pub(super) fn span_of(&self, packet: u64) -> Option<Range<SimTime>> {
+        self.recent.iter().find(|signal| signal.packet == packet).map(|signal| signal.start..signal.end)
     }
 
     /// What [`Medium::is_busy`] finds, if the table says so: that one signal is enough, or that the only one is not.

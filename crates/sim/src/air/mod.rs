@@ -3,6 +3,7 @@
 mod budget;
 mod carrier;
 mod cells;
+mod followed;
 mod footprint;
 mod history;
 mod incoming;
@@ -107,16 +108,20 @@ pub(crate) struct AirSettings {
     pub(crate) salt: u64,
     /// Share of the frames, received otherwise, that a receiver loses.
     pub(crate) message_loss: f64,
+    /// Whether stations may change their transmit power.
+    pub(crate) powers_vary: bool,
     pub(crate) seed: Seed,
 }
 
 impl Air {
     pub(crate) fn new(settings: AirSettings, places: impl Iterator<Item = Position> + Clone, roll: Roll) -> Self {
-        let AirSettings { channel, power, noise, gain, floor, sensing, salt, message_loss, seed } = settings;
+        let AirSettings { channel, power, noise, gain, floor, sensing, salt, message_loss, powers_vary, seed } =
+            settings;
         let first_robot = StationId::from_index(roll.nodes).0;
         let mobile = first_robot..StationId::from_index(roll.nodes + roll.robots).0;
         let emission = Emission { power, aim: Aim::Omnidirectional };
         let budget = Budget::new(channel, emission, floor, roll.len(), mobile);
+        let budget = if powers_vary { budget.with_varying_powers() } else { budget };
         Self {
             medium: Medium::new(budget, places, if noise > power { noise } else { power } + gain, floor, sensing),
             receivers: Vec::new(),

@@ -28,6 +28,12 @@ impl Reached {
         self.on_air.push(Listed { packet, receivers });
     }
 
+    /// The receivers that a signal on air has reached so far.
+    pub(super) fn on_air(&self, packet: u64) -> &[(ReceiverId, StationId)] {
+        let listed = self.on_air.iter().find(|listed| listed.packet == packet);
+        listed.map_or(&[], |listed| &listed.receivers)
+    }
+
     /// A receiver starts to listen to a signal that is on air.
     pub(super) fn join(&mut self, packet: u64, receiver: ReceiverId, station: StationId) {
         let Some(listed) = self.on_air.iter_mut().find(|listed| listed.packet == packet) else { return };

@@ -211,6 +211,44 @@ impl Receiver {
         Some(EndedSignal { power, sinr: signal.least_sinr.min(alone), outcome: fate })
     }
 
+    /// Whether the radio is locked on to the signal of `packet`. With the model `overlap`, whether nothing has disturbed that
+    /// so far.
+    pub(crate) fn follows(&mut self, now: SimTime, packet: u64, rules: &ReceptionRules) -> bool {
+        self.settle(now, rules);
+        match rules.model {
+            ReceptionModel::Overlap => {
+                let mut signals = self.signals.iter();
+                signals.any(|signal| signal.packet == packet && signal.tracked && !signal.disturbed)
+            }
+            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => {
+                self.locked.is_some_and(|locked| self.signals[locked].packet == packet)
+            }
+        }
+    }
+
+    /// Until when the radio follows what is at its antenna now: the end of the signal that it is locked on to, or the end of
+    /// the last preamble that it tracks. `None` if it follows nothing. With the model `overlap`, the last end of all signals that
+    /// it tracks. `end_of` is the end of the signal of a packet that
+    /// matters.
+    pub(crate) fn followed_until(
+        &mut self,
+        now: SimTime,
+        rules: &ReceptionRules,
+        end_of: impl Fn(u64) -> Option<SimTime>,
+    ) -> Option<SimTime> {
+        self.settle(now, rules);
+        if let Some(locked) = self.locked {
+            return end_of(self.signals[locked].packet);
+        }
+        let tracked = self.signals.iter().filter(|signal| signal.tracked);
+        match rules.model {
+            ReceptionModel::Overlap => tracked.filter_map(|signal| end_of(signal.packet)).max(),
+            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => {
+                tracked.filter(|signal| end_of(signal.packet).is_some()).map(|signal| signal.preamble_end).max()
+            }
+        }
+    }
+
     /// Removes the signal in a place from the antenna; returns its power.
     #[inline]
     fn remove(&mut self, place: usize) -> Milliwatts {

@@ -233,6 +233,11 @@ impl Transmission {
         self.signal.source
     }
 
+    /// Its number in the air.
+    pub(crate) fn number(&self) -> u64 {
+        self.signal.packet
+    }
+
     /// Start of its first symbol on air.
     pub(crate) fn start(&self) -> SimTime {
         self.signal.start

@@ -4,12 +4,15 @@
 mod ideal;
 mod pointer;
 mod port;
+mod radio;
 
 pub use port::{DriveAhead, Driving, Port};
+pub use radio::RadioPort;
 
 use crate::event::Timer;
 use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
+use crate::service::radio_event::RadioEvent;
 use crate::service::report::SendReport;
 use crate::service::sensed::Sensed;
 use crate::service::sweep::{Announcement, SweepAnswer};
@@ -60,6 +63,14 @@ pub trait Application {
 
     /// A frame that the application gave to [`Port::send`] has ended.
     fn sent(&mut self, _network: NetworkId, _report: &SendReport, _port: &mut Port<'_>) {}
+
+    /// The radio says something that the program commands with [`Port::radio`]. By default, frames for the station and for all
+    /// are [`delivered`](Self::delivered).
+    fn radio(&mut self, _network: NetworkId, event: &RadioEvent<'_>, port: &mut Port<'_>) {
+        if let RadioEvent::Received(frame) = event {
+            self.delivered(&frame.delivery, port);
+        }
+    }
 
     /// A sensor of the node says something.
     fn sensed(&mut self, _sensed: &Sensed, _port: &mut Port<'_>) {}

@@ -5,6 +5,7 @@ use super::port::Port;
 use crate::event::Timer;
 use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
+use crate::service::radio_event::RadioEvent;
 use crate::service::report::SendReport;
 use crate::service::sensed::Sensed;
 use crate::service::sweep::{Announcement, SweepAnswer};
@@ -50,6 +51,10 @@ macro_rules! what_it_points_at {
 
             fn sent(&mut self, network: NetworkId, report: &SendReport, port: &mut Port<'_>) {
                 (**self).sent(network, report, port);
+            }
+
+            fn radio(&mut self, network: NetworkId, event: &RadioEvent<'_>, port: &mut Port<'_>) {
+                (**self).radio(network, event, port);
             }
 
             fn sensed(&mut self, sensed: &Sensed, port: &mut Port<'_>) {

@@ -5,6 +5,7 @@ use crate::application::{Application, Port};
 use crate::event::Timer;
 use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
+use crate::service::radio_event::RadioEvent;
 use crate::service::report::SendReport;
 use crate::service::sensed::Sensed;
 use crate::service::sweep::{Announcement, SweepAnswer};
@@ -95,6 +96,14 @@ impl<N: Application> Application for Standard<N> {
         match self {
             Self::Own(own) => own.sent(network, report, port),
             Self::Robot(journey) => journey.sent(network, report, port),
+            Self::Sink | Self::Absent => {}
+        }
+    }
+
+    fn radio(&mut self, network: NetworkId, event: &RadioEvent<'_>, port: &mut Port<'_>) {
+        match self {
+            Self::Own(own) => own.radio(network, event, port),
+            Self::Robot(journey) => journey.radio(network, event, port),
             Self::Sink | Self::Absent => {}
         }
     }

@@ -6,6 +6,7 @@ use sextant_channel::{Channel, Db, Dbm};
 use sextant_kernel::{Seed, SettingError};
 
 use crate::air::AirSettings;
+use crate::link::settings::Spectrum;
 use crate::network::Network;
 use crate::purpose;
 use crate::world::World;
@@ -13,19 +14,38 @@ use crate::world::World;
 /// Signals this far below the noise may be neglected.
 pub(crate) const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
 
-/// The networks of each band, in the order of their first networks.
+/// A band, and who uses it.
+#[derive(Clone, Debug)]
+pub(crate) struct Band {
+    pub(crate) spectrum: Spectrum,
+    /// The numbers of its networks.
+    pub(crate) networks: Vec<usize>,
+    /// The number of the band whose shadowing it has: its own, or the first one of the network that changes to it.
+    shadowing: usize,
+}
+
+/// The bands in the order of their first networks, and after them those that radios may only change to.
 ///
 /// # Errors
 /// If networks that share a band have different channels, or one of them has sector sweeps.
-pub(crate) fn bands(networks: &[Network]) -> Result<Vec<Vec<usize>>, SettingError> {
-    let mut bands: Vec<Vec<usize>> = Vec::new();
-    for (i, network) in networks.iter().enumerate() {
-        let settings = network.technology.settings();
-        let shares =
-            |band: &&mut Vec<usize>| networks[band[0]].technology.settings().spectrum() == settings.spectrum();
-        match bands.iter_mut().find(shares) {
-            None => bands.push(vec![i]),
+pub(crate) fn bands(networks: &[Network]) -> Result<Vec<Band>, SettingError> {
+    let mut bands: Vec<Band> = Vec::new();
+    let settings = |network: usize| networks[network].technology.settings();
+    let first = (0..networks.len()).map(|i| (i, settings(i).spectrum()));
+    let further = (0..networks.len())
+        .flat_map(|i| settings(i).further_spectra().into_iter().map(move |spectrum| (i, spectrum)));
+    for (i, spectrum) in first.chain(further) {
+        let (network, settings) = (&networks[i], settings(i));
+        match bands.iter_mut().find(|band| band.spectrum == spectrum) {
+            None => {
+                let shadowing = match spectrum == settings.spectrum() {
+                    true => bands.len(),
+                    false => band_of(&bands, settings.spectrum()),
+                };
+                bands.push(Band { spectrum, networks: vec![i], shadowing });
+            }
             Some(band) => {
+                let band = &mut band.networks;
                 if let Some(what) = settings.unshared() {
                     let with = format!("that of network {}: it is the same radio channel", band[0]);
                     let remedy = format!("give each network with {what} its own");
@@ -41,6 +61,14 @@ pub(crate) fn bands(networks: &[Network]) -> Result<Vec<Vec<usize>>, SettingErro
         }
     }
     Ok(bands)
+}
+
+/// The number of the band with this spectrum.
+///
+/// # Panics
+/// If there is none.
+pub(crate) fn band_of(bands: &[Band], spectrum: Spectrum) -> usize {
+    bands.iter().position(|band| band.spectrum == spectrum).expect("each network is in its bands")
 }
 
 /// Refuses settings of links that do not fit together.
@@ -63,11 +91,12 @@ pub(crate) struct Bands<'a> {
 }
 
 impl Bands<'_> {
-    /// The air of the band number `band`, which `networks` share.
-    pub(crate) fn air(&self, band: usize, networks: &[&Network]) -> AirSettings {
-        let channel_seed = match band {
+    /// The air of the band number `number`, which some of `networks` share.
+    pub(crate) fn air(&self, number: usize, band: &Band, networks: &[Network]) -> AirSettings {
+        let networks: Vec<&Network> = band.networks.iter().map(|&network| &networks[network]).collect();
+        let channel_seed = match band.shadowing {
             0 => self.channel_seed,
-            _ => Seed(self.channel_seed.bits(purpose::BAND, [band as u64, 0, 0])),
+            shadowing => Seed(self.channel_seed.bits(purpose::BAND, [shadowing as u64, 0, 0])),
         };
         let settings = || networks.iter().map(|network| network.technology.settings());
         let first = networks[0].technology.settings();
@@ -75,14 +104,15 @@ impl Bands<'_> {
             channel: Channel::new(networks[0].channel, self.world.obstacles.clone(), channel_seed),
             power: Dbm(settings().map(|settings| settings.greatest_tx_power().0).fold(f64::MIN, f64::max)),
             noise: Dbm((self.world.interferers.iter())
-                .filter_map(|interferer| first.power_of(interferer))
+                .filter_map(|interferer| first.power_of(interferer, band.spectrum.channel))
                 .fold(f64::MIN, |greatest, power| greatest.max(power.0))),
             gain: Db(settings().map(|settings| settings.greatest_gain().0).fold(0.0, f64::max)),
             floor: Dbm(settings().map(|settings| settings.noise_floor().0).fold(f64::MAX, f64::min))
                 - NEGLECTED_BELOW_NOISE,
             sensing: settings().map(|settings| settings.carrier_sense()).max().unwrap_or(Duration::ZERO),
-            salt: self.seed.bits(purpose::ROUND, [self.round, band as u64, 0]),
+            salt: self.seed.bits(purpose::ROUND, [self.round, number as u64, 0]),
             message_loss: self.message_loss,
+            powers_vary: settings().any(|settings| settings.powers_vary()),
             seed: self.seed,
         }
     }

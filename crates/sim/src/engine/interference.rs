@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use sextant_kernel::{SimTime, StationId};
 
+use super::bands::Band;
 use crate::air::Burst;
 use crate::event::Event;
 use crate::network::Network;
@@ -27,11 +28,12 @@ pub(super) struct Noise {
 }
 
 /// The noises of all interferers in all bands.
-pub(super) fn noises(interferers: &[Interferer], networks: &[Network], bands: &[Vec<usize>]) -> Vec<Noise> {
+pub(super) fn noises(interferers: &[Interferer], networks: &[Network], bands: &[Band]) -> Vec<Noise> {
     let mut noises = Vec::new();
     for (number, interferer) in (0_u32..).zip(interferers) {
         for (air, band) in bands.iter().enumerate() {
-            let Some(power) = networks[band[0]].technology.settings().power_of(interferer) else { continue };
+            let settings = networks[band.networks[0]].technology.settings();
+            let Some(power) = settings.power_of(interferer, band.spectrum.channel) else { continue };
             let source = StationId(u32::MAX - number);
             let burst = Burst { source, position: interferer.position(), power };
             noises.push(Noise { interferer: interferer.clone(), air, burst, until: SimTime::ZERO, packet: 0 });

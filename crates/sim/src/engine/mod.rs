@@ -22,7 +22,7 @@ use crate::halo::Halo;
 use crate::link::Links;
 use crate::link::antennas::Antennas;
 use crate::link::links::Cut;
-use crate::link::settings::Placement;
+use crate::link::settings::{Berth, Placement};
 use crate::model::log::Logs;
 use crate::model::ranging::Ranging;
 use crate::model::{Model, Vehicle};
@@ -138,23 +138,28 @@ impl<A: Application> Engine<A> {
         let message_loss = setup.faults.message_loss();
         let all = Bands { world, channel_seed, seed: setup.seed, round, message_loss };
         for (i, band) in bands.iter().enumerate() {
-            let in_band: Vec<&Network> = band.iter().map(|&network| &networks[network]).collect();
-            scene.airs.push(Air::new(all.air(i, &in_band), fixed.clone(), roll));
+            scene.airs.push(Air::new(all.air(i, band, networks), fixed.clone(), roll));
         }
         let mut links = Vec::with_capacity(networks.len());
         for (network, id) in networks.iter().zip(ids) {
             let settings = network.technology.settings();
-            let air = bands.iter().position(|band| band.contains(&id.index())).expect("each network is in a band");
             let audience = if settings.always_receives() { vec![true; roll.len()] } else { hears.clone() };
-            let rules = (0..roll.nodes).map(|node| settings.rule_of(NodeId::from_index(node)));
-            let rules = rules.chain(std::iter::repeat_n(0, roll.robots + roll.sinks));
-            let first_receiver = scene.airs[air].add_receivers(settings.reception_rules(), rules, &audience);
+            let mut berth = |spectrum| {
+                let rules = (0..roll.nodes).map(|node| settings.rule_of(NodeId::from_index(node)));
+                let rules = rules.chain(std::iter::repeat_n(0, roll.robots + roll.sinks));
+                let air = bands::band_of(&bands, spectrum);
+                let first_receiver = scene.airs[air].add_receivers(settings.reception_rules(), rules, &audience);
+                Berth { air, first_receiver }
+            };
+            let Berth { air, first_receiver } = berth(settings.spectrum());
+            let further = settings.further_spectra().into_iter().map(berth).collect();
             let placement = Placement {
                 network: id,
                 is_only: networks.len() == 1,
                 radio_states: network.radio_states.clone(),
                 air,
                 first_receiver,
+                further,
                 members: setup.members(id),
                 hears: hears.clone(),
                 coordinator: coordinator.take_if(|_| id == NetworkId::default()),
@@ -356,6 +361,9 @@ impl<A: Application> Engine<A> {
                 Upcall::Swept { .. } => {
                     let answers = port.model.networks[network.index()].take_answers(station);
                     application.swept(network, &answers, &mut port);
+                }
+                Upcall::Radio { news, .. } => {
+                    application.radio(network, &news.event(network, &frame[payload.clone()]), &mut port);
                 }
                 Upcall::Announced { announcement, .. } => application.announced(&announcement, &mut port),
             }

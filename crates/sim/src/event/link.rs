@@ -2,7 +2,7 @@
 
 use sextant_mac::Class;
 
-use super::{ieee80211ad, ieee802154};
+use super::{ieee80211ad, ieee802154, programmed};
 
 /// An event of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +11,8 @@ pub(crate) enum LinkEvent {
     Ieee802154(ieee802154::Event),
     /// Of a link of IEEE 802.11ad.
     Ieee80211ad(ieee80211ad::Event),
+    /// Of a station whose program commands its radio.
+    Programmed(programmed::Event),
 }
 
 impl LinkEvent {
@@ -20,6 +22,7 @@ impl LinkEvent {
         match self {
             Self::Ieee802154(event) => event.class(),
             Self::Ieee80211ad(event) => event.class(),
+            Self::Programmed(event) => event.class(),
         }
     }
 }

@@ -54,18 +54,28 @@ impl FrameSpans {
 }
 
 /// How a radio was used.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct RadioUse {
     /// How long it was in each state.
     pub(super) meter: EnergyMeter,
     pub(super) tx_power: Dbm,
+    /// How long it sent with another power, if a program chose it.
+    pub(super) other_powers: Vec<(Dbm, Duration)>,
     /// The state in which it is as long as its station neither sends nor answers.
     pub(super) rests_in: RadioState,
 }
 
+/// How much more a radio uses that sends for these times with these powers and not with `tx_power` (J).
+pub(super) fn more_j(other_powers: &[(Dbm, Duration)], states: &RadioStates, tx_power: Dbm) -> f64 {
+    let power_w = |power| states.power_w(RadioState::Transmit, power);
+    other_powers.iter().map(|&(power, span)| (power_w(power) - power_w(tx_power)) * span.as_secs_f64()).sum()
+}
+
 impl RadioUse {
     fn spent(&self, states: &RadioStates) -> EnergySpent {
-        self.meter.spent(states, self.tx_power)
+        let mut spent = self.meter.spent(states, self.tx_power);
+        spent.tx_j += more_j(&self.other_powers, states, self.tx_power);
+        spent
     }
 
     /// What it would have used without sending or answering.
@@ -147,9 +157,9 @@ impl Books {
     /// Energy of a time in `state`, above that of the radio at rest.
     fn above_rest(&self, radio: &RadioUse, state: RadioState, span: Duration) -> EnergySpent {
         let mut meter = EnergyMeter::new(state, SimTime::ZERO);
-        let RadioUse { tx_power, rests_in, .. } = *radio;
+        let &RadioUse { tx_power, rests_in, .. } = radio;
         meter.enter(rests_in, SimTime::ZERO + span);
-        let radio = RadioUse { meter, tx_power, rests_in };
+        let radio = RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in };
         radio.spent(&self.radio_states) - radio.at_rest(&self.radio_states)
     }
 }

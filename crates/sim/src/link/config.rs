@@ -5,6 +5,7 @@ use sextant_kernel::SettingError;
 use sextant_mac::Phy;
 use sextant_mac::csma::CsmaConfig;
 use sextant_mac::dmg::SweepConfig;
+use sextant_mac::program::ProgramConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
 
 use super::antennas::AntennasConfig;
@@ -42,7 +43,7 @@ pub struct RadioConfig {
     /// The clock of each node is fast or slow by up to this many millionths, drawn uniformly for each node: 0 to 1000.
     /// Backoffs, airtimes, waiting times and the intervals of periodic traffic follow it. The clocks of robots and sinks
     /// are exact. IEEE 802.15.4 allows 40. Only with `mac.csma_unslotted`: nodes that follow beacons take over the
-    /// clock of the coordinator.
+    /// clock of the coordinator, and programs have exact clocks.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 0.0)))]
     pub clock_ppm: f64,
@@ -128,6 +129,9 @@ pub enum MacConfig {
     /// The first robot, or the first sink if there is no robot, is the coordinator: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in
     /// guaranteed slots (IEEE 802.15.4), in symbols of the physical layer of the radios (`radio.phy`).
     BeaconEnabled(BeaconEnabledConfig),
+    /// No channel access: programs of the stations, given by the library or in Python, command the radios of IEEE 802.15.4
+    /// themselves. Stations without a program are off, but for sinks, which listen. No `traffic` but `silent`.
+    Program(ProgramConfig),
     /// Sector sweeps of IEEE 802.11ad: robots sweep their sectors, and the nodes that hear them answer. Needs a table
     /// `antenna`, and no `traffic`.
     SectorSweep(SweepConfig),
@@ -140,6 +144,12 @@ impl Default for MacConfig {
 }
 
 impl MacConfig {
+    /// Whether programs command the radios.
+    #[must_use]
+    pub fn is_programmed(&self) -> bool {
+        matches!(self, Self::Program(_))
+    }
+
     /// Whether the links sweep sectors. They have antennas then, and nodes send no traffic.
     #[must_use]
     pub fn sweeps_sectors(&self) -> bool {

@@ -21,7 +21,14 @@ pub(super) struct Payloads {
 
 impl Payloads {
     pub(super) fn keep(&mut self, payload: Payload<'_>) -> Content {
-        let Payload::Octets(octets) = payload else { return Content::Filler };
+        match payload {
+            Payload::Octets(octets) => Content::Octets(self.store(octets)),
+            Payload::Filler(_) => Content::Filler,
+        }
+    }
+
+    /// Stores octets in a slot.
+    pub(super) fn store(&mut self, octets: &[u8]) -> u32 {
         let slot = self.free.pop().unwrap_or_else(|| {
             self.slots.push(Vec::new());
             u32::try_from(self.slots.len() - 1).expect("at most 2^32 payloads")
@@ -29,7 +36,7 @@ impl Payloads {
         let kept = &mut self.slots[slot as usize];
         kept.clear();
         kept.extend_from_slice(octets);
-        Content::Octets(slot)
+        slot
     }
 
     pub(super) fn octets(&self, slot: u32) -> &[u8] {
@@ -38,7 +45,12 @@ impl Payloads {
 
     pub(super) fn release(&mut self, content: Content) {
         if let Content::Octets(slot) = content {
-            self.free.push(slot);
+            self.free(slot);
         }
+    }
+
+    /// Gives a slot back.
+    pub(super) fn free(&mut self, slot: u32) {
+        self.free.push(slot);
     }
 }

@@ -27,12 +27,23 @@ pub(crate) struct Placement {
     pub(crate) air: usize,
     /// Number of the first station's receiver there.
     pub(crate) first_receiver: u32,
+    /// The same for the other parts of the spectrum that its radios may change to.
+    pub(crate) further: Vec<Berth>,
     /// Whether each station is in the network; `None` if all are.
     pub(crate) members: Option<Vec<bool>>,
     /// Whether the application of each station looks at what is delivered to it.
     pub(crate) hears: Vec<bool>,
     /// The station that sends beacons, if one does, and its state machine.
     pub(crate) coordinator: Option<(StationId, Coordinator)>,
+}
+
+/// Where the receivers of a network are in an air.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Berth {
+    /// Number of the air.
+    pub(crate) air: usize,
+    /// Number of the first station's receiver there.
+    pub(crate) first_receiver: u32,
 }
 
 /// A part of the radio spectrum: networks that share it disturb each other.
@@ -83,6 +94,16 @@ pub(crate) trait LinkSettings {
     /// The part of the spectrum that it uses.
     fn spectrum(&self) -> Spectrum;
 
+    /// The other parts of the spectrum that its radios may change to.
+    fn further_spectra(&self) -> Vec<Spectrum> {
+        Vec::new()
+    }
+
+    /// Whether stations may change their transmit power, up to that of the settings.
+    fn powers_vary(&self) -> bool {
+        false
+    }
+
     /// Whether networks may share a part of the spectrum; if not, why they do not: what the network has.
     fn unshared(&self) -> Option<&'static str> {
         None
@@ -107,8 +128,8 @@ pub(crate) trait LinkSettings {
         false
     }
 
-    /// Power of an interferer in its channel, if there is any.
-    fn power_of(&self, _interferer: &Interferer) -> Option<Dbm> {
+    /// Power of an interferer in a channel, if there is any.
+    fn power_of(&self, _interferer: &Interferer, _channel: u8) -> Option<Dbm> {
         None
     }
 

@@ -14,6 +14,7 @@ use super::config::{LinkConfig, LinkError, MacConfig};
 use super::ieee80211ad::{self, Ieee80211ad};
 use super::ieee802154::{self, Ieee802154};
 use super::links::{Cut, NetworkLinks};
+use super::programmed::{self, Programmed};
 use super::settings::{LinkSettings, Placement};
 use super::transmitter::Transmitter;
 use crate::event::link::LinkEvent;
@@ -103,6 +104,8 @@ macro_rules! technologies {
 technologies! {$
     /// IEEE 802.15.4.
     MacConfig::CsmaUnslotted(_) | MacConfig::BeaconEnabled(_) => Ieee802154(Ieee802154) in ieee802154;
+    /// Radios of IEEE 802.15.4 that programs command.
+    MacConfig::Program(_) => Programmed(Programmed) in programmed;
     /// Sector sweeps of IEEE 802.11ad.
     MacConfig::SectorSweep(_) => Ieee80211ad(Box<Ieee80211ad>) in ieee80211ad;
 }
@@ -117,6 +120,12 @@ impl Technology {
     /// The same, to change them.
     pub fn ieee802154_mut(&mut self) -> Option<&mut Ieee802154> {
         if let Self::Ieee802154(settings) = self { Some(settings) } else { None }
+    }
+
+    /// Whether programs command the radios.
+    #[must_use]
+    pub fn is_programmed(&self) -> bool {
+        matches!(self, Self::Programmed(_))
     }
 
     /// Transmit power, without antennas; but for groups of nodes.
@@ -191,6 +200,11 @@ impl Technology {
 
 /// The questions of [`NetworkLinks`], to the links of whatever technology.
 impl Links {
+    /// The radios, if programs command them.
+    pub(crate) fn programmed(&mut self) -> Option<&mut programmed::Links> {
+        if let Self::Programmed(links) = self { Some(links) } else { None }
+    }
+
     pub(crate) fn trace(&mut self) {
         ask!(self, links => links.trace());
     }

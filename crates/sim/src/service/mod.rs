@@ -9,6 +9,8 @@ pub(crate) mod network_id;
 pub(crate) mod outcome;
 pub(crate) mod packet_trace;
 pub(crate) mod packets;
+pub(crate) mod radio_error;
+pub(crate) mod radio_event;
 pub(crate) mod report;
 pub(crate) mod sensed;
 pub(crate) mod sweep;

@@ -5,7 +5,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Deafness {
     /// Its receiver was not in use: a robot between its stops, a node that died, a station whose application looks at
-    /// nothing, or no receiver at all.
+    /// nothing, a radio that its program turned off or tuned to another channel, or no receiver at all.
     Off,
     /// Its radio was asleep or idle: between frames, in a backoff, or outside a superframe.
     Asleep,

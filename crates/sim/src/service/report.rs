@@ -45,6 +45,9 @@ pub enum SendError {
     /// The station is not in this network, or has no means to send: with beacons, only nodes send data.
     #[error("this station sends no data in this network")]
     ReceivesOnly,
+    /// The network has no channel access: programs command its radios.
+    #[error("the network has no channel access: with `mac.program`, programs command the radios")]
+    NoChannelAccess,
     /// A frame of this size has no room for its header.
     #[error("the frame has {found} octets; allowed: at least {allowed}")]
     Undersized {

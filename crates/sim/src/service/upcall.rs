@@ -3,6 +3,7 @@
 use sextant_channel::{Db, Milliwatts};
 use sextant_kernel::StationId;
 
+use super::radio_event::RadioNews;
 use super::report::SendReport;
 use super::sweep::Announcement;
 
@@ -24,6 +25,8 @@ pub(crate) enum Upcall {
     Listened { station: StationId },
     /// The sweep of the station is over. The answers are still in the network.
     Swept { station: StationId },
+    /// The radio of the station has news for its program. The payload of a frame is still in the buffer of the network.
+    Radio { station: StationId, news: RadioNews },
     /// The station heard another one that announces itself.
     Announced { station: StationId, announcement: Announcement },
 }
@@ -35,6 +38,7 @@ impl Upcall {
         | Self::Sent { station, .. }
         | Self::Listened { station }
         | Self::Swept { station }
+        | Self::Radio { station, .. }
         | Self::Announced { station, .. }) = *self;
         station
     }

@@ -69,6 +69,11 @@ impl<'a> Stations<'a> {
                 let allowed = "another network: in one with `mac.beacon_enabled` robots send nothing but beacons";
                 return Err(SettingError::new(format!("robots[{i}].role"), found, allowed));
             }
+            if robot.body.networks.iter().any(|id| self.setup.networks[id.index()].technology.is_programmed()) {
+                let found = "anchor, in a network whose programs command the radios";
+                let allowed = "another network: one with `mac.program` has no channel access for its announcements";
+                return Err(SettingError::new(format!("robots[{i}].role"), found, allowed));
+            }
         }
         Ok(())
     }

@@ -25,6 +25,7 @@ mod on_air;
 mod one_shot;
 mod own;
 mod phy;
+mod programs;
 mod queue;
 mod quiet;
 mod ranging;

@@ -109,6 +109,14 @@ pub(crate) fn check_log_of_maps(
             "add a table `[ranging]`, or map a log that has `ranges.csv` by `sextant map LOG --algorithm range-ml`";
         errors.refuse(&SettingError::conflict(format!("maps[{i}].algorithm.range_ml"), with, remedy));
     }
+    let discovers = |map: &&MapJob| {
+        let uses = map.mapper.uses();
+        uses.iter().any(|kind| kind.needs_neighbours() || kind.needs_beacons())
+    };
+    if let Some(map) = maps.iter().find(discovers).filter(|_| networks.first_has_programs()) {
+        let with = format!("the map `{}`, for which nodes send hellos by a channel access", map.name);
+        errors.refuse(&SettingError::conflict("mac.program", with, "leave one of them out"));
+    }
     if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
         return;
     }

@@ -31,6 +31,9 @@ fn check_all_nodes(network: &Network, tables: &NetworkTables<'_>, nodes: usize, 
         MacConfig::BeaconEnabled(_) => {
             SettingError::new("beacon_enabled", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
         }
+        MacConfig::Program(_) => {
+            SettingError::new("program", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
+        }
     };
     errors.refuse(&error.within(&tables.mac.key));
 }

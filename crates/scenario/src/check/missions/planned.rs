@@ -246,11 +246,11 @@ impl Surroundings<'_> {
         let before = errors.found.len();
         let busy: &Network = &self.setup.networks[network.index()];
         if busy.technology.ieee802154().is_none() {
-            let found = busy
-                .name
-                .as_ref()
-                .map_or("one with sector sweeps".to_owned(), |name| format!("`{name}`, with sector sweeps"));
-            let allowed = "a network of IEEE 802.15.4, over which nodes and robots exchange messages";
+            let with = if busy.technology.is_programmed() { "`mac.program`" } else { "sector sweeps" };
+            let found =
+                busy.name.as_ref().map_or(format!("one with {with}"), |name| format!("`{name}`, with {with}"));
+            let allowed =
+                "a network with a channel access of IEEE 802.15.4, over which nodes and robots exchange messages";
             errors.refuse(&SettingError::new("network", found, allowed).within(table));
             return false;
         }

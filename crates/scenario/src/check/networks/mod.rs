@@ -65,6 +65,16 @@ impl<'a> Networks<'a> {
         self.all.iter().any(|network| network.tables.sweeps_sectors())
     }
 
+    /// Whether programs command the radios of any network.
+    pub(crate) fn have_programs(&self) -> bool {
+        self.all.iter().any(|network| network.tables.is_programmed())
+    }
+
+    /// Whether programs command the radios of the first network, in which nodes discover their neighbours.
+    pub(crate) fn first_has_programs(&self) -> bool {
+        self.all.first().is_some_and(|network| network.tables.is_programmed())
+    }
+
     /// The named chips whose energy is counted, though they have not the band of the radios.
     pub(crate) fn foreign_chips(&self) -> Vec<ForeignChip> {
         self.all.iter().filter_map(|network| network.tables.foreign_chip()).collect()

@@ -94,9 +94,14 @@ impl<'a> NetworkTables<'a> {
         self.mac.value.sweeps_sectors()
     }
 
-    /// What its nodes send, if they do not answer sweeps instead.
+    /// Whether programs command its radios.
+    pub(crate) fn is_programmed(&self) -> bool {
+        self.mac.value.is_programmed()
+    }
+
+    /// What its nodes send, if they do not answer sweeps instead, or have programs.
     pub(super) fn traffic_of_nodes(&self) -> Option<&'a TrafficConfig> {
-        self.traffic.value.filter(|_| !self.sweeps_sectors())
+        self.traffic.value.filter(|_| !self.sweeps_sectors() && !self.is_programmed())
     }
 
     /// Whether the network has this table for itself alone.
@@ -184,6 +189,14 @@ impl<'a> NetworkTables<'a> {
                 None
             }
             _ if self.sweeps_sectors() => silent(),
+            Some(traffic) if self.is_programmed() && !matches!(traffic, TrafficConfig::Silent(_)) => {
+                if self.is_its_own(&self.traffic) {
+                    let remedy = "remove the table, because nodes send what their programs say and nothing else";
+                    errors.refuse(&SettingError::conflict(&self.traffic.key, "`mac.program`", remedy));
+                    return None;
+                }
+                silent()
+            }
             // Names of nodes are not known without a world.
             Some(traffic) if nodes.is_none() && traffic.names_nodes() => None,
             Some(traffic) => {
@@ -191,7 +204,7 @@ impl<'a> NetworkTables<'a> {
                 errors.take(&self.traffic.key, plan).filter(|_| nodes.is_some())
             }
             // Nodes that compute a map, or that only take part in applications, send their messages alone.
-            None if config.distributed_mapping.is_some() || !config.has_traffic() => silent(),
+            None if config.distributed_mapping.is_some() || !config.has_traffic() || self.is_programmed() => silent(),
             None => {
                 errors.refuse(&self.missing("traffic"));
                 None

@@ -308,7 +308,8 @@ impl NetworkLinks for Links {
             let state = stack.radio.state;
             stack.radio.meter.enter(state, now);
             let (meter, tx_power) = (stack.radio.meter, self.radios.power());
-            radios.push(RadioUse { meter, tx_power, rests_in: sextant_mac::RadioState::Receive });
+            let rests_in = sextant_mac::RadioState::Receive;
+            radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
             self.ledger.packets[i] = self.ledger.packets[i].with_pending();
         }
         // Nodes that answer do not rest.

@@ -1,7 +1,9 @@
-//! How the frames of a network are told from those of others: PAN and first sequence numbers.
+//! How the frames of a network are told from those of others: PAN, addresses and first sequence numbers.
 
-use sextant_kernel::{Seed, StationId};
+use sextant_kernel::{Seed, SettingError, StationId};
+use sextant_mac::frame::DataFrame;
 
+use crate::link::settings::FrameSize;
 use crate::purpose;
 use crate::service::network_id::NetworkId;
 
@@ -9,12 +11,31 @@ use crate::service::network_id::NetworkId;
 const FIRST_PAN: u16 = 0x5E87;
 
 /// PAN of a network.
-pub(super) fn pan(network: NetworkId) -> u16 {
+pub(in crate::link) fn pan(network: NetworkId) -> u16 {
     FIRST_PAN + u16::from(network.0)
 }
 
 /// The number before that of the first frame of a station.
-pub(super) fn first_sequence(scene_seed: Seed, station: StationId, network: NetworkId) -> u8 {
+pub(in crate::link) fn first_sequence(scene_seed: Seed, station: StationId, network: NetworkId) -> u8 {
     let place = [station.0.into(), network.0.into(), 0];
     scene_seed.bits(purpose::SEQUENCE, place).to_be_bytes()[0]
+}
+
+/// Size of the frame to all that carries a payload of this size (octets).
+pub(in crate::link) fn frame_octets(payload_octets: u16) -> u16 {
+    payload_octets + u16::from(DataFrame::broadcast(0, StationId(0)).overhead_octets())
+}
+
+/// Refuses frames without room for the addresses.
+///
+/// # Errors
+/// With the key `mpdu_octets`.
+pub(in crate::link) fn check_frame(frame: FrameSize) -> Result<(), SettingError> {
+    let FrameSize { network, from, mpdu_octets, acknowledged } = frame;
+    let pan = pan(network);
+    let header = match acknowledged {
+        true => DataFrame::unicast(pan, from, from),
+        false => DataFrame::broadcast(pan, from),
+    };
+    header.filler(mpdu_octets).map(|_| ())
 }

@@ -264,7 +264,8 @@ impl NetworkLinks for Links {
             let state = stack.state();
             stack.meter.enter(state, now);
             let rests_in = if i < self.nodes { self.rests_in } else { RadioState::Receive };
-            radios.push(RadioUse { meter: stack.meter, tx_power: stack.tx_power, rests_in });
+            let (meter, tx_power) = (stack.meter, stack.tx_power);
+            radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
             let packets = &mut self.ledger.packets[i];
             let counts = |frame: &QueuedFrame| frame.offered >= self.ledger.counted_from;
             packets.pending = stack.waiting.iter().filter(|frame| counts(frame)).count() as u64;

@@ -29,9 +29,10 @@ impl TryFrom<MacConfig> for Mac {
             MacConfig::BeaconEnabled(beacons) => BeaconEnabled::try_from(beacons)
                 .map(Self::BeaconEnabled)
                 .map_err(|error| error.within("beacon_enabled")),
-            MacConfig::SectorSweep(_) => {
+            MacConfig::Program(_) | MacConfig::SectorSweep(_) => {
+                let key = if config.is_programmed() { "program" } else { "sector_sweep" };
                 let allowed = "`csma_unslotted` or `beacon_enabled`, the channel access of IEEE 802.15.4";
-                Err(SettingError::new("sector_sweep", "set for IEEE 802.15.4", allowed))
+                Err(SettingError::new(key, "set for IEEE 802.15.4", allowed))
             }
         }
     }

@@ -7,11 +7,14 @@ mod mac;
 mod plan;
 mod radio;
 mod settings;
+mod spectrum;
 mod stack;
 mod transceiver;
 
+pub(super) use addressing::{check_frame, first_sequence, frame_octets, pan};
 pub(super) use links::Links;
 pub use mac::Mac;
+pub(super) use radio::Levels;
 pub use radio::Radio;
 pub use settings::Ieee802154;
 pub(super) use settings::Ieee802154 as Settings;

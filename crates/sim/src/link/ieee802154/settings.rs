@@ -2,18 +2,15 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Db, Dbm};
-use sextant_kernel::{Files, NodeId, Seed, SettingError, StationId};
+use sextant_channel::Dbm;
+use sextant_kernel::{Files, NodeId, Seed, SettingError};
+use sextant_mac::RadioState;
 use sextant_mac::coordinator::Coordinator;
-use sextant_mac::frame::DataFrame;
-use sextant_mac::{Band, Phy, RadioState, oqpsk};
 
-use super::addressing::pan;
+use super::addressing::{check_frame, frame_octets};
 use super::plan::coordinator;
-use super::radio::Levels;
 use super::{Mac, Radio};
 use crate::air::{ReceptionModel, ReceptionRules};
-use crate::link;
 use crate::link::capture::FrameFormat;
 use crate::link::clock::Clock;
 use crate::link::config::{LinkConfig, LinkError};
@@ -22,9 +19,6 @@ use crate::link::settings::{FrameSize, LinkSettings, Spectrum};
 use crate::service::network_id::NetworkId;
 use crate::world::interferer::Interferer;
 use crate::world::layout::PlacedNode;
-
-/// Minimum ratio of signal to interference and noise at which a radio locks on to a frame.
-const LOCK_THRESHOLD: Db = Db(-5.0);
 
 /// Links of IEEE 802.15.4.
 #[derive(Clone, Debug)]
@@ -101,27 +95,11 @@ impl LinkSettings for Ieee802154 {
     }
 
     fn spectrum(&self) -> Spectrum {
-        let band = match self.radio.phy().band() {
-            Band::Mhz868 => "868 MHz",
-            Band::Mhz915 => "915 MHz",
-            Band::Mhz2450 => "2450 MHz",
-        };
-        Spectrum { band, channel: self.radio.channel() }
+        self.radio.spectrum(self.radio.channel())
     }
 
     fn reception_rules(&self) -> Vec<ReceptionRules> {
-        let phy = self.radio.phy();
-        let rules = |levels: &Levels| ReceptionRules {
-            model: self.reception,
-            sensitivity: levels.sensitivity.to_milliwatts(),
-            noise: levels.noise_floor.to_milliwatts(),
-            lock: LOCK_THRESHOLD.to_factor(),
-            carrier: None,
-            preamble: phy.synchronisation_header() - phy.octet(),
-            bit_rate_hz: phy.bit_rate_per_s(),
-            bit_error_rate: oqpsk::bit_error_rate,
-        };
-        self.radio.all_levels().map(rules).collect()
+        self.radio.reception_rules(self.reception)
     }
 
     fn rule_of(&self, node: NodeId) -> u16 {
@@ -132,27 +110,17 @@ impl LinkSettings for Ieee802154 {
         self.radio.phy().cca()
     }
 
-    fn power_of(&self, interferer: &Interferer) -> Option<Dbm> {
-        let phy = self.radio.phy();
-        interferer.power_in(phy.center_mhz(self.radio.channel()), phy.bandwidth_mhz())
+    fn power_of(&self, interferer: &Interferer, channel: u8) -> Option<Dbm> {
+        self.radio.power_of(interferer, channel)
     }
 
     fn check(&self) -> Result<(), SettingError> {
-        let phy = self.radio.phy();
-        if phy != Phy::Oqpsk2450 {
-            link::refuse_bit_errors(self.reception, &format!("a radio with `phy = \"{}\"`", phy.name()))?;
-        }
+        self.radio.check_reception(self.reception)?;
         self.check_clocks().map_err(|error| error.within("radio"))
     }
 
     fn check_frame(&self, frame: FrameSize) -> Result<(), SettingError> {
-        let FrameSize { network, from, mpdu_octets, acknowledged } = frame;
-        let pan = pan(network);
-        let header = match acknowledged {
-            true => DataFrame::unicast(pan, from, from),
-            false => DataFrame::broadcast(pan, from),
-        };
-        header.filler(mpdu_octets).map(|_| ())
+        check_frame(frame)
     }
 
     fn clock(&self, seed: Seed, network: NetworkId, node: NodeId) -> Clock {
@@ -175,12 +143,11 @@ impl LinkSettings for Ieee802154 {
     }
 
     fn frame_format(&self) -> FrameFormat {
-        let Self { radio, .. } = self;
-        FrameFormat::Tap { page: radio.phy().page(), channel: radio.channel(), sensitivity: radio.sensitivity() }
+        self.radio.frame_format()
     }
 
     fn frame_octets(&self, payload_octets: u16) -> u16 {
-        payload_octets + u16::from(DataFrame::broadcast(0, StationId(0)).overhead_octets())
+        frame_octets(payload_octets)
     }
 
     fn airtime(&self, frame_octets: u16) -> Option<Duration> {

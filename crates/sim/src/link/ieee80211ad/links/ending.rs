@@ -174,6 +174,7 @@ impl Links {
         tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
         observer.framed(FrameOnAir {
             network: self.radios.network,
+            channel: None,
             start: transmission.start(),
             airtime: scene.now - transmission.start(),
             source: transmission.source(),
