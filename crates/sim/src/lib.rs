@@ -79,6 +79,7 @@
 //!     radio_states: RadioStates::cc2420(),
 //!     traffic: TrafficPlan::silent(2),
 //!     ranging: None,
+//!     link_trace: None,
 //!     members: None,
 //! };
 //! let world = World { nodes: vec![node(0.0), node(3.0)], ..World::default() };
@@ -103,6 +104,7 @@ mod faults;
 mod halo;
 mod link;
 mod link_budget;
+mod link_trace;
 mod model;
 mod network;
 mod observer;
@@ -140,6 +142,7 @@ pub use link::{
     FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig, Technology,
 };
 pub use link_budget::{LinkBudget, LinkBudgets, LinkReception};
+pub use link_trace::{LinkTraceConfig, NetworkTrace, OtherLinksConfig, TraceStations};
 pub use network::Network;
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};

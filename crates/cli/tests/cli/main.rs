@@ -18,6 +18,7 @@ mod doctor;
 mod drive;
 mod explain;
 mod export;
+mod fading;
 mod failing_disk;
 mod faults;
 mod figure;

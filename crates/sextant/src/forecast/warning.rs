@@ -53,18 +53,19 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     warnings.out_of_reach(&planned);
     warnings.sinks(&reaches);
     reaches.iter().for_each(|reach| warnings.endless_cuts(reach));
+    reaches.iter().for_each(|reach| warnings.changes(reach));
     warnings.obstacles(&reaches, &planned);
     warnings.found
 }
 
-struct Warnings<'a> {
+pub(super) struct Warnings<'a> {
     scenario: &'a Scenario,
-    setup: &'a Setup,
+    pub(super) setup: &'a Setup,
     found: Vec<Warning>,
 }
 
 impl Warnings<'_> {
-    fn warn(&mut self, key: impl Into<String>, message: impl Into<String>) {
+    pub(super) fn warn(&mut self, key: impl Into<String>, message: impl Into<String>) {
         // The robots of a team have one table.
         let warning = Warning { key: key.into(), message: message.into() };
         if !self.found.contains(&warning) {
@@ -190,6 +191,9 @@ impl Warnings<'_> {
     fn sinks(&mut self, reaches: &[Reach<'_>]) {
         for (i, sink) in self.setup.sinks.iter().enumerate() {
             let is_in = |reach: &&Reach<'_>| sink.is_in(reach.id);
+            if reaches.iter().filter(is_in).any(Reach::is_measured) {
+                continue;
+            }
             let mut heard = reaches.iter().filter(is_in).flat_map(|reach| {
                 reach.in_reach(sink.position).map(|(_, from)| reach.probability(*from, sink.position))
             });

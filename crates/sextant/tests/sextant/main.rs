@@ -1,7 +1,10 @@
 //! The library as its users call it.
 
+#![allow(clippy::disallowed_methods, reason = "oracles may be those of the C library")]
+
 mod disasters;
 mod examples;
+mod fading;
 mod mutants;
 mod own_missions;
 mod programs;

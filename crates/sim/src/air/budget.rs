@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
+use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position, Traced};
 use sextant_kernel::{SimTime, StationId};
 
+use super::changes::Changes;
 use super::items::LinkItems;
 use super::listener::Listener;
 use super::mounts::Mounts;
@@ -30,6 +31,8 @@ pub(super) struct Budget {
     floor: Dbm,
     /// Whether shadowing changes with each packet.
     is_per_packet: bool,
+    /// What changes links in time, if anything does.
+    changes: Option<Box<Changes>>,
     /// Number of stations, which address the slots.
     stations: usize,
     /// The stations that may move.
@@ -44,8 +47,8 @@ pub(super) struct Budget {
 struct Remembered {
     /// One plus the address of the link; zero if there is none.
     link: u64,
-    /// Mean power (dBm) if each packet has its shadowing or antennas have sectors, or else the power (mW). Not a
-    /// number beyond the radius of communication.
+    /// Mean power (dBm) if each packet has its shadowing, or power (dBm) if antennas have sectors or links change in time, or
+    /// else the power (mW). Not a number beyond the radius of communication.
     power: f64,
 }
 
@@ -61,7 +64,14 @@ struct RememberedMobile {
 
 impl Budget {
     /// The budget of `stations` stations, of which `mobile` may move.
-    pub(super) fn new(channel: Channel, emission: Emission, floor: Dbm, stations: usize, mobile: Range<u32>) -> Self {
+    pub(super) fn new(
+        channel: Channel,
+        changes: Option<Changes>,
+        emission: Emission,
+        floor: Dbm,
+        stations: usize,
+        mobile: Range<u32>,
+    ) -> Self {
         let is_per_packet = channel.law().shadowing().is_per_packet();
         let slots = if stations.saturating_mul(stations) < LINKS { stations * stations } else { LINKS };
         let links = vec![Remembered::default(); slots];
@@ -76,6 +86,7 @@ impl Budget {
             emission,
             floor,
             is_per_packet,
+            changes: changes.map(Box::new),
             stations,
             mobile,
             links,
@@ -115,6 +126,14 @@ impl Budget {
     #[inline]
     pub(super) fn power_at(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Milliwatts> {
         let &Listener { station, place, .. } = listener;
+        if let Some(changes) = &self.changes {
+            match changes.traced(signal, station) {
+                Traced::Law => {}
+                traced @ (Traced::Measured(_) | Traced::Silent) => {
+                    return changes.strength(traced).map(Dbm::to_milliwatts);
+                }
+            }
+        }
         if !self.remembers(signal) {
             let mean = self.mean(signal, place)?;
             return Some(self.milliwatts(self.with_shadowing(mean, signal, listener), signal, listener));
@@ -142,7 +161,7 @@ impl Budget {
             let shadowed = self.with_shadowing(Dbm(remembered.power), signal, listener);
             return Some(self.milliwatts(shadowed, signal, listener));
         }
-        if self.has_antennas() {
+        if self.is_in_decibels() {
             return Some(self.milliwatts(Dbm(remembered.power), signal, listener));
         }
         Some(Milliwatts(remembered.power))
@@ -150,7 +169,18 @@ impl Budget {
 
     /// Whether the power between two places is the same for all packets.
     pub(super) fn is_lasting(&self) -> bool {
-        !self.is_per_packet
+        !self.is_per_packet && self.changes.is_none()
+    }
+
+    /// Whether the lasting part of a power is not all of it, so that it is remembered in decibels.
+    #[inline]
+    fn is_in_decibels(&self) -> bool {
+        self.has_antennas() || self.changes.is_some()
+    }
+
+    /// What changes links in time, if anything does.
+    pub(super) fn changes(&self) -> Option<&Changes> {
+        self.changes.as_deref()
     }
 
     /// Whether the power between the sender of a signal and a station is the same for all its signals: both stand.
@@ -193,7 +223,7 @@ impl Budget {
         match self.mean(signal, listener.place) {
             None => f64::NAN,
             Some(mean) if self.is_per_packet => mean.0,
-            Some(mean) if self.has_antennas() => self.with_shadowing(mean, signal, listener).0,
+            Some(mean) if self.is_in_decibels() => self.with_shadowing(mean, signal, listener).0,
             Some(mean) => self.with_shadowing(mean, signal, listener).to_milliwatts().0,
         }
     }
@@ -239,9 +269,15 @@ impl Budget {
         self.channel.mean_power(signal.emission.power, signal.position, place)
     }
 
-    /// The power at the listener, with the gains of both antennas if there are any; zero if it is negligible then.
+    /// The power at the listener, with what changes the link at the start of the signal and the gains of both antennas, if
+    /// there are any; zero if it is negligible then. All powers of signals come through here, but for those that last and have
+    /// no such gains.
     #[inline]
     pub(super) fn milliwatts(&mut self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Milliwatts {
+        let power = match &mut self.changes {
+            Some(changes) => power + changes.gain(signal, listener),
+            None => power,
+        };
         if !self.has_antennas() {
             return power.to_milliwatts();
         }
@@ -283,6 +319,10 @@ impl Budget {
         let mean = self.mean(signal, listener.place)?;
         let path = self.channel.budget(signal.position, listener.place)?;
         let shadowed = if self.is_per_packet { mean } else { self.with_shadowing(mean, signal, listener) };
+        let lasting = self.changes.as_mut().filter(|changes| changes.fades_for_good());
+        let fading = lasting.map(|changes| changes.fade(signal, listener));
+        let traced = self.changes.as_ref().map_or(Traced::Law, |changes| changes.traced(signal, listener.station));
+        let strength = self.changes.as_ref().and_then(|changes| changes.strength(traced));
         let (transmit_gain, receive_gain) = match self.has_antennas() {
             true => self.gains(signal, listener),
             false => (Db(0.0), Db(0.0)),
@@ -292,7 +332,12 @@ impl Budget {
             shadowing: (!self.is_per_packet).then(|| shadowed - mean),
             transmit_gain,
             receive_gain,
-            power: shadowed + transmit_gain + receive_gain,
+            fading,
+            traced,
+            power: match traced {
+                Traced::Law => shadowed + fading.unwrap_or_default() + transmit_gain + receive_gain,
+                Traced::Measured(_) | Traced::Silent => strength.unwrap_or(Dbm::SILENCE),
+            },
         })
     }
 

@@ -3,6 +3,7 @@
 mod budget;
 mod carrier;
 mod cells;
+mod changes;
 mod footprint;
 mod history;
 mod incoming;
@@ -37,6 +38,7 @@ use medium::Medium;
 use reached::Reached;
 use receiver::Receiver;
 
+pub(crate) use changes::{Changes, Links as ChangingLinks};
 pub(crate) use interface::Interface;
 pub(crate) use items::{LinkItems, PlacedRadio};
 pub(crate) use mounts::{Holder, Mount};
@@ -93,6 +95,8 @@ pub(crate) struct Air {
 /// Settings of the air.
 pub(crate) struct AirSettings {
     pub(crate) channel: Channel,
+    /// What changes links in time, if anything does.
+    pub(crate) changes: Option<Changes>,
     /// Largest transmit power.
     pub(crate) power: Dbm,
     /// Largest power of an interferer; far below all others if there is none.
@@ -112,11 +116,11 @@ pub(crate) struct AirSettings {
 
 impl Air {
     pub(crate) fn new(settings: AirSettings, places: impl Iterator<Item = Position> + Clone, roll: Roll) -> Self {
-        let AirSettings { channel, power, noise, gain, floor, sensing, salt, message_loss, seed } = settings;
+        let AirSettings { channel, changes, power, noise, gain, floor, sensing, salt, message_loss, seed } = settings;
         let first_robot = StationId::from_index(roll.nodes).0;
         let mobile = first_robot..StationId::from_index(roll.nodes + roll.robots).0;
         let emission = Emission { power, aim: Aim::Omnidirectional };
-        let budget = Budget::new(channel, emission, floor, roll.len(), mobile);
+        let budget = Budget::new(channel, changes, emission, floor, roll.len(), mobile);
         Self {
             medium: Medium::new(budget, places, if noise > power { noise } else { power } + gain, floor, sensing),
             receivers: Vec::new(),

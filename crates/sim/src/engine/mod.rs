@@ -136,7 +136,7 @@ impl<A: Application> Engine<A> {
         }
         let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
         let message_loss = setup.faults.message_loss();
-        let all = Bands { world, channel_seed, seed: setup.seed, round, message_loss };
+        let all = Bands { world, channel_seed, seed: setup.seed, round, message_loss, roll };
         for (i, band) in bands.iter().enumerate() {
             let in_band: Vec<&Network> = band.iter().map(|&network| &networks[network]).collect();
             scene.airs.push(Air::new(all.air(i, &in_band), fixed.clone(), roll));

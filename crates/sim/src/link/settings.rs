@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Db, Dbm};
+use sextant_channel::{Db, Dbm, FadingBand};
 use sextant_kernel::{NodeId, Seed, SettingError, StationId};
 use sextant_mac::RadioStates;
 use sextant_mac::coordinator::Coordinator;
@@ -82,6 +82,9 @@ pub(crate) trait LinkSettings {
 
     /// The part of the spectrum that it uses.
     fn spectrum(&self) -> Spectrum;
+
+    /// Where its links fade: the same frequency for all of its band, and that of its radio channel.
+    fn fading_band(&self) -> FadingBand;
 
     /// Whether networks may share a part of the spectrum; if not, why they do not: what the network has.
     fn unshared(&self) -> Option<&'static str> {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Db, Dbm};
+use sextant_channel::{Db, Dbm, FadingBand};
 use sextant_kernel::{Files, NodeId, Seed, SettingError, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::DataFrame;
@@ -107,6 +107,16 @@ impl LinkSettings for Ieee802154 {
             Band::Mhz2450 => "2450 MHz",
         };
         Spectrum { band, channel: self.radio.channel() }
+    }
+
+    fn fading_band(&self) -> FadingBand {
+        let reference_hz = match self.radio.phy().band() {
+            Band::Mhz868 => 868.3e6,
+            Band::Mhz915 => 915e6,
+            Band::Mhz2450 => 2440e6,
+        };
+        let center_hz = 1e6 * self.radio.phy().center_mhz(self.radio.channel());
+        FadingBand { reference_hz, center_hz }
     }
 
     fn reception_rules(&self) -> Vec<ReceptionRules> {
