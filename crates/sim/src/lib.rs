@@ -171,6 +171,9 @@ pub use world::anchors::{AnchorsConfig, OptimisedAnchorsConfig};
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};
 pub use world::interferer::{Interferer, InterfererConfig};
 pub use world::layout::NodesOfGroup;
+pub use world::motion::{
+    MotionFileConfig, MotionFormat, NodeMotion, NodeMotionConfig, NodeWayConfig, RandomWaypointConfig,
+};
 pub use world::sensors::{FieldSensor, FieldSensorConfig, Sensors, SensorsConfig, TargetSensor, TargetSensorConfig};
 pub use world::target::{
     AtEnd, Course, EvadeConfig, Leg, RandomWalkConfig, StraightConfig, Target, TargetConfig, TargetMotionConfig,

@@ -14,7 +14,7 @@ const BAND: FadingBand = FadingBand { reference_hz: 2.44e9, center_hz: 2.44e9 };
 const WAVES: i32 = 16;
 
 fn fading(config: FadingConfig, seed: u64) -> Fading {
-    Fading::new(FadingLaw::try_from(config).unwrap(), BAND, Seed(seed))
+    Fading::new(FadingLaw::try_from(config).expect("a good law"), BAND, Seed(seed))
 }
 
 fn end(station: u32, x_m: f64, y_m: f64) -> FadingEnd {
@@ -96,7 +96,7 @@ fn rician_and_nakagami_gains_have_their_laws_as_fields_and_in_blocks() {
     for config in [rician(0.0), rician(6.0), rician(12.0), nakagami(0.5), nakagami(1.5), nakagami(2.0), nakagami(4.0)]
     {
         for config in [config, FadingConfig { block_s: Some(0.4), ..config }] {
-            let law = FadingLaw::try_from(config).unwrap();
+            let law = FadingLaw::try_from(config).expect("a good law");
             let distance = kolmogorov(gains(config, COUNT), |x| law.share_below(Db::from_factor(x)));
             assert!(distance < most, "{config:?}: {distance}");
         }

@@ -37,6 +37,7 @@ mod log_folders;
 mod map;
 mod map_figure;
 mod metrics_page;
+mod moving;
 mod named_files;
 mod odometry;
 mod outcomes;

@@ -189,6 +189,9 @@ impl Warnings<'_> {
 
     /// Sinks that hear no node.
     fn sinks(&mut self, reaches: &[Reach<'_>]) {
+        if !self.setup.world.motions.is_empty() {
+            return;
+        }
         for (i, sink) in self.setup.sinks.iter().enumerate() {
             let is_in = |reach: &&Reach<'_>| sink.is_in(reach.id);
             if reaches.iter().filter(is_in).any(Reach::is_measured) {
@@ -208,6 +211,9 @@ impl Warnings<'_> {
 
     /// Obstacles that change neither signals nor ways of robots.
     fn obstacles(&mut self, reaches: &[Reach<'_>], planned: &[Way<'_>]) {
+        if !self.setup.world.motions.is_empty() {
+            return;
+        }
         let idle = Audience { scenario: self.scenario, setup: self.setup, reaches, planned }.idle_obstacles();
         let walls = &self.setup.world.walls;
         let pieces = walls.first().map_or(usize::MAX, |pieces| pieces.start);

@@ -5,6 +5,7 @@
 mod disasters;
 mod examples;
 mod fading;
+mod moving;
 mod mutants;
 mod own_missions;
 mod programs;

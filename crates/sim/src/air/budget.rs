@@ -35,8 +35,10 @@ pub(super) struct Budget {
     changes: Option<Box<Changes>>,
     /// Number of stations, which address the slots.
     stations: usize,
-    /// The stations that may move.
+    /// The robots, which may move, ...
     mobile: Range<u32>,
+    /// ... and the nodes that move, in their order.
+    moving: Vec<StationId>,
     links: Vec<Remembered>,
     /// By station that moves, then by other station.
     mobile_links: Vec<RememberedMobile>,
@@ -89,9 +91,21 @@ impl Budget {
             changes: changes.map(Box::new),
             stations,
             mobile,
+            moving: Vec::new(),
             links,
             mobile_links,
         }
+    }
+
+    /// These nodes move too, in their order. Called before the first signal.
+    pub(super) fn let_move(&mut self, nodes: Vec<StationId>) {
+        let nowhere = Position::new(f64::NAN, f64::NAN, f64::NAN);
+        let unknown = RememberedMobile { places: [nowhere; 2], power: f64::NAN };
+        // Of more nodes nothing is remembered: they move, so that it would seldom help.
+        if nodes.len().saturating_mul(self.stations) <= LINKS {
+            self.mobile_links.resize((self.mobile.len() + nodes.len()) * self.stations, unknown);
+        }
+        self.moving = nodes;
     }
 
     pub(super) fn channel(&self) -> &Channel {
@@ -231,17 +245,20 @@ impl Budget {
     /// The place of a link among those of stations that move: the one that moves, and the other.
     #[inline]
     fn mobile_of(&self, source: StationId, listener: StationId) -> Option<usize> {
-        let of = |moving: StationId, other: StationId| {
-            let moving = moving.0.checked_sub(self.mobile.start)?;
-            Some(moving as usize * self.stations + other.index())
-        };
-        if self.mobile.contains(&listener.0) {
-            of(listener, source)
-        } else if self.mobile.contains(&source.0) {
-            of(source, listener)
-        } else {
-            None
+        let of = |moving: StationId, other: StationId| Some(self.number_of(moving)? * self.stations + other.index());
+        of(listener, source).or_else(|| of(source, listener))
+    }
+
+    /// The number of a station among those that move.
+    #[inline]
+    fn number_of(&self, station: StationId) -> Option<usize> {
+        if self.mobile.contains(&station.0) {
+            return Some((station.0 - self.mobile.start) as usize);
         }
+        if self.moving.is_empty() {
+            return None;
+        }
+        self.moving.binary_search(&station).ok().map(|node| self.mobile.len() + node)
     }
 
     /// What is the same for all packets of a link of a station that moves, while both stand: see [`RememberedMobile`]. It
@@ -252,8 +269,9 @@ impl Budget {
             // Most nodes of a large network are far from a robot: nothing needs to be remembered of them.
             return f64::NAN;
         }
-        let known = self.mobile_links[link];
-        if known.places == [source, place] || known.places == [place, source] {
+        if let Some(known) = self.mobile_links.get(link)
+            && (known.places == [source, place] || known.places == [place, source])
+        {
             return known.power;
         }
         let power = match self.mean(signal, place) {
@@ -261,7 +279,9 @@ impl Budget {
             Some(mean) if self.is_per_packet => mean.0,
             Some(mean) => self.with_shadowing(mean, signal, listener).0,
         };
-        self.mobile_links[link] = RememberedMobile { places: [source, place], power };
+        if let Some(known) = self.mobile_links.get_mut(link) {
+            *known = RememberedMobile { places: [source, place], power };
+        }
         power
     }
 

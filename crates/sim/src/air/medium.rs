@@ -82,6 +82,11 @@ impl Medium {
         self.budget.mounts_mut()
     }
 
+    /// These nodes move, in their order.
+    pub(crate) fn let_move(&mut self, nodes: Vec<StationId>) {
+        self.budget.let_move(nodes);
+    }
+
     /// Adds radios that may sense the carrier.
     pub(crate) fn add_radios(&mut self, radios: usize) {
         self.carrier.add(radios);

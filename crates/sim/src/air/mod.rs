@@ -69,6 +69,8 @@ pub(crate) struct Air {
     /// ... and which of them each receiver has.
     rules_of: Vec<u32>,
     roll: Roll,
+    /// The nodes that move, in their order.
+    moving: Vec<StationId>,
     /// The receivers of the audience of each network.
     audiences: Vec<Vec<ReceiverId>>,
     /// Number of receivers of each network that listen and are in its audience.
@@ -128,6 +130,7 @@ impl Air {
             rules: Vec::new(),
             rules_of: Vec::new(),
             roll,
+            moving: Vec::new(),
             audiences: Vec::new(),
             audience_listening: Vec::new(),
             packets: 0,
@@ -142,6 +145,13 @@ impl Air {
             carrier_changes: Vec::new(),
             history: None,
         }
+    }
+
+    /// The same air, in which the nodes `moving` move, in their order. Called before the start.
+    pub(crate) fn with_moving(mut self, moving: Vec<StationId>) -> Self {
+        self.medium.let_move(moving.clone());
+        self.moving = moving;
+        self
     }
 
     /// Adds a network: a receiver for each station, with one of these `rules`, whose number `rules_of` tells; `audience`
@@ -180,7 +190,8 @@ impl Air {
 
     fn is_mobile(&self, station: StationId) -> bool {
         let index = station.index();
-        index >= self.roll.nodes && index < self.roll.nodes + self.roll.robots
+        let is_robot = index >= self.roll.nodes && index < self.roll.nodes + self.roll.robots;
+        is_robot || !self.moving.is_empty() && self.moving.binary_search(&station).is_ok()
     }
 
     /// Whether a receiver listens.

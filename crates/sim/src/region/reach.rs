@@ -59,6 +59,14 @@ impl Setup {
     /// How far the signals of nodes reach that send by themselves.
     #[must_use]
     pub fn reach(&self) -> Reach {
+        if !self.world.motions.is_empty() {
+            // Nobody knows where nodes that move will be.
+            return Reach {
+                reception_m: f64::INFINITY,
+                interference_m: f64::INFINITY,
+                carrier_sense_m: f64::INFINITY,
+            };
+        }
         let sends = |network: &&Network| !network.traffic.kinds().all(Traffic::is_silent);
         let reaches = self.networks.iter().filter(sends).map(|network| Reach::of(network, self.world.nodes.len()));
         reaches.fold(Reach::default(), Reach::max)
