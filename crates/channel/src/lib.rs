@@ -8,6 +8,7 @@
 //!
 //! A [`Channel`] is path loss with distance ([`LogDistance`]), absorption along the straight line through obstacles
 //! ([`ObstacleField`], Lambert-Bouguer law) and shadowing ([`Shadowing`]): equations 3.14 to 3.16 of the thesis.
+//! [`Fading`], [`Bursts`] and a [`LinkTrace`] change links in time.
 //! Lengths inside obstacles are exact. All results are reciprocal, bit for bit, and pure functions of their arguments
 //! and the seed.
 //!
@@ -43,6 +44,7 @@
 mod antenna;
 #[cfg(feature = "obstacles")]
 mod channel;
+mod fading;
 mod geometry;
 mod neighbour;
 #[cfg(feature = "obstacles")]
@@ -63,6 +65,11 @@ pub use antenna::{
 };
 #[cfg(feature = "obstacles")]
 pub use channel::Channel;
+pub use fading::bursts::{Bursts, BurstsConfig, BurstsLaw, LinkState};
+pub use fading::config::{FadingConfig, FadingLawConfig, NakagamiConfig, RicianConfig};
+pub use fading::law::FadingLaw;
+pub use fading::process::{Fading, FadingBand, FadingEnd};
+pub use fading::trace::{LinkTrace, OtherLinks, Traced, TracedLink};
 pub use geometry::bounds::Bounds;
 pub use geometry::cell_grid::CellGrid;
 pub use geometry::cell_index::CellIndex;

@@ -10,3 +10,7 @@ pub(crate) const GAIN_RIPPLE: Purpose = Purpose::new(20);
 pub(crate) const RANGING: Purpose = Purpose::new(35);
 /// Biases of nodes in measured ranges.
 pub(crate) const RANGE_BIAS: Purpose = Purpose::new(36);
+/// Fading of links.
+pub(crate) const FADING: Purpose = Purpose::new(50);
+/// Bursts of loss on links.
+pub(crate) const BURSTS: Purpose = Purpose::new(51);

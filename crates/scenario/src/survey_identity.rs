@@ -8,8 +8,8 @@ use sextant_apps::distributed::DistributedMappingConfig;
 use sextant_channel::{ChannelConfig, RangingDeviceConfig};
 use sextant_mac::EnergyConfig;
 use sextant_sim::{
-    AnchorsConfig, AntennasConfig, FaultsConfig, InterfererConfig, MacConfig, RadioConfig, ReceptionConfig,
-    RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+    AnchorsConfig, AntennasConfig, FaultsConfig, InterfererConfig, LinkTraceConfig, MacConfig, RadioConfig,
+    ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
 };
 use sha2::{Digest, Sha256};
 
@@ -30,6 +30,8 @@ struct SurveySettings<'a> {
     sensors: &'a SensorsConfig,
     radio: &'a Option<RadioConfig>,
     channel: &'a ChannelConfig,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    link_trace: &'a Option<LinkTraceConfig>,
     mac: &'a MacConfig,
     traffic: &'a Option<TrafficConfig>,
     reception: &'a Option<ReceptionConfig>,
@@ -68,6 +70,7 @@ impl SurveyIdentity {
             sensors,
             radio,
             channel,
+            link_trace,
             mac,
             traffic,
             reception,
@@ -99,6 +102,7 @@ impl SurveyIdentity {
             sensors,
             radio,
             channel,
+            link_trace,
             mac,
             traffic,
             reception,

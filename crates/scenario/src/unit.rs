@@ -23,6 +23,7 @@ const UNITS: &[(&str, &str)] = &[
     ("rad", "rad"),
     ("ms", "ms"),
     ("us", "µs"),
+    ("ns", "ns"),
     ("s", "s"),
     ("m", "m"),
     ("ppm", "ppm"),

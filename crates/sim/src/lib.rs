@@ -79,6 +79,7 @@
 //!     radio_states: RadioStates::cc2420(),
 //!     traffic: TrafficPlan::silent(2),
 //!     ranging: None,
+//!     link_trace: None,
 //!     members: None,
 //! };
 //! let world = World { nodes: vec![node(0.0), node(3.0)], ..World::default() };
@@ -103,6 +104,7 @@ mod faults;
 mod halo;
 mod link;
 mod link_budget;
+mod link_trace;
 mod model;
 mod network;
 mod observer;
@@ -141,6 +143,7 @@ pub use link::{
     FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig, Technology,
 };
 pub use link_budget::{LinkBudget, LinkBudgets, LinkReception};
+pub use link_trace::{LinkTraceConfig, NetworkTrace, OtherLinksConfig, TraceStations};
 pub use network::Network;
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
@@ -171,6 +174,9 @@ pub use world::anchors::{AnchorsConfig, OptimisedAnchorsConfig};
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};
 pub use world::interferer::{Interferer, InterfererConfig};
 pub use world::layout::NodesOfGroup;
+pub use world::motion::{
+    MotionFileConfig, MotionFormat, NodeMotion, NodeMotionConfig, NodeWayConfig, RandomWaypointConfig,
+};
 pub use world::sensors::{FieldSensor, FieldSensorConfig, Sensors, SensorsConfig, TargetSensor, TargetSensorConfig};
 pub use world::target::{
     AtEnd, Course, EvadeConfig, Leg, RandomWalkConfig, StraightConfig, Target, TargetConfig, TargetMotionConfig,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelLaw, Db, Dbm, ObstacleField, PathBudget, Position};
+use sextant_channel::{ChannelLaw, Db, Dbm, ObstacleField, PathBudget, Position, Traced};
 use sextant_kernel::{NodeId, SettingError, StationId};
 
 use crate::air::{Aim, Air, Emission, Interface, LinkItems, PlacedRadio, ReceiverId, ReceptionModel, ReceptionRules};
@@ -47,9 +47,15 @@ pub struct LinkBudget {
     pub path: PathBudget,
     /// Gain by the shadowing of this link; `None` if each packet has its own, or there is none.
     pub shadowing: Option<Db>,
+    /// Gain by the fading of this link; `None` if it changes in time, or there is none.
+    pub fading: Option<Db>,
+    /// What was measured on this link at the start: its strength replaces the sum of all items, and its share the rule of the
+    /// receiver.
+    pub traced: Traced,
     /// Gain of the receiver, which listens in all directions alike.
     pub receive_gain: Db,
-    /// Power at the receiver: the sum of all these. Without shadowing if each packet has its own.
+    /// Power at the receiver: the sum of all these. Without shadowing if each packet has its own, and without what changes in
+    /// time.
     pub power: Dbm,
     /// What the receiver makes of it.
     pub reception: LinkReception,
@@ -70,7 +76,8 @@ pub struct LinkReception {
     pub frame_octets: u16,
     /// Probability that such a frame is received at this power.
     pub probability: f64,
-    /// The same at the power without the shadowing of this link, over all draws of shadowing.
+    /// The same at the power without the shadowing and the fading of this link, over all draws of shadowing, fading and bursts
+    /// of loss.
     pub probability_over_shadowing: f64,
     /// Power of a signal from which on the receiver finds the channel busy.
     pub busy_from: Dbm,
@@ -96,7 +103,7 @@ impl LinkBudgets {
         let fixed = nodes.clone().chain(sinks.iter().map(|sink| sink.position));
         let bands = bands(networks)?;
         let message_loss = setup.faults.message_loss();
-        let all = Bands { world, channel_seed: *seed, seed: *seed, round: 0, message_loss };
+        let all = Bands { world, channel_seed: *seed, seed: *seed, round: 0, message_loss, roll };
         let mut airs: Vec<Air> = (bands.iter().enumerate())
             .map(|(i, band)| Air::new(all.air(i, band, networks), fixed.clone(), roll))
             .collect();
@@ -195,23 +202,41 @@ impl LinkBudgets {
             Aim::Sector(sector) if has_sectors => antenna.map(|antenna| antenna.identity(sector)),
             Aim::Sector(_) | Aim::Omnidirectional => None,
         };
-        let LinkItems { path, shadowing, transmit_gain, receive_gain, power } = items;
+        let LinkItems { path, shadowing, transmit_gain, receive_gain, fading, traced, power } = items;
         let law = placed.network.channel;
         let frame_octets = self.frame_octets(network, from);
         let airtime = settings.airtime(frame_octets).unwrap_or_default();
         let mean = path.mean_power(tx_power) + transmit_gain + receive_gain;
+        let measured = match traced {
+            Traced::Measured(link) => {
+                Some(link.share.unwrap_or_else(|| rules.reception_alone(power.to_milliwatts(), airtime)))
+            }
+            Traced::Silent => Some(0.0),
+            Traced::Law => None,
+        };
         let reception = LinkReception {
             sensitivity: rules.sensitivity.to_dbm(),
             noise_floor: rules.noise.to_dbm(),
             model: rules.model,
             least_power: rules.least_power().to_dbm(),
             frame_octets,
-            probability: rules.reception_alone(power.to_milliwatts(), airtime),
-            probability_over_shadowing: over_shadowing(&law, &rules, mean, airtime),
+            probability: measured.unwrap_or_else(|| rules.reception_alone(power.to_milliwatts(), airtime)),
+            probability_over_shadowing: measured.unwrap_or_else(|| over_shadowing(&law, &rules, mean, airtime)),
             busy_from: settings.busy_from(self.node(to)),
         };
         let shadowing = shadowing.filter(|_| law.shadowing().sigma_db() > 0.0);
-        Some(LinkBudget { tx_power, sector, transmit_gain, path, shadowing, receive_gain, power, reception })
+        Some(LinkBudget {
+            tx_power,
+            sector,
+            transmit_gain,
+            path,
+            shadowing,
+            fading,
+            traced,
+            receive_gain,
+            power,
+            reception,
+        })
     }
 
     fn node(&self, station: StationId) -> Option<NodeId> {
@@ -235,10 +260,20 @@ const STEPS: i32 = 40;
 /// ... and the most standard deviations.
 const MOST_SIGMAS: i32 = 6;
 
-/// Probability that a frame with the mean power `mean` is received, over all draws of shadowing. Thresholds have a closed
+/// Probability that a frame with the mean power `mean` is received, over all draws of shadowing, fading and bursts of loss. Thresholds have a closed
 /// form; with bit errors it is the sum of the trapezoidal rule.
 fn over_shadowing(law: &ChannelLaw, rules: &ReceptionRules, mean: Dbm, airtime: Duration) -> f64 {
     let sigma_db = law.shadowing().sigma_db();
+    if law.fading().is_some() || law.bursts().is_some() {
+        return match rules.model {
+            ReceptionModel::Ber => {
+                law.mean_over(|gain| rules.reception_alone((mean + gain).to_milliwatts(), airtime))
+            }
+            ReceptionModel::Overlap | ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } => {
+                law.share_received(mean - rules.least_power().to_dbm())
+            }
+        };
+    }
     if sigma_db <= 0.0 {
         return rules.reception_alone(mean.to_milliwatts(), airtime);
     }

@@ -1,11 +1,14 @@
 //! Networks: what the links of their stations have in common, checked.
 
+use std::sync::Arc;
+
 use sextant_channel::{ChannelLaw, RangingDevice};
 use sextant_kernel::NodeId;
 use sextant_mac::RadioStates;
 
 use crate::applications::traffic::TrafficPlan;
 use crate::link::Technology;
+use crate::link_trace::NetworkTrace;
 
 /// A network, checked. It is passed on as it is, from the scenario to the links.
 #[derive(Clone, Debug)]
@@ -18,6 +21,8 @@ pub struct Network {
     pub technology: Technology,
     /// Energy model of the radios.
     pub radio_states: RadioStates,
+    /// Its links as they were measured; `None` if they follow the law of the channel.
+    pub link_trace: Option<Arc<NetworkTrace>>,
     /// Traffic of the nodes.
     pub traffic: TrafficPlan,
     /// How robots measure the ranges to its nodes; `None` if they do not.

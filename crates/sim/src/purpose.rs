@@ -35,6 +35,10 @@ pub(crate) const MISALIGNMENT: Purpose = Purpose::new(18);
 pub(crate) const MESSAGE_LOSS: Purpose = Purpose::new(19);
 /// Tilts of the antennas of nodes.
 pub(crate) const TILT: Purpose = Purpose::new(21);
+/// Ways of nodes that move.
+pub(crate) const NODE_MOTION: Purpose = Purpose::new(53);
+/// Frames that arrive over links in bursts of loss, or as they were measured.
+pub(crate) const LINK_SUCCESS: Purpose = Purpose::new(52);
 /// Nodes that die, and when.
 pub(crate) const DEATHS: Purpose = Purpose::new(22);
 /// Anchors that lie, and in which direction.

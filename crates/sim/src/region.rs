@@ -34,7 +34,9 @@ impl SimulatedRegion {
     pub fn halo_m(self, reach: Reach) -> Result<Option<f64>, SettingError> {
         match self {
             Self::All => Ok(None),
-            Self::NearListenersIfMany | Self::Listeners { halo_m: None } => Ok(Some(reach.halo_m())),
+            Self::NearListenersIfMany | Self::Listeners { halo_m: None } => {
+                Ok(Some(reach.halo_m()).filter(|halo_m| halo_m.is_finite()))
+            }
             Self::Listeners { halo_m: Some(halo_m) } => {
                 if halo_m >= reach.reception_m {
                     return Ok(Some(halo_m));

@@ -24,6 +24,8 @@ pub(crate) struct Scene {
     pub(crate) airs: Vec<Air>,
     pub(crate) motions: Vec<Motion>,
     pub(crate) roll: Roll,
+    /// The nodes that move, in their order.
+    pub(crate) moving: Vec<StationId>,
     pub(crate) seed: Seed,
     /// The backoffs of each station.
     pub(crate) backoffs: Vec<Draws>,
@@ -73,6 +75,11 @@ impl Scene {
     /// Where the robots are now.
     pub(crate) fn robots(&self) -> impl Iterator<Item = Position> {
         (0..self.roll.robots).map(|robot| self.place(self.roll.robot(robot)))
+    }
+
+    /// Whether a station is a node that moves.
+    pub(crate) fn is_moving_node(&self, station: StationId) -> bool {
+        !self.moving.is_empty() && self.moving.binary_search(&station).is_ok()
     }
 
     /// Where a station is now.

@@ -119,6 +119,7 @@ impl Scene {
             radio_states: RadioStates::mmwave_60_ghz(),
             traffic: TrafficPlan::silent(places.len()),
             ranging: None,
+            link_trace: None,
             members: None,
         };
         let setup = Setup {

@@ -120,6 +120,7 @@ impl Scene {
             radio_states: RadioStates::cc2420(),
             traffic: TrafficPlan::silent(nodes),
             ranging: None,
+            link_trace: None,
             members: None,
         }
     }

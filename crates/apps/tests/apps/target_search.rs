@@ -145,6 +145,7 @@ impl Scene {
             radio_states: RadioStates::cc2420(),
             traffic: TrafficPlan::silent(world.nodes.len()),
             ranging: None,
+            link_trace: None,
             members: None,
         };
         let body = |(i, text): (usize, &&str)| {

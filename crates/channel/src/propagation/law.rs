@@ -4,6 +4,9 @@
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
+use crate::fading::bursts::{BurstsConfig, BurstsLaw};
+use crate::fading::config::FadingConfig;
+use crate::fading::law::FadingLaw;
 use crate::power::{Db, Dbm};
 use crate::propagation::environment::Environment;
 use crate::propagation::path_loss::{CloseInConfig, LogDistance, LogDistanceConfig, PathLossConfig};
@@ -31,6 +34,12 @@ pub struct ChannelConfig {
     /// Reflections, which add power to links; none if absent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub reflections: Option<ReflectionsConfig>,
+    /// Fading of links from place to place and in time; none if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub fading: Option<FadingConfig>,
+    /// Links that are good or bad for a while; always good if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub bursts: Option<BurstsConfig>,
     /// Whether obstacles absorb power.
     #[cfg_attr(feature = "config", serde(default = "obstacles_attenuate"))]
     pub obstacles_attenuate: bool,
@@ -51,6 +60,8 @@ impl Default for ChannelConfig {
             shadowing: None,
             max_range_m: None,
             reflections: None,
+            fading: None,
+            bursts: None,
             obstacles_attenuate: true,
         }
     }
@@ -78,6 +89,8 @@ pub struct ChannelLaw {
     shadowing: ShadowingLaw,
     max_range_m: f64,
     reflections: Option<ReflectionLaw>,
+    fading: Option<FadingLaw>,
+    bursts: Option<BurstsLaw>,
     obstacles_attenuate: bool,
 }
 
@@ -134,6 +147,8 @@ impl TryFrom<ChannelConfig> for ChannelLaw {
                 }
                 None => None,
             },
+            fading: config.fading.map(FadingLaw::try_from).transpose().map_err(|error| error.within("fading"))?,
+            bursts: config.bursts.map(BurstsLaw::try_from).transpose().map_err(|error| error.within("bursts"))?,
             obstacles_attenuate: config.obstacles_attenuate,
         })
     }
@@ -174,6 +189,18 @@ impl ChannelLaw {
         &self.shadowing
     }
 
+    /// How links fade, if they do.
+    #[must_use]
+    pub fn fading(&self) -> Option<&FadingLaw> {
+        self.fading.as_ref()
+    }
+
+    /// How links are good or bad for a while, if they are.
+    #[must_use]
+    pub fn bursts(&self) -> Option<&BurstsLaw> {
+        self.bursts.as_ref()
+    }
+
     /// Hard communication radius (m); infinite if unlimited.
     #[must_use]
     #[inline]
@@ -188,35 +215,91 @@ impl ChannelLaw {
         self.obstacles_attenuate
     }
 
-    /// Distance beyond which even a power four standard deviations above the mean is below `floor` (m), at most the
-    /// hard radius: the range that a spatial index must search.
+    /// Distance beyond which even a power four standard deviations above the mean, with fading as rare as that, is below `floor`
+    /// (m), at most the hard radius: the range that a spatial index must search.
     #[must_use]
     pub fn reach_m(&self, tx: Dbm, floor: Dbm) -> f64 {
         let by_reflections = self.reflections.map_or(Db(0.0), |law| law.greatest_gain());
-        let budget = tx - floor + Db(4.0 * self.shadowing.sigma_db()) + by_reflections;
+        let by_fading = self.fading.map_or(Db(0.0), |law| law.greatest_gain());
+        let budget = tx - floor + Db(4.0 * self.shadowing.sigma_db()) + by_reflections + by_fading;
         self.path_loss.distance_m(budget).min(self.max_range_m)
     }
 
     /// Probability that a packet sent with `tx` arrives with at least `sensitivity` over `distance_m`, behind
-    /// obstacles that cost `obstacle_loss`: `Φ((P_mean - sensitivity) / σ)`, 0 beyond the hard radius.
+    /// obstacles that cost `obstacle_loss`: `Φ((P_mean - sensitivity) / σ)`, 0 beyond the hard radius. With fading and bursts,
+    /// over all of their draws.
     #[must_use]
     #[inline]
     pub fn reception_probability(&self, tx: Dbm, sensitivity: Dbm, distance_m: f64, obstacle_loss: Db) -> f64 {
         if distance_m > self.max_range_m {
             return 0.0;
         }
-        self.share_above(tx - self.path_loss.loss(distance_m) - obstacle_loss - sensitivity)
+        self.share_received(tx - self.path_loss.loss(distance_m) - obstacle_loss - sensitivity)
     }
 
-    /// Probability that shadowing leaves a link whose mean power is `margin` above a threshold at or above it: `Φ(margin / σ)`.
+    /// Probability that the power of a link is above a threshold that is `margin` below its mean, over all draws of shadowing,
+    /// fading and bursts: `Φ(margin / σ)` with shadowing alone.
     #[must_use]
     #[inline]
     pub fn share_above(&self, margin: Db) -> f64 {
+        match self.bursts {
+            None => self.share_of_power(margin),
+            Some(bursts) => bursts.mean_over(|loss| self.share_of_power(margin - loss)),
+        }
+    }
+
+    /// Probability that a frame arrives over such a link: it is above the threshold, and no burst loses it.
+    #[must_use]
+    #[inline]
+    pub fn share_received(&self, margin: Db) -> f64 {
+        match self.bursts {
+            None => self.share_of_power(margin),
+            Some(bursts) => bursts.share(|loss| self.share_of_power(margin - loss)),
+        }
+    }
+
+    /// Mean of `of` over the gains of all draws of shadowing, fading and bursts; frames that bursts lose count as 0.
+    #[must_use]
+    pub fn mean_over(&self, of: impl Fn(Db) -> f64) -> f64 {
+        let of_fading = |gain: Db| match &self.fading {
+            None => of(gain),
+            Some(fading) => fading.mean_over(|fade| of(gain + fade)),
+        };
+        let of_power = |loss: Db| over_normal(self.shadowing.sigma_db(), |gain| of_fading(gain - loss));
+        self.bursts.map_or_else(|| of_power(Db(0.0)), |bursts| bursts.share(of_power))
+    }
+
+    /// [`share_above`](Self::share_above) without bursts.
+    #[inline]
+    fn share_of_power(&self, margin: Db) -> f64 {
         let sigma_db = self.shadowing.sigma_db();
+        if let Some(fading) = &self.fading {
+            return over_normal(sigma_db, |gain| 1.0 - fading.share_below(Db(0.0) - margin - gain));
+        }
         if sigma_db > 0.0 {
             0.5 * libm::erfc(-margin.0 / (sigma_db * std::f64::consts::SQRT_2))
         } else {
             f64::from(u8::from(margin.0 >= 0.0))
         }
     }
+}
+
+/// Steps of the sum over the draws of shadowing in a standard deviation (the sum of a smooth law needs few), ...
+const STEPS: i32 = 4;
+/// ... and the most standard deviations.
+const MOST_SIGMAS: i32 = 6;
+
+/// Mean of `of` over a normal gain of mean 0, by the sum of the trapezoidal rule.
+fn over_normal(sigma_db: f64, of: impl Fn(Db) -> f64) -> f64 {
+    if sigma_db <= 0.0 {
+        return of(Db(0.0));
+    }
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for step in -STEPS * MOST_SIGMAS..=STEPS * MOST_SIGMAS {
+        let z = f64::from(step) / f64::from(STEPS);
+        let weight = libm::exp(-0.5 * z * z);
+        weights += weight;
+        sum += weight * of(Db(sigma_db * z));
+    }
+    sum / weights
 }

@@ -6,6 +6,7 @@ mod antenna;
 mod budget;
 mod clearance;
 mod code_book;
+mod fading;
 mod floors;
 mod input;
 mod lengths;

@@ -181,6 +181,8 @@ impl ChannelProfileConfig {
             max_range_m: self.max_range_m,
             reflections: None,
             obstacles_attenuate: false,
+            fading: None,
+            bursts: None,
         };
         let law = ChannelLaw::try_from(config).map_err(flat)?;
         Ok(KnownLink {

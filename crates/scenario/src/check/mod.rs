@@ -85,6 +85,7 @@ fn check_in_world(
     let sinks = check_sinks(config, world.as_ref(), &networks, errors);
     let duration = check_duration(config, errors);
     check_purpose(config, &networks, errors);
+    check_motions(config, errors);
     let warm_up = check_warm_up(config, &networks, errors);
     let region = errors.take("simulation", config.simulation.region()).unwrap_or_default();
     let maps = check_maps(config, &networks, errors);
@@ -172,6 +173,27 @@ fn check_purpose(config: &ScenarioConfig, networks: &Networks<'_>, errors: &mut 
     if config.duration_s.is_some() && is_for_nobody && !senses && config.applications.is_empty() {
         let needed = "at least one sink in `[[sinks]]`, or a robot that surveys, to receive the packets";
         errors.refuse(&SettingError::missing("sinks", needed));
+    }
+}
+
+/// Refuses nodes that move beside what takes all nodes to stand.
+fn check_motions(config: &ScenarioConfig, errors: &mut Errors) {
+    if config.world.motions.is_empty() {
+        return;
+    }
+    let surveys = config.robots.iter().any(|robot| robot.role != RoleConfig::Agent);
+    for (is_there, with) in [
+        (surveys, "a robot that surveys"),
+        (!config.maps.is_empty(), "`maps`"),
+        (config.distributed_mapping.is_some(), "`distributed_mapping`"),
+        (!config.applications.is_empty(), "`applications`"),
+        (!config.world.targets.is_empty(), "`world.targets`"),
+        (!config.world.fields.is_empty(), "`world.fields`"),
+    ] {
+        if is_there {
+            let remedy = "remove one of the two: nodes that move send to sinks, and all else takes nodes to stand";
+            errors.refuse(&SettingError::conflict("world.motions", with, remedy));
+        }
     }
 }
 

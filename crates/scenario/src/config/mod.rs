@@ -18,8 +18,8 @@ use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::{MapConfig, NodeDisplacement};
 use sextant_sim::{
-    AnchorsConfig, AntennasConfig, DiscoveryConfig, FaultsConfig, InterfererConfig, MacConfig, RadioConfig,
-    ReceptionConfig, RobotConfig, RoleConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+    AnchorsConfig, AntennasConfig, DiscoveryConfig, FaultsConfig, InterfererConfig, LinkTraceConfig, MacConfig,
+    RadioConfig, ReceptionConfig, RobotConfig, RoleConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
 };
 
 use super::SweepConfig;
@@ -48,9 +48,12 @@ pub struct ScenarioConfig {
     /// The radios of all stations; required unless each of `networks` has its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radio: Option<RadioConfig>,
-    /// Path loss and shadowing of the radio channel; suburban, without a maximum range, if absent.
+    /// Path loss, shadowing and fading of the radio channel; suburban, without a maximum range, if absent.
     #[serde(default)]
     pub channel: ChannelConfig,
+    /// The links between nodes and sinks as they were measured; they follow `channel` if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link_trace: Option<LinkTraceConfig>,
     /// How nodes share the channel; unslotted CSMA-CA as in the standard if absent.
     #[serde(default)]
     pub mac: MacConfig,
@@ -71,8 +74,8 @@ pub struct ScenarioConfig {
     /// 868 and 915 MHz, `mmwave_60_ghz` with sector sweeps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyConfig>,
-    /// Several networks by name, each with tables `radio`, `channel`, `mac`, `traffic`, `reception`, `ranging`, `antenna` and
-    /// `energy` of its own; one network with the tables of the scenario if absent.
+    /// Several networks by name, each with tables `radio`, `channel`, `link_trace`, `mac`, `traffic`, `reception`, `ranging`,
+    /// `antenna` and `energy` of its own; one network with the tables of the scenario if absent.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub networks: BTreeMap<String, NetworkConfig>,
     /// When the simulation ends (s); if absent, when the last robot has finished and the nodes have computed their map.

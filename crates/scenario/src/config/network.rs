@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ChannelConfig, RangingDeviceConfig};
 use sextant_mac::EnergyConfig;
-use sextant_sim::{AntennasConfig, MacConfig, NodesOfGroup, RadioConfig, ReceptionConfig, TrafficConfig};
+use sextant_sim::{
+    AntennasConfig, LinkTraceConfig, MacConfig, NodesOfGroup, RadioConfig, ReceptionConfig, TrafficConfig,
+};
 
 /// One of several networks, as written in a scenario. A table that is absent is that of the scenario.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -19,6 +21,9 @@ pub struct NetworkConfig {
     /// What happens to radio power on its way.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<ChannelConfig>,
+    /// Its links as they were measured; those of the scenario if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link_trace: Option<LinkTraceConfig>,
     /// How nodes share the channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mac: Option<MacConfig>,

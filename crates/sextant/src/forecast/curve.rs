@@ -1,6 +1,6 @@
 //! The probability of reception over the mean power of a link.
 
-use sextant_channel::Dbm;
+use sextant_channel::{ChannelLaw, Db, Dbm};
 use sextant_sim::Technology;
 
 /// Step of powers (dB).
@@ -9,17 +9,21 @@ const STEP_DB: f64 = 0.05;
 /// Above the sensitivity by this much (dB), a frame is received or never will be.
 const WIDTH_DB: f64 = 40.0;
 
-/// The probability of reception over the mean power: what the receivers do with each power, averaged over shadowing.
+/// Few fades are as deep (dB).
+const DEEP_FADE_DB: f64 = 40.0;
+
+/// The probability of reception over the mean power: what the receivers do with each power, averaged over shadowing,
+/// fading and bursts of loss.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
     /// Powers at which the probability without shadowing rises, and by how much (dBm).
     rises: Vec<(f64, f64)>,
-    sigma_db: f64,
+    law: ChannelLaw,
 }
 
 impl Curve {
-    /// The curve for frames of this size (octets) and normal shadowing with `sigma_db`.
-    pub(super) fn new(technology: &Technology, frame_octets: u16, sigma_db: f64) -> Self {
+    /// The curve for frames of this size (octets) over a channel with this law.
+    pub(super) fn new(technology: &Technology, frame_octets: u16, law: ChannelLaw) -> Self {
         let at = |dbm: f64| technology.reception_probability(Dbm(dbm), frame_octets);
         let start_dbm = technology.sensitivity().0 - STEP_DB;
         let mut rises = Vec::new();
@@ -37,18 +41,22 @@ impl Curve {
             (below_dbm, below) = (above_dbm, above);
             step += 1.0;
         }
-        Self { rises, sigma_db }
+        Self { rises, law }
     }
 
     /// Probability that a frame is received over a link with this mean power, undisturbed.
     pub(super) fn probability(&self, mean: Dbm) -> f64 {
-        self.rises.iter().map(|(dbm, rise)| rise * above(mean.0 - dbm, self.sigma_db)).sum()
+        self.rises.iter().map(|(dbm, rise)| rise * self.law.share_received(Db(mean.0 - dbm))).sum()
     }
 
     /// Mean power at which the probability is `share` (dBm); `None` if it is so high nowhere.
     pub(super) fn power_dbm(&self, share: f64) -> Option<f64> {
         let (first, last) = (self.rises.first()?.0, self.rises.last()?.0);
-        let (mut low, mut high) = (first - 8.0 * self.sigma_db - 1.0, last + 8.0 * self.sigma_db + 1.0);
+        let shadowing_db = 8.0 * self.law.shadowing().sigma_db() + 1.0;
+        let up_db = shadowing_db + self.law.fading().map_or(0.0, |_| DEEP_FADE_DB);
+        let up_db = up_db + self.law.bursts().map_or(0.0, |bursts| bursts.bad_loss().0);
+        let down_db = shadowing_db + self.law.fading().map_or(0.0, |fading| fading.greatest_gain().0);
+        let (mut low, mut high) = (first - down_db, last + up_db);
         if self.probability(Dbm(high)) < share {
             return None;
         }
@@ -57,15 +65,6 @@ impl Curve {
             if self.probability(Dbm(middle)) < share { low = middle } else { high = middle }
         }
         Some(high)
-    }
-}
-
-/// Probability that a normal gain with `sigma_db` is at least `-margin_db`.
-pub(super) fn above(margin_db: f64, sigma_db: f64) -> f64 {
-    if sigma_db > 0.0 {
-        0.5 * libm::erfc(-margin_db / (sigma_db * std::f64::consts::SQRT_2))
-    } else {
-        f64::from(u8::from(margin_db >= 0.0))
     }
 }
 

@@ -4,6 +4,7 @@
 //! frames. The way of a robot whose path is planned is known; that of a robot that decides on the way is driven once,
 //! as if it heard each node as often as is to be expected, and is marked as an estimate.
 
+mod changes;
 mod cost;
 mod curve;
 mod idle_obstacles;
@@ -15,7 +16,7 @@ use serde::Serialize;
 use sextant_sim::Robot;
 
 pub use cost::CostForecast;
-pub use network::{LoadForecast, NeighbourForecast, NetworkForecast, RangeForecast};
+pub use network::{FadingForecast, LoadForecast, NeighbourForecast, NetworkForecast, RangeForecast};
 use sextant_scenario::Scenario;
 pub use warning::{Warning, warnings};
 pub use way::WayForecast;

@@ -5,7 +5,7 @@ use sextant_channel::{CellIndex, Channel, ChannelLaw, Db, Dbm, ObstacleField, Po
 use sextant_kernel::NodeId;
 use sextant_sim::{Network, NetworkId, Setup};
 
-use super::curve::{Curve, above};
+use super::curve::Curve;
 
 /// At most so many nodes are asked for their neighbours; of more, evenly spread ones.
 const MOST_ASKED: usize = 500;
@@ -26,9 +26,28 @@ pub struct NetworkForecast {
     /// Other nodes from which a node receives at least half of the frames, with obstacles; absent with one node.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub neighbours: Option<NeighbourForecast>,
+    /// How deep fades are, if links fade.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fading: Option<FadingForecast>,
+    /// Share of time for which links are in bursts of loss, if they ever are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burst_share: Option<f64>,
     /// How busy the channel is; absent if the rate of the traffic is not known before the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<LoadForecast>,
+}
+
+/// How deep fades are.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FadingForecast {
+    /// The law, in words.
+    pub law: String,
+    /// The gain that one of ten draws is below (dB).
+    pub tenth_below_db: f64,
+    /// The gain that one of a hundred draws is below (dB).
+    pub hundredth_below_db: f64,
+    /// Whether links between stations that stand change in time.
+    pub changes_in_time: bool,
 }
 
 /// How far a node is heard without obstacles (m); with sectors, by the best pair.
@@ -92,7 +111,7 @@ impl<'a> Reach<'a> {
     fn new(network: &'a Network, setup: &'a Setup) -> Self {
         let number = setup.networks.iter().position(|other| std::ptr::eq(other, network)).unwrap_or(0);
         let octets = Some(network.traffic.mpdu_octets()).filter(|octets| *octets > 0).unwrap_or(USUAL_OCTETS);
-        let curve = Curve::new(&network.technology, octets.into(), network.channel.shadowing().sigma_db());
+        let curve = Curve::new(&network.technology, octets.into(), network.channel);
         let placed = setup.world.nodes.iter().enumerate();
         let nodes: Vec<_> = placed
             .map(|(node, placed)| (NodeId::from_index(node), placed.position))
@@ -150,6 +169,11 @@ impl<'a> Reach<'a> {
         self.network.technology.antennas().is_some()
     }
 
+    /// Whether its links are as they were measured, so that its law says nothing of them.
+    pub(super) fn is_measured(&self) -> bool {
+        self.network.link_trace.is_some()
+    }
+
     /// The law of its channel.
     pub(super) fn law(&self) -> &ChannelLaw {
         self.channel.law()
@@ -172,8 +196,15 @@ impl<'a> Reach<'a> {
             name: self.network.name.clone(),
             nodes: self.nodes.len(),
             range: self.range,
-            neighbours: self.neighbours(),
-            load: self.load(),
+            neighbours: self.neighbours().filter(|_| !self.is_measured()),
+            fading: self.law().fading().map(|fading| FadingForecast {
+                law: fading.name(),
+                tenth_below_db: fading.quantile(0.1).0,
+                hundredth_below_db: fading.quantile(0.01).0,
+                changes_in_time: fading.changes_in_time(),
+            }),
+            burst_share: self.law().bursts().map(|bursts| bursts.bad_share()),
+            load: self.load().filter(|_| !self.is_measured()),
         }
     }
 
@@ -215,12 +246,11 @@ impl<'a> Reach<'a> {
     /// Expected number of other nodes that carrier sense at a node notices.
     fn sensed(&self, node: NodeId, place: Position) -> f64 {
         let threshold = self.network.technology.carrier_sense_threshold();
-        let sigma_db = self.network.channel.shadowing().sigma_db();
         let farthest_m = self.network.channel.reach_m(power(self.network), threshold);
         let others = self.near(place, farthest_m).filter(|(other, _)| *other != node);
         let share = |(_, from): &(NodeId, Position)| {
             let mean = self.channel.mean_power(power(self.network), *from, place);
-            mean.map_or(0.0, |mean| above((mean - threshold).0, sigma_db))
+            mean.map_or(0.0, |mean| self.network.channel.share_above(mean - threshold))
         };
         others.map(share).sum()
     }

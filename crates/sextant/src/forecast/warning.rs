@@ -54,18 +54,19 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     warnings.out_of_reach(&planned);
     warnings.sinks(&reaches);
     reaches.iter().for_each(|reach| warnings.endless_cuts(reach));
+    reaches.iter().for_each(|reach| warnings.changes(reach));
     warnings.obstacles(&reaches, &planned);
     warnings.found
 }
 
-struct Warnings<'a> {
+pub(super) struct Warnings<'a> {
     scenario: &'a Scenario,
-    setup: &'a Setup,
+    pub(super) setup: &'a Setup,
     found: Vec<Warning>,
 }
 
 impl Warnings<'_> {
-    fn warn(&mut self, key: impl Into<String>, message: impl Into<String>) {
+    pub(super) fn warn(&mut self, key: impl Into<String>, message: impl Into<String>) {
         // The robots of a team have one table.
         let warning = Warning { key: key.into(), message: message.into() };
         if !self.found.contains(&warning) {
@@ -201,8 +202,14 @@ impl Warnings<'_> {
 
     /// Sinks that hear no node.
     fn sinks(&mut self, reaches: &[Reach<'_>]) {
+        if !self.setup.world.motions.is_empty() {
+            return;
+        }
         for (i, sink) in self.setup.sinks.iter().enumerate() {
             let is_in = |reach: &&Reach<'_>| sink.is_in(reach.id);
+            if reaches.iter().filter(is_in).any(Reach::is_measured) {
+                continue;
+            }
             let mut heard = reaches.iter().filter(is_in).flat_map(|reach| {
                 reach.in_reach(sink.position).map(|(_, from)| reach.probability(*from, sink.position))
             });
@@ -217,6 +224,9 @@ impl Warnings<'_> {
 
     /// Obstacles that change neither signals nor ways of robots.
     fn obstacles(&mut self, reaches: &[Reach<'_>], planned: &[Way<'_>]) {
+        if !self.setup.world.motions.is_empty() {
+            return;
+        }
         let idle = Audience { scenario: self.scenario, setup: self.setup, reaches, planned }.idle_obstacles();
         let walls = &self.setup.world.walls;
         let pieces = walls.first().map_or(usize::MAX, |pieces| pieces.start);

@@ -18,8 +18,8 @@ pub struct GraphEdge {
     pub distance_m: f64,
     /// Power at the receiver (dBm); without shadowing if each packet has its own.
     pub received_dbm: f64,
-    /// Probability that a frame of the sender is received, if nobody else sends: over all draws of shadowing if each packet has its
-    /// own.
+    /// Probability that a frame of the sender is received, if nobody else sends: over all draws of shadowing, fading and bursts
+    /// if these change from frame to frame or in time.
     pub probability: f64,
 }
 
@@ -36,7 +36,11 @@ pub fn graph(scenario: &Scenario, network: Option<&str>, least: f64) -> Result<V
     let setup = stations.setup();
     let mut budgets = LinkBudgets::new(setup)?;
     let network = super::named_network(scenario, network)?.unwrap_or(NetworkId(0));
-    let is_per_packet = budgets.law(network).shadowing().is_per_packet();
+    let law = *budgets.law(network);
+    // A draw that holds for good is that of the link; of others, all draws count.
+    let is_drawn_anew = law.shadowing().is_per_packet()
+        || law.fading().is_some_and(|fading| fading.changes_in_time())
+        || law.bursts().is_some();
     let ends: Vec<_> = stations.ends().into_iter().filter(|end| budgets.is_in(network, end.station)).collect();
     let mut edges = Vec::new();
     for from in &ends {
@@ -44,7 +48,7 @@ pub fn graph(scenario: &Scenario, network: Option<&str>, least: f64) -> Result<V
             let Some(budget) = budgets.between(network, from.station, to.station) else { continue };
             let reception = budget.reception;
             let probability =
-                if is_per_packet { reception.probability_over_shadowing } else { reception.probability };
+                if is_drawn_anew { reception.probability_over_shadowing } else { reception.probability };
             if probability >= least {
                 edges.push(GraphEdge {
                     from: from.name.clone(),

@@ -1,5 +1,6 @@
 //! Why a station hears another one, or not: the power between the two, item by item.
 
+mod changes;
 mod graph;
 mod rays;
 mod report;
@@ -10,6 +11,7 @@ use sextant_channel::Position;
 use sextant_kernel::{SettingError, StationId};
 use sextant_sim::{LinkBudgets, NetworkId};
 
+pub use changes::{BurstsReport, FadingReport, MeasuredReport};
 pub use graph::{GraphEdge, graph};
 pub use rays::{RayReport, rays_csv};
 pub use report::{Direction, LinkEnd, LinkReport, LossOfObstacle, PathReport, ReceptionReport, ShadowingReport};
@@ -124,6 +126,8 @@ pub fn explain_link(scenario: &Scenario, a: &str, b: &str, network: Option<&str>
         max_range_m: Some(law.max_range_m()).filter(|range_m| range_m.is_finite()),
         path: budget.as_ref().map(|(forth, _)| PathReport::new(&law, &forth.path, forth.tx_power, obstacles)),
         shadowing,
+        fading: FadingReport::of(&law, budget.as_ref().map(|(forth, _)| forth)),
+        bursts: BurstsReport::of(&law),
         directions: budget
             .map(|(forth, back)| [Direction::new(&a.name, &b.name, &forth), Direction::new(&b.name, &a.name, &back)]),
         ends: [a.into(), b.into()],

@@ -4,6 +4,7 @@ use serde::Serialize;
 use sextant_channel::{ChannelLaw, Db, Dbm, ObstacleField, PathBudget};
 use sextant_sim::{LinkBudget, LinkReception, ReceptionModel};
 
+use super::changes::{BurstsReport, FadingReport, MeasuredReport};
 use super::rays::RayReport;
 
 /// The link between two stations. It prints as a table.
@@ -35,6 +36,12 @@ pub struct LinkReport {
     pub field_gain_db: Option<f64>,
     /// How shadowing changes the power.
     pub shadowing: ShadowingReport,
+    /// How fading changes the power, if links fade.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fading: Option<FadingReport>,
+    /// How bursts of loss change the link, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bursts: Option<BurstsReport>,
     /// From the first end to the second one, and back; absent beyond the radius of communication.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directions: Option<[Direction; 2]>,
@@ -121,7 +128,12 @@ pub struct Direction {
     pub transmit_gain_db: f64,
     /// Gain of the receiver (dB).
     pub receive_gain_db: f64,
-    /// Power at the receiver (dBm); `None` if nothing arrives. Without shadowing if each packet has its own.
+    /// What was measured in this direction at the start, if the network has measured links: it replaces the items above, and
+    /// the share replaces the rule of the receiver.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<MeasuredReport>,
+    /// Power at the receiver (dBm); `None` if nothing arrives. Without shadowing if each packet has its own, and without fading
+    /// that changes in time.
     pub received_dbm: Option<f64>,
     /// What the receiver makes of it.
     pub reception: ReceptionReport,
@@ -150,7 +162,7 @@ pub struct ReceptionReport {
     pub frame_octets: u16,
     /// Probability that such a frame is received at this power.
     pub probability: f64,
-    /// The same over all draws of shadowing.
+    /// The same over all draws of shadowing, fading and bursts of loss.
     pub probability_over_shadowing: f64,
     /// Power from which on the receiver finds the channel busy (dBm).
     pub busy_from_dbm: f64,
@@ -192,6 +204,7 @@ impl Direction {
             sector: budget.sector,
             transmit_gain_db: budget.transmit_gain.0,
             receive_gain_db: budget.receive_gain.0,
+            measured: MeasuredReport::of(budget),
             received_dbm: finite(budget.power.0),
             reception: ReceptionReport::new(&budget.reception, budget.power),
         }

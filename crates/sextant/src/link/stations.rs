@@ -85,6 +85,9 @@ impl Stations {
 
     fn end(&self, station: usize, name: &str, kind: StationKind, place: Position) -> End {
         let kind = match kind {
+            StationKind::Node(node) if self.setup.world.motions.iter().any(|motion| motion.node.index() == node) => {
+                "node, at its start"
+            }
             StationKind::Node(_) => "node",
             StationKind::Robot(_) => "robot, at its start",
             StationKind::Sink(_) => "sink",

@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use sextant_kernel::text::listed;
+
 use super::rays;
 use super::report::{Direction, LinkReport, PathReport, ReceptionReport};
 
@@ -51,6 +53,10 @@ impl Display for LinkReport {
         if has_antennas {
             row(f, "antenna of the receiver", shown.iter().map(|direction| gain(direction.receive_gain_db)))?;
         }
+        if shown.iter().any(|direction| direction.measured.is_some()) {
+            let text = |direction: &Direction| direction.measured.map_or("no row".to_owned(), |it| it.text());
+            row(f, "measured instead", shown.iter().map(text))?;
+        }
         let or_none =
             |value: Option<f64>, unit: &str| value.map_or("nothing".to_owned(), |v| format!("{v:.2} {unit}"));
         row(f, "power at the receiver", shown.iter().map(|direction| or_none(direction.received_dbm, "dBm")))?;
@@ -65,8 +71,19 @@ impl Display for LinkReport {
         row(f, "margin above it", all(&|it| or_none(it.margin_db, "dB")))?;
         let octets = receptions.first().map_or(0, |it| it.frame_octets);
         row(f, &format!("received, of {octets} octets"), all(&|it| share(it.probability)))?;
-        if self.shadowing.sigma_db > 0.0 {
-            row(f, ".. over all draws of shadowing", all(&|it| share(it.probability_over_shadowing)))?;
+        let drawn = [
+            (self.shadowing.sigma_db > 0.0, "shadowing"),
+            (self.fading.is_some(), "fading"),
+            (self.bursts.is_some(), "bursts"),
+        ];
+        let drawn: Vec<_> = drawn.into_iter().filter(|(is_drawn, _)| *is_drawn).map(|(_, name)| name).collect();
+        if !drawn.is_empty() {
+            let name = if drawn.len() == 1 {
+                format!(".. over all draws of {}", drawn[0])
+            } else {
+                format!(".. over {}", listed(&drawn))
+            };
+            row(f, &name, all(&|it| share(it.probability_over_shadowing)))?;
         }
         row(f, "channel is busy from", all(&|it| dbm(it.busy_from_dbm)))?;
         row(f, "receiver finds it busy", all(&|it| if it.is_busy { "yes" } else { "no" }.to_owned()))?;
@@ -100,6 +117,9 @@ impl LinkReport {
         if let Some(draw_db) = self.shadowing.draw_db {
             row(f, "shadowing of this link", same(gain(draw_db)))?;
         }
+        if let Some(draw_db) = self.fading.as_ref().and_then(|fading| fading.draw_db) {
+            row(f, "fading of this link", same(gain(draw_db)))?;
+        }
         Ok(())
     }
 
@@ -116,6 +136,12 @@ impl LinkReport {
                 f,
                 "The shadowing of this link is drawn with a standard deviation of {sigma_db} dB; another seed has another one."
             )?;
+        }
+        if let Some(fading) = &self.fading {
+            fading.write_notes(f)?;
+        }
+        if let Some(bursts) = &self.bursts {
+            bursts.write_notes(f)?;
         }
         if !path.obstacles_attenuate {
             writeln!(f, "Obstacles do not absorb power in this channel (`obstacles_attenuate = false`).")?;

@@ -35,6 +35,9 @@ pub enum NoBound {
     /// The shadowing at stops depends on that at others.
     #[error("shadowing is shared by neighbouring stops, so that receptions are not independent")]
     SharedShadowing,
+    /// Links fade, or have bursts of loss, for longer than a frame.
+    #[error("links fade for longer than a frame, so that receptions are not independent")]
+    SharedFading,
     /// Robots listen for different times.
     #[error("robots listen for different times")]
     ListeningTimes,
@@ -165,8 +168,11 @@ fn posterior_bound(
     // Nodes that hear a beacon or a sweep first are not heard independently of that.
     let beacons_come_first = network.technology.has_coordinator() || network.technology.antennas().is_some();
     let is_independent = !network.channel.shadowing().is_spatial();
+    let law = &network.channel;
+    let changes = law.fading().is_some() || law.bursts().is_some() || network.link_trace.is_some();
     for (is_met, why) in [
         (is_independent, NoBound::SharedShadowing),
+        (!changes, NoBound::SharedFading),
         (packets_per_stop.is_alike, NoBound::ListeningTimes),
         (places_are_known(scenario), NoBound::Odometry),
         (!beacons_come_first, NoBound::BeaconsFirst),

@@ -36,6 +36,7 @@ pub(super) fn sum_up(
             sim_time_s: survey.map_or(0.0, |survey| survey.end.as_secs_f64())
                 + time(|application| application.sim_time_s),
             events: survey.map_or(0, |survey| survey.events) + events,
+            moving_nodes: Some(scenario.world().motions.len()).filter(|&moving| moving > 0),
             nodes: scenario.world().nodes.len(),
             obstacles: scenario.world().obstacles.len(),
             region: survey.and_then(region),

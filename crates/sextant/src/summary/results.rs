@@ -100,6 +100,9 @@ pub struct SimulationSummary {
     pub events: u64,
     /// Nodes in the network.
     pub nodes: usize,
+    /// Nodes that move, if any does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moving_nodes: Option<usize>,
     /// Obstacles in the world.
     pub obstacles: usize,
     /// Which part of the nodes' traffic was simulated. Absent if all, as the scenario asks for.

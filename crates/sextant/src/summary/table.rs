@@ -25,7 +25,11 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         write!(out, "{} (seed {})", scenario.name, scenario.seed)?;
         if let Some(simulation) = &summary.simulation {
             let (nodes, obstacles) = (simulation.nodes, simulation.obstacles);
-            write!(out, ": {}, {}", counted(nodes, "node"), counted(obstacles, "obstacle"))?;
+            write!(out, ": {}", counted(nodes, "node"))?;
+            if let Some(moving) = simulation.moving_nodes {
+                write!(out, " ({moving} of them {})", if moving == 1 { "moves" } else { "move" })?;
+            }
+            write!(out, ", {}", counted(obstacles, "obstacle"))?;
         }
         writeln!(out, "\n")?;
     }

@@ -1,7 +1,11 @@
 //! The library as its users call it.
 
+#![allow(clippy::disallowed_methods, reason = "oracles may be those of the C library")]
+
 mod disasters;
 mod examples;
+mod fading;
+mod moving;
 mod mutants;
 mod own_access;
 mod own_missions;

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
+use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position, Traced};
 use sextant_kernel::{SimTime, StationId};
 
+use super::changes::Changes;
 use super::items::LinkItems;
 use super::listener::Listener;
 use super::mounts::Mounts;
@@ -32,10 +33,14 @@ pub(super) struct Budget {
     is_per_packet: bool,
     /// Whether a station may change its transmit power.
     powers_vary: bool,
+    /// What changes links in time, if anything does.
+    changes: Option<Box<Changes>>,
     /// Number of stations, which address the slots.
     stations: usize,
-    /// The stations that may move.
+    /// The robots, which may move, ...
     mobile: Range<u32>,
+    /// ... and the nodes that move, in their order.
+    moving: Vec<StationId>,
     links: Vec<Remembered>,
     /// By station that moves, then by other station.
     mobile_links: Vec<RememberedMobile>,
@@ -46,8 +51,8 @@ pub(super) struct Budget {
 struct Remembered {
     /// One plus the address of the link; zero if there is none.
     link: u64,
-    /// Mean power (dBm) if each packet has its shadowing or antennas have sectors, or else the power (mW). Not a
-    /// number beyond the radius of communication.
+    /// Mean power (dBm) if each packet has its shadowing, or power (dBm) if antennas have sectors or links change in time, or
+    /// else the power (mW). Not a number beyond the radius of communication.
     power: f64,
 }
 
@@ -63,7 +68,14 @@ struct RememberedMobile {
 
 impl Budget {
     /// The budget of `stations` stations, of which `mobile` may move.
-    pub(super) fn new(channel: Channel, emission: Emission, floor: Dbm, stations: usize, mobile: Range<u32>) -> Self {
+    pub(super) fn new(
+        channel: Channel,
+        changes: Option<Changes>,
+        emission: Emission,
+        floor: Dbm,
+        stations: usize,
+        mobile: Range<u32>,
+    ) -> Self {
         let is_per_packet = channel.law().shadowing().is_per_packet();
         let slots = if stations.saturating_mul(stations) < LINKS { stations * stations } else { LINKS };
         let links = vec![Remembered::default(); slots];
@@ -79,8 +91,10 @@ impl Budget {
             floor,
             is_per_packet,
             powers_vary: false,
+            changes: changes.map(Box::new),
             stations,
             mobile,
+            moving: Vec::new(),
             links,
             mobile_links,
         }
@@ -89,6 +103,17 @@ impl Budget {
     /// The same, where stations may change their transmit power.
     pub(super) fn with_varying_powers(self) -> Self {
         Self { powers_vary: true, ..self }
+    }
+
+    /// These nodes move too, in their order. Called before the first signal.
+    pub(super) fn let_move(&mut self, nodes: Vec<StationId>) {
+        let nowhere = Position::new(f64::NAN, f64::NAN, f64::NAN);
+        let unknown = RememberedMobile { places: [nowhere; 2], power: f64::NAN };
+        // Of more nodes nothing is remembered: they move, so that it would seldom help.
+        if nodes.len().saturating_mul(self.stations) <= LINKS {
+            self.mobile_links.resize((self.mobile.len() + nodes.len()) * self.stations, unknown);
+        }
+        self.moving = nodes;
     }
 
     pub(super) fn channel(&self) -> &Channel {
@@ -123,6 +148,14 @@ impl Budget {
     #[inline]
     pub(super) fn power_at(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Milliwatts> {
         let &Listener { station, place, .. } = listener;
+        if let Some(changes) = &self.changes {
+            match changes.traced(signal, station) {
+                Traced::Law => {}
+                traced @ (Traced::Measured(_) | Traced::Silent) => {
+                    return changes.strength(traced).map(Dbm::to_milliwatts);
+                }
+            }
+        }
         if !self.remembers(signal) {
             let mean = self.mean(signal, place)?;
             return Some(self.milliwatts(self.with_shadowing(mean, signal, listener), signal, listener));
@@ -150,7 +183,7 @@ impl Budget {
             let shadowed = self.with_shadowing(Dbm(remembered.power), signal, listener);
             return Some(self.milliwatts(shadowed, signal, listener));
         }
-        if self.has_antennas() {
+        if self.is_in_decibels() {
             return Some(self.milliwatts(Dbm(remembered.power), signal, listener));
         }
         Some(Milliwatts(remembered.power))
@@ -158,7 +191,18 @@ impl Budget {
 
     /// Whether the power between two places is the same for all packets.
     pub(super) fn is_lasting(&self) -> bool {
-        !self.is_per_packet
+        !self.is_per_packet && self.changes.is_none()
+    }
+
+    /// Whether the lasting part of a power is not all of it, so that it is remembered in decibels.
+    #[inline]
+    fn is_in_decibels(&self) -> bool {
+        self.has_antennas() || self.changes.is_some()
+    }
+
+    /// What changes links in time, if anything does.
+    pub(super) fn changes(&self) -> Option<&Changes> {
+        self.changes.as_deref()
     }
 
     /// Whether the power between the sender of a signal and a station is the same for all its signals: both stand, and the
@@ -205,7 +249,7 @@ impl Budget {
         match self.mean(signal, listener.place) {
             None => f64::NAN,
             Some(mean) if self.is_per_packet => mean.0,
-            Some(mean) if self.has_antennas() => self.with_shadowing(mean, signal, listener).0,
+            Some(mean) if self.is_in_decibels() => self.with_shadowing(mean, signal, listener).0,
             Some(mean) => self.with_shadowing(mean, signal, listener).to_milliwatts().0,
         }
     }
@@ -213,17 +257,20 @@ impl Budget {
     /// The place of a link among those of stations that move: the one that moves, and the other.
     #[inline]
     fn mobile_of(&self, source: StationId, listener: StationId) -> Option<usize> {
-        let of = |moving: StationId, other: StationId| {
-            let moving = moving.0.checked_sub(self.mobile.start)?;
-            Some(moving as usize * self.stations + other.index())
-        };
-        if self.mobile.contains(&listener.0) {
-            of(listener, source)
-        } else if self.mobile.contains(&source.0) {
-            of(source, listener)
-        } else {
-            None
+        let of = |moving: StationId, other: StationId| Some(self.number_of(moving)? * self.stations + other.index());
+        of(listener, source).or_else(|| of(source, listener))
+    }
+
+    /// The number of a station among those that move.
+    #[inline]
+    fn number_of(&self, station: StationId) -> Option<usize> {
+        if self.mobile.contains(&station.0) {
+            return Some((station.0 - self.mobile.start) as usize);
         }
+        if self.moving.is_empty() {
+            return None;
+        }
+        self.moving.binary_search(&station).ok().map(|node| self.mobile.len() + node)
     }
 
     /// What is the same for all packets of a link of a station that moves, while both stand: see [`RememberedMobile`]. It
@@ -234,8 +281,9 @@ impl Budget {
             // Most nodes of a large network are far from a robot: nothing needs to be remembered of them.
             return f64::NAN;
         }
-        let known = self.mobile_links[link];
-        if known.places == [source, place] || known.places == [place, source] {
+        if let Some(known) = self.mobile_links.get(link)
+            && (known.places == [source, place] || known.places == [place, source])
+        {
             return known.power;
         }
         let power = match self.mean(signal, place) {
@@ -243,7 +291,9 @@ impl Budget {
             Some(mean) if self.is_per_packet => mean.0,
             Some(mean) => self.with_shadowing(mean, signal, listener).0,
         };
-        self.mobile_links[link] = RememberedMobile { places: [source, place], power };
+        if let Some(known) = self.mobile_links.get_mut(link) {
+            *known = RememberedMobile { places: [source, place], power };
+        }
         power
     }
 
@@ -251,9 +301,15 @@ impl Budget {
         self.channel.mean_power(signal.emission.power, signal.position, place)
     }
 
-    /// The power at the listener, with the gains of both antennas if there are any; zero if it is negligible then.
+    /// The power at the listener, with what changes the link at the start of the signal and the gains of both antennas, if
+    /// there are any; zero if it is negligible then. All powers of signals come through here, but for those that last and have
+    /// no such gains.
     #[inline]
     pub(super) fn milliwatts(&mut self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Milliwatts {
+        let power = match &mut self.changes {
+            Some(changes) => power + changes.gain(signal, listener),
+            None => power,
+        };
         if !self.has_antennas() {
             return power.to_milliwatts();
         }
@@ -295,6 +351,10 @@ impl Budget {
         let mean = self.mean(signal, listener.place)?;
         let path = self.channel.budget(signal.position, listener.place)?;
         let shadowed = if self.is_per_packet { mean } else { self.with_shadowing(mean, signal, listener) };
+        let lasting = self.changes.as_mut().filter(|changes| changes.fades_for_good());
+        let fading = lasting.map(|changes| changes.fade(signal, listener));
+        let traced = self.changes.as_ref().map_or(Traced::Law, |changes| changes.traced(signal, listener.station));
+        let strength = self.changes.as_ref().and_then(|changes| changes.strength(traced));
         let (transmit_gain, receive_gain) = match self.has_antennas() {
             true => self.gains(signal, listener),
             false => (Db(0.0), Db(0.0)),
@@ -304,7 +364,12 @@ impl Budget {
             shadowing: (!self.is_per_packet).then(|| shadowed - mean),
             transmit_gain,
             receive_gain,
-            power: shadowed + transmit_gain + receive_gain,
+            fading,
+            traced,
+            power: match traced {
+                Traced::Law => shadowed + fading.unwrap_or_default() + transmit_gain + receive_gain,
+                Traced::Measured(_) | Traced::Silent => strength.unwrap_or(Dbm::SILENCE),
+            },
         })
     }
 

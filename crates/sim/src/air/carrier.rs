@@ -143,7 +143,7 @@ mod tests {
         let law = ChannelConfig { shadowing, ..ChannelConfig::default() }.try_into().expect("a good channel");
         let channel = Channel::new(law, ObstacleField::new(Vec::new()), Seed(3));
         let emission = Emission { power: Dbm(0.0), aim: Aim::Omnidirectional };
-        let mut budget = Budget::new(channel, emission, Dbm(-200.0), 40, 39..40);
+        let mut budget = Budget::new(channel, None, emission, Dbm(-200.0), 40, 39..40);
         let mut carrier = Carrier::new(window);
         carrier.add(40);
         let at = |station: u32| Position::new(f64::from(station * 7 % 40), f64::from(station * 3 % 17), 0.0);

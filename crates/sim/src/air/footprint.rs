@@ -197,6 +197,7 @@ mod tests {
             ChannelConfig { shadowing: Some(shadowing), reflections, max_range_m, ..ChannelConfig::default() };
         let settings = AirSettings {
             channel: Channel::new(config.try_into().unwrap(), ObstacleField::default(), seed),
+            changes: None,
             power: Dbm(0.0),
             noise: Dbm(f64::MIN),
             gain: Db(40.0),

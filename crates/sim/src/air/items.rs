@@ -1,6 +1,6 @@
 //! The power of a link, item by item.
 
-use sextant_channel::{Db, Dbm, Milliwatts, PathBudget, Position};
+use sextant_channel::{Db, Dbm, Milliwatts, PathBudget, Position, Traced};
 use sextant_kernel::SimTime;
 
 use super::listener::Listener;
@@ -19,7 +19,11 @@ pub(crate) struct LinkItems {
     pub(crate) transmit_gain: Db,
     /// Gain of the receiver.
     pub(crate) receive_gain: Db,
-    /// Power at the receiver; without shadowing if each packet has its own.
+    /// Gain by fading, if it is the same at all times.
+    pub(crate) fading: Option<Db>,
+    /// What was measured: it replaces all of the above.
+    pub(crate) traced: Traced,
+    /// Power at the receiver; without shadowing if each packet has its own, and without fading that changes in time.
     pub(crate) power: Dbm,
 }
 
@@ -100,6 +104,7 @@ mod tests {
             Channel::new(config.try_into().expect("a good channel"), ObstacleField::new(vec![wall]), Seed(5));
         let settings = AirSettings {
             channel,
+            changes: None,
             power: Dbm(0.0),
             noise: Dbm(f64::MIN),
             gain: Db(40.0),

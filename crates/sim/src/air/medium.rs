@@ -10,6 +10,7 @@ use sextant_kernel::{SimTime, StationId};
 use super::budget::Budget;
 use super::carrier::{Carrier, Enough, energy_in, overlap_ns};
 use super::cells::Cells;
+use super::changes::Changes;
 use super::footprint::{Audible, Footprints, Link};
 use super::items::LinkItems;
 use super::listener::Listener;
@@ -59,7 +60,9 @@ impl Medium {
         floor: Dbm,
         memory: Duration,
     ) -> Self {
-        let reach_m = budget.channel().law().reach_m(power, floor);
+        let is_measured = budget.changes().is_some_and(Changes::has_trace);
+        // Measured links follow no law of distance.
+        let reach_m = if is_measured { f64::INFINITY } else { budget.channel().law().reach_m(power, floor) };
         Self {
             budget,
             carrier: Carrier::new(memory),
@@ -78,6 +81,11 @@ impl Medium {
     /// The antennas, to mount more of them before the first signal, or to turn them.
     pub(crate) fn mounts_mut(&mut self) -> &mut Mounts {
         self.budget.mounts_mut()
+    }
+
+    /// These nodes move, in their order.
+    pub(crate) fn let_move(&mut self, nodes: Vec<StationId>) {
+        self.budget.let_move(nodes);
     }
 
     /// Adds radios that may sense the carrier.
@@ -153,6 +161,12 @@ impl Medium {
     #[inline]
     pub(crate) fn power_at(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Milliwatts> {
         self.budget.power_at(signal, listener)
+    }
+
+    /// Share of the frames that begin at `start` and are received otherwise that arrive over a link.
+    #[inline]
+    pub(crate) fn success(&self, from: StationId, to: StationId, start: SimTime) -> f64 {
+        self.budget.changes().map_or(1.0, |changes| changes.success(from, to, start))
     }
 
     /// The power of a signal at a station, item by item; `None` beyond the radius of communication.

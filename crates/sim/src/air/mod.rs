@@ -3,6 +3,7 @@
 mod budget;
 mod carrier;
 mod cells;
+mod changes;
 mod followed;
 mod footprint;
 mod history;
@@ -38,6 +39,7 @@ use medium::Medium;
 use reached::Reached;
 use receiver::Receiver;
 
+pub(crate) use changes::{Changes, Links as ChangingLinks};
 pub(crate) use interface::Interface;
 pub(crate) use items::{LinkItems, PlacedRadio};
 pub(crate) use mounts::{Holder, Mount};
@@ -68,6 +70,8 @@ pub(crate) struct Air {
     /// ... and which of them each receiver has.
     rules_of: Vec<u32>,
     roll: Roll,
+    /// The nodes that move, in their order.
+    moving: Vec<StationId>,
     /// The receivers of the audience of each network.
     audiences: Vec<Vec<ReceiverId>>,
     /// Number of receivers of each network that listen and are in its audience.
@@ -94,6 +98,8 @@ pub(crate) struct Air {
 /// Settings of the air.
 pub(crate) struct AirSettings {
     pub(crate) channel: Channel,
+    /// What changes links in time, if anything does.
+    pub(crate) changes: Option<Changes>,
     /// Largest transmit power.
     pub(crate) power: Dbm,
     /// Largest power of an interferer; far below all others if there is none.
@@ -115,12 +121,23 @@ pub(crate) struct AirSettings {
 
 impl Air {
     pub(crate) fn new(settings: AirSettings, places: impl Iterator<Item = Position> + Clone, roll: Roll) -> Self {
-        let AirSettings { channel, power, noise, gain, floor, sensing, salt, message_loss, powers_vary, seed } =
-            settings;
+        let AirSettings {
+            channel,
+            changes,
+            power,
+            noise,
+            gain,
+            floor,
+            sensing,
+            salt,
+            message_loss,
+            powers_vary,
+            seed,
+        } = settings;
         let first_robot = StationId::from_index(roll.nodes).0;
         let mobile = first_robot..StationId::from_index(roll.nodes + roll.robots).0;
         let emission = Emission { power, aim: Aim::Omnidirectional };
-        let budget = Budget::new(channel, emission, floor, roll.len(), mobile);
+        let budget = Budget::new(channel, changes, emission, floor, roll.len(), mobile);
         let budget = if powers_vary { budget.with_varying_powers() } else { budget };
         Self {
             medium: Medium::new(budget, places, if noise > power { noise } else { power } + gain, floor, sensing),
@@ -129,6 +146,7 @@ impl Air {
             rules: Vec::new(),
             rules_of: Vec::new(),
             roll,
+            moving: Vec::new(),
             audiences: Vec::new(),
             audience_listening: Vec::new(),
             packets: 0,
@@ -143,6 +161,13 @@ impl Air {
             carrier_changes: Vec::new(),
             history: None,
         }
+    }
+
+    /// The same air, in which the nodes `moving` move, in their order. Called before the start.
+    pub(crate) fn with_moving(mut self, moving: Vec<StationId>) -> Self {
+        self.medium.let_move(moving.clone());
+        self.moving = moving;
+        self
     }
 
     /// Adds a network: a receiver for each station, with one of these `rules`, whose number `rules_of` tells; `audience`
@@ -181,7 +206,8 @@ impl Air {
 
     fn is_mobile(&self, station: StationId) -> bool {
         let index = station.index();
-        index >= self.roll.nodes && index < self.roll.nodes + self.roll.robots
+        let is_robot = index >= self.roll.nodes && index < self.roll.nodes + self.roll.robots;
+        is_robot || !self.moving.is_empty() && self.moving.binary_search(&station).is_ok()
     }
 
     /// Whether a receiver listens.

@@ -176,7 +176,7 @@ impl Air {
                     || transmission.to.is_none_or(|to| to == receiver)
                     || !(tells_few && self.roll.is_node(station));
                 if is_told && self.network(receiver) == network {
-                    let is_lost = outcome == FrameOutcome::Received && self.loses(&signal, receiver);
+                    let is_lost = outcome == FrameOutcome::Received && self.loses(&signal, receiver, station);
                     let outcome = if is_lost { FrameOutcome::Weak } else { outcome };
                     arrivals.push(Arrival { station, power, sinr, outcome });
                 }
@@ -221,9 +221,13 @@ impl Air {
 
     /// Whether a receiver loses a frame that it could receive.
     #[inline]
-    fn loses(&self, signal: &Outline, receiver: ReceiverId) -> bool {
-        self.message_loss > 0.0
-            && self.seed.uniform(purpose::MESSAGE_LOSS, signal.draw_at(receiver)) < self.message_loss
+    fn loses(&self, signal: &Outline, receiver: ReceiverId, station: StationId) -> bool {
+        let is_below = |purpose, share| self.seed.uniform(purpose, signal.draw_at(receiver)) < share;
+        if self.message_loss > 0.0 && is_below(purpose::MESSAGE_LOSS, self.message_loss) {
+            return true;
+        }
+        let success = self.medium.success(signal.source, station, signal.start);
+        success < 1.0 && !is_below(purpose::LINK_SUCCESS, success)
     }
 }
 

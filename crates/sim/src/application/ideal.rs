@@ -14,7 +14,7 @@ impl Port<'_> {
     /// The powers are those of frames that begin now: the same links, shadowing and antennas. A node with sectors uses
     /// the one that gives the greatest power. A node is left out if its power is below the least at which a frame is
     /// received, or if it is beyond the radius of communication, not in the network, or dead. The share of messages that
-    /// faults lose does not matter. Nobody notices anything, and nothing is counted.
+    /// faults, bursts of loss or measured links lose does not matter. Nobody notices anything, and nothing is counted.
     ///
     /// The time is proportional to the number of nodes in the world.
     ///

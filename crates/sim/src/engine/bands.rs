@@ -5,14 +5,18 @@ use std::time::Duration;
 use sextant_channel::{Channel, Db, Dbm};
 use sextant_kernel::{Seed, SettingError};
 
-use crate::air::AirSettings;
+use crate::air::{AirSettings, Changes, ChangingLinks};
 use crate::link::settings::Spectrum;
 use crate::network::Network;
 use crate::purpose;
+use crate::station::Roll;
 use crate::world::World;
 
 /// Signals this far below the noise may be neglected.
 pub(crate) const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
+
+/// A frame so far above the least power is received whatever the model of reception.
+const SURELY_RECEIVED: Db = Db(10.0);
 
 /// A band, and who uses it.
 #[derive(Clone, Debug)]
@@ -56,6 +60,11 @@ pub(crate) fn bands(networks: &[Network]) -> Result<Vec<Band>, SettingError> {
                     let remedy = "write the same table in both";
                     return Err(SettingError::conflict(format!("networks[{i}].channel"), with, remedy));
                 }
+                if networks[band[0]].link_trace != network.link_trace {
+                    let with = format!("that of network {}, which is on the same radio channel", band[0]);
+                    let remedy = "write the same table in both";
+                    return Err(SettingError::conflict(format!("networks[{i}].link_trace"), with, remedy));
+                }
                 band.push(i);
             }
         }
@@ -88,9 +97,26 @@ pub(crate) struct Bands<'a> {
     pub(crate) round: u64,
     /// Probability that a frame is lost, whatever its power.
     pub(crate) message_loss: f64,
+    pub(crate) roll: Roll,
 }
 
 impl Bands<'_> {
+    /// What changes the links of a band in time. All bands have the seed in common, so that radio channels near each other
+    /// fade alike.
+    fn changes(&self, band: &Band, network: &Network) -> Option<Changes> {
+        let settings = network.technology.settings();
+        let trace = network.link_trace.as_ref().map(|trace| {
+            let needed = settings
+                .reception_rules()
+                .iter()
+                .map(|rules| rules.least_power().to_dbm().0)
+                .fold(f64::MIN, f64::max);
+            trace.of(&self.roll, Dbm(needed) + SURELY_RECEIVED)
+        });
+        let links = ChangingLinks { seed: self.channel_seed, stations: self.roll.len() };
+        Changes::of(&network.channel, settings.fading_band(band.spectrum.channel), trace, links)
+    }
+
     /// The air of the band number `number`, which some of `networks` share.
     pub(crate) fn air(&self, number: usize, band: &Band, networks: &[Network]) -> AirSettings {
         let networks: Vec<&Network> = band.networks.iter().map(|&network| &networks[network]).collect();
@@ -102,6 +128,7 @@ impl Bands<'_> {
         let first = networks[0].technology.settings();
         AirSettings {
             channel: Channel::new(networks[0].channel, self.world.obstacles.clone(), channel_seed),
+            changes: self.changes(band, networks[0]),
             power: Dbm(settings().map(|settings| settings.greatest_tx_power().0).fold(f64::MIN, f64::max)),
             noise: Dbm((self.world.interferers.iter())
                 .filter_map(|interferer| first.power_of(interferer, band.spectrum.channel))

@@ -31,6 +31,7 @@ impl<A: Application> Engine<A> {
                 }
                 Event::Timer(station, _)
                 | Event::DriveEnded(station)
+                | Event::NodeTurned(station)
                 | Event::ArcPartDriven(station)
                 | Event::TargetEntered(station, _)
                 | Event::TargetLeft(station, _)

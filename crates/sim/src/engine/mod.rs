@@ -37,6 +37,7 @@ use crate::service::sensed::Sensations;
 use crate::service::upcall::Upcall;
 use crate::setup::Setup;
 use crate::station::Motion;
+use crate::world::motion::NodeCourse;
 
 use bands::Bands;
 use interference::Noise;
@@ -114,6 +115,7 @@ impl<A: Application> Engine<A> {
             airs: Vec::new(),
             motions,
             roll,
+            moving: Vec::new(),
             seed: setup.seed,
             backoffs: roll.stations().map(|station| setup.seed.draws(purpose::BACKOFF, station.0.into())).collect(),
             offered: 0,
@@ -122,6 +124,10 @@ impl<A: Application> Engine<A> {
             upcalls: Vec::new(),
             traced: Vec::new(),
         };
+        let seed = setup.seed;
+        let courses: Vec<(StationId, NodeCourse)> =
+            world.motions.iter().map(|motion| (StationId(motion.node.0), motion.course(seed))).collect();
+        scene.moving = courses.iter().map(|(station, _)| *station).collect();
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
         let Extras { round, channel_seed, mut coordinator } = extras;
         bands::check_links(networks)?;
@@ -136,9 +142,10 @@ impl<A: Application> Engine<A> {
         }
         let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
         let message_loss = setup.faults.message_loss();
-        let all = Bands { world, channel_seed, seed: setup.seed, round, message_loss };
+        let all = Bands { world, channel_seed, seed: setup.seed, round, message_loss, roll };
         for (i, band) in bands.iter().enumerate() {
-            scene.airs.push(Air::new(all.air(i, band, networks), fixed.clone(), roll));
+            let moving = courses.iter().map(|(station, _)| *station).collect();
+            scene.airs.push(Air::new(all.air(i, band, networks), fixed.clone(), roll).with_moving(moving));
         }
         let mut links = Vec::with_capacity(networks.len());
         for (network, id) in networks.iter().zip(ids) {
@@ -183,6 +190,7 @@ impl<A: Application> Engine<A> {
                 world: setup.world,
                 vehicles: setup.robots.into_iter().map(|robot| Vehicle::new(robot.body)).collect(),
                 sensing,
+                courses,
                 halo: None,
                 notes: Vec::new(),
                 has_task,
@@ -250,6 +258,7 @@ impl<A: Application> Engine<A> {
             self.model.networks.iter_mut().for_each(|network| network.count_from(counted_from));
             self.model.scene.at(counted_from, Event::WarmedUp);
         }
+        self.model.begin_ways();
         self.model.draw_halos();
         for station in self.model.scene.roll.stations() {
             for network in &mut self.model.networks {
@@ -299,6 +308,7 @@ impl<A: Application> Engine<A> {
                 let mut port = Port { model: &mut self.model, station };
                 self.applications[station.index()].drive_ended(end, &mut port);
             }
+            Event::NodeTurned(station) => self.model.turn_node(station),
             Event::TargetTurned(target) => self.turn(target, observer),
             Event::TargetEntered(station, target) => self.enter(station, target, observer),
             Event::TargetLeft(station, target) => self.leave(station, target, observer),

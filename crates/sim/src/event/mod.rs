@@ -25,6 +25,8 @@ pub(crate) enum Event {
     Link(StationId, NetworkId, LinkEvent),
     /// A robot's drive is over.
     DriveEnded(StationId),
+    /// A node that moves begins its next leg.
+    NodeTurned(StationId),
     /// A target begins its next leg.
     TargetTurned(TargetId),
     /// A target enters the radius of detection of a node.
@@ -60,6 +62,7 @@ impl Event {
         match self {
             Self::Timer(station, _)
             | Self::DriveEnded(station)
+            | Self::NodeTurned(station)
             | Self::ArcPartDriven(station)
             | Self::HaloDue(station)
             | Self::TargetEntered(station, _)

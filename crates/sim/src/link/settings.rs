@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Db, Dbm};
+use sextant_channel::{Db, Dbm, FadingBand};
 use sextant_kernel::{NodeId, Seed, SettingError, StationId};
 use sextant_mac::RadioStates;
 use sextant_mac::coordinator::Coordinator;
@@ -103,6 +103,9 @@ pub(crate) trait LinkSettings {
     fn powers_vary(&self) -> bool {
         false
     }
+
+    /// Where links fade on its radio channel `channel`: the same frequency for all of its band, and that of the channel.
+    fn fading_band(&self, channel: u8) -> FadingBand;
 
     /// Whether networks may share a part of the spectrum; if not, why they do not: what the network has.
     fn unshared(&self) -> Option<&'static str> {

@@ -134,6 +134,13 @@ impl Technology {
         self.settings().tx_power()
     }
 
+    /// The frequency whose wavelength is that of fades in space (Hz): the same for all radio channels of a band.
+    #[must_use]
+    pub fn reference_hz(&self) -> f64 {
+        let settings = self.settings();
+        settings.fading_band(settings.spectrum().channel).reference_hz
+    }
+
     /// Minimum power of a frame that can be received; but for groups of nodes.
     #[must_use]
     pub fn sensitivity(&self) -> Dbm {

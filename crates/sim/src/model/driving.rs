@@ -160,7 +160,7 @@ impl Model {
         self.note_pose(robot, trip, truth, belief);
     }
 
-    fn move_as(&mut self, station: StationId, motion: Motion) {
+    pub(super) fn move_as(&mut self, station: StationId, motion: Motion) {
         self.scene.motions[station.index()] = motion;
         for network in &self.networks {
             network.moves(station, &mut self.scene);

@@ -3,6 +3,7 @@
 mod driving;
 mod following;
 pub(crate) mod log;
+mod moving;
 pub(crate) mod ranging;
 mod vehicle;
 
@@ -19,6 +20,7 @@ use crate::service::network_id::NetworkId;
 use crate::service::sensed::{FieldId, TargetId};
 use crate::station::{Pose, StationKind};
 use crate::world::World;
+use crate::world::motion::NodeCourse;
 
 pub(crate) use driving::Course;
 pub(crate) use vehicle::Vehicle;
@@ -32,6 +34,8 @@ pub(crate) struct Model {
     pub(crate) world: World,
     pub(crate) vehicles: Vec<Vehicle>,
     pub(crate) sensing: Sensing,
+    /// The ways of the nodes that move, by station.
+    pub(crate) courses: Vec<(StationId, NodeCourse)>,
     /// The halos round the listeners; `None` if all nodes are simulated all the time.
     pub(crate) halo: Option<Halo>,
     /// What the observer will see.

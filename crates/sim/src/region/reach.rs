@@ -42,7 +42,11 @@ impl Reach {
         let power = settings.greatest_tx_power() + settings.greatest_gain();
         let busy_from = (0..nodes).map(|node| settings.busy_from(Some(NodeId::from_index(node))).0);
         let busy_from = Dbm(busy_from.fold(settings.busy_from(None).0, f64::min));
-        let reach_m = |floor| network.channel.reach_m(power, floor);
+        // Measured links follow no law of distance.
+        let reach_m = |floor| match network.link_trace {
+            Some(_) => f64::INFINITY,
+            None => network.channel.reach_m(power, floor),
+        };
         Self {
             reception_m: reach_m(settings.sensitivity()),
             interference_m: reach_m(settings.noise_floor() - NEGLECTED_BELOW_NOISE),
@@ -55,6 +59,14 @@ impl Setup {
     /// How far the signals of nodes reach that send by themselves.
     #[must_use]
     pub fn reach(&self) -> Reach {
+        if !self.world.motions.is_empty() {
+            // Nobody knows where nodes that move will be.
+            return Reach {
+                reception_m: f64::INFINITY,
+                interference_m: f64::INFINITY,
+                carrier_sense_m: f64::INFINITY,
+            };
+        }
         let sends = |network: &&Network| !network.traffic.kinds().all(Traffic::is_silent);
         let reaches = self.networks.iter().filter(sends).map(|network| Reach::of(network, self.world.nodes.len()));
         reaches.fold(Reach::default(), Reach::max)

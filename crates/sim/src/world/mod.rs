@@ -5,6 +5,7 @@ pub(crate) mod choice;
 pub(crate) mod field;
 pub(crate) mod interferer;
 pub mod layout;
+pub(crate) mod motion;
 pub(crate) mod sensors;
 pub(crate) mod target;
 
@@ -18,6 +19,7 @@ use sextant_kernel::{Files, Seed, SettingError};
 use field::{Field, FieldConfig};
 use interferer::Interferer;
 use layout::{NodesConfig, PlacedNode};
+use motion::{NodeMotion, NodeMotionConfig};
 use sensors::Sensors;
 use target::{Target, TargetConfig};
 
@@ -31,6 +33,10 @@ const MOST: usize = 1 << 16;
 pub struct WorldConfig {
     /// The layout of the nodes.
     pub nodes: NodesConfig,
+    /// Nodes that move; all others stand where the layout puts them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
+    pub motions: Vec<NodeMotionConfig>,
     /// The obstacles to radio and robots.
     #[serde(default)]
     pub obstacles: Vec<ObstacleConfig>,
@@ -51,6 +57,8 @@ pub struct WorldConfig {
 pub struct World {
     /// The nodes; the index is the [`NodeId`](sextant_kernel::NodeId).
     pub nodes: Vec<PlacedNode>,
+    /// How nodes move that do, by node. Their positions in `nodes` are those at the start.
+    pub motions: Vec<NodeMotion>,
     /// The obstacles; the pieces of walls come last.
     pub obstacles: ObstacleField,
     /// Which obstacles are the pieces of each wall.
@@ -72,7 +80,12 @@ impl WorldConfig {
         let of_obstacles = self.obstacles.iter_mut().enumerate().filter_map(|(i, obstacle)| {
             obstacle.file_mut().map(|(key, file)| (format!("obstacles[{i}].{key}"), file))
         });
-        of_nodes.into_iter().chain(of_obstacles)
+        let of_motions = self
+            .motions
+            .iter_mut()
+            .enumerate()
+            .filter_map(|(i, motion)| motion.file_mut().map(|(key, file)| (format!("motions[{i}].{key}"), file)));
+        of_nodes.into_iter().chain(of_obstacles).chain(of_motions)
     }
 
     /// Sets up the world: the obstacles first, the nodes and targets between them. The nodes sense nothing. Paths are
@@ -83,7 +96,8 @@ impl WorldConfig {
     /// nodes or has no way, or a field is invalid.
     pub fn build(&self, seed: Seed, files: &Files) -> Result<World, SettingError> {
         let (obstacles, walls) = self.set_up_obstacles(files)?;
-        let nodes = self.nodes.place(&obstacles, seed, files).map_err(|error| error.within("nodes"))?;
+        let mut nodes = self.nodes.place(&obstacles, seed, files).map_err(|error| error.within("nodes"))?;
+        let motions = motion::build(&self.motions, &mut nodes, &obstacles, seed, files)?;
         let target = |(i, config): (usize, &TargetConfig)| {
             config.check_places(&nodes)?;
             config.build(i as u64, &obstacles, seed)
@@ -92,7 +106,16 @@ impl WorldConfig {
         unique("targets", targets.iter().map(Target::name))?;
         let fields = all("fields", &self.fields, |(_, config)| Field::try_from(config))?;
         unique("fields", fields.iter().map(Field::name))?;
-        Ok(World { nodes, obstacles, walls, targets, fields, sensors: Sensors::default(), interferers: Vec::new() })
+        Ok(World {
+            nodes,
+            motions,
+            obstacles,
+            walls,
+            targets,
+            fields,
+            sensors: Sensors::default(),
+            interferers: Vec::new(),
+        })
     }
 
     /// The obstacles alone, those of a mesh file with several materials in the place of its entry and the pieces of walls at the end,

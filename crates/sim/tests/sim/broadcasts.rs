@@ -51,6 +51,7 @@ pub(crate) fn link(antennas: &str) -> Network {
         radio_states: RadioStates::mmwave_60_ghz(),
         traffic: TrafficPlan::silent(0),
         ranging: None,
+        link_trace: None,
         members: None,
     }
 }

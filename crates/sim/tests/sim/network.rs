@@ -105,6 +105,7 @@ pub(crate) fn setup(
         radio_states: RadioStates::cc2420(),
         traffic: plan(traffic, places.len()),
         ranging: None,
+        link_trace: None,
         members: None,
     };
     Setup {
@@ -168,6 +169,7 @@ pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> Network {
         radio_states: RadioStates::cc2420(),
         traffic: TrafficPlan::silent(0),
         ranging: None,
+        link_trace: None,
         members: None,
     }
 }

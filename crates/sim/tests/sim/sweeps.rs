@@ -70,6 +70,7 @@ impl Scene {
             radio_states: RadioStates::mmwave_60_ghz(),
             traffic: TrafficPlan::silent(self.places.len()),
             ranging: None,
+            link_trace: None,
             members: None,
         };
         let mut robot = network::tour(vec![Position::ORIGIN], 0.1, Duration::from_millis(100));

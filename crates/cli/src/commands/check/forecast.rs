@@ -40,6 +40,17 @@ fn of_network(network: &NetworkForecast, lines: &mut Vec<(String, String)>) {
         let text = format!("{:.1} a node, {} to {}{of}", neighbours.mean, neighbours.min, neighbours.max);
         lines.push((called("neighbours"), text));
     }
+    if let Some(fading) = &network.fading {
+        let when = if fading.changes_in_time { "in time" } else { "from place to place" };
+        let text = format!(
+            "{}, {when}: one draw of ten is below {:.1} dB, one of a hundred below {:.1} dB",
+            fading.law, fading.tenth_below_db, fading.hundredth_below_db
+        );
+        lines.push((called("fading"), text));
+    }
+    if let Some(share) = network.burst_share {
+        lines.push((called("bursts of loss"), format!("links are bad for {:.1} % of the time", 100.0 * share)));
+    }
     if let Some(load) = &network.load {
         let text = format!(
             "{:.4} Erlang at a node, at most {:.4}: frames of {:.3} ms, {:.3} a second and node",

@@ -96,10 +96,9 @@ impl<'a> Cooperative<'a> {
             solve_lower(normal.as_slice(), size, &mut halves);
             let half = |axis: usize| &halves[axis * size..(axis + 1) * size];
             let mut covariance = [[0.0; 3]; 3];
-            for row in 0..self.dimensions {
-                for column in 0..self.dimensions {
-                    covariance[row][column] =
-                        variance * half(row).iter().zip(half(column)).map(|(a, b)| a * b).sum::<f64>();
+            for (row, line) in covariance.iter_mut().enumerate().take(self.dimensions) {
+                for (column, entry) in line.iter_mut().enumerate().take(self.dimensions) {
+                    *entry = variance * half(row).iter().zip(half(column)).map(|(a, b)| a * b).sum::<f64>();
                 }
             }
             covariances[node] = Some(covariance);

@@ -3,6 +3,8 @@
 pub(crate) mod surveyed;
 pub(crate) mod tables;
 
+use std::sync::Arc;
+
 use sextant_channel::ChannelLaw;
 use sextant_kernel::{Files, SettingError};
 use sextant_sim::{Network, NetworkId, Technology};
@@ -115,6 +117,7 @@ impl CheckedNetwork<'_> {
     fn simulated(&self, config: &ScenarioConfig, named: Named<'_>, errors: &mut Errors) -> Option<Network> {
         let radio_states = self.tables.radio_states(errors);
         let traffic = self.tables.traffic_plan(config, named, errors);
+        let link_trace = self.tables.link_trace(config, named, errors);
         let ranging = errors.take("", self.tables.ranging());
         let members = named.nodes.map(|nodes| errors.take("", self.tables.members(nodes, config)));
         Some(Network {
@@ -122,6 +125,7 @@ impl CheckedNetwork<'_> {
             channel: self.channel?,
             technology: self.technology.clone()?,
             radio_states: radio_states?,
+            link_trace: link_trace.map(Arc::new),
             traffic: traffic?,
             ranging: ranging?,
             members: members??,

@@ -140,7 +140,7 @@ impl CheckedNetwork<'_> {
             exponent.get_or_insert(path_loss.exponent());
             tx_power_dbm.get_or_insert(power_at_reference_dbm(channel, technology));
             reference_distance_m.get_or_insert(path_loss.reference_distance_m());
-            sigma_db.get_or_insert(channel.shadowing().sigma_db());
+            sigma_db.get_or_insert(spread_db(channel));
         }
         if let Some(ReceiverSetting { sensitivity_dbm, max_range_m }) = algorithm.receiver_mut() {
             sensitivity_dbm.get_or_insert(technology.sensitivity().0);
@@ -153,7 +153,7 @@ impl CheckedNetwork<'_> {
         let Some((channel, technology)) = self.links() else { return };
         let path_loss = channel.path_loss();
         profile.exponent.get_or_insert(path_loss.exponent());
-        profile.sigma_db.get_or_insert(channel.shadowing().sigma_db());
+        profile.sigma_db.get_or_insert(spread_db(channel));
         profile.tx_power_dbm.get_or_insert(power_at_reference_dbm(channel, technology));
         profile.sensitivity_dbm.get_or_insert(technology.sensitivity().0);
         profile.max_range_m = profile.max_range_m.or(limited_range_m(channel));
@@ -167,10 +167,18 @@ impl CheckedNetwork<'_> {
     }
 }
 
-/// The power at the reference distance with the best sectors (dBm): maps take it as the transmit power.
+/// The power at the reference distance with the best sectors (dBm), the mean of the decibels: maps take it as the transmit
+/// power.
 fn power_at_reference_dbm(channel: &ChannelLaw, technology: &Technology) -> f64 {
     let power_dbm = technology.tx_power().0 + technology.link_gain().0;
-    power_dbm - channel.path_loss().reference_loss().0
+    let by_fading_db = channel.fading().map_or(0.0, |fading| fading.decibels().0);
+    power_dbm - channel.path_loss().reference_loss().0 + by_fading_db
+}
+
+/// The standard deviation of a power about its mean in decibels (dB): that of shadowing, and of fading if there is any.
+fn spread_db(channel: &ChannelLaw) -> f64 {
+    let sigma_db = channel.shadowing().sigma_db();
+    channel.fading().map_or(sigma_db, |fading| (sigma_db.powi(2) + fading.decibels().1.powi(2)).sqrt())
 }
 
 /// The radius of communication (m), if it is limited.

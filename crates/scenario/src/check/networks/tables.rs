@@ -5,8 +5,8 @@ use sextant_kernel::{Files, SettingError};
 use sextant_mac::{EnergyConfig, Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    AntennasConfig, LinkConfig, LinkError, MacConfig, NodesOfGroup, RadioConfig, ReceptionConfig, Technology,
-    TrafficConfig, TrafficPlan,
+    AntennasConfig, LinkConfig, LinkError, LinkTraceConfig, MacConfig, NetworkTrace, NodesOfGroup, RadioConfig,
+    ReceptionConfig, Technology, TraceStations, TrafficConfig, TrafficPlan,
 };
 
 use crate::check::errors::Errors;
@@ -20,6 +20,7 @@ pub(crate) struct NetworkTables<'a> {
     nodes: Option<&'a NodesOfGroup>,
     pub(crate) radio: Keyed<Option<&'a RadioConfig>>,
     channel: Keyed<&'a ChannelConfig>,
+    link_trace: Keyed<Option<&'a LinkTraceConfig>>,
     pub(crate) mac: Keyed<&'a MacConfig>,
     traffic: Keyed<Option<&'a TrafficConfig>>,
     reception: Keyed<Option<&'a ReceptionConfig>>,
@@ -80,6 +81,7 @@ impl<'a> NetworkTables<'a> {
             nodes: network.and_then(|(_, network)| network.nodes.as_ref()),
             radio: pick!(radio, or(config.radio.as_ref())),
             channel: pick!(channel, unwrap_or(&config.channel)),
+            link_trace: pick!(link_trace, or(config.link_trace.as_ref())),
             mac: pick!(mac, unwrap_or(&config.mac)),
             traffic: pick!(traffic, or(config.traffic.as_ref())),
             reception: pick!(reception, or(config.reception.as_ref())),
@@ -117,6 +119,25 @@ impl<'a> NetworkTables<'a> {
             None => channel,
         };
         errors.take(&self.channel.key, ChannelLaw::try_from(channel))
+    }
+
+    /// Its links as they were measured, if they are and the nodes are known.
+    pub(super) fn link_trace(
+        &self,
+        config: &ScenarioConfig,
+        Named { nodes, files }: Named<'_>,
+        errors: &mut Errors,
+    ) -> Option<NetworkTrace> {
+        let trace = self.link_trace.value?;
+        if self.sweeps_sectors() {
+            let remedy = "remove the table: what was measured holds for one pair of antennas";
+            errors.refuse(&SettingError::conflict(&self.link_trace.key, "`mac.sector_sweep`", remedy));
+            return None;
+        }
+        let sinks: Vec<&str> = config.sinks.iter().map(|sink| sink.name.as_str()).collect();
+        let channel = self.radio.value.map(|radio| radio.channel.unwrap_or(*radio.phy.channels().start()));
+        let stations = TraceStations { nodes: nodes?, sinks: &sinks, channel };
+        errors.take(&self.link_trace.key, trace.read(&stations, files))
     }
 
     /// The technology of its links.

@@ -87,7 +87,8 @@ impl Links {
             let mount = antennas.mount(&roll, station, scene.seed);
             scene.airs[air].mount(radios.receiver(station), mount);
         }
-        let standing = roll.stations().filter(|&station| !matches!(roll.kind(station), StationKind::Robot(_)));
+        let moves = |station| matches!(roll.kind(station), StationKind::Robot(_)) || scene.is_moving_node(station);
+        let standing = roll.stations().filter(|&station| !moves(station));
         let interface = |station| radios.interface(station);
         let standing: Vec<_> = standing.map(|station| (interface(station), scene.place(station))).collect();
         scene.airs[air].know_standing(standing.into_iter());

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Db, Dbm};
+use sextant_channel::{Db, Dbm, FadingBand};
 use sextant_kernel::{Files, NodeId, SettingError};
 use sextant_mac::dmg::timing::{PREAMBLE, control_airtime};
 use sextant_mac::dmg::{AnswerSettings, SweepSettings, beacon_octets};
@@ -103,6 +103,11 @@ impl LinkSettings for Ieee80211ad {
 
     fn spectrum(&self) -> Spectrum {
         Spectrum { band: "60 GHz", channel: self.radio.channel() }
+    }
+
+    fn fading_band(&self, _channel: u8) -> FadingBand {
+        // Between channels 2 and 3.
+        FadingBand { reference_hz: 61.56e9, center_hz: self.radio.carrier_hz() }
     }
 
     fn unshared(&self) -> Option<&'static str> {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::Dbm;
+use sextant_channel::{Dbm, FadingBand};
 use sextant_kernel::{Files, NodeId, Seed, SettingError};
 use sextant_mac::RadioState;
 use sextant_mac::coordinator::Coordinator;
@@ -96,6 +96,10 @@ impl LinkSettings for Ieee802154 {
 
     fn spectrum(&self) -> Spectrum {
         self.radio.spectrum(self.radio.channel())
+    }
+
+    fn fading_band(&self, channel: u8) -> FadingBand {
+        self.radio.fading_band(channel)
     }
 
     fn reception_rules(&self) -> Vec<ReceptionRules> {

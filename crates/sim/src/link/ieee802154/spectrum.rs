@@ -1,6 +1,6 @@
 //! What the radios are on the air: their part of the spectrum, the rules of their receivers, their captures.
 
-use sextant_channel::{Db, Dbm};
+use sextant_channel::{Db, Dbm, FadingBand};
 use sextant_kernel::SettingError;
 use sextant_mac::{Band, Phy, oqpsk};
 
@@ -24,6 +24,16 @@ impl Radio {
             Band::Mhz2450 => "2450 MHz",
         };
         Spectrum { band, channel }
+    }
+
+    /// Where links fade on a channel.
+    pub(in crate::link) fn fading_band(&self, channel: u8) -> FadingBand {
+        let reference_hz = match self.phy().band() {
+            Band::Mhz868 => 868.3e6,
+            Band::Mhz915 => 915e6,
+            Band::Mhz2450 => 2440e6,
+        };
+        FadingBand { reference_hz, center_hz: 1e6 * self.phy().center_mhz(channel) }
     }
 
     /// The rules of the receivers of all groups.

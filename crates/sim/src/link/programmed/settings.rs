@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::Dbm;
+use sextant_channel::{Dbm, FadingBand};
 use sextant_kernel::{Files, NodeId, SettingError};
 use sextant_mac::program::ProgramSettings;
 
@@ -103,6 +103,10 @@ impl LinkSettings for Programmed {
 
     fn powers_vary(&self) -> bool {
         true
+    }
+
+    fn fading_band(&self, channel: u8) -> FadingBand {
+        self.radio.fading_band(channel)
     }
 
     fn reception_rules(&self) -> Vec<ReceptionRules> {

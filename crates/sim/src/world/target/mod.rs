@@ -25,6 +25,7 @@ pub use gait::{StraightConfig, TurnConfig};
 pub use leg::Leg;
 pub use walk::RandomWalkConfig;
 pub use wander::WanderConfig;
+pub(crate) use waypoints::Waypoints;
 pub use waypoints::{AtEnd, WaypointsConfig};
 
 /// Farthest that a place of a target is from the nearest node (m).

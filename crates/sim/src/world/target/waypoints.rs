@@ -16,12 +16,12 @@ pub struct WaypointsConfig {
     pub places_m: Vec<Position>,
     /// Speed (m/s).
     pub speed_m_per_s: f64,
-    /// What the target does at the last place.
+    /// What it does at the last place.
     #[serde(default)]
     pub at_end: AtEnd,
 }
 
-/// What a target does at its last place.
+/// What a target, or a node, does at its last place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -31,13 +31,13 @@ pub enum AtEnd {
     Stay,
     /// It goes to the first place, and over all places again.
     Loop,
-    /// It is gone from the world.
+    /// It is gone from the world; nodes stay.
     Leave,
 }
 
 /// A way over listed places.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Waypoints {
+pub(crate) struct Waypoints {
     places: Vec<Position>,
     speed_m_per_s: f64,
     at_end: AtEnd,
@@ -45,7 +45,7 @@ pub(super) struct Waypoints {
 
 impl WaypointsConfig {
     /// The way among `obstacles`.
-    pub(super) fn build(&self, obstacles: &ObstacleField) -> Result<Waypoints, SettingError> {
+    pub(crate) fn build(&self, obstacles: &ObstacleField) -> Result<Waypoints, SettingError> {
         if self.places_m.is_empty() {
             return Err(SettingError::new("places_m", "an empty list", "at least one place"));
         }
@@ -87,7 +87,7 @@ impl WaypointsConfig {
 }
 
 impl Waypoints {
-    pub(super) fn start(&self) -> Position {
+    pub(crate) fn start(&self) -> Position {
         self.places[0]
     }
 
@@ -112,7 +112,7 @@ impl Waypoints {
     }
 
     /// Leg number `i`, which begins at `start`; `None` if the target stays where it is, or is gone.
-    pub(super) fn leg(&self, i: usize, start: SimTime) -> Option<Leg> {
+    pub(crate) fn leg(&self, i: usize, start: SimTime) -> Option<Leg> {
         let count = self.leg_count();
         let i = match self.at_end {
             AtEnd::Stay | AtEnd::Leave => i,

@@ -208,6 +208,7 @@ fn a_target_far_from_all_nodes_is_refused() {
     let nodes = ExplicitConfig { positions_m: vec![Position::ORIGIN, Position::new(3000.0, 0.0, 0.0)], names: None };
     let key = |motion: TargetMotionConfig| {
         let config = WorldConfig {
+            motions: Vec::new(),
             nodes: NodesConfig::Explicit(nodes.clone()),
             obstacles: Vec::new(),
             walls: Vec::new(),

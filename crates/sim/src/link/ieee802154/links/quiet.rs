@@ -32,7 +32,9 @@ impl Links {
     pub(super) fn is_quiet(&self, station: StationId, scene: &Scene) -> bool {
         let stack = &self.stacks[station.index()];
         let is_unslotted = matches!(self.macs[station.index()], NodeMac::Unslotted(_));
-        self.is_only && is_unslotted && scene.roll.is_node(station) && !stack.listening && stack.track.is_none()
+        // What is found at the place of now may differ at that of later.
+        let stands = scene.roll.is_node(station) && !scene.is_moving_node(station);
+        self.is_only && is_unslotted && stands && !stack.listening && stack.track.is_none()
     }
 
     /// Puts the next event of a quiet station that others may notice into the queue, if it is not there.
