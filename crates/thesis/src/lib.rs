@@ -30,6 +30,19 @@
 //! `each` makes an entry for each combination of the items of lists, `only` chooses items, `with` and `terms` name one, and
 //! `{list.field}` is filled in. Entries below an entry (`[[lines.lines]]`) have what it says. Unknown keys are errors.
 //! Three kinds of lines are computed in another way: `at_least`, `least` and `likelihood`.
+//!
+//! # What the thesis leaves open
+//! An entry of `[[open]]` names a setting or a definition that the thesis leaves open, the value that is taken, and others that
+//! its text allows. Each is a reading, and so are pairs of names in `together`:
+//! ```toml
+//! [[open]]
+//! name = "turns of the random walk"
+//! key = "robots.controller.random_walk.steps_per_turn"
+//! taken = "a new direction at each step"
+//! says = "nothing"
+//! scenarios = ["ml-tm/trajectory-random.toml"]
+//! values = [{ value = "after 5 steps", set = ["robots.0.controller.random_walk.steps_per_turn=5"] }]
+//! ```
 
 mod agreement;
 mod better;

@@ -9,7 +9,7 @@ use super::open::OpenSetting;
 use super::ours::Ours;
 use super::published::PublishedRange;
 use super::reading::Reading;
-use super::runs::Runs;
+use super::runs::{Runs, Term};
 use sextant_recording::output::{CsvFile, EmptyCell, OutputError};
 use sextant_study::sweep::Mean;
 
@@ -53,8 +53,8 @@ impl Readings {
         let mut readings = Self::default();
         for (i, quantity) in experiment.lines.iter().enumerate() {
             let is_number = quantity.published.as_ref().is_some_and(|of| PublishedRange::read(&of.value).is_some());
-            let changing = made.iter().filter(|reading| reading.lines[i].terms() != quantity.ours.terms());
-            let under = changing.map(|reading| ReadValue {
+            let changing = changing(&made, &quantity.ours.terms(), |reading| reading.lines[i].terms());
+            let under = changing.into_iter().map(|reading| ReadValue {
                 reading: reading.name(),
                 ours: reading.lines[i].ours(runs),
                 difference: quantity.ours.moved(&reading.lines[i], runs),
@@ -65,8 +65,8 @@ impl Readings {
             }
         }
         for (i, claim) in experiment.claims.iter().enumerate() {
-            let changing = made.iter().filter(|reading| reading.checks[i].terms() != claim.check.terms());
-            let under = changing.filter_map(|reading| {
+            let changing = changing(&made, &claim.check.terms(), |reading| reading.checks[i].terms());
+            let under = changing.into_iter().filter_map(|reading| {
                 let ours = Ours::Finding(reading.checks[i].finding(runs)?);
                 Some(ReadValue { reading: reading.name(), ours, difference: None })
             });
@@ -178,15 +178,40 @@ impl Moved {
         moves.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
     }
 
-    /// The readings under which the conclusion is decided, and otherwise than with the values that are taken.
-    pub fn changes(&self) -> impl Iterator<Item = (&str, Verdict)> {
+    /// The readings under which the conclusion is decided, and otherwise than with the values that are taken. Of two settings
+    /// together only where neither does it alone.
+    #[must_use]
+    pub fn changes(&self) -> Vec<(&str, Verdict)> {
         let taken = verdict(&self.line.ours);
-        self.under.iter().filter_map(move |value| {
+        let changing = self.under.iter().filter_map(|value| {
             let verdict = verdict(&value.ours)?;
             let is_change = Some(verdict) != taken && verdict != Verdict::CannotBeTold;
             is_change.then_some((value.reading.as_str(), verdict))
-        })
+        });
+        let all: Vec<_> = changing.collect();
+        let alone = |&(reading, of): &(&str, Verdict)| {
+            let is_part = |&(other, its): &(&str, Verdict)| its == of && other != reading && reading.contains(other);
+            !all.iter().any(is_part)
+        };
+        all.iter().filter(|change| alone(change)).copied().collect()
     }
+}
+
+/// Those of `readings` whose terms are neither those that are `taken` nor those of a reading before: of two settings together,
+/// one may change nothing here.
+fn changing<'a>(
+    readings: &[&'a Reading],
+    taken: &[&Term],
+    terms: impl Fn(&'a Reading) -> Vec<&'a Term>,
+) -> Vec<&'a Reading> {
+    let mut found: Vec<&Reading> = Vec::new();
+    for &reading in readings {
+        let own = terms(reading);
+        if own != taken && found.iter().all(|&other| terms(other) != own) {
+            found.push(reading);
+        }
+    }
+    found
 }
 
 fn verdict(ours: &Ours) -> Option<Verdict> {
@@ -198,6 +223,7 @@ fn verdict(ours: &Ours) -> Option<Verdict> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::finding::Finding;
     use super::super::published::Published;
     use super::*;
 
@@ -232,6 +258,32 @@ mod tests {
         assert_eq!((strongest.reading.as_str(), by), ("one packet", 45.0));
         assert_eq!(of.nearest().unwrap().reading, "few anchors");
         assert!(moved(39.0, &[("few anchors", 37.5)]).nearest().is_none(), "the value that is taken is nearer");
+    }
+
+    #[test]
+    fn a_conclusion_changes_with_a_setting_alone_rather_than_with_two() {
+        let finding = |of: Verdict| {
+            let margin = Mean { mean: 1.0, half_width_95: Some(0.1), runs: 5 };
+            Ours::Finding(Finding { verdict: of, margin, unit: "m" })
+        };
+        let value = |(reading, of): (&str, Verdict)| ReadValue {
+            reading: reading.to_owned(),
+            ours: finding(of),
+            difference: None,
+        };
+        use Verdict::{CannotBeTold, DoesNotHold, Holds};
+        let mut of = moved(1.0, &[]);
+        of.line.ours = finding(DoesNotHold);
+        of.under = [
+            ("radius: 4 m", Holds),
+            ("radius: 5 m", CannotBeTold),
+            ("lanes: 2 m", DoesNotHold),
+            ("radius: 4 m, lanes: 2 m", Holds),
+            ("radius: 5 m, lanes: 2 m", Holds),
+        ]
+        .map(value)
+        .to_vec();
+        assert_eq!(of.changes(), [("radius: 4 m", Holds), ("radius: 5 m, lanes: 2 m", Holds)]);
     }
 
     #[test]
