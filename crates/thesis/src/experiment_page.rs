@@ -140,10 +140,13 @@ fn depends(readings: &Readings) -> Vec<PagePart> {
         PagePart::Heading(3, "What it depends on".to_owned()),
         PagePart::Text(vec![
             format!(
-                "The thesis leaves these open. Each was tried one at a time, and some together, with at most {} of the same \
-                 seeds. The value that is taken stays. That another one comes near a published number is no proof that it \
-                 was meant, and those of different numbers need not go together.",
-                counted(readings.runs, "run")
+                "The thesis leaves these open. Each was tried one at a time, and some together, {}. The value that is taken \
+                 stays. That another one comes near a published number is no proof that it was meant, and those of different \
+                 numbers need not go together.",
+                match readings.runs {
+                    0 => "with the runs that are there anyway".to_owned(),
+                    runs => format!("with at most {} of the same seeds", counted(runs, "run")),
+                }
             )
             .into(),
         ]),

@@ -67,11 +67,11 @@ impl Page {
 
     /// The page as one HTML file: its style and its pictures are in it.
     pub(crate) fn html(&self) -> String {
-        let titles = self.parts.iter().filter_map(|part| match part {
+        let title = self.parts.iter().find_map(|part| match part {
             PagePart::Heading(1, title) => Some(title.as_str()),
             _ => None,
         });
-        let title = escaped(titles.last().unwrap_or(&self.name));
+        let title = escaped(title.unwrap_or(&self.name));
         let body: String = self.parts.iter().map(PagePart::html).collect();
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\

@@ -16,7 +16,7 @@ use sextant_study::sweep::Mean;
 /// What the readings of an experiment give.
 #[derive(Clone, Debug, Default)]
 pub struct Readings {
-    /// What the thesis leaves open.
+    /// What the thesis leaves open, with the values that were tried.
     pub open: Vec<OpenSetting>,
     /// The most runs of a reading.
     pub runs: usize,
@@ -76,7 +76,7 @@ impl Readings {
             }
         }
         if !(readings.numbers.is_empty() && readings.conclusions.is_empty()) {
-            readings.open.clone_from(&experiment.open);
+            readings.open = tried(&experiment.open, &made);
         }
         let made = made.iter().flat_map(|reading| reading.variants()).filter(|variant| !variant.is_shipped());
         readings.runs = made.map(|variant| runs.made(variant) as usize).max().unwrap_or(0);
@@ -86,10 +86,10 @@ impl Readings {
     /// Gives the `lines` of numbers and the `conclusions` of the experiment the readings on which their verdicts depend.
     pub(crate) fn name_in(&self, lines: &mut [Line], conclusions: &mut [Line]) {
         for (i, moved) in &self.numbers {
-            lines[*i].reading = moved.nearest().filter(|_| moved.is_far()).cloned().and_then(|nearest| {
-                let is_near = moved.distance(&nearest.ours)? <= 0.2;
-                is_near.then_some(NamedReading { name: nearest.reading, ours: nearest.ours })
-            });
+            lines[*i].reading = moved
+                .reached_by()
+                .filter(|_| moved.is_far())
+                .map(|value| NamedReading { name: value.reading.clone(), ours: value.ours.clone() });
         }
         for (i, moved) in &self.conclusions {
             if verdict(&moved.line.ours) != Some(Verdict::Holds) {
@@ -148,6 +148,22 @@ impl Moved {
         Some(range.distance(ours.number()?))
     }
 
+    /// The nearest of the readings that are within a fifth of the published number, and whose half intervals are at most half of it:
+    /// few runs that scatter say nothing.
+    fn reached_by(&self) -> Option<&ReadValue> {
+        let range = PublishedRange::read(&self.line.published.as_ref()?.value)?;
+        let is_known = |ours: &Ours| match (ours, ours.number()) {
+            (Ours::Mean(mean), Some(value)) => {
+                let published = value.clamp(range.low, range.high).abs();
+                mean.half_width_95.is_none_or(|half_width| half_width <= 0.5 * published)
+            }
+            _ => true,
+        };
+        let reached = self.under.iter().filter_map(|value| Some((value, self.distance(&value.ours)?)));
+        let reached = reached.filter(|(value, distance)| *distance <= 0.2 && is_known(&value.ours));
+        reached.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(value, _)| value)
+    }
+
     /// The reading that comes nearest to the published number; `None` if that is the value that is taken.
     #[must_use]
     pub fn nearest(&self) -> Option<&ReadValue> {
@@ -195,6 +211,18 @@ impl Moved {
         };
         all.iter().filter(|change| alone(change)).copied().collect()
     }
+}
+
+/// What is `open`, with the values that `made` readings have.
+fn tried(open: &[OpenSetting], made: &[&Reading]) -> Vec<OpenSetting> {
+    let is_made = |name: &str, value: &str| {
+        let mut choices = made.iter().flat_map(|reading| &reading.choices);
+        choices.any(|choice| choice.name == name && choice.value == value)
+    };
+    let mut open = open.to_vec();
+    open.iter_mut().for_each(|of| of.values.retain(|value| is_made(&of.name, value)));
+    open.retain(|of| !of.values.is_empty());
+    open
 }
 
 /// Those of `readings` whose terms are neither those that are `taken` nor those of a reading before: of two settings together,
@@ -298,5 +326,8 @@ mod tests {
         assert_eq!(named(moved(15.0, &[("few", 33.0)])), near);
         assert_eq!(named(moved(15.0, &[("few", 31.0)])), ("other", None), "31 is 22 % away");
         assert_eq!(named(moved(41.0, &[("few", 40.0)])), ("within 20 %", None));
+        let mut scattered = moved(15.0, &[("few", 40.0), ("fewer", 35.0)]);
+        scattered.under[0].ours = Ours::Mean(Mean { mean: 40.0, half_width_95: Some(20.5), runs: 2 });
+        assert_eq!(named(scattered).1.as_deref(), Some("fewer"), "40 ± 20.5 says nothing");
     }
 }
