@@ -1,6 +1,7 @@
 //! How near our value is to a published number.
 
 use super::ours::Ours;
+use super::published::PublishedRange;
 use sextant_study::sweep::{Mean, Share};
 
 /// How near our value is to a published number or range. The interval is ours.
@@ -11,6 +12,10 @@ pub enum Agreement {
     WithinInterval,
     /// Ours differs from the published number, or from the nearer end of a published range, by at most a fifth of that.
     WithinFifth,
+    /// Neither, but ours is near in one of these ways under a named reading of what the thesis leaves open.
+    ForReading,
+    /// None of these, and ours is better than what is published.
+    Better,
     /// Ours is at least half and at most twice the published number, or the nearer end of a published range.
     WithinFactorTwo,
     /// None of these. Also if what is measured happened in none of our runs.
@@ -19,7 +24,8 @@ pub enum Agreement {
 
 impl Agreement {
     /// All, from near to far.
-    pub const ALL: [Self; 4] = [Self::WithinInterval, Self::WithinFifth, Self::WithinFactorTwo, Self::Other];
+    pub const ALL: [Self; 6] =
+        [Self::WithinInterval, Self::WithinFifth, Self::ForReading, Self::Better, Self::WithinFactorTwo, Self::Other];
 
     /// The verdict in words.
     #[must_use]
@@ -27,18 +33,28 @@ impl Agreement {
         match self {
             Self::WithinInterval => "within interval",
             Self::WithinFifth => "within 20 %",
+            Self::ForReading => "within 20 % for a reading",
+            Self::Better => "better than published",
             Self::WithinFactorTwo => "within a factor 2",
             Self::Other => "other",
         }
     }
 
+    /// Whether ours is in the interval or within a fifth.
+    #[must_use]
+    pub fn is_near(self) -> bool {
+        matches!(self, Self::WithinInterval | Self::WithinFifth)
+    }
+
     /// That of our value and a published text in the same unit; `None` if the text is no number, or there is no value.
     pub(crate) fn of(published: &str, ours: &Ours) -> Option<Self> {
-        let range = Range::read(published)?;
+        let range = PublishedRange::read(published)?;
         let (value, interval) = match ours {
             Ours::Mean(mean) => (mean.mean, interval(mean)),
             Ours::Share(share) => (100.0 * share.share(), Some(ends(share))),
-            Ours::Exact(value) => return Some(range.agreement(*value, Some([value - range.ulp, value + range.ulp]))),
+            Ours::Exact(value) => {
+                return Some(agreement(&range, *value, Some([value - range.ulp, value + range.ulp])));
+            }
             Ours::Choice { best, as_good } => {
                 let value = |text: &String| text.parse::<f64>().ok();
                 let is_published = |text: &String| value(text).is_some_and(|value| range.has(value));
@@ -50,7 +66,7 @@ impl Agreement {
             Ours::Never => return Some(Self::Other),
             Ours::Finding(_) | Ours::Missing => return None,
         };
-        Some(range.agreement(value, interval))
+        Some(agreement(&range, value, interval))
     }
 }
 
@@ -62,51 +78,17 @@ fn ends(share: &Share) -> [f64; 2] {
     share.interval_95.map(|end| 100.0 * end)
 }
 
-/// What a published text allows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Range {
-    low: f64,
-    high: f64,
-    /// Half a unit of the last decimal that is printed.
-    ulp: f64,
-}
-
-impl Range {
-    /// Of `5`, `128 ± 20`, `53 to 68`, `< 0.5` or `> 90`.
-    fn read(text: &str) -> Option<Self> {
-        let number = |text: &str| text.trim().parse::<f64>().ok();
-        let (low, high) = if let Some(bound) = text.strip_prefix('<') {
-            (f64::NEG_INFINITY, number(bound)?)
-        } else if let Some(bound) = text.strip_prefix('>') {
-            (number(bound)?, f64::INFINITY)
-        } else if let Some((middle, half)) = text.split_once('±') {
-            (number(middle)? - number(half)?, number(middle)? + number(half)?)
-        } else if let Some((low, high)) = text.split_once(" to ") {
-            (number(low)?, number(high)?)
-        } else {
-            (number(text)?, number(text)?)
-        };
-        let decimals =
-            text.split_once('.').map_or(0, |(_, rest)| rest.bytes().take_while(u8::is_ascii_digit).count());
-        Some(Self { low, high, ulp: 0.5 * 10_f64.powi(-i32::try_from(decimals).ok()?) })
+fn agreement(range: &PublishedRange, value: f64, interval: Option<[f64; 2]>) -> Agreement {
+    if interval.is_some_and(|[low, high]| low <= range.high && range.low <= high) {
+        return Agreement::WithinInterval;
     }
-
-    fn has(&self, value: f64) -> bool {
-        (self.low..=self.high).contains(&value)
-    }
-
-    fn agreement(&self, value: f64, interval: Option<[f64; 2]>) -> Agreement {
-        if interval.is_some_and(|[low, high]| low <= self.high && self.low <= high) {
-            return Agreement::WithinInterval;
-        }
-        let nearest = value.clamp(self.low, self.high);
-        if (value - nearest).abs() <= 0.2 * nearest.abs() {
-            Agreement::WithinFifth
-        } else if (0.5 * nearest..=2.0 * nearest).contains(&value) {
-            Agreement::WithinFactorTwo
-        } else {
-            Agreement::Other
-        }
+    let nearest = value.clamp(range.low, range.high);
+    if (value - nearest).abs() <= 0.2 * nearest.abs() {
+        Agreement::WithinFifth
+    } else if (0.5 * nearest..=2.0 * nearest).contains(&value) {
+        Agreement::WithinFactorTwo
+    } else {
+        Agreement::Other
     }
 }
 

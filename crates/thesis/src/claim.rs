@@ -54,6 +54,8 @@ impl Claim {
             what: self.text.clone(),
             published: self.published.clone(),
             unit: self.check.unit().1.to_owned(),
+            better: None,
+            reading: None,
             ours: self.finding(runs).map_or(Ours::Missing, Ours::Finding),
         }
     }
@@ -78,6 +80,21 @@ impl Check {
             Self::Ratio(terms, _) | Self::Difference(terms, _) => terms.iter().collect(),
             Self::Below(term, _) | Self::Above(term, _) => vec![term],
         }
+    }
+
+    /// The same of other terms.
+    pub(crate) fn with_terms<E>(&self, change: &mut impl FnMut(&Term) -> Result<Term, E>) -> Result<Self, E> {
+        let mut all = |terms: &[Term]| terms.iter().map(&mut *change).collect::<Result<Vec<_>, E>>();
+        Ok(match self {
+            Self::Rising(terms) => Self::Rising(all(terms)?),
+            Self::Least(terms) => Self::Least(all(terms)?),
+            Self::Greatest(terms) => Self::Greatest(all(terms)?),
+            Self::Within(terms, most) => Self::Within(all(terms)?, *most),
+            Self::Ratio([a, b], range) => Self::Ratio([change(a)?, change(b)?], range.clone()),
+            Self::Difference([a, b], range) => Self::Difference([change(a)?, change(b)?], range.clone()),
+            Self::Below(term, limit) => Self::Below(change(term)?, *limit),
+            Self::Above(term, limit) => Self::Above(change(term)?, *limit),
+        })
     }
 
     /// The factor from margins to their printed unit, and that unit.
@@ -135,7 +152,7 @@ fn share(outcomes: &[(u32, f64)]) -> Option<Mean> {
 }
 
 /// The mean of `of` over the runs that have both values.
-fn paired(a: &[(u32, f64)], b: &[(u32, f64)], of: &dyn Fn(f64, f64) -> f64) -> Option<Mean> {
+pub(crate) fn paired(a: &[(u32, f64)], b: &[(u32, f64)], of: &dyn Fn(f64, f64) -> f64) -> Option<Mean> {
     let pair = |&(run, a): &(u32, f64)| b.iter().find(|(other, _)| *other == run).map(|&(_, b)| of(a, b));
     Mean::of(&a.iter().filter_map(pair).collect::<Vec<_>>())
 }
@@ -143,15 +160,21 @@ fn paired(a: &[(u32, f64)], b: &[(u32, f64)], of: &dyn Fn(f64, f64) -> f64) -> O
 #[cfg(test)]
 mod tests {
     use super::super::finding::Verdict;
+    use super::super::variant::Variant;
     use super::*;
 
     fn term(scenario: &str) -> Term {
-        Term { scenario: scenario.into(), settings: Vec::new(), measure: "gathering.stops".parse().unwrap() }
+        Term {
+            variant: Variant::shipped(scenario),
+            settings: Vec::new(),
+            measure: "gathering.stops".parse().unwrap(),
+        }
     }
 
     fn finding(check: &Check, of: &[(&str, &[f64])]) -> Option<Finding> {
         let values = |term: &Term| {
-            let (_, values) = of.iter().find(|(name, _)| *name == term.scenario).expect("each term has values");
+            let (_, values) =
+                of.iter().find(|(name, _)| *name == term.variant.scenario).expect("each term has values");
             (0..).zip(values.iter().copied()).collect()
         };
         Finding::of(&check.margins(&values)?, 1.0, "")

@@ -2,9 +2,9 @@
 
 use sextant::summary::Unit;
 use sextant_mapper::{Trapezoid, TrapezoidConfig};
-use sextant_study::sweep::Share;
+use sextant_study::sweep::{Mean, Share};
 
-use super::claim::Check;
+use super::claim::{Check, paired};
 use super::finding::Verdict;
 use super::ours::Ours;
 use super::runs::{Runs, Term};
@@ -52,6 +52,30 @@ impl Computation {
             Self::Least(least) => least.candidates.iter().map(|candidate| &candidate.term).collect(),
             Self::Exact(_) => Vec::new(),
         }
+    }
+
+    /// The same of other terms.
+    pub(crate) fn with_terms<E>(&self, change: &mut impl FnMut(&Term) -> Result<Term, E>) -> Result<Self, E> {
+        Ok(match self {
+            Self::Mean(term) => Self::Mean(change(term)?),
+            Self::AtLeast(term, limit) => Self::AtLeast(change(term)?, *limit),
+            Self::Least(least) => {
+                let mut least = least.clone();
+                for candidate in &mut least.candidates {
+                    candidate.term = change(&candidate.term)?;
+                }
+                Self::Least(least)
+            }
+            Self::Exact(value) => Self::Exact(*value),
+        })
+    }
+
+    /// How much another computation moves the value, in the printed unit: the mean over runs of the same seed. `None` if
+    /// either is no mean over runs.
+    pub(crate) fn moved(&self, other: &Self, runs: &Runs) -> Option<Mean> {
+        let (Self::Mean(term), Self::Mean(other)) = (self, other) else { return None };
+        let moved = paired(&runs.values(other), &runs.values(term), &|other, value| other - value)?;
+        Some(moved.times(term.measure.unit().for_people().0))
     }
 
     /// The printed unit of the value.

@@ -113,6 +113,20 @@ pub(crate) enum TableError {
         /// The name.
         name: String,
     },
+    /// Nothing open has this name.
+    #[error("`together` names `{name}`, which is the name of none of `[[open]]`")]
+    NoOpen {
+        /// The name.
+        name: String,
+    },
+    /// A value of something open changes nothing.
+    #[error("the value `{value}` of `{name}` needs `set`, `at`, `files` or `measures`")]
+    NoChange {
+        /// What is open.
+        name: String,
+        /// The value.
+        value: String,
+    },
     /// An entry lacks a key.
     #[error("`{what}` needs `{key}`")]
     Missing {

@@ -8,10 +8,13 @@ use super::chart::{Across, Chart, ChartLine};
 use super::claim::{Check, Claim};
 use super::computation::{Candidate, Computation, Least, likelihood};
 use super::error::TableError;
-use super::experiment::{Experiment, Quantity};
+use super::experiment::Experiment;
 use super::published::Published;
+use super::quantity::Quantity;
+use super::reading::readings;
 use super::runs::Term;
 use super::table::{ChartEntry, Condition, Entry, HorizontalEntry, LeastEntry, Shared, Table};
+use super::variant::Variant;
 use super::words::{Scope, Words};
 
 /// The experiments of the text of a table, in the chapter of this number that shares `shared`.
@@ -57,7 +60,14 @@ impl<'a> Expansion<'a> {
         for entry in &table.charts {
             charts.extend(self::charts(entry, &group, &scope)?);
         }
+        let mut open = Vec::new();
+        for entry in &table.open {
+            open.extend(entry.setting(&scope)?);
+        }
         Ok(Experiment {
+            readings: readings(&table.open, &table.together, &scope, &lines, &claims)?,
+            open,
+            reading_runs: table.reading_runs,
             id: scope.fill(&table.id)?,
             title: scope.fill(&table.title)?,
             chapter: self.chapter,
@@ -114,7 +124,8 @@ fn term(entry: &Entry, scope: &Scope<'_>) -> Result<Term, TableError> {
         }
     }
     let measure: Measure = scope.fill(needed("measure", &entry.measure, entry)?)?.parse()?;
-    Ok(Term { scenario: scope.fill(needed("scenario", &entry.scenario, entry)?)?, settings, measure })
+    let variant = Variant::shipped(&scope.fill(needed("scenario", &entry.scenario, entry)?)?);
+    Ok(Term { variant, settings, measure })
 }
 
 fn published(entry: &Entry, scope: &Scope<'_>) -> Result<Option<Published>, TableError> {
@@ -143,6 +154,7 @@ fn quantity((entry, scope): &Single<'_>) -> Result<Quantity, TableError> {
     Ok(Quantity {
         what: scope.fill(needed("what", &entry.what, entry)?)?,
         published: published(entry, scope)?,
+        better: entry.better,
         unit: entry.unit.clone().unwrap_or_else(|| ours.unit().to_owned()),
         ours,
     })
@@ -273,7 +285,7 @@ mod tests {
         let lines = experiment.lines.iter().map(|line| {
             let Published { value, source } = line.published.clone().unwrap();
             let term = line.ours.terms()[0].clone();
-            [line.what.clone(), term.scenario, term.measure.path(), value, source]
+            [line.what.clone(), term.variant.scenario, term.measure.path(), value, source]
         });
         assert_eq!(
             lines.collect::<Vec<_>>(),
@@ -287,7 +299,46 @@ mod tests {
         assert_eq!(experiment.scenarios(), ["hall.toml", "yard.toml"]);
         let [claim] = experiment.claims.as_slice() else { panic!("{:?}", experiment.claims) };
         let terms = claim.check.terms();
-        assert_eq!((claim.text.as_str(), terms.len(), terms[1].scenario.as_str()), ("two", 2, "yard.toml"));
+        assert_eq!((claim.text.as_str(), terms.len(), terms[1].variant.scenario.as_str()), ("two", 2, "yard.toml"));
+    }
+
+    const OPEN: &str = "[[lines]]\nwith = { room = 'hall' }\nwhat = 'w'\n\
+                        [[open]]\nname = 'size'\nkey = 'world.size'\ntaken = 'small'\nsays = 'nothing'\n\
+                        values = [{ value = 'large', set = ['size=9'] }, { value = 'huge', files = { hall = 'yard' } }]\n\
+                        [[open]]\nname = 'stops'\nkey = 'gathering.stops'\ntaken = 'stops'\nsays = 'stops'\n\
+                        scenarios = ['hall.toml']\n\
+                        values = [{ value = 'nodes', measures = { 'gathering.stops' = 'simulation.nodes' }, at = { a = 'b' } }]\n";
+
+    #[test]
+    fn a_reading_changes_the_terms_of_its_scenarios_alone_and_pairs_change_both() {
+        let experiment = read(&format!("together = [['size', 'stops']]\n{OPEN}")).unwrap();
+        let found = experiment.readings.iter().map(|reading| {
+            let [Computation::Mean(term)] = reading.lines.as_slice() else { panic!("{:?}", reading.lines) };
+            let Term { variant, settings, measure } = term;
+            (reading.name(), variant.scenario.as_str(), variant.set.join(" "), settings.len(), measure.path())
+        });
+        let expected = [
+            ("size: large", "hall.toml", "size=9", 0, "gathering.stops"),
+            ("size: huge", "yard.toml", "", 0, "gathering.stops"),
+            ("stops: nodes", "hall.toml", "", 1, "simulation.nodes"),
+            ("size: large, stops: nodes", "hall.toml", "size=9", 1, "simulation.nodes"),
+            // The second is for the hall alone, and the first reads the yard.
+            ("size: huge, stops: nodes", "yard.toml", "", 0, "gathering.stops"),
+        ];
+        let expected =
+            expected.map(|(name, file, set, count, path)| (name.into(), file, set.into(), count, path.into()));
+        assert_eq!(found.collect::<Vec<_>>(), expected);
+        let runs: Vec<_> = experiment.of_readings().into_iter().map(|variant| variant.table_name()).collect();
+        assert_eq!(runs, ["runs-hall--size-large.csv", "runs-yard.csv"], "a measure needs no runs of its own");
+        assert_eq!(experiment.open[0].values, ["large", "huge"]);
+    }
+
+    #[test]
+    fn what_is_open_and_changes_nothing_or_has_no_such_name_is_rejected() {
+        let error = |entries: &str| read(entries).unwrap_err().to_string();
+        assert!(error(&format!("together = [['size', 'stop']]\n{OPEN}")).contains("`stop`"));
+        let empty = OPEN.replace("set = ['size=9']", "set = []");
+        assert!(error(&empty).contains("`large` of `size` needs `set`"), "{}", error(&empty));
     }
 
     #[test]

@@ -4,11 +4,13 @@ use std::num::NonZeroU32;
 
 use super::chart::Chart;
 use super::claim::Claim;
-use super::computation::Computation;
 use super::line::Line;
+use super::open::OpenSetting;
 use super::ours::Ours;
-use super::published::Published;
+use super::quantity::Quantity;
+use super::reading::Reading;
 use super::runs::{Runs, Term};
+use super::variant::Variant;
 
 /// A table or figure of the thesis.
 #[derive(Clone, Debug)]
@@ -22,6 +24,8 @@ pub struct Experiment {
     /// Runs of each of its scenarios, if the user does not choose: as many as decide its conclusions, as far as that is
     /// affordable.
     pub runs: NonZeroU32,
+    /// Runs of each of its scenarios under a reading, if the user does not choose.
+    pub reading_runs: NonZeroU32,
     /// The lines of its table.
     pub lines: Vec<Quantity>,
     /// Whether lines without a value are left out, if others have one.
@@ -30,28 +34,12 @@ pub struct Experiment {
     pub charts: Vec<Chart>,
     /// Conclusions to check, of the thesis or ours.
     pub claims: Vec<Claim>,
+    /// What the thesis leaves open.
+    pub open: Vec<OpenSetting>,
+    /// Other values of what is open, one at a time, and some together.
+    pub readings: Vec<Reading>,
     /// Notes on different definitions, and on what the thesis does not say.
     pub notes: Vec<String>,
-}
-
-/// A value of ours, and its published value.
-#[derive(Clone, Debug)]
-pub struct Quantity {
-    /// Its description.
-    pub what: String,
-    /// How it is computed.
-    pub ours: Computation,
-    /// The printed unit.
-    pub unit: String,
-    /// The published value, in the printed unit.
-    pub published: Option<Published>,
-}
-
-impl Quantity {
-    fn line(&self, runs: &Runs) -> Line {
-        let (what, published, unit) = (self.what.clone(), self.published.clone(), self.unit.clone());
-        Line { what, published, unit, ours: self.ours.ours(runs) }
-    }
 }
 
 impl Experiment {
@@ -59,18 +47,41 @@ impl Experiment {
     #[must_use]
     pub fn scenarios(&self) -> Vec<&str> {
         let mut scenarios: Vec<&str> = Vec::new();
-        for Term { scenario, .. } in self.lines.iter().flat_map(|line| line.ours.terms()) {
-            if !scenarios.contains(&scenario.as_str()) {
-                scenarios.push(scenario);
+        for Term { variant, .. } in self.lines.iter().flat_map(|line| line.ours.terms()) {
+            if !scenarios.contains(&variant.scenario.as_str()) {
+                scenarios.push(&variant.scenario);
             }
         }
         scenarios
     }
 
+    /// The same as they ship.
+    #[must_use]
+    pub fn shipped(&self) -> Vec<Variant> {
+        self.scenarios().into_iter().map(Variant::shipped).collect()
+    }
+
+    /// What its readings run beside that, each once.
+    #[must_use]
+    pub fn of_readings(&self) -> Vec<Variant> {
+        let shipped = self.shipped();
+        let mut variants = Vec::new();
+        for variant in self.readings.iter().flat_map(Reading::variants) {
+            if !shipped.contains(variant) && !variants.contains(variant) {
+                variants.push(variant.clone());
+            }
+        }
+        variants
+    }
+
     /// The lines of its table.
     #[must_use]
     pub fn lines(&self, runs: &Runs) -> Vec<Line> {
-        let mut lines: Vec<_> = self.lines.iter().map(|quantity| quantity.line(runs)).collect();
+        self.shown(self.lines.iter().map(|quantity| quantity.line(quantity.ours.ours(runs))).collect())
+    }
+
+    /// The `lines` without those that are left out.
+    pub(crate) fn shown(&self, mut lines: Vec<Line>) -> Vec<Line> {
         let is_empty = |line: &Line| matches!(line.ours, Ours::Missing | Ours::Never);
         if self.leave_out_empty_lines && !lines.iter().all(is_empty) {
             lines.retain(|line| !is_empty(line));

@@ -21,7 +21,7 @@ use sextant_recording::{read_run, read_world};
 /// # Errors
 /// If a run or a file fails, or `watch` stops the work.
 pub fn write_pictures(
-    names: &[&str],
+    names: &[String],
     scenarios: &Path,
     out: &Path,
     watch: &dyn Watch,

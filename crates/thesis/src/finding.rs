@@ -7,6 +7,8 @@ use sextant_study::sweep::Mean;
 pub enum Verdict {
     /// It holds: the 95 % interval of each comparison supports it completely.
     Holds,
+    /// It does not hold or cannot be told, but holds under a named reading of what the thesis leaves open.
+    HoldsForReading,
     /// It does not hold: the 95 % interval of a comparison contradicts it completely.
     DoesNotHold,
     /// The runs do not decide: the interval of a comparison contains 0.
@@ -26,13 +28,14 @@ pub struct Finding {
 
 impl Verdict {
     /// All verdicts.
-    pub const ALL: [Self; 3] = [Self::Holds, Self::DoesNotHold, Self::CannotBeTold];
+    pub const ALL: [Self; 4] = [Self::Holds, Self::HoldsForReading, Self::DoesNotHold, Self::CannotBeTold];
 
     /// The verdict in words.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Holds => "holds",
+            Self::HoldsForReading => "holds for a reading",
             Self::DoesNotHold => "does not hold",
             Self::CannotBeTold => "cannot be told",
         }

@@ -30,8 +30,22 @@
 //! `each` makes an entry for each combination of the items of lists, `only` chooses items, `with` and `terms` name one, and
 //! `{list.field}` is filled in. Entries below an entry (`[[lines.lines]]`) have what it says. Unknown keys are errors.
 //! Three kinds of lines are computed in another way: `at_least`, `least` and `likelihood`.
+//!
+//! # What the thesis leaves open
+//! An entry of `[[open]]` names a setting or a definition that the thesis leaves open, the value that is taken, and others that
+//! its text allows. Each is a reading, and so are pairs of names in `together`:
+//! ```toml
+//! [[open]]
+//! name = "turns of the random walk"
+//! key = "robots.controller.random_walk.steps_per_turn"
+//! taken = "a new direction at each step"
+//! says = "nothing"
+//! scenarios = ["ml-tm/trajectory-random.toml"]
+//! values = [{ value = "after 5 steps", set = ["robots.0.controller.random_walk.steps_per_turn=5"] }]
+//! ```
 
 mod agreement;
+mod better;
 mod chart;
 mod claim;
 mod computation;
@@ -39,13 +53,18 @@ mod costs;
 mod error;
 mod expansion;
 mod experiment;
+mod experiment_page;
 mod figures;
 mod finding;
 mod line;
+mod open;
 mod ours;
 mod page;
 mod pages;
 mod published;
+mod quantity;
+mod reading;
+mod readings;
 mod reproduction;
 mod results;
 mod runs;
@@ -54,28 +73,35 @@ mod table;
 mod tables;
 mod tally;
 mod values;
+mod variant;
 mod words;
 
 pub use agreement::Agreement;
+pub use better::Better;
 pub use chart::{Across, Chart, ChartKind, ChartLine};
 pub use claim::{Check, Claim};
 pub use computation::{Candidate, Computation, Least};
 pub use costs::Costs;
 pub use error::ReproductionError;
-pub use experiment::{Experiment, Quantity};
+pub use experiment::Experiment;
 pub use figures::{write_figures, write_pictures};
 pub use finding::{Finding, Verdict};
-pub use line::{Line, write_csv};
+pub use line::{Line, NamedReading, write_csv};
+pub use open::OpenSetting;
 pub use ours::Ours;
 pub use pages::write_pages;
 pub use published::Published;
-pub use reproduction::{is_reproduction, json, write_json};
+pub use quantity::Quantity;
+pub use reading::{Choice, Reading};
+pub use readings::{Moved, Readings};
+pub use reproduction::{first_seed, is_reproduction, json, write_json};
 pub use results::Results;
 pub use runs::{RunCounts, Runs, Term};
 pub use shipped::{SHIPPED, write_scenarios};
 pub use tables::{experiments, usual_runs};
 pub use tally::{Tally, by_chapter};
 pub use values::Values;
+pub use variant::Variant;
 
 #[cfg(test)]
 mod tests;

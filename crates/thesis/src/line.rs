@@ -5,9 +5,11 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::agreement::Agreement;
+use super::better::Better;
 use super::finding::Finding;
-use super::ours::Ours;
-use super::published::Published;
+use super::finding::Verdict;
+use super::ours::{Ours, choice};
+use super::published::{Published, PublishedRange};
 use sextant_recording::output::{CsvFile, EmptyCell, OutputError};
 use sextant_study::sweep::Mean;
 
@@ -20,6 +22,19 @@ pub struct Line {
     pub published: Option<Published>,
     /// The unit of our value, and of the published one if it is a number.
     pub unit: String,
+    /// Which values are better, if it is an error or a time of the method of the thesis, or a share that it wants.
+    pub better: Option<Better>,
+    /// Our value.
+    pub ours: Ours,
+    /// The reading that comes nearest, if the verdict depends on it.
+    pub reading: Option<NamedReading>,
+}
+
+/// A reading of what the thesis leaves open, and our value under it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedReading {
+    /// The reading in words.
+    pub name: String,
     /// Our value.
     pub ours: Ours,
 }
@@ -33,9 +48,26 @@ impl Line {
     #[must_use]
     pub fn verdict(&self) -> Option<&'static str> {
         match &self.ours {
+            Ours::Finding(_) if self.reading.is_some() => Some(Verdict::HoldsForReading.words()),
             Ours::Finding(finding) => Some(finding.verdict.words()),
-            ours => Some(Agreement::of(&self.published.as_ref()?.value, ours)?.words()),
+            _ => self.agreement().map(Agreement::words),
         }
+    }
+
+    /// How near our value is to a published number; `None` for a conclusion, or if there is no number.
+    #[must_use]
+    pub fn agreement(&self) -> Option<Agreement> {
+        let published = &self.published.as_ref()?.value;
+        let agreement = Agreement::of(published, &self.ours)?;
+        if agreement.is_near() {
+            return Some(agreement);
+        }
+        if self.reading.is_some() {
+            return Some(Agreement::ForReading);
+        }
+        let beaten = PublishedRange::read(published).zip(self.ours.number()).zip(self.better);
+        let is_better = beaten.is_some_and(|((range, value), better)| range.is_beaten_by(value, better));
+        Some(if is_better { Agreement::Better } else { agreement })
     }
 
     /// The number of runs that our value is over, if it is over runs.
@@ -53,15 +85,7 @@ impl Line {
     #[must_use]
     pub fn cells(&self) -> [String; 5] {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-        let ours = match &self.ours {
-            Ours::Mean(mean) => mean.text(&self.unit),
-            Ours::Share(share) => share.text(),
-            Ours::Never => "in no run".to_owned(),
-            Ours::Exact(value) => format!("{value:.4}{unit}"),
-            Ours::Choice { best, as_good } => choice(best, as_good),
-            Ours::Finding(finding) => format!("margin {}", finding.margin.text(&self.unit)),
-            Ours::Missing => "no run succeeded".to_owned(),
-        };
+        let ours = self.ours.text(&self.unit);
         let (published, source) = match &self.published {
             None => (NOT_STATED.to_owned(), String::new()),
             Some(Published { value, source }) if matches!(self.ours, Ours::Finding(_)) => {
@@ -102,6 +126,9 @@ impl Line {
             }
             Ours::Missing => json.extend([("runs".to_owned(), json!(0))]),
         }
+        if let Some(NamedReading { name, ours }) = &self.reading {
+            json.insert("reading".to_owned(), json!({"name": name, "ours": ours.text(&self.unit)}));
+        }
         if let Some(verdict) = self.verdict() {
             json.insert("verdict".to_owned(), json!(verdict));
         }
@@ -135,15 +162,6 @@ impl Line {
     }
 }
 
-/// The best setting, and those that are as good.
-fn choice(best: &str, as_good: &[String]) -> String {
-    if as_good.is_empty() {
-        best.to_owned()
-    } else {
-        format!("{best} (not significantly better than {})", as_good.join(", "))
-    }
-}
-
 /// Writes lines as CSV with the columns what, published, unit, mean, `half_width_95`, runs, result, source, verdict. For a
 /// conclusion, the result is the verdict and the mean is the margin. Values that the thesis does not state are empty, and
 /// so is the verdict of such a line.
@@ -159,7 +177,6 @@ pub fn write_csv<'a>(path: &Path, lines: impl IntoIterator<Item = &'a Line>) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::finding::Verdict;
     use super::*;
     use sextant_study::sweep::Share;
 
@@ -167,7 +184,14 @@ mod tests {
     fn a_line_shows_both_values_in_the_same_unit() {
         let mean = Mean { mean: 6.013, half_width_95: Some(0.284), runs: 5 };
         let published = Some(Published::new("5", "table 3.6"));
-        let line = Line { what: "ML-TM".into(), published, unit: "%".into(), ours: Ours::Mean(mean) };
+        let line = Line {
+            what: "ML-TM".into(),
+            published,
+            unit: "%".into(),
+            better: None,
+            ours: Ours::Mean(mean),
+            reading: None,
+        };
         assert_eq!(line.cells(), ["ML-TM", "5 %", "table 3.6", "6.01 ± 0.28 %", "within a factor 2"]);
         assert_eq!(line.record(), ["ML-TM", "5", "%", "6.013", "0.284", "5", "", "table 3.6", "within a factor 2"]);
         let none = Line { published: None, ours: Ours::Missing, ..line };
@@ -176,9 +200,32 @@ mod tests {
     }
 
     #[test]
+    fn a_reading_or_a_better_value_changes_the_verdict_of_a_number_that_is_far() {
+        let mean = |mean: f64| Ours::Mean(Mean { mean, half_width_95: Some(0.1), runs: 5 });
+        let published = Some(Published::new("10", "table 3.6"));
+        let line = |ours: Ours| Line {
+            what: "error".into(),
+            published: published.clone(),
+            unit: "%".into(),
+            better: Some(Better::Less),
+            ours,
+            reading: None,
+        };
+        let verdict = |line: Line| line.verdict().unwrap();
+        assert_eq!(verdict(line(mean(7.0))), "better than published");
+        assert_eq!(verdict(line(mean(13.0))), "within a factor 2");
+        assert_eq!(verdict(Line { better: Some(Better::More), ..line(mean(13.0)) }), "better than published");
+        assert_eq!(verdict(Line { better: None, ..line(mean(7.0)) }), "within a factor 2");
+        let reading = Some(NamedReading { name: "anchors: 2 %".into(), ours: mean(9.5) });
+        assert_eq!(verdict(Line { reading: reading.clone(), ..line(mean(30.0)) }), "within 20 % for a reading");
+        assert_eq!(verdict(Line { reading, ..line(mean(9.0)) }), "within 20 %");
+    }
+
+    #[test]
     fn a_share_of_the_runs_shows_how_many_they_are() {
         let ours = Ours::Share(Share::of(&[1.0, 1.0, 0.0, 1.0]).unwrap());
-        let line = Line { what: "captured".into(), published: None, unit: "%".into(), ours };
+        let line =
+            Line { what: "captured".into(), published: None, unit: "%".into(), better: None, ours, reading: None };
         let shown = "75 % (3 of 4 runs, 19 to 99 %)";
         assert_eq!(line.cells(), ["captured", "not stated", "", shown, ""]);
         assert_eq!(line.record(), ["captured", "", "%", "75", "", "4", shown, "", ""]);
@@ -193,7 +240,14 @@ mod tests {
         let margin = Mean { mean: -1.5, half_width_95: Some(0.25), runs: 3 };
         let finding = Finding { verdict: Verdict::DoesNotHold, margin, unit: "points" };
         let published = Some(Published::new("6 < 19 < 50 %", "table 3.6"));
-        let line = Line { what: "a < b".into(), published, unit: "points".into(), ours: Ours::Finding(finding) };
+        let line = Line {
+            what: "a < b".into(),
+            published,
+            unit: "points".into(),
+            better: None,
+            ours: Ours::Finding(finding),
+            reading: None,
+        };
         let shown = "margin -1.50 ± 0.25 points";
         assert_eq!(line.cells(), ["a < b", "6 < 19 < 50 %", "table 3.6", shown, "does not hold"]);
         assert_eq!(

@@ -20,6 +20,8 @@ pub(crate) enum PagePart {
     List(Vec<Vec<Span>>),
     /// A table: header and rows.
     Table(Vec<String>, Vec<Vec<Span>>),
+    /// Parts below a summary that opens and closes them; closed at first.
+    Folded(String, Vec<PagePart>),
     /// A figure: the file beside the page, and its title.
     Figure {
         /// The name of the file.
@@ -59,78 +61,86 @@ impl From<&str> for Span {
 impl Page {
     /// The page as Markdown with tables (GitHub's).
     pub(crate) fn markdown(&self) -> String {
-        let mut text = String::new();
-        for part in &self.parts {
-            match part {
-                PagePart::Heading(depth, title) => {
-                    text += &format!("{} {}\n\n", "#".repeat(usize::from(*depth)), plain_markdown(title));
-                }
-                PagePart::Text(spans) => text += &format!("{}\n\n", markdown(spans)),
-                PagePart::List(items) => {
-                    for item in items {
-                        text += &format!("- {}\n", markdown(item));
-                    }
-                    text += "\n";
-                }
-                PagePart::Table(header, rows) => {
-                    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-                    text += &line(header.iter().map(|cell| plain_markdown(cell)).collect());
-                    text += &line(vec!["---".to_owned(); header.len()]);
-                    for row in rows {
-                        text += &line(row.iter().map(|cell| markdown(std::slice::from_ref(cell))).collect());
-                    }
-                    text += "\n";
-                }
-                PagePart::Figure { file, title, .. } => text += &format!("![{}]({file})\n\n", plain_markdown(title)),
-            }
-        }
+        let text: String = self.parts.iter().map(PagePart::markdown).collect();
         format!("{}\n", text.trim_end())
     }
 
     /// The page as one HTML file: its style and its pictures are in it.
     pub(crate) fn html(&self) -> String {
-        let mut body = String::new();
-        let mut title = self.name.as_str();
-        for part in &self.parts {
-            match part {
-                PagePart::Heading(depth, text) => {
-                    if *depth == 1 {
-                        title = text;
-                    }
-                    body += &format!("<h{depth}>{}</h{depth}>\n", escaped(text));
-                }
-                PagePart::Text(spans) => body += &format!("<p>{}</p>\n", html(spans)),
-                PagePart::List(items) => {
-                    let items: String = items.iter().map(|item| format!("<li>{}</li>\n", html(item))).collect();
-                    body += &format!("<ul>\n{items}</ul>\n");
-                }
-                PagePart::Table(header, rows) => {
-                    let cells = |tag: &str, cells: Vec<String>| {
-                        let cells: String = cells.iter().map(|cell| format!("<{tag}>{cell}</{tag}>")).collect();
-                        format!("<tr>{cells}</tr>\n")
-                    };
-                    let head = cells("th", header.iter().map(|cell| escaped(cell)).collect());
-                    let row = |row: &Vec<Span>| {
-                        cells("td", row.iter().map(|cell| html(std::slice::from_ref(cell))).collect())
-                    };
-                    let rows: String = rows.iter().map(row).collect();
-                    body += &format!(
-                        "<div class=\"wide\"><table>\n<thead>\n{head}</thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
-                    );
-                }
-                PagePart::Figure { title, svg, .. } => {
-                    let picture = svg.find("<svg").map_or("", |start| &svg[start..]);
-                    let title = escaped(title);
-                    body += &format!("<figure>\n{picture}\n<figcaption>{title}</figcaption>\n</figure>\n");
-                }
-            }
-        }
-        let title = escaped(title);
+        let title = self.parts.iter().find_map(|part| match part {
+            PagePart::Heading(1, title) => Some(title.as_str()),
+            _ => None,
+        });
+        let title = escaped(title.unwrap_or(&self.name));
+        let body: String = self.parts.iter().map(PagePart::html).collect();
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
              <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{body}</main>\n</body>\n</html>\n"
         )
+    }
+}
+
+impl PagePart {
+    fn markdown(&self) -> String {
+        match self {
+            Self::Heading(depth, title) => {
+                format!("{} {}\n\n", "#".repeat(usize::from(*depth)), plain_markdown(title))
+            }
+            Self::Text(spans) => format!("{}\n\n", markdown(spans)),
+            Self::List(items) => {
+                let items: String = items.iter().map(|item| format!("- {}\n", markdown(item))).collect();
+                format!("{items}\n")
+            }
+            Self::Table(header, rows) => {
+                let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+                let mut text = line(header.iter().map(|cell| plain_markdown(cell)).collect());
+                text += &line(vec!["---".to_owned(); header.len()]);
+                for row in rows {
+                    text += &line(row.iter().map(|cell| markdown(std::slice::from_ref(cell))).collect());
+                }
+                format!("{text}\n")
+            }
+            // Empty lines around the parts: only then do readers of Markdown see tables in HTML.
+            Self::Folded(summary, parts) => {
+                let parts: String = parts.iter().map(Self::markdown).collect();
+                format!("<details>\n<summary>{}</summary>\n\n{parts}</details>\n\n", escaped(summary))
+            }
+            Self::Figure { file, title, .. } => format!("![{}]({file})\n\n", plain_markdown(title)),
+        }
+    }
+
+    fn html(&self) -> String {
+        match self {
+            Self::Heading(depth, text) => format!("<h{depth}>{}</h{depth}>\n", escaped(text)),
+            Self::Text(spans) => format!("<p>{}</p>\n", html(spans)),
+            Self::List(items) => {
+                let items: String = items.iter().map(|item| format!("<li>{}</li>\n", html(item))).collect();
+                format!("<ul>\n{items}</ul>\n")
+            }
+            Self::Table(header, rows) => {
+                let cells = |tag: &str, cells: Vec<String>| {
+                    let cells: String = cells.iter().map(|cell| format!("<{tag}>{cell}</{tag}>")).collect();
+                    format!("<tr>{cells}</tr>\n")
+                };
+                let head = cells("th", header.iter().map(|cell| escaped(cell)).collect());
+                let row =
+                    |row: &Vec<Span>| cells("td", row.iter().map(|cell| html(std::slice::from_ref(cell))).collect());
+                let rows: String = rows.iter().map(row).collect();
+                format!(
+                    "<div class=\"wide\"><table>\n<thead>\n{head}</thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
+                )
+            }
+            Self::Folded(summary, parts) => {
+                let parts: String = parts.iter().map(Self::html).collect();
+                format!("<details>\n<summary>{}</summary>\n{parts}</details>\n", escaped(summary))
+            }
+            Self::Figure { title, svg, .. } => {
+                let picture = svg.find("<svg").map_or("", |start| &svg[start..]);
+                let title = escaped(title);
+                format!("<figure>\n{picture}\n<figcaption>{title}</figcaption>\n</figure>\n")
+            }
+        }
     }
 }
 
@@ -141,6 +151,7 @@ main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: 1rem 0; }
 th, td { border-bottom: 1px solid #8886; padding: 0.25rem 0.75rem; text-align: left; vertical-align: top; }
+summary { cursor: pointer; margin: 0.5rem 0; }
 figure { margin: 1.5rem 0; }
 figure svg { background: #fff; height: auto; max-width: 100%; }
 figcaption { opacity: 0.8; }
@@ -200,6 +211,7 @@ mod tests {
                 ]),
                 PagePart::Table(vec!["a".into()], vec![vec!["1 | 2".into()]]),
                 PagePart::List(vec![vec![Span::File("all".into(), "a.csv".into())]]),
+                PagePart::Folded("more & more".into(), vec![PagePart::Text(vec!["here".into()])]),
                 PagePart::Figure { file: "f.svg".into(), title: "F".into(), svg: "<?xml?>\n<svg>s</svg>".into() },
             ],
         };
@@ -214,6 +226,13 @@ mod tests {
 
         - [all](a.csv)
 
+        <details>
+        <summary>more &amp; more</summary>
+
+        here
+
+        </details>
+
         ![F](f.svg)
         ");
         let html = page.html();
@@ -221,6 +240,7 @@ mod tests {
             "<title>A &lt; B</title>",
             "<p>See <a href=\"second.html\">two</a><code>x|y</code></p>",
             "<td>1 | 2</td>",
+            "<details>\n<summary>more &amp; more</summary>\n<p>here</p>\n</details>",
             "<li><a href=\"a.csv\">all</a></li>",
             "<figure>\n<svg>s</svg>\n<figcaption>F</figcaption>",
         ] {

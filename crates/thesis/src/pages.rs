@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::costs::Costs;
 use super::experiment::Experiment;
-use super::line::Line;
+use super::experiment_page;
 use super::page::{Page, PagePart, Span};
 use super::results::Results;
 use super::tables::experiments;
@@ -12,14 +12,14 @@ use super::tally::{Tally, by_chapter};
 use sextant_recording::output::{OutputError, write_file};
 
 /// Writes the pages of `results` into the folder `out`, each as Markdown and as HTML: `index` and `chapter-N`. The figures
-/// are in `out` already.
+/// are in `out` already. The first run of each scenario had the `first_seed`, or that of the scenario.
 ///
 /// # Errors
 /// If a file cannot be written or a figure cannot be read.
-pub fn write_pages(results: &[Results], out: &Path) -> Result<(), OutputError> {
+pub fn write_pages(results: &[Results], first_seed: Option<u64>, out: &Path) -> Result<(), OutputError> {
     let mut chapters: Vec<u8> = results.iter().map(|of| of.chapter).collect();
     chapters.dedup();
-    let mut pages = vec![index(results, &chapters)];
+    let mut pages = vec![index(results, &chapters, first_seed)];
     for chapter in chapters {
         pages.push(self::chapter(chapter, results, out)?);
     }
@@ -34,7 +34,8 @@ fn file_name(chapter: u8) -> String {
     format!("chapter-{chapter}")
 }
 
-fn index(results: &[Results], chapters: &[u8]) -> Page {
+fn index(results: &[Results], chapters: &[u8], first_seed: Option<u64>) -> Page {
+    let first = first_seed.unwrap_or(1);
     let mut parts = vec![
         PagePart::Heading(1, "Results of the reproduction".to_owned()),
         PagePart::Text(vec![
@@ -42,7 +43,12 @@ fn index(results: &[Results], chapters: &[u8]) -> Page {
              folder are written by "
                 .into(),
             Span::Code("sextant reproduce".to_owned()),
-            format!(", version {}. The runs of a scenario have the seeds 1, 2, ..", env!("CARGO_PKG_VERSION")).into(),
+            format!(
+                ", version {}. The runs of a scenario have the seeds {first}, {}, ..",
+                env!("CARGO_PKG_VERSION"),
+                first.saturating_add(1)
+            )
+            .into(),
         ]),
         PagePart::Heading(2, "Verdicts".to_owned()),
         PagePart::Table(
@@ -52,9 +58,7 @@ fn index(results: &[Results], chapters: &[u8]) -> Page {
         PagePart::List(MEANING.map(|meaning| vec![meaning.into()]).to_vec()),
         PagePart::Heading(2, "Experiments".to_owned()),
         PagePart::Table(
-            ["", "what", "runs", "conclusions of the thesis that hold", "numbers within interval or 20 %"]
-                .map(str::to_owned)
-                .to_vec(),
+            EXPERIMENTS.map(str::to_owned).to_vec(),
             results.iter().map(experiment_row).collect(),
         ),
         PagePart::List(
@@ -71,13 +75,17 @@ fn index(results: &[Results], chapters: &[u8]) -> Page {
 }
 
 /// What the verdicts mean.
-const MEANING: [&str; 7] = [
+const MEANING: [&str; 10] = [
     "holds: the 95 % interval of each comparison supports the conclusion completely",
+    "holds for a reading: not so with the values that are taken, but for another value that the text allows; the page names it",
     "does not hold: the 95 % interval of a comparison contradicts it completely",
     "cannot be told: neither; the runs do not decide",
     "within interval: the published number is in our 95 % interval; of a published range or bound, a part is in it",
     "within 20 %: ours differs from the published number, or from the nearer end of a range, by at most a fifth of that",
-    "within a factor 2: ours is at least half and at most twice that",
+    "within 20 % for a reading: neither of these with the values that are taken, but within 20 % for another value that the \
+     text allows, with an interval of at most ± half the published number; the page names it",
+    "better than published: none of these, and the error or the time is less than the thesis has, or the share more",
+    "within a factor 2: none of these, and ours is at least half and at most twice that",
     "other: none of these",
 ];
 
@@ -85,11 +93,24 @@ fn row(name: String, cells: Vec<String>) -> Vec<Span> {
     std::iter::once(name).chain(cells).map(Span::from).collect()
 }
 
+/// The header of the table of experiments.
+const EXPERIMENTS: [&str; 5] = [
+    "",
+    "what",
+    "runs",
+    "conclusions of the thesis that hold (for a reading)",
+    "numbers within interval or 20 % (for a reading)",
+];
+
 fn experiment_row(of: &Results) -> Vec<Span> {
     let tally = Tally::of_thesis([of]);
+    // How many of the first counts there are, and in brackets that which follows.
     let share = |counts: &[usize], good: usize| match counts.iter().sum::<usize>() {
         0 => "-".to_owned(),
-        all => format!("{} of {all}", counts[..good].iter().sum::<usize>()),
+        all => {
+            let for_a_reading = if counts[good] > 0 { format!(" (+ {})", counts[good]) } else { String::new() };
+            format!("{}{for_a_reading} of {all}", counts[..good].iter().sum::<usize>())
+        }
     };
     vec![
         Span::Page(of.id.clone(), file_name(of.chapter)),
@@ -124,69 +145,12 @@ fn chapter(chapter: u8, results: &[Results], out: &Path) -> Result<Page, OutputE
         std::iter::once("").chain(Tally::header()).map(str::to_owned).collect(),
         verdicts.into_iter().map(|(name, tally)| row(name, tally.cells())).collect(),
     ));
+    parts.push(PagePart::Table(
+        EXPERIMENTS.map(str::to_owned).to_vec(),
+        of_chapter.iter().map(|of| experiment_row(of)).collect(),
+    ));
     for of in of_chapter {
-        experiment(of, out, &mut parts)?;
+        parts.extend(experiment_page::parts(of, out)?);
     }
     Ok(Page { name: file_name(chapter), parts })
-}
-
-fn experiment(of: &Results, out: &Path, parts: &mut Vec<PagePart>) -> Result<(), OutputError> {
-    parts.push(PagePart::Heading(2, format!("{} {}", of.id, of.title)));
-    let csv = format!("{}.csv", of.id);
-    let mut text: Vec<Span> = vec![format!("{}. Command: ", of.runs()).into()];
-    text.extend([
-        Span::Code(format!("sextant reproduce {}", of.id)),
-        ". All numbers: ".into(),
-        Span::File(csv.clone(), csv),
-        ".".into(),
-    ]);
-    parts.push(PagePart::Text(text));
-    // The numbers that the thesis states; of an experiment for which it states none, all.
-    let states = of.lines.iter().any(|line| line.published.is_some());
-    let lines: Vec<&Line> = of.lines.iter().filter(|line| line.published.is_some() || !states).collect();
-    if !lines.is_empty() {
-        let header = if states {
-            vec!["number", "published", "in", "ours (mean ± 95 % interval)", "runs", "verdict"]
-        } else {
-            vec!["number", "ours (mean ± 95 % interval)", "runs"]
-        };
-        let cells = |line: &&Line| {
-            let [what, published, source, ours, verdict] = line.cells();
-            let runs = line.runs().map_or_else(String::new, |runs| runs.to_string());
-            let cells =
-                if states { vec![what, published, source, ours, runs, verdict] } else { vec![what, ours, runs] };
-            cells.into_iter().map(Span::from).collect()
-        };
-        parts.push(PagePart::Table(
-            header.into_iter().map(str::to_owned).collect(),
-            lines.iter().map(cells).collect(),
-        ));
-    }
-    if !of.conclusions.is_empty() {
-        let header = ["conclusion", "published", "in", "margin", "runs", "verdict"].map(str::to_owned).to_vec();
-        let cells = |line: &Line| {
-            let [what, published, source, ours, verdict] = line.cells();
-            let published = if line.published.is_some() { published } else { "ours".to_owned() };
-            let runs = line.runs().map_or_else(String::new, |runs| runs.to_string());
-            let margin = ours.trim_start_matches("margin ").to_owned();
-            [what, published, source, margin, runs, verdict].map(Span::from).to_vec()
-        };
-        parts.push(PagePart::Table(header, of.conclusions.iter().map(cells).collect()));
-    }
-    for (name, title) in &of.figures {
-        let file = format!("{name}.svg");
-        let path = out.join(&file);
-        let svg = std::fs::read_to_string(&path).map_err(|error| OutputError::new(&path, &error))?;
-        parts.push(PagePart::Figure { file, title: title.clone(), svg });
-    }
-    if !of.notes.is_empty() {
-        parts.push(PagePart::List(of.notes.iter().map(|note| with_code(note)).collect()));
-    }
-    Ok(())
-}
-
-/// The text with what is in code marks as code.
-fn with_code(text: &str) -> Vec<Span> {
-    let span = |(i, part): (usize, &str)| if i % 2 == 0 { part.into() } else { Span::Code(part.to_owned()) };
-    text.split('`').enumerate().map(span).collect()
 }

@@ -6,7 +6,9 @@ use serde_json::{Value, json};
 
 use super::experiment::Experiment;
 use super::line::{Line, write_csv};
+use super::readings::Readings;
 use super::runs::Runs;
+use super::variant::Variant;
 use sextant_kernel::text::counted;
 use sextant_recording::output::OutputError;
 
@@ -25,6 +27,8 @@ pub struct Results {
     pub lines: Vec<Line>,
     /// The lines of its conclusions.
     pub conclusions: Vec<Line>,
+    /// How far both depend on what the thesis leaves open.
+    pub readings: Readings,
     /// Its figures: name of the file without extension, and title.
     pub figures: Vec<(String, String)>,
     /// Notes on different definitions, and on what the thesis does not say.
@@ -35,14 +39,20 @@ impl Results {
     /// The results of `experiment` from `runs`.
     #[must_use]
     pub fn of(experiment: &Experiment, runs: &Runs) -> Self {
-        let scenarios = experiment.scenarios();
+        let quantities = experiment.lines.iter();
+        let mut lines: Vec<Line> = quantities.map(|quantity| quantity.line(quantity.ours.ours(runs))).collect();
+        let mut conclusions = experiment.conclusions(runs);
+        let readings = Readings::of(experiment, runs);
+        readings.name_in(&mut lines, &mut conclusions);
+        let made = |variant: Variant| (variant.scenario.clone(), runs.made(&variant));
         Self {
             id: experiment.id.clone(),
             title: experiment.title.clone(),
             chapter: experiment.chapter,
-            scenarios: scenarios.iter().map(|&name| (name.to_owned(), runs.made(name))).collect(),
-            lines: experiment.lines(runs),
-            conclusions: experiment.conclusions(runs),
+            scenarios: experiment.shipped().into_iter().map(made).collect(),
+            lines: experiment.shown(lines),
+            conclusions,
+            readings,
             figures: experiment.charts.iter().map(|chart| (chart.name.clone(), chart.title.clone())).collect(),
             notes: experiment.notes.clone(),
         }
@@ -64,11 +74,14 @@ impl Results {
         }
     }
 
-    /// Writes the table `ID.csv` into the folder `out`.
+    /// Writes the table `ID.csv` into the folder `out`, and `ID-readings.csv` if there are readings.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn write_csv(&self, out: &Path) -> Result<(), OutputError> {
+        if !self.readings.is_empty() {
+            self.readings.write_csv(&out.join(format!("{}-readings.csv", self.id)))?;
+        }
         write_csv(&out.join(format!("{}.csv", self.id)), self.all())
     }
 

@@ -5,16 +5,17 @@ use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use super::error::ReproductionError;
+use super::variant::Variant;
 use sextant::summary::Measure;
 use sextant_kernel::Watch;
 use sextant_kernel::text::counted;
 use sextant_study::sweep::{self, Mean, RunRow, Share, Sweep};
 
 /// A measure of a cell of a scenario.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Term {
-    /// The scenario that ships with the program.
-    pub scenario: String,
+    /// The scenario, as it ships or under a reading.
+    pub variant: Variant,
     /// The settings of the cell in the sweep, with their values as in tables; empty for a scenario without a sweep.
     pub settings: Vec<(String, String)>,
     /// What is measured.
@@ -26,15 +27,15 @@ pub struct Term {
 pub enum RunCounts {
     /// All as often.
     Each(NonZeroU32),
-    /// As often as its experiments say, by scenario; once if none does.
-    Usual(BTreeMap<String, NonZeroU32>),
+    /// As often as its experiments say; once if none does.
+    Usual(BTreeMap<Variant, NonZeroU32>),
 }
 
 impl RunCounts {
-    fn of(&self, scenario: &str) -> NonZeroU32 {
+    fn of(&self, variant: &Variant) -> NonZeroU32 {
         match self {
             Self::Each(count) => *count,
-            Self::Usual(counts) => counts.get(scenario).copied().unwrap_or(NonZeroU32::MIN),
+            Self::Usual(counts) => counts.get(variant).copied().unwrap_or(NonZeroU32::MIN),
         }
     }
 }
@@ -44,82 +45,96 @@ impl RunCounts {
 pub struct Runs {
     folder: PathBuf,
     counts: RunCounts,
-    of: BTreeMap<String, (Sweep, Vec<RunRow>)>,
+    seed: Option<u64>,
+    of: BTreeMap<Variant, (Sweep, Vec<RunRow>)>,
 }
 
 impl Runs {
-    /// No runs yet. The files of scenarios are in `folder`, and each scenario will be run as often as `counts` says.
+    /// No runs yet. The files of scenarios are in `folder`, and each scenario will be run as often as `counts` says. The first
+    /// run has the `seed`, or that of the scenario.
     #[must_use]
-    pub fn new(folder: PathBuf, counts: RunCounts) -> Self {
-        Self { folder, counts, of: BTreeMap::new() }
+    pub fn new(folder: PathBuf, counts: RunCounts, seed: Option<u64>) -> Self {
+        Self { folder, counts, seed, of: BTreeMap::new() }
     }
 
-    fn plan_of(&self, scenario: &str, runs: NonZeroU32) -> Result<Sweep, ReproductionError> {
-        Ok(Sweep::read(&self.folder.join(scenario), &[], None, Some(runs))?)
+    fn plan_of(&self, variant: &Variant, runs: NonZeroU32) -> Result<Sweep, ReproductionError> {
+        Ok(Sweep::read(&self.folder.join(&variant.scenario), &variant.set, self.seed, Some(runs))?)
     }
 
-    /// Runs those of `scenarios` that have not been run yet, and returns their names. Before it starts, `tell` gets how
+    /// Runs those of `variants` that have not been run yet, and returns those. Before it starts, `tell` gets how
     /// many runs that are, in words. If `watch` stops the work, finished runs are kept.
     ///
     /// # Errors
     /// If a scenario is invalid, or `watch` stops the work.
-    pub fn make<'a>(
+    pub fn make(
         &mut self,
-        scenarios: &[&'a str],
+        variants: &[Variant],
         tell: impl FnOnce(&str),
         watch: &dyn Watch,
-    ) -> Result<Vec<&'a str>, ReproductionError> {
-        let new: Vec<_> = scenarios.iter().copied().filter(|name| !self.of.contains_key(*name)).collect();
-        let plan = |scenario: &&str| self.plan_of(scenario, self.counts.of(scenario));
+    ) -> Result<Vec<Variant>, ReproductionError> {
+        let new: Vec<_> = variants.iter().filter(|variant| !self.of.contains_key(*variant)).cloned().collect();
+        let plan = |variant: &Variant| self.plan_of(variant, self.counts.of(variant));
         let plans = new.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
         if !new.is_empty() {
             let runs = counted(plans.iter().map(Sweep::survey_count).sum(), "run");
-            tell(&format!("{runs} of {}, then one of each for its figures", counted(new.len(), "scenario")));
+            let of_readings = new.iter().filter(|variant| !variant.is_shipped()).count();
+            let readings = match of_readings {
+                0 => String::new(),
+                count => format!(" and of {} with settings of a reading", counted(count, "scenario")),
+            };
+            let shipped = counted(new.len() - of_readings, "scenario");
+            tell(&format!("{runs} of {shipped}{readings}, then one of each scenario for its figures"));
         }
         let (rows, outcome) = sweep::rows(&plans, watch);
-        for (scenario, made) in new.iter().zip(plans.into_iter().zip(rows)) {
-            self.insert(scenario, made);
+        for (variant, made) in new.iter().zip(plans.into_iter().zip(rows)) {
+            self.insert(variant.clone(), made);
         }
         Ok(outcome.map(|()| new)?)
     }
 
-    /// Reads the runs of those of `scenarios` that have a table in the folder `from`, as [`write_tables`](Self::write_tables)
+    /// Reads the runs of those of `variants` that have a table in the folder `from`, as [`write_tables`](Self::write_tables)
     /// writes them. Returns whether all have one.
     ///
     /// # Errors
     /// If a table cannot be read, or is that of other settings.
-    pub fn read(&mut self, scenarios: &[&str], from: &Path) -> Result<bool, ReproductionError> {
-        for scenario in scenarios {
-            let table = from.join(table_name(scenario));
-            if !self.of.contains_key(*scenario) && table.is_file() {
-                let plan = self.plan_of(scenario, NonZeroU32::MIN)?;
+    pub fn read(&mut self, variants: &[Variant], from: &Path) -> Result<bool, ReproductionError> {
+        for variant in variants {
+            let table = from.join(variant.table_name());
+            if !self.of.contains_key(variant) && table.is_file() {
+                let plan = self.plan_of(variant, NonZeroU32::MIN)?;
                 let rows = sweep::read_table(&table, &plan)?;
-                self.insert(scenario, (plan, rows));
+                self.insert(variant.clone(), (plan, rows));
             }
         }
-        Ok(scenarios.iter().all(|scenario| self.of.contains_key(*scenario)))
+        Ok(self.has(variants))
     }
 
-    /// Writes the tables of the finished runs of `scenarios` into the folder `out`: `runs-SCENARIO.csv`.
+    /// Whether all `variants` were run.
+    #[must_use]
+    pub fn has<'a>(&self, variants: impl IntoIterator<Item = &'a Variant>) -> bool {
+        variants.into_iter().all(|variant| self.of.contains_key(variant))
+    }
+
+    /// Writes the tables of the finished runs of `variants` into the folder `out`.
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn write_tables(&self, scenarios: &[&str], out: &Path) -> Result<(), ReproductionError> {
-        for (scenario, plan, rows) in self.scenarios().filter(|(scenario, ..)| scenarios.contains(scenario)) {
-            sweep::write_table(&out.join(table_name(scenario)), plan, &rows)?;
+    pub fn write_tables(&self, variants: &[Variant], out: &Path) -> Result<(), ReproductionError> {
+        for (variant, plan, rows) in self.variants().filter(|(variant, ..)| variants.contains(variant)) {
+            sweep::write_table(&out.join(variant.table_name()), plan, &rows)?;
         }
         Ok(())
     }
 
     /// Adds the rows of a scenario.
-    pub fn insert(&mut self, scenario: &str, (plan, rows): (Sweep, Vec<RunRow>)) {
-        self.of.insert(scenario.to_owned(), (plan, rows));
+    pub fn insert(&mut self, variant: Variant, (plan, rows): (Sweep, Vec<RunRow>)) {
+        self.of.insert(variant, (plan, rows));
     }
 
     /// The values of a term in the successful runs, each with the number of the run.
     #[must_use]
     pub fn values(&self, term: &Term) -> Vec<(u32, f64)> {
-        let Some((plan, rows)) = self.of.get(&term.scenario) else { return Vec::new() };
+        let Some((plan, rows)) = self.of.get(&term.variant) else { return Vec::new() };
         let Some(cell) = cell(plan, &term.settings) else { return Vec::new() };
         plan.values_of(rows, cell, &term.measure)
     }
@@ -141,7 +156,7 @@ impl Runs {
     /// The numbers of the successful runs of the cell of a term.
     #[must_use]
     pub fn successful(&self, term: &Term) -> Vec<u32> {
-        let Some((plan, rows)) = self.of.get(&term.scenario) else { return Vec::new() };
+        let Some((plan, rows)) = self.of.get(&term.variant) else { return Vec::new() };
         let cell = cell(plan, &term.settings);
         let successful = rows.iter().filter(|row| Some(row.cell) == cell && row.outcome.is_ok());
         successful.map(|row| row.replicate).collect()
@@ -149,39 +164,35 @@ impl Runs {
 
     /// How often a scenario was run.
     #[must_use]
-    pub fn made(&self, scenario: &str) -> u32 {
-        let rows = self.of.get(scenario).map_or(&[][..], |(_, rows)| rows);
+    pub fn made(&self, variant: &Variant) -> u32 {
+        let rows = self.of.get(variant).map_or(&[][..], |(_, rows)| rows);
         rows.iter().map(|row| row.replicate + 1).max().unwrap_or(0)
     }
 
     /// The plan of a scenario that was run.
     #[must_use]
-    pub fn plan(&self, scenario: &str) -> Option<&Sweep> {
-        self.of.get(scenario).map(|(plan, _)| plan)
+    pub fn plan(&self, variant: &Variant) -> Option<&Sweep> {
+        self.of.get(variant).map(|(plan, _)| plan)
     }
 
     /// The scenarios with their plans and rows.
-    pub fn scenarios(&self) -> impl Iterator<Item = (&str, &Sweep, &[RunRow])> {
-        self.of.iter().map(|(scenario, (plan, rows))| (scenario.as_str(), plan, rows.as_slice()))
+    pub fn variants(&self) -> impl Iterator<Item = (&Variant, &Sweep, &[RunRow])> {
+        self.of.iter().map(|(variant, (plan, rows))| (variant, plan, rows.as_slice()))
     }
 
     /// The failed runs: scenario, seed and error.
     #[must_use]
     pub fn failures(&self) -> Vec<String> {
         let mut failures = Vec::new();
-        for (scenario, plan, rows) in self.scenarios() {
+        for (Variant { scenario, reading, .. }, plan, rows) in self.variants() {
+            let of = if reading.is_empty() { scenario.clone() } else { format!("{scenario} ({reading})") };
             failures.extend(rows.iter().filter_map(|row| {
                 let error = row.outcome.as_ref().err()?;
-                Some(format!("{scenario}, seed {}: {error}", plan.seed_of(row.replicate)))
+                Some(format!("{of}, seed {}: {error}", plan.seed_of(row.replicate)))
             }));
         }
         failures
     }
-}
-
-/// The name of the table of the runs of a scenario.
-fn table_name(scenario: &str) -> String {
-    format!("runs-{}.csv", scenario.trim_end_matches(".toml").replace('/', "-"))
 }
 
 /// The first cell that has these settings.

@@ -5,7 +5,9 @@ use std::num::NonZeroU32;
 
 use serde::Deserialize;
 
+use super::better::Better;
 use super::chart::ChartKind;
+use super::open::OpenEntry;
 use super::values::Values;
 use super::words::{Item, Only};
 
@@ -44,6 +46,15 @@ pub(crate) struct Table {
     /// Texts of its own.
     #[serde(default)]
     pub(crate) texts: BTreeMap<String, String>,
+    /// Runs of each scenario under a reading, if the user does not choose.
+    #[serde(default = "reading_runs")]
+    pub(crate) reading_runs: NonZeroU32,
+    /// What the thesis leaves open.
+    #[serde(default)]
+    pub(crate) open: Vec<OpenEntry>,
+    /// Names of what is open and is also read together.
+    #[serde(default)]
+    pub(crate) together: Vec<[String; 2]>,
     /// Its lines.
     pub(crate) lines: Vec<Entry>,
     /// The conclusions that are checked.
@@ -52,6 +63,11 @@ pub(crate) struct Table {
     /// Its figures.
     #[serde(default)]
     pub(crate) charts: Vec<ChartEntry>,
+}
+
+/// A reading is judged by a fifth of the published value, which few runs tell.
+fn reading_runs() -> NonZeroU32 {
+    const { NonZeroU32::new(5).expect("five is above zero") }
 }
 
 /// What the tables of a chapter share.
@@ -99,6 +115,8 @@ pub(crate) struct Entry {
     pub(crate) published_where: Vec<PublishedWhere>,
     /// The table, figure or section with the published value.
     pub(crate) source: Option<String>,
+    /// Which values are better, if it is an error or a time of the method of the thesis, or a share that it wants.
+    pub(crate) better: Option<Better>,
     /// The share of the runs with at least this value, and not the mean.
     pub(crate) at_least: Option<f64>,
     /// The cell with the least mean, and not that of this entry.
@@ -259,6 +277,7 @@ impl Entry {
             published: or(&self.published, &group.published),
             published_where: published_where.clone(),
             source: or(&self.source, &group.source),
+            better: self.better.or(group.better),
             check: self.check.or(group.check),
             ..self.clone()
         }

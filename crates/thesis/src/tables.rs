@@ -6,6 +6,7 @@ use std::num::NonZeroU32;
 use super::expansion;
 use super::experiment::Experiment;
 use super::runs::RunCounts;
+use super::variant::Variant;
 
 /// A chapter: its number, what its tables share, and the tables, each with the name of its file.
 struct Chapter {
@@ -83,11 +84,13 @@ pub fn experiments() -> Vec<Experiment> {
 /// on which experiments are chosen.
 #[must_use]
 pub fn usual_runs() -> RunCounts {
-    let mut counts: BTreeMap<String, NonZeroU32> = BTreeMap::new();
+    let mut counts: BTreeMap<Variant, NonZeroU32> = BTreeMap::new();
     for experiment in experiments() {
-        for scenario in experiment.scenarios() {
-            let most = counts.entry(scenario.to_owned()).or_insert(experiment.runs);
-            *most = experiment.runs.max(*most);
+        let shipped = experiment.shipped().into_iter().map(|variant| (variant, experiment.runs));
+        let of_readings = experiment.of_readings().into_iter().map(|variant| (variant, experiment.reading_runs));
+        for (variant, runs) in shipped.chain(of_readings) {
+            let most = counts.entry(variant).or_insert(runs);
+            *most = runs.max(*most);
         }
     }
     RunCounts::Usual(counts)

@@ -11,9 +11,9 @@ use super::results::Results;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Conclusions, in the order of [`Verdict::ALL`].
-    pub claims: [usize; 3],
+    pub claims: [usize; 4],
     /// Published numbers, in the order of [`Agreement::ALL`].
-    pub numbers: [usize; 4],
+    pub numbers: [usize; 6],
     /// Conclusions and published numbers without a verdict, because all runs failed.
     pub none: usize,
 }

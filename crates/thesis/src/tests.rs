@@ -182,7 +182,7 @@ fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
 
 /// Invented runs: `value` gives each value of each cell, and replicates differ slightly.
 fn made_up(plans: &BTreeMap<String, Sweep>, value: impl Fn(&str, usize, &Measure) -> Option<f64>) -> Runs {
-    let mut runs = Runs::new(std::path::PathBuf::new(), RunCounts::Each(RUNS));
+    let mut runs = Runs::new(std::path::PathBuf::new(), RunCounts::Each(RUNS), None);
     for (scenario, plan) in plans {
         let row = |cell: usize, replicate: u32| {
             let scatter = 1.0 + 1e-6 * f64::from(replicate);
@@ -190,7 +190,10 @@ fn made_up(plans: &BTreeMap<String, Sweep>, value: impl Fn(&str, usize, &Measure
             RunRow { cell, replicate, outcome: Ok(values.collect()) }
         };
         let rows = (0..plan.cells().len()).flat_map(|cell| (0..plan.runs()).map(move |replicate| (cell, replicate)));
-        runs.insert(scenario, (plan.clone(), rows.map(|(cell, replicate)| row(cell, replicate)).collect()));
+        runs.insert(
+            Variant::shipped(scenario),
+            (plan.clone(), rows.map(|(cell, replicate)| row(cell, replicate)).collect()),
+        );
     }
     runs
 }
@@ -205,7 +208,7 @@ fn every_experiment_has_a_unique_id_and_reads_shipped_scenarios() {
             assert!(SHIPPED.iter().any(|(name, _)| name == scenario), "{scenario}");
         }
         for (what, term) in terms(experiment) {
-            assert!(scenarios.contains(&term.scenario.as_str()), "`{what}` reads {}", term.scenario);
+            assert!(scenarios.contains(&term.variant.scenario.as_str()), "`{what}` reads {}", term.variant.scenario);
         }
     }
 }
@@ -242,16 +245,63 @@ fn everything_that_an_experiment_reads_exists_in_its_scenario() {
     for experiment in experiments() {
         for (what, term) in terms(&experiment) {
             let column = term.measure.column();
-            let columns = plans[&term.scenario].columns();
+            let columns = plans[&term.variant.scenario].columns();
             assert!(columns.iter().any(|other| other.name == column), "`{what}` reads {column}");
             assert_eq!(
                 runs.values(term).len(),
-                plans[&term.scenario].runs() as usize,
+                plans[&term.variant.scenario].runs() as usize,
                 "`{what}` reads {column} in {term:?}"
             );
         }
         for line in experiment.lines(&runs) {
             assert_ne!(line.ours, Ours::Missing, "{}", line.what);
+        }
+    }
+}
+
+#[test]
+fn every_reading_can_be_run_and_has_what_published_values_read() {
+    let folder = TempDir::new().unwrap();
+    write_scenarios(folder.path()).unwrap();
+    let mut plans: BTreeMap<Variant, Sweep> = BTreeMap::new();
+    for experiment in experiments() {
+        for reading in experiment.readings.iter().filter(|reading| reading.choices.len() == 1) {
+            let stated = experiment.lines.iter().zip(&reading.lines).filter(|(line, _)| line.published.is_some());
+            let claims = experiment.claims.iter().zip(&reading.checks).filter(|(claim, _)| claim.published.is_some());
+            let own = stated.clone().flat_map(|(line, _)| line.ours.terms());
+            let own: Vec<_> = own.chain(claims.clone().flat_map(|(claim, _)| claim.check.terms())).collect();
+            let terms = stated.flat_map(|(_, ours)| ours.terms()).chain(claims.flat_map(|(_, check)| check.terms()));
+            let terms: Vec<_> = terms.collect();
+            assert_ne!(terms, own, "{}: `{}` changes no published value", experiment.id, reading.name());
+            for term in terms {
+                let plan = plans.entry(term.variant.clone()).or_insert_with(|| {
+                    let Variant { scenario, set, .. } = &term.variant;
+                    Sweep::read(&folder.path().join(scenario), set, None, Some(NonZeroU32::MIN))
+                        .unwrap_or_else(|errors| panic!("{} `{}`: {errors:?}", experiment.id, reading.name()))
+                });
+                let column = term.measure.column();
+                assert!(plan.columns().iter().any(|other| other.name == column), "`{}`: {column}", reading.name());
+                let has_cell = (0..plan.cells().len()).any(|cell| {
+                    let values = plan.values(cell);
+                    term.settings.iter().all(|(key, wanted)| {
+                        plan.keys().iter().zip(&values).any(|(column, value)| column.name == *key && value == wanted)
+                    })
+                });
+                assert!(has_cell, "{}: `{}` has no cell {:?}", experiment.id, reading.name(), term.settings);
+            }
+        }
+    }
+}
+
+#[test]
+fn no_two_runs_have_the_same_table() {
+    let mut tables: BTreeMap<String, Variant> = BTreeMap::new();
+    for experiment in experiments() {
+        for variant in experiment.shipped().into_iter().chain(experiment.of_readings()) {
+            let name = variant.table_name();
+            assert!(name.len() < 200, "{name}");
+            let known = tables.entry(name).or_insert_with(|| variant.clone());
+            assert_eq!(*known, variant, "{}", experiment.id);
         }
     }
 }
@@ -267,7 +317,7 @@ fn the_neighbourhood_in_a_description_is_that_of_the_scenario() {
             let Some(radius_m) = at.and_then(|(_, rest)| rest.split(' ').next()?.parse::<f64>().ok()) else {
                 continue;
             };
-            let scenario = Scenario::load(folder.path().join(&term.scenario)).unwrap();
+            let scenario = Scenario::load(folder.path().join(&term.variant.scenario)).unwrap();
             let column = term.measure.column();
             let index = match column.split_once("connectivity_errors.") {
                 Some((_, rest)) => rest[..1].parse().unwrap(),
@@ -290,7 +340,7 @@ fn published_connectivity_errors_are_only_given_for_the_radius_of_communication(
             let Some((_, rest)) = what.split_once("neighbourhood of ") else { continue };
             let terms = ours.terms();
             let (Some(published), [term, ..]) = (published, terms.as_slice()) else { continue };
-            let scenario = Scenario::load(folder.path().join(&term.scenario)).unwrap();
+            let scenario = Scenario::load(folder.path().join(&term.variant.scenario)).unwrap();
             let radius_m = scenario.config().channel.max_range_m.unwrap();
             assert_eq!(rest, format!("{radius_m} m"), "{what}: {published:?}");
         }
@@ -307,7 +357,7 @@ fn every_conclusion_can_hold_or_not() {
             let missing = |verdicts: &[Verdict]| {
                 [Verdict::Holds, Verdict::DoesNotHold].into_iter().find(|verdict| !verdicts.contains(verdict))
             };
-            let is_read = |scenario: &str| terms.iter().any(|term| term.scenario == scenario);
+            let is_read = |scenario: &str| terms.iter().any(|term| term.variant.scenario == scenario);
             let read = plans.iter().filter(|(scenario, _)| is_read(scenario));
             let read: BTreeMap<_, _> = read.map(|(scenario, plan)| (scenario.clone(), plan.clone())).collect();
             // The values of the terms rise, fall or are equal, at several sizes.
@@ -320,7 +370,7 @@ fn every_conclusion_can_hold_or_not() {
                         let is_it = |term: &&Term| {
                             let values = plans[scenario].values(cell);
                             let keys = plans[scenario].keys().iter();
-                            term.scenario == scenario
+                            term.variant.scenario == scenario
                                 && term.measure == *measure
                                 && keys.zip(&values).all(|(key, value)| {
                                     term.settings.iter().any(|(name, wanted)| *name == key.name && wanted == value)
@@ -366,9 +416,9 @@ fn a_tiny_run_has_a_value_for_each_line_and_a_verdict_for_each_conclusion() {
     let (names, plans): (Vec<_>, Vec<_>) = plans.into_iter().unzip();
     let (rows, outcome) = sweep::rows(&plans, &Unwatched);
     outcome.unwrap();
-    let mut runs = Runs::new(std::path::PathBuf::new(), RunCounts::Each(TINY_RUNS));
+    let mut runs = Runs::new(std::path::PathBuf::new(), RunCounts::Each(TINY_RUNS), None);
     for (name, made) in names.into_iter().zip(plans.into_iter().zip(rows)) {
-        runs.insert(&name, made);
+        runs.insert(Variant::shipped(&name), made);
     }
     assert_eq!(runs.failures(), [""; 0]);
     for experiment in experiments() {

@@ -12,13 +12,15 @@ use super::outputs::{Replacing, admit};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{Watcher, stdout};
+use sextant::NumberRange;
 use sextant::columns::{Align, columns};
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{OutputKind, admit_folder};
 use sextant_recording::disk;
 use sextant_thesis::{
-    Costs, Experiment, Line, ReproductionError, Results, RunCounts, Runs, SHIPPED, Tally, by_chapter, experiments,
-    is_reproduction, json, usual_runs, write_figures, write_json, write_pages, write_pictures, write_scenarios,
+    Costs, Experiment, Line, ReproductionError, Results, RunCounts, Runs, SHIPPED, Tally, Variant, by_chapter,
+    experiments, first_seed, is_reproduction, json, usual_runs, write_figures, write_json, write_pages,
+    write_pictures, write_scenarios,
 };
 
 /// Arguments of `sextant reproduce`.
@@ -36,6 +38,15 @@ pub(crate) struct Arguments {
     /// Runs of each scenario, with the seeds 1, 2, ..; without it as many as `--list` says
     #[arg(long, value_name = "N")]
     pub(crate) runs: Option<NonZeroU32>,
+    /// The seed of the first run of each scenario; without it 1
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "seeds"])]
+    pub(crate) seed: Option<u64>,
+    /// Runs with the seeds A to B - 1, and no others
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["from", "runs"])]
+    pub(crate) seeds: Option<NumberRange>,
+    /// Run other values of what the thesis leaves open too, and show what each number depends on
+    #[arg(long, conflicts_with = "from")]
+    pub(crate) readings: bool,
     /// Run nothing, and take the runs from the folder of an earlier reproduction
     #[arg(long, value_name = "DIR", conflicts_with = "runs")]
     pub(crate) from: Option<PathBuf>,
@@ -70,11 +81,12 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
             disk::create_folders(&arguments.out).map_err(|error| Failure::unwritable(&arguments.out, &error))?
         }
     }
-    let mut runs = Runs::new(scenarios.clone(), arguments.runs.map_or_else(usual_runs, RunCounts::Each));
+    let Seeds { first, counts } = arguments.seeds()?;
+    let mut runs = Runs::new(scenarios.clone(), counts, first);
     let mut finished: Vec<Results> = Vec::new();
     let mut outcome = Ok(());
     for experiment in &experiments {
-        let new = match made(experiment, arguments, &mut runs, &watcher) {
+        let shipped = match made(experiment, arguments, &mut runs, &watcher) {
             Ok(Some(new)) => new,
             Ok(None) => continue,
             Err(failure) => {
@@ -89,19 +101,19 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
             print(&results, &mut stdout)?;
         }
         finished.push(results);
-        outcome = write_pictures(&new, &scenarios, &arguments.out.join("figures"), interrupt);
+        outcome = write_pictures(&shipped, &scenarios, &arguments.out.join("figures"), interrupt);
         if outcome.is_err() {
             break;
         }
     }
-    write_json(&finished, &arguments.out)?;
-    write_pages(&finished, &arguments.out)?;
+    write_json(&finished, first, &arguments.out)?;
+    write_pages(&finished, first, &arguments.out)?;
     match arguments.printing.format {
         Format::Text => {
             print_verdicts(&finished, &mut stdout)?;
             writeln!(stdout, "pages, tables, figures and scenarios: {}", arguments.out.display())?;
         }
-        Format::Json => writeln!(stdout, "{:#}", json(&finished))?,
+        Format::Json => writeln!(stdout, "{:#}", json(&finished, first))?,
     }
     if matches!(outcome, Err(ReproductionError::Interrupted(_))) {
         let (done, all) = (finished.len(), counted(experiments.len(), "experiment"));
@@ -116,7 +128,31 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     }
 }
 
+/// The seeds of all runs.
+struct Seeds {
+    /// That of the first run, if it is not that of the scenario.
+    first: Option<u64>,
+    /// How many there are.
+    counts: RunCounts,
+}
+
 impl Arguments {
+    /// The seeds of all runs.
+    fn seeds(&self) -> Result<Seeds, Failure> {
+        if let Some(range) = self.seeds {
+            let count = u32::try_from(range.len()).ok().and_then(NonZeroU32::new);
+            let count = count.ok_or_else(|| {
+                let (start, end) = (range.start, range.end);
+                let most = u32::MAX;
+                Failure::bad_input(format!("`--seeds {start}..{end}` has too many seeds; allowed: at most {most}"))
+            })?;
+            return Ok(Seeds { first: Some(range.start as u64), counts: RunCounts::Each(count) });
+        }
+        let counts = self.runs.map_or_else(usual_runs, RunCounts::Each);
+        let first = self.seed.or_else(|| first_seed(self.from.as_ref()?));
+        Ok(Seeds { first, counts })
+    }
+
     /// Rejects a folder with files that are not those of a reproduction, or with scenarios that were changed.
     fn check_room(&self) -> Result<(), Failure> {
         admit_folder(&self.out, self.replacing.replace(), || is_reproduction(&self.out))?;
@@ -132,28 +168,31 @@ impl Arguments {
     }
 }
 
-/// Makes or reads the runs of an experiment, and returns the scenarios that were run now; `None` if it has no runs in the
+/// Makes or reads the runs of an experiment, and returns its scenarios that were run now; `None` if it has no runs in the
 /// folder that they are read from.
-fn made<'a>(
-    experiment: &'a Experiment,
+fn made(
+    experiment: &Experiment,
     arguments: &Arguments,
     runs: &mut Runs,
     watcher: &Watcher<'_>,
-) -> Result<Option<Vec<&'a str>>, ReproductionError> {
-    let scenarios = experiment.scenarios();
+) -> Result<Option<Vec<String>>, ReproductionError> {
+    let (shipped, of_readings) = (experiment.shipped(), experiment.of_readings());
     if let Some(from) = &arguments.from {
-        let has_all = runs.read(&scenarios, from)?;
+        let has_all = runs.read(&shipped, from)?;
+        runs.read(&of_readings, from)?;
         if !has_all {
             let from = from.display();
             arguments.work.note(&format!("{}: left out, because `{from}` has not all of its runs", experiment.id));
         }
         return Ok(has_all.then(Vec::new));
     }
+    let wanted = if arguments.readings { [shipped, of_readings].concat() } else { shipped };
     let tell = |size: &str| arguments.work.note(&format!("{}: {size}", experiment.id));
-    let new = runs.make(&scenarios, tell, watcher);
+    let new = runs.make(&wanted, tell, watcher);
     watcher.clear();
-    runs.write_tables(&scenarios, &arguments.out)?;
-    new.map(Some)
+    runs.write_tables(&wanted, &arguments.out)?;
+    let shipped = |new: Vec<Variant>| new.into_iter().filter(Variant::is_shipped).map(|variant| variant.scenario);
+    new.map(|new| Some(shipped(new).collect()))
 }
 
 fn chosen(arguments: &Arguments) -> Result<Vec<Experiment>, Failure> {

@@ -71,6 +71,106 @@ fn pages_have_the_verdicts_of_conclusions_and_numbers() {
     }
 }
 
+/// Three of the cheapest parts of the results in the guide, made again: no run, four paths, a robot in a room.
+#[test]
+fn the_committed_results_are_what_the_program_computes() {
+    let folder = TempDir::new().unwrap();
+    let output = reproduce(&["3.2", "3.3", "7.11", "--out", "here", "--quiet"], &folder);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let committed = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results");
+    for (id, kept) in [("3.2", "verdict"), ("3.3", "half_width_95"), ("7.11", "verdict")] {
+        let read = |folder: &std::path::Path| std::fs::read_to_string(folder.join(format!("{id}.csv"))).unwrap();
+        let (new, old) = (read(&folder.path().join("here")), read(&committed));
+        // A verdict of 3.3 may name a reading, which was not run here.
+        let cut = |table: &str| -> Vec<Vec<String>> {
+            let rows = table.lines().map(cells);
+            let rows: Vec<Vec<String>> = rows.collect();
+            let last = rows[0].iter().position(|name| name == kept).unwrap();
+            rows.into_iter().map(|row| row[..=last].to_vec()).collect()
+        };
+        assert_eq!(cut(&new), cut(&old), "{id}");
+    }
+}
+
+/// The cells of a row of CSV.
+fn cells(row: &str) -> Vec<String> {
+    let (mut cells, mut is_quoted) = (vec![String::new()], false);
+    for letter in row.chars() {
+        match letter {
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => cells.push(String::new()),
+            letter => cells.last_mut().expect("there is one").push(letter),
+        }
+    }
+    cells
+}
+
+#[test]
+fn other_seeds_give_other_runs_and_are_known_to_the_folder() {
+    let folder = TempDir::new().unwrap();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap_or_else(|_| panic!("{name}"));
+    let seeds_of = |table: &str| -> Vec<String> {
+        let table = read(table);
+        table.lines().skip(1).map(|row| row.split(',').nth(2).unwrap().to_owned()).collect()
+    };
+    let made = |arguments: &[&str]| {
+        let output = reproduce(&[&["3.3", "--quiet", "--format", "json"], arguments].concat(), &folder);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    made(&["--seeds", "5..7", "--out", "range"]);
+    made(&["--seed", "5", "--runs", "2", "--out", "first"]);
+    let table = "runs-ml-tm-trajectory-s.csv";
+    assert_eq!(seeds_of(&format!("range/{table}")), ["5", "6"]);
+    for name in [table, "3.3.csv", "index.md"] {
+        assert_eq!(read(&format!("range/{name}")), read(&format!("first/{name}")), "{name}");
+    }
+    assert!(read("range/index.md").contains("the seeds 5, 6, .."));
+    made(&["--from", "range", "--out", "again"]);
+    assert_eq!(read("range/3.3.csv"), read("again/3.3.csv"));
+    for (arguments, part) in [
+        (&["3.3", "--seeds", "7..5"][..], "7..5"),
+        (&["3.3", "--seeds", "1..3", "--runs", "2"], "--runs"),
+        (&["3.3", "--seed", "1", "--from", "range"], "--from"),
+        (&["3.3", "--readings", "--from", "range"], "--from"),
+    ] {
+        let output = reproduce(arguments, &folder);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains(part), "{output:?}");
+    }
+}
+
+#[test]
+fn readings_show_what_a_number_depends_on() {
+    let folder = TempDir::new().unwrap();
+    let output = reproduce(&["3.3", "--readings", "--runs", "2", "--out", "here", "--quiet"], &folder);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap_or_else(|_| panic!("{name}"));
+    let page = read("here/chapter-3.md");
+    assert!(page.contains("### What it depends on"), "{page}");
+    assert!(page.contains("`robots.controller.random_walk.steps_per_turn`"), "{page}");
+    let table = read("here/3.3-readings.csv");
+    let row = table.lines().find(|row| row.starts_with("random walk: time") && row.contains("after 5 steps"));
+    let cells = cells(row.unwrap_or_else(|| panic!("{table}")));
+    // The same mean as that of a sweep with this setting, and the difference of runs of the same seed.
+    let mean_of = |table: &str| {
+        let table = read(table);
+        let column = table.lines().next().unwrap().split(',').position(|name| name == "path_length_m").unwrap();
+        let values = table.lines().skip(1).map(|row| row.split(',').nth(column).unwrap().parse::<f64>().unwrap());
+        let values: Vec<f64> = values.collect();
+        assert_eq!(values.len(), 2);
+        values.iter().sum::<f64>() / 2.0
+    };
+    let turning = mean_of("here/runs-ml-tm-trajectory-random--turns-of-the-random-walk-after-5-steps.csv");
+    let taken = mean_of("here/runs-ml-tm-trajectory-random.csv");
+    let number = |cell: usize| cells[cell].parse::<f64>().unwrap();
+    assert!((number(4) - turning).abs() < 1e-9, "{cells:?}: {turning}");
+    assert!((number(5) - (turning - taken)).abs() < 1e-9, "{cells:?}: {turning} and {taken}");
+    // Runs of readings are read back, and only they give the part of the page.
+    let again = reproduce(&["3.3", "--from", "here", "--out", "there", "--quiet"], &folder);
+    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    assert_eq!(page, read("there/chapter-3.md"));
+}
+
 #[test]
 fn an_unknown_id_is_rejected_with_a_list_of_ids() {
     let folder = TempDir::new().unwrap();
@@ -103,7 +203,7 @@ fn an_interrupted_reproduction_keeps_the_finished_experiments() {
         (String::from_utf8_lossy(&output.stdout).into_owned(), String::from_utf8_lossy(&output.stderr).into_owned());
     assert_eq!(output.status.code(), Some(130), "{notes}");
     assert!(printed.contains("P of node p at (1, 3)"), "{printed}");
-    assert!(notes.contains("3.3: 4000 runs of 4 scenarios"), "{notes}");
+    assert!(notes.contains("3.3: 4000 runs of 4 scenarios, then"), "{notes}");
     assert!(notes.contains("1 of 2 experiments are done"), "{notes}");
     assert!(!out.join("3.3.csv").exists());
     let runs = std::fs::read_to_string(out.join("runs-ml-tm-trajectory-s.csv")).unwrap();

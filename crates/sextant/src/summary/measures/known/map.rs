@@ -52,6 +52,10 @@ pub(super) const MAP: &[KnownMeasure<'static>] = &[
     known("sector_displacement.3", Share, "share of nodes with sector displacement 3"),
     known("sector_displacement.4", Share, "share of nodes with sector displacement 4"),
     known("sector_displacement_of_pairs.0", Share, "share of pairs of neighbours with sector displacement 0"),
+    known("sector_displacement_of_pairs.1", Share, "share of pairs of neighbours with sector displacement 1"),
+    known("sector_displacement_of_pairs.2", Share, "share of pairs of neighbours with sector displacement 2"),
+    known("sector_displacement_of_pairs.3", Share, "share of pairs of neighbours with sector displacement 3"),
+    known("sector_displacement_of_pairs.4", Share, "share of pairs of neighbours with sector displacement 4"),
     known("sector_pairs.without_bearing", Count, "pairs of neighbours without a bearing: one stands on the other"),
     known("nodes_within_0_2", Share, "share of nodes that lose at most a fifth of their neighbours"),
 ];
