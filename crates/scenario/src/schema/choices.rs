@@ -15,14 +15,19 @@ pub(super) fn add_tables(schema: &mut Value) {
                 .map(|(name, description)| table(name, description))
                 .collect();
             choices.extend(tables);
-        } else if let Some(names) = part.get("enum").and_then(Value::as_array).cloned() {
+        }
+    });
+    // Only a type is a choice: names that a key lists, as those of materials, have no tables.
+    let types = schema["$defs"].as_object_mut().into_iter().flat_map(|types| types.values_mut());
+    for part in types.filter_map(Value::as_object_mut) {
+        if let Some(names) = part.get("enum").and_then(Value::as_array).cloned() {
             let tables = names.iter().filter_map(Value::as_str).map(|name| table(name, &Value::Null));
             let choices: Vec<_> = std::iter::once(json!({ "type": "string", "enum": names })).chain(tables).collect();
             part.remove("enum");
             part.remove("type");
             part.insert("oneOf".to_owned(), choices.into());
         }
-    });
+    }
 }
 
 /// A choice as a table without settings.

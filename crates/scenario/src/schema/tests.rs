@@ -71,4 +71,6 @@ fn a_choice_is_a_name_or_a_table() {
     assert!(forms("Environment").iter().any(|form| form["properties"]["suburban"].is_object()));
     // A trapezoid has no default for its range.
     assert!(forms("ProfileConfig").iter().all(|form| form["const"] != "trapezoid"));
+    let material = &schema["$defs"]["ObstacleConfig"]["properties"]["material"];
+    assert!(material["oneOf"].is_null() && material["enum"].is_array(), "a name among many: {material}");
 }

@@ -134,7 +134,11 @@ struct Quality(Vec<(u8, f64, u64)>);
 impl sextant_sim::Application for Quality {
     fn radio(&mut self, _network: sextant_sim::NetworkId, event: &RadioEvent<'_>, _port: &mut sextant_sim::Port<'_>) {
         if let RadioEvent::Received(frame) = event {
-            self.0.push((frame.lqi, frame.delivery.rssi.0, (frame.end - frame.start).as_micros() as u64));
+            self.0.push((
+                frame.lqi,
+                frame.delivery.rssi.0,
+                u64::try_from((frame.end - frame.start).as_micros()).expect("a frame is short"),
+            ));
         }
     }
 
@@ -153,7 +157,7 @@ impl sextant_sim::Application for Quality {
 #[test]
 fn strength_and_quality_are_those_of_the_link() {
     let setup = super::setup(&[0.0, 1.0, 9.0], sextant_mac::program::ProgramConfig::default());
-    let law = setup.networks[0].channel.clone();
+    let law = setup.networks[0].channel;
     let stations = network::run(setup, vec![Quality::default(), Quality::default(), Quality::default()]);
     for (place, x_m) in [(1, 1.0), (2, 9.0)] {
         let power_dbm = -70.0 - law.path_loss().loss(x_m).0;
