@@ -59,7 +59,8 @@ impl Readings {
                 ours: reading.lines[i].ours(runs),
                 difference: quantity.ours.moved(&reading.lines[i], runs),
             });
-            let under: Vec<_> = under.filter(|value| is_number && value.ours != Ours::Missing).collect();
+            let under = under.filter(|value| value.ours != Ours::Missing && !value.is_same());
+            let under: Vec<_> = under.filter(|_| is_number).collect();
             if !under.is_empty() {
                 readings.numbers.push((i, Moved { line: quantity.line(quantity.ours.ours(runs)), under }));
             }
@@ -133,6 +134,13 @@ impl Readings {
             }
         }
         file.save(path)
+    }
+}
+
+impl ReadValue {
+    /// Whether each of its runs has the value that is taken: the setting does not concern it.
+    fn is_same(&self) -> bool {
+        self.difference.is_some_and(|of| of.mean == 0.0 && of.half_width_95.is_none_or(|half_width| half_width == 0.0))
     }
 }
 
@@ -286,6 +294,16 @@ mod tests {
         assert_eq!((strongest.reading.as_str(), by), ("one packet", 45.0));
         assert_eq!(of.nearest().unwrap().reading, "few anchors");
         assert!(moved(39.0, &[("few anchors", 37.5)]).nearest().is_none(), "the value that is taken is nearer");
+    }
+
+    #[test]
+    fn a_setting_that_changes_no_run_does_not_concern_a_number() {
+        let by = |mean, half_width_95| Some(Mean { mean, half_width_95, runs: 5 });
+        let value = |difference| ReadValue { reading: "anchors".to_owned(), ours: mean(1.0), difference };
+        assert!(value(by(0.0, Some(0.0))).is_same());
+        assert!(value(by(0.0, None)).is_same());
+        assert!(!value(by(0.0, Some(0.1))).is_same(), "runs differ, and their mean does not");
+        assert!(!value(None).is_same(), "nothing is known of single runs");
     }
 
     #[test]
