@@ -2,7 +2,15 @@
 
 import { visible } from "./text.js";
 
-const KINDS = { f32: Float32Array, f64: Float64Array, u32: Uint32Array, u8: Uint8Array };
+const KINDS = {
+  f32: (buffer) => new Float32Array(buffer),
+  f32_in_i8: (buffer) => Float32Array.from(new Int8Array(buffer), (one) => (one === -128 ? NaN : one)),
+  f64: (buffer) => new Float64Array(buffer),
+  u32: (buffer) => new Uint32Array(buffer),
+  u32_in_u16: (buffer) => Uint32Array.from(new Uint16Array(buffer)),
+  u32_in_u8: (buffer) => Uint32Array.from(new Uint8Array(buffer)),
+  u8: (buffer) => new Uint8Array(buffer),
+};
 
 function octets(text) {
   const binary = atob(text);
@@ -17,7 +25,7 @@ function revive(_key, value) {
   if (value === null || typeof value !== "object" || Array.isArray(value)) return value;
   const entries = Object.entries(value);
   const [kind, text] = entries[0] ?? [];
-  if (Object.hasOwn(KINDS, kind) && typeof text === "string") return new KINDS[kind](octets(text).buffer);
+  if (Object.hasOwn(KINDS, kind) && typeof text === "string") return KINDS[kind](octets(text).buffer);
   return entries.every(([key]) => visible(key) === key) ? value : Object.fromEntries(entries.map(([key, one]) => [visible(key), one]));
 }
 
