@@ -126,7 +126,7 @@ def test_what_a_radio_cannot_do_says_why() -> None:
             ):
                 with pytest.raises(sextant.RunError, match=words):
                     call()
-            with pytest.raises(ValueError, match="the outcome is 'lost'"):
+            with pytest.raises(ValueError, match='the outcome is "lost"'):
                 radio.done(7, "lost")
             with pytest.raises(KeyError, match="there is no station `n99`"):
                 radio.transmit(b"", "n99")
