@@ -92,6 +92,15 @@ fn the_committed_results_are_what_the_program_computes() {
     }
 }
 
+#[test]
+fn the_page_on_how_far_the_thesis_holds_has_the_verdicts_of_the_results() {
+    let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let read = |name: &str| std::fs::read_to_string(docs.join(name)).unwrap();
+    let (page, index) = (read("how-far-the-thesis-holds.md"), read("results/index.md"));
+    let verdicts = index.lines().find(|line| line.starts_with("| all chapters |")).unwrap();
+    assert!(page.lines().any(|line| line == verdicts), "{verdicts} is not on the page");
+}
+
 /// The cells of a row of CSV.
 fn cells(row: &str) -> Vec<String> {
     let (mut cells, mut is_quoted) = (vec![String::new()], false);
