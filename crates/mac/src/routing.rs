@@ -30,7 +30,7 @@ mod trickle;
 
 pub use collection::{Collection, Reaction};
 pub use estimate::LinkEstimate;
-pub use packet::{BEACON_OCTETS, Beacon, Data, MAX_STATIONS, Packet, Way};
+pub use packet::{BEACON_OCTETS, Beacon, Data, HEADER_OCTETS, MAX_STATIONS, Packet};
 pub use seen::{Repeat, Seen};
 pub use trickle::Trickle;
 

@@ -3,8 +3,8 @@
 use sextant_kernel::{SettingError, StationId};
 use sextant_sim::{LinkBudgets, NetworkId, Setup};
 
-/// The usable links among the stations of a setup as it stands at the start, by what `sextant explain-link` says of each: the
-/// power with the shadowing of the link, without what changes in time, or what was measured there at first.
+/// The usable links among the stations of a setup as it stands at the start, by what `sextant explain-link` says of each: with
+/// the shadowing of the link, or over all draws if each packet has its own; without fading in time; or as measured at first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UsableLinks {
     /// The links from each station: to whom, and expected transmissions.
@@ -26,10 +26,8 @@ impl UsableLinks {
         let mut from = vec![Vec::new(); nodes + robots + setup.sinks.len()];
         for (i, &a) in stations.iter().enumerate() {
             for &b in &stations[i + 1..] {
-                let mut share = |from, to| {
-                    let share = budgets.between(network, from, to).map_or(0.0, |budget| budget.reception.probability);
-                    Some(share).filter(|&share| share >= usable_prr)
-                };
+                let mut share =
+                    |from, to| Some(budgets.share_received(network, from, to)).filter(|&share| share >= usable_prr);
                 let Some(there) = share(a, b) else { continue };
                 let Some(back) = share(b, a) else { continue };
                 let etx = 1.0 / (there * back);

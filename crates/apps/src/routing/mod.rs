@@ -1,4 +1,4 @@
-//! Routing over several hops: the packets of nodes go along a tree to a sink, and from the sink to nodes.
+//! Routing over several hops: the packets of nodes go along a tree to a sink.
 //!
 //! The tree is given, or made of the shortest ways from the layout, or built by the beacons of the stations
 //! ([`sextant_mac::routing`]). Each node has a queue of packets. It gives them one by one to its MAC, which waits for the
@@ -14,6 +14,7 @@ mod outbox;
 mod record;
 mod router;
 mod settings;
+mod simulation;
 mod source;
 mod tree;
 

@@ -8,7 +8,6 @@ use sextant_sim::Delays;
 
 use super::config::TreeMetric;
 use super::links::UsableLinks;
-use super::router::Router;
 use super::tree::Tree;
 
 /// What became of the packets of a simulation with routing, and of its tree.
@@ -67,7 +66,7 @@ pub struct Counts {
     pub transmissions: u64,
     /// Packets that it got again and dropped.
     pub duplicates: u64,
-    /// Packets that came again after more hops, and were sent on.
+    /// How often a packet came again after more hops; it was sent on.
     pub loops: u64,
     /// Packets that found its queue full.
     pub queue_drops: u64,
@@ -120,9 +119,8 @@ pub(super) struct Context {
 }
 
 impl RoutingRecord {
-    /// The record of what `nodes` and `sinks` leave behind. There are no robots.
-    pub(super) fn of(nodes: Vec<Router>, sinks: Vec<Router>, links: &UsableLinks, context: &Context) -> Self {
-        let left: Vec<StationRecord> = nodes.into_iter().chain(sinks).map(Router::into_record).collect();
+    /// The record of what nodes and sinks, in this order, `left` behind. There are no robots.
+    pub(super) fn of(left: Vec<StationRecord>, links: &UsableLinks, context: &Context) -> Self {
         let shortest = Tree::shortest(links, &context.roots, TreeMetric::Hops);
         let tree = Tree::of(left.iter().map(|station| station.parent).collect());
         let is_root = |station: StationId| context.roots.contains(&station);

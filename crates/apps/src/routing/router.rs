@@ -5,24 +5,19 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, SimTime, StationId};
-use sextant_mac::routing::{
-    Beacon, Collection, Data, HOP_LIMIT, Packet, Reaction, Repeat, Seen, Trickle, Way as Route,
-};
+use sextant_mac::routing::{Beacon, Collection, Data, HOP_LIMIT, Packet, Reaction, Repeat, Seen, Trickle};
 use sextant_sim::{
     Application, Delivery, Destination, NetworkId, Payload, Port, SendError, SendOutcome, SendReport, Timer,
 };
 
 use super::outbox::{Outbox, Outgoing};
 use super::record::{Arrival, Counts, ParentChange, StationRecord};
-use super::settings::Routing;
+use super::settings::{MAC_OCTETS, Routing};
 use super::source::Source;
 
 const TRAFFIC: Timer = Timer(0);
 const BEACON: Timer = Timer(1);
 const RESEND: Timer = Timer(2);
-
-/// Size of the header and the check sequence of a data frame among stations with short addresses (octets).
-const MAC_OCTETS: u8 = 11;
 
 /// Least time before a packet is given to the MAC again (ms), ...
 const PAUSE_MS: f64 = 16.0;
@@ -144,7 +139,7 @@ impl Router {
         self.record.offered.push(port.now());
         let origin = port.station();
         self.seen.note(origin, number, 0);
-        let data = Data { origin, number, hops: 0, cost: None, parent: None, way: Route::Up };
+        let data = Data { origin, number, hops: 0, cost: None };
         self.enqueue(Outgoing { data, octets, resends: 0 }, port);
         self.schedule(port);
     }
@@ -162,7 +157,7 @@ impl Router {
     fn pump(&mut self, port: &mut Port<'_>) {
         let Some(first) = self.outbox.first() else { return };
         let Some(to) = self.way.parent() else { return };
-        let data = Data { cost: self.way.cost(), ..first.data.clone() };
+        let data = Data { cost: self.way.cost(), ..first.data };
         data.write(first.octets, &mut self.octets);
         match port.send(NetworkId::default(), Destination::Station(to), Payload::Octets(&self.octets)) {
             Ok(frame) => self.outbox.send(frame, to),

@@ -3,29 +3,29 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use sextant_kernel::{Files, NodeId, SettingError, SimTime, StationId};
-use sextant_mac::routing::{MAX_STATIONS, Trickle};
-use sextant_sim::{Applications, LeftOut, ReadySimulation, Setup, Simulation, TrafficPlan};
+use sextant_kernel::{Files, SettingError, StationId};
+use sextant_mac::routing::{HEADER_OCTETS, MAX_STATIONS, Trickle};
+use sextant_sim::Setup;
 
 use super::config::{CollectionConfig, RoutingConfig, TreeConfig};
 use super::links::UsableLinks;
-use super::record::{Context, RoutingRecord};
-use super::router::{Router, Way};
-use super::source::Source;
 use super::tree::Tree;
+
+/// Size of the header and the check sequence of a data frame among stations with short addresses (octets).
+pub(super) const MAC_OCTETS: u8 = 11;
 
 /// Routing in the first network of a setup, checked.
 #[derive(Clone, Debug)]
 pub struct Routing {
     pub(super) queue_packets: usize,
     pub(super) resends: u8,
-    plan: Plan,
-    links: Arc<UsableLinks>,
+    pub(super) plan: Plan,
+    pub(super) links: Arc<UsableLinks>,
 }
 
 /// Where the tree comes from.
 #[derive(Clone, Debug)]
-enum Plan {
+pub(super) enum Plan {
     Fixed(Arc<Tree>),
     Built { trickle: Trickle, hysteresis_etx: f64 },
 }
@@ -82,60 +82,11 @@ impl Routing {
     }
 
     /// The least size of a frame of the traffic: a header of the MAC and one of a packet (octets).
-    pub const LEAST_MPDU_OCTETS: u8 = 11 + 9;
-
-    /// The simulation of `setup` with the traffic of its first network, ready to run.
-    ///
-    /// # Errors
-    /// Those of [`Simulation::with`] and [`Simulation::with_region`].
-    pub fn simulation(
-        &self,
-        mut setup: Setup,
-        left_out: LeftOut,
-    ) -> Result<ReadySimulation<'static, RoutingRecord>, SettingError> {
-        let silent = TrafficPlan::silent(setup.world.nodes.len());
-        let Some(network) = setup.networks.first_mut() else {
-            return Err(SettingError::missing_table("radio"));
-        };
-        let traffic = std::mem::replace(&mut network.traffic, silent);
-        let routing = Arc::new(self.clone());
-        let roots = roots(&setup);
-        let counted_from = SimTime::ZERO + left_out.warm_up;
-        let router =
-            |station, source| Router::new(Arc::clone(&routing), self.way(station, &roots), source, counted_from);
-        let source = |node| {
-            traffic.of(node).filter(|traffic| !traffic.is_silent()).map(|traffic| Source::new(traffic.clone()))
-        };
-        let nodes = (0..setup.world.nodes.len())
-            .map(StationId::from_index)
-            .map(|station| router(station, source(NodeId(station.0))))
-            .collect();
-        let sinks = roots.iter().map(|&root| router(root, None)).collect();
-        let mut dead = vec![false; setup.world.nodes.len()];
-        let end = setup.duration.map(|duration| SimTime::ZERO + duration);
-        for death in setup.faults.deaths().iter().filter(|death| end.is_none_or(|end| death.time <= end)) {
-            dead[death.node.index()] = true;
-        }
-        let context = Context { roots: roots.clone(), counted_from, dead };
-        let applications = Applications { nodes, robots: Vec::new(), sinks };
-        let simulation = Simulation::with(setup, applications)?.without(left_out)?;
-        let links = Arc::clone(&self.links);
-        Ok(simulation.ready(move |own| RoutingRecord::of(own.nodes, own.sinks, &links, &context)))
-    }
-
-    /// How a station finds the next one.
-    fn way(&self, station: StationId, roots: &[StationId]) -> Way {
-        match &self.plan {
-            Plan::Fixed(_) if roots.contains(&station) => Way::FixedRoot,
-            Plan::Fixed(tree) => Way::Fixed(tree.parent(station)),
-            Plan::Built { trickle, .. } if roots.contains(&station) => Way::root(station, trickle.clone()),
-            Plan::Built { trickle, hysteresis_etx } => Way::node(station, trickle.clone(), *hysteresis_etx),
-        }
-    }
+    pub const LEAST_MPDU_OCTETS: u8 = MAC_OCTETS + HEADER_OCTETS;
 }
 
 /// The sinks of a setup.
-fn roots(setup: &Setup) -> Vec<StationId> {
+pub(super) fn roots(setup: &Setup) -> Vec<StationId> {
     let first = setup.world.nodes.len() + setup.robots.len();
     (first..first + setup.sinks.len()).map(StationId::from_index).collect()
 }

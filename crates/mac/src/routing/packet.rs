@@ -5,19 +5,19 @@
 //! | octets | beacon | data |
 //! | --- | --- | --- |
 //! | 1 | 0x3F: no 6LoWPAN | 0x3F |
-//! | 1 | kind 0; 0x10 if neighbours should send beacons soon | kind 1; 0x20, 0x40 and 0x80 if the parts below are there |
+//! | 1 | kind 0; 0x10 if neighbours should send beacons soon | kind 1 |
 //! | 2 or 1 | parent, 0xFFFF if none | hops so far |
 //! | 2 | cost of the way to the root, 0xFFFF if none | cost of the sender's way to the root |
 //! | 1 or 2 | number of the beacon | origin |
 //! | 2 | | number of the packet at its origin |
-//! | 2 | | with 0x20: the parent of the origin |
-//! | 2 | | with 0x40: the destination, if that is not the root |
-//! | 2 + 2 n | | with 0x80: hops of the route that are done, n, and the n stations of the route |
 
 use sextant_kernel::StationId;
 
 /// Most stations of a network with routing: their numbers have 16 bits.
 pub const MAX_STATIONS: usize = 0xFFFF;
+
+/// Size of the header of a packet (octets).
+pub const HEADER_OCTETS: u8 = 9;
 
 /// Size of a beacon (octets).
 pub const BEACON_OCTETS: u8 = 7;
@@ -29,12 +29,9 @@ const KIND: u8 = 0x0F;
 const BEACON: u8 = 0;
 const DATA: u8 = 1;
 const PULLS: u8 = 0x10;
-const HAS_PARENT: u8 = 0x20;
-const HAS_DESTINATION: u8 = 0x40;
-const HAS_ROUTE: u8 = 0x80;
 
 /// What a station sends to others.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Packet {
     /// A beacon to all neighbours.
     Beacon(Beacon),
@@ -55,8 +52,8 @@ pub struct Beacon {
     pub pulls: bool,
 }
 
-/// The header of a packet.
-#[derive(Clone, Debug, PartialEq)]
+/// The header of a packet to the root.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Data {
     /// The station that had it first.
     pub origin: StationId,
@@ -66,21 +63,6 @@ pub struct Data {
     pub hops: u8,
     /// Expected transmissions from the sender to the root.
     pub cost: Option<f64>,
-    /// The parent of the origin, for a root that sends packets down.
-    pub parent: Option<StationId>,
-    /// Where it goes.
-    pub way: Way,
-}
-
-/// Where a packet goes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// To the root.
-    Up,
-    /// To the root, which sends it on to a station.
-    Over(StationId),
-    /// From the root along these stations, of which so many were reached.
-    Down(u8, Vec<StationId>),
 }
 
 fn short(station: Option<StationId>) -> [u8; 2] {
@@ -105,40 +87,13 @@ impl Beacon {
 }
 
 impl Data {
-    /// Size of the header (octets).
-    #[must_use]
-    pub fn octets(&self) -> usize {
-        9 + 2 * usize::from(self.parent.is_some())
-            + match &self.way {
-                Way::Up => 0,
-                Way::Over(_) => 2,
-                Way::Down(_, stations) => 2 + 2 * stations.len(),
-            }
-    }
-
     /// Writes the header to `octets`, in place of what is there, and fills up to `size` octets.
     pub fn write(&self, size: usize, octets: &mut Vec<u8>) {
-        let parts = match self.way {
-            Way::Up => 0,
-            Way::Over(_) => HAS_DESTINATION,
-            Way::Down(..) => HAS_ROUTE,
-        };
         octets.clear();
-        octets.extend([MAGIC, DATA | parts | if self.parent.is_some() { HAS_PARENT } else { 0 }, self.hops]);
+        octets.extend([MAGIC, DATA, self.hops]);
         octets.extend(tenths(self.cost));
         octets.extend(short(Some(self.origin)));
         octets.extend(self.number.to_le_bytes());
-        if self.parent.is_some() {
-            octets.extend(short(self.parent));
-        }
-        match &self.way {
-            Way::Up => {}
-            Way::Over(destination) => octets.extend(short(Some(*destination))),
-            Way::Down(reached, stations) => {
-                octets.extend([*reached, u8::try_from(stations.len()).unwrap_or(u8::MAX)]);
-                stations.iter().for_each(|&station| octets.extend(short(Some(station))));
-            }
-        }
         octets.resize(octets.len().max(size), 0);
     }
 }
@@ -163,18 +118,7 @@ impl Packet {
                 let cost = cost(&mut rest)?;
                 let origin = station(&mut rest)??;
                 let number = u16::from_le_bytes(take(&mut rest)?);
-                let parent = if kind & HAS_PARENT != 0 { station(&mut rest)? } else { None };
-                let way = match kind & (HAS_DESTINATION | HAS_ROUTE) {
-                    0 => Way::Up,
-                    HAS_DESTINATION => Way::Over(station(&mut rest)??),
-                    HAS_ROUTE => {
-                        let [reached, count] = take(&mut rest)?;
-                        let stations: Option<Vec<_>> = (0..count).map(|_| station(&mut rest)?).collect();
-                        Way::Down(reached, stations?)
-                    }
-                    _ => return None,
-                };
-                Some(Self::Data(Data { origin, number, hops, cost, parent, way }))
+                Some(Self::Data(Data { origin, number, hops, cost }))
             }
             _ => None,
         }
@@ -213,28 +157,19 @@ mod tests {
         assert_eq!(octets, [0x3F, 0x10, 0x02, 0x01, 23, 0, 7]);
         assert_eq!(octets.len(), usize::from(BEACON_OCTETS));
         assert_eq!(Packet::read(&octets), Some(Packet::Beacon(beacon)));
-        let data =
-            Data { origin: StationId(5), number: 0x1234, hops: 3, cost: Some(1.0), parent: None, way: Way::Up };
+        let data = Data { origin: StationId(5), number: 0x1234, hops: 3, cost: Some(1.0) };
         data.write(12, &mut octets);
         assert_eq!(octets, [0x3F, 0x01, 3, 10, 0, 5, 0, 0x34, 0x12, 0, 0, 0]);
-        assert_eq!((data.octets(), Packet::read(&octets)), (9, Some(Packet::Data(data.clone()))));
-        for way in [Way::Over(StationId(300)), Way::Down(1, vec![StationId(4), StationId(300)])] {
-            let data = Data { cost: None, parent: Some(StationId(6)), way, ..data.clone() };
-            data.write(0, &mut octets);
-            assert_eq!((octets.len(), Packet::read(&octets)), (data.octets(), Some(Packet::Data(data))));
-        }
+        assert_eq!(Packet::read(&octets), Some(Packet::Data(data)));
+        let without_way = Data { cost: None, ..data };
+        without_way.write(0, &mut octets);
+        assert_eq!(octets.len(), usize::from(HEADER_OCTETS));
+        assert_eq!(Packet::read(&octets), Some(Packet::Data(without_way)));
     }
 
     #[test]
     fn other_octets_are_no_packet() {
-        let data = Data {
-            origin: StationId(5),
-            number: 1,
-            hops: 0,
-            cost: Some(1.0),
-            parent: Some(StationId(2)),
-            way: Way::Down(0, vec![StationId(4)]),
-        };
+        let data = Data { origin: StationId(5), number: 1, hops: 0, cost: Some(1.0) };
         let mut octets = Vec::new();
         data.write(0, &mut octets);
         for end in 0..octets.len() {

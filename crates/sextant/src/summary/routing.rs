@@ -35,7 +35,8 @@ pub struct RoutingSummary {
     pub transmissions_per_delivery: Option<f64>,
     /// Copies of packets, because an acknowledgement was lost, that stations dropped.
     pub duplicates: u64,
-    /// Packets that came to a node again after more hops, and were sent on.
+    /// How often a packet came to a node again after more hops: along a loop, or as a copy by a longer way. It was sent on, so a
+    /// packet in a loop counts with each round.
     pub loops: u64,
     /// Packets that found a queue full.
     pub queue_drops: u64,

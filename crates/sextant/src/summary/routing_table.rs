@@ -44,7 +44,7 @@ fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
         ("stretch", decimals(routing.stretch), "hops, over those of the shortest way of usable links"),
         ("transmissions", decimals(routing.transmissions_per_delivery), "on all hops, for each packet delivered"),
         ("duplicates", routing.duplicates.to_string(), "copies that were dropped"),
-        ("loops", routing.loops.to_string(), "packets that came again after more hops"),
+        ("loops", routing.loops.to_string(), "times that a packet came again after more hops"),
         ("lost to a full queue", routing.queue_drops.to_string(), ""),
         ("given up on a hop", routing.given_up.to_string(), "after all tries"),
         ("too many hops", routing.hop_limit_drops.to_string(), ""),

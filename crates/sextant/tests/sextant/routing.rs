@@ -6,6 +6,8 @@ use std::path::Path;
 use sextant::summary::RoutingSummary;
 use sextant::{Scenario, Unwatched};
 
+use crate::programs::shipped;
+
 /// Nodes `n0`, `n1`, .. and a sink, whose links are those of `links.csv` alone. `n0` has packets.
 fn network(folder: &Path, nodes: usize, links: &[(&str, &str, f64)], rest: &str) -> Scenario {
     let places: Vec<String> = (0..nodes).map(|node| format!("[{node}.0, 1.0]")).collect();
@@ -239,6 +241,7 @@ fn a_parent_that_dies_is_replaced() {
     let other = if first == "n1" { "n2" } else { "n1" };
     let dies = format!("[faults.deaths]\nnames = [\"{first}\"]\nfrom_s = 2000.0\nto_s = 2001.0\n");
     let repaired = found(&format!("{built}{dies}"));
+    assert_eq!(found(&format!("{built}{dies}")), repaired, "the same scenario and seed");
     assert_eq!(repaired.nodes[0].parent.as_deref(), Some(other));
     assert_eq!(repaired.nodes[0].parent_changes, 1);
     // What the queue of the dead node held is lost, and hardly anything else: 8000 packets.
@@ -246,4 +249,36 @@ fn a_parent_that_dies_is_replaced() {
     // A tree that does not change loses the second half.
     let fixed = found(&format!("[routing]\nresends = 0\ntree.shortest = {{}}\n{}", dies.replace(&first, "n1")));
     assert!((fixed.delivery.expect("packets") - 0.5).abs() < 0.01, "{:?}", fixed.delivery);
+}
+
+#[test]
+fn settings_that_do_not_fit_are_refused_with_their_key_and_what_is_allowed() {
+    let good = shipped("routing/collection-tree.toml");
+    let message = |set: &[&str]| {
+        let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();
+        good.with_all(&set, None).err().expect("a mistake").to_string()
+    };
+    for (set, parts) in [
+        (&["routing.queue_packets=0"][..], ["routing.queue_packets", "1 to 1000"]),
+        (&["routing.usable_prr=0.0"], ["routing.usable_prr", "above 0, to 1"]),
+        (&["routing.tree.collection.beacon_min_s=0.0"], ["routing.tree.collection.beacon_min_s", "0.01 to 100000"]),
+        (&["routing.tree.collection.beacon_max_s=0.1"], ["routing.tree.collection.beacon_max_s", "0.128 to 1000000"]),
+        (&["routing.tree.collection.hysteresis_etx=-1.0"], ["hysteresis_etx", "0 to 100"]),
+        (&["routing.tree={ given = { file = \"none.csv\" } }"], ["routing.tree.given.file", "a text file"]),
+        (&["routing.tree={ best = {} }"], ["unknown choice `best`", "routing.tree"]),
+        (
+            &["mac.csma_unslotted.rx_on_when_idle=false"],
+            ["mac.csma_unslotted.rx_on_when_idle", "each hop is acknowledged"],
+        ),
+        (&["mac={ beacon_enabled = {} }"], ["mac.beacon_enabled", "`csma_unslotted`"]),
+        (&["mac={ program = {} }"], ["mac.program", "`csma_unslotted`"]),
+        (&["traffic.periodic.acknowledged=true"], ["traffic.periodic.acknowledged", "each hop is acknowledged"]),
+        (&["traffic.periodic.mpdu_octets=19"], ["traffic.periodic.mpdu_octets", "at least 20"]),
+        (&["sinks=[]"], ["sinks", "at least one sink"]),
+    ] {
+        let message = message(set);
+        for part in parts {
+            assert!(message.contains(part), "{set:?}: {message}");
+        }
+    }
 }

@@ -65,6 +65,15 @@ pub(super) const RUN: &[KnownMeasure<'static>] = &[
     known("gathering.not_listened_by.asleep", Count, "packets sent while robots were asleep"),
     known("gathering.not_listened_by.off", Count, "packets sent while robots were off"),
     known("gathering.pending", Count, "packets that wait or are on air at the end of the survey"),
+    known("discovery.anchors.energy_j.rx", Joule, "energy for receiving in the flood of anchors"),
+];
+
+/// Of a run in which nodes compute a map.
+pub(super) const WITH_MAPS_BY_NODES: &[KnownMeasure<'static>] =
+    &[known("simulation.sim_time_s", Second, "simulated time until the last event")];
+
+/// Of a run in which packets go over several hops.
+pub(super) const WITH_ROUTING: &[KnownMeasure<'static>] = &[
     known("routing.offered", Count, "packets that nodes had for a sink over several hops"),
     known("routing.delivered", Count, "packets that reached a sink over several hops"),
     known("routing.delivery", Share, "delivery over several hops: delivered over offered, without pending packets"),
@@ -83,16 +92,11 @@ pub(super) const RUN: &[KnownMeasure<'static>] = &[
     ),
     known("routing.parent_changes_per_node_h", MeanCount, "churn: changes of the parent per node and hour"),
     known("routing.duplicates", Count, "copies of packets that stations dropped"),
-    known("routing.loops", Count, "packets that came to a node again after more hops"),
+    known("routing.loops", Count, "loops: times that a packet came to a node again after more hops"),
     known("routing.queue_drops", Count, "packets that found the queue of routing full"),
     known("routing.given_up", Count, "packets given up on a hop after all tries"),
     known("routing.hop_limit_drops", Count, "packets dropped after too many hops"),
     known("routing.beacons", Count, "beacons of routing"),
     known("routing.without_way", Count, "nodes without a way to a sink at the end"),
     known("routing.depth", Count, "depth of the tree at the end: most hops of a node"),
-    known("discovery.anchors.energy_j.rx", Joule, "energy for receiving in the flood of anchors"),
 ];
-
-/// Of a run in which nodes compute a map.
-pub(super) const WITH_MAPS_BY_NODES: &[KnownMeasure<'static>] =
-    &[known("simulation.sim_time_s", Second, "simulated time until the last event")];
