@@ -84,10 +84,10 @@ fn mean_start_us(start: f64, exponent: i32) -> f64 {
 fn a_chain_without_loss_delivers_all_in_the_sum_of_backoffs_and_airtimes() {
     let folder = tempfile::tempdir().expect("a folder");
     let airtime_us = f64::from(6 + 50) * 32.0;
-    for hops in 1..=4_u32 {
-        let found = routing(&chain(folder.path(), hops as usize, 1.0, 1.0, SHORTEST));
+    for hops in 1..=4_u8 {
+        let found = routing(&chain(folder.path(), hops.into(), 1.0, 1.0, SHORTEST));
         assert_eq!((found.delivery, found.duplicates, found.loops), (Some(1.0), 0, 0));
-        assert_eq!(found.hops.map(|hops| (hops.mean, hops.max)), Some((f64::from(hops), hops as u8)));
+        assert_eq!(found.hops.map(|hops| (hops.mean, hops.max)), Some((f64::from(hops), hops)));
         assert_eq!((found.stretch, found.transmissions_per_delivery), (Some(1.0), Some(f64::from(hops))));
         let of_first = 3.5 * 320.0 + 128.0 + 192.0 + airtime_us;
         let expected_s = 1e-6 * (of_first + f64::from(hops - 1) * (mean_start_us(0.0, 3) + airtime_us));
@@ -103,19 +103,20 @@ fn a_chain_without_loss_delivers_all_in_the_sum_of_backoffs_and_airtimes() {
 #[test]
 fn a_lossy_chain_delivers_what_the_closed_form_says() {
     let folder = tempfile::tempdir().expect("a folder");
-    for (hops, frames, acknowledgements, retries) in [(3, 0.7, 1.0, 3), (2, 0.5, 0.5, 1), (4, 0.8, 0.9, 0)] {
+    for (hops, frames, acknowledgements, retries) in [(3, 0.7_f64, 1.0_f64, 3), (2, 0.5, 0.5, 1), (4, 0.8, 0.9, 0)] {
         let rest = format!("max_retries = {retries}\n{SHORTEST}");
         let found = routing(&chain(folder.path(), hops, frames, acknowledgements, &rest));
-        let over = 1.0 - (1.0 - frames as f64).powi(retries + 1);
-        let delivery = over.powi(hops as i32);
+        let over = 1.0 - (1.0 - frames).powi(retries + 1);
+        let tried = i32::try_from(hops).expect("few hops");
+        let delivery = over.powi(tried);
         let n = found.offered as f64;
         let error = 5.0 * (delivery * (1.0 - delivery) / n).sqrt();
         let share = found.delivered as f64 / n;
         assert!((share - delivery).abs() < error, "{share}, not {delivery} +- {error}");
         // Each hop sends what came so far.
         let q = frames * acknowledgements;
-        let of_hop = (1.0 - (1.0 - q as f64).powi(retries + 1)) / q;
-        let expected: f64 = (0..hops).map(|hop| over.powi(hop as i32) * of_hop).sum();
+        let of_hop = (1.0 - (1.0 - q).powi(retries + 1)) / q;
+        let expected: f64 = (0..tried).map(|hop| over.powi(hop) * of_hop).sum();
         let sent = found.transmissions as f64 / n;
         assert!((sent - expected).abs() < 0.03 * expected, "{sent}, not {expected}");
     }
