@@ -1,5 +1,5 @@
 //! What robots and nodes do in a network, on top of the simulator: controllers of robots, maps that are computed in
-//! the nodes ([`distributed`]), and missions on such maps ([`Mission`]). These share [`navigation`]: robots search targets
+//! the nodes ([`distributed`]), routing over several hops ([`routing`]), and missions on such maps ([`Mission`]). These share [`navigation`]: robots search targets
 //! ([`target_search`]) or seek the source of a field ([`source_seeking`]).
 //!
 //! Goes in: a [`ControllerConfig`] and the [`Surroundings`] of a robot. Comes out: a controller that drives the robot
@@ -45,6 +45,7 @@ mod planned_path;
 mod purpose;
 mod random_walk;
 mod route;
+pub mod routing;
 mod s_path;
 pub mod source_seeking;
 mod spiral;

@@ -1,5 +1,6 @@
 //! Protocol machines without i/o: IEEE 802.15.4 channel access with and without beacons, IEEE 802.11ad sector sweeps
-//! ([`dmg`]), radios that programs command ([`program`]), frames, airtimes, bit errors, energy.
+//! ([`dmg`]), radios that programs command ([`program`]), routing over several hops ([`routing`]), frames, airtimes, bit
+//! errors, energy.
 //!
 //! Goes in: frames to send, and the events of timers and radio. Comes out: commands to a radio ([`csma::Radio`],
 //! [`device::Radio`], [`responder::Radio`], [`coordinator::Radio`]), the octets of frames ([`frame::Frame`]), their
@@ -60,6 +61,7 @@ pub mod frame;
 pub mod oqpsk;
 pub mod program;
 pub mod responder;
+pub mod routing;
 pub mod slotted;
 pub mod superframe;
 

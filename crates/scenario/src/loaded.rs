@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sextant_apps::ControllerConfig;
+use sextant_apps::routing::Routing;
 use sextant_channel::Anchor;
 use sextant_kernel::text::counted;
 use sextant_kernel::{Files, Seed, SettingError};
@@ -366,6 +367,12 @@ impl Scenario {
     #[must_use]
     pub fn distributed(&self) -> Option<&NodeMapJob> {
         self.parts.distributed.as_ref()
+    }
+
+    /// How packets go over several hops, if they do.
+    #[must_use]
+    pub fn routing(&self) -> Option<&Routing> {
+        self.parts.routing.as_ref()
     }
 
     /// What robots and nodes do on maps of the nodes.

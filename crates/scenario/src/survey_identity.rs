@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use sextant_apps::ControllerConfig;
 use sextant_apps::distributed::DistributedMappingConfig;
+use sextant_apps::routing::RoutingConfig;
 use sextant_channel::{ChannelConfig, RangingDeviceConfig};
 use sextant_mac::EnergyConfig;
 use sextant_sim::{
@@ -34,6 +35,8 @@ struct SurveySettings<'a> {
     link_trace: &'a Option<LinkTraceConfig>,
     mac: &'a MacConfig,
     traffic: &'a Option<TrafficConfig>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    routing: &'a Option<RoutingConfig>,
     reception: &'a Option<ReceptionConfig>,
     #[serde(skip_serializing_if = "Option::is_none")]
     ranging: &'a Option<RangingDeviceConfig>,
@@ -73,6 +76,7 @@ impl SurveyIdentity {
             link_trace,
             mac,
             traffic,
+            routing,
             reception,
             ranging,
             antenna,
@@ -105,6 +109,7 @@ impl SurveyIdentity {
             link_trace,
             mac,
             traffic,
+            routing,
             reception,
             ranging,
             antenna,

@@ -174,46 +174,21 @@ impl LinkBudgets {
     /// If there is no such network or station.
     #[must_use]
     pub fn between(&mut self, network: NetworkId, from: StationId, to: StationId) -> Option<LinkBudget> {
-        let placed = &self.networks[network.index()];
-        let radio = |station: StationId| PlacedRadio {
-            radio: Interface { receiver: ReceiverId(placed.first_receiver + station.0), station },
-            place: self.places[station.index()],
-        };
-        let (sender, receiver) = (radio(from), radio(to));
-        let settings = placed.network.technology.settings();
-        let tx_power = self.node(from).map_or(settings.tx_power(), |node| settings.tx_power_of(node));
+        let (aim, items, rules) = self.best(network, from, to)?;
+        let settings = self.networks[network.index()].network.technology.settings();
+        let tx_power = self.tx_power(network, from);
         let antenna = settings.antennas().map(|antennas| antennas.of(self.roll.kind(from)));
-        let aims: Vec<Aim> = match antenna {
-            Some(antenna) => (0..antenna.sector_count()).map(Aim::Sector).collect(),
-            None => vec![Aim::Omnidirectional],
-        };
         let has_sectors = antenna.is_some_and(|antenna| !antenna.is_omnidirectional());
-        let air = &mut self.airs[placed.air];
-        let rules = air.rules_of(receiver.radio.receiver);
-        let mut best: Option<(Aim, LinkItems)> = None;
-        for aim in aims {
-            let items = air.items(Emission { power: tx_power, aim }, sender, receiver)?;
-            if best.as_ref().is_none_or(|(_, known)| items.power > known.power) {
-                best = Some((aim, items));
-            }
-        }
-        let (aim, items) = best?;
         let sector = match aim {
             Aim::Sector(sector) if has_sectors => antenna.map(|antenna| antenna.identity(sector)),
             Aim::Sector(_) | Aim::Omnidirectional => None,
         };
         let LinkItems { path, shadowing, transmit_gain, receive_gain, fading, traced, power } = items;
-        let law = placed.network.channel;
+        let law = self.networks[network.index()].network.channel;
         let frame_octets = self.frame_octets(network, from);
         let airtime = settings.airtime(frame_octets).unwrap_or_default();
         let mean = path.mean_power(tx_power) + transmit_gain + receive_gain;
-        let measured = match traced {
-            Traced::Measured(link) => {
-                Some(link.share.unwrap_or_else(|| rules.reception_alone(power.to_milliwatts(), airtime)))
-            }
-            Traced::Silent => Some(0.0),
-            Traced::Law => None,
-        };
+        let measured = share_measured(traced, power, &rules, airtime);
         let reception = LinkReception {
             sensitivity: rules.sensitivity.to_dbm(),
             noise_floor: rules.noise.to_dbm(),
@@ -239,6 +214,67 @@ impl LinkBudgets {
         })
     }
 
+    /// The share of frames from one station to another that are received at the start if no other signal disturbs: the
+    /// [`probability`](LinkReception::probability) of the link, or that over all draws if each packet has its own shadowing.
+    ///
+    /// # Panics
+    /// If there is no such network or station.
+    #[must_use]
+    pub fn share_received(&mut self, network: NetworkId, from: StationId, to: StationId) -> f64 {
+        let Some((_, items, rules)) = self.best(network, from, to) else { return 0.0 };
+        let placed = &self.networks[network.index()].network;
+        let airtime = placed.technology.settings().airtime(self.frame_octets(network, from)).unwrap_or_default();
+        if let Some(share) = share_measured(items.traced, items.power, &rules, airtime) {
+            return share;
+        }
+        let law = placed.channel;
+        if !law.shadowing().is_per_packet() {
+            return rules.reception_alone(items.power.to_milliwatts(), airtime);
+        }
+        if items.power + Db(f64::from(MOST_SIGMAS) * law.shadowing().sigma_db()) < rules.sensitivity.to_dbm() {
+            return 0.0;
+        }
+        over_shadowing(&law, &rules, items.power, airtime)
+    }
+
+    /// What the power of a link consists of with the sector that gives the greatest one, and the rules of its receiver.
+    fn best(
+        &mut self,
+        network: NetworkId,
+        from: StationId,
+        to: StationId,
+    ) -> Option<(Aim, LinkItems, ReceptionRules)> {
+        let placed = &self.networks[network.index()];
+        let radio = |station: StationId| PlacedRadio {
+            radio: Interface { receiver: ReceiverId(placed.first_receiver + station.0), station },
+            place: self.places[station.index()],
+        };
+        let (sender, receiver) = (radio(from), radio(to));
+        let settings = placed.network.technology.settings();
+        let tx_power = self.tx_power(network, from);
+        let antenna = settings.antennas().map(|antennas| antennas.of(self.roll.kind(from)));
+        let aims: Vec<Aim> = match antenna {
+            Some(antenna) => (0..antenna.sector_count()).map(Aim::Sector).collect(),
+            None => vec![Aim::Omnidirectional],
+        };
+        let air = &mut self.airs[placed.air];
+        let rules = air.rules_of(receiver.radio.receiver);
+        let mut best: Option<(Aim, LinkItems)> = None;
+        for aim in aims {
+            let items = air.items(Emission { power: tx_power, aim }, sender, receiver)?;
+            if best.as_ref().is_none_or(|(_, known)| items.power > known.power) {
+                best = Some((aim, items));
+            }
+        }
+        best.map(|(aim, items)| (aim, items, rules))
+    }
+
+    /// Transmit power of a station.
+    fn tx_power(&self, network: NetworkId, station: StationId) -> Dbm {
+        let settings = self.networks[network.index()].network.technology.settings();
+        self.node(station).map_or(settings.tx_power(), |node| settings.tx_power_of(node))
+    }
+
     fn node(&self, station: StationId) -> Option<NodeId> {
         match self.roll.kind(station) {
             StationKind::Node(node) => Some(NodeId::from_index(node)),
@@ -252,6 +288,17 @@ impl LinkBudgets {
         let own = self.node(station).and_then(|node| traffic.of(node));
         let sent = own.into_iter().chain(traffic.kinds()).find(|traffic| !traffic.is_silent());
         sent.map_or(FRAME_OCTETS, |traffic| traffic.mpdu_octets().into())
+    }
+}
+
+/// The share of frames that arrive over a link that was measured; `None` if the law of the channel tells it.
+fn share_measured(traced: Traced, power: Dbm, rules: &ReceptionRules, airtime: Duration) -> Option<f64> {
+    match traced {
+        Traced::Measured(link) => {
+            Some(link.share.unwrap_or_else(|| rules.reception_alone(power.to_milliwatts(), airtime)))
+        }
+        Traced::Silent => Some(0.0),
+        Traced::Law => None,
     }
 }
 

@@ -6,11 +6,13 @@ pub(crate) mod missions;
 pub(crate) mod networks;
 pub(crate) mod plausible;
 pub(crate) mod robots;
+mod routing;
 mod sinks;
 
 use std::time::Duration;
 
 use sextant_apps::distributed::MappingNode;
+use sextant_apps::routing::Routing;
 use sextant_channel::{Anchor, Bounds};
 use sextant_kernel::text::counted;
 use sextant_kernel::{Files, Seed, SettingError};
@@ -28,6 +30,7 @@ use networks::surveyed::PacketsPerStop;
 use networks::tables::{ForeignChip, Named};
 use robots::team;
 use robots::{Robots, check_robots, check_target_names};
+use routing::check_routing;
 use sinks::check_sinks;
 
 /// The validated settings. They are built once, because planning the paths of robots takes a while.
@@ -44,6 +47,7 @@ pub(crate) struct Parts {
     pub(crate) foreign_chips: Vec<ForeignChip>,
     pub(crate) maps: Vec<MapJob>,
     pub(crate) distributed: Option<NodeMapJob>,
+    pub(crate) routing: Option<Routing>,
     pub(crate) applications: Vec<PlannedMission>,
     /// What is left out of the counts at the start.
     pub(crate) warm_up: Duration,
@@ -102,6 +106,7 @@ fn check_in_world(
     let mut setup = Setup { world, networks: simulated, robots, sinks, duration, faults, seed };
     let input = NodeMapInput { config, networks: &networks, anchors: &anchors, maps: &maps };
     let distributed = check_distributed(&input, &mut setup, errors);
+    let routing = check_routing(config, &networks, &setup, files, errors);
     let surroundings = Surroundings {
         config,
         files,
@@ -122,6 +127,7 @@ fn check_in_world(
         foreign_chips,
         maps,
         distributed,
+        routing,
         applications,
         warm_up,
         region,
@@ -136,9 +142,10 @@ impl Parts {
     /// Sets the simulation up, which checks what depends on several parts, such as the size of frames.
     fn check_together(&self, errors: &mut Errors) {
         let setup = self.setup.clone();
-        let simulation = match &self.distributed {
-            None => Simulation::new(setup).map(drop),
-            Some(map) => {
+        let simulation = match (&self.distributed, &self.routing) {
+            (None, None) => Simulation::new(setup).map(drop),
+            (None, Some(routing)) => routing.simulation(setup, LeftOut::default()).map(drop),
+            (Some(map), _) => {
                 let nodes = map.nodes(setup.world.nodes.len(), &self.anchors);
                 MappingNode::simulation(setup, nodes, LeftOut::default()).map(drop)
             }

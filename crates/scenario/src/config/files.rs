@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use sextant_apps::MapSourceConfig;
+use sextant_apps::routing::TreeConfig;
 
 use super::ScenarioConfig;
 
 impl ScenarioConfig {
     /// The files that its settings name, each with its key.
     pub(crate) fn files_mut(&mut self) -> Vec<(String, &mut PathBuf)> {
-        let Self { world, applications, traffic, antenna, link_trace, networks, .. } = self;
+        let Self { world, applications, traffic, routing, antenna, link_trace, networks, .. } = self;
         let mut files: Vec<(String, &mut PathBuf)> = Vec::new();
         files.extend(world.files_mut().map(|(key, file)| (format!("world.{key}"), file)));
         for (i, application) in applications.iter_mut().enumerate() {
@@ -20,6 +21,9 @@ impl ScenarioConfig {
         let mut of_traffic: Vec<_> = traffic.iter_mut().map(|traffic| ("traffic".to_owned(), traffic)).collect();
         let mut of_antennas: Vec<_> = antenna.iter_mut().map(|antenna| ("antenna".to_owned(), antenna)).collect();
         files.extend(link_trace.iter_mut().map(|trace| ("link_trace.file".to_owned(), &mut trace.file)));
+        if let Some(TreeConfig::Given(given)) = routing.as_mut().map(|routing| &mut routing.tree) {
+            files.push(("routing.tree.given.file".to_owned(), &mut given.file));
+        }
         for (name, network) in networks {
             let key = |table: &str| format!("networks.{name}.{table}");
             files.extend(network.link_trace.iter_mut().map(|trace| (key("link_trace.file"), &mut trace.file)));

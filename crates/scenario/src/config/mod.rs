@@ -12,6 +12,7 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 use sextant_apps::distributed::DistributedMappingConfig;
+use sextant_apps::routing::RoutingConfig;
 use sextant_apps::{ControllerConfig, MissionConfig};
 use sextant_channel::{ChannelConfig, RangingDeviceConfig};
 use sextant_kernel::SettingError;
@@ -60,6 +61,9 @@ pub struct ScenarioConfig {
     /// What the nodes send, and when; required unless each of `networks` has its own, or the nodes compute a map.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traffic: Option<TrafficConfig>,
+    /// How packets go over several hops to the sinks; nodes send to those that hear them if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub routing: Option<RoutingConfig>,
     /// Which frames are received; those with an SINR of at least 3 dB if absent, with sector sweeps those with a ratio of
     /// signal to interference of at least 3 dB.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -17,6 +17,7 @@ mod outcome;
 mod pipeline;
 mod programs;
 mod recorder;
+mod routing;
 mod scattering;
 mod simulator;
 mod stepped;

@@ -10,6 +10,7 @@ use sha2::{Digest, Sha256};
 use super::discovery::Discoveries;
 use super::ending;
 use super::mac;
+use super::routing;
 use super::simulator::Simulated;
 use crate::summary::{
     EnergySummary, FaultsSummary, GatheringSummary, MapSummary, MissionSummary, NotListenedSummary, RegionSummary,
@@ -56,6 +57,7 @@ fn of_survey(scenario: &Scenario, simulated: &Simulated) -> Summary {
     Summary {
         mac: traffic.next(),
         other_networks: traffic.collect(),
+        routing: routing::of(scenario, simulated),
         sensing: sensing(scenario, survey),
         gathering: has_robots.then(|| gathering(scenario, simulated)),
         faults: faults(scenario, survey),

@@ -71,6 +71,17 @@ pub enum ProgramError {
         /// The name of the station.
         name: String,
     },
+    /// The nodes route packets.
+    #[error(
+        "an application is given to the {kind} `{name}`, but the stations route packets; \
+         remove the application or `[routing]`"
+    )]
+    Routed {
+        /// `node`, `robot` or `sink`.
+        kind: &'static str,
+        /// The name of the station.
+        name: String,
+    },
     /// The stations do nothing before the applications of the scenario.
     #[error(
         "programs are given, but the scenario has no survey in which they run; \
@@ -186,6 +197,9 @@ impl<'a> Programs<'a> {
         let first = kinds.into_iter().find_map(|(kind, given)| Some((kind, given.keys().next()?)));
         if let (Some(_), Some((kind, name))) = (scenario.distributed(), first) {
             return Err(ProgramError::Distributed { kind, name: name.clone() });
+        }
+        if let (Some(_), Some((kind, name))) = (scenario.routing(), first) {
+            return Err(ProgramError::Routed { kind, name: name.clone() });
         }
         if !self.is_empty() && !scenario.config().has_traffic() && scenario.distributed().is_none() {
             return Err(ProgramError::NoSurvey);

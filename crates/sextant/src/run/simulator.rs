@@ -1,6 +1,7 @@
 //! The simulation of a scenario.
 
 use sextant_apps::distributed::{MappingNode, MappingRecord};
+use sextant_apps::routing::RoutingRecord;
 use sextant_kernel::SimTime;
 use sextant_scenario::Scenario;
 use sextant_sim::{LeftOut, Observer, Reached, ReadySimulation, Snapshot, Survey, Team};
@@ -20,6 +21,8 @@ enum Stations<'a> {
     Plain(ReadySimulation<'a>),
     /// A record each: the nodes compute a map themselves.
     OfNodes(ReadySimulation<'static, Vec<MappingRecord>>),
+    /// A record of all: packets go over several hops.
+    Routed(ReadySimulation<'static, RoutingRecord>),
 }
 
 /// What a simulation leaves behind.
@@ -29,6 +32,8 @@ pub struct Simulated {
     pub survey: Survey,
     /// What each node found, if the nodes computed a map themselves; otherwise empty.
     pub nodes: Vec<MappingRecord>,
+    /// What became of packets that go over several hops, if they do.
+    pub routing: Option<RoutingRecord>,
     /// The robots with programs of the caller's own.
     pub programmed: ProgrammedRobots,
 }
@@ -53,13 +58,14 @@ impl<'a> Simulator<'a> {
         let may_be_copied = programs.is_empty();
         let applications = programs.place(scenario, &mut setup)?;
         let left_out = LeftOut { warm_up: scenario.warm_up(), region: scenario.region() };
-        let stations = match (applications, scenario.distributed()) {
-            (Some(applications), _) => Stations::Plain(ReadySimulation::mixed(setup, applications, left_out)?),
-            (None, Some(map)) => {
+        let stations = match (applications, scenario.distributed(), scenario.routing()) {
+            (Some(applications), ..) => Stations::Plain(ReadySimulation::mixed(setup, applications, left_out)?),
+            (None, Some(map), _) => {
                 let nodes = map.nodes(setup.world.nodes.len(), scenario.anchors());
                 Stations::OfNodes(MappingNode::simulation(setup, nodes, left_out)?)
             }
-            (None, None) => {
+            (None, None, Some(routing)) => Stations::Routed(routing.simulation(setup, left_out)?),
+            (None, None, None) => {
                 let may_be_parallel = may_be_copied && left_out.warm_up.is_zero();
                 let team = may_be_parallel.then(|| Team::of(&setup, left_out.region)).transpose()?.flatten();
                 Stations::Plain(match team {
@@ -76,6 +82,7 @@ impl<'a> Simulator<'a> {
         match &mut self.stations {
             Stations::Plain(simulation) => simulation.until(time, observer),
             Stations::OfNodes(simulation) => simulation.until(time, observer),
+            Stations::Routed(simulation) => simulation.until(time, observer),
         }
     }
 
@@ -84,6 +91,7 @@ impl<'a> Simulator<'a> {
         match &self.stations {
             Stations::Plain(simulation) => simulation.reached(),
             Stations::OfNodes(simulation) => simulation.reached(),
+            Stations::Routed(simulation) => simulation.reached(),
         }
     }
 
@@ -92,16 +100,24 @@ impl<'a> Simulator<'a> {
         match &self.stations {
             Stations::Plain(simulation) => simulation.snapshot(),
             Stations::OfNodes(simulation) => simulation.snapshot(),
+            Stations::Routed(simulation) => simulation.snapshot(),
         }
     }
 
     /// Runs it to its end, or until `observer` ends it.
     #[must_use]
     pub fn run(self, observer: &mut impl Observer) -> Simulated {
-        let (survey, nodes) = match self.stations {
-            Stations::Plain(simulation) => (simulation.run(observer).0, Vec::new()),
-            Stations::OfNodes(simulation) => simulation.run(observer),
+        let (survey, nodes, routing) = match self.stations {
+            Stations::Plain(simulation) => (simulation.run(observer).0, Vec::new(), None),
+            Stations::OfNodes(simulation) => {
+                let (survey, nodes) = simulation.run(observer);
+                (survey, nodes, None)
+            }
+            Stations::Routed(simulation) => {
+                let (survey, routing) = simulation.run(observer);
+                (survey, Vec::new(), Some(routing))
+            }
         };
-        Simulated { survey, nodes, programmed: self.programmed }
+        Simulated { survey, nodes, routing, programmed: self.programmed }
     }
 }

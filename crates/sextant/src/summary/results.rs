@@ -8,6 +8,7 @@ use super::gathering::{DiscoverySummary, GatheringSummary};
 use super::mac::MacSummary;
 use super::map::MapSummary;
 use super::missions::MissionSummary;
+use super::routing::RoutingSummary;
 use super::sensing::SensingSummary;
 use super::timing::Timing;
 use super::tracks::TrackSummary;
@@ -31,6 +32,9 @@ pub struct Summary {
     /// The traffic in the networks after the first one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub other_networks: Vec<MacSummary>,
+    /// The packets that went over several hops, if they did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub routing: Option<RoutingSummary>,
     /// What the sensors of the nodes said, if there are targets or fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensing: Option<SensingSummary>,

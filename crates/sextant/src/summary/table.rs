@@ -11,6 +11,7 @@ use super::map::{AlignmentSummary, ErrorSummary, MapSummary};
 use super::map_judgement::{self, Subject};
 use super::missions_table;
 use super::results::{RegionSummary, Summary};
+use super::routing_table;
 use super::timing::Timing;
 use super::tracks;
 use crate::columns::{Align, columns};
@@ -52,6 +53,10 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         writeln!(out)?;
     }
     tracks::write(&summary.tracks, out)?;
+    if let Some(routing) = &summary.routing {
+        routing_table::write(routing, out)?;
+        writeln!(out, "each hop: beacons, and packets to the next station")?;
+    }
     for mac in summary.mac.iter().chain(&summary.other_networks) {
         if summary.gathering.is_some() && mac.network.is_none() {
             writeln!(out, "traffic to sinks")?;

@@ -10,5 +10,6 @@ mod mutants;
 mod own_access;
 mod own_missions;
 mod programs;
+mod routing;
 mod stepping;
 mod teams;

@@ -74,7 +74,10 @@ pub struct DelayCount {
 
 impl Delays {
     /// Adds the delay of a packet.
-    pub(crate) fn add(&mut self, delay: Duration) {
+    ///
+    /// # Panics
+    /// If it is longer than 584 years.
+    pub fn add(&mut self, delay: Duration) {
         let delay_ns = u64::try_from(delay.as_nanos()).expect("below 584 years");
         let delay_s = delay.as_secs_f64();
         let bin = LIMITS_S.partition_point(|&limit_s| limit_s <= delay_s).saturating_sub(1);

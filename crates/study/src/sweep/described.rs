@@ -68,7 +68,13 @@ pub fn described_columns(plan: Option<&Sweep>) -> Vec<DescribedColumn> {
         }
         None => {
             let name = || vec!["NAME".to_owned()];
-            let subjects = Subjects { maps: name(), by_nodes: name(), applications: name(), searches: name() };
+            let subjects = Subjects {
+                maps: name(),
+                by_nodes: name(),
+                applications: name(),
+                searches: name(),
+                has_routing: true,
+            };
             let (of_maps, of_runs): (Vec<_>, Vec<_>) =
                 all(&subjects).into_iter().partition(|measure| measure.map().is_some());
             of_runs.iter().chain(&of_maps).map(of_measure).collect()

@@ -57,6 +57,7 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
         subjects: Subjects {
             maps: by_nodes.iter().cloned().chain(maps).collect(),
             by_nodes,
+            has_routing: scenario.routing().is_some(),
             applications: scenario.missions().iter().map(|application| application.name.clone()).collect(),
             searches: searches.map(|application| application.name.clone()).collect(),
         },

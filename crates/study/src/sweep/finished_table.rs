@@ -13,12 +13,16 @@ use super::table_file::{Texts, read_texts};
 use super::tidy::{ERROR, IDENTITY, MAP, SWEEP};
 
 /// The measures that are drawn if nothing is asked for, as ends of the names of their columns.
-const USUAL: [&str; 12] = [
+const USUAL: [&str; 16] = [
     "mac.prr",
     "mac.throughput_bit_per_s",
     "mac.delay_s.mean",
     "mac.delay_s.p99",
     "mac.retries",
+    "routing.delivery",
+    "routing.delay_s.mean",
+    "routing.hops.mean",
+    "routing.transmissions_per_delivery",
     "position_error_m.mean",
     "connectivity_error",
     "energy_j.rx",

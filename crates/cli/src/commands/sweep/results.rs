@@ -144,6 +144,10 @@ impl Printed<'_> {
                 .map(|(what, path)| (format!("{name}: {what}"), format!("applications.{name}.{path}")))
         };
         let of_run = [
+            ("delivery", "routing.delivery"),
+            ("delay end to end", "routing.delay_s.mean"),
+            ("hops", "routing.hops.mean"),
+            ("transmissions", "routing.transmissions_per_delivery"),
             ("PRR", "mac.prr"),
             ("throughput", "mac.throughput_bit_per_s"),
             ("mean delay", "mac.delay_s.mean"),

@@ -41,12 +41,16 @@ pub struct Subjects {
     pub applications: Vec<String>,
     /// Names of those that search targets.
     pub searches: Vec<String>,
+    /// Whether packets go over several hops.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_routing: bool,
 }
 
 impl Subjects {
     /// Adds the names of others that are new, in their order.
     pub fn extend(&mut self, others: &Self) {
-        let Self { maps, by_nodes, applications, searches } = self;
+        let Self { maps, by_nodes, applications, searches, has_routing } = self;
+        *has_routing |= others.has_routing;
         for (list, names) in [
             (maps, &others.maps),
             (by_nodes, &others.by_nodes),
@@ -145,7 +149,7 @@ impl Measure {
     /// The measure of this column of the table of a sweep; of a map, that of the map `map`.
     #[must_use]
     pub fn of_column(column: &str, map: &str) -> Option<Self> {
-        let of_run = || known::of_run(true).find(|known| of_run_shortened(known.path) == column);
+        let of_run = || known::of_any_run().find(|known| of_run_shortened(known.path) == column);
         if let Some(known) = of_run() {
             return Some(Self { of: Of::Run, known });
         }
@@ -173,7 +177,7 @@ impl FromStr for Measure {
 
     fn from_str(path: &str) -> Result<Self, UnknownMeasure> {
         let of_run = || {
-            let known = known::of_run(true).find(|known| known.path == path)?;
+            let known = known::of_any_run().find(|known| known.path == path)?;
             Some(Self { of: Of::Run, known })
         };
         let found = match path.split_once('.') {
@@ -206,9 +210,11 @@ fn of_run_shortened(path: &str) -> &str {
 /// All measures of a run with these subjects, in the order of their columns.
 #[must_use]
 pub fn all(subjects: &Subjects) -> Vec<Measure> {
-    let Subjects { maps, by_nodes, applications, searches } = subjects;
+    let Subjects { maps, by_nodes, applications, searches, has_routing } = subjects;
     let measure = |of: Of, known: KnownMeasure<'static>| Measure { of, known };
     let mut measures: Vec<_> = known::of_run(!by_nodes.is_empty()).map(|number| measure(Of::Run, number)).collect();
+    let of_routing = known::of_routing().filter(|_| *has_routing);
+    measures.extend(of_routing.map(|number| measure(Of::Run, number)));
     for map in maps {
         let numbers = known::of_map(by_nodes.contains(map));
         measures.extend(numbers.map(|number| measure(Of::Map(map.clone()), number)));
@@ -297,6 +303,7 @@ mod tests {
             by_nodes: names(&["tpm"]),
             applications: names(&["detarsk", "p-g", "gradient"]),
             searches: names(&["detarsk", "p-g"]),
+            has_routing: true,
         };
         let measures = all(&subjects);
         for measure in &measures {

@@ -113,7 +113,8 @@ impl Traffic {
     }
 
     /// The key of its table in a scenario.
-    pub(crate) fn key(&self) -> &str {
+    #[must_use]
+    pub fn key(&self) -> &str {
         &self.key
     }
 

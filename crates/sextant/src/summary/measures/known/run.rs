@@ -1,6 +1,6 @@
 //! The numbers of a run as a whole.
 
-use super::{Count, Joule, KnownMeasure, Second, Share, known};
+use super::{Count, Joule, KnownMeasure, MeanCount, Second, Share, known};
 use crate::summary::Unit::{BitPerSecond, Metre};
 
 /// Of any run.
@@ -71,3 +71,32 @@ pub(super) const RUN: &[KnownMeasure<'static>] = &[
 /// Of a run in which nodes compute a map.
 pub(super) const WITH_MAPS_BY_NODES: &[KnownMeasure<'static>] =
     &[known("simulation.sim_time_s", Second, "simulated time until the last event")];
+
+/// Of a run in which packets go over several hops.
+pub(super) const WITH_ROUTING: &[KnownMeasure<'static>] = &[
+    known("routing.offered", Count, "packets that nodes had for a sink over several hops"),
+    known("routing.delivered", Count, "packets that reached a sink over several hops"),
+    known("routing.delivery", Share, "delivery over several hops: delivered over offered, without pending packets"),
+    known("routing.pending", Count, "packets in queues of routing at the end"),
+    known("routing.delay_s.mean", Second, "mean delay end to end: from the offer to the arrival at the sink"),
+    known("routing.delay_s.p50", Second, "median of the delay end to end"),
+    known("routing.delay_s.p90", Second, "90th percentile of the delay end to end"),
+    known("routing.delay_s.p99", Second, "99th percentile of the delay end to end"),
+    known("routing.hops.mean", MeanCount, "mean hops of packets that reached a sink"),
+    known("routing.hops.max", Count, "most hops of a packet that reached a sink"),
+    known("routing.stretch", MeanCount, "stretch: hops over those of the shortest way of usable links"),
+    known(
+        "routing.transmissions_per_delivery",
+        MeanCount,
+        "transmissions of all hops for each packet that reached a sink",
+    ),
+    known("routing.parent_changes_per_node_h", MeanCount, "churn: changes of the parent per node and hour"),
+    known("routing.duplicates", Count, "copies of packets that stations dropped"),
+    known("routing.loops", Count, "loops: times that a packet came to a node again after more hops"),
+    known("routing.queue_drops", Count, "packets that found the queue of routing full"),
+    known("routing.given_up", Count, "packets given up on a hop after all tries"),
+    known("routing.hop_limit_drops", Count, "packets dropped after too many hops"),
+    known("routing.beacons", Count, "beacons of routing"),
+    known("routing.without_way", Count, "nodes without a way to a sink at the end"),
+    known("routing.depth", Count, "depth of the tree at the end: most hops of a node"),
+];

@@ -1,0 +1,54 @@
+//! The links of a layout over which packets can go.
+
+use sextant_kernel::{SettingError, StationId};
+use sextant_sim::{LinkBudgets, NetworkId, Setup};
+
+/// The usable links among the stations of a setup as it stands at the start, by what `sextant explain-link` says of each: with
+/// the shadowing of the link, or over all draws if each packet has its own; without fading in time; or as measured at first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UsableLinks {
+    /// The links from each station: to whom, and expected transmissions.
+    from: Vec<Vec<(StationId, f64)>>,
+}
+
+impl UsableLinks {
+    /// The links of `setup` over which at least the share `usable_prr` of frames arrives in each direction. Robots are no part
+    /// of them.
+    ///
+    /// # Errors
+    /// Those of [`LinkBudgets::new`].
+    pub fn new(setup: &Setup, usable_prr: f64) -> Result<Self, SettingError> {
+        let mut budgets = LinkBudgets::new(setup)?;
+        let network = NetworkId::default();
+        let (nodes, robots) = (setup.world.nodes.len(), setup.robots.len());
+        let stations: Vec<StationId> =
+            (0..nodes).chain(nodes + robots..nodes + robots + setup.sinks.len()).map(StationId::from_index).collect();
+        let mut from = vec![Vec::new(); nodes + robots + setup.sinks.len()];
+        for (i, &a) in stations.iter().enumerate() {
+            for &b in &stations[i + 1..] {
+                let mut share =
+                    |from, to| Some(budgets.share_received(network, from, to)).filter(|&share| share >= usable_prr);
+                let Some(there) = share(a, b) else { continue };
+                let Some(back) = share(b, a) else { continue };
+                let etx = 1.0 / (there * back);
+                from[a.index()].push((b, etx));
+                from[b.index()].push((a, etx));
+            }
+        }
+        Ok(Self { from })
+    }
+
+    /// Number of stations.
+    #[must_use]
+    pub fn stations(&self) -> usize {
+        self.from.len()
+    }
+
+    /// The links of a station: to whom, and expected transmissions.
+    ///
+    /// # Panics
+    /// If there is no such station.
+    pub fn of(&self, station: StationId) -> impl Iterator<Item = (StationId, f64)> {
+        self.from[station.index()].iter().copied()
+    }
+}

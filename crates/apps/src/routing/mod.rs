@@ -1,0 +1,26 @@
+//! Routing over several hops: the packets of nodes go along a tree to a sink.
+//!
+//! The tree is given, or made of the shortest ways from the layout, or built by the beacons of the stations
+//! ([`sextant_mac::routing`]). Each node has a queue of packets. It gives them one by one to its MAC, which waits for the
+//! acknowledgement of the next station, and gives a packet again that was not acknowledged. All that a station knows of
+//! others came in frames; see [`sextant_mac::routing::Packet`] for their octets.
+//!
+//! Goes in: a [`Routing`], that is settings and a tree among the stations of a setup. Comes out: a [`RoutingRecord`]: what
+//! became of each packet, from where it was offered to where it goes, and of the tree.
+
+mod config;
+mod links;
+mod outbox;
+mod record;
+mod router;
+mod settings;
+mod simulation;
+mod source;
+mod tree;
+
+pub use config::{CollectionConfig, GivenTreeConfig, RoutingConfig, ShortestTreeConfig, TreeConfig, TreeMetric};
+pub use links::UsableLinks;
+pub use record::{Counts, Deliveries, ParentChange, RoutedStation, RoutingRecord};
+pub use router::Router;
+pub use settings::Routing;
+pub use tree::Tree;

@@ -1,0 +1,65 @@
+//! A simulation in which packets go over several hops.
+
+use std::sync::Arc;
+
+use sextant_kernel::{NodeId, SettingError, SimTime, StationId};
+use sextant_sim::{Applications, LeftOut, ReadySimulation, Setup, Simulation, TrafficPlan};
+
+use super::record::{Context, RoutingRecord};
+use super::router::{Router, Way};
+use super::settings::{Plan, Routing, roots};
+use super::source::Source;
+
+impl Routing {
+    /// The simulation of `setup` with the traffic of its first network, ready to run.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::with`] and [`Simulation::with_region`].
+    pub fn simulation(
+        &self,
+        mut setup: Setup,
+        left_out: LeftOut,
+    ) -> Result<ReadySimulation<'static, RoutingRecord>, SettingError> {
+        let silent = TrafficPlan::silent(setup.world.nodes.len());
+        let Some(network) = setup.networks.first_mut() else {
+            return Err(SettingError::missing_table("radio"));
+        };
+        let traffic = std::mem::replace(&mut network.traffic, silent);
+        let routing = Arc::new(self.clone());
+        let roots = roots(&setup);
+        let counted_from = SimTime::ZERO + left_out.warm_up;
+        let router =
+            |station, source| Router::new(Arc::clone(&routing), self.way(station, &roots), source, counted_from);
+        let source = |node| {
+            traffic.of(node).filter(|traffic| !traffic.is_silent()).map(|traffic| Source::new(traffic.clone()))
+        };
+        let nodes = (0..setup.world.nodes.len())
+            .map(StationId::from_index)
+            .map(|station| router(station, source(NodeId(station.0))))
+            .collect();
+        let sinks = roots.iter().map(|&root| router(root, None)).collect();
+        let mut dead = vec![false; setup.world.nodes.len()];
+        let end = setup.duration.map(|duration| SimTime::ZERO + duration);
+        for death in setup.faults.deaths().iter().filter(|death| end.is_none_or(|end| death.time <= end)) {
+            dead[death.node.index()] = true;
+        }
+        let context = Context { roots: roots.clone(), counted_from, dead };
+        let applications = Applications { nodes, robots: Vec::new(), sinks };
+        let simulation = Simulation::with(setup, applications)?.without(left_out)?;
+        let links = Arc::clone(&self.links);
+        Ok(simulation.ready(move |own| {
+            let left = own.nodes.into_iter().chain(own.sinks).map(Router::into_record).collect();
+            RoutingRecord::of(left, &links, &context)
+        }))
+    }
+
+    /// How a station finds the next one.
+    fn way(&self, station: StationId, roots: &[StationId]) -> Way {
+        match &self.plan {
+            Plan::Fixed(_) if roots.contains(&station) => Way::FixedRoot,
+            Plan::Fixed(tree) => Way::Fixed(tree.parent(station)),
+            Plan::Built { trickle, .. } if roots.contains(&station) => Way::root(station, trickle.clone()),
+            Plan::Built { trickle, hysteresis_etx } => Way::node(station, trickle.clone(), *hysteresis_etx),
+        }
+    }
+}

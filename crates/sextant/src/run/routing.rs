@@ -1,0 +1,109 @@
+//! Packets that went over several hops, as a summary.
+
+use std::collections::BTreeMap;
+
+use sextant_apps::routing::{Deliveries, RoutedStation, RoutingRecord, TreeConfig};
+use sextant_kernel::{SimTime, StationId};
+use sextant_mac::EnergySpent;
+use sextant_scenario::Scenario;
+use sextant_sim::layout::PlacedNode;
+
+use super::simulator::Simulated;
+use crate::summary::{DelaySummary, DepthSummary, HopsSummary, RoutedNodeSummary, RoutingSummary};
+
+/// What became of the packets that went over several hops, if they did.
+pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSummary> {
+    let (record, written) = (simulated.routing.as_ref()?, scenario.config().routing.as_ref()?);
+    let nodes = &record.stations[..scenario.world().nodes.len()];
+    let energy = &simulated.survey.networks.first()?.energy;
+    let mut all = Deliveries::default();
+    nodes.iter().for_each(|node| all += &node.packets);
+    let counts = record.counts();
+    let changes: usize = nodes.iter().map(|node| node.changes.len()).sum();
+    let hours = simulated.survey.end.saturating_since(SimTime::ZERO).as_secs_f64() / 3600.0;
+    let node_hours = nodes.len() as f64 * hours;
+    Some(RoutingSummary {
+        tree: match written.tree {
+            TreeConfig::Given(_) => "given",
+            TreeConfig::Shortest(_) => "shortest",
+            TreeConfig::Collection(_) => "collection",
+        },
+        offered: all.offered,
+        delivered: all.delivered,
+        pending: all.pending,
+        delivery: delivery(&all),
+        delay_s: DelaySummary::of(&all.delays),
+        hops: mean(all.hops as f64, all.delivered).map(|mean| HopsSummary { mean, max: all.most_hops }),
+        stretch: mean(all.stretch, all.stretched),
+        transmissions: counts.transmissions,
+        transmissions_per_delivery: mean(counts.transmissions as f64, all.delivered),
+        duplicates: counts.duplicates + all.copies,
+        loops: counts.loops,
+        queue_drops: counts.queue_drops,
+        given_up: counts.given_up,
+        hop_limit_drops: counts.hop_limit_drops,
+        beacons: counts.beacons,
+        parent_changes: changes as u64,
+        parent_changes_per_node_h: if node_hours > 0.0 { changes as f64 / node_hours } else { 0.0 },
+        without_way: nodes.iter().filter(|node| node.depth.is_none()).count(),
+        depth: nodes.iter().filter_map(|node| node.depth).max().unwrap_or(0),
+        by_depth: by_depth(nodes, energy),
+        nodes: by_node(scenario, record, energy),
+    })
+}
+
+fn mean(sum: f64, count: u64) -> Option<f64> {
+    (count > 0).then(|| sum / count as f64)
+}
+
+fn delivery(packets: &Deliveries) -> Option<f64> {
+    mean(packets.delivered as f64, packets.offered - packets.pending)
+}
+
+fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary> {
+    let mut depths: BTreeMap<u32, (Deliveries, EnergySpent, usize)> = BTreeMap::new();
+    for (node, &spent) in nodes.iter().zip(energy) {
+        let Some(depth) = node.depth else { continue };
+        let (packets, sum, count) = depths.entry(depth).or_default();
+        *packets += &node.packets;
+        *sum += spent;
+        *count += 1;
+    }
+    let summary = |(depth, (packets, spent, nodes)): (u32, (Deliveries, EnergySpent, usize))| DepthSummary {
+        depth,
+        nodes,
+        offered: packets.offered,
+        delivered: packets.delivered,
+        delivery: delivery(&packets),
+        delay_s: packets.delays.mean_s(),
+        energy_j: total_j(spent) / nodes as f64,
+        energy_tx_j: spent.tx_j / nodes as f64,
+    };
+    depths.into_iter().map(summary).collect()
+}
+
+fn by_node(scenario: &Scenario, record: &RoutingRecord, energy: &[EnergySpent]) -> Vec<RoutedNodeSummary> {
+    let nodes = &scenario.world().nodes;
+    let sinks = &scenario.config().sinks;
+    let name = |station: StationId| match nodes.get(station.index()) {
+        Some(node) => node.name.clone(),
+        None => sinks.get(station.index() - nodes.len()).map(|sink| sink.name.clone()).unwrap_or_default(),
+    };
+    let summary = |((placed, node), &spent): ((&PlacedNode, &RoutedStation), &EnergySpent)| RoutedNodeSummary {
+        name: placed.name.clone(),
+        parent: node.parent.map(name),
+        depth: node.depth,
+        shortest_hops: node.shortest_hops,
+        offered: node.packets.offered,
+        delivered: node.packets.delivered,
+        delay_s: node.packets.delays.mean_s(),
+        transmissions: node.counts.transmissions,
+        parent_changes: node.changes.len() as u64,
+        energy_j: total_j(spent),
+    };
+    nodes.iter().zip(&record.stations).zip(energy).map(summary).collect()
+}
+
+fn total_j(spent: EnergySpent) -> f64 {
+    spent.tx_j + spent.rx_j + spent.idle_j + spent.sleep_j
+}

@@ -1,0 +1,123 @@
+//! Packets that go over several hops: delivery, delay, ways, and the tree.
+
+use serde::Serialize;
+
+use super::mac::DelaySummary;
+
+/// Packets that went over several hops, and their tree.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct RoutingSummary {
+    /// Where the tree comes from: `given`, `shortest` or `collection`.
+    pub tree: &'static str,
+    /// Packets that nodes had for a sink.
+    pub offered: u64,
+    /// Those that reached a sink, each once.
+    pub delivered: u64,
+    /// Those that did not, and wait in a queue at the end.
+    pub pending: u64,
+    /// Delivered packets as a share of those offered, without those that are pending. Absent if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delivery: Option<f64>,
+    /// Time from the offer of a packet to its arrival at the sink (s). Absent if none arrived.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_s: Option<DelaySummary>,
+    /// Hops of packets that arrived. Absent if none did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hops: Option<HopsSummary>,
+    /// Mean of the hops of a packet that arrived, divided by those of the shortest way over usable links of the layout at the
+    /// start. Absent if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stretch: Option<f64>,
+    /// Frames with packets on air on all hops, retries included.
+    pub transmissions: u64,
+    /// The same for each packet that arrived. Absent if none did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmissions_per_delivery: Option<f64>,
+    /// Copies of packets, because an acknowledgement was lost, that stations dropped.
+    pub duplicates: u64,
+    /// How often a packet came to a node again after more hops: along a loop, or as a copy by a longer way. It was sent on, so a
+    /// packet in a loop counts with each round.
+    pub loops: u64,
+    /// Packets that found a queue full.
+    pub queue_drops: u64,
+    /// Packets that were given up on a hop, after all tries of the MAC and of the queue. Some of them have arrived, if only the
+    /// acknowledgements were lost.
+    pub given_up: u64,
+    /// Packets that were dropped after 64 hops.
+    pub hop_limit_drops: u64,
+    /// Beacons.
+    pub beacons: u64,
+    /// Changes of the parent of a node, after its first one, warm-up included.
+    pub parent_changes: u64,
+    /// The same per node and hour.
+    pub parent_changes_per_node_h: f64,
+    /// Nodes without a way to a sink at the end.
+    pub without_way: usize,
+    /// Most hops of a node along the parents at the end.
+    pub depth: u32,
+    /// The nodes by their depth in the tree at the end.
+    pub by_depth: Vec<DepthSummary>,
+    /// The nodes.
+    pub nodes: Vec<RoutedNodeSummary>,
+}
+
+/// Hops of packets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct HopsSummary {
+    /// Mean.
+    pub mean: f64,
+    /// Most.
+    pub max: u8,
+}
+
+/// The nodes that are so many hops from a sink in the tree at the end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct DepthSummary {
+    /// Hops.
+    pub depth: u32,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Their packets.
+    pub offered: u64,
+    /// Those that reached a sink.
+    pub delivered: u64,
+    /// Delivered packets as a share of those offered, without those that are pending. Absent if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delivery: Option<f64>,
+    /// Mean time from the offer of a packet to its arrival (s). Absent if none arrived.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_s: Option<f64>,
+    /// Mean energy of the radio of a node (J).
+    pub energy_j: f64,
+    /// Mean energy of the radio of a node for transmitting (J).
+    pub energy_tx_j: f64,
+}
+
+/// A node.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct RoutedNodeSummary {
+    /// Its name.
+    pub name: String,
+    /// Name of its parent at the end. Absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parent: Option<String>,
+    /// Hops to a sink along the parents at the end. Absent without a way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth: Option<u32>,
+    /// Hops of the shortest way over usable links of the layout at the start. Absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shortest_hops: Option<u32>,
+    /// Packets that it had for a sink.
+    pub offered: u64,
+    /// Those that reached a sink.
+    pub delivered: u64,
+    /// Mean time from the offer of a packet to its arrival (s). Absent if none arrived.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_s: Option<f64>,
+    /// Frames with packets on air that it sent, for itself and for others.
+    pub transmissions: u64,
+    /// Changes of its parent after the first one.
+    pub parent_changes: u64,
+    /// Energy of its radio (J).
+    pub energy_j: f64,
+}

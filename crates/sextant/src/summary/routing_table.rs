@@ -1,0 +1,70 @@
+//! Packets that go over several hops as a printed table.
+
+use std::io::{self, Write};
+
+use super::mac::DelaySummary;
+use super::routing::{DepthSummary, RoutingSummary};
+use crate::columns::{Align, columns};
+
+/// Writes what became of packets over several hops, and of the nodes by depth.
+pub(super) fn write(routing: &RoutingSummary, out: &mut impl Write) -> io::Result<()> {
+    writeln!(out, "end to end: packets to a sink, tree `{}`", routing.tree)?;
+    columns(&rows(routing), &[Align::Left, Align::Right, Align::Left], out)?;
+    writeln!(out)?;
+    let header = ["depth", "nodes", "offered", "delivered", "delivery", "mean delay", "energy of a node", "sending"];
+    let mut lines = vec![header.map(str::to_owned).to_vec()];
+    lines.extend(routing.by_depth.iter().map(line));
+    columns(&lines, &[Align::Right; 8], out)?;
+    writeln!(out)
+}
+
+fn share(share: Option<f64>) -> String {
+    share.map_or_else(|| "-".to_owned(), |share| format!("{:.2} %", 100.0 * share))
+}
+
+fn milliseconds(seconds: Option<f64>) -> String {
+    seconds.map_or_else(|| "-".to_owned(), |seconds| format!("{:.3} ms", 1e3 * seconds))
+}
+
+fn decimals(number: Option<f64>) -> String {
+    number.map_or_else(|| "-".to_owned(), |number| format!("{number:.3}"))
+}
+
+fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
+    let delay = |read: fn(&DelaySummary) -> f64| milliseconds(routing.delay_s.as_ref().map(read));
+    let rows: [(&str, String, &str); 19] = [
+        ("packets offered", routing.offered.to_string(), ""),
+        ("packets delivered", routing.delivered.to_string(), ""),
+        ("delivery", share(routing.delivery), "delivered, of those offered and not pending"),
+        ("delay, mean", delay(|delay| delay.mean), "from offer to arrival at the sink"),
+        ("delay, p50", delay(|delay| delay.p50), ""),
+        ("delay, p99", delay(|delay| delay.p99), ""),
+        ("hops, mean", decimals(routing.hops.map(|hops| hops.mean)), ""),
+        ("hops, most", routing.hops.map_or_else(|| "-".to_owned(), |hops| hops.max.to_string()), ""),
+        ("stretch", decimals(routing.stretch), "hops, over those of the shortest way of usable links"),
+        ("transmissions", decimals(routing.transmissions_per_delivery), "on all hops, for each packet delivered"),
+        ("duplicates", routing.duplicates.to_string(), "copies that were dropped"),
+        ("loops", routing.loops.to_string(), "times that a packet came again after more hops"),
+        ("lost to a full queue", routing.queue_drops.to_string(), ""),
+        ("given up on a hop", routing.given_up.to_string(), "after all tries"),
+        ("too many hops", routing.hop_limit_drops.to_string(), ""),
+        ("beacons", routing.beacons.to_string(), ""),
+        ("changes of parents", routing.parent_changes.to_string(), "after the first one of each node"),
+        ("nodes without a way", routing.without_way.to_string(), "at the end"),
+        ("pending", routing.pending.to_string(), "in queues at the end"),
+    ];
+    rows.into_iter().map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]).collect()
+}
+
+fn line(nodes: &DepthSummary) -> Vec<String> {
+    vec![
+        nodes.depth.to_string(),
+        nodes.nodes.to_string(),
+        nodes.offered.to_string(),
+        nodes.delivered.to_string(),
+        share(nodes.delivery),
+        milliseconds(nodes.delay_s),
+        format!("{:.3} J", nodes.energy_j),
+        format!("{:.3} J", nodes.energy_tx_j),
+    ]
+}
