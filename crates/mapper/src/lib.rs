@@ -112,7 +112,7 @@ pub use own_place::{
     OwnPlace, OwnPlaceConfig, PlaceModel, RingOrientation, SectorBearing, UnorientedRing,
 };
 pub use parts::{FixedLaw, LogParts, PartEstimator, PartsError};
-pub use pattern::{PatternFit, PatternLaw};
+pub use pattern::{PatternFit, PatternLaw, ReportLaw};
 pub use posterior::{Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule, TrueRanges, range_bound_m};
 #[cfg(feature = "obstacles")]
 pub use posterior::{TrueModel, posterior_bound_m};

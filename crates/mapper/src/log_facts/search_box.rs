@@ -30,6 +30,15 @@ impl SearchBox {
         self.low[2] >= self.high[2]
     }
 
+    /// The box with ends that are guessed so much farther out (m).
+    pub(crate) fn widened(mut self, by_m: f64) -> Self {
+        for axis in (0..3).filter(|&axis| self.is_guessed[axis]) {
+            self.low[axis] -= by_m;
+            self.high[axis] += by_m;
+        }
+        self
+    }
+
     /// The middle of the box.
     pub(crate) fn middle(&self) -> Position {
         [0, 1, 2].map(|axis| 0.5 * (self.low[axis] + self.high[axis])).into()

@@ -3,11 +3,12 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::NodeId;
 
-use super::gain_map::{GainCell, GainMap, Names};
+use super::gain_map::{Directions, GainCell, GainMap, Names};
 use super::law::PatternLaw;
+use super::report_law::{ExpectedLevel, Report, ReportFit, ReportTables};
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::decades::Decades;
-use crate::numerics::normal::Normal;
+use crate::numerics::normal::{Normal, density};
 
 /// Nodes are at least so far from a stop (m): the law has no meaning on the antenna itself.
 const NEAREST_M: f64 = 0.1;
@@ -16,18 +17,21 @@ const NEAREST_M: f64 = 0.1;
 #[derive(Clone, Debug)]
 pub(super) enum SectorsHeard {
     Nothing,
-    /// It named the best one, by the order of identities.
-    Named(usize),
-    /// It reported the SNRs of several (dB).
-    Reported(Vec<(usize, f64)>),
+    /// It named the best one, by the order of identities, and the log may have its strength (dB).
+    Named(usize, Option<f64>),
+    /// It reported the SNRs of several.
+    Reported(Report),
 }
 
-/// A report of fewer sectors tells no more than the best one does.
-const LEAST_REPORTED: usize = 3;
-/// A report counts as so many sectors at most: what the pattern has wrong in a direction is wrong in several sectors at
-/// once. In a blurred direction all are.
-const TOLD: f64 = 6.0;
-const TOLD_BLURRED: f64 = 4.0;
+/// A report of n sectors counts as `TOLD n/(n + UNTOLD)` at most: what the pattern has wrong in a direction, and what a reflection
+/// adds, is wrong in several sectors at once.
+const TOLD: f64 = 3.0;
+const UNTOLD: f64 = 2.0;
+/// Outside the stops, the probability of a place falls over this share of their diagonal.
+const FALL: f64 = 0.1;
+/// How often the strength of a named sector is any, over so many decibels.
+const ODD: f64 = 0.05;
+const ODD_WIDTH_DB: f64 = 60.0;
 /// A residual of a report counts as one of so many standard deviations at most.
 const OUTLIER: f64 = 4.0;
 
@@ -56,17 +60,51 @@ pub(super) struct ListeningStop {
 #[derive(Clone, Debug)]
 pub(super) struct PatternEvidence {
     pub(super) listeners: Vec<ListeningStop>,
+    /// Before anything is heard.
+    surveyed: SurveyedArea,
+}
+
+/// The box of all stops. Nodes are seldom far outside it: a robot drives where it expects them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurveyedArea {
+    low: [f64; 3],
+    high: [f64; 3],
+    /// Outside, the probability falls by a factor of e over this distance (m).
+    fall_m: f64,
+}
+
+impl SurveyedArea {
+    /// That of a log whose nodes are heard over `reach_m`.
+    pub(super) fn of(log: &ReceptionLog, reach_m: f64) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for stop in log.stops() {
+            for (axis, value) in <[f64; 3]>::from(stop.position).into_iter().enumerate() {
+                low[axis] = low[axis].min(value);
+                high[axis] = high[axis].max(value);
+            }
+        }
+        let diagonal_m = (0..3).map(|axis| (high[axis] - low[axis]).powi(2)).sum::<f64>().sqrt();
+        Self { low, high, fall_m: FALL * diagonal_m.max(reach_m) }
+    }
+
+    /// The logarithm of the probability of a place, relative to one inside.
+    fn ln_prior(&self, place: Position) -> f64 {
+        let place: [f64; 3] = place.into();
+        let off = |axis: usize| (self.low[axis] - place[axis]).max(place[axis] - self.high[axis]).max(0.0);
+        -(0..3).map(|axis| off(axis).powi(2)).sum::<f64>().sqrt() / self.fall_m
+    }
 }
 
 impl PatternEvidence {
     /// That on `node`, for places in a box: the stops that heard it, and those within `reach_m` of the box. `columns` are
-    /// the sectors by identity.
+    /// the sectors of the antenna.
     pub(super) fn of(
         log: &ReceptionLog,
         node: NodeId,
         within: &SearchBox,
         reach_m: f64,
-        columns: &[Option<usize>],
+        columns: &SectorColumns,
+        surveyed: SurveyedArea,
     ) -> Self {
         let mut entries = log.of(node).iter().peekable();
         let count = |packets: u32| i32::try_from(packets).unwrap_or(i32::MAX);
@@ -86,21 +124,35 @@ impl PatternEvidence {
                 });
             }
         }
-        Self { listeners }
+        Self { listeners, surveyed }
     }
 }
 
+/// The sectors of an antenna in a log.
+#[derive(Clone, Debug)]
+pub(super) struct SectorColumns {
+    /// The place of each sector among the gains, by its identity.
+    pub(super) places: Vec<Option<usize>>,
+    /// Number of sectors.
+    pub(super) count: usize,
+    /// The least strength that any node reported (dB): weaker sectors are absent.
+    pub(super) least_db: f64,
+}
+
 /// What the node of a reception said of sectors.
-fn heard(log: &ReceptionLog, node: NodeId, entry: Option<&Reception>, columns: &[Option<usize>]) -> SectorsHeard {
+fn heard(log: &ReceptionLog, node: NodeId, entry: Option<&Reception>, columns: &SectorColumns) -> SectorsHeard {
     let Some(entry) = entry else { return SectorsHeard::Nothing };
-    let column = |id: u8| columns[usize::from(id)];
+    let column = |id: u8| columns.places[usize::from(id)];
     let reported = log.sector_snrs(node, entry.stop).iter();
-    let reported: Vec<(usize, f64)> =
+    let present: Vec<(usize, f64)> =
         reported.filter_map(|report| Some((column(report.sector)?, f64::from(report.snr_db)))).collect();
-    if reported.len() >= LEAST_REPORTED {
-        return SectorsHeard::Reported(reported);
+    if !present.is_empty() {
+        let is_absent = |sector: &usize| present.iter().all(|(other, _)| other != sector);
+        let absent = (0..columns.count).filter(is_absent).collect();
+        return SectorsHeard::Reported(Report { present, absent, least_db: columns.least_db });
     }
-    entry.sector.and_then(column).map_or(SectorsHeard::Nothing, SectorsHeard::Named)
+    let named = |sector| SectorsHeard::Named(sector, entry.snr_db);
+    entry.sector.and_then(column).map_or(SectorsHeard::Nothing, named)
 }
 
 /// Functions in tables.
@@ -121,6 +173,7 @@ pub(super) struct PatternLikelihood<'a> {
     pub(super) law: &'a PatternLaw,
     pub(super) map: &'a GainMap,
     pub(super) names: &'a Names,
+    pub(super) reports: &'a ReportTables,
     /// How much rougher it is than the law says (dB).
     blur_db: f64,
     tables: &'a PatternTables,
@@ -171,7 +224,7 @@ pub(super) struct Sight {
 impl Sight {
     /// How `place` is seen by a robot whose antenna is turned on it by `mount`.
     #[inline]
-    pub(super) fn of(place: Position, robot: &Pose, mount: Turn) -> Self {
+    pub(super) fn of(place: Position, robot: &Pose, mount: Turn, directions: Directions) -> Self {
         let Turn { cos, sin } = mount.after(robot.turn);
         let apart = place - robot.place;
         let square = apart.dot(apart);
@@ -180,21 +233,21 @@ impl Sight {
         } else {
             [1.0, 0.0, 0.0]
         };
-        Self { cell: GainCell::of(direction), square: square.max(NEAREST_M * NEAREST_M) }
+        Self { cell: directions.cell(direction), square: square.max(NEAREST_M * NEAREST_M) }
     }
 }
 
 impl<'a> PatternLikelihood<'a> {
-    /// The likelihood with strengths that have an error of `blur_db` more. `names` are those of the same.
+    /// The likelihood with strengths that have an error of `blur_db` more. `names` and `reports` are those of the same.
     pub(super) fn new(
         law: &'a PatternLaw,
         map: &'a GainMap,
-        names: &'a Names,
+        (names, reports): (&'a Names, &'a ReportTables),
         blur_db: f64,
         tables: &'a PatternTables,
     ) -> Self {
         let turn = Turn::by(law.yaw_rad);
-        Self { law, map, names, blur_db, tables, turn }
+        Self { law, map, names, reports, blur_db, tables, turn }
     }
 
     /// Whether it is not blurred.
@@ -202,26 +255,64 @@ impl<'a> PatternLikelihood<'a> {
         self.blur_db <= 0.0
     }
 
-    /// The log-likelihood of a report, which tells no more than some of its sectors.
-    fn of_report(&self, report: &[(usize, f64)], cell: GainCell) -> f64 {
-        let gain = |sector| self.map.gain_dbi(cell, sector) + self.law.ripple_db[sector];
-        let told = of_report(report, gain, libm::hypot(self.law.noise_db, self.blur_db));
-        let most = if self.is_sharp() { TOLD } else { TOLD_BLURRED };
-        told * (most / report.len() as f64).min(1.0)
-    }
-
     /// How a place is seen by a robot.
     #[inline]
     pub(super) fn sight(&self, place: Position, robot: &Pose) -> Sight {
-        Sight::of(place, robot, self.turn)
+        Sight::of(place, robot, self.turn, self.map.directions())
+    }
+
+    /// Where the strength of the straight way is expected over so many decades of a metre.
+    fn expected(&self, decades: f64) -> ExpectedLevel {
+        let level_db = self.law.level_db - 10.0 * self.law.exponent * decades;
+        ExpectedLevel { level_db, sigma_db: libm::hypot(self.law.sigma_db, self.blur_db) }
+    }
+
+    /// How a report fits a direction over so many decades of a metre.
+    pub(super) fn report(&self, report: &Report, cell: GainCell, decades: f64) -> ReportFit {
+        let mut gains = [0.0; 256];
+        let gains = &mut gains[..self.map.sectors()];
+        for (sector, gain) in gains.iter_mut().enumerate() {
+            *gain = self.map.gain_dbi(cell, sector) + self.law.ripple_db[sector];
+        }
+        self.reports.fit(report, gains, self.expected(decades))
+    }
+
+    /// The strength of the straight way without gain, if a named sector had this one (dB).
+    pub(super) fn level_of_name(&self, sector: usize, snr_db: f64, cell: GainCell) -> f64 {
+        snr_db - self.map.gain_dbi(cell, sector) - self.law.ripple_db[sector]
+    }
+
+    /// The log-likelihood of the strength of a named sector.
+    fn ln_strength(&self, sector: usize, snr_db: f64, cell: GainCell, decades: f64) -> f64 {
+        let expected = self.expected(decades);
+        let sigma_db = libm::hypot(expected.sigma_db, self.law.noise_db);
+        let off = (self.level_of_name(sector, snr_db, cell) - expected.level_db) / sigma_db;
+        libm::log((1.0 - ODD) * density(off) / sigma_db + ODD / ODD_WIDTH_DB)
     }
 
     /// The log-likelihood of a place.
     pub(super) fn at(&self, evidence: &PatternEvidence, place: Position) -> f64 {
-        let (mut sum, mut product) = (0.0, 1.0_f64);
+        let (mut sum, mut product) = (evidence.surveyed.ln_prior(place), 1.0_f64);
         for listener in &evidence.listeners {
             let sight = self.sight(place, &listener.pose);
             let decades = self.tables.decades.of_root(sight.square);
+            // A strength tells more of the link than the packets that it brought.
+            match &listener.heard {
+                SectorsHeard::Reported(report) => {
+                    let ReportFit { ln_open, .. } = self.report(report, sight.cell, decades);
+                    let told = TOLD / (report.present.len() as f64 + UNTOLD);
+                    sum += self.reports.mixed(ln_open, report.ln_blocked())[0] * told.min(1.0);
+                    continue;
+                }
+                SectorsHeard::Named(sector, snr_db) => {
+                    sum += self.names.ln_probability(sight.cell, *sector);
+                    if let &Some(snr_db) = snr_db {
+                        sum += self.ln_strength(*sector, snr_db, sight.cell, decades);
+                        continue;
+                    }
+                }
+                SectorsHeard::Nothing => {}
+            }
             let s = self.law.heard(&self.tables.normal, self.names.top_dbi(sight.cell), decades);
             product *= match (listener.received, listener.missed) {
                 (1, 0) => s,
@@ -232,11 +323,6 @@ impl<'a> PatternLikelihood<'a> {
                 sum += libm::log(product.max(f64::MIN_POSITIVE));
                 product = 1.0;
             }
-            sum += match &listener.heard {
-                SectorsHeard::Nothing => 0.0,
-                SectorsHeard::Named(sector) => self.names.ln_probability(sight.cell, *sector),
-                SectorsHeard::Reported(report) => self.of_report(report, sight.cell),
-            };
         }
         sum + libm::log(product)
     }

@@ -9,10 +9,11 @@ use sextant_kernel::{NodeId, Watch, Work};
 
 use super::evidence::{PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
 use super::gain_map::{CELL_RAD, GainMap, Names};
-use super::hearing::{self, PacketTrial};
+use super::hearing::{self, LevelTrial, PacketTrial, Trials};
 use super::law::PatternLaw;
-use super::naming::{self, Naming, TURN_RAD};
+use super::naming::{self, Naming, TURN_RAD, TurnOfRound};
 use super::places::{self, CellPosterior};
+use super::report_law::ReportTables;
 use super::scene::AntennaScene;
 use crate::error::MapError;
 use crate::log_facts::search_box::SearchBox;
@@ -26,10 +27,14 @@ const RADII: [usize; 5] = [8, 4, 2, 1, 0];
 /// The law is estimated from at most so many nodes, and begun with so many.
 const NODES: usize = 48;
 const FIRST_NODES: usize = 12;
+/// The turn of the antenna is improved in a round by so many.
+const TURN_NODES: usize = 4;
 /// Places that stand for the posterior of a node.
 const SAMPLE: usize = 12;
 /// Most rounds.
-const ROUNDS: u32 = 30;
+const ROUNDS: u32 = 15;
+/// Steps of the search for the turn in a round.
+const TURN_STEPS: u32 = 9;
 /// The law has settled if nothing changes by more than this in a round (dB, degrees).
 const SETTLED_DB: f64 = 0.2;
 /// The same where nodes report all sectors, which tell far more.
@@ -39,8 +44,12 @@ const MARGINS_DB: [f64; 7] = [0.0, -4.0, 4.0, -8.0, 8.0, -12.0, 12.0];
 const YAWS: u32 = 24;
 /// Laws that are tried at first, at most: margins, yaws, and smaller turns.
 const FIRST_LAWS: f64 = 40.0;
-/// An antenna is turned from what the log says only if this makes the log likelier by so much (logarithm).
+/// An antenna is turned from what the log says only if this makes the log likelier by so much (logarithm), where a node counts
+/// for or against it by so much at most: three nodes at least must agree.
 const TURNED: f64 = 10.0;
+const OF_NODE: f64 = 4.0;
+/// A gain by which any link is strong enough (dB).
+const STRONG_DB: f64 = 200.0;
 /// Steps of the grid over the reach, while the law is estimated.
 const STEPS_PER_REACH: f64 = 25.0;
 
@@ -72,11 +81,26 @@ pub(super) struct FoundPattern {
     pub(super) namings: usize,
 }
 
+/// A law that was tried at first, with the logarithm of the probability of what the log says: of all nodes, and of each.
+#[derive(Clone)]
+struct FirstLaw {
+    law: PatternLaw,
+    value: f64,
+    of_nodes: Vec<f64>,
+}
+
+impl FirstLaw {
+    /// By how much the nodes agree that this law is likelier than another one.
+    fn agreed_beyond(&self, other: &Self) -> f64 {
+        self.of_nodes.iter().zip(&other.of_nodes).map(|(one, other)| (one - other).clamp(-OF_NODE, OF_NODE)).sum()
+    }
+}
+
 /// The likelihoods of a law, from the roughest to the finest, which is not blurred.
 pub(super) struct Likelihoods {
     law: PatternLaw,
     /// Shared by laws that differ in what names do not depend on.
-    names: Arc<[OnceLock<Names>; RADII.len()]>,
+    names: Arc<[OnceLock<(Names, ReportTables)>; RADII.len()]>,
     tables: Arc<PatternTables>,
     reach_m: f64,
 }
@@ -99,8 +123,12 @@ impl Likelihoods {
         let cells = angle / CELL_RAD;
         let level = RADII.iter().position(|&radius| radius as f64 <= cells + 0.5).unwrap_or(RADII.len() - 1);
         let radius = RADII[level];
-        let names = self.names[level].get_or_init(|| map.names(&self.law, radius));
-        PatternLikelihood::new(&self.law, map, names, SLOPE_DB * CELL_RAD * radius as f64, &self.tables)
+        let blur_db = SLOPE_DB * CELL_RAD * radius as f64;
+        let (names, reports) = self.names[level].get_or_init(|| {
+            let noise_db = libm::hypot(self.law.noise_db, blur_db);
+            (map.names(&self.law, radius), ReportTables::new(&self.law.reports, noise_db))
+        });
+        PatternLikelihood::new(&self.law, map, (names, reports), blur_db, &self.tables)
     }
 
     /// The posterior of a node in a box, with its evidence.
@@ -110,7 +138,14 @@ impl Likelihoods {
         (node, within): &(NodeId, SearchBox),
         step_m: f64,
     ) -> Option<(PatternEvidence, CellPosterior)> {
-        let evidence = PatternEvidence::of(survey.log, *node, within, self.reach_m, &survey.scene.columns);
+        let evidence = PatternEvidence::of(
+            survey.log,
+            *node,
+            within,
+            self.reach_m,
+            &survey.scene.columns,
+            survey.scene.surveyed,
+        );
         let of_step = |width_m: f64| {
             let angle = 0.5 * width_m / (SEEN_FROM * survey.scene.reach_m);
             self.blurred(&survey.scene.map, angle)
@@ -133,50 +168,56 @@ impl SectorSurvey<'_> {
     /// The work of a fit to these nodes.
     fn work(&self, nodes: &[(NodeId, SearchBox)], name: &'static str) -> Work {
         let some = nodes.len().min(FIRST_NODES) as f64;
-        let turns = if self.log.has_sector_snrs() { f64::from(naming::GOLDEN_STEPS + 2) * some } else { 0.0 };
+        let turns = if self.log.has_sector_snrs() { f64::from(TURN_STEPS + 2) * some } else { 0.0 };
         let each = f64::from(ROUNDS) * (nodes.len() as f64 + turns);
         Work { name, unit: "round", steps: ROUNDS.into(), operations: self.operations(FIRST_LAWS * some + each) }
     }
 
-    /// The logarithm of the probability of what the log says of some nodes, over all their places.
-    fn ln_evidence(&self, likelihoods: &Likelihoods, nodes: &[(NodeId, SearchBox)]) -> f64 {
+    /// The logarithm of the probability of what the log says of each of some nodes, over all its places.
+    fn ln_evidence(&self, likelihoods: &Likelihoods, nodes: &[(NodeId, SearchBox)]) -> Vec<f64> {
         let of_node = |node: &(NodeId, SearchBox)| {
             likelihoods.places(self, node, 2.0 * self.step_m()).map_or(0.0, |(_, found)| found.ln_evidence)
         };
-        nodes.par_iter().map(of_node).collect::<Vec<f64>>().iter().sum()
+        nodes.par_iter().map(of_node).collect()
+    }
+
+    /// A law to begin with, for a margin at 1 m (dB).
+    fn guess(&self, margin_db: f64) -> PatternLaw {
+        PatternLaw::guess(margin_db, self.scene.least_link_db, self.scene.map.sectors())
     }
 
     /// The law to begin with: the margin and the yaw under which some nodes are the likeliest.
     fn first(&self, nodes: &[(NodeId, SearchBox)], watch: &dyn Watch) -> Result<PatternLaw, MapError> {
         let usual_db = 20.0 * libm::log10(self.scene.reach_m) - self.scene.map.usual_dbi();
-        let guess = Likelihoods::new(PatternLaw::guess(usual_db, self.scene.map.sectors()), &self.scene.map);
-        let try_law = |law: PatternLaw, best: &mut (PatternLaw, f64)| {
-            let value = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), nodes);
-            if value > best.1 {
-                *best = (law, value);
+        let guess = Likelihoods::new(self.guess(usual_db), &self.scene.map);
+        let try_law = |law: PatternLaw, best: &mut FirstLaw| {
+            let of_nodes = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), nodes);
+            let value = of_nodes.iter().sum();
+            if value > best.value {
+                *best = FirstLaw { law, value, of_nodes };
             }
             watch.check()
         };
-        let mut best = (guess.law.clone(), f64::NEG_INFINITY);
+        let mut best = FirstLaw { law: guess.law.clone(), value: f64::NEG_INFINITY, of_nodes: Vec::new() };
         for off_db in MARGINS_DB {
-            try_law(PatternLaw::guess(usual_db + off_db, self.scene.map.sectors()), &mut best)?;
+            try_law(self.guess(usual_db + off_db), &mut best)?;
         }
         let mut turned = best.clone();
         for at in 1..YAWS {
             let turn_rad = TAU * f64::from(at) / f64::from(YAWS);
             let yaw_rad = if turn_rad > PI { turn_rad - TAU } else { turn_rad };
-            try_law(PatternLaw { yaw_rad, ..best.0.clone() }, &mut turned)?;
+            try_law(PatternLaw { yaw_rad, ..best.law.clone() }, &mut turned)?;
         }
         // Smaller and smaller turns from the best one.
         let mut half_rad = PI / f64::from(YAWS);
         while half_rad > 0.02 {
-            let middle_rad = turned.0.yaw_rad;
+            let middle_rad = turned.law.yaw_rad;
             for yaw_rad in [middle_rad - half_rad, middle_rad + half_rad] {
-                try_law(PatternLaw { yaw_rad, ..best.0.clone() }, &mut turned)?;
+                try_law(PatternLaw { yaw_rad, ..best.law.clone() }, &mut turned)?;
             }
             half_rad *= 0.5;
         }
-        Ok(if turned.1 > best.1 + TURNED { turned.0 } else { best.0 })
+        Ok(if turned.agreed_beyond(&best) > TURNED { turned.law } else { best.law })
     }
 
     /// The yaw of a law under which some nodes are the likeliest, over all their places. Reports of all sectors hold places so
@@ -184,9 +225,10 @@ impl SectorSurvey<'_> {
     fn likeliest_yaw(&self, law: &PatternLaw, nodes: &[(NodeId, SearchBox)]) -> f64 {
         let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
         let turned = |yaw_rad: f64| {
-            self.ln_evidence(&likelihoods.of_other(PatternLaw { yaw_rad, ..law.clone() }, &self.scene.map), nodes)
+            let turned = likelihoods.of_other(PatternLaw { yaw_rad, ..law.clone() }, &self.scene.map);
+            self.ln_evidence(&turned, nodes).iter().sum()
         };
-        naming::highest(&turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD])
+        naming::highest(&turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], TURN_STEPS)
     }
 
     /// The law of the log, estimated from these of its nodes: expectation maximisation over their places.
@@ -206,40 +248,82 @@ impl SectorSurvey<'_> {
             nodes: nodes.len(),
             namings: 0,
         };
+        let is_turned = law.yaw_rad != 0.0;
         let settled_db = if self.log.has_sector_snrs() { SETTLED_OF_REPORTS_DB } else { SETTLED_DB };
         while found.rounds < ROUNDS && !found.is_settled {
             let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
             let each: Vec<_> = nodes.par_iter().map(|node| likelihoods.places(self, node, self.step_m())).collect();
             watch.check()?;
-            let (mut trials, mut namings) = (Vec::new(), Vec::new());
+            let (mut trials, mut namings) = (Trials::default(), Vec::new());
             let finest = likelihoods.blurred(&self.scene.map, 0.0);
             for (evidence, places) in each.iter().flatten() {
                 let sample = places.sample(SAMPLE);
-                let weight = 1.0 / sample.len().max(1) as f64;
+                let whole_weight = 1.0 / sample.len().max(1) as f64;
+                let likeliest = places.refined(&finest, evidence);
                 for listener in &evidence.listeners {
                     for &place in &sample {
                         let sight = finest.sight(place, &listener.pose);
-                        trials.push(PacketTrial {
-                            gain_db: finest.names.top_dbi(sight.cell),
-                            decades: likelihoods.tables.decades.of_root(sight.square),
+                        let decades = likelihoods.tables.decades.of_root(sight.square);
+                        let (level_db, open) = match &listener.heard {
+                            SectorsHeard::Nothing => (None, 1.0),
+                            SectorsHeard::Named(sector, snr_db) => {
+                                (snr_db.map(|snr_db| finest.level_of_name(*sector, snr_db, sight.cell)), 1.0)
+                            }
+                            SectorsHeard::Reported(report) => {
+                                let fit = finest.report(report, sight.cell, decades);
+                                let [_, open] = finest.reports.mixed(fit.ln_open, report.ln_blocked());
+                                (Some(fit.level_db), open)
+                            }
+                        };
+                        // A link of known strength was strong enough.
+                        let gain_db = if level_db.is_some() { STRONG_DB } else { finest.names.top_dbi(sight.cell) };
+                        trials.packets.push(PacketTrial {
+                            gain_db,
+                            decades,
                             received: f64::from(listener.received),
                             sent: f64::from(listener.received + listener.missed),
-                            weight,
+                            weight: whole_weight,
                         });
-                        if !matches!(listener.heard, SectorsHeard::Nothing) {
-                            namings.push(Naming { place, robot: listener.pose, heard: &listener.heard, weight });
+                        if matches!(listener.heard, SectorsHeard::Nothing) {
+                            continue;
                         }
+                        let weight = whole_weight * open;
+                        trials.levels.extend(level_db.map(|level_db| LevelTrial { level_db, decades, weight }));
+                        let (robot, heard) = (listener.pose, &listener.heard);
+                        if matches!(heard, SectorsHeard::Named(..)) {
+                            namings.push(Naming { place, robot, heard, whole_weight, weight, level_db: 0.0 });
+                        }
+                    }
+                    // A report tells the antenna more than a place that stands for many: its noise would be that of the places.
+                    if let SectorsHeard::Reported(report) = &listener.heard {
+                        let sight = finest.sight(likeliest, &listener.pose);
+                        let fit = finest.report(report, sight.cell, likelihoods.tables.decades.of_root(sight.square));
+                        let [_, open] = finest.reports.mixed(fit.ln_open, report.ln_blocked());
+                        let (robot, heard, level_db) = (listener.pose, &listener.heard, fit.level_db);
+                        namings.push(Naming {
+                            place: likeliest,
+                            robot,
+                            heard,
+                            whole_weight: 1.0,
+                            weight: open,
+                            level_db,
+                        });
                     }
                 }
             }
             let before = law.clone();
             hearing::improve(&mut law, &trials, &likelihoods.tables.normal);
-            naming::improve(&mut law, &self.scene.map, &namings, &mut found.ripple_sigma_db);
-            if self.log.has_sector_snrs() {
-                law.yaw_rad = self.likeliest_yaw(&law, &few(nodes, FIRST_NODES));
+            // With reports, places hold the turn: it is sought over all places below.
+            let is_by_names = is_turned && !self.log.has_sector_snrs();
+            let turn = if is_by_names { TurnOfRound::Improved } else { TurnOfRound::Kept };
+            naming::improve(&mut law, &self.scene.map, &namings, turn, &mut found.ripple_sigma_db);
+            if is_turned && self.log.has_sector_snrs() {
+                law.yaw_rad = self.likeliest_yaw(&law, &few(nodes, TURN_NODES));
             }
             found.rounds += 1;
-            found.namings = namings.len() / SAMPLE;
+            let is_named = |naming: &&Naming<'_>| matches!(naming.heard, SectorsHeard::Named(..));
+            let named = namings.iter().filter(is_named).count();
+            found.namings = namings.len() - named + named / SAMPLE;
             found.is_settled = law.change_db(&before) < settled_db;
             watch.advance(1);
         }

@@ -1,4 +1,5 @@
-//! The gains of all sectors over the sphere of directions, and what follows from them.
+//! The gains of all sectors over the directions of a log, and what follows from them: the sphere, or the horizon if all stops
+//! and places have one height.
 //!
 //! A node names the sector that it hears best. The strength of each sector is its gain in the direction of the node, plus an
 //! error, which is normal in decibels. With errors of Gumbel's law instead, the probability that sector s is the strongest
@@ -19,14 +20,28 @@ const CELLS: usize = 128;
 pub(super) const CELL_RAD: f64 = std::f64::consts::PI / CELLS as f64;
 /// Corners along an axis.
 const CORNERS: usize = CELLS + 1;
+/// Cells of the horizon for each of the octahedral map: 0.18 degrees.
+const FINER: usize = 8;
+/// Cells of the horizon.
+const ROUND: usize = 2 * CELLS * FINER;
 /// How often a node names any sector.
 pub(super) const ANY: f64 = 0.02;
 /// Least gain in a table (dBi): none at all.
 const NONE_DBI: f64 = -120.0;
 
-/// The gains of all sectors at the corners of the octahedral map (dBi), by corner.
+/// The directions in which nodes may be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Directions {
+    /// All: the octahedral map.
+    Sphere,
+    /// Those of the horizon, in the order of azimuths. The last corner is the first one.
+    Horizon,
+}
+
+/// The gains of all sectors at the corners of the map of directions (dBi), by corner.
 #[derive(Clone, Debug)]
 pub(super) struct GainMap {
+    directions: Directions,
     sectors: usize,
     gains_dbi: Vec<f32>,
     greatest_dbi: f64,
@@ -40,15 +55,62 @@ pub(super) struct GainCell {
     up: f64,
 }
 
-impl GainCell {
-    /// That of a direction, of any length but 0.
+impl Directions {
+    /// The cell of a direction, of any length but 0.
     #[inline]
-    pub(super) fn of(direction: [f64; 3]) -> Self {
-        let [u, v] = folded(direction).map(|along| 0.5 * (along + 1.0) * CELLS as f64);
-        let (i, j) = (whole(u).min(CELLS - 1), whole(v).min(CELLS - 1));
-        Self { corner: j * CORNERS + i, right: u - i as f64, up: v - j as f64 }
+    pub(super) fn cell(self, direction: [f64; 3]) -> GainCell {
+        match self {
+            Self::Sphere => {
+                let [u, v] = folded(direction).map(|along| 0.5 * (along + 1.0) * CELLS as f64);
+                let (i, j) = (whole(u).min(CELLS - 1), whole(v).min(CELLS - 1));
+                GainCell { corner: j * CORNERS + i, right: u - i as f64, up: v - j as f64 }
+            }
+            Self::Horizon => {
+                let [x, y, _] = direction;
+                let across = y / (x.abs() + y.abs());
+                // Rounds from 0 to 4 quarters.
+                let quarters = if x < 0.0 {
+                    2.0 - across
+                } else if across < 0.0 {
+                    4.0 + across
+                } else {
+                    across
+                };
+                let along = 0.25 * quarters * ROUND as f64;
+                let corner = whole(along).min(ROUND - 1);
+                GainCell { corner, right: along - corner as f64, up: 0.0 }
+            }
+        }
     }
 
+    /// The directions of all corners, by rows.
+    fn corners(self) -> Vec<[f64; 3]> {
+        match self {
+            Self::Sphere => {
+                let at = |i: usize| 2.0 * i as f64 / CELLS as f64 - 1.0;
+                (0..CORNERS * CORNERS).map(|corner| unfolded(at(corner % CORNERS), at(corner / CORNERS))).collect()
+            }
+            Self::Horizon => (0..=ROUND)
+                .map(|corner| {
+                    let quarters = 4.0 * corner as f64 / ROUND as f64;
+                    let x = (quarters - 2.0).abs() - 1.0;
+                    let y = if quarters < 2.0 { 1.0 - (quarters - 1.0).abs() } else { (quarters - 3.0).abs() - 1.0 };
+                    [x, y, 0.0]
+                })
+                .collect(),
+        }
+    }
+
+    /// The means of each column over the corners within `radius` cells of the octahedral map of each corner.
+    fn averaged(self, values: &[f32], columns: usize, radius: usize) -> Vec<f32> {
+        match self {
+            Self::Sphere => averaged(values, columns, radius),
+            Self::Horizon => averaged_round(values, columns, radius * FINER),
+        }
+    }
+}
+
+impl GainCell {
     /// The value of a column, interpolated between the corners.
     #[inline]
     fn value(self, values: &[f32], columns: usize, column: usize) -> f64 {
@@ -58,18 +120,15 @@ impl GainCell {
             low + self.right * (at(corner + 1) - low)
         };
         let low = along(self.corner);
+        if self.up <= 0.0 {
+            return low;
+        }
         low + self.up * (along(self.corner + CORNERS) - low)
     }
 }
 
-/// The directions of all corners, by rows.
-fn corners() -> impl IndexedParallelIterator<Item = [f64; 3]> {
-    let at = |i: usize| 2.0 * i as f64 / CELLS as f64 - 1.0;
-    (0..CORNERS * CORNERS).into_par_iter().map(move |corner| unfolded(at(corner % CORNERS), at(corner / CORNERS)))
-}
-
 impl GainMap {
-    pub(super) fn new(gains: &SectorGains) -> Self {
+    pub(super) fn new(gains: &SectorGains, directions: Directions) -> Self {
         let sectors = gains.identities().len();
         let of_corner = |all: &mut Vec<f64>, direction: [f64; 3]| {
             let direction = Position::from(direction);
@@ -77,10 +136,16 @@ impl GainMap {
             gains.all_dbi(direction * (1.0 / length), all);
             all.iter().map(|gain| single(gain.max(NONE_DBI))).collect::<Vec<f32>>()
         };
-        let gains_dbi: Vec<Vec<f32>> = corners().map_init(Vec::new, of_corner).collect();
+        let gains_dbi: Vec<Vec<f32>> = directions.corners().into_par_iter().map_init(Vec::new, of_corner).collect();
         let gains_dbi = gains_dbi.concat();
         let greatest_dbi = f64::from(highest(&gains_dbi));
-        Self { sectors, gains_dbi, greatest_dbi }
+        Self { directions, sectors, gains_dbi, greatest_dbi }
+    }
+
+    /// The directions that it covers.
+    #[inline]
+    pub(super) fn directions(&self) -> Directions {
+        self.directions
     }
 
     /// Number of sectors.
@@ -111,7 +176,7 @@ impl GainMap {
         let scale_db = logistic_scale(law.noise_db);
         let any = single(ANY / self.sectors as f64);
         let mut ln = vec![0.0_f32; self.gains_dbi.len()];
-        let mut tops_dbi = vec![0.0_f32; CORNERS * CORNERS];
+        let mut tops_dbi = vec![0.0_f32; self.gains_dbi.len() / self.sectors];
         let rows = ln.par_chunks_mut(self.sectors).zip(&mut tops_dbi).zip(self.gains_dbi.par_chunks(self.sectors));
         rows.for_each(|((names, of_corner), gains)| {
             let mut top = f64::NEG_INFINITY;
@@ -126,8 +191,8 @@ impl GainMap {
             *of_corner = single(top);
         });
         if radius > 0 {
-            ln = averaged(&ln, self.sectors, radius);
-            tops_dbi = averaged(&tops_dbi, 1, radius);
+            ln = self.directions.averaged(&ln, self.sectors, radius);
+            tops_dbi = self.directions.averaged(&tops_dbi, 1, radius);
         }
         ln.par_iter_mut().for_each(|name| *name = libm::logf(*name + any));
         Names { sectors: self.sectors, ln, tops_dbi }
@@ -170,6 +235,25 @@ fn averaged(values: &[f32], columns: usize, radius: usize) -> Vec<f32> {
     means.par_chunks_mut(row).enumerate().for_each(|(j, mean)| {
         average(mean, within(j).map(|corner| &along[corner * row..(corner + 1) * row]));
     });
+    means
+}
+
+/// The means of each column over the corners within `radius` of each corner of the horizon.
+fn averaged_round(values: &[f32], columns: usize, radius: usize) -> Vec<f32> {
+    let row = |at: usize| &values[(at % ROUND) * columns..(at % ROUND + 1) * columns];
+    let share = 1.0 / (2 * radius + 1) as f64;
+    let mut sums = vec![0.0_f64; columns];
+    for at in 0..=2 * radius {
+        sums.iter_mut().zip(row(at + ROUND - radius)).for_each(|(sum, &value)| *sum += f64::from(value));
+    }
+    let mut means = Vec::with_capacity(values.len());
+    for at in 0..=ROUND {
+        means.extend(sums.iter().map(|&sum| single(share * sum)));
+        let (first, next) = (row(at + ROUND - radius), row(at + radius + 1));
+        for ((sum, &first), &next) in sums.iter_mut().zip(first).zip(next) {
+            *sum += f64::from(next) - f64::from(first);
+        }
+    }
     means
 }
 

@@ -1,5 +1,6 @@
 //! How packets are received and sectors are named through an antenna whose gains are known.
 
+use super::report_law::ReportLaw;
 use crate::numerics::normal::Normal;
 
 /// Least probability that a packet is received or missed: no single packet rules a place out.
@@ -15,6 +16,8 @@ const LEAST: f64 = 0.005;
 pub struct PatternLaw {
     /// A: the margin of the link budget at 1 m without antenna gain (dB).
     pub margin_db: f64,
+    /// Strength of a link at the node over 1 m without antenna gain (dB): how strong a sector is that nodes name or report.
+    pub level_db: f64,
     /// n: exponent of the path loss.
     pub exponent: f64,
     /// σ: standard deviation of the power of a link (dB).
@@ -27,19 +30,23 @@ pub struct PatternLaw {
     pub yaw_rad: f64,
     /// By how much the gain of each sector differs from the pattern (dB), by the order of identities.
     pub ripple_db: Vec<f64>,
+    /// What nodes report of all sectors.
+    pub reports: ReportLaw,
 }
 
 impl PatternLaw {
-    /// A law to begin with, for a margin at 1 m.
-    pub(super) fn guess(margin_db: f64, sectors: usize) -> Self {
+    /// A law to begin with, for a margin at 1 m and the least strength that is received (dB).
+    pub(super) fn guess(margin_db: f64, least_db: f64, sectors: usize) -> Self {
         Self {
             margin_db,
+            level_db: margin_db + least_db,
             exponent: 2.0,
             sigma_db: 5.0,
             delivery: 0.8,
             noise_db: 1.0,
             yaw_rad: 0.0,
             ripple_db: vec![0.0; sectors],
+            reports: ReportLaw::guess(),
         }
     }
 
@@ -67,6 +74,7 @@ impl PatternLaw {
         let changes = [
             (square / self.ripple_db.len().max(1) as f64).sqrt(),
             self.margin_db - other.margin_db,
+            self.level_db - other.level_db,
             self.sigma_db - other.sigma_db,
             self.noise_db - other.noise_db,
             10.0 * (self.exponent - other.exponent),

@@ -16,6 +16,8 @@ mod law;
 mod naming;
 mod places;
 mod report;
+mod report_law;
+mod report_sums;
 mod scene;
 mod settled;
 mod tiles;
@@ -33,7 +35,8 @@ use evidence::{PatternTables, Pose, Sight, Turn};
 use fit::thinned;
 use gain_map::GainMap;
 pub use law::PatternLaw;
-use scene::AntennaScene;
+pub use report_law::ReportLaw;
+use scene::{AntennaScene, LeastStrengths};
 use settled::SettledLaw;
 
 /// How a log with known gains is mapped.
@@ -77,7 +80,8 @@ impl PatternFit {
     /// The probability that a packet of a node at `place` is received at a stop.
     #[must_use]
     pub fn probability(&self, place: Position, stop: &Stop) -> f64 {
-        let Sight { cell, square } = Sight::of(place, &Pose::of(stop), Turn::by(self.law.yaw_rad));
+        let Sight { cell, square } =
+            Sight::of(place, &Pose::of(stop), Turn::by(self.law.yaw_rad), self.gains.directions());
         let gain = |sector: usize| self.gains.gain_dbi(cell, sector) + self.law.ripple_db[sector];
         let top_dbi = (0..self.gains.sectors()).map(gain).fold(f64::NEG_INFINITY, f64::max);
         self.law.heard(&self.tables.normal, top_dbi, self.tables.decades.of_root(square))
@@ -105,7 +109,8 @@ impl PatternMap {
         let log = &*self.counts.counted(log);
         let heard = heard_nodes(log);
         let farthest_m: Vec<f64> = heard.iter().map(|heard| heard.farthest_m).collect();
-        let Some(scene) = AntennaScene::of(self, log, gains, &farthest_m) else {
+        let least = LeastStrengths::of(log);
+        let Some(scene) = AntennaScene::of(self, log, gains, &farthest_m, least) else {
             let places = vec![None; log.node_count()];
             return Ok((TopologyMap::of_places(name, places, CoordinateFrame::World), None));
         };

@@ -3,9 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::Position;
 
-use super::evidence::{Pose, SectorsHeard, Sight, Turn, of_report};
+use super::evidence::{Pose, SectorsHeard, Sight, Turn};
 use super::gain_map::{ANY, GainMap};
 use super::law::PatternLaw;
+use super::report_sums::ReportSums;
 use crate::numerics::normal::logistic_scale;
 
 /// Steps of Newton's method for the ripple, in a round.
@@ -16,7 +17,7 @@ const MOST_DB: f64 = 1.5;
 const NOISE_DB: [f64; 2] = [0.5, 8.0];
 const RIPPLE_DB: [f64; 2] = [0.1, 6.0];
 /// Steps of a search along one value.
-pub(super) const GOLDEN_STEPS: u32 = 14;
+const GOLDEN_STEPS: u32 = 14;
 /// In a round the antenna turns at most so far (rad).
 pub(super) const TURN_RAD: f64 = 0.07;
 
@@ -27,7 +28,11 @@ pub(super) struct Naming<'a> {
     pub(super) robot: Pose,
     pub(super) heard: &'a SectorsHeard,
     /// Probability of the place.
+    pub(super) whole_weight: f64,
+    /// Probability of the place, and that the straight way is open.
     pub(super) weight: f64,
+    /// Strength of the straight way without gain (dB).
+    pub(super) level_db: f64,
 }
 
 /// The gains of all sectors for each naming.
@@ -42,7 +47,7 @@ impl Gains {
         let sectors = map.sectors();
         let mut dbi = Vec::with_capacity(namings.len() * sectors);
         for naming in namings {
-            let cell = Sight::of(naming.place, &naming.robot, turn).cell;
+            let cell = Sight::of(naming.place, &naming.robot, turn, map.directions()).cell;
             dbi.extend((0..sectors).map(|sector| map.gain_dbi(cell, sector)));
         }
         Self { sectors, dbi }
@@ -74,36 +79,53 @@ fn log_likelihood(gains: &Gains, namings: &[Naming<'_>], ripple_db: &[f64], nois
     for (row, naming) in gains.rows().zip(namings) {
         sum += naming.weight
             * match naming.heard {
-                SectorsHeard::Nothing => 0.0,
-                SectorsHeard::Named(sector) => {
+                SectorsHeard::Named(sector, _) => {
                     probabilities(row, ripple_db, logistic_scale(noise_db), &mut shares);
                     libm::log((1.0 - ANY) * shares[*sector] + ANY / gains.sectors as f64)
                 }
-                SectorsHeard::Reported(report) => {
-                    of_report(report, |sector| row[sector] + ripple_db[sector], noise_db)
-                }
+                SectorsHeard::Nothing | SectorsHeard::Reported(_) => 0.0,
             };
     }
     sum
 }
 
-/// Improves noise, yaw and ripple of `law`. `ripple_sigma_db` is the standard deviation of the ripple, which is estimated as
-/// well.
-pub(super) fn improve(law: &mut PatternLaw, map: &GainMap, namings: &[Naming<'_>], ripple_sigma_db: &mut f64) {
+/// Improves noise and ripple of `law`, and how far the antenna is turned if that is estimated. `ripple_sigma_db` is the standard
+/// deviation of the ripple, which is estimated as well.
+pub(super) fn improve(
+    law: &mut PatternLaw,
+    map: &GainMap,
+    namings: &[Naming<'_>],
+    turn: TurnOfRound,
+    ripple_sigma_db: &mut f64,
+) {
     if namings.is_empty() {
         return;
     }
-    let turned =
-        |yaw_rad: f64| log_likelihood(&Gains::of(map, namings, yaw_rad), namings, &law.ripple_db, law.noise_db);
-    law.yaw_rad = highest(&turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD]);
+    if turn == TurnOfRound::Improved {
+        let turned =
+            |yaw_rad: f64| log_likelihood(&Gains::of(map, namings, yaw_rad), namings, &law.ripple_db, law.noise_db);
+        law.yaw_rad = highest(&turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], GOLDEN_STEPS);
+    }
     let gains = Gains::of(map, namings, law.yaw_rad);
-    let [low, high] = NOISE_DB.map(libm::log);
-    let with_noise = |ln: f64| log_likelihood(&gains, namings, &law.ripple_db, libm::exp(ln));
-    law.noise_db = libm::exp(highest(&with_noise, [low, high]));
+    let of_reports = ReportSums::of(law, gains.rows().zip(namings));
+    if of_reports.are_enough() {
+        of_reports.improve(law, NOISE_DB);
+    } else {
+        let [low, high] = NOISE_DB.map(libm::log);
+        let with_noise = |ln: f64| log_likelihood(&gains, namings, &law.ripple_db, libm::exp(ln));
+        law.noise_db = libm::exp(highest(&with_noise, [low, high], GOLDEN_STEPS));
+    }
     if let Some(variances) = improve_ripple(law, &gains, namings, *ripple_sigma_db) {
         let square: f64 = law.ripple_db.iter().map(|b| b * b).sum::<f64>() + variances;
         *ripple_sigma_db = (square / gains.sectors as f64).sqrt().clamp(RIPPLE_DB[0], RIPPLE_DB[1]);
     }
+}
+
+/// Whether the antenna may turn in a round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TurnOfRound {
+    Kept,
+    Improved,
 }
 
 /// Newton's method for the ripple, which is normal before anything is heard. Gives the sum of its variances.
@@ -118,17 +140,22 @@ fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming<'_>], s
         for (row, naming) in gains.rows().zip(namings) {
             let named = match naming.heard {
                 SectorsHeard::Nothing => continue,
-                SectorsHeard::Named(sector) => *sector,
+                SectorsHeard::Named(sector, _) => *sector,
                 SectorsHeard::Reported(report) => {
                     let precision = naming.weight / (law.noise_db * law.noise_db);
-                    let residual = |&(sector, snr_db): &(usize, f64)| snr_db - row[sector] - law.ripple_db[sector];
-                    let count = report.len() as f64;
-                    let mean = report.iter().map(residual).sum::<f64>() / count;
-                    for entry in report {
-                        slope[entry.0] += precision * (residual(entry) - mean);
-                        curvature[(entry.0, entry.0)] += precision;
-                        for other in report {
-                            curvature[(entry.0, other.0)] -= precision / count;
+                    let entries = report.present.iter().map(|&(sector, snr_db)| {
+                        let residual_db = snr_db - naming.level_db - row[sector] - law.ripple_db[sector];
+                        let [core, seen, odd] = law.reports.densities(residual_db, row[sector], law.noise_db);
+                        (sector, residual_db, core / (core + seen + odd))
+                    });
+                    let entries: Vec<(usize, f64, f64)> = entries.filter(|entry| entry.2 > 1e-3).collect();
+                    let sum: f64 = entries.iter().map(|entry| entry.2).sum();
+                    let mean = entries.iter().map(|entry| entry.1 * entry.2).sum::<f64>() / sum.max(1e-9);
+                    for &(sector, residual_db, core) in &entries {
+                        slope[sector] += precision * core * (residual_db - mean);
+                        curvature[(sector, sector)] += precision * core;
+                        for &(other, _, of_other) in &entries {
+                            curvature[(sector, other)] -= precision * core * of_other / sum;
                         }
                     }
                     continue;
@@ -157,11 +184,11 @@ fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming<'_>], s
 }
 
 /// Where a function of one value is highest between two ends, by golden sections.
-pub(super) fn highest(value: &impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+pub(super) fn highest(value: &impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], steps: u32) -> f64 {
     const SHARE: f64 = 0.618_033_988_749_894_8;
     let (mut left, mut right) = (high - SHARE * (high - low), low + SHARE * (high - low));
     let (mut of_left, mut of_right) = (value(left), value(right));
-    for _ in 0..GOLDEN_STEPS {
+    for _ in 0..steps {
         if of_left >= of_right {
             (high, right, of_right) = (right, left, of_left);
             left = high - SHARE * (high - low);

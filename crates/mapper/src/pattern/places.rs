@@ -19,6 +19,9 @@ const FINE: f64 = 0.5;
 /// Times that cells are halved, at most.
 const HALVINGS: u32 = 12;
 
+/// Steps of the search for the likeliest place, each shorter than the one before.
+const REFINED: u32 = 10;
+
 /// A cell with the log-likelihood at its middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WeighedCell {
@@ -186,6 +189,24 @@ impl CellPosterior {
     /// The mean place (m).
     pub(super) fn mean(&self) -> Position {
         self.places.iter().fold(Position::ORIGIN, |sum, &(place, probability)| sum + place * probability)
+    }
+
+    /// The likeliest place, closer than the cells are wide.
+    pub(super) fn refined(&self, likelihood: &PatternLikelihood<'_>, evidence: &PatternEvidence) -> Position {
+        let mut best = (self.likeliest.0, likelihood.at(evidence, self.likeliest.0));
+        let mut step_m = 0.5 * self.step_m;
+        for _ in 0..REFINED {
+            let middle = best.0;
+            for (east, north) in [(step_m, 0.0), (-step_m, 0.0), (0.0, step_m), (0.0, -step_m)] {
+                let place = middle + Position::new(east, north, 0.0);
+                let value = likelihood.at(evidence, place);
+                if value > best.1 {
+                    best = (place, value);
+                }
+            }
+            step_m *= 0.6;
+        }
+        best.0
     }
 
     /// A few places that stand for all, each with the same probability.

@@ -27,6 +27,12 @@ struct PatternKeys {
     delivery: f64,
     /// Standard deviation of the error of the strength of a sector (dB).
     noise_db: f64,
+    /// Strength of a link at the node over 1 m without antenna gain (dB), of logs with strengths of sectors.
+    level_db: f64,
+    /// Share of the sectors in reports to which the power of other ways than the straight one is added.
+    added_share: f64,
+    /// Share of the reports whose straight way is blocked.
+    blocked_share: f64,
     /// How far the antenna is turned from what the log says, counterclockwise (degrees).
     yaw_deg: f64,
     /// Standard deviation of the differences of the sectors from the pattern (dB).
@@ -53,6 +59,9 @@ impl Finding for PatternFit {
             sigma_db: law.sigma_db,
             delivery: law.delivery,
             noise_db: law.noise_db,
+            level_db: law.level_db,
+            added_share: law.reports.added_share,
+            blocked_share: law.reports.blocked_share,
             yaw_deg: law.yaw_rad.to_degrees(),
             ripple_sigma_db: self.ripple_sigma_db,
             ripple_db: law.ripple_db.clone(),

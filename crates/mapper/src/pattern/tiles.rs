@@ -7,7 +7,7 @@ use sextant_kernel::{NodeId, Watch};
 
 use super::PatternMap;
 use super::fit::thinned;
-use super::scene::AntennaScene;
+use super::scene::{AntennaScene, LeastStrengths};
 use super::settled::SettledLaw;
 use crate::count_rule::CountRule;
 use crate::error::MapError;
@@ -45,7 +45,9 @@ impl PatternMap {
     ) -> Result<Box<dyn FixedLaw>, PartsError> {
         let counts = self.counts;
         let mut usual_m = Vec::new();
+        let mut least = LeastStrengths::default();
         each_part(parts, watch, &mut |_, log| {
+            least = least.and(LeastStrengths::of(log));
             usual_m.extend(centres(&counts.counted(log)).iter().flatten().map(|centre| centre.usual_m));
             Ok(())
         })?;
@@ -59,7 +61,7 @@ impl PatternMap {
         })?;
         heard.sort_unstable_by_key(|&(node, _)| node);
         let farthest_m: Vec<f64> = heard.iter().map(|&(_, farthest_m)| farthest_m).collect();
-        let settled = match AntennaScene::of(&self, parts.whole(), gains, &farthest_m) {
+        let settled = match AntennaScene::of(&self, parts.whole(), gains, &farthest_m, least) {
             Some(scene) => {
                 let nodes: Vec<NodeId> = thinned(&heard).into_iter().map(|(node, _)| node).collect();
                 let few = sample(parts, &nodes, watch)?;

@@ -1,0 +1,205 @@
+//! How likely what a node reports of a sector is, given the gain of that sector towards the node.
+//!
+//! A report is a mixture. The signal of a sector comes by the straight way; to its power others may add, by ways that nobody
+//! knows: reflections and leaks. Their power relative to the straight way without gain is normal in decibels, and broad, because
+//! neither their direction nor their loss is known. Power that is added is never negative, so that a sector may be much stronger
+//! than its gain says, and hardly weaker. A sector that is absent was too weak, or its frame was lost. And the straight way of
+//! some reports is blocked: these tell nothing of the direction.
+
+use crate::numerics::normal::{below, density};
+
+/// Residuals in a table, from the least to the greatest (dB), and their number in a decibel.
+const RESIDUALS_DB: [f64; 2] = [-24.0, 56.0];
+const PER_DB: f64 = 8.0;
+/// Gains in a table, from the least to the greatest (dBi), and the step between them (dB).
+const GAINS_DBI: [f64; 2] = [-60.0, 40.0];
+const GAIN_STEP_DB: f64 = 2.0;
+/// Scores in the table of absent sectors, on both sides, and their number in a decibel.
+const ABSENT_DB: f64 = 40.0;
+/// An addition that is weaker than the straight way by this or more is not seen (dB).
+pub(super) const UNSEEN_DB: f64 = -6.0;
+/// With more noise the level is found in one step (dB).
+const ROUGH_DB: f64 = 1.5;
+/// How often the strength of a sector is any, over so many decibels.
+const ODD: f64 = 0.01;
+const ODD_WIDTH_DB: f64 = 60.0;
+
+/// The law of what nodes report of sectors, beside the noise and the ripple of the antenna.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReportLaw {
+    /// Share of the sectors to which the power of other ways is added.
+    pub added_share: f64,
+    /// Power of the other ways relative to the straight one without gain: mean (dB).
+    pub added_db: f64,
+    /// The same: standard deviation (dB).
+    pub added_sigma_db: f64,
+    /// Share of the sectors that are absent though they were strong enough.
+    pub lost_share: f64,
+    /// Share of the reports whose straight way is blocked.
+    pub blocked_share: f64,
+}
+
+impl ReportLaw {
+    /// A law to begin with.
+    pub(super) fn guess() -> Self {
+        Self { added_share: 0.15, added_db: -4.0, added_sigma_db: 8.0, lost_share: 0.03, blocked_share: 0.05 }
+    }
+
+    /// The probability that an addition is not seen beside a straight way of this gain.
+    pub(super) fn unseen(&self, gain_db: f64) -> f64 {
+        below((gain_db + UNSEEN_DB - self.added_db) / self.added_sigma_db)
+    }
+
+    /// The densities of a residual (per dB): without an addition that is seen, with one, and of any strength. The noise has this
+    /// standard deviation.
+    pub(super) fn densities(&self, residual_db: f64, gain_db: f64, noise_db: f64) -> [f64; 3] {
+        let plain = (1.0 - self.added_share + self.added_share * self.unseen(gain_db)) * (1.0 - ODD);
+        let core = plain * density(residual_db / noise_db) / noise_db;
+        let factor = libm::pow(10.0, 0.1 * residual_db.max(0.0));
+        let added_db = 10.0 * libm::log10((factor - 1.0).max(1e-9));
+        let seen = if added_db > UNSEEN_DB {
+            let off = (added_db - (self.added_db - gain_db)) / self.added_sigma_db;
+            let slope = factor / (factor - 1.0);
+            self.added_share * (1.0 - ODD) * density(off) / self.added_sigma_db * slope
+        } else {
+            0.0
+        };
+        [core, seen, ODD / ODD_WIDTH_DB]
+    }
+}
+
+/// The law in tables.
+#[derive(Clone, Debug)]
+pub(super) struct ReportTables {
+    law: ReportLaw,
+    noise_db: f64,
+    residuals: usize,
+    /// By gain, then by residual: the logarithm of the density, and the share of it that is without additions.
+    values: Vec<[f32; 2]>,
+    /// By how far the threshold is above the straight way: the logarithm of the probability that a sector is absent.
+    absent: Vec<f32>,
+}
+
+/// What a report says of a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ReportFit {
+    /// The log-likelihood if the straight way is open.
+    pub(super) ln_open: f64,
+    /// The strength of the straight way at the node, without gain (dB).
+    pub(super) level_db: f64,
+}
+
+/// What a node reported of all sectors.
+#[derive(Clone, Debug)]
+pub(super) struct Report {
+    /// The sectors by the order of identities, each with its strength (dB).
+    pub(super) present: Vec<(usize, f64)>,
+    pub(super) absent: Vec<usize>,
+    /// Sectors of less strength are absent (dB).
+    pub(super) least_db: f64,
+}
+
+/// Where the strength of the straight way is expected (dB), and with what standard deviation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ExpectedLevel {
+    pub(super) level_db: f64,
+    pub(super) sigma_db: f64,
+}
+
+impl Report {
+    /// The log-likelihood if the straight way is blocked: each sector is present or absent by chance, with any strength.
+    pub(super) fn ln_blocked(&self) -> f64 {
+        let [present, absent] = [self.present.len() as f64, self.absent.len() as f64];
+        let share = (present + 0.5) / (present + absent + 1.0);
+        present * libm::log(share / 30.0) + absent * libm::log(1.0 - share)
+    }
+}
+
+fn count(from: f64, to: f64, step: f64) -> usize {
+    crate::numerics::whole(((to - from) / step).round()) + 1
+}
+
+impl ReportTables {
+    /// The tables of a law whose strengths have this noise (dB).
+    pub(super) fn new(law: &ReportLaw, noise_db: f64) -> Self {
+        let residuals = count(RESIDUALS_DB[0], RESIDUALS_DB[1], 1.0 / PER_DB);
+        let gains = count(GAINS_DBI[0], GAINS_DBI[1], GAIN_STEP_DB);
+        let mut values = Vec::with_capacity(residuals * gains);
+        for gain in 0..gains {
+            let gain_db = GAINS_DBI[0] + GAIN_STEP_DB * gain as f64;
+            for residual in 0..residuals {
+                let densities = law.densities(RESIDUALS_DB[0] + residual as f64 / PER_DB, gain_db, noise_db);
+                let sum: f64 = densities.iter().sum();
+                values.push([single(libm::log(sum)), single(densities[0] / sum)]);
+            }
+        }
+        let absent = (0..count(-ABSENT_DB, ABSENT_DB, 1.0 / PER_DB)).map(|at| {
+            let over_db = at as f64 / PER_DB - ABSENT_DB;
+            single(libm::log(law.lost_share + (1.0 - law.lost_share) * below(over_db / noise_db)))
+        });
+        Self { law: *law, noise_db, residuals, values, absent: absent.collect() }
+    }
+
+    /// The logarithm of the density of a residual, and the share of it that is without additions.
+    #[inline]
+    fn at(&self, residual_db: f64, gain_db: f64) -> [f64; 2] {
+        let row = ((gain_db - GAINS_DBI[0]) / GAIN_STEP_DB + 0.5).clamp(0.0, 50.0);
+        let along = ((residual_db - RESIDUALS_DB[0]) * PER_DB).clamp(0.0, (self.residuals - 2) as f64);
+        let column = crate::numerics::whole(along);
+        let place = crate::numerics::whole(row) * self.residuals + column;
+        let (low, high) = (self.values[place], self.values[place + 1]);
+        let share = along - column as f64;
+        [0, 1].map(|i| f64::from(low[i]) + share * (f64::from(high[i]) - f64::from(low[i])))
+    }
+
+    /// How a report fits these `gains` of all sectors, with their ripple.
+    pub(super) fn fit(&self, report: &Report, gains: &[f64], expected: ExpectedLevel) -> ReportFit {
+        let top = report.present.iter().fold((f64::NEG_INFINITY, 0.0), |top, &(sector, snr_db)| {
+            if gains[sector] > top.0 { (gains[sector], snr_db - gains[sector]) } else { top }
+        });
+        let mut level_db = top.1;
+        let of_noise = 1.0 / (self.noise_db * self.noise_db);
+        let of_expected = 1.0 / (expected.sigma_db * expected.sigma_db);
+        let mut precision = of_expected;
+        for _ in 0..if self.noise_db > ROUGH_DB { 1 } else { 2 } {
+            let (mut sum, mut weight) = (of_expected * expected.level_db, of_expected);
+            for &(sector, snr_db) in &report.present {
+                let gain_db = gains[sector];
+                let [_, core] = self.at(snr_db - level_db - gain_db, gain_db);
+                sum += of_noise * core * (snr_db - gain_db);
+                weight += of_noise * core;
+            }
+            (level_db, precision) = (sum / weight, weight);
+        }
+        let mut ln_open = 0.0;
+        for &(sector, snr_db) in &report.present {
+            ln_open += self.at(snr_db - level_db - gains[sector], gains[sector])[0];
+        }
+        let over_db = report.least_db - level_db;
+        for &sector in &report.absent {
+            let along = ((over_db - gains[sector] + ABSENT_DB) * PER_DB).clamp(0.0, (self.absent.len() - 1) as f64);
+            ln_open += f64::from(self.absent[crate::numerics::whole(along)]);
+        }
+        // None of the absent sectors has an addition that would be heard.
+        let share = self.law.added_share;
+        let quiet = below((over_db - self.law.added_db) / self.law.added_sigma_db);
+        ln_open += report.absent.len() as f64 * libm::log((1.0 - share + share * quiet).max(1e-3));
+        let off = (level_db - expected.level_db) / expected.sigma_db;
+        ln_open -= 0.5 * off * off + libm::log(expected.sigma_db) + 0.5 * libm::log(precision);
+        ReportFit { ln_open, level_db }
+    }
+
+    /// The log-likelihood of a report that fits like this, whose straight way may be blocked, and the probability that it is not.
+    pub(super) fn mixed(&self, ln_open: f64, ln_blocked: f64) -> [f64; 2] {
+        let open = libm::log(1.0 - self.law.blocked_share) + ln_open;
+        let blocked = libm::log(self.law.blocked_share) + ln_blocked;
+        let top = open.max(blocked);
+        let sum = libm::exp(open - top) + libm::exp(blocked - top);
+        [top + libm::log(sum), libm::exp(open - top) / sum]
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "tables are in single precision")]
+fn single(value: f64) -> f32 {
+    value as f32
+}
