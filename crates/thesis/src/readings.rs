@@ -140,7 +140,8 @@ impl Readings {
 impl ReadValue {
     /// Whether each of its runs has the value that is taken: the setting does not concern it.
     fn is_same(&self) -> bool {
-        self.difference.is_some_and(|of| of.mean == 0.0 && of.half_width_95.is_none_or(|half_width| half_width == 0.0))
+        self.difference
+            .is_some_and(|of| of.mean == 0.0 && of.half_width_95.is_none_or(|half_width| half_width == 0.0))
     }
 }
 
