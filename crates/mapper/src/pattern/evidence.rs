@@ -23,6 +23,20 @@ pub(super) enum SectorsHeard {
     Reported(Report),
 }
 
+/// What a node said of sectors, seen from one of the places that stand for its posterior.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Naming<'a> {
+    pub(super) place: Position,
+    pub(super) robot: Pose,
+    pub(super) heard: &'a SectorsHeard,
+    /// Probability of the place.
+    pub(super) whole_weight: f64,
+    /// Probability of the place, and that the straight way is open.
+    pub(super) weight: f64,
+    /// Strength of the straight way without gain (dB).
+    pub(super) level_db: f64,
+}
+
 /// A report of n sectors counts as `TOLD n/(n + UNTOLD)` at most: what the pattern has wrong in a direction, and what a reflection
 /// adds, is wrong in several sectors at once.
 const TOLD: f64 = 3.0;

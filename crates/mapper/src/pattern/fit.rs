@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
-use super::evidence::{PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
+use super::evidence::{Naming, PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
 use super::gain_map::{CELL_RAD, GainMap, Names};
 use super::hearing::{self, LevelTrial, PacketTrial, Trials};
 use super::law::PatternLaw;
-use super::naming::{self, Naming, TURN_RAD, TurnOfRound};
+use super::naming::{self, TURN_RAD, TurnOfRound};
 use super::places::{self, CellPosterior};
 use super::report_law::ReportTables;
 use super::scene::AntennaScene;

@@ -1,9 +1,8 @@
 //! What nodes say of sectors: the noise, the ripple and the yaw, from places that stand for their posteriors.
 
 use nalgebra::{DMatrix, DVector};
-use sextant_channel::Position;
 
-use super::evidence::{Pose, SectorsHeard, Sight, Turn};
+use super::evidence::{Naming, SectorsHeard, Sight, Turn};
 use super::gain_map::{ANY, GainMap};
 use super::law::PatternLaw;
 use super::report_sums::ReportSums;
@@ -20,20 +19,6 @@ const RIPPLE_DB: [f64; 2] = [0.1, 6.0];
 const GOLDEN_STEPS: u32 = 14;
 /// In a round the antenna turns at most so far (rad).
 pub(super) const TURN_RAD: f64 = 0.07;
-
-/// What a node said of sectors, seen from one of the places that stand for its posterior.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Naming<'a> {
-    pub(super) place: Position,
-    pub(super) robot: Pose,
-    pub(super) heard: &'a SectorsHeard,
-    /// Probability of the place.
-    pub(super) whole_weight: f64,
-    /// Probability of the place, and that the straight way is open.
-    pub(super) weight: f64,
-    /// Strength of the straight way without gain (dB).
-    pub(super) level_db: f64,
-}
 
 /// The gains of all sectors for each naming.
 struct Gains {

@@ -1,8 +1,7 @@
 //! The law of reports, from places that stand for the posteriors of nodes: a step of expectation maximisation.
 
-use super::evidence::SectorsHeard;
+use super::evidence::{Naming, SectorsHeard};
 use super::law::PatternLaw;
-use super::naming::Naming;
 use super::report_law::{ReportLaw, UNSEEN_DB};
 use crate::numerics::normal::{below, density};
 
