@@ -175,7 +175,7 @@ fn depends(readings: &Readings) -> Vec<PagePart> {
                 None => under.push((verdict, vec![reading])),
             }
         }
-        under.iter().map(|(of, readings)| format!("{}: {}", of.words(), readings.join("; "))).collect::<Vec<_>>()
+        under.iter().map(|(of, readings)| format!("{}: {}", of.words(), readings.join(". Or "))).collect::<Vec<_>>()
     };
     let changed = readings.conclusions.iter().map(|(_, moved)| (moved, changes(moved)));
     let changed: Vec<_> = changed.filter(|(_, changes)| !changes.is_empty()).collect();

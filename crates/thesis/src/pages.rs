@@ -82,8 +82,8 @@ const MEANING: [&str; 10] = [
     "cannot be told: neither; the runs do not decide",
     "within interval: the published number is in our 95 % interval; of a published range or bound, a part is in it",
     "within 20 %: ours differs from the published number, or from the nearer end of a range, by at most a fifth of that",
-    "within 20 % for a reading: neither of these with the values that are taken, but within 20 % for another value that the \
-     text allows, with an interval of at most ± half the published number; the page names it",
+    "within 20 % for a reading: none of these, but within 20 % for another value that the text allows, which the page names. \
+     Its interval is at most ± half the published number",
     "better than published: none of these, and the error or the time is less than the thesis has, or the share more",
     "within a factor 2: none of these, and ours is at least half and at most twice that",
     "other: none of these",
