@@ -6,7 +6,7 @@ import sys
 import zlib
 
 #: The largest size of a wheel (MB).
-LARGEST_MB = 15.0
+LARGEST_MB = 16.0
 
 spec = importlib.util.find_spec("sextant._native")
 if spec is None or spec.origin is None:
