@@ -9,7 +9,7 @@ use super::graph::Graph;
 use super::hop_distance::NeighbourRanges;
 use super::mds::classical_mds;
 use super::mds_map::of_parts;
-use super::smacof::{Dissimilarity, neighbour_ranges, refined};
+use super::smacof::{PairDistance, neighbour_ranges, refined};
 use super::{Dimensions, check_link_share, default_link_share};
 use crate::error::MapError;
 use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
@@ -105,7 +105,7 @@ impl DrMds {
         let graph = Graph::of(log, self.link_share);
         let map = |part: &[usize]| {
             let pairs = neighbour_ranges(&self.ranging, log, &graph, part);
-            let edges = pairs.iter().map(|&Dissimilarity { a, b, distance_m }| (a, b, distance_m));
+            let edges = pairs.iter().map(|&PairDistance { a, b, distance_m }| (a, b, distance_m));
             let ranges = NeighbourRanges::new(part.len(), edges, usual_reach_m(&pairs), dimensions);
             let ways = ranges.shortest_ways(Self::NAME, watch)?;
             if ways.iter().any(|way_m| way_m.is_infinite()) {
@@ -124,7 +124,7 @@ impl DrMds {
 }
 
 /// The distance that most neighbours do not exceed (m). The largest one is often an error.
-fn usual_reach_m(pairs: &[Dissimilarity]) -> f64 {
+fn usual_reach_m(pairs: &[PairDistance]) -> f64 {
     let mut distances_m: Vec<f64> = pairs.iter().map(|pair| pair.distance_m).collect();
     distances_m.sort_unstable_by(f64::total_cmp);
     let last = distances_m.len().saturating_sub(1) as f64;

@@ -130,7 +130,7 @@ pub(super) fn neighbour_ranges(
     log: &NeighbourLog,
     graph: &Graph,
     part: &[usize],
-) -> Vec<Dissimilarity> {
+) -> Vec<PairDistance> {
     let mut pairs = Vec::new();
     for (a, &node) in part.iter().enumerate() {
         for &other in graph.neighbours(node).iter().filter(|&&other| other as usize > node) {
@@ -144,7 +144,7 @@ pub(super) fn neighbour_ranges(
                 }
             }
             if packets > 0.0 {
-                pairs.push(Dissimilarity { a, b, distance_m: ranging.distance_m(sum_dbm / packets) });
+                pairs.push(PairDistance { a, b, distance_m: ranging.distance_m(sum_dbm / packets) });
             }
         }
     }
@@ -154,7 +154,7 @@ pub(super) fn neighbour_ranges(
 /// `places` after at most `rounds` rounds of majorisation; `None` if the pairs do not connect them.
 pub(super) fn refined(
     places: &[Position],
-    pairs: &[Dissimilarity],
+    pairs: &[PairDistance],
     rounds: u32,
     dimensions: usize,
     watch: &dyn Watch,
@@ -163,12 +163,15 @@ pub(super) fn refined(
     Ok(places.map(|places| positions(&places)))
 }
 
-/// The measured distance of two nodes. All pairs have the same weight.
+/// A measured distance of two nodes. All pairs have the same weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Dissimilarity {
-    pub(super) a: usize,
-    pub(super) b: usize,
-    pub(super) distance_m: f64,
+pub struct PairDistance {
+    /// One node.
+    pub a: usize,
+    /// The other one.
+    pub b: usize,
+    /// Their distance (m).
+    pub distance_m: f64,
 }
 
 /// A refinement ends when a round lowers the stress by less than this share.
@@ -184,12 +187,12 @@ fn matrix(places: &[Position], dimensions: usize) -> DMatrix<f64> {
     DMatrix::from_fn(places.len(), dimensions, |row, column| <[f64; 3]>::from(places[row])[column])
 }
 
-fn apart(places: &DMatrix<f64>, pair: &Dissimilarity) -> f64 {
+fn apart(places: &DMatrix<f64>, pair: &PairDistance) -> f64 {
     (places.row(pair.a) - places.row(pair.b)).norm()
 }
 
 /// Scales `places` to minimise their stress.
-fn fit_scale(places: &mut DMatrix<f64>, pairs: &[Dissimilarity]) {
+fn fit_scale(places: &mut DMatrix<f64>, pairs: &[PairDistance]) {
     let (mut product, mut square) = (0.0, 0.0);
     for pair in pairs {
         let distance = apart(places, pair);
@@ -202,7 +205,7 @@ fn fit_scale(places: &mut DMatrix<f64>, pairs: &[Dissimilarity]) {
 }
 
 /// Raw stress: sum over the pairs of the squared difference of distances.
-fn stress(places: &DMatrix<f64>, pairs: &[Dissimilarity]) -> f64 {
+fn stress(places: &DMatrix<f64>, pairs: &[PairDistance]) -> f64 {
     pairs.iter().map(|pair| (apart(places, pair) - pair.distance_m).powi(2)).sum()
 }
 
@@ -210,12 +213,12 @@ fn stress(places: &DMatrix<f64>, pairs: &[Dissimilarity]) -> f64 {
 /// made zero by the diagonal. `None` if the pairs do not connect all nodes.
 fn factored(
     nodes: usize,
-    pairs: &[Dissimilarity],
+    pairs: &[PairDistance],
     watch: &dyn Watch,
 ) -> Result<Option<Cholesky<f64, Dyn>>, Interrupted> {
     #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
     let mut v = DMatrix::from_element(nodes, nodes, 1.0 / nodes as f64);
-    for &Dissimilarity { a, b, .. } in pairs {
+    for &PairDistance { a, b, .. } in pairs {
         v[(a, b)] -= 1.0;
         v[(b, a)] -= 1.0;
         v[(a, a)] += 1.0;
@@ -238,7 +241,7 @@ fn cholesky(mut matrix: DMatrix<f64>, watch: &dyn Watch) -> Result<Option<Choles
 /// One step of majorisation, `X = V⁺ B(Z) Z`: the stress never rises.
 fn transformed(
     places: &DMatrix<f64>,
-    pairs: &[Dissimilarity],
+    pairs: &[PairDistance],
     factor: &Cholesky<f64, Dyn>,
     watch: &dyn Watch,
 ) -> Result<DMatrix<f64>, Interrupted> {
@@ -264,7 +267,7 @@ fn transformed(
 /// `places` after majorisation; `None` if the pairs do not connect them.
 fn majorised(
     mut places: DMatrix<f64>,
-    pairs: &[Dissimilarity],
+    pairs: &[PairDistance],
     rounds: u32,
     tolerance: f64,
     watch: &dyn Watch,
@@ -331,14 +334,14 @@ mod tests {
         DMatrix::from_fn(rows, 2, |i, j| 10.0 * Seed(seed).uniform(Purpose::new(8), [i as u64, j as u64, 11]))
     }
 
-    fn pairs(places: &DMatrix<f64>, noise: f64) -> Vec<Dissimilarity> {
+    fn pairs(places: &DMatrix<f64>, noise: f64) -> Vec<PairDistance> {
         let mut pairs = Vec::new();
         for a in 0..places.nrows() {
             for b in a + 1..places.nrows() {
                 let distance = (places.row(a) - places.row(b)).norm();
                 let factor = 1.0 + noise * Seed(4).normal(Purpose::new(8), [a as u64, b as u64, 12]);
                 if distance < 5.0 {
-                    pairs.push(Dissimilarity { a, b, distance_m: distance * factor.abs() });
+                    pairs.push(PairDistance { a, b, distance_m: distance * factor.abs() });
                 }
             }
         }
@@ -385,7 +388,7 @@ mod tests {
 
     #[test]
     fn a_network_that_falls_apart_has_no_factor() {
-        let apart = [Dissimilarity { a: 0, b: 1, distance_m: 1.0 }, Dissimilarity { a: 2, b: 3, distance_m: 1.0 }];
+        let apart = [PairDistance { a: 0, b: 1, distance_m: 1.0 }, PairDistance { a: 2, b: 3, distance_m: 1.0 }];
         assert!(factored(4, &apart, &Unwatched).unwrap().is_none());
     }
 }

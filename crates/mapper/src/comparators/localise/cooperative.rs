@@ -6,7 +6,7 @@ use sextant_kernel::maths::{cholesky, solve_lower};
 use sextant_kernel::{Interrupted, Watch, Work};
 
 use super::NAME;
-use crate::comparators::smacof::Dissimilarity;
+use crate::comparators::smacof::PairDistance;
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 
 /// Most steps of a fit.
@@ -17,7 +17,7 @@ const DAMPING: Damping = Damping { first: 1e-3, ease: 0.2, least: 1e-12, tighten
 
 /// The least-squares problem of all nodes that are not anchors.
 pub(super) struct Cooperative<'a> {
-    pairs: Vec<Dissimilarity>,
+    pairs: Vec<PairDistance>,
     /// The number of each node among those that move.
     moves: Vec<Option<usize>>,
     /// The places of those that do not.
@@ -34,7 +34,7 @@ struct Slopes {
 impl<'a> Cooperative<'a> {
     /// The problem of the nodes that have `places`, apart from the anchors `fixed`.
     pub(super) fn new(
-        pairs: &[Dissimilarity],
+        pairs: &[PairDistance],
         fixed: &'a [(usize, Position)],
         places: &[Option<Position>],
         dimensions: usize,
@@ -48,7 +48,7 @@ impl<'a> Cooperative<'a> {
             })
         });
         let moves: Vec<Option<usize>> = moves.collect();
-        let told = |pair: &&Dissimilarity| {
+        let told = |pair: &&PairDistance| {
             places[pair.a].is_some()
                 && places[pair.b].is_some()
                 && (moves[pair.a].is_some() || moves[pair.b].is_some())

@@ -8,21 +8,11 @@ use sextant_kernel::{Interrupted, NodeId, Watch};
 
 use self::cooperative::Cooperative;
 use super::mds::classical_mds;
-use super::smacof::{Dissimilarity, refined};
+pub use super::smacof::PairDistance;
+use super::smacof::refined;
 use crate::error::MapError;
 use crate::numerics::memory::check_table;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
-
-/// A measured distance of two nodes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairDistance {
-    /// One node.
-    pub a: usize,
-    /// The other one.
-    pub b: usize,
-    /// Their distance (m).
-    pub distance_m: f64,
-}
 
 /// How places follow from distances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,14 +124,13 @@ pub fn localise(
     let DistanceProblem { nodes, dimensions, .. } = *problem;
     check_table(NAME, || format!("the distances between all pairs of {nodes} nodes"), [nodes; 2], 16)?;
     let anchors = problem.anchors_in_dimensions();
-    let pairs: Vec<Dissimilarity> =
-        problem.pairs.iter().map(|&PairDistance { a, b, distance_m }| Dissimilarity { a, b, distance_m }).collect();
+    let pairs = &problem.pairs;
     let mut known = pairs.clone();
     // Scaling alone knows no unit: its distances may be hops.
     if method != LocaliseMethod::Mds {
         for (number, &(a, place)) in anchors.iter().enumerate() {
             let others = anchors[number + 1..].iter();
-            known.extend(others.map(|&(b, other)| Dissimilarity { a, b, distance_m: place.distance_m(other) }));
+            known.extend(others.map(|&(b, other)| PairDistance { a, b, distance_m: place.distance_m(other) }));
         }
     }
     let ways = shortest_ways(nodes, &known, watch)?;
@@ -156,9 +145,9 @@ pub fn localise(
         let mut found = classical_mds(within, NAME, dimensions, watch)?;
         if method != LocaliseMethod::Mds {
             let position = |node: usize| of_part.binary_search(&node).ok();
-            let pairs: Vec<Dissimilarity> = known
+            let pairs: Vec<PairDistance> = known
                 .iter()
-                .filter_map(|pair| Some(Dissimilarity { a: position(pair.a)?, b: position(pair.b)?, ..*pair }))
+                .filter_map(|pair| Some(PairDistance { a: position(pair.a)?, b: position(pair.b)?, ..*pair }))
                 .collect();
             if let Some(better) = refined(&found, &pairs, ROUNDS, dimensions, watch)? {
                 found = better;
@@ -175,10 +164,10 @@ pub fn localise(
     }
     let mut covariances = vec![None; nodes];
     if method == LocaliseMethod::LeastSquares {
-        let cooperative = Cooperative::new(&pairs, &anchors, &places, dimensions);
+        let cooperative = Cooperative::new(pairs, &anchors, &places, dimensions);
         cooperative.fit(&mut places, &mut covariances, watch)?;
     }
-    let residual_m = residual_m(&pairs, &places);
+    let residual_m = residual_m(pairs, &places);
     Ok(Localised { places, covariances, in_world: !anchors.is_empty(), part_of, residual_m })
 }
 
@@ -217,10 +206,10 @@ impl DistanceProblem {
 }
 
 /// The lengths (m) of the shortest ways between all nodes, infinite where there is none (Floyd 1962).
-fn shortest_ways(nodes: usize, pairs: &[Dissimilarity], watch: &dyn Watch) -> Result<DMatrix<f64>, Interrupted> {
+fn shortest_ways(nodes: usize, pairs: &[PairDistance], watch: &dyn Watch) -> Result<DMatrix<f64>, Interrupted> {
     let mut ways = DMatrix::from_element(nodes, nodes, f64::INFINITY);
     ways.fill_diagonal(0.0);
-    for &Dissimilarity { a, b, distance_m } in pairs {
+    for &PairDistance { a, b, distance_m } in pairs {
         let shorter = distance_m.min(ways[(a, b)]);
         (ways[(a, b)], ways[(b, a)]) = (shorter, shorter);
     }
@@ -256,7 +245,7 @@ fn parts(ways: &DMatrix<f64>) -> Vec<u32> {
     part_of
 }
 
-fn residual_m(pairs: &[Dissimilarity], places: &[Option<Position>]) -> Option<f64> {
+fn residual_m(pairs: &[PairDistance], places: &[Option<Position>]) -> Option<f64> {
     let both = pairs.iter().filter_map(|pair| Some((places[pair.a]?.distance_m(places[pair.b]?), pair.distance_m)));
     let squares: Vec<f64> = both.map(|(found_m, measured_m)| (found_m - measured_m).powi(2)).collect();
     (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
