@@ -69,5 +69,6 @@ mod table_forms;
 mod teams;
 mod tiles;
 mod traffic;
+mod two_nodes;
 mod unheard;
 mod unknown_files;

@@ -2,35 +2,13 @@
 
 use std::fs;
 
-use crate::program::sextant;
-
-const BASE: &str = r#"name = "moving"
-duration_s = 10.0
-[world.nodes.explicit]
-positions_m = [[20.0, 0.0], [0.0, 20.0]]
-names = ["a", "b"]
-[[sinks]]
-name = "sink"
-position_m = [0.0, 0.0]
-[radio]
-tx_power_dbm = 0.0
-sensitivity_dbm = -85.0
-[channel.path_loss.log_distance]
-exponent = 3.0
-[traffic.periodic]
-interval_s = 1.0
-"#;
+use crate::two_nodes::told_in;
 
 /// Exit code, and standard output and standard error together, of `sextant check` with `more` at the end of the scenario.
 fn checked(more: &str) -> (Option<i32>, String) {
     let folder = tempfile::tempdir().expect("there is room");
     fs::write(folder.path().join("ways.csv"), "t_s,node,x_m,y_m\n0,a,1,1\n9,a,2,2\n").expect("there is room");
-    fs::write(folder.path().join("a.toml"), format!("{BASE}{more}")).expect("there is room");
-    let output = sextant().args(["check", "a.toml"]).current_dir(folder.path()).output().expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("the output is text");
-    let all = format!("{}{}", text(output.stdout), text(output.stderr));
-    let words: Vec<&str> = all.split_whitespace().filter(|word| *word != "│").collect();
-    (output.status.code(), words.join(" "))
+    told_in(folder.path(), more, &["check", "a.toml"])
 }
 
 #[test]
