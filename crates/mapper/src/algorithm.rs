@@ -6,9 +6,10 @@ use sextant_kernel::SettingError;
 
 use crate::auto::AutoConfig;
 use crate::comparators::{
-    ApitConfig, CentroidConfig, DrMdsConfig, DvHopConfig, GaussianProcessConfig, LogDistanceConfig, MdsMapConfig,
-    NtldvHopConfig, PacketCentroidConfig, RssMlConfig, RssiCentroidConfig, SmacofConfig, StrongestStopConfig,
-    TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
+    AngleOfArrivalConfig, ApitConfig, CentroidConfig, DrMdsConfig, DvHopConfig, GaussianProcessConfig,
+    LogDistanceConfig, MdsMapConfig, NtldvHopConfig, PacketCentroidConfig, RssMlConfig, RssiCentroidConfig,
+    SmacofConfig, StrongestStopConfig, TimeDifferenceConfig, TimeOfArrivalConfig, TpmConfig, TriangleCentroidConfig,
+    WeightedCentroidConfig,
 };
 use crate::estimator::{AnyLog, EstimatorSettings, Mapper, ProfileSetting, ReceiverSetting};
 use crate::grid_ml::{JointConfig, MlTmConfig, MmTm};
@@ -196,6 +197,12 @@ estimators! {
     GaussianProcess(GaussianProcessConfig) as "gaussian_process",
     /// Maximum likelihood on measured ranges, with their biases, scale and clock.
     RangeMl(RangeMlConfig) as "range_ml",
+    /// Least squares on measured ranges.
+    TimeOfArrival(TimeOfArrivalConfig) as "time_of_arrival",
+    /// Least squares on the differences of measured ranges.
+    TimeDifference(TimeDifferenceConfig) as "time_difference",
+    /// Where the directions of sectors cross: the log must have sectors and their directions.
+    AngleOfArrival(AngleOfArrivalConfig) as "angle_of_arrival",
 }
 
 impl AlgorithmConfig {

@@ -1,6 +1,7 @@
 //! Well-known algorithms for comparison. Each uses only the knowledge that it states.
 
 mod apit;
+mod arrival;
 mod centroid;
 mod dr_mds;
 mod dv_hop;
@@ -29,6 +30,9 @@ use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 use crate::knowledge::Knowledge;
 
 pub use apit::{Apit, ApitConfig};
+pub use arrival::{
+    AngleOfArrival, AngleOfArrivalConfig, TimeDifference, TimeDifferenceConfig, TimeOfArrival, TimeOfArrivalConfig,
+};
 pub use centroid::{Centroid, CentroidConfig, WeightedCentroid, WeightedCentroidConfig};
 pub use dr_mds::{DrMds, DrMdsConfig};
 pub use dv_hop::{DvHop, DvHopConfig, HopLength};

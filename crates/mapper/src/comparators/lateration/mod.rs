@@ -1,9 +1,13 @@
-//! Places from distances and angles to known places (Gunathillake 2018, appendix A).
+//! Places from distances and angles to known places (Gunathillake 2018, appendix A), and from differences of distances.
 
+mod angulation;
 mod multilateration;
+mod time_difference;
 mod triangulation;
 
+pub use angulation::{Bearing, MeasuredAngle, angulate};
 pub use multilateration::{Range, multilaterate, multilaterate_linear, refine, trilaterate};
+pub use time_difference::locate_by_differences;
 pub use triangulation::triangulate;
 
 /// Reasons why a place cannot be computed from distances or angles.
@@ -17,6 +21,23 @@ pub enum LaterationError {
         /// Dimensions of the space.
         dimensions: usize,
     },
+    /// Too few anchors for differences.
+    #[error("{found} anchors; a place in {dimensions} dimensions by differences needs at least {}", .dimensions + 2)]
+    TooFewDifferences {
+        /// Anchors found.
+        found: usize,
+        /// Dimensions of the space.
+        dimensions: usize,
+    },
+    /// Too few directions.
+    #[error("{found} directions; a place needs at least 2")]
+    TooFewDirections {
+        /// Directions found.
+        found: usize,
+    },
+    /// The directions are those of one line, or nearly parallel.
+    #[error("the directions are nearly parallel, so that it is not known where their lines cross")]
+    Parallel,
     /// Anchors on one line (in one plane).
     #[error("the anchors lie on one line or in one plane, so that two places fit alike")]
     Degenerate,

@@ -82,8 +82,9 @@ pub(crate) fn check_log_of_maps(
     errors: &mut Errors,
 ) {
     for (i, map) in config.maps.iter().enumerate() {
-        if matches!(map.algorithm, AlgorithmConfig::Mmtm(_)) && !networks.log_has_sectors(map.network.as_deref()) {
-            let key = format!("maps[{i}].algorithm.mmtm");
+        let by_sectors = matches!(map.algorithm, AlgorithmConfig::Mmtm(_) | AlgorithmConfig::AngleOfArrival(_));
+        if by_sectors && !networks.log_has_sectors(map.network.as_deref()) {
+            let key = format!("maps[{i}].algorithm.{}", map.algorithm.key());
             let with = "a network without `mac.sector_sweep`, because its receptions have no sectors";
             errors.refuse(&SettingError::conflict(key, with, "use `ml_tm`, which maps without sectors"));
         }
@@ -101,13 +102,18 @@ pub(crate) fn check_log_of_maps(
         errors.refuse(&SettingError::conflict(format!("maps[{i}].stitch"), "one robot that surveys", remedy));
     }
     let by_ranges = |map: &MapConfig| {
-        matches!(map.algorithm, AlgorithmConfig::RangeMl(_)) && !networks.log_has_ranges(map.network.as_deref())
+        use AlgorithmConfig::{RangeMl, TimeDifference, TimeOfArrival};
+        matches!(map.algorithm, RangeMl(_) | TimeOfArrival(_) | TimeDifference(_))
+            && !networks.log_has_ranges(map.network.as_deref())
     };
-    for (i, _) in config.maps.iter().enumerate().filter(|(_, map)| by_ranges(map)) {
+    for (i, map) in config.maps.iter().enumerate().filter(|(_, map)| by_ranges(map)) {
         let with = "a network without `ranging`, whose robots measure no ranges";
-        let remedy =
-            "add a table `[ranging]`, or map a log that has `ranges.csv` by `sextant map LOG --algorithm range-ml`";
-        errors.refuse(&SettingError::conflict(format!("maps[{i}].algorithm.range_ml"), with, remedy));
+        let key = map.algorithm.key();
+        let remedy = format!(
+            "add a table `[ranging]`, or map a log that has `ranges.csv` by `sextant map LOG --algorithm {}`",
+            key.replace('_', "-")
+        );
+        errors.refuse(&SettingError::conflict(format!("maps[{i}].algorithm.{key}"), with, remedy));
     }
     let discovers = |map: &&MapJob| {
         let uses = map.mapper.uses();

@@ -1,0 +1,173 @@
+//! Lateration: a node is where its distances, or their differences, say.
+
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
+use sextant_channel::Position;
+use sextant_kernel::{NodeId, SettingError, Watch};
+
+use crate::comparators::lateration::{LaterationError, Range, locate_by_differences, multilaterate};
+use crate::comparators::node_by_node;
+use crate::error::MapError;
+use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
+use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::learned::EstimatorFindings;
+use crate::topology_map::{CoordinateFrame, TopologyMap};
+
+/// Lateration as written in a scenario. It has no settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
+pub struct TimeOfArrivalConfig {}
+
+/// Lateration by differences as written in a scenario. It has no settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
+pub struct TimeDifferenceConfig {}
+
+/// A node is where its measured ranges fit best by least squares, by [`multilaterate`]: the maximum of the likelihood of normal errors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TimeOfArrival;
+
+/// A node is where the differences of its measured ranges fit best by least squares, by [`locate_by_differences`]: all ranges of a node
+/// may be wrong by one length, as those by a clock that is not that of the robot are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TimeDifference;
+
+/// How ranges place a node in two or three dimensions.
+type Locate = fn(&[Range], usize) -> Result<Position, LaterationError>;
+
+/// The map of the nodes of a log by `locate`. Nodes with too few ranges are not placed.
+fn map_by_ranges(
+    algorithm: &'static str,
+    locate: Locate,
+    knowledge: &Knowledge<'_>,
+    watch: &dyn Watch,
+) -> Result<TopologyMap, MapError> {
+    let log = knowledge.log;
+    if log.ranges().is_empty() {
+        return Err(MapError::Missing {
+            algorithm,
+            what: "measured ranges",
+            remedy: "they stand in `ranges.csv` beside the stops or the path",
+        });
+    }
+    let level_m = log.ranges()[0].position.z_m;
+    let is_level = log.ranges().iter().all(|range| (range.position.z_m - level_m).abs() <= 1e-9);
+    let dimensions = if is_level { 2 } else { 3 };
+    let operations = log.ranges().len() as f64 / log.node_count().max(1) as f64;
+    let places = node_by_node(algorithm, log.node_count(), operations, watch, |node| {
+        let samples = log.ranges_to(NodeId::from_index(node));
+        let ranges: Vec<Range> = samples.iter().map(|range| Range::new(range.position, range.range_m)).collect();
+        locate(&ranges, dimensions).ok()
+    })?;
+    Ok(TopologyMap::of_places(algorithm, places, CoordinateFrame::World))
+}
+
+/// An estimator by measured ranges.
+macro_rules! by_ranges {
+    ($estimator:ident, $config:ident, $name:literal, $rank:literal, $locate:path, $description:literal) => {
+        impl $estimator {
+            /// The algorithm's name in tables and topics.
+            pub const NAME: &'static str = $name;
+        }
+
+        impl Estimator for $estimator {
+            fn name(&self) -> &'static str {
+                Self::NAME
+            }
+
+            fn uses(&self) -> &'static [KnowledgeKind] {
+                &[KnowledgeKind::RobotRanges]
+            }
+
+            fn estimate(
+                &self,
+                knowledge: &Knowledge<'_>,
+                watch: &dyn Watch,
+            ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
+                map_by_ranges(Self::NAME, $locate, knowledge, watch).map(|map| (map, None))
+            }
+        }
+
+        impl EstimatorSettings for $config {
+            const ANY_LOG: Option<AnyLog> =
+                Some(AnyLog { name: $name, rank: $rank, description: $description, settings: "{}" });
+
+            fn mapper(self) -> Result<Mapper, SettingError> {
+                Ok(Mapper::new($estimator))
+            }
+        }
+    };
+}
+
+by_ranges!(
+    TimeOfArrival,
+    TimeOfArrivalConfig,
+    "time-of-arrival",
+    11,
+    multilaterate,
+    "Least squares on measured ranges, which are taken to be right on average"
+);
+by_ranges!(
+    TimeDifference,
+    TimeDifferenceConfig,
+    "time-difference",
+    12,
+    locate_by_differences,
+    "Least squares on the differences of measured ranges, of which all of a node may be wrong by one length"
+);
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::{RangeSample, ReceptionLog, Stop};
+    use sextant_kernel::{RobotId, SimTime};
+
+    use super::*;
+
+    /// Ranges that are `longer_m` too long, from the sides of a square.
+    fn log(node: Position, longer_m: f64, up_m: f64) -> ReceptionLog {
+        let position = |i: u32| {
+            let along = f64::from(i % 10);
+            let (x_m, y_m) = [(along, 0.0), (10.0, along), (10.0 - along, 10.0)][(i / 10) as usize];
+            Position::new(x_m, y_m, 0.4 + up_m * f64::from(i % 3))
+        };
+        let sample = |i: u32| RangeSample {
+            node: NodeId(0),
+            robot: RobotId(0),
+            time: SimTime::from_nanos(u64::from(i)),
+            position: position(i),
+            velocity: Position::ORIGIN,
+            range_m: position(i).distance_m(node) + longer_m,
+        };
+        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: position(0), heading_rad: None };
+        let log = ReceptionLog::new(vec!["n0".into(), "unheard".into()], vec![stop], vec![], vec![]).unwrap();
+        log.with_ranges((0..30).map(sample).collect()).unwrap()
+    }
+
+    #[test]
+    fn right_ranges_give_the_place_and_differences_do_so_whatever_the_clock_says() {
+        for (node, up_m) in [(Position::new(3.0, 4.0, 0.4), 0.0), (Position::new(13.0, 4.0, 2.0), 0.7)] {
+            let off = |mapper: Mapper, longer_m: f64| {
+                let map = mapper.map(&log(node, longer_m, up_m)).unwrap();
+                assert_eq!(map.unmapped(), 1);
+                map.positions()[0].unwrap().distance_m(node)
+            };
+            assert!(off(Mapper::new(TimeOfArrival), 0.0) < 1e-6);
+            assert!(off(Mapper::new(TimeOfArrival), 2.0) > 0.1);
+            assert!(off(Mapper::new(TimeDifference), 0.0) < 1e-6);
+            assert!(off(Mapper::new(TimeDifference), 25.0) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_log_without_ranges_is_refused() {
+        let without = log(Position::ORIGIN, 0.0, 0.0).with_ranges(vec![]).unwrap();
+        for mapper in [Mapper::new(TimeOfArrival), Mapper::new(TimeDifference)] {
+            let refused = mapper.map(&without).unwrap_err().to_string();
+            assert!(refused.contains(mapper.name()) && refused.contains("ranges.csv"), "{refused}");
+        }
+    }
+}
