@@ -194,30 +194,46 @@ class Robot:
     """A robot as its controller sees it; only while :meth:`Controller.next` is called."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Name of the robot."""
     @property
-    def time_s(self) -> float: ...
+    def time_s(self) -> float:
+        """Time of the simulation (s)."""
     @property
-    def pose(self) -> Pose: ...
+    def pose(self) -> Pose:
+        """Where the robot is and where it looks, by its odometry."""
     @property
-    def node_count(self) -> int: ...
+    def node_count(self) -> int:
+        """Number of nodes in the world."""
     @property
-    def outcome(self) -> str: ...
+    def outcome(self) -> str:
+        """How the last command ended: ``"started"`` (none was given yet), ``"arrived"``, ``"blocked"`` or ``"listened"``."""
     @property
-    def contact(self) -> tuple[float, float, float] | None: ...
+    def contact(self) -> tuple[float, float, float] | None:
+        """The point of contact on the obstacle that blocked the last drive (m), or ``None``."""
     @property
-    def heard(self) -> list[Heard]: ...
+    def heard(self) -> list[Heard]:
+        """What was heard of each node at the stop that just ended; empty after a drive."""
     @property
-    def seed(self) -> int: ...
+    def seed(self) -> int:
+        """Seed of this robot in this run, for generators of your own."""
     @property
-    def random(self) -> random.Random: ...
-    def clearance(self, direction_rad: float, range_m: float = 10.0) -> float: ...
-    def ranges(self, count: int = 8, range_m: float = 10.0) -> list[float]: ...
-    def drive_to(self, x_m: float, y_m: float, z_m: float | None = None) -> Command: ...
-    def drive_arc(self, length_m: float, turn_rad: float) -> Command: ...
-    def listen(self) -> Command: ...
-    def sweep(self) -> Command: ...
-    def finish(self, ending: str = "complete") -> Command: ...
+    def random(self) -> random.Random:
+        """A generator of random numbers that depends on the seed of the run and on the robot alone."""
+    def clearance(self, direction_rad: float, range_m: float = 10.0) -> float:
+        """Distance to the next obstacle in a direction (m), at most `range_m`: what a range sensor says."""
+    def ranges(self, count: int = 8, range_m: float = 10.0) -> list[float]:
+        """Clearances in `count` directions (m), evenly spread from the x axis counter-clockwise."""
+    def drive_to(self, x_m: float, y_m: float, z_m: float | None = None) -> Command:
+        """The command to drive straight to a place (m), at the present height if `z_m` is absent."""
+    def drive_arc(self, length_m: float, turn_rad: float) -> Command:
+        """The command to drive an arc of so many metres that turns by so many radians, counter-clockwise."""
+    def listen(self) -> Command:
+        """The command to stand and listen for the time that the scenario says."""
+    def sweep(self) -> Command:
+        """As ``listen``, in a network whose links sweep sectors."""
+    def finish(self, ending: str = "complete") -> Command:
+        """The command to end the survey: ``"complete"``, ``"steps_exhausted"`` or ``"stuck"``."""
 
 @final
 class Delivery:
@@ -318,44 +334,73 @@ class Port:
     """What an application can know and do; only while one of its methods is called."""
 
     @property
-    def station(self) -> str: ...
+    def station(self) -> str:
+        """Name of this station."""
     @property
-    def kind(self) -> str: ...
+    def kind(self) -> str:
+        """``"node"``, ``"robot"`` or ``"sink"``."""
     @property
-    def now_s(self) -> float: ...
+    def now_s(self) -> float:
+        """Time of the simulation (s)."""
     @property
-    def node_count(self) -> int: ...
+    def node_count(self) -> int:
+        """Number of nodes in the world."""
     @property
-    def pose(self) -> Pose: ...
-    def pose_at(self, time_s: float) -> Pose: ...
+    def pose(self) -> Pose:
+        """Where the station is and where it looks; of a robot by its odometry."""
+    def pose_at(self, time_s: float) -> Pose:
+        """The pose at a time (s), as the station moves now: before its drive the start of that, after it the end."""
     @property
-    def seed(self) -> int: ...
+    def seed(self) -> int:
+        """Seed of this station in this run, for generators of your own."""
     @property
-    def random(self) -> random.Random: ...
-    def uniform(self, number: int) -> float: ...
-    def choice(self, number: int, count: int) -> int: ...
-    def send(self, payload: bytes, to: str | None = None, network: int = 0) -> int: ...
-    def after(self, seconds: float, timer: int = 0) -> TimerKey: ...
-    def cancel(self, key: TimerKey) -> None: ...
-    def listen(self, seconds: float, network: int = 0) -> None: ...
-    def radio(self, network: int = 0) -> Radio: ...
-    def has_sectors(self, network: int = 0) -> bool: ...
-    def sectors(self, network: int = 0) -> int | None: ...
-    def sweep(self, kind: str = "gather", network: int = 0) -> None: ...
-    def drive_to(self, x_m: float, y_m: float, z_m: float | None = None) -> DriveEnd | None: ...
-    def drive_arc(self, length_m: float, turn_rad: float) -> DriveEnd | None: ...
-    def steer(self, seconds: float, turn_rate_rad_per_s: float) -> DriveEnd | None: ...
-    def halt(self) -> None: ...
+    def random(self) -> random.Random:
+        """A generator of random numbers that depends on the seed of the run and on the station alone."""
+    def uniform(self, number: int) -> float:
+        """A random number in [0, 1) that depends on the run, the station and `number` alone."""
+    def choice(self, number: int, count: int) -> int:
+        """A random whole number from 0 to `count` - 1 that depends on the run, the station and `number` alone."""
+    def send(self, payload: bytes, to: str | None = None, network: int = 0) -> int:
+        """Gives a frame to the MAC, for one station or for all that hear it. Returns its number; ``sent`` follows."""
+    def after(self, seconds: float, timer: int = 0) -> TimerKey:
+        """Sets a timer: ``timer`` is called after so many seconds, with this number. Returns a key for ``cancel``."""
+    def cancel(self, key: TimerKey) -> None:
+        """Cancels a timer, if it is pending."""
+    def listen(self, seconds: float, network: int = 0) -> None:
+        """Opens the receiver of a robot for so many seconds, whether it stands or drives; ``listened`` follows."""
+    def radio(self, network: int = 0) -> Radio:
+        """The radio of the station, in a network with ``mac.program``."""
+    def has_sectors(self, network: int = 0) -> bool:
+        """Whether the links of a network sweep sectors."""
+    def sectors(self, network: int = 0) -> int | None:
+        """Number of sectors of the station's antenna, all rings and tilts together; ``None`` without sector sweeps."""
+    def sweep(self, kind: str = "gather", network: int = 0) -> None:
+        """Begins a sector sweep: nodes answer ``"gather"``, nobody answers ``"announce"``; ``swept`` follows."""
+    def drive_to(self, x_m: float, y_m: float, z_m: float | None = None) -> DriveEnd | None:
+        """Drives straight to a place (m). Returns the end of a drive that is over at once; else ``drive_ended`` follows."""
+    def drive_arc(self, length_m: float, turn_rad: float) -> DriveEnd | None:
+        """Drives an arc of so many metres that turns by so many radians, counter-clockwise. Returns as ``drive_to``."""
+    def steer(self, seconds: float, turn_rate_rad_per_s: float) -> DriveEnd | None:
+        """Drives for so many seconds at the robot's speed and turns meanwhile. Returns as ``drive_to``."""
+    def halt(self) -> None:
+        """Stops the robot where it is; ``drive_ended`` is not called."""
     @property
-    def drive_ahead(self) -> tuple[float, tuple[float, float, float] | None] | None: ...
-    def clearance(self, direction_rad: float, range_m: float = 10.0) -> float: ...
-    def targets_within(self, reach_m: float) -> list[int]: ...
-    def capture(self, reach_m: float) -> list[int]: ...
-    def remove_sources(self, reach_m: float) -> int: ...
+    def drive_ahead(self) -> tuple[float, tuple[float, float, float] | None] | None:
+        """When the drive under way ends (s), and the point of contact on an obstacle that ends it."""
+    def clearance(self, direction_rad: float, range_m: float = 10.0) -> float:
+        """Distance to the next obstacle in a direction (m), at most `range_m`: what a range sensor says."""
+    def targets_within(self, reach_m: float) -> list[int]:
+        """The targets that truly are not farther than `reach_m` from here, by number."""
+    def capture(self, reach_m: float) -> list[int]:
+        """Captures the targets that are not farther than `reach_m` from the robot. Returns their numbers."""
+    def remove_sources(self, reach_m: float) -> int:
+        """Removes the sources of fields that are not farther than `reach_m` from here. Returns how many."""
     def log_stop(
         self, heard: dict[str, tuple[int, int, float | None]], since_s: float, network: int = 0
-    ) -> None: ...
-    def finish(self) -> None: ...
+    ) -> None:
+        """Writes a stop: what was heard since `since_s` of each node, as received, sent and mean strength (dBm)."""
+    def finish(self) -> None:
+        """Ends the application of this station."""
 
 class Radio:
     """The radio of a station in a network with ``mac.program``; only while one of its program's methods is called.
@@ -364,11 +409,15 @@ class Radio:
     comes. What the radio cannot do raises a ``RunError`` that says why, and changes nothing.
     """
 
-    def off(self) -> None: ...
-    def idle(self) -> float: ...
-    def receive(self) -> float: ...
+    def off(self) -> None:
+        """The radio rests off. What it sends ends first; a frame that it receives is lost."""
+    def idle(self) -> float:
+        """The radio rests idle: it sends sooner than from off. Returns when it is idle (s)."""
+    def receive(self) -> float:
+        """The receiver is on whenever the radio does nothing else. Returns when it is on (s)."""
     def listen(self, until_s: float, from_s: float | None = None) -> float:
-        """Receives from ``from_s``, or as soon as possible, until ``until_s``; a frame that begins by then is heard to its end."""
+        """Receives from ``from_s``, or as soon as possible, until ``until_s``; a frame that begins by then is heard to its
+        end."""
 
     def assess(self, seconds: float | None = None) -> float:
         """Looks at the channel, for 8 symbols if no time is given; ``assessed`` follows."""
@@ -384,17 +433,24 @@ class Radio:
     ) -> float:
         """Sends a frame without channel access, at an instant or as soon as possible; ``sent`` follows."""
 
-    def cancel(self) -> bool: ...
-    def tune(self, channel: int) -> float: ...
+    def cancel(self) -> bool:
+        """Takes back the frame that is due, before the radio has turned around for it. Returns whether it did."""
+    def tune(self, channel: int) -> float:
+        """Changes the channel. Returns when the radio is ready (s)."""
     @property
-    def channel(self) -> int: ...
-    def set_power(self, dbm: float) -> None: ...
-    def set_threshold(self, dbm: float) -> None: ...
-    def set_ack_wait(self, seconds: float) -> None: ...
+    def channel(self) -> int:
+        """Number of the channel."""
+    def set_power(self, dbm: float) -> None:
+        """Transmit power of what goes on air from now on (dBm), at most that of the settings."""
+    def set_threshold(self, dbm: float) -> None:
+        """Mean power at or above which the channel is busy (dBm)."""
+    def set_ack_wait(self, seconds: float) -> None:
+        """How long the radio waits for an acknowledgement, from the end of a frame (s)."""
     def hear(self, *, all: bool) -> None:
         """Whether frames for other stations are told too."""
 
-    def acknowledge(self, *, automatically: bool) -> None: ...
+    def acknowledge(self, *, automatically: bool) -> None:
+        """Whether the radio acknowledges frames by itself; at first it does."""
     @property
     def state(self) -> str:
         """``sleep``, ``idle``, ``receive``, ``transmit`` or ``turnaround``."""
@@ -404,17 +460,21 @@ class Radio:
         """When the first symbol of a frame could go out."""
 
     @property
-    def turnaround_s(self) -> float: ...
-    def airtime_s(self, octets: int) -> float: ...
+    def turnaround_s(self) -> float:
+        """Time from receiving to transmitting, and back (s)."""
+    def airtime_s(self, octets: int) -> float:
+        """Time on air of a frame of so many octets (s)."""
     @property
-    def energy_j(self) -> float: ...
+    def energy_j(self) -> float:
+        """Energy that the radio has used so far, from the end of the warm-up (J)."""
     def offer(self, octets: int, to: str | None = None) -> int:
         """A packet of so many octets, which counts as offered; ``transmit(.., packet=)`` and ``done`` name it."""
 
     def done(self, packet: int, outcome: str = "sent") -> None:
-        """``sent``, ``acknowledged``, ``no-acknowledgement`` or ``channel-access-failure``."""
+        """Ends a packet: ``sent``, ``acknowledged``, ``no-acknowledgement`` or ``channel-access-failure``."""
 
-    def drop_packet(self, packet: int) -> None: ...
+    def drop_packet(self, packet: int) -> None:
+        """Drops a packet for which the program has no room."""
 
 class RadioEvent:
     """What the radio of a station says. What an event has not is ``None``."""

@@ -156,11 +156,13 @@ fn ended(driving: Driving) -> Option<DriveEnd> {
 
 #[pymethods]
 impl Port {
+    /// Name of this station.
     #[getter]
     fn station(&self) -> &str {
         self.names.name(self.station)
     }
 
+    /// ``"node"``, ``"robot"`` or ``"sink"``.
     #[getter]
     fn kind(&self) -> &'static str {
         match self.kind {
@@ -170,40 +172,48 @@ impl Port {
         }
     }
 
+    /// Time of the simulation (s).
     #[getter]
     fn now_s(&self) -> PyResult<f64> {
         self.ask(|port| port.now().as_secs_f64())
     }
 
+    /// Number of nodes in the world.
     #[getter]
     fn node_count(&self) -> usize {
         self.names.nodes().len()
     }
 
+    /// Where the station is and where it looks; of a robot by its odometry.
     #[getter]
     fn pose(&self) -> PyResult<Pose> {
         self.ask(|port| pose(port.pose()))
     }
 
+    /// The pose at a time (s), as the station moves now: before its drive the start of that, after it the end.
     fn pose_at(&self, time_s: f64) -> PyResult<Pose> {
         let time = SimTime::ZERO + span(time_s)?;
         self.ask(|port| pose(port.pose_at(time)))
     }
 
+    /// Seed of this station in this run, for generators of your own.
     #[getter]
     fn seed(&self) -> u128 {
         self.seeded.seed()
     }
 
+    /// A generator of random numbers that depends on the seed of the run and on the station alone.
     #[getter]
     fn random(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.seeded.generator(py)
     }
 
+    /// A random number in [0, 1) that depends on the run, the station and `number` alone.
     fn uniform(&self, number: u64) -> PyResult<f64> {
         self.ask(|port| port.uniform(number))
     }
 
+    /// A random whole number from 0 to `count` - 1 that depends on the run, the station and `number` alone.
     fn choice(&self, number: u64, count: u32) -> PyResult<usize> {
         if count == 0 {
             return Err(PyValueError::new_err("the count is 0; allowed: at least 1"));
@@ -211,6 +221,7 @@ impl Port {
         self.ask(|port| port.choice(number, count as usize))
     }
 
+    /// Gives a frame to the MAC, for one station or for all that hear it. Returns its number; ``sent`` follows.
     #[pyo3(signature = (payload, to=None, network=0))]
     fn send(&self, payload: &[u8], to: Option<&str>, network: u8) -> PyResult<u32> {
         let network = self.network(network)?;
@@ -225,23 +236,26 @@ impl Port {
         Ok(frame.0)
     }
 
+    /// Sets a timer: ``timer`` is called after so many seconds, with this number. Returns a key for ``cancel``.
     #[pyo3(signature = (seconds, timer=0))]
     fn after(&self, seconds: f64, timer: u16) -> PyResult<TimerKey> {
         let span = span(seconds)?;
         self.ask(|port| TimerKey(port.after(span, Timer(timer))))
     }
 
+    /// Cancels a timer, if it is pending.
     fn cancel(&self, key: &TimerKey) -> PyResult<()> {
         self.ask(|port| port.cancel(key.0))
     }
 
+    /// Opens the receiver of a robot for so many seconds, whether it stands or drives; ``listened`` follows.
     #[pyo3(signature = (seconds, network=0))]
     fn listen(&self, seconds: f64, network: u8) -> PyResult<()> {
         let (span, network) = (span(seconds)?, self.network(network)?);
         self.ask_robot(|port| port.listen(network, span))
     }
 
-    /// The radio of the station, in a network with `mac.program`.
+    /// The radio of the station, in a network with ``mac.program``.
     #[pyo3(signature = (network=0))]
     fn radio(slf: Bound<'_, Self>, network: u8) -> PyResult<Radio> {
         let port = slf.get();
@@ -250,18 +264,21 @@ impl Port {
         Ok(Radio::new(slf.unbind(), network))
     }
 
+    /// Whether the links of a network sweep sectors.
     #[pyo3(signature = (network=0))]
     fn has_sectors(&self, network: u8) -> PyResult<bool> {
         let network = self.network(network)?;
         self.ask(|port| port.has_sectors(network))
     }
 
+    /// Number of sectors of the station's antenna, all rings and tilts together; ``None`` without sector sweeps.
     #[pyo3(signature = (network=0))]
     fn sectors(&self, network: u8) -> PyResult<Option<u8>> {
         let network = self.network(network)?;
         self.ask(|port| port.sectors(network))
     }
 
+    /// Begins a sector sweep: nodes answer ``"gather"``, nobody answers ``"announce"``; ``swept`` follows.
     #[pyo3(signature = (kind="gather", network=0))]
     fn sweep(&self, kind: &str, network: u8) -> PyResult<()> {
         let kind = match kind {
@@ -276,6 +293,7 @@ impl Port {
         self.ask(|port| port.sweep(network, kind))?.map_err(|why| RunError::new_err(why.to_string()))
     }
 
+    /// Drives straight to a place (m). Returns the end of a drive that is over at once; else ``drive_ended`` follows.
     #[pyo3(signature = (x_m, y_m, z_m=None))]
     fn drive_to(&self, x_m: f64, y_m: f64, z_m: Option<f64>) -> PyResult<Option<DriveEnd>> {
         let z_m = match z_m {
@@ -286,17 +304,20 @@ impl Port {
         self.ask_standing(|port| ended(port.drive(place)))
     }
 
+    /// Drives an arc of so many metres that turns by so many radians, counter-clockwise. Returns as ``drive_to``.
     fn drive_arc(&self, length_m: f64, turn_rad: f64) -> PyResult<Option<DriveEnd>> {
         checked_arc(length_m, turn_rad)?;
         self.ask_standing(|port| ended(port.drive_arc(length_m, turn_rad)))
     }
 
+    /// Drives for so many seconds at the robot's speed and turns meanwhile. Returns as ``drive_to``.
     fn steer(&self, seconds: f64, turn_rate_rad_per_s: f64) -> PyResult<Option<DriveEnd>> {
         let span = span(seconds)?;
         checked_arc(0.0, turn_rate_rad_per_s * seconds)?;
         self.ask_standing(|port| ended(port.steer(span, turn_rate_rad_per_s)))
     }
 
+    /// Stops the robot where it is; ``drive_ended`` is not called.
     fn halt(&self) -> PyResult<()> {
         self.ask_robot(|port| port.halt())
     }
@@ -312,22 +333,26 @@ impl Port {
         })
     }
 
+    /// Distance to the next obstacle in a direction (m), at most `range_m`: what a range sensor says.
     #[pyo3(signature = (direction_rad, range_m=10.0))]
     fn clearance(&self, direction_rad: f64, range_m: f64) -> PyResult<f64> {
         let direction = direction(direction_rad, range_m)?;
         self.ask_robot(|port| port.clearance_m(direction, range_m))
     }
 
+    /// The targets that truly are not farther than `reach_m` from here, by number.
     fn targets_within(&self, reach_m: f64) -> PyResult<Vec<u16>> {
         let reach_m = reach(reach_m)?;
         self.ask(|port| port.targets_within(reach_m).into_iter().map(|target| target.0).collect())
     }
 
+    /// Captures the targets that are not farther than `reach_m` from the robot. Returns their numbers.
     fn capture(&self, reach_m: f64) -> PyResult<Vec<u16>> {
         let reach_m = reach(reach_m)?;
         self.ask_robot(|port| port.capture(reach_m).into_iter().map(|target| target.0).collect())
     }
 
+    /// Removes the sources of fields that are not farther than `reach_m` from here. Returns how many.
     fn remove_sources(&self, reach_m: f64) -> PyResult<usize> {
         let reach_m = reach(reach_m)?;
         self.ask(|port| port.remove_sources(reach_m))
@@ -367,6 +392,7 @@ impl Port {
         }
     }
 
+    /// Ends the application of this station.
     fn finish(&self) -> PyResult<()> {
         self.ask(|port| port.finish())
     }

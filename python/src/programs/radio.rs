@@ -41,6 +41,7 @@ fn instant(seconds: f64) -> PyResult<SimTime> {
 
 #[pymethods]
 impl Radio {
+    /// The radio rests off. What it sends ends first; a frame that it receives is lost.
     fn off(&self) -> PyResult<()> {
         self.ask(|radio| {
             radio.off();
@@ -48,20 +49,24 @@ impl Radio {
         })
     }
 
+    /// The radio rests idle: it sends sooner than from off. Returns when it is idle (s).
     fn idle(&self) -> PyResult<f64> {
         self.ask(|radio| Ok(radio.idle().as_secs_f64()))
     }
 
+    /// The receiver is on whenever the radio does nothing else. Returns when it is on (s).
     fn receive(&self) -> PyResult<f64> {
         self.ask(|radio| Ok(radio.receive().as_secs_f64()))
     }
 
+    /// Receives from ``from_s``, or as soon as possible, until ``until_s``; a frame that begins by then is heard to its end.
     #[pyo3(signature = (until_s, from_s=None))]
     fn listen(&self, until_s: f64, from_s: Option<f64>) -> PyResult<f64> {
         let (until, from) = (instant(until_s)?, from_s.map(instant).transpose()?);
         self.ask(|radio| Ok(radio.listen(from, until)?.as_secs_f64()))
     }
 
+    /// Looks at the channel, for 8 symbols if no time is given; ``assessed`` follows.
     #[pyo3(signature = (seconds=None))]
     fn assess(&self, seconds: Option<f64>) -> PyResult<f64> {
         let span = seconds.map(span).transpose()?;
@@ -74,6 +79,7 @@ impl Radio {
         })
     }
 
+    /// Sends a frame without channel access, at an instant or as soon as possible; ``sent`` follows.
     #[pyo3(signature = (payload, to=None, *, at_s=None, acknowledged=false, packet=None))]
     fn transmit(
         &self,
@@ -94,32 +100,39 @@ impl Radio {
         })
     }
 
+    /// Takes back the frame that is due, before the radio has turned around for it. Returns whether it did.
     fn cancel(&self) -> PyResult<bool> {
         self.ask(|radio| Ok(radio.cancel()))
     }
 
+    /// Changes the channel. Returns when the radio is ready (s).
     fn tune(&self, channel: u8) -> PyResult<f64> {
         self.ask(|radio| Ok(radio.tune(channel)?.as_secs_f64()))
     }
 
+    /// Number of the channel.
     #[getter]
     fn channel(&self) -> PyResult<u8> {
         self.ask(|radio| Ok(radio.channel()))
     }
 
+    /// Transmit power of what goes on air from now on (dBm), at most that of the settings.
     fn set_power(&self, dbm: f64) -> PyResult<()> {
         self.ask(|radio| radio.set_power(Dbm(dbm)))
     }
 
+    /// Mean power at or above which the channel is busy (dBm).
     fn set_threshold(&self, dbm: f64) -> PyResult<()> {
         self.ask(|radio| radio.set_threshold(Dbm(dbm)))
     }
 
+    /// How long the radio waits for an acknowledgement, from the end of a frame (s).
     fn set_ack_wait(&self, seconds: f64) -> PyResult<()> {
         let span = span(seconds)?;
         self.ask(|radio| radio.set_ack_wait(span))
     }
 
+    /// Whether frames for other stations are told too.
     #[pyo3(signature = (*, all))]
     fn hear(&self, all: bool) -> PyResult<()> {
         let hearing = if all { Hearing::All } else { Hearing::Own };
@@ -129,6 +142,7 @@ impl Radio {
         })
     }
 
+    /// Whether the radio acknowledges frames by itself; at first it does.
     #[pyo3(signature = (*, automatically))]
     fn acknowledge(&self, automatically: bool) -> PyResult<()> {
         let acknowledging = if automatically { Acknowledging::Automatic } else { Acknowledging::Off };
@@ -138,36 +152,43 @@ impl Radio {
         })
     }
 
+    /// ``sleep``, ``idle``, ``receive``, ``transmit`` or ``turnaround``.
     #[getter]
     fn state(&self) -> PyResult<&'static str> {
         self.ask(|radio| Ok(radio.state().name()))
     }
 
+    /// When the first symbol of a frame could go out.
     #[getter]
     fn earliest_s(&self) -> PyResult<f64> {
         self.ask(|radio| Ok(radio.earliest().as_secs_f64()))
     }
 
+    /// Time from receiving to transmitting, and back (s).
     #[getter]
     fn turnaround_s(&self) -> PyResult<f64> {
         self.ask(|radio| Ok(radio.phy().turnaround().as_secs_f64()))
     }
 
+    /// Time on air of a frame of so many octets (s).
     fn airtime_s(&self, octets: u8) -> PyResult<f64> {
         self.ask(|radio| Ok(radio.phy().airtime(octets).as_secs_f64()))
     }
 
+    /// Energy that the radio has used so far, from the end of the warm-up (J).
     #[getter]
     fn energy_j(&self) -> PyResult<f64> {
         self.ask(|radio| Ok(radio.energy_j()))
     }
 
+    /// A packet of so many octets, which counts as offered; ``transmit(.., packet=)`` and ``done`` name it.
     #[pyo3(signature = (octets, to=None))]
     fn offer(&self, octets: usize, to: Option<&str>) -> PyResult<u32> {
         let to = self.port.get().destination(to)?;
         self.ask(|radio| Ok(radio.offer(to, octets)?.0))
     }
 
+    /// Ends a packet: ``sent``, ``acknowledged``, ``no-acknowledgement`` or ``channel-access-failure``.
     #[pyo3(signature = (packet, outcome="sent"))]
     fn done(&self, packet: u32, outcome: &str) -> PyResult<()> {
         let outcome = match outcome {
@@ -183,6 +204,7 @@ impl Radio {
         self.ask(|radio| radio.done(FrameId(packet), outcome))
     }
 
+    /// Drops a packet for which the program has no room.
     fn drop_packet(&self, packet: u32) -> PyResult<()> {
         self.ask(|radio| radio.drop_packet(FrameId(packet)))
     }

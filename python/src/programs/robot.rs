@@ -95,26 +95,31 @@ impl Command {
 
 #[pymethods]
 impl Robot {
+    /// Name of the robot.
     #[getter]
     fn name(&self) -> &str {
         &self.name
     }
 
+    /// Time of the simulation (s).
     #[getter]
     fn time_s(&self) -> PyResult<f64> {
         known(|situation| situation.time.as_secs_f64())
     }
 
+    /// Where the robot is and where it looks, by its odometry.
     #[getter]
     fn pose(&self) -> PyResult<Pose> {
         known(|situation| Pose::new(situation.position, situation.heading_rad))
     }
 
+    /// Number of nodes in the world.
     #[getter]
     fn node_count(&self) -> PyResult<usize> {
         known(|situation| situation.node_count)
     }
 
+    /// How the last command ended: ``"started"`` (none was given yet), ``"arrived"``, ``"blocked"`` or ``"listened"``.
     #[getter]
     fn outcome(&self) -> PyResult<&'static str> {
         known(|situation| match situation.outcome {
@@ -125,6 +130,7 @@ impl Robot {
         })
     }
 
+    /// The point of contact on the obstacle that blocked the last drive (m), or ``None``.
     #[getter]
     fn contact(&self) -> PyResult<Option<(f64, f64, f64)>> {
         known(|situation| match situation.outcome {
@@ -133,6 +139,7 @@ impl Robot {
         })
     }
 
+    /// What was heard of each node at the stop that just ended; empty after a drive.
     #[getter]
     fn heard(&self) -> PyResult<Vec<Heard>> {
         known(|situation| match situation.outcome {
@@ -149,28 +156,33 @@ impl Robot {
         })
     }
 
+    /// Seed of this robot in this run, for generators of your own.
     #[getter]
     fn seed(&self) -> u128 {
         self.seeded.seed()
     }
 
+    /// A generator of random numbers that depends on the seed of the run and on the robot alone.
     #[getter]
     fn random(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.seeded.generator(py)
     }
 
+    /// Distance to the next obstacle in a direction (m), at most `range_m`: what a range sensor says.
     #[pyo3(signature = (direction_rad, range_m=10.0))]
     fn clearance(&self, direction_rad: f64, range_m: f64) -> PyResult<f64> {
         let direction = direction(direction_rad, range_m)?;
         known(|situation| situation.clearance_m(direction, range_m))
     }
 
+    /// Clearances in `count` directions (m), evenly spread from the x axis counter-clockwise.
     #[pyo3(signature = (count=None, range_m=10.0))]
     fn ranges(&self, count: Option<&Bound<'_, PyAny>>, range_m: f64) -> PyResult<Vec<f64>> {
         let count = count.map_or(Ok(8), |count| whole_u32("count", count, 1..=MOST_RANGES))?;
         (0..count).map(|i| self.clearance(TAU * f64::from(i) / f64::from(count), range_m)).collect()
     }
 
+    /// The command to drive straight to a place (m), at the present height if `z_m` is absent.
     #[pyo3(signature = (x_m, y_m, z_m=None))]
     fn drive_to(&self, x_m: f64, y_m: f64, z_m: Option<f64>) -> PyResult<Command> {
         let z_m = match z_m {
@@ -180,16 +192,18 @@ impl Robot {
         Ok(Command(RobotCommand::Drive(checked_place(x_m, y_m, z_m)?)))
     }
 
+    /// The command to drive an arc of so many metres that turns by so many radians, counter-clockwise.
     fn drive_arc(&self, length_m: f64, turn_rad: f64) -> PyResult<Command> {
         checked_arc(length_m, turn_rad)?;
         Ok(Command(RobotCommand::DriveArc { length_m, turn_rad }))
     }
 
+    /// The command to stand and listen for the time that the scenario says.
     fn listen(&self) -> Command {
         Command(RobotCommand::Listen)
     }
 
-    /// As `listen`, in a network whose links sweep sectors.
+    /// As ``listen``, in a network whose links sweep sectors.
     fn sweep(&self) -> PyResult<Command> {
         if known(|situation| situation.sweeps_sectors())? {
             Ok(Command(RobotCommand::Listen))
@@ -198,6 +212,7 @@ impl Robot {
         }
     }
 
+    /// The command to end the survey: ``"complete"``, ``"steps_exhausted"`` or ``"stuck"``.
     #[pyo3(signature = (ending="complete"))]
     fn finish(&self, ending: &str) -> PyResult<Command> {
         Ok(Command(RobotCommand::Finish(match ending {

@@ -171,6 +171,8 @@ fn an_antenna_that_turns_with_the_robot_is_mapped_alike_from_the_run_its_recordi
             "antenna.robots.sectors.elevations_deg=[40]",
             "--set",
             "antenna.robots.sectors.vertical_width_deg=90",
+            "--set",
+            "recording.map_snapshots=0",
         ],
     );
     let log = read_log(&folder.path().join("run.mcap")).unwrap().logs.first().clone();

@@ -160,9 +160,10 @@ impl SectorSurvey<'_> {
         self.scene.reach_m / STEPS_PER_REACH
     }
 
-    /// Elementary operations of finding the places of so many nodes, at most.
+    /// Elementary operations of finding the places of so many nodes, at most. A report takes one for each of its sectors.
     pub(super) fn operations(&self, nodes: f64) -> f64 {
-        nodes * places::most_evaluations(self.scene.heights) * self.log.stops().len() as f64
+        let sectors = self.log.sector_reports().count() as f64 / self.log.receptions().len().max(1) as f64;
+        nodes * places::most_evaluations(self.scene.heights) * self.log.stops().len() as f64 * sectors.max(1.0)
     }
 
     /// The work of a fit to these nodes.
