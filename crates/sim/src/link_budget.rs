@@ -1,5 +1,6 @@
 //! Link budgets: the power between two stations, item by item, and what a receiver makes of it.
 
+use std::sync::LazyLock;
 use std::time::Duration;
 
 use sextant_channel::{ChannelLaw, Db, Dbm, ObstacleField, PathBudget, Position, Traced};
@@ -327,13 +328,34 @@ fn over_shadowing(law: &ChannelLaw, rules: &ReceptionRules, mean: Dbm, airtime: 
     if !matches!(rules.model, ReceptionModel::Ber) {
         return law.share_above(mean - rules.least_power().to_dbm());
     }
+    let received = |z: f64| rules.reception_alone((mean + Db(sigma_db * z)).to_milliwatts(), airtime);
+    let draws = &*NORMAL_DRAWS;
+    // More power is never worse: between the draws of which none arrive and those of which all do, few are left.
+    let some = draws.partition_point(|draw| received(draw.z) <= 0.0);
+    let all = some + draws[some..].partition_point(|draw| received(draw.z) < 1.0);
     let (mut sum, mut weights) = (0.0, 0.0);
-    for step in -STEPS * MOST_SIGMAS..=STEPS * MOST_SIGMAS {
-        let z = f64::from(step) / f64::from(STEPS);
-        let weight = libm::exp(-0.5 * z * z);
-        let power = mean + Db(sigma_db * z);
-        weights += weight;
-        sum += weight * rules.reception_alone(power.to_milliwatts(), airtime);
+    for (number, draw) in draws.iter().enumerate() {
+        weights += draw.weight;
+        if number >= all {
+            sum += draw.weight;
+        } else if number >= some {
+            sum += draw.weight * received(draw.z);
+        }
     }
     sum / weights
 }
+
+/// A draw of the normal distribution (standard deviations), and its probability but for a factor.
+struct NormalDraw {
+    z: f64,
+    weight: f64,
+}
+
+/// The draws of the trapezoidal rule, in ascending order.
+static NORMAL_DRAWS: LazyLock<Vec<NormalDraw>> = LazyLock::new(|| {
+    let draw = |step: i32| {
+        let z = f64::from(step) / f64::from(STEPS);
+        NormalDraw { z, weight: libm::exp(-0.5 * z * z) }
+    };
+    (-STEPS * MOST_SIGMAS..=STEPS * MOST_SIGMAS).map(draw).collect()
+});

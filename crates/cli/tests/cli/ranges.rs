@@ -210,6 +210,20 @@ fn simulated_ranges_give_the_same_map_from_the_recording_and_from_its_tables() {
 }
 
 #[test]
+fn a_run_whose_robot_measured_nothing_is_recorded_and_says_that_it_has_no_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |words: &[&str]| sextant().args(words).current_dir(folder.path()).output().unwrap();
+    run(&["init", "ranges"]);
+    let silent = ["--set", "radio.tx_power_dbm=-100.0", "--out", "run.mcap", "--format", "json", "--quiet"];
+    let output = run(&[&["run", "ranges.toml"], &silent[..]].concat());
+    let map = json(&output)["maps"][0].clone();
+    assert!(output.status.success() && map["mapped"] == 0 && map["unmapped"] == 16, "{map}");
+    assert!(map["not_made"].as_str().unwrap().contains("needs measured ranges"), "{map}");
+    assert!(map["judgement"].to_string().contains("no map was made"), "{map}");
+    assert!(run(&["inspect", "run.mcap"]).status.success());
+}
+
+#[test]
 fn ranges_that_cannot_be_are_refused_where_they_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |set: &[&str]| {

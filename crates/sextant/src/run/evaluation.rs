@@ -2,7 +2,7 @@
 
 use sextant_channel::{NetworkLogs, Position};
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{EstimatorFindings, MapError, SectorDisplacement, TopologyMap};
+use sextant_mapper::{CoordinateFrame, EstimatorFindings, MapError, SectorDisplacement, TopologyMap};
 use sextant_scenario::{MapJob, Scenario};
 use sextant_sim::{NetworkId, Survey};
 
@@ -54,7 +54,16 @@ pub(super) fn evaluate(
     let networks = scenario.networks_of(named);
     let knowledge = discoveries.knowledge(scenario, &logs, named);
     let counted = CountedWork::new(watch);
-    let (map, learned) = named.mapper.map_and_learn(knowledge, &counted)?;
+    let (map, learned, not_made) = match named.mapper.map_and_learn(knowledge, &counted) {
+        Ok((map, learned)) => (map, learned, None),
+        // The robots heard or measured nothing of the kind. What they recorded is kept all the same.
+        Err(why @ (MapError::Missing { .. } | MapError::NoStops)) => {
+            let places = vec![None; logs.of(named).node_count()];
+            let map = TopologyMap::of_places(named.mapper.name(), places, CoordinateFrame::World);
+            (map, None, Some(why.to_string()))
+        }
+        Err(error) => return Err(error.into()),
+    };
     let operations = counted.operations();
     let made = UnalignedMap::new(&named.name, &map);
     let truth = truth(scenario);
@@ -63,6 +72,7 @@ pub(super) fn evaluate(
     let displacement = sector_displacement(scenario, &networks, &map, &truth);
     let truth = Truth { places: &known, anchors: scenario.anchors(), dimensions: Dimensions::Space };
     let summary = MapSummary {
+        not_made,
         alignment: Some(alignment),
         sectors: displacement.as_ref().map(SectorsSummary::from),
         message_energy_j: message_energy_j(scenario, named, survey, discoveries),

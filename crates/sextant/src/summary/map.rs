@@ -23,6 +23,9 @@ pub struct MapSummary {
     /// What the map was aligned to before it was measured: `none`, `anchors`, `truth` or `relative`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment: Option<AlignmentSummary>,
+    /// Why no map was made, in words, if the robots heard or measured nothing that it could be made of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_made: Option<String>,
     /// Nodes with a position.
     pub mapped: usize,
     /// Nodes without a position, because they were never heard.

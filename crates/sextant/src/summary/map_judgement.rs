@@ -54,7 +54,8 @@ pub(super) fn on(map: &MapSummary, subject: Subject) -> Vec<Judgement> {
         Subject::Infeasible => infeasible(map, name).into_iter().map(warning).collect(),
         Subject::Displacements => displacements(map, name).into_iter().map(note).collect(),
         Subject::Concerns => {
-            concerns(map, name).into_iter().chain(learned(map, Section::Warnings)).map(warning).collect()
+            let not_made = map.not_made.iter().map(|why| format!("{name}: no map was made: {why}"));
+            not_made.chain(concerns(map, name)).chain(learned(map, Section::Warnings)).map(warning).collect()
         }
         Subject::Heights => heights(map, name).into_iter().map(note).collect(),
     }
