@@ -222,20 +222,35 @@ impl LinkBudgets {
     /// If there is no such network or station.
     #[must_use]
     pub fn share_received(&mut self, network: NetworkId, from: StationId, to: StationId) -> f64 {
-        let Some((_, items, rules)) = self.best(network, from, to) else { return 0.0 };
+        self.share_at_least(network, from, to, 0.0).unwrap_or(0.0)
+    }
+
+    /// The same if it is not below `least`. It is sooner known that a share is below than what it is.
+    ///
+    /// # Panics
+    /// If there is no such network or station.
+    #[must_use]
+    pub fn share_at_least(&mut self, network: NetworkId, from: StationId, to: StationId, least: f64) -> Option<f64> {
+        self.share_unless_below(network, from, to, least).filter(|&share| share >= least)
+    }
+
+    /// The share of frames that are received; `None` if it is clearly below `least`.
+    fn share_unless_below(&mut self, network: NetworkId, from: StationId, to: StationId, least: f64) -> Option<f64> {
+        let (_, items, rules) = self.best(network, from, to)?;
         let placed = &self.networks[network.index()].network;
         let airtime = placed.technology.settings().airtime(self.frame_octets(network, from)).unwrap_or_default();
         if let Some(share) = share_measured(items.traced, items.power, &rules, airtime) {
-            return share;
+            return Some(share);
         }
         let law = placed.channel;
         if !law.shadowing().is_per_packet() {
-            return rules.reception_alone(items.power.to_milliwatts(), airtime);
+            return Some(rules.reception_alone(items.power.to_milliwatts(), airtime));
         }
-        if items.power + Db(f64::from(MOST_SIGMAS) * law.shadowing().sigma_db()) < rules.sensitivity.to_dbm() {
-            return 0.0;
+        let highest = items.power + Db(f64::from(MOST_SIGMAS) * law.shadowing().sigma_db());
+        if highest < rules.sensitivity.to_dbm() || is_below(least, &law, &rules, items.power, airtime) {
+            return None;
         }
-        over_shadowing(&law, &rules, items.power, airtime)
+        Some(over_shadowing(&law, &rules, items.power, airtime))
     }
 
     /// What the power of a link consists of with the sector that gives the greatest one, and the rules of its receiver.
@@ -345,6 +360,25 @@ fn over_shadowing(law: &ChannelLaw, rules: &ReceptionRules, mean: Dbm, airtime: 
     sum / weights
 }
 
+/// Whether the share over all draws of shadowing is below `least` by a bound: draws above a limit have half of that probability, and
+/// of those below it no greater share arrives than at the limit.
+fn is_below(least: f64, law: &ChannelLaw, rules: &ReceptionRules, mean: Dbm, airtime: Duration) -> bool {
+    if law.fading().is_some() || law.bursts().is_some() {
+        return false;
+    }
+    let draws = &*NORMAL_DRAWS;
+    let all: f64 = draws.iter().map(|draw| draw.weight).sum();
+    let mut above = 0.0;
+    let limit = draws.iter().rev().take_while(|draw| {
+        above += draw.weight;
+        above <= 0.5 * least * all
+    });
+    limit.last().is_some_and(|limit| {
+        let power = mean + Db(law.shadowing().sigma_db() * limit.z);
+        rules.reception_alone(power.to_milliwatts(), airtime) < 0.5 * least
+    })
+}
+
 /// A draw of the normal distribution (standard deviations), and its probability but for a factor.
 struct NormalDraw {
     z: f64,
@@ -359,3 +393,56 @@ static NORMAL_DRAWS: LazyLock<Vec<NormalDraw>> = LazyLock::new(|| {
     };
     (-STEPS * MOST_SIGMAS..=STEPS * MOST_SIGMAS).map(draw).collect()
 });
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::{ChannelConfig, CorrelationConfig, ShadowingConfig};
+    use sextant_mac::oqpsk::bit_error_rate;
+
+    use super::*;
+
+    const AIRTIME: Duration = Duration::from_micros(1_600);
+
+    fn law(sigma_db: f64) -> ChannelLaw {
+        let shadowing = Some(ShadowingConfig { sigma_db: Some(sigma_db), correlation: CorrelationConfig::PerPacket });
+        ChannelConfig { shadowing, ..ChannelConfig::default() }.try_into().expect("a good channel")
+    }
+
+    fn rules() -> ReceptionRules {
+        ReceptionRules {
+            model: ReceptionModel::Ber,
+            sensitivity: Dbm(-97.0).to_milliwatts(),
+            noise: Dbm(-95.0).to_milliwatts(),
+            preamble: Duration::from_micros(160),
+            lock: 0.0,
+            carrier: None,
+            bit_rate_hz: 250_000.0,
+            bit_error_rate,
+        }
+    }
+
+    #[test]
+    fn shares_are_the_sum_over_all_draws_and_what_is_left_out_as_below_is_below() {
+        let rules = rules();
+        let alone = |dbm: f64| rules.reception_alone(Dbm(dbm).to_milliwatts(), AIRTIME);
+        let mut left_out = 0;
+        for sigma_db in [0.5, 4.0, 9.0] {
+            for mean in (-130..-60).map(f64::from) {
+                let (mut sum, mut weights) = (0.0, 0.0);
+                for step in -240..=240 {
+                    let z = f64::from(step) / 40.0;
+                    weights += libm::exp(-0.5 * z * z);
+                    sum += libm::exp(-0.5 * z * z) * alone(mean + sigma_db * z);
+                }
+                let share = over_shadowing(&law(sigma_db), &rules, Dbm(mean), AIRTIME);
+                assert!((share - sum / weights).abs() < 1e-15, "{share} {}", sum / weights);
+                for least in [0.1, 0.5, 0.9] {
+                    let is_below = is_below(least, &law(sigma_db), &rules, Dbm(mean), AIRTIME);
+                    assert!(!is_below || share < least, "{share} {least}");
+                    left_out += u32::from(is_below);
+                }
+            }
+        }
+        assert!(left_out > 200, "{left_out}");
+    }
+}

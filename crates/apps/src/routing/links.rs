@@ -26,8 +26,7 @@ impl UsableLinks {
         let mut from = vec![Vec::new(); nodes + robots + setup.sinks.len()];
         for (i, &a) in stations.iter().enumerate() {
             for &b in &stations[i + 1..] {
-                let mut share =
-                    |from, to| Some(budgets.share_received(network, from, to)).filter(|&share| share >= usable_prr);
+                let mut share = |from, to| budgets.share_at_least(network, from, to, usable_prr);
                 let Some(there) = share(a, b) else { continue };
                 let Some(back) = share(b, a) else { continue };
                 let etx = 1.0 / (there * back);
