@@ -30,6 +30,9 @@ pub struct RoutedStation {
     pub depth: Option<u32>,
     /// Hops of the shortest way to a sink over usable links of the layout; `None` if there is none.
     pub shortest_hops: Option<u32>,
+    /// Expected transmissions of a packet to its parent: as the station worked them out, or by the layout at the start. `None` if
+    /// they are not known.
+    pub parent_etx: Option<f64>,
     /// Its parents after its first one, in the order of time.
     pub changes: Vec<ParentChange>,
 }
@@ -94,6 +97,8 @@ pub(super) struct StationRecord {
     /// Origin and number of the packets in its queue.
     pub(super) waiting: Vec<(StationId, u16)>,
     pub(super) parent: Option<StationId>,
+    /// Expected transmissions to its parent, if it worked them out itself.
+    pub(super) parent_etx: Option<f64>,
     pub(super) changes: Vec<ParentChange>,
     pub(super) counts: Counts,
 }
@@ -133,6 +138,7 @@ impl RoutingRecord {
                 parent: left.parent,
                 depth: tree.depth(station, is_root),
                 shortest_hops: shortest.depth(station, is_root),
+                parent_etx: left.parent_etx.or_else(|| links.etx(station, left.parent?)),
                 changes: left.changes.iter().skip(1).copied().collect(),
             })
             .collect();

@@ -109,7 +109,11 @@ impl Router {
     /// What the station leaves behind.
     pub(super) fn into_record(self) -> StationRecord {
         let waiting = self.outbox.iter().map(|packet| (packet.data.origin, packet.data.number)).collect();
-        StationRecord { waiting, parent: self.way.parent(), ..self.record }
+        let parent_etx = match &self.way {
+            Way::Built { tree, .. } => tree.parent_etx(),
+            Way::FixedRoot | Way::Fixed(_) => None,
+        };
+        StationRecord { waiting, parent: self.way.parent(), parent_etx, ..self.record }
     }
 
     fn uniform(&mut self, port: &Port<'_>) -> f64 {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use sextant_apps::routing::{Deliveries, RoutedStation, RoutingRecord, TreeConfig};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::EnergySpent;
+use sextant_recording::messages::TreeEdgeMessage;
 use sextant_scenario::Scenario;
 use sextant_sim::layout::PlacedNode;
 
@@ -84,14 +85,9 @@ fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary
 
 fn by_node(scenario: &Scenario, record: &RoutingRecord, energy: &[EnergySpent]) -> Vec<RoutedNodeSummary> {
     let nodes = &scenario.world().nodes;
-    let sinks = &scenario.config().sinks;
-    let name = |station: StationId| match nodes.get(station.index()) {
-        Some(node) => node.name.clone(),
-        None => sinks.get(station.index() - nodes.len()).map(|sink| sink.name.clone()).unwrap_or_default(),
-    };
     let summary = |((placed, node), &spent): ((&PlacedNode, &RoutedStation), &EnergySpent)| RoutedNodeSummary {
         name: placed.name.clone(),
-        parent: node.parent.map(name),
+        parent: node.parent.map(|parent| name_of(scenario, parent)),
         depth: node.depth,
         shortest_hops: node.shortest_hops,
         offered: node.packets.offered,
@@ -102,6 +98,31 @@ fn by_node(scenario: &Scenario, record: &RoutingRecord, energy: &[EnergySpent]) 
         energy_j: total_j(spent),
     };
     nodes.iter().zip(&record.stations).zip(energy).map(summary).collect()
+}
+
+/// The tree at the end, for a recording.
+pub(super) fn edges(scenario: &Scenario, record: &RoutingRecord) -> Vec<TreeEdgeMessage> {
+    let nodes = record.stations[..scenario.world().nodes.len()].iter();
+    let edge = |(node, station): (u32, &RoutedStation)| TreeEdgeMessage {
+        node,
+        parent: station.parent.map(|parent| name_of(scenario, parent)).unwrap_or_default(),
+        depth: station.depth,
+        etx: station.parent_etx,
+        changes: u32::try_from(station.changes.len()).unwrap_or(u32::MAX),
+    };
+    (0..).zip(nodes).map(edge).collect()
+}
+
+/// The name of a node or a sink.
+fn name_of(scenario: &Scenario, station: StationId) -> String {
+    let nodes = &scenario.world().nodes;
+    match nodes.get(station.index()) {
+        Some(node) => node.name.clone(),
+        None => {
+            let sink = scenario.config().sinks.get(station.index() - nodes.len());
+            sink.map(|sink| sink.name.clone()).unwrap_or_default()
+        }
+    }
 }
 
 fn total_j(spent: EnergySpent) -> f64 {

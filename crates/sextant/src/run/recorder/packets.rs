@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use sextant_kernel::SimTime;
-use sextant_recording::messages::{AssessmentMessage, PacketMessage, TransmissionMessage};
+use sextant_mac::routing::Packet;
+use sextant_recording::messages::{AssessmentMessage, HopMessage, PacketMessage, TransmissionMessage};
 use sextant_recording::{FileRecorder, RecordingError};
 use sextant_sim::{AssessmentTrace, Deafness, Destination, PacketFate, PacketTrace, TransmissionTrace};
 
@@ -67,6 +68,24 @@ pub(super) fn record(
     let assessments: Vec<_> = trace.assessments.iter().map(assessment).collect();
     let transmissions: Vec<_> = trace.transmissions.iter().enumerate().map(transmission).collect();
     recorder.packet(&packet, &assessments, &transmissions)
+}
+
+/// Records the hop that packet number `id` is, if it goes over several hops.
+pub(super) fn record_hop(
+    recorder: &mut FileRecorder,
+    id: u64,
+    trace: &PacketTrace,
+    offset: Duration,
+) -> Result<(), RecordingError> {
+    let Some(Packet::Data(data)) = Packet::read(&trace.payload) else { return Ok(()) };
+    let hop = HopMessage {
+        packet: id,
+        origin: data.origin.0,
+        number: data.number.into(),
+        hops: data.hops.into(),
+        target: None,
+    };
+    recorder.hop((trace.ended + offset).as_nanos(), &hop)
 }
 
 fn name_of(deafness: Option<Deafness>) -> String {
