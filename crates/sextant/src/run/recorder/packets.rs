@@ -77,14 +77,19 @@ pub(super) fn record_hop(
     trace: &PacketTrace,
     offset: Duration,
 ) -> Result<(), RecordingError> {
-    let Some(Packet::Data(data)) = Packet::read(&trace.payload) else { return Ok(()) };
-    let hop = HopMessage {
-        packet: id,
-        origin: data.origin.0,
-        number: data.number.into(),
-        hops: data.hops.into(),
-        target: None,
+    let (origin, number, hops, target) = match Packet::read(&trace.payload) {
+        Some(Packet::Data(data)) => (data.origin, data.number, data.hops, data.target),
+        Some(Packet::Down(down)) => {
+            let next = match trace.to {
+                Destination::Station(next) => Some(next),
+                Destination::All => None,
+            };
+            (down.origin, down.number, down.hops, down.route.last().copied().or(next))
+        }
+        Some(Packet::Beacon(_)) | None => return Ok(()),
     };
+    let target = target.map(|station| station.0);
+    let hop = HopMessage { packet: id, origin: origin.0, number: number.into(), hops: hops.into(), target };
     recorder.hop((trace.ended + offset).as_nanos(), &hop)
 }
 
