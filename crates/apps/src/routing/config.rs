@@ -45,7 +45,6 @@ pub enum RoutedTo {
 
 impl RoutedTo {
     /// Whether packets go to a sink, and nowhere else.
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
     #[must_use]
     pub fn is_sink(&self) -> bool {
         *self == Self::Sink

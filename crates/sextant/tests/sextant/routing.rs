@@ -298,7 +298,8 @@ fn talking_chain(folder: &Path, nodes: usize, [up, down]: [f64; 2], duration_s: 
         let (a, b) = (name(i), name(i + 1));
         format!("0,{a},{b},{up}\n0,{b},{a},{down}\n")
     });
-    std::fs::write(folder.join("links.csv"), "t_s,from,to,prr\n".to_owned() + &rows.collect::<String>()).unwrap();
+    std::fs::write(folder.join("links.csv"), "t_s,from,to,prr\n".to_owned() + &rows.collect::<String>())
+        .expect("a file");
     let places: Vec<String> = (0..nodes).map(|node| format!("[{node}.0, 1.0]")).collect();
     let text = format!(
         r#"
