@@ -82,6 +82,13 @@ impl Csma {
         !matches!(self.state, State::Idle | State::Spacing(Next::Nothing))
     }
 
+    /// Whether a frame was sent whose acknowledgement has not come yet.
+    #[must_use]
+    #[inline]
+    pub const fn awaits_acknowledgement(&self) -> bool {
+        matches!(self.state, State::Sending(Sending::AwaitingAck))
+    }
+
     /// Whether the assessment under way ends the frame if it finds the channel busy.
     #[must_use]
     #[inline]

@@ -1,6 +1,6 @@
 //! Routing over several hops, without i/o: the octets of its packets ([`Packet`]), the quality of links
 //! ([`LinkEstimate`]), when to send beacons ([`Trickle`]), the tree that beacons build ([`Collection`]), and packets that
-//! come twice ([`Seen`]).
+//! come twice ([`Seen`]), and ways down from the root ([`SourceRoutes`]).
 //!
 //! Goes in: beacons and packets that a station heard, and what became of the frames that it sent. Comes out: its parent,
 //! the expected number of transmissions to the root, and whether its beacons must come sooner. The tree is that of CTP
@@ -26,12 +26,14 @@ mod estimate;
 mod neighbours;
 mod packet;
 mod seen;
+mod source_routes;
 mod trickle;
 
 pub use collection::{Collection, Reaction};
 pub use estimate::LinkEstimate;
-pub use packet::{BEACON_OCTETS, Beacon, Data, HEADER_OCTETS, MAX_STATIONS, Packet};
+pub use packet::{BEACON_OCTETS, Beacon, Data, Down, HEADER_OCTETS, MAX_STATIONS, Packet, down_octets};
 pub use seen::{Repeat, Seen};
+pub use source_routes::SourceRoutes;
 pub use trickle::Trickle;
 
 /// Links with more expected transmissions are not used.

@@ -97,7 +97,7 @@
 mod air;
 mod application;
 mod applications;
-mod csv_rows;
+pub mod csv_rows;
 mod engine;
 mod event;
 mod faults;

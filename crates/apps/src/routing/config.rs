@@ -23,6 +23,42 @@ pub struct RoutingConfig {
     /// ways are made of usable links, and the stretch compares ways with the shortest ones over usable links.
     #[serde(default = "default_usable_prr")]
     pub usable_prr: f64,
+    /// Where the packets of nodes go: `sink`, `sink_and_back` or `nodes`.
+    #[serde(default, skip_serializing_if = "RoutedTo::is_sink")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = "sink")))]
+    pub to: RoutedTo,
+}
+
+/// Where the packets of nodes go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum RoutedTo {
+    /// To a sink.
+    #[default]
+    Sink,
+    /// To a sink, which answers each with a packet of the same size. It goes down along the parents that packets told.
+    SinkAndBack,
+    /// Each to a node that is drawn at random: up to a sink, and down from there.
+    Nodes,
+}
+
+impl RoutedTo {
+    /// Whether packets go to a sink, and nowhere else.
+    #[must_use]
+    pub fn is_sink(&self) -> bool {
+        *self == Self::Sink
+    }
+
+    /// Octets that the header of a packet needs beyond those of one to a sink: the parent of its origin, and a node.
+    #[must_use]
+    pub const fn further_octets(self) -> u8 {
+        match self {
+            Self::Sink => 0,
+            Self::SinkAndBack => 2,
+            Self::Nodes => 4,
+        }
+    }
 }
 
 /// Along which tree packets go, as written in a scenario.

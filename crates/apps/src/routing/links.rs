@@ -43,6 +43,11 @@ impl UsableLinks {
         self.from.len()
     }
 
+    /// Expected transmissions over a usable link.
+    pub(super) fn etx(&self, from: StationId, to: StationId) -> Option<f64> {
+        self.of(from).find(|&(other, _)| other == to).map(|(_, etx)| etx)
+    }
+
     /// The links of a station: to whom, and expected transmissions.
     ///
     /// # Panics

@@ -9,6 +9,7 @@
 //! became of each packet, from where it was offered to where it goes, and of the tree.
 
 mod config;
+mod downward;
 mod links;
 mod outbox;
 mod record;
@@ -18,7 +19,9 @@ mod simulation;
 mod source;
 mod tree;
 
-pub use config::{CollectionConfig, GivenTreeConfig, RoutingConfig, ShortestTreeConfig, TreeConfig, TreeMetric};
+pub use config::{
+    CollectionConfig, GivenTreeConfig, RoutedTo, RoutingConfig, ShortestTreeConfig, TreeConfig, TreeMetric,
+};
 pub use links::UsableLinks;
 pub use record::{Counts, Deliveries, ParentChange, RoutedStation, RoutingRecord};
 pub use router::Router;

@@ -10,10 +10,20 @@ use sextant_sim::FrameId;
 #[derive(Clone, Debug)]
 pub(super) struct Outgoing {
     pub(super) data: Data,
+    pub(super) heading: Heading,
     /// Size of its payload with the header of the packet (octets); more if the header needs more.
     pub(super) octets: usize,
     /// How often it was given to the MAC again.
     pub(super) resends: u8,
+}
+
+/// Which way a packet goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Heading {
+    /// To the parent.
+    Up,
+    /// Along these stations.
+    Down(Vec<StationId>),
 }
 
 /// The packets that wait in a station. One at a time is given to the MAC, and stays first until it is through.

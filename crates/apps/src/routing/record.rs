@@ -6,7 +6,7 @@ use std::time::Duration;
 use sextant_kernel::{SimTime, StationId};
 use sextant_sim::Delays;
 
-use super::config::TreeMetric;
+use super::config::{RoutedTo, TreeMetric};
 use super::links::UsableLinks;
 use super::tree::Tree;
 
@@ -30,6 +30,9 @@ pub struct RoutedStation {
     pub depth: Option<u32>,
     /// Hops of the shortest way to a sink over usable links of the layout; `None` if there is none.
     pub shortest_hops: Option<u32>,
+    /// Expected transmissions of a packet to its parent: as the station worked them out, or by the layout at the start. `None` if
+    /// they are not known.
+    pub parent_etx: Option<f64>,
     /// Its parents after its first one, in the order of time.
     pub changes: Vec<ParentChange>,
 }
@@ -74,6 +77,8 @@ pub struct Counts {
     pub given_up: u64,
     /// Packets that were dropped after too many hops.
     pub hop_limit_drops: u64,
+    /// Packets that a sink dropped because it knew no way down.
+    pub no_route: u64,
 }
 
 /// A station has another parent.
@@ -94,6 +99,8 @@ pub(super) struct StationRecord {
     /// Origin and number of the packets in its queue.
     pub(super) waiting: Vec<(StationId, u16)>,
     pub(super) parent: Option<StationId>,
+    /// Expected transmissions to its parent, if it worked them out itself.
+    pub(super) parent_etx: Option<f64>,
     pub(super) changes: Vec<ParentChange>,
     pub(super) counts: Counts,
 }
@@ -114,6 +121,8 @@ pub(super) struct Context {
     pub(super) roots: Vec<StationId>,
     /// Packets that are offered before it do not count.
     pub(super) counted_from: SimTime,
+    /// Where the packets of nodes go.
+    pub(super) to: RoutedTo,
     /// Whether each node died.
     pub(super) dead: Vec<bool>,
 }
@@ -133,6 +142,7 @@ impl RoutingRecord {
                 parent: left.parent,
                 depth: tree.depth(station, is_root),
                 shortest_hops: shortest.depth(station, is_root),
+                parent_etx: left.parent_etx.or_else(|| links.etx(station, left.parent?)),
                 changes: left.changes.iter().skip(1).copied().collect(),
             })
             .collect();
@@ -148,7 +158,7 @@ impl RoutingRecord {
                 &left[number].offered,
                 &arrived,
                 |number| waiting.contains(&(origin, number)),
-                station.shortest_hops,
+                station.shortest_hops.filter(|_| context.to != RoutedTo::Nodes),
                 context.counted_from,
             );
         }
@@ -237,7 +247,8 @@ impl std::iter::Sum for Counts {
     fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
         all.fold(Self::default(), |sum, one| {
             // Without `..`, so that no field is forgotten.
-            let Self { beacons, transmissions, duplicates, loops, queue_drops, given_up, hop_limit_drops } = one;
+            let Self { beacons, transmissions, duplicates, loops, queue_drops, given_up, hop_limit_drops, no_route } =
+                one;
             Self {
                 beacons: sum.beacons + beacons,
                 transmissions: sum.transmissions + transmissions,
@@ -246,6 +257,7 @@ impl std::iter::Sum for Counts {
                 queue_drops: sum.queue_drops + queue_drops,
                 given_up: sum.given_up + given_up,
                 hop_limit_drops: sum.hop_limit_drops + hop_limit_drops,
+                no_route: sum.no_route + no_route,
             }
         })
     }

@@ -5,12 +5,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, SimTime, StationId};
-use sextant_mac::routing::{Beacon, Collection, Data, HOP_LIMIT, Packet, Reaction, Repeat, Seen, Trickle};
+use sextant_mac::routing::{
+    Beacon, Collection, Data, Down, HOP_LIMIT, Packet, Reaction, Repeat, Seen, SourceRoutes, Trickle,
+};
 use sextant_sim::{
     Application, Delivery, Destination, NetworkId, Payload, Port, SendError, SendOutcome, SendReport, Timer,
 };
 
-use super::outbox::{Outbox, Outgoing};
+use super::config::RoutedTo;
+use super::outbox::{Heading, Outbox, Outgoing};
 use super::record::{Arrival, Counts, ParentChange, StationRecord};
 use super::settings::{MAC_OCTETS, Routing};
 use super::source::Source;
@@ -46,11 +49,11 @@ impl Way {
         Self::Built { is_root: false, tree: Box::new(Collection::of_node(own, hysteresis_etx)), trickle }
     }
 
-    fn is_root(&self) -> bool {
+    pub(super) fn is_root(&self) -> bool {
         matches!(self, Self::FixedRoot | Self::Built { is_root: true, .. })
     }
 
-    fn parent(&self) -> Option<StationId> {
+    pub(super) fn parent(&self) -> Option<StationId> {
         match self {
             Self::FixedRoot => None,
             Self::Fixed(parent) => *parent,
@@ -73,11 +76,15 @@ impl Way {
 
 /// The application of a station that takes part in routing.
 pub struct Router {
-    routing: Arc<Routing>,
-    way: Way,
+    pub(super) routing: Arc<Routing>,
+    pub(super) way: Way,
     source: Option<Source>,
     outbox: Outbox,
     seen: Seen,
+    /// The same for packets that go down.
+    pub(super) seen_down: Seen,
+    /// The ways down, in a root.
+    pub(super) routes: SourceRoutes,
     /// The greatest number of an arrived packet of each origin.
     latest: BTreeMap<StationId, u32>,
     /// Random numbers drawn so far.
@@ -86,7 +93,7 @@ pub struct Router {
     octets: Vec<u8>,
     /// What happens before it is not counted.
     counted_from: SimTime,
-    record: StationRecord,
+    pub(super) record: StationRecord,
 }
 
 impl Router {
@@ -97,6 +104,8 @@ impl Router {
             source,
             outbox: Outbox::default(),
             seen: Seen::default(),
+            seen_down: Seen::default(),
+            routes: SourceRoutes::default(),
             latest: BTreeMap::new(),
             draws: 0,
             beacon_due: None,
@@ -109,15 +118,19 @@ impl Router {
     /// What the station leaves behind.
     pub(super) fn into_record(self) -> StationRecord {
         let waiting = self.outbox.iter().map(|packet| (packet.data.origin, packet.data.number)).collect();
-        StationRecord { waiting, parent: self.way.parent(), ..self.record }
+        let parent_etx = match &self.way {
+            Way::Built { tree, .. } => tree.parent_etx(),
+            Way::FixedRoot | Way::Fixed(_) => None,
+        };
+        StationRecord { waiting, parent: self.way.parent(), parent_etx, ..self.record }
     }
 
-    fn uniform(&mut self, port: &Port<'_>) -> f64 {
+    pub(super) fn uniform(&mut self, port: &Port<'_>) -> f64 {
         self.draws += 1;
         port.uniform(self.draws)
     }
 
-    fn count(&mut self, port: &Port<'_>, add: impl FnOnce(&mut Counts)) {
+    pub(super) fn count(&mut self, port: &Port<'_>, add: impl FnOnce(&mut Counts)) {
         if port.now() >= self.counted_from {
             add(&mut self.record.counts);
         }
@@ -134,18 +147,18 @@ impl Router {
     fn originate(&mut self, port: &mut Port<'_>) {
         let Some(source) = &mut self.source else { return };
         let octets = usize::from(source.take().saturating_sub(MAC_OCTETS));
-        #[expect(clippy::cast_possible_truncation, reason = "numbers of packets go round")]
-        let number = self.record.offered.len() as u16;
-        self.record.offered.push(port.now());
-        let origin = port.station();
-        self.seen.note(origin, number, 0);
-        let data = Data { origin, number, hops: 0, cost: None };
-        self.enqueue(Outgoing { data, octets, resends: 0 }, port);
+        let target = match self.routing.to {
+            RoutedTo::Sink | RoutedTo::SinkAndBack => None,
+            RoutedTo::Nodes => Some(self.draw_target(port)),
+        };
+        let data = Data { target, ..self.number_packet(port) };
+        self.seen.note(data.origin, data.number, 0);
+        self.enqueue(Outgoing { data, heading: Heading::Up, octets, resends: 0 }, port);
         self.schedule(port);
     }
 
     /// Adds a packet to the queue, if there is room.
-    fn enqueue(&mut self, packet: Outgoing, port: &mut Port<'_>) {
+    pub(super) fn enqueue(&mut self, packet: Outgoing, port: &mut Port<'_>) {
         if self.outbox.add(packet, self.routing.queue_packets) {
             self.pump(port);
         } else {
@@ -156,9 +169,20 @@ impl Router {
     /// Gives the first packet to the MAC, if there is one and the station knows to whom.
     fn pump(&mut self, port: &mut Port<'_>) {
         let Some(first) = self.outbox.first() else { return };
-        let Some(to) = self.way.parent() else { return };
-        let data = Data { cost: self.way.cost(), ..first.data };
-        data.write(first.octets, &mut self.octets);
+        let Some(to) = self.next_of(first) else { return };
+        match &first.heading {
+            Heading::Up => {
+                // The root makes ways down of what origins tell.
+                let tells = self.routing.to != RoutedTo::Sink && first.data.origin == port.station();
+                let parent = if tells { Some(to) } else { first.data.parent };
+                let data = Data { cost: self.way.cost(), parent, ..first.data };
+                data.write(first.octets, &mut self.octets);
+            }
+            Heading::Down(route) => {
+                let Data { origin, number, hops, .. } = first.data;
+                Down { origin, number, hops, route: route[1..].to_vec() }.write(first.octets, &mut self.octets);
+            }
+        }
         match port.send(NetworkId::default(), Destination::Station(to), Payload::Octets(&self.octets)) {
             Ok(frame) => self.outbox.send(frame, to),
             Err(SendError::QueueFull(_)) => self.try_again(port),
@@ -248,22 +272,30 @@ impl Router {
             Some(Repeat::Loop) => self.count(port, |counts| counts.loops += 1),
             None => {}
         }
+        let data = Data { hops, ..data };
         if self.way.is_root() {
-            self.arrive(&data, hops, port);
-        } else if hops >= HOP_LIMIT {
+            self.take_at_root(data, octets, port);
+        } else {
+            self.pass_on(Outgoing { data, heading: Heading::Up, octets, resends: 0 }, port);
+        }
+    }
+
+    /// Sends a packet of others on, unless it has made too many hops.
+    pub(super) fn pass_on(&mut self, packet: Outgoing, port: &mut Port<'_>) {
+        if packet.data.hops >= HOP_LIMIT {
             self.count(port, |counts| counts.hop_limit_drops += 1);
         } else {
-            self.enqueue(Outgoing { data: Data { hops, ..data }, octets, resends: 0 }, port);
+            self.enqueue(packet, port);
         }
     }
 
     /// A packet is where it should be.
-    fn arrive(&mut self, data: &Data, hops: u8, port: &Port<'_>) {
-        let latest = self.latest.get(&data.origin).copied();
-        let number = whole_number(data.number, latest);
+    pub(super) fn arrive(&mut self, origin: StationId, number: u16, hops: u8, port: &Port<'_>) {
+        let latest = self.latest.get(&origin).copied();
+        let number = whole_number(number, latest);
         let greatest = latest.map_or(number, |latest| latest.max(number));
-        self.latest.insert(data.origin, greatest);
-        self.record.arrived.push(Arrival { origin: data.origin, number, hops, time: port.now() });
+        self.latest.insert(origin, greatest);
+        self.record.arrived.push(Arrival { origin, number, hops, time: port.now() });
     }
 }
 
@@ -309,6 +341,7 @@ impl Application for Router {
         match Packet::read(delivery.payload) {
             Some(Packet::Beacon(beacon)) => self.hear_beacon(delivery.from, &beacon, port),
             Some(Packet::Data(data)) => self.take_packet(data, delivery.payload.len(), port),
+            Some(Packet::Down(down)) => self.take_down(down, delivery.payload.len(), port),
             None => {}
         }
     }

@@ -7,18 +7,24 @@ use sextant_kernel::{Files, SettingError, StationId};
 use sextant_mac::routing::{HEADER_OCTETS, MAX_STATIONS, Trickle};
 use sextant_sim::Setup;
 
-use super::config::{CollectionConfig, RoutingConfig, TreeConfig};
+use super::config::{CollectionConfig, RoutedTo, RoutingConfig, TreeConfig};
 use super::links::UsableLinks;
 use super::tree::Tree;
 
 /// Size of the header and the check sequence of a data frame among stations with short addresses (octets).
 pub(super) const MAC_OCTETS: u8 = 11;
 
+/// Largest payload of such a frame (octets).
+pub(super) const MOST_PAYLOAD_OCTETS: usize = 127 - MAC_OCTETS as usize;
+
 /// Routing in the first network of a setup, checked.
 #[derive(Clone, Debug)]
 pub struct Routing {
     pub(super) queue_packets: usize,
     pub(super) resends: u8,
+    pub(super) to: RoutedTo,
+    /// Number of nodes.
+    pub(super) nodes: u32,
     pub(super) plan: Plan,
     pub(super) links: Arc<UsableLinks>,
 }
@@ -36,7 +42,7 @@ impl Routing {
     /// # Errors
     /// If a number is out of range, or the tree does not reach each node, or there are too many stations.
     pub fn new(config: &RoutingConfig, setup: &Setup, files: &Files) -> Result<Self, SettingError> {
-        let &RoutingConfig { ref tree, queue_packets, resends, usable_prr } = config;
+        let &RoutingConfig { ref tree, queue_packets, resends, usable_prr, to } = config;
         if !(1..=1000).contains(&queue_packets) {
             return Err(SettingError::new("queue_packets", queue_packets, "1 to 1000"));
         }
@@ -47,6 +53,10 @@ impl Routing {
         if stations > MAX_STATIONS {
             let allowed = format!("at most {MAX_STATIONS}, whose numbers have 16 bits in packets");
             return Err(SettingError::new("", format!("set for {stations} stations"), allowed));
+        }
+        let nodes = StationId::from_index(setup.world.nodes.len()).0;
+        if to == RoutedTo::Nodes && nodes < 2 {
+            return Err(SettingError::new("to", "`nodes`, among less than two nodes", "at least two nodes"));
         }
         let links = Arc::new(UsableLinks::new(setup, usable_prr)?);
         let plan = match tree {
@@ -63,7 +73,7 @@ impl Routing {
                 Plan::Built { trickle, hysteresis_etx: collection.hysteresis_etx }
             }
         };
-        Ok(Self { queue_packets: queue_packets.into(), resends, plan, links })
+        Ok(Self { queue_packets: queue_packets.into(), resends, to, nodes, plan, links })
     }
 
     /// The tree, if it is fixed.
@@ -81,7 +91,7 @@ impl Routing {
         &self.links
     }
 
-    /// The least size of a frame of the traffic: a header of the MAC and one of a packet (octets).
+    /// The least size of a frame of the traffic whose packets go to sinks only: a header of the MAC and one of a packet (octets).
     pub const LEAST_MPDU_OCTETS: u8 = MAC_OCTETS + HEADER_OCTETS;
 }
 

@@ -43,7 +43,7 @@ impl Routing {
         for death in setup.faults.deaths().iter().filter(|death| end.is_none_or(|end| death.time <= end)) {
             dead[death.node.index()] = true;
         }
-        let context = Context { roots: roots.clone(), counted_from, dead };
+        let context = Context { roots: roots.clone(), counted_from, to: self.to, dead };
         let applications = Applications { nodes, robots: Vec::new(), sinks };
         let simulation = Simulation::with(setup, applications)?.without(left_out)?;
         let links = Arc::clone(&self.links);

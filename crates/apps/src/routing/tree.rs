@@ -4,8 +4,10 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::path::Path;
 
+use serde::Deserialize;
 use sextant_kernel::text::{of_cell, shortened};
 use sextant_kernel::{Files, SettingError, StationId};
+use sextant_sim::csv_rows::{cell_fault, line_of, row_fault};
 use sextant_sim::layout::PlacedNode;
 
 use super::config::TreeMetric;
@@ -16,6 +18,15 @@ use super::links::UsableLinks;
 pub struct Tree {
     parents: Vec<Option<StationId>>,
 }
+
+/// One row of a tree in a file.
+#[derive(Deserialize)]
+struct TreeRow {
+    node: String,
+    parent: String,
+}
+
+const COLUMNS: &str = "the columns `node` and `parent`";
 
 /// What is known of a station while the shortest ways are worked out, in the order in which stations are settled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -97,31 +108,31 @@ impl Tree {
         let of_sinks: BTreeMap<String, StationId> =
             sinks.iter().enumerate().map(|(i, name)| numbered((first_sink + i, name))).collect();
         let mut parents = vec![None; first_sink + sinks.len()];
-        let mut lines = (1_u64..).zip(text.lines()).filter(|(_, line)| {
-            let line = line.trim();
-            !line.is_empty() && !line.starts_with('#')
-        });
         let refuse = |line: u64, what: String, allowed: &str| {
             SettingError::new("file", format!("`{file}`, line {line}: {what}"), allowed)
         };
-        let cells =
-            |line: &str| -> Vec<String> { line.split(',').map(|cell| of_cell(cell.trim()).to_owned()).collect() };
-        let columns = "the columns `node` and `parent`";
-        match lines.next() {
-            Some((_, header)) if cells(header) == ["node", "parent"] => {}
-            Some((line, header)) => return Err(refuse(line, format!("`{}`", shortened(header)), columns)),
-            None => return Err(refuse(1, "no row".to_owned(), columns)),
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+        let header = reader.headers().map_err(|error| refuse(1, error.to_string(), COLUMNS))?.clone();
+        let line_of_header = line_of(text, header.position());
+        if let Some(column) = header.iter().find(|column| !matches!(*column, "node" | "parent")) {
+            return Err(refuse(line_of_header, format!("column `{}`", shortened(column)), COLUMNS));
         }
-        for (line, row) in lines {
-            let row = cells(row);
-            let [node, parent] = row.as_slice() else {
-                return Err(refuse(line, format!("{} cells", row.len()), columns));
-            };
-            let child = of_nodes.get(node);
-            let &child = child.ok_or_else(|| refuse(line, format!("`{}`", shortened(node)), "the name of a node"))?;
+        if let Some(column) = ["node", "parent"].into_iter().find(|&column| !header.iter().any(|it| it == column)) {
+            return Err(refuse(line_of_header, format!("no column `{column}`"), COLUMNS));
+        }
+        for record in reader.records() {
+            let record =
+                record.map_err(|error| refuse(line_of(text, error.position()), row_fault(&error), COLUMNS))?;
+            let line = line_of(text, record.position());
+            let row: TreeRow = record
+                .deserialize(Some(&header))
+                .map_err(|error| refuse(line, cell_fault(&error, &header, &record), COLUMNS))?;
+            let (node, parent) = (of_cell(&row.node), of_cell(&row.parent));
+            let unknown = |name: &str, allowed: &str| refuse(line, format!("`{}`", shortened(name)), allowed);
+            let &child = of_nodes.get(node).ok_or_else(|| unknown(node, "the name of a node"))?;
             let above = of_nodes.get(parent).or_else(|| of_sinks.get(parent));
-            let &above = above
-                .ok_or_else(|| refuse(line, format!("`{}`", shortened(parent)), "the name of a node or a sink"))?;
+            let &above = above.ok_or_else(|| unknown(parent, "the name of a node or a sink"))?;
             if parents[child.index()].replace(above).is_some() {
                 return Err(refuse(line, format!("`{}` again", shortened(node)), "one row for each node"));
             }
@@ -178,12 +189,16 @@ mod tests {
         assert_eq!(tree.parents, [Some(StationId(3)), Some(StationId(0)), None, None]);
         let depth = |node| tree.depth(StationId(node), |station| station == StationId(3));
         assert_eq!((depth(0), depth(1), depth(3), depth(2)), (Some(1), Some(2), Some(0), None));
+        // The columns may be in the other order, and names may be quoted.
+        assert_eq!(parse("parent,node\nsink,a\na,\"b\"\n").unwrap(), tree);
         for (text, found) in [
-            ("", "`t.csv`, line 1: no row"),
-            ("a,b\n", "`t.csv`, line 1: `a,b`"),
+            ("", "`t.csv`, line 1: no column `node`"),
+            ("a,b\n", "`t.csv`, line 1: column `a`"),
+            ("# a comment\n\nnode\na\n", "`t.csv`, line 3: no column `parent`"),
             ("node,parent\nx,sink\n", "`t.csv`, line 2: `x`"),
             ("node,parent\na,x\n", "`t.csv`, line 2: `x`"),
-            ("node,parent\na,sink,3\n", "`t.csv`, line 2: 3 cells"),
+            ("node,parent\na,sink,3\n", "`t.csv`, line 2: 3 cells for 2 columns"),
+            ("node,parent\n\n# a comment\na\n", "`t.csv`, line 4: 1 cells for 2 columns"),
             ("node,parent\na,sink\na,b\n", "`t.csv`, line 3: `a` again"),
             ("node,parent\na,sink\n", "`t.csv` without a row for `b`"),
             ("node,parent\na,b\nb,a\n", "`t.csv`, in which no way leads from `a` to a sink"),

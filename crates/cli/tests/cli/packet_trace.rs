@@ -313,3 +313,36 @@ fn figures_of_packets_are_drawn_and_the_window_is_checked() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("--from 2 --to 1"));
 }
+
+/// In a corridor of relays, node `i` sends to node `i - 1`, and the first one to the sink, which is station 7.
+#[test]
+fn the_hops_of_a_packet_are_its_way_along_the_tree() {
+    let trace = Traced::of(&scenario("routing/given-tree.toml"), &["duration_s=600", "routing.resends=1"]);
+    let tables = trace.folder.path().join("tables");
+    let (hops, tree) = (table(&tables.join("routing_hops.csv")), table(&tables.join("routing_tree.csv")));
+    let number = |row: &BTreeMap<String, String>, column: &str| row[column].parse::<i64>().expect("a number");
+    let packets: BTreeMap<i64, _> = trace.packets.iter().map(|packet| (number(packet, "packet"), packet)).collect();
+    assert_eq!(hops.len(), packets.len(), "all packets go over several hops");
+    let mut arrived = BTreeMap::new();
+    for hop in &hops {
+        let (packet, origin) = (packets[&number(hop, "packet")], number(hop, "origin"));
+        let at = origin - number(hop, "hops");
+        assert_eq!(number(packet, "source"), at, "{hop:?}");
+        assert_eq!(number(packet, "destination"), if at > 0 { at - 1 } else { 7 }, "{hop:?}");
+        assert_eq!(hop["target"], "", "any sink");
+        if at == 0 && packet["fate"] == "received" {
+            arrived.insert((origin, number(hop, "number")), ());
+        }
+    }
+    assert_eq!(arrived.len() as u64, trace.summary["routing"]["delivered"].as_u64().expect("a number"));
+    let parents: Vec<_> = tree.iter().map(|edge| (&*edge["node"], &*edge["parent"], number(edge, "depth"))).collect();
+    let names = ["sink", "one", "two", "three", "four", "five", "six", "seven"];
+    let expected: Vec<_> = (1..8).map(|i| (names[i], names[i - 1], i64::try_from(i).expect("few"))).collect();
+    assert_eq!(parents, expected);
+    for edge in &tree {
+        // 70 % of the frames arrive, and of the acknowledgements.
+        let etx: f64 = edge["etx"].parse().expect("a number");
+        assert!((etx - 1.0 / 0.49).abs() < 1e-9, "{edge:?}");
+        assert_eq!(edge["changes"], "0");
+    }
+}

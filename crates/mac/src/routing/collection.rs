@@ -60,6 +60,12 @@ impl Collection {
         if self.is_root { Some(0.0) } else { self.cost_by(self.parent?) }
     }
 
+    /// Expected transmissions of a packet to the parent; `None` without one.
+    #[must_use]
+    pub fn parent_etx(&self) -> Option<f64> {
+        self.neighbours.get(self.parent?)?.link.etx()
+    }
+
     fn cost_by(&self, parent: StationId) -> Option<f64> {
         self.neighbours.get(parent)?.cost_of(self.own)
     }

@@ -10,6 +10,11 @@
 //! | 2 | cost of the way to the root, 0xFFFF if none | cost of the sender's way to the root |
 //! | 1 or 2 | number of the beacon | origin |
 //! | 2 | | number of the packet at its origin |
+//! | 0 or 2 | | parent of the origin, if the kind has 0x10 |
+//! | 0 or 2 | | the node to which it goes, if the kind has 0x20 |
+//!
+//! A packet down has the kind 2, hops so far (1), origin (2), its number there (2), the number of stations on its way after the
+//! receiver (1), and these stations (2 each): the last one is where it goes.
 
 use sextant_kernel::StationId;
 
@@ -28,15 +33,20 @@ const NONE: u16 = 0xFFFF;
 const KIND: u8 = 0x0F;
 const BEACON: u8 = 0;
 const DATA: u8 = 1;
+const DOWN: u8 = 2;
 const PULLS: u8 = 0x10;
+const HAS_PARENT: u8 = 0x10;
+const HAS_TARGET: u8 = 0x20;
 
 /// What a station sends to others.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Packet {
     /// A beacon to all neighbours.
     Beacon(Beacon),
     /// A packet to the next station on its way; what follows the header says nothing.
     Data(Data),
+    /// A packet down to the next station on its way; what follows the header says nothing.
+    Down(Down),
 }
 
 /// What a station tells its neighbours.
@@ -63,6 +73,29 @@ pub struct Data {
     pub hops: u8,
     /// Expected transmissions from the sender to the root.
     pub cost: Option<f64>,
+    /// The parent of the origin, if the root should know it.
+    pub parent: Option<StationId>,
+    /// The node to which it goes; `None` if it goes to the root.
+    pub target: Option<StationId>,
+}
+
+/// The header of a packet that goes down from a root.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Down {
+    /// The station that had it first: the root, or a node from which it went up.
+    pub origin: StationId,
+    /// Its number there: it goes round.
+    pub number: u16,
+    /// Hops before this one.
+    pub hops: u8,
+    /// The stations on its way after the receiver. If there is none, the receiver is where it goes.
+    pub route: Vec<StationId>,
+}
+
+/// Size of the header of a packet down with so many stations on its way after the receiver (octets).
+#[must_use]
+pub const fn down_octets(stations: usize) -> usize {
+    8 + 2 * stations
 }
 
 fn short(station: Option<StationId>) -> [u8; 2] {
@@ -90,10 +123,31 @@ impl Data {
     /// Writes the header to `octets`, in place of what is there, and fills up to `size` octets.
     pub fn write(&self, size: usize, octets: &mut Vec<u8>) {
         octets.clear();
-        octets.extend([MAGIC, DATA, self.hops]);
+        let parent = if self.parent.is_some() { HAS_PARENT } else { 0 };
+        let target = if self.target.is_some() { HAS_TARGET } else { 0 };
+        octets.extend([MAGIC, DATA | parent | target, self.hops]);
         octets.extend(tenths(self.cost));
         octets.extend(short(Some(self.origin)));
         octets.extend(self.number.to_le_bytes());
+        for station in [self.parent, self.target] {
+            octets.extend(station.map(|station| short(Some(station))).iter().flatten());
+        }
+        octets.resize(octets.len().max(size), 0);
+    }
+}
+
+impl Down {
+    /// Writes the header to `octets`, in place of what is there, and fills up to `size` octets.
+    ///
+    /// # Panics
+    /// If the way has more than 255 stations.
+    pub fn write(&self, size: usize, octets: &mut Vec<u8>) {
+        octets.clear();
+        octets.extend([MAGIC, DOWN, self.hops]);
+        octets.extend(short(Some(self.origin)));
+        octets.extend(self.number.to_le_bytes());
+        octets.push(u8::try_from(self.route.len()).expect("at most 64 hops"));
+        octets.extend(self.route.iter().flat_map(|&station| short(Some(station))));
         octets.resize(octets.len().max(size), 0);
     }
 }
@@ -118,7 +172,17 @@ impl Packet {
                 let cost = cost(&mut rest)?;
                 let origin = station(&mut rest)??;
                 let number = u16::from_le_bytes(take(&mut rest)?);
-                Some(Self::Data(Data { origin, number, hops, cost }))
+                let parent = if kind & HAS_PARENT != 0 { Some(station(&mut rest)??) } else { None };
+                let target = if kind & HAS_TARGET != 0 { Some(station(&mut rest)??) } else { None };
+                Some(Self::Data(Data { origin, number, hops, cost, parent, target }))
+            }
+            DOWN => {
+                let [hops] = take(&mut rest)?;
+                let origin = station(&mut rest)??;
+                let number = u16::from_le_bytes(take(&mut rest)?);
+                let [stations] = take(&mut rest)?;
+                let route = (0..stations).map(|_| station(&mut rest)?).collect::<Option<_>>()?;
+                Some(Self::Down(Down { origin, number, hops, route }))
             }
             _ => None,
         }
@@ -157,7 +221,8 @@ mod tests {
         assert_eq!(octets, [0x3F, 0x10, 0x02, 0x01, 23, 0, 7]);
         assert_eq!(octets.len(), usize::from(BEACON_OCTETS));
         assert_eq!(Packet::read(&octets), Some(Packet::Beacon(beacon)));
-        let data = Data { origin: StationId(5), number: 0x1234, hops: 3, cost: Some(1.0) };
+        let data =
+            Data { origin: StationId(5), number: 0x1234, hops: 3, cost: Some(1.0), parent: None, target: None };
         data.write(12, &mut octets);
         assert_eq!(octets, [0x3F, 0x01, 3, 10, 0, 5, 0, 0x34, 0x12, 0, 0, 0]);
         assert_eq!(Packet::read(&octets), Some(Packet::Data(data)));
@@ -165,11 +230,21 @@ mod tests {
         without_way.write(0, &mut octets);
         assert_eq!(octets.len(), usize::from(HEADER_OCTETS));
         assert_eq!(Packet::read(&octets), Some(Packet::Data(without_way)));
+        let told = Data { parent: Some(StationId(7)), target: Some(StationId(0x0908)), ..data };
+        told.write(0, &mut octets);
+        assert_eq!(octets, [0x3F, 0x31, 3, 10, 0, 5, 0, 0x34, 0x12, 7, 0, 8, 9]);
+        assert_eq!(Packet::read(&octets), Some(Packet::Data(told)));
+        let down = Down { origin: StationId(5), number: 2, hops: 1, route: vec![StationId(6), StationId(7)] };
+        down.write(0, &mut octets);
+        assert_eq!(octets, [0x3F, 2, 1, 5, 0, 2, 0, 2, 6, 0, 7, 0]);
+        assert_eq!(octets.len(), down_octets(2));
+        assert_eq!(Packet::read(&octets), Some(Packet::Down(down)));
+        assert_eq!(Packet::read(&octets[..11]), None, "the way is cut");
     }
 
     #[test]
     fn other_octets_are_no_packet() {
-        let data = Data { origin: StationId(5), number: 1, hops: 0, cost: Some(1.0) };
+        let data = Data { origin: StationId(5), number: 1, hops: 0, cost: Some(1.0), parent: None, target: None };
         let mut octets = Vec::new();
         data.write(0, &mut octets);
         for end in 0..octets.len() {

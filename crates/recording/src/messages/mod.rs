@@ -51,6 +51,7 @@ pub(super) mod networks;
 pub(super) mod packets;
 pub(crate) mod phase;
 pub(super) mod ranges;
+pub(super) mod routing;
 pub(super) mod sector_gains;
 pub(super) mod sector_snrs;
 pub(crate) mod sensation;
@@ -62,6 +63,7 @@ pub use distributed::MappedNodeMessage;
 pub(crate) use networks::{NetworksMessage, SectorMessage};
 pub use packets::{AssessmentMessage, PacketMessage, TransmissionMessage};
 pub(crate) use ranges::RangeMessage;
+pub use routing::{HopMessage, TreeEdgeMessage};
 pub(crate) use sector_gains::SectorGainsMessage;
 pub(crate) use sector_snrs::SectorSnrsMessage;
 pub(crate) use sensing::SensedMessage;
@@ -245,6 +247,7 @@ pub(crate) fn declarations() -> impl Iterator<Item = &'static Declaration> {
         networks::DECLARATIONS,
         packets::DECLARATIONS,
         ranges::DECLARATIONS,
+        routing::DECLARATIONS,
         sector_gains::DECLARATIONS,
         sector_snrs::DECLARATIONS,
         sensing::DECLARATIONS,

@@ -32,6 +32,10 @@ pub(crate) const PACKETS_TOPIC: &str = "/mac/packets";
 pub(crate) const ASSESSMENTS_TOPIC: &str = "/mac/assessments";
 /// Topic of the transmissions of these packets.
 pub(crate) const TRANSMISSIONS_TOPIC: &str = "/mac/transmissions";
+/// Topic of the hops of these packets, if they go over several.
+pub(crate) const HOPS_TOPIC: &str = "/routing/hops";
+/// Topic of the tree along which packets go, at the end.
+pub(crate) const TREE_TOPIC: &str = "/routing/tree";
 /// Topic of what sensors said.
 pub(crate) const SENSED_TOPIC: &str = "/sensed";
 /// Start of the topics of targets; their names follow.

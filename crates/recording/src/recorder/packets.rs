@@ -5,9 +5,9 @@ use std::io::Write;
 use sextant_kernel::SimTime;
 
 use super::super::error::RecordingError;
-use super::super::messages::{AssessmentMessage, PacketMessage, TransmissionMessage};
+use super::super::messages::{AssessmentMessage, HopMessage, PacketMessage, TransmissionMessage, TreeEdgeMessage};
 use super::Recorder;
-use crate::messages::names::{ASSESSMENTS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC};
+use crate::messages::names::{ASSESSMENTS_TOPIC, HOPS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC, TREE_TOPIC};
 
 impl<W: Write> Recorder<W> {
     /// Writes a packet at the time of its end, with its assessments and transmissions. A chunk never ends within it.
@@ -25,5 +25,21 @@ impl<W: Write> Recorder<W> {
         assessments.iter().try_for_each(|assessment| self.append(time, ASSESSMENTS_TOPIC, assessment))?;
         transmissions.iter().try_for_each(|transmission| self.append(time, TRANSMISSIONS_TOPIC, transmission))?;
         self.sink.settle()
+    }
+
+    /// Writes the hop that the packet written last is.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn hop(&mut self, ended_ns: u64, hop: &HopMessage) -> Result<(), RecordingError> {
+        self.append(SimTime::from_nanos(ended_ns), HOPS_TOPIC, hop)
+    }
+
+    /// Writes the tree along which packets went, as it is at `end`.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn tree(&mut self, end: SimTime, edges: &[TreeEdgeMessage]) -> Result<(), RecordingError> {
+        edges.iter().try_for_each(|edge| self.append(end, TREE_TOPIC, edge))
     }
 }

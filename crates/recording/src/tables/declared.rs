@@ -69,7 +69,7 @@ pub(super) fn network_table(table: &str, topic: &str) -> String {
 const STOP: &str = "Stop";
 
 /// The table of each message type: its name, the fields that are the index of a node, and whether the topic says more.
-const TABLES: [(&str, &str, &[&str], NamedByTopic); 18] = [
+const TABLES: [(&str, &str, &[&str], NamedByTopic); 20] = [
     (STOP, "stops", &[], NamedByTopic::Network),
     ("Reception", "receptions", &["node"], NamedByTopic::Network),
     ("Range", "ranges", &["node"], NamedByTopic::Network),
@@ -81,6 +81,8 @@ const TABLES: [(&str, &str, &[&str], NamedByTopic); 18] = [
     ("Packet", "mac_packets", &[], NamedByTopic::Topic),
     ("Transmission", "mac_transmissions", &[], NamedByTopic::Topic),
     ("Assessment", "mac_assessments", &[], NamedByTopic::Topic),
+    ("Hop", "routing_hops", &[], NamedByTopic::Topic),
+    ("TreeEdge", "routing_tree", &["node"], NamedByTopic::Topic),
     ("Metric", "metrics", &[], NamedByTopic::Topic),
     ("Sensors", "sensors", &[], NamedByTopic::Topic),
     ("Sensed", "sensed", &["node"], NamedByTopic::Topic),

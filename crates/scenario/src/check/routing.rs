@@ -1,6 +1,6 @@
 //! Routing over several hops.
 
-use sextant_apps::routing::Routing;
+use sextant_apps::routing::{RoutedTo, Routing};
 use sextant_kernel::{Files, SettingError};
 use sextant_sim::{MacConfig, NetworkId, Setup};
 
@@ -23,7 +23,7 @@ pub(crate) fn check_routing(
     let before = errors.found.len();
     check_others(config, errors);
     check_mac(networks, errors);
-    check_traffic(setup, errors);
+    check_traffic(written.to, setup, errors);
     // A tree needs sinks and links.
     if errors.found.len() > before {
         return None;
@@ -72,7 +72,7 @@ fn check_mac(networks: &Networks<'_>, errors: &mut Errors) {
 }
 
 /// Refuses frames without room for the header of a packet, and acknowledgements from afar.
-fn check_traffic(setup: &Setup, errors: &mut Errors) {
+fn check_traffic(to: RoutedTo, setup: &Setup, errors: &mut Errors) {
     let traffic = &setup.network().traffic;
     for kind in traffic.kinds().filter(|kind| !kind.is_silent()) {
         if kind.is_acknowledged() {
@@ -80,7 +80,7 @@ fn check_traffic(setup: &Setup, errors: &mut Errors) {
             let allowed = "false: with `routing` each hop is acknowledged, and packets go to a sink in any case";
             errors.refuse(&SettingError::new(key, "true, beside `routing`", allowed));
         }
-        let (octets, least) = (kind.mpdu_octets(), Routing::LEAST_MPDU_OCTETS);
+        let (octets, least) = (kind.mpdu_octets(), Routing::LEAST_MPDU_OCTETS + to.further_octets());
         if octets < least {
             let allowed =
                 format!("at least {least} with `routing`: headers of MAC and packet, and the check sequence");

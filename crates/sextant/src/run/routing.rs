@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use sextant_apps::routing::{Deliveries, RoutedStation, RoutingRecord, TreeConfig};
+use sextant_apps::routing::{Deliveries, RoutedStation, RoutedTo, RoutingRecord, TreeConfig};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::EnergySpent;
+use sextant_recording::messages::TreeEdgeMessage;
 use sextant_scenario::Scenario;
 use sextant_sim::layout::PlacedNode;
 
 use super::simulator::Simulated;
-use crate::summary::{DelaySummary, DepthSummary, HopsSummary, RoutedNodeSummary, RoutingSummary};
+use crate::summary::{AnswersSummary, DelaySummary, DepthSummary, HopsSummary, RoutedNodeSummary, RoutingSummary};
 
 /// What became of the packets that went over several hops, if they did.
 pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSummary> {
@@ -28,12 +29,17 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
             TreeConfig::Shortest(_) => "shortest",
             TreeConfig::Collection(_) => "collection",
         },
+        to: match written.to {
+            RoutedTo::Sink => None,
+            RoutedTo::SinkAndBack => Some("sink_and_back"),
+            RoutedTo::Nodes => Some("nodes"),
+        },
         offered: all.offered,
         delivered: all.delivered,
         pending: all.pending,
         delivery: delivery(&all),
         delay_s: DelaySummary::of(&all.delays),
-        hops: mean(all.hops as f64, all.delivered).map(|mean| HopsSummary { mean, max: all.most_hops }),
+        hops: hops(&all),
         stretch: mean(all.stretch, all.stretched),
         transmissions: counts.transmissions,
         transmissions_per_delivery: mean(counts.transmissions as f64, all.delivered),
@@ -42,6 +48,8 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
         queue_drops: counts.queue_drops,
         given_up: counts.given_up,
         hop_limit_drops: counts.hop_limit_drops,
+        no_route: (written.to != RoutedTo::Sink).then_some(counts.no_route),
+        answers: (written.to == RoutedTo::SinkAndBack).then(|| answers(&record.stations[nodes.len()..])),
         beacons: counts.beacons,
         parent_changes: changes as u64,
         parent_changes_per_node_h: if node_hours > 0.0 { changes as f64 / node_hours } else { 0.0 },
@@ -58,6 +66,25 @@ fn mean(sum: f64, count: u64) -> Option<f64> {
 
 fn delivery(packets: &Deliveries) -> Option<f64> {
     mean(packets.delivered as f64, packets.offered - packets.pending)
+}
+
+fn hops(packets: &Deliveries) -> Option<HopsSummary> {
+    let mean = mean(packets.hops as f64, packets.delivered)?;
+    Some(HopsSummary { mean, max: packets.most_hops })
+}
+
+/// What became of the answers of the sinks.
+fn answers(sinks: &[RoutedStation]) -> AnswersSummary {
+    let mut all = Deliveries::default();
+    sinks.iter().for_each(|sink| all += &sink.packets);
+    AnswersSummary {
+        offered: all.offered,
+        delivered: all.delivered,
+        pending: all.pending,
+        delivery: delivery(&all),
+        delay_s: DelaySummary::of(&all.delays),
+        hops: hops(&all),
+    }
 }
 
 fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary> {
@@ -84,14 +111,9 @@ fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary
 
 fn by_node(scenario: &Scenario, record: &RoutingRecord, energy: &[EnergySpent]) -> Vec<RoutedNodeSummary> {
     let nodes = &scenario.world().nodes;
-    let sinks = &scenario.config().sinks;
-    let name = |station: StationId| match nodes.get(station.index()) {
-        Some(node) => node.name.clone(),
-        None => sinks.get(station.index() - nodes.len()).map(|sink| sink.name.clone()).unwrap_or_default(),
-    };
     let summary = |((placed, node), &spent): ((&PlacedNode, &RoutedStation), &EnergySpent)| RoutedNodeSummary {
         name: placed.name.clone(),
-        parent: node.parent.map(name),
+        parent: node.parent.map(|parent| name_of(scenario, parent)),
         depth: node.depth,
         shortest_hops: node.shortest_hops,
         offered: node.packets.offered,
@@ -102,6 +124,31 @@ fn by_node(scenario: &Scenario, record: &RoutingRecord, energy: &[EnergySpent]) 
         energy_j: total_j(spent),
     };
     nodes.iter().zip(&record.stations).zip(energy).map(summary).collect()
+}
+
+/// The tree at the end, for a recording.
+pub(super) fn edges(scenario: &Scenario, record: &RoutingRecord) -> Vec<TreeEdgeMessage> {
+    let nodes = record.stations[..scenario.world().nodes.len()].iter();
+    let edge = |(node, station): (u32, &RoutedStation)| TreeEdgeMessage {
+        node,
+        parent: station.parent.map(|parent| name_of(scenario, parent)).unwrap_or_default(),
+        depth: station.depth,
+        etx: station.parent_etx,
+        changes: u32::try_from(station.changes.len()).unwrap_or(u32::MAX),
+    };
+    (0..).zip(nodes).map(edge).collect()
+}
+
+/// The name of a node or a sink.
+fn name_of(scenario: &Scenario, station: StationId) -> String {
+    let nodes = &scenario.world().nodes;
+    match nodes.get(station.index()) {
+        Some(node) => node.name.clone(),
+        None => {
+            let sink = scenario.config().sinks.get(station.index() - nodes.len());
+            sink.map(|sink| sink.name.clone()).unwrap_or_default()
+        }
+    }
 }
 
 fn total_j(spent: EnergySpent) -> f64 {

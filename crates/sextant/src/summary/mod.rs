@@ -43,7 +43,7 @@ pub(crate) use missions::SEARCH_INSTANTS_S;
 pub use missions::{ArrivalSummary, MissionMessages, MissionRobot, MissionSummary, MissionTarget, SearchInstant};
 pub use results::{FaultsSummary, RegionSummary, ScenarioSummary, SimulationSummary, Summary};
 pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};
-pub use routing::{DepthSummary, HopsSummary, RoutedNodeSummary, RoutingSummary};
+pub use routing::{AnswersSummary, DepthSummary, HopsSummary, RoutedNodeSummary, RoutingSummary};
 pub use sensing::{SensingSummary, SensorErrorCounts};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};

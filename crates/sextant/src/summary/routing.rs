@@ -9,9 +9,12 @@ use super::mac::DelaySummary;
 pub struct RoutingSummary {
     /// Where the tree comes from: `given`, `shortest` or `collection`.
     pub tree: &'static str,
-    /// Packets that nodes had for a sink.
+    /// Where packets go: `sink_and_back` or `nodes`. Absent if only to a sink.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<&'static str>,
+    /// Packets that nodes had for a sink, or for each other.
     pub offered: u64,
-    /// Those that reached a sink, each once.
+    /// Those that reached a sink, or the node to which they went, each once.
     pub delivered: u64,
     /// Those that did not, and wait in a queue at the end.
     pub pending: u64,
@@ -45,6 +48,12 @@ pub struct RoutingSummary {
     pub given_up: u64,
     /// Packets that were dropped after 64 hops.
     pub hop_limit_drops: u64,
+    /// Packets that a sink dropped because it knew no way down, or the header had no room for it. Absent if none go down.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_route: Option<u64>,
+    /// The answers of the sinks. Absent if they do not answer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub answers: Option<AnswersSummary>,
     /// Beacons.
     pub beacons: u64,
     /// Changes of the parent of a node, after its first one, warm-up included.
@@ -59,6 +68,26 @@ pub struct RoutingSummary {
     pub by_depth: Vec<DepthSummary>,
     /// The nodes.
     pub nodes: Vec<RoutedNodeSummary>,
+}
+
+/// The answers of the sinks to the packets that reached them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct AnswersSummary {
+    /// Answers that sinks had for nodes.
+    pub offered: u64,
+    /// Those that reached their node, each once.
+    pub delivered: u64,
+    /// Those that did not, and wait in a queue at the end.
+    pub pending: u64,
+    /// Delivered answers as a share of those offered, without those that are pending. Absent if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delivery: Option<f64>,
+    /// Time from the offer of an answer to its arrival at the node (s). Absent if none arrived.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_s: Option<DelaySummary>,
+    /// Hops of answers that arrived. Absent if none did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hops: Option<HopsSummary>,
 }
 
 /// Hops of packets.

@@ -8,7 +8,12 @@ use crate::columns::{Align, columns};
 
 /// Writes what became of packets over several hops, and of the nodes by depth.
 pub(super) fn write(routing: &RoutingSummary, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "end to end: packets to a sink, tree `{}`", routing.tree)?;
+    let whither = match routing.to {
+        None => "packets to a sink",
+        Some("nodes") => "packets to nodes",
+        Some(_) => "packets to a sink, which answers",
+    };
+    writeln!(out, "end to end: {whither}, tree `{}`", routing.tree)?;
     columns(&rows(routing), &[Align::Left, Align::Right, Align::Left], out)?;
     writeln!(out)?;
     let header = ["depth", "nodes", "offered", "delivered", "delivery", "mean delay", "energy of a node", "sending"];
@@ -36,7 +41,7 @@ fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
         ("packets offered", routing.offered.to_string(), ""),
         ("packets delivered", routing.delivered.to_string(), ""),
         ("delivery", share(routing.delivery), "delivered, of those offered and not pending"),
-        ("delay, mean", delay(|delay| delay.mean), "from offer to arrival at the sink"),
+        ("delay, mean", delay(|delay| delay.mean), "from offer to arrival"),
         ("delay, p50", delay(|delay| delay.p50), ""),
         ("delay, p99", delay(|delay| delay.p99), ""),
         ("hops, mean", decimals(routing.hops.map(|hops| hops.mean)), ""),
@@ -53,6 +58,18 @@ fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
         ("nodes without a way", routing.without_way.to_string(), "at the end"),
         ("pending", routing.pending.to_string(), "in queues at the end"),
     ];
+    let mut rows = rows.to_vec();
+    if let Some(no_route) = routing.no_route {
+        rows.push(("no way down", no_route.to_string(), "dropped by a sink"));
+    }
+    if let Some(answers) = &routing.answers {
+        let hops = answers.hops.map(|hops| hops.mean);
+        let mean_s = answers.delay_s.as_ref().map(|delay| delay.mean);
+        rows.push(("answers", answers.offered.to_string(), ""));
+        rows.push(("answers, delivery", share(answers.delivery), "delivered, of those offered and not pending"));
+        rows.push(("answers, mean delay", milliseconds(mean_s), "from the sink to the node"));
+        rows.push(("answers, mean hops", decimals(hops), ""));
+    }
     rows.into_iter().map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]).collect()
 }
 

@@ -275,6 +275,12 @@ fn settings_that_do_not_fit_are_refused_with_their_key_and_what_is_allowed() {
         (&["mac={ program = {} }"], ["mac.program", "`csma_unslotted`"]),
         (&["traffic.periodic.acknowledged=true"], ["traffic.periodic.acknowledged", "each hop is acknowledged"]),
         (&["traffic.periodic.mpdu_octets=19"], ["traffic.periodic.mpdu_octets", "at least 20"]),
+        (&["routing.to=\"all\""], ["unknown choice `all`", "routing.to"]),
+        (
+            &["routing.to=\"nodes\"", "traffic.periodic.mpdu_octets=23"],
+            ["traffic.periodic.mpdu_octets", "at least 24"],
+        ),
+        (&["routing.to=\"nodes\"", "world.nodes.random.count=1"], ["routing.to", "at least two nodes"]),
         (&["sinks=[]"], ["sinks", "at least one sink"]),
     ] {
         let message = message(set);
@@ -282,4 +288,82 @@ fn settings_that_do_not_fit_are_refused_with_their_key_and_what_is_allowed() {
             assert!(message.contains(part), "{set:?}: {message}");
         }
     }
+}
+
+/// Nodes `n0`, `n1`, .. in a chain to the sink, each of which has a packet every ten seconds; these shares of the frames arrive
+/// over each link up and down.
+fn talking_chain(folder: &Path, nodes: usize, [up, down]: [f64; 2], duration_s: f64, to: &str) -> Scenario {
+    let name = |i: usize| if i < nodes { format!("n{i}") } else { "sink".to_owned() };
+    let rows = (0..nodes).map(|i| {
+        let (a, b) = (name(i), name(i + 1));
+        format!("0,{a},{b},{up}\n0,{b},{a},{down}\n")
+    });
+    std::fs::write(folder.join("links.csv"), "t_s,from,to,prr\n".to_owned() + &rows.collect::<String>())
+        .expect("a file");
+    let places: Vec<String> = (0..nodes).map(|node| format!("[{node}.0, 1.0]")).collect();
+    let text = format!(
+        r#"
+name = "talking-chain"
+duration_s = {duration_s}
+world.nodes.explicit.positions_m = [{}]
+link_trace.file = "links.csv"
+reception.overlap = {{}}
+radio = {{ tx_power_dbm = 0.0, sensitivity_dbm = -90.0 }}
+mac.csma_unslotted = {{ rx_on_when_idle = true, max_retries = 3 }}
+traffic.periodic = {{ mpdu_octets = 50, interval_s = 10.0, jitter = 0.5 }}
+routing = {{ to = "{to}", resends = 0, tree.shortest = {{}} }}
+[[sinks]]
+name = "sink"
+position_m = [-1.0, 0.0]
+"#,
+        places.join(", ")
+    );
+    std::fs::write(folder.join("scenario.toml"), text).expect("a file");
+    Scenario::load(folder.join("scenario.toml")).expect("a scenario")
+}
+
+/// A hop up has four tries, so it brings the share `q = 1 - (1 - p)^4`, and of the requests over `h` hops `q^h` arrive. Each is
+/// answered once, and nothing but acknowledgements is lost on the way down.
+#[test]
+fn each_request_that_arrives_is_answered_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = routing(&talking_chain(folder.path(), 3, [0.7, 1.0], 60_000.0, "sink_and_back"));
+    let q = 1.0 - 0.3_f64.powi(4);
+    let expected = (q + q.powi(2) + q.powi(3)) / 3.0;
+    // Five standard errors, and 0.1 % for frames that overlap.
+    let error = 5.0 * (expected * (1.0 - expected) / found.offered as f64).sqrt() + 0.001;
+    let delivery = found.delivery.expect("packets");
+    assert!((delivery - expected).abs() < error, "{delivery}, not {expected} by {error}");
+    let answers = found.answers.expect("the sink answers");
+    assert_eq!((answers.offered, found.to), (found.delivered, Some("sink_and_back")));
+    assert!(answers.delivery.expect("answers") > 0.99, "{answers:?}");
+}
+
+/// Without losses all answers arrive, over as many hops as the requests.
+#[test]
+fn answers_go_back_the_way_of_the_request() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = routing(&talking_chain(folder.path(), 3, [1.0; 2], 20_000.0, "sink_and_back"));
+    let answers = found.answers.expect("the sink answers");
+    let known = answers.offered - found.no_route.expect("packets go down");
+    assert!(answers.offered - known < 10, "only until each node has told its parent");
+    assert!(known - answers.pending - answers.delivered <= known / 200, "{answers:?}");
+    let (there, back) = (found.hops.expect("some arrived"), answers.hops.expect("some arrived"));
+    assert_eq!((there.max, back.max), (3, 3));
+    assert!((there.mean - 2.0).abs() < 0.01 && (back.mean - 2.0).abs() < 0.01, "{there:?} {back:?}");
+}
+
+/// Node `i` of three is `3 - i` hops from the sink. A packet goes up and down: over all pairs, 4 hops on average and 5 at most.
+#[test]
+fn packets_to_nodes_go_up_to_the_sink_and_down() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = routing(&talking_chain(folder.path(), 3, [1.0; 2], 20_000.0, "nodes"));
+    let no_route = found.no_route.expect("packets go down");
+    assert!(no_route < 10, "{no_route}: only until each node has told its parent");
+    assert!(found.offered - found.pending - found.delivered - no_route <= found.offered / 100, "{found:?}");
+    let hops = found.hops.expect("some arrived");
+    assert_eq!(hops.max, 5);
+    // Each of 6000 packets has 3, 4 or 5 hops: the standard error is 0.011.
+    assert!((hops.mean - 4.0).abs() < 0.055, "{hops:?}");
+    assert_eq!((found.answers, found.stretch, found.loops), (None, None, 0));
 }

@@ -105,6 +105,11 @@ impl Budget {
         Self { powers_vary: true, ..self }
     }
 
+    /// Whether stations may change their transmit power.
+    pub(super) fn has_varying_powers(&self) -> bool {
+        self.powers_vary
+    }
+
     /// These nodes move too, in their order. Called before the first signal.
     pub(super) fn let_move(&mut self, nodes: Vec<StationId>) {
         let nowhere = Position::new(f64::NAN, f64::NAN, f64::NAN);

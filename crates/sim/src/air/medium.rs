@@ -7,6 +7,7 @@ use std::time::Duration;
 use sextant_channel::{Dbm, Milliwatts, Position};
 use sextant_kernel::{SimTime, StationId};
 
+use super::ReceptionRules;
 use super::budget::Budget;
 use super::carrier::{Carrier, Enough, energy_in, overlap_ns};
 use super::cells::Cells;
@@ -18,6 +19,7 @@ use super::mounts::Mounts;
 use super::receiver_id::ReceiverId;
 use super::sense::Sense;
 use super::signal::Signal;
+use super::surroundings::{AllSurroundings, Surroundings};
 use crate::station::Motion;
 
 /// So many signals are looked at one by one: that is faster than to look for those near a place.
@@ -101,6 +103,28 @@ impl Medium {
             standing.for_each(|listener| cells.at(listener.place).push(listener));
             self.footprints = Some(Footprints::new(cells));
         }
+    }
+
+    /// The surroundings of all senders, if powers last and all of `all` stand for good; `None` otherwise. Called before the
+    /// first of them listens.
+    pub(super) fn all_surroundings(&self, all: impl Iterator<Item = Listener<Position>>) -> Option<AllSurroundings> {
+        if !self.budget.is_lasting() || self.budget.has_antennas() || self.budget.has_varying_powers() {
+            return None;
+        }
+        let mut cells = self.standing.clone();
+        all.for_each(|listener| cells.at(listener.place).push(listener));
+        Some(AllSurroundings::new(cells))
+    }
+
+    /// The surroundings of the sender of a signal among `all`; `rules` are those of a receiver.
+    #[inline]
+    pub(super) fn surroundings<'a, 'b>(
+        &mut self,
+        all: &'b mut AllSurroundings,
+        signal: &Signal,
+        rules: impl Fn(ReceiverId) -> &'a ReceptionRules,
+    ) -> &'b Surroundings {
+        all.of(signal, rules, &mut self.budget)
     }
 
     /// Whether it is known what signals reach among the receivers that stand.

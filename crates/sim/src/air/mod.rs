@@ -10,6 +10,7 @@ mod history;
 mod incoming;
 mod interface;
 mod items;
+mod late;
 mod listener;
 mod medium;
 mod mounts;
@@ -21,6 +22,7 @@ mod reception_model;
 mod reception_rules;
 mod sense;
 mod signal;
+mod surroundings;
 mod transmission;
 mod ways;
 
@@ -34,6 +36,7 @@ use crate::station::{Motion, Roll};
 use budget::Budget;
 use footprint::Audible;
 use history::History;
+use late::{LateSteps, Taking};
 use listener::Listener;
 use medium::Medium;
 use reached::Reached;
@@ -49,7 +52,7 @@ pub use reception_model::{ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub(crate) use reception_rules::{CarrierThresholds, ReceptionRules};
 pub(crate) use sense::Sense;
 pub(crate) use signal::{Aim, Emission};
-pub(crate) use transmission::{Arrival, Transmission};
+pub(crate) use transmission::{Arrival, Asked, Transmission};
 
 /// The channel became busy or idle at a receiver.
 #[derive(Clone, Copy, Debug)]
@@ -93,6 +96,8 @@ pub(crate) struct Air {
     carrier_changes: Vec<CarrierChange>,
     /// The last signals, if somebody asks who disturbed whom.
     history: Option<History>,
+    /// The steps that receivers take late, if they need not take them at once.
+    late: Option<LateSteps>,
 }
 
 /// Settings of the air.
@@ -160,6 +165,7 @@ impl Air {
             reached: Reached::default(),
             carrier_changes: Vec::new(),
             history: None,
+            late: None,
         }
     }
 
@@ -223,7 +229,9 @@ impl Air {
         let network = self.network(receiver);
         self.audience_listening[network] += usize::from(self.in_audience[receiver.index()]);
         let place = motion.at(now);
-        if self.is_mobile(station) {
+        if let Some(late) = &mut self.late {
+            late.listens(receiver);
+        } else if self.is_mobile(station) {
             self.medium.join_mobile(receiver, station, *motion);
         } else {
             self.medium.join(receiver, station, place);
@@ -260,6 +268,25 @@ impl Air {
         self.medium.know_standing(standing.map(listener));
     }
 
+    /// Tells receivers of signals when they are asked what they heard, if `all` radios stand for good, their powers last, and
+    /// nobody asks before a frame ends. Called before the start.
+    pub(crate) fn tell_late(&mut self, all: impl Iterator<Item = (Interface, Position)>) {
+        let says_changes = self.rules.iter().any(|rules| rules.carrier.is_some());
+        if says_changes || self.roll.robots > 0 || !self.moving.is_empty() || self.audiences.len() != 1 {
+            return;
+        }
+        let listener = |(Interface { receiver, station }, place)| Listener { receiver, station, place };
+        let receivers = self.receivers.len();
+        let surroundings = self.medium.all_surroundings(all.map(listener));
+        self.late = surroundings.map(|surroundings| LateSteps::new(surroundings, receivers));
+    }
+
+    /// A receiver that is told late takes the steps so far.
+    fn take_steps(&mut self, id: ReceiverId) {
+        let Self { late: Some(late), medium, receivers, rules, rules_of, .. } = self else { return };
+        late.take(Taking { id, receiver: &mut receivers[id.index()], medium, rules, rules_of });
+    }
+
     /// The changes of the carrier since the last call, in their order; `changes` is emptied first.
     pub(crate) fn take_carrier_changes(&mut self, changes: &mut Vec<CarrierChange>) {
         changes.clear();
@@ -291,7 +318,9 @@ impl Air {
         if self.is_listening(receiver) {
             let network = self.network(receiver);
             self.audience_listening[network] -= usize::from(self.in_audience[receiver.index()]);
-            if self.is_mobile(station) {
+            if self.late.is_some() {
+                // Nobody looks for those that listen.
+            } else if self.is_mobile(station) {
                 self.medium.leave_mobile(receiver);
             } else {
                 self.medium.leave(receiver, motion.at(now));

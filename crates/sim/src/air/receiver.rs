@@ -96,6 +96,11 @@ impl Receiver {
         self.note_sent(now);
         self.deafness = deafness;
         self.listening = false;
+        self.forget();
+    }
+
+    /// Nothing is at the antenna any more.
+    pub(super) fn forget(&mut self) {
         self.present.clear();
         self.signals.clear();
         self.total = Milliwatts::ZERO;

@@ -6,6 +6,7 @@ use sextant_channel::{Milliwatts, Position};
 use sextant_kernel::{SimTime, StationId};
 
 use super::footprint::Audible;
+use super::late::LateSteps;
 use super::listener::Listener;
 use super::receiver::EndedSignal;
 use super::receiver_id::ReceiverId;
@@ -16,6 +17,17 @@ use crate::service::outcome::{Deafness, FrameOutcome};
 
 /// A receiver that a signal reaches, and its station.
 type Whom = (ReceiverId, StationId);
+
+/// Of whom it is asked what it heard of a transmission, at its end.
+#[derive(Clone, Copy)]
+pub(crate) enum Asked<'a> {
+    /// This station.
+    One(StationId),
+    /// Those of these stations that may have received it.
+    WhoReceives(&'a dyn Fn(StationId) -> bool),
+    /// All.
+    All,
+}
 
 /// A transmission under way.
 #[derive(Clone, Copy, Debug)]
@@ -66,15 +78,19 @@ impl Air {
             None => self.audience_listening[network] - self.too_far(&signal, network),
         };
         let mut reached = self.reached.spare();
-        let within = match self.medium.has_footprints() {
-            true => self.reach_footprint(&signal, to, &mut reached),
-            false => self.reach_listeners(&signal, to, &mut reached),
+        let (within, faint) = if self.late.is_some() {
+            self.note_begin(&signal, to)
+        } else {
+            let within = match self.medium.has_footprints() {
+                true => self.reach_footprint(&signal, to, &mut reached),
+                false => self.reach_listeners(&signal, to, &mut reached),
+            };
+            let is_for = |&&(receiver, _): &&Whom| match to {
+                Some(to) => receiver == to,
+                None => self.in_audience[receiver.index()] && self.network(receiver) == network,
+            };
+            (within, within > reached.iter().filter(is_for).count())
         };
-        let is_for = |&&(receiver, _): &&Whom| match to {
-            Some(to) => receiver == to,
-            None => self.in_audience[receiver.index()] && self.network(receiver) == network,
-        };
-        let faint = within > reached.iter().filter(is_for).count();
         self.reached.begin(signal.packet, reached);
         Transmission { signal: signal.outline(), network, to, beyond: listening > within, faint }
     }
@@ -147,6 +163,49 @@ impl Air {
         within
     }
 
+    /// The same where receivers are told late: they need not be reached. Also returns whether the power is negligible at one that
+    /// the signal is for.
+    fn note_begin(&mut self, signal: &Signal, to: Option<ReceiverId>) -> (usize, bool) {
+        if self.late.as_ref().is_some_and(LateSteps::is_full) {
+            self.take_all_steps();
+        }
+        let Self { medium, receivers, in_audience, rules, rules_of, late: Some(late), .. } = self else {
+            unreachable!("it was asked whether receivers are told late")
+        };
+        late.begin(*signal);
+        let rules_at = |receiver: ReceiverId| &rules[rules_of[receiver.index()] as usize];
+        let surroundings = medium.surroundings(&mut late.surroundings, signal, rules_at);
+        let (mut within, mut faint) = (0, false);
+        let mut count = |power: Milliwatts| {
+            within += 1;
+            faint |= power.0 <= 0.0;
+        };
+        match to {
+            Some(to) if receivers[to.index()].is_listening() => {
+                surroundings.power_at(to).into_iter().for_each(&mut count);
+            }
+            Some(_) => {}
+            None => {
+                let is_for = |receiver: ReceiverId| {
+                    in_audience[receiver.index()] && receivers[receiver.index()].is_listening()
+                };
+                let all = surroundings.all.iter().filter(|audible| is_for(audible.receiver));
+                all.for_each(|audible| count(audible.power));
+            }
+        }
+        (within, faint)
+    }
+
+    /// All receivers that are told late take the steps so far.
+    fn take_all_steps(&mut self) {
+        for receiver in 0..self.receivers.len() {
+            self.take_steps(ReceiverId(u32::try_from(receiver).expect("at most 2^32 receivers")));
+        }
+        if let Some(late) = &mut self.late {
+            late.forget();
+        }
+    }
+
     /// Number of robots that listen in the audience of a network, but are too far from the sender to count.
     #[inline]
     fn too_far(&self, signal: &Signal, network: usize) -> usize {
@@ -157,32 +216,110 @@ impl Air {
         self.medium.mobile_beyond(signal, self.hearing_m).filter(|&receiver| is_in(receiver)).count()
     }
 
-    /// A frame ends: fills `arrivals` with its outcome at each radio of its network that it reached, by receiver. For
-    /// the radios of other networks in the band it was only a disturbance.
+    /// A frame ends: fills `arrivals` with its outcome at each radio of its network that it reached, by receiver. For the radios
+    /// of other networks in the band it was only a disturbance.
     pub(crate) fn end(&mut self, now: SimTime, transmission: &Transmission, arrivals: &mut Vec<Arrival>) {
-        let &Transmission { signal, network, .. } = transmission;
-        let reached = self.reached.end(signal.packet);
+        self.end_asking(now, transmission, Asked::All, arrivals);
+    }
+
+    /// The same, where only those that are `asked` matter: others may be left out.
+    pub(crate) fn end_asking(
+        &mut self,
+        now: SimTime,
+        transmission: &Transmission,
+        asked: Asked<'_>,
+        arrivals: &mut Vec<Arrival>,
+    ) {
+        if self.late.is_some() {
+            return self.note_end(now, transmission, asked, arrivals);
+        }
+        let reached = self.reached.end(transmission.signal.packet);
         arrivals.clear();
-        let tells_few = self.medium.has_footprints();
         for &(receiver, station) in &reached {
-            let seed = self.seed;
-            let luck = || seed.uniform(purpose::RECEPTION, signal.draw_at(receiver));
-            let rules = &self.rules[self.rules_of[receiver.index()] as usize];
-            let radio = &mut self.receivers[receiver.index()];
-            if let Some(EndedSignal { power, sinr, outcome }) = radio.end(now, signal.packet, rules, luck) {
-                note_carrier(radio, station, rules, &mut self.carrier_changes);
-                // A signal that cannot be received is told only to the radio that it is for, and to collectors.
-                let is_told = outcome != FrameOutcome::Weak
-                    || transmission.to.is_none_or(|to| to == receiver)
-                    || !(tells_few && self.roll.is_node(station));
-                if is_told && self.network(receiver) == network {
-                    let is_lost = outcome == FrameOutcome::Received && self.loses(&signal, receiver, station);
-                    let outcome = if is_lost { FrameOutcome::Weak } else { outcome };
-                    arrivals.push(Arrival { station, power, sinr, outcome });
-                }
-            }
+            arrivals.extend(self.end_at(now, transmission, receiver, station));
         }
         self.reached.give_back(reached);
+    }
+
+    /// A frame ends at a receiver: its outcome, if it is told.
+    #[inline]
+    fn end_at(
+        &mut self,
+        now: SimTime,
+        transmission: &Transmission,
+        receiver: ReceiverId,
+        station: StationId,
+    ) -> Option<Arrival> {
+        let &Transmission { signal, network, .. } = transmission;
+        let seed = self.seed;
+        let luck = || seed.uniform(purpose::RECEPTION, signal.draw_at(receiver));
+        let rules = &self.rules[self.rules_of[receiver.index()] as usize];
+        let radio = &mut self.receivers[receiver.index()];
+        let EndedSignal { power, sinr, outcome } = radio.end(now, signal.packet, rules, luck)?;
+        note_carrier(radio, station, rules, &mut self.carrier_changes);
+        // A signal that cannot be received is told only to the radio that it is for, and to collectors.
+        let is_told = outcome != FrameOutcome::Weak
+            || transmission.to.is_none_or(|to| to == receiver)
+            || !(self.medium.has_footprints() && self.roll.is_node(station));
+        if !is_told || self.network(receiver) != network {
+            return None;
+        }
+        let is_lost = outcome == FrameOutcome::Received && self.loses(&signal, receiver, station);
+        let outcome = if is_lost { FrameOutcome::Weak } else { outcome };
+        Some(Arrival { station, power, sinr, outcome })
+    }
+
+    /// The same where receivers are told late.
+    fn note_end(&mut self, now: SimTime, transmission: &Transmission, asked: Asked<'_>, arrivals: &mut Vec<Arrival>) {
+        arrivals.clear();
+        let Outline { packet, sender, .. } = transmission.signal;
+        let mut whom = self.reached.end(packet);
+        self.find_asked(transmission, asked, &mut whom);
+        for &(receiver, station) in whom.iter().filter(|(receiver, _)| *receiver != sender) {
+            self.take_steps(receiver);
+            arrivals.extend(self.end_at(now, transmission, receiver, station));
+            if let Some(late) = &mut self.late {
+                late.has_taken_next(receiver);
+            }
+        }
+        let Self { medium, receivers, rules, rules_of, late: Some(late), .. } = self else { return };
+        let Some((signal, began)) = late.end(now, packet) else { return };
+        if matches!(asked, Asked::All) {
+            let rules_at = |receiver: ReceiverId| &rules[rules_of[receiver.index()] as usize];
+            let LateSteps { surroundings, marks, .. } = late;
+            let surroundings = medium.surroundings(surroundings, &signal, rules_at);
+            for &Audible { receiver, station, power } in &surroundings.all {
+                let rules = rules_at(receiver);
+                // Who heard it from its begin, and could not receive it: nothing else matters.
+                let has_it = receivers[receiver.index()].is_listening() && marks.listens_since(receiver, began);
+                if power.0 > 0.0 && power < rules.sensitivity && has_it {
+                    let sinr = power.ratio(rules.noise);
+                    arrivals.push(Arrival { station, power, sinr, outcome: FrameOutcome::Weak });
+                }
+            }
+            arrivals.sort_by_key(|arrival| arrival.station);
+        }
+        self.reached.give_back(whom);
+    }
+
+    /// Adds to those that began to listen to a transmission in its course the others that have to be asked about it, or keeps
+    /// only those; by receiver.
+    fn find_asked(&mut self, transmission: &Transmission, asked: Asked<'_>, whom: &mut Vec<Whom>) {
+        if let Asked::One(station) = asked {
+            whom.clear();
+            whom.push((ReceiverId(station.0), station));
+            return;
+        }
+        let Self { medium, rules, rules_of, late: Some(late), .. } = self else { return };
+        let Some(signal) = late.signal(transmission.signal.packet) else { return };
+        let rules_at = |receiver: ReceiverId| &rules[rules_of[receiver.index()] as usize];
+        let surroundings = medium.surroundings(&mut late.surroundings, &signal, rules_at);
+        whom.extend(surroundings.near.iter().map(|audible| (audible.receiver, audible.station)));
+        if let Asked::WhoReceives(asks) = asked {
+            whom.retain(|&(_, station)| asks(station));
+        }
+        whom.sort_unstable();
+        whom.dedup();
     }
 
     /// The outcome of a transmission that ends now at the receivers that it is for, if it reached none of them.

@@ -14,7 +14,7 @@ use sextant_channel::SectorTable;
 use sextant_kernel::{EventQueue, NodeId, Seed, SettingError, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 
-use crate::air::Air;
+use crate::air::{Air, Interface, ReceiverId};
 use crate::application::{Application, Port};
 use crate::event::Event;
 use crate::faults::{Death, Faults};
@@ -74,6 +74,22 @@ fn network_ids(count: usize) -> Result<Vec<NetworkId>, SettingError> {
         Ok(last) => Ok((0..=last).map(NetworkId).collect()),
         Err(_) if count == 0 => Err(SettingError::new("networks", "empty", "at least one network")),
         Err(_) => Err(SettingError::new("networks", count, "at most 256 networks")),
+    }
+}
+
+/// With so many nodes that look at what they hear, receivers are told late of signals: fewer have little of it.
+const MANY_HEAR: usize = 16;
+
+/// Tells receivers late of signals, in the bands where that can be.
+fn tell_late(scene: &mut Scene, networks: &[Network], bands: &[bands::Band]) {
+    let Scene { airs, motions, roll, .. } = scene;
+    for (air, band) in airs.iter_mut().zip(bands) {
+        if band.networks.iter().all(|&network| networks[network].technology.settings().asks_at_ends()) {
+            let interface = |station: StationId| Interface { receiver: ReceiverId(station.0), station };
+            let places =
+                roll.stations().map(|station| (interface(station), motions[station.index()].at(SimTime::ZERO)));
+            air.tell_late(places);
+        }
     }
 }
 
@@ -172,6 +188,10 @@ impl<A: Application> Engine<A> {
                 coordinator: coordinator.take_if(|_| id == NetworkId::default()),
             };
             links.push(network.technology.links(placement, &mut scene));
+        }
+        let hear = hears[..roll.nodes].iter().filter(|&&hears| hears).count();
+        if hear >= MANY_HEAR && noises.is_empty() {
+            tell_late(&mut scene, networks, &bands);
         }
         let ranging = |network: &Network| Some(Ranging::new(network.ranging?, &network.channel, world));
         let rangings = networks.iter().map(ranging).collect();

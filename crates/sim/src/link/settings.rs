@@ -99,6 +99,11 @@ pub(crate) trait LinkSettings {
         Vec::new()
     }
 
+    /// Whether links ask what a radio hears only when a frame has ended, or by carrier sense.
+    fn asks_at_ends(&self) -> bool {
+        false
+    }
+
     /// Whether stations may change their transmit power, up to that of the settings.
     fn powers_vary(&self) -> bool {
         false

@@ -134,6 +134,7 @@ impl PacketTrack {
             end,
             ended: now,
             fate,
+            payload: Vec::new(),
         }
     }
 }

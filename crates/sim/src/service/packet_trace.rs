@@ -170,6 +170,8 @@ pub struct PacketTrace {
     pub ended: SimTime,
     /// As what it counts.
     pub fate: PacketFate,
+    /// Payload of a data frame; empty if it says nothing.
+    pub payload: Vec<u8>,
 }
 
 impl PacketTrace {

@@ -58,6 +58,7 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
             maps: by_nodes.iter().cloned().chain(maps).collect(),
             by_nodes,
             has_routing: scenario.routing().is_some(),
+            has_way_down: scenario.config().routing.as_ref().is_some_and(|routing| !routing.to.is_sink()),
             applications: scenario.missions().iter().map(|application| application.name.clone()).collect(),
             searches: searches.map(|application| application.name.clone()).collect(),
         },

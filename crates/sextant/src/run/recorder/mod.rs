@@ -49,6 +49,8 @@ struct RecordedSimulation {
     frames: bool,
     /// Whether every packet is recorded.
     packets: bool,
+    /// Whether packets go over several hops.
+    has_hops: bool,
     robots: Vec<CommandTrack>,
     /// Names of the targets.
     targets: Vec<String>,
@@ -80,6 +82,7 @@ impl RecordedSimulation {
         Self {
             frames: scenario.recording().frames,
             packets: scenario.recording().packets,
+            has_hops: scenario.routing().is_some() && start.mission.is_none(),
             robots: start.robots.iter().map(|name| CommandTrack::new(name)).collect(),
             targets: scenario.world().targets.iter().map(|target| target.name().to_owned()).collect(),
             fields: scenario.world().fields.clone(),
@@ -177,6 +180,9 @@ impl RunObserver for RunRecorder {
             if let Some(text) = robot.end(nodes) {
                 recorder.note(end, Level::Info, &robot.name, &text)?;
             }
+        }
+        if let Some(routing) = &survey.simulated.routing {
+            recorder.tree(end, &super::routing::edges(survey.scenario, routing))?;
         }
         fields::record(survey.scenario, &self.simulation.fields, end, recorder)?;
         self.phases.push(Phase { name: SURVEY.to_owned(), start: SimTime::ZERO, end });

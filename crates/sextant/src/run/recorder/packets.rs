@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use sextant_kernel::SimTime;
-use sextant_recording::messages::{AssessmentMessage, PacketMessage, TransmissionMessage};
+use sextant_mac::routing::Packet;
+use sextant_recording::messages::{AssessmentMessage, HopMessage, PacketMessage, TransmissionMessage};
 use sextant_recording::{FileRecorder, RecordingError};
 use sextant_sim::{AssessmentTrace, Deafness, Destination, PacketFate, PacketTrace, TransmissionTrace};
 
@@ -67,6 +68,29 @@ pub(super) fn record(
     let assessments: Vec<_> = trace.assessments.iter().map(assessment).collect();
     let transmissions: Vec<_> = trace.transmissions.iter().enumerate().map(transmission).collect();
     recorder.packet(&packet, &assessments, &transmissions)
+}
+
+/// Records the hop that packet number `id` is, if it goes over several hops.
+pub(super) fn record_hop(
+    recorder: &mut FileRecorder,
+    id: u64,
+    trace: &PacketTrace,
+    offset: Duration,
+) -> Result<(), RecordingError> {
+    let (origin, number, hops, target) = match Packet::read(&trace.payload) {
+        Some(Packet::Data(data)) => (data.origin, data.number, data.hops, data.target),
+        Some(Packet::Down(down)) => {
+            let next = match trace.to {
+                Destination::Station(next) => Some(next),
+                Destination::All => None,
+            };
+            (down.origin, down.number, down.hops, down.route.last().copied().or(next))
+        }
+        Some(Packet::Beacon(_)) | None => return Ok(()),
+    };
+    let target = target.map(|station| station.0);
+    let hop = HopMessage { packet: id, origin: origin.0, number: number.into(), hops: hops.into(), target };
+    recorder.hop((trace.ended + offset).as_nanos(), &hop)
 }
 
 fn name_of(deafness: Option<Deafness>) -> String {

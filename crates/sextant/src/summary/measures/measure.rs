@@ -44,13 +44,17 @@ pub struct Subjects {
     /// Whether packets go over several hops.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_routing: bool,
+    /// Whether they go down from a sink too.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_way_down: bool,
 }
 
 impl Subjects {
     /// Adds the names of others that are new, in their order.
     pub fn extend(&mut self, others: &Self) {
-        let Self { maps, by_nodes, applications, searches, has_routing } = self;
+        let Self { maps, by_nodes, applications, searches, has_routing, has_way_down } = self;
         *has_routing |= others.has_routing;
+        *has_way_down |= others.has_way_down;
         for (list, names) in [
             (maps, &others.maps),
             (by_nodes, &others.by_nodes),
@@ -210,10 +214,11 @@ fn of_run_shortened(path: &str) -> &str {
 /// All measures of a run with these subjects, in the order of their columns.
 #[must_use]
 pub fn all(subjects: &Subjects) -> Vec<Measure> {
-    let Subjects { maps, by_nodes, applications, searches, has_routing } = subjects;
+    let Subjects { maps, by_nodes, applications, searches, has_routing, has_way_down } = subjects;
     let measure = |of: Of, known: KnownMeasure<'static>| Measure { of, known };
     let mut measures: Vec<_> = known::of_run(!by_nodes.is_empty()).map(|number| measure(Of::Run, number)).collect();
-    let of_routing = known::of_routing().filter(|_| *has_routing);
+    let of_way_down = known::of_way_down().filter(|_| *has_way_down);
+    let of_routing = known::of_routing().filter(|_| *has_routing).chain(of_way_down);
     measures.extend(of_routing.map(|number| measure(Of::Run, number)));
     for map in maps {
         let numbers = known::of_map(by_nodes.contains(map));
@@ -304,6 +309,7 @@ mod tests {
             applications: names(&["detarsk", "p-g", "gradient"]),
             searches: names(&["detarsk", "p-g"]),
             has_routing: true,
+            has_way_down: true,
         };
         let measures = all(&subjects);
         for measure in &measures {

@@ -108,6 +108,16 @@ impl NodeMac {
         }
     }
 
+    /// Whether an acknowledgement that is received may mean something to it.
+    #[inline]
+    pub(crate) fn awaits_acknowledgement(&self) -> bool {
+        match self {
+            Self::Unslotted(csma) => csma.awaits_acknowledgement(),
+            Self::Device(device) => device.is_busy(),
+            Self::ReceivesOnly => false,
+        }
+    }
+
     #[inline]
     pub(crate) fn start(&mut self, now: SimTime, frame: OutgoingFrame, radio: &mut impl device::Radio) {
         match self {

@@ -110,6 +110,10 @@ impl LinkSettings for Ieee802154 {
         self.radio.level_of(node)
     }
 
+    fn asks_at_ends(&self) -> bool {
+        true
+    }
+
     fn carrier_sense(&self) -> Duration {
         self.radio.phy().cca()
     }

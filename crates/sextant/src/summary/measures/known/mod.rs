@@ -51,9 +51,14 @@ pub(super) fn of_routing() -> impl Iterator<Item = KnownMeasure<'static>> {
     all(run::WITH_ROUTING, &[])
 }
 
+/// All of a run in which packets go down from a sink, in addition.
+pub(super) fn of_way_down() -> impl Iterator<Item = KnownMeasure<'static>> {
+    all(run::WITH_WAY_DOWN, &[])
+}
+
 /// All of any run.
 pub(super) fn of_any_run() -> impl Iterator<Item = KnownMeasure<'static>> {
-    of_run(true).chain(of_routing())
+    of_run(true).chain(of_routing()).chain(of_way_down())
 }
 
 fn all(

@@ -72,6 +72,16 @@ pub(super) const RUN: &[KnownMeasure<'static>] = &[
 pub(super) const WITH_MAPS_BY_NODES: &[KnownMeasure<'static>] =
     &[known("simulation.sim_time_s", Second, "simulated time until the last event")];
 
+/// The numbers of a run in which packets go down from a sink.
+pub(super) const WITH_WAY_DOWN: &[KnownMeasure<'static>] = &[
+    known("routing.no_route", Count, "packets for which a sink knew no way down"),
+    known("routing.answers.offered", Count, "answers of sinks to packets over several hops"),
+    known("routing.answers.delivered", Count, "answers of sinks that reached their node"),
+    known("routing.answers.delivery", Share, "delivery of answers: delivered over offered, without pending ones"),
+    known("routing.answers.delay_s.mean", Second, "mean delay of answers: from the sink to the node"),
+    known("routing.answers.hops.mean", MeanCount, "mean hops of answers that reached their node"),
+];
+
 /// Of a run in which packets go over several hops.
 pub(super) const WITH_ROUTING: &[KnownMeasure<'static>] = &[
     known("routing.offered", Count, "packets that nodes had for a sink over several hops"),

@@ -7,6 +7,7 @@ use sextant_mac::frame::Frame;
 use sextant_mac::{csma, responder};
 
 use super::Links;
+use crate::air::Asked;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::link::links::{Cut, NetworkLinks};
 use crate::observer::Observer;
@@ -34,7 +35,10 @@ impl Links {
     fn end_acknowledgement(&mut self, station: StationId, scene: &mut Scene, observer: &mut impl Observer) {
         let on_air = self.stacks[station.index()].acknowledgement.take();
         let (transmission, sequence) = on_air.expect("only an acknowledgement on air ends");
-        scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
+        let Self { macs, arrivals, .. } = self;
+        let awaits = |station: StationId| macs[station.index()].awaits_acknowledgement();
+        let asked = if observer.wants_frames() { Asked::All } else { Asked::WhoReceives(&awaits) };
+        scene.airs[self.radios.air].end_asking(scene.now, &transmission, asked, arrivals);
         if observer.wants_frames() {
             Frame::acknowledgement(sequence).write(&mut self.mpdu).expect("an acknowledgement has five octets");
             let answered = self.stacks[station.index()].answered;

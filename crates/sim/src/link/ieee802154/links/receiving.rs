@@ -4,7 +4,7 @@ use sextant_kernel::StationId;
 use sextant_mac::responder::Verdict;
 
 use super::Links;
-use crate::air::Arrival;
+use crate::air::{Arrival, Asked};
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::link::track::TransmissionEnd;
 use crate::observer::Observer;
@@ -19,7 +19,11 @@ impl Links {
         let stack = &mut self.stacks[station.index()];
         let transmission = stack.transmission.take().expect("only a frame on air ends");
         let frame = stack.frame.expect("a frame is under way");
-        scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
+        let asked = match frame.to {
+            Destination::Station(to) if !observer.wants_frames() => Asked::One(to),
+            Destination::Station(_) | Destination::All => Asked::All,
+        };
+        scene.airs[self.radios.air].end_asking(scene.now, &transmission, asked, &mut self.arrivals);
         if let Destination::Station(to) = frame.to {
             self.catch_up_now(to, scene);
         }

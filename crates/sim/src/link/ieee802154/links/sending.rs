@@ -58,7 +58,7 @@ impl Links {
         let is_busy = self.macs[station.index()].is_busy();
         if is_busy && stack.waiting.len() >= self.queue_frames {
             packets.lost_queue += counts;
-            self.trace_refused(station, RefusedFrame { id, to, mpdu_octets }, scene);
+            self.trace_refused(station, RefusedFrame { id, to, mpdu_octets, payload }, scene);
             return Err(SendError::QueueFull(self.queue_frames));
         }
         let content = self.payloads.keep(payload);

@@ -5,30 +5,36 @@ use sextant_mac::csma::{self, Outcome};
 
 use super::Links;
 use crate::link::ieee802154::frame_queue::QueuedFrame;
+use crate::link::payloads::Content;
 use crate::link::track::{PacketTrack, Traced};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
-use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
-use crate::service::report::{Destination, FrameId};
+use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind, PacketTrace};
+use crate::service::report::{Destination, FrameId, Payload};
 
 /// A frame for which there was no room.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RefusedFrame {
+pub(super) struct RefusedFrame<'a> {
     pub(super) id: FrameId,
     pub(super) to: Destination,
     pub(super) mpdu_octets: u8,
+    pub(super) payload: Payload<'a>,
 }
 
 impl Links {
     /// Traces a frame for which the queue of `station` had no room.
-    pub(super) fn trace_refused(&mut self, station: StationId, refused: RefusedFrame, scene: &mut Scene) {
-        let RefusedFrame { id, to, mpdu_octets } = refused;
+    pub(super) fn trace_refused(&mut self, station: StationId, refused: RefusedFrame<'_>, scene: &mut Scene) {
+        let RefusedFrame { id, to, mpdu_octets, payload } = refused;
         if self.stacks[station.index()].track.is_none() {
             return;
         }
         let (end, fate) = (PacketEnd::QueueFull, PacketFate::LostQueue);
         let traced = self.traced(station, id, to, mpdu_octets, scene.now).with_end(end, fate);
-        self.tell(&mut PacketTrack::default(), station, &traced, scene);
+        let payload = match payload {
+            Payload::Octets(octets) => octets,
+            Payload::Filler(_) => &[],
+        };
+        self.tell(&mut PacketTrack::default(), station, &traced, payload, scene);
     }
 
     /// Traces a frame of `station` that has left its MAC.
@@ -54,7 +60,7 @@ impl Links {
         let fate = if report.transmissions == 0 { PacketFate::LostChannelAccess } else { PacketFate::Sent(outcome) };
         let sequence = Some(stack.sequence);
         let traced = self.traced_frame(station, frame).with_end(end, fate);
-        self.tell(&mut track, station, &Traced { sequence, ..traced }, scene);
+        self.tell(&mut track, station, &Traced { sequence, ..traced }, self.payload_of(frame), scene);
         self.stacks[station.index()].track = Some(track);
     }
 
@@ -71,12 +77,13 @@ impl Links {
                     _ => PacketFate::Pending,
                 };
                 let traced = self.traced_frame(station, &frame).with_end(PacketEnd::Pending, fate);
-                self.tell(&mut track, station, &Traced { sequence: Some(sequence), ..traced }, scene);
+                let traced = Traced { sequence: Some(sequence), ..traced };
+                self.tell(&mut track, station, &traced, self.payload_of(&frame), scene);
             }
             for place in 0..self.stacks[i].waiting.len() {
                 let frame = self.stacks[i].waiting[place];
                 let traced = self.traced_frame(station, &frame).with_end(PacketEnd::Pending, PacketFate::Pending);
-                self.tell(&mut PacketTrack::default(), station, &traced, scene);
+                self.tell(&mut PacketTrack::default(), station, &traced, self.payload_of(&frame), scene);
             }
         }
     }
@@ -110,9 +117,18 @@ impl Links {
         }
     }
 
-    fn tell(&self, track: &mut PacketTrack, station: StationId, traced: &Traced, scene: &mut Scene) {
+    /// The payload of a frame; empty if it says nothing.
+    fn payload_of(&self, frame: &QueuedFrame) -> &[u8] {
+        match frame.content {
+            Content::Filler => &[],
+            Content::Octets(slot) => self.payloads.octets(slot),
+        }
+    }
+
+    fn tell(&self, track: &mut PacketTrack, station: StationId, traced: &Traced, payload: &[u8], scene: &mut Scene) {
         let power = self.stacks[station.index()].tx_power;
-        scene.traced.push(track.end(traced, &self.ledger.radio_states, power, scene.now));
+        let trace = track.end(traced, &self.ledger.radio_states, power, scene.now);
+        scene.traced.push(PacketTrace { payload: payload.to_vec(), ..trace });
     }
 }
 
