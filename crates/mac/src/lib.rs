@@ -64,6 +64,7 @@ pub mod responder;
 pub mod routing;
 pub mod slotted;
 pub mod superframe;
+pub mod tsch;
 
 mod class;
 mod energy;
