@@ -212,21 +212,15 @@ impl<T> Sender<T> {
         Ending::Again
     }
 
-    /// All frames that wait, in no order that matters: beacons are not among them.
-    pub fn waiting(&self) -> impl Iterator<Item = &T> {
-        self.to_all.iter().chain(self.queues.iter().flat_map(|queue| &queue.frames))
+    /// All frames that wait but for beacons: those to all, and then those to each station.
+    pub fn waiting_mut(&mut self) -> impl Iterator<Item = &mut T> {
+        self.to_all.iter_mut().chain(self.queues.iter_mut().flat_map(|queue| &mut queue.frames))
     }
 
     /// Takes all frames, beacons included: the station sends nothing any more.
     pub fn take_all(&mut self) -> Vec<T> {
         let queued = self.queues.iter_mut().flat_map(|queue| queue.frames.drain(..));
         self.beacon.take().into_iter().chain(self.to_all.drain(..)).chain(queued).collect()
-    }
-
-    /// Transmissions of the first frame to `peer` that were not acknowledged.
-    #[must_use]
-    pub fn tries(&self, peer: StationId) -> u8 {
-        self.queues.iter().find(|queue| queue.peer == peer).map_or(0, |queue| queue.tries)
     }
 
     fn queue(&mut self, peer: StationId) -> &mut Queue<T> {
