@@ -332,6 +332,46 @@ mod tests {
         }
     }
 
+    /// Two stations with one frame each in the same shared cell: they meet again as often as they draw the same wait. All draws are
+    /// tried: a frame is lost with the product of 2^-BE over its retries.
+    #[test]
+    fn two_stations_deliver_with_the_exact_probability_of_their_draws() {
+        let schedule = minimal();
+        for (retries, least, greatest, expected) in
+            [(3, 1, 7, 0.984_375), (7, 1, 7, 1.0 - 0.5_f64.powi(28)), (7, 2, 5, 1.0 - 0.5_f64.powi(29))]
+        {
+            let mut station = sender(retries, least, greatest);
+            station.offer(Some(PEER), "frame").expect("there is room");
+            let mut meet = 1.0;
+            loop {
+                let chance = station.next(&schedule, Asn(0)).expect("a frame waits");
+                let mut waits = Vec::new();
+                let mut most = 0;
+                let mut draw = 0;
+                while draw <= most {
+                    let mut one = station.clone();
+                    let ending = one.failed(PEER, chance, &schedule, |greatest| {
+                        most = greatest;
+                        draw
+                    });
+                    if ending != Ending::Again {
+                        break;
+                    }
+                    waits.push(one.next(&schedule, chance.asn.next()).expect("it is sent again").asn);
+                    draw += 1;
+                }
+                if waits.is_empty() {
+                    break;
+                }
+                let ties = waits.iter().flat_map(|a| waits.iter().filter(move |b| a == *b)).count();
+                meet *= ties as f64 / (waits.len() * waits.len()) as f64;
+                // What they drew does not matter for what follows, if it was the same.
+                assert_eq!(station.failed(PEER, chance, &schedule, |_| 0), Ending::Again);
+            }
+            assert!((1.0 - meet - expected).abs() < 1e-15, "{retries} retries: {}", 1.0 - meet);
+        }
+    }
+
     #[test]
     fn beacons_go_first_and_then_frames_to_all_and_the_fuller_queue() {
         let schedule = minimal();
