@@ -139,8 +139,14 @@ fn measures(path: &str) -> Vec<Measure> {
         return vec![measure];
     }
     let name = || vec!["NAME".to_owned()];
-    let subjects =
-        Subjects { maps: name(), by_nodes: name(), applications: name(), searches: name(), has_routing: true };
+    let subjects = Subjects {
+        maps: name(),
+        by_nodes: name(),
+        applications: name(),
+        searches: name(),
+        has_routing: true,
+        has_slots: true,
+    };
     let path = path.trim();
     if path.len() < 3 {
         return Vec::new();

@@ -27,15 +27,13 @@ impl SlotClock {
         Self { known: Asn(0), starts: SimTime::ZERO, slot_ns, excess: 1.0 / (1.0 + 1e-6 * ppm) - 1.0 }
     }
 
-    /// When a slot starts.
-    ///
-    /// # Panics
-    /// If it is before the last correction.
+    /// When a slot starts, or started. No slot starts before the simulation.
     #[must_use]
     #[inline]
     pub fn start_of(&self, asn: Asn) -> SimTime {
-        let span_ns = (asn.0 - self.known.0) * self.slot_ns;
-        moved(self.starts + Duration::from_nanos(span_ns), self.drift_ns(span_ns))
+        let slots = asn.0.cast_signed() - self.known.0.cast_signed();
+        let span_ns = slots * self.slot_ns.cast_signed();
+        moved(self.starts, span_ns + self.drift_ns(span_ns))
     }
 
     /// The first slot that starts at `now` or later.
@@ -55,17 +53,6 @@ impl SlotClock {
         next
     }
 
-    /// True time of a span of the clock.
-    #[must_use]
-    #[inline]
-    pub fn span(&self, length: Duration) -> Duration {
-        if self.is_exact() {
-            return length;
-        }
-        let ns = (SimTime::ZERO + length).as_nanos();
-        moved(SimTime::ZERO + length, self.drift_ns(ns)) - SimTime::ZERO
-    }
-
     /// A slot starts `later_ns` later than the clock says, or earlier if that is negative: so do all that follow.
     pub fn correct(&mut self, asn: Asn, later_ns: i64) {
         self.starts = moved(self.start_of(asn), later_ns);
@@ -83,7 +70,7 @@ impl SlotClock {
     }
 
     #[inline]
-    fn drift_ns(&self, span_ns: u64) -> i64 {
+    fn drift_ns(&self, span_ns: i64) -> i64 {
         if self.is_exact() {
             return 0;
         }
@@ -124,6 +111,8 @@ mod tests {
         assert!((early.as_secs_f64() - 1.1e-3).abs() < 1e-6, "{early:?}");
         clock.correct(Asn(2750), i64::try_from(early.as_nanos()).expect("short"));
         assert_eq!(clock.start_of(Asn(2750)), at(27_500_000));
+        // Slots before the correction are those of the corrected clock too.
+        assert_eq!(clock.start_of(Asn(2749)), SimTime::from_nanos(27_490_000_400));
         let early = at(27_600_000) - clock.start_of(Asn(2760));
         assert!((early.as_secs_f64() - 4e-6).abs() < 1e-8, "{early:?}");
     }

@@ -58,6 +58,7 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
             maps: by_nodes.iter().cloned().chain(maps).collect(),
             by_nodes,
             has_routing: scenario.routing().is_some(),
+            has_slots: scenario.networks().first().is_some_and(|network| network.technology.has_slots()),
             applications: scenario.missions().iter().map(|application| application.name.clone()).collect(),
             searches: searches.map(|application| application.name.clone()).collect(),
         },

@@ -66,6 +66,10 @@ pub(super) const RUN: &[KnownMeasure<'static>] = &[
     known("gathering.not_listened_by.off", Count, "packets sent while robots were off"),
     known("gathering.pending", Count, "packets that wait or are on air at the end of the survey"),
     known("discovery.anchors.energy_j.rx", Joule, "energy for receiving in the flood of anchors"),
+];
+
+/// Of a run whose network has slots.
+pub(super) const WITH_SLOTS: &[KnownMeasure<'static>] = &[
     known(
         "mac.slots.duty_cycle",
         Share,

@@ -3,13 +3,13 @@
 use sextant_kernel::StationId;
 use sextant_mac::frame::{Address, Endpoint};
 use sextant_mac::tsch::Chance;
-use sextant_mac::tsch::frame::SlotData;
+use sextant_mac::tsch::frame::{EnhancedBeacon, SlotData};
 
 use super::Links;
 use crate::air::Transmission;
 use crate::link::collectors::tell_collectors;
 use crate::link::fate::Fate;
-use crate::link::tsch::stack::FrameKind;
+use crate::link::tsch::stack::{FrameKind, SlotFrame};
 use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
 use crate::service::report::Destination;
@@ -18,40 +18,33 @@ impl Links {
     /// Writes what a station sent in a slot, or only its payload if nobody looks at more.
     pub(super) fn write_sent(&mut self, station: StationId, chance: Chance, observer: &impl Observer) {
         let mut mpdu = std::mem::take(&mut self.mpdu);
-        let frame = self.stacks[station.index()].sender.frame(chance.turn);
-        let (kind, to, sequence, join_metric) =
-            (frame.kind, frame.to, frame.sequence, self.stacks[station.index()].join_metric);
-        if kind == FrameKind::Beacon {
-            mpdu.clear();
-            if observer.wants_frames() {
+        mpdu.clear();
+        let stack = &mut self.stacks[station.index()];
+        let join_metric = stack.join_metric;
+        let &mut SlotFrame { kind, to, sequence, content, mpdu_octets, .. } = stack.sender.frame(chance.turn);
+        let payload = self.payload_of(station, kind, to, (content, mpdu_octets));
+        self.payload = match (kind, observer.wants_frames()) {
+            (FrameKind::Beacon, true) => {
                 let from = Endpoint { pan: self.pan, address: Address::of(station) };
-                let mut beacon = self.plan.beacon(&self.settings, from, chance.asn, join_metric);
-                beacon.sequence = sequence;
-                beacon.write(&mut mpdu);
+                let beacon = self.plan.beacon(&self.settings, from, chance.asn, join_metric);
+                EnhancedBeacon { sequence, ..beacon }.write(&mut mpdu);
+                0..0
             }
-            self.payload = 0..0;
-            self.mpdu = mpdu;
-            return;
-        }
-        let content = {
-            let stack = &mut self.stacks[station.index()];
-            let frame = stack.sender.frame(chance.turn);
-            (frame.content, frame.mpdu_octets)
+            (FrameKind::Beacon, false) => 0..0,
+            (FrameKind::Data | FrameKind::KeepAlive, true) => {
+                let to = match to {
+                    Destination::Station(to) => Some(to),
+                    Destination::All => None,
+                };
+                SlotData { pan: self.pan, from: station, to, sequence, payload }.write(&mut mpdu);
+                let end = mpdu.len() - 2;
+                end - payload.len()..end
+            }
+            (FrameKind::Data | FrameKind::KeepAlive, false) => {
+                mpdu.extend_from_slice(payload);
+                0..payload.len()
+            }
         };
-        let payload = self.payload_of(station, kind, to, content);
-        if observer.wants_frames() {
-            let to = match to {
-                Destination::Station(to) => Some(to),
-                Destination::All => None,
-            };
-            SlotData { pan: self.pan, from: station, to, sequence, payload }.write(&mut mpdu);
-            let end = mpdu.len() - 2;
-            self.payload = end - payload.len()..end;
-        } else {
-            mpdu.clear();
-            mpdu.extend_from_slice(payload);
-            self.payload = 0..payload.len();
-        }
         self.mpdu = mpdu;
     }
 
