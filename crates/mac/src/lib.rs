@@ -1,5 +1,5 @@
 //! Protocol machines without i/o: IEEE 802.15.4 channel access with and without beacons, IEEE 802.11ad sector sweeps
-//! ([`dmg`]), radios that programs command ([`program`]), routing over several hops ([`routing`]), frames, airtimes, bit
+//! ([`dmg`]), radios that programs command ([`program`]), slots with channel hopping ([`tsch`]), routing over several hops ([`routing`]), frames, airtimes, bit
 //! errors, energy.
 //!
 //! Goes in: frames to send, and the events of timers and radio. Comes out: commands to a radio ([`csma::Radio`],
@@ -64,6 +64,7 @@ pub mod responder;
 pub mod routing;
 pub mod slotted;
 pub mod superframe;
+pub mod tsch;
 
 mod class;
 mod energy;

@@ -117,6 +117,7 @@ impl<N: Application> Simulation<N> {
 
     fn with_all(mut setup: Setup, own: Applications<N>, present: Option<&[usize]>) -> Result<Self, SettingError> {
         let roll = setup.roll();
+        stations::know(&mut setup)?;
         let stations = Stations::of(&setup);
         stations.check_mobile_anchors()?;
         let coordinator = stations.coordinator()?;

@@ -25,6 +25,9 @@ impl Routing {
             return Err(SettingError::missing_table("radio"));
         };
         let traffic = std::mem::replace(&mut network.traffic, silent);
+        if let Plan::Fixed(tree) = &self.plan {
+            network.technology.know_parents(tree.parents());
+        }
         let routing = Arc::new(self.clone());
         let roots = roots(&setup);
         let counted_from = SimTime::ZERO + left_out.warm_up;

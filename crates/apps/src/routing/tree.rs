@@ -149,6 +149,12 @@ impl Tree {
         Ok(tree)
     }
 
+    /// The parent of each station, where it has one.
+    #[must_use]
+    pub fn parents(&self) -> &[Option<StationId>] {
+        &self.parents
+    }
+
     /// The parent of a station.
     #[must_use]
     pub fn parent(&self, station: StationId) -> Option<StationId> {

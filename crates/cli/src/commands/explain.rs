@@ -146,6 +146,7 @@ fn measures(path: &str) -> Vec<Measure> {
         searches: name(),
         has_routing: true,
         has_way_down: true,
+        has_slots: true,
     };
     let path = path.trim();
     if path.len() < 3 {

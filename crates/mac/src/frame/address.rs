@@ -78,7 +78,7 @@ impl Address {
         }
     }
 
-    pub(super) fn write(self, mpdu: &mut Vec<u8>) {
+    pub(crate) fn write(self, mpdu: &mut Vec<u8>) {
         match self {
             Self::Short(short) => mpdu.extend(short.to_le_bytes()),
             Self::Extended(extended) => mpdu.extend(extended.to_le_bytes()),

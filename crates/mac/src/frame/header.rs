@@ -51,6 +51,11 @@ impl Header {
     /// # Errors
     /// If the octets end too early, or have a reserved frame type, version or addressing mode.
     pub fn parse(mpdu: &[u8]) -> Result<Self, ParseError> {
+        Self::split(mpdu).map(|(header, _)| header)
+    }
+
+    /// The same, and the octets after the addresses.
+    pub(crate) fn split(mpdu: &[u8]) -> Result<(Self, &[u8]), ParseError> {
         let mut cursor = Cursor::new(mpdu);
         let [low] = cursor.take("frame control")?;
         let layout = match low & 7 {
@@ -60,7 +65,7 @@ impl Header {
             }
             5 => multipurpose(low, &mut cursor)?,
             // A fragment has no addresses.
-            6 => return Ok(Self { sequence: None, destination: None, source: None }),
+            6 => return Ok((Self { sequence: None, destination: None, source: None }, cursor.rest())),
             kind => return Err(ParseError::ReservedType(kind)),
         };
         let sequence = if layout.has_sequence { Some(cursor.u8("sequence number")?) } else { None };
@@ -69,12 +74,13 @@ impl Header {
         let destination = address(layout.destination)?;
         let source_pan = if layout.has_source_pan { Some(cursor.u16("source PAN")?) } else { None };
         let source = layout.source.map(|width| Address::parse(width, &mut cursor)).transpose()?;
-        Ok(Self {
+        let header = Self {
             sequence,
             destination: destination.map(|address| HeaderAddress { pan: destination_pan, address }),
             // A source PAN that is left out is the destination PAN.
             source: source.map(|address| HeaderAddress { pan: source_pan.or(destination_pan), address }),
-        })
+        };
+        Ok((header, cursor.rest()))
     }
 }
 

@@ -1,7 +1,8 @@
 //! Routing over several hops.
 
-use sextant_apps::routing::{RoutedTo, Routing};
+use sextant_apps::routing::{RoutedTo, Routing, TreeConfig};
 use sextant_kernel::{Files, SettingError};
+use sextant_mac::tsch::{ScheduleConfig, TschConfig, UnicastConfig};
 use sextant_sim::{MacConfig, NetworkId, Setup};
 
 use super::errors::Errors;
@@ -22,7 +23,7 @@ pub(crate) fn check_routing(
     let written = config.routing.as_ref()?;
     let before = errors.found.len();
     check_others(config, errors);
-    check_mac(networks, errors);
+    check_mac(networks, &written.tree, errors);
     check_traffic(written.to, setup, errors);
     // A tree needs sinks and links.
     if errors.found.len() > before {
@@ -55,10 +56,11 @@ fn check_others(config: &ScenarioConfig, errors: &mut Errors) {
 }
 
 /// Refuses a MAC by which stations do not hear each other at any time, or that has no acknowledgements.
-fn check_mac(networks: &Networks<'_>, errors: &mut Errors) {
+fn check_mac(networks: &Networks<'_>, tree: &TreeConfig, errors: &mut Errors) {
     let tables = networks.tables(NetworkId::default());
+    let is_built = matches!(tree, TreeConfig::Collection(_));
     let why = "because each hop is acknowledged, and nodes must hear each other at any time";
-    let only = format!("`csma_unslotted`, {why}");
+    let only = format!("`csma_unslotted` or `tsch`, {why}");
     let error = match tables.mac.value {
         MacConfig::CsmaUnslotted(csma) if csma.rx_on_when_idle => return,
         MacConfig::CsmaUnslotted(_) => {
@@ -67,6 +69,14 @@ fn check_mac(networks: &Networks<'_>, errors: &mut Errors) {
         MacConfig::BeaconEnabled(_) => SettingError::new("beacon_enabled", "a table beside `routing`", only),
         MacConfig::SectorSweep(_) => SettingError::new("sector_sweep", "a table beside `routing`", only),
         MacConfig::Program(_) => SettingError::new("program", "a table beside `routing`", only),
+        MacConfig::Tsch(TschConfig { schedule: ScheduleConfig::Orchestra(orchestra), .. })
+            if is_built && orchestra.unicast == UnicastConfig::SenderBased =>
+        {
+            let allowed = "`receiver_based`, because nodes listen in the cells of their children, which change";
+            let found = "`sender_based`, beside `routing.tree.collection`";
+            SettingError::new("tsch.schedule.orchestra.unicast", found, allowed)
+        }
+        MacConfig::Tsch(_) => return,
     };
     errors.refuse(&error.within(&tables.mac.key));
 }

@@ -7,7 +7,7 @@ use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 use sextant_mac::EnergyConfig;
 use sextant_scenario::{ForeignChip, Scenario};
-use sextant_sim::{RobotTask, Setup};
+use sextant_sim::{RobotTask, Setup, Technology};
 
 use super::idle_obstacles::{APART, Audience};
 use super::network::Reach;
@@ -48,6 +48,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let mut warnings = Warnings { scenario, setup: &setup, found: Vec::new() };
     reaches.iter().for_each(|reach| warnings.loss_at_a_metre(reach));
     reaches.iter().for_each(|reach| warnings.programs(reach));
+    reaches.iter().for_each(|reach| warnings.slotframes(reach));
     warnings.chips();
     warnings.short_stops(&reaches);
     planned.iter().for_each(|way| warnings.way(way));
@@ -100,6 +101,25 @@ impl Warnings<'_> {
                 "no program comes with a scenario, so the nodes are silent; run it by the library or in Python with programs \
                  of the nodes",
             );
+        }
+    }
+
+    /// Slotframes that hop over a part of the channels alone.
+    fn slotframes(&mut self, reach: &Reach<'_>) {
+        let Technology::Tsch(links) = &reach.network.technology else { return };
+        let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+        let channels = links.tsch.hopping.channels().len();
+        for (key, length) in links.tsch.slotframes() {
+            let visited = links.tsch.hopping.channels_visited(length);
+            if visited < channels {
+                self.warn(
+                    format!("{table}mac.tsch.schedule.{key}"),
+                    format!(
+                        "a cell in {length} slots comes on {visited} of the {channels} channels; a length that has no \
+                         factor in common with {channels} hops over all of them"
+                    ),
+                );
+            }
         }
     }
 

@@ -2,11 +2,13 @@
 
 use sextant_kernel::{NodeId, SimTime};
 use sextant_mac::EnergySpent;
+use sextant_mac::tsch::{SlotCounts, SlotKind};
 use sextant_scenario::Scenario;
-use sextant_sim::{Delays, Network, NetworkRecord, Packets, Survey};
+use sextant_sim::{Delays, Network, NetworkRecord, Packets, SlotUse, Survey};
 
 use crate::summary::{
-    DelayBin, DelaySummary, EnergySummary, MacSummary, NamedTraffic, NotListenedSummary, SinkSummary, TrafficSummary,
+    DelayBin, DelaySummary, EnergySummary, MacSummary, NamedTraffic, NotListenedSummary, SinkSummary, SlotSummary,
+    TrafficSummary,
 };
 
 /// The traffic in each network of `scenario`, if it has sinks: otherwise the survey tells all.
@@ -47,11 +49,50 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &Network, record: &
         duration_s,
         warm_up_s: (!warm_up.is_zero()).then_some(warm_up.as_secs_f64()),
         all: of_nodes(&members),
+        slots: slots(record, &members, nodes.len() + survey.robots.len()),
         delay_histogram: all_delays.histogram().into_iter().map(DelayBin::from).collect(),
         sinks: sinks.map(|(name, &received)| SinkSummary { name: name.clone(), received }).collect(),
         groups: groups.collect(),
         nodes: by_node.collect(),
     }
+}
+
+/// What the stations of a network did in their slots, if it has any; sinks follow from `first_sink` on.
+fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Option<SlotSummary> {
+    if record.slots.is_empty() {
+        return None;
+    }
+    let nodes: Vec<&SlotUse> = members.iter().map(|node| &record.slots[node.index()]).collect();
+    let mean = |values: &mut dyn Iterator<Item = f64>| {
+        let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value));
+        (count > 0).then(|| sum / f64::from(count))
+    };
+    let duty_cycle = |used: &SlotUse| match used.span.is_zero() {
+        true => 0.0,
+        false => used.on.as_secs_f64() / used.span.as_secs_f64(),
+    };
+    let mut counts = SlotCounts::default();
+    nodes.iter().for_each(|used| counts += used.counts);
+    let current_a = |used: &SlotUse| match used.span.is_zero() {
+        true => 0.0,
+        false => used.counts.charge_c() / used.span.as_secs_f64(),
+    };
+    // A sink that is in another network has no slots in this one.
+    let sinks = record.slots[first_sink..].iter().filter(|used| used.is_member);
+    Some(SlotSummary {
+        duty_cycle: mean(&mut nodes.iter().map(|used| duty_cycle(used))).unwrap_or(0.0),
+        sink_duty_cycle: mean(&mut sinks.map(duty_cycle)),
+        idle_listen: counts.of(SlotKind::IdleListen),
+        transmit_acknowledged: counts.of(SlotKind::TransmitAcknowledged),
+        transmit_unacknowledged: counts.of(SlotKind::TransmitUnacknowledged),
+        transmit: counts.of(SlotKind::Transmit),
+        receive_acknowledge: counts.of(SlotKind::ReceiveAcknowledge),
+        receive: counts.of(SlotKind::Receive),
+        mean_current_a: mean(&mut nodes.iter().map(|used| current_a(used))).unwrap_or(0.0),
+        joined: nodes.iter().filter(|used| used.is_member).count(),
+        lost: nodes.iter().map(|used| used.lost).sum(),
+        join_s: mean(&mut nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64()))),
+    })
 }
 
 /// The delays of several stations together.

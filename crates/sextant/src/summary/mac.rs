@@ -19,6 +19,9 @@ pub struct MacSummary {
     /// All nodes together.
     #[serde(flatten)]
     pub all: TrafficSummary,
+    /// What the stations did in their slots, if the network has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slots: Option<SlotSummary>,
     /// Number of packets by delay.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub delay_histogram: Vec<DelayBin>,
@@ -31,6 +34,37 @@ pub struct MacSummary {
     /// The nodes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub nodes: Vec<NamedTraffic>,
+}
+
+/// What the stations of a network with slots did in them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SlotSummary {
+    /// Share of the time in which the radio of a node sent or listened, on average.
+    pub duty_cycle: f64,
+    /// The same of a sink. Absent without sinks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sink_duty_cycle: Option<f64>,
+    /// Slots in which a node listened and received nothing. All slots are those of all nodes together.
+    pub idle_listen: u64,
+    /// Slots in which a node sent to one station, which acknowledged it.
+    pub transmit_acknowledged: u64,
+    /// Slots in which a node sent to one station and no acknowledgement came.
+    pub transmit_unacknowledged: u64,
+    /// Slots in which a node sent to all, enhanced beacons included.
+    pub transmit: u64,
+    /// Slots in which a node received a frame and acknowledged it.
+    pub receive_acknowledge: u64,
+    /// Slots in which a node received a frame, or a part of one, without an acknowledgement of its own.
+    pub receive: u64,
+    /// Mean current of a node (A), if each slot took the published charge of its kind and all others nothing.
+    pub mean_current_a: f64,
+    /// Nodes that are in the network at the end.
+    pub joined: usize,
+    /// How often nodes lost the network, because their clocks were not corrected for too long.
+    pub lost: u64,
+    /// Mean time from the start until a node joined (s), of those that scanned and joined. Absent if none did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub join_s: Option<f64>,
 }
 
 /// The traffic of a node or a group, with its name.

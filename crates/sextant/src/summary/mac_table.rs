@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::mac::{MacSummary, TrafficSummary};
+use super::mac::{MacSummary, SlotSummary, TrafficSummary};
 use crate::columns::{Align, columns};
 
 /// Nodes that are printed one by one.
@@ -79,7 +79,30 @@ fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
         ("pending", all.pending.to_string(), ""),
         ("energy of the nodes", format!("{energy:.3}"), "J"),
     ];
-    rows.into_iter().map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]).collect()
+    let rows = rows.into_iter().chain(mac.slots.iter().flat_map(slot_rows));
+    rows.map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]).collect()
+}
+
+/// The rows of a network with slots.
+fn slot_rows(slots: &SlotSummary) -> Vec<(&'static str, String, &'static str)> {
+    let percent = |share: f64| format!("{:.3} %", 100.0 * share);
+    let mut rows = vec![("duty cycle", percent(slots.duty_cycle), "of a node")];
+    rows.extend(slots.sink_duty_cycle.map(|share| ("duty cycle, sinks", percent(share), "")));
+    for (name, count, note) in [
+        ("slots, idle listening", slots.idle_listen, "of all nodes"),
+        ("slots, acknowledged", slots.transmit_acknowledged, "sent to one station"),
+        ("slots, unacknowledged", slots.transmit_unacknowledged, "sent to one station"),
+        ("slots, sent to all", slots.transmit, "enhanced beacons included"),
+        ("slots, acknowledging", slots.receive_acknowledge, "received and acknowledged"),
+        ("slots, receiving", slots.receive, "received and not acknowledged"),
+        ("network lost", slots.lost, "times"),
+    ] {
+        rows.push((name, count.to_string(), note));
+    }
+    rows.push(("mean current", format!("{:.1}", 1e6 * slots.mean_current_a), "uA, by published charges of slots"));
+    rows.push(("nodes in the network", slots.joined.to_string(), "at the end"));
+    rows.extend(slots.join_s.map(|join_s| ("joined after", format!("{join_s:.3}"), "s, on average")));
+    rows
 }
 
 fn line(name: &str, traffic: &TrafficSummary) -> Vec<String> {

@@ -11,5 +11,6 @@ mod own_access;
 mod own_missions;
 mod programs;
 mod routing;
+mod slots;
 mod stepping;
 mod teams;

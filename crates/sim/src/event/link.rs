@@ -2,7 +2,7 @@
 
 use sextant_mac::Class;
 
-use super::{ieee80211ad, ieee802154, programmed};
+use super::{ieee80211ad, ieee802154, programmed, tsch};
 
 /// An event of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub(crate) enum LinkEvent {
     Ieee80211ad(ieee80211ad::Event),
     /// Of a station whose program commands its radio.
     Programmed(programmed::Event),
+    /// Of a link with time-slotted channel hopping.
+    Tsch(tsch::Event),
 }
 
 impl LinkEvent {
@@ -23,6 +25,7 @@ impl LinkEvent {
             Self::Ieee802154(event) => event.class(),
             Self::Ieee80211ad(event) => event.class(),
             Self::Programmed(event) => event.class(),
+            Self::Tsch(event) => event.class(),
         }
     }
 }

@@ -9,6 +9,7 @@ use sextant_mac::{EnergyMeter, EnergySpent, RadioState, RadioStates};
 use crate::service::delays::Delays;
 use crate::service::due_frames::DueFrames;
 use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::slots::SlotUse;
 
 /// The books of a network at the end: whole numbers, so that those of parts of a simulation can be added.
 #[derive(Debug)]
@@ -31,6 +32,8 @@ pub(crate) struct Books {
     pub(super) radios: Vec<RadioUse>,
     /// What frames take that were not simulated.
     pub(super) spans: FrameSpans,
+    /// How each station used its slots; empty if there are none.
+    pub(super) slots: Vec<SlotUse>,
 }
 
 /// What a frame takes that is sent once, on a channel that is not busy.
@@ -85,6 +88,11 @@ impl RadioUse {
 }
 
 impl Books {
+    /// The same, with how each station used its slots.
+    pub(super) fn with_slots(self, slots: Vec<SlotUse>) -> Self {
+        Self { slots, ..self }
+    }
+
     /// Adds those of another part of the same simulation, with the same end. No station did anything in both at once.
     pub(crate) fn add(&mut self, other: Self) {
         self.packets.iter_mut().zip(other.packets).for_each(|(sum, packets)| *sum += packets);
@@ -92,6 +100,7 @@ impl Books {
         self.deliveries.iter_mut().zip(other.deliveries).for_each(|(sum, count)| *sum += count);
         debug_assert_eq!(self.due, other.due, "the same schedules until the same end");
         debug_assert!(other.delays.is_empty(), "parts have no sinks");
+        debug_assert!(other.slots.is_empty(), "parts have no slots");
         for (sum, radio) in self.radios.iter_mut().zip(other.radios) {
             sum.meter.add_activity(&radio.meter, radio.rests_in);
         }
@@ -118,7 +127,8 @@ impl Books {
             let others = energy.iter_mut().zip(members).filter(|(_, is_member)| !**is_member);
             others.for_each(|(energy, _)| *energy = EnergySpent::default());
         }
-        NetworkRecord { packets: self.packets, energy, deliveries: self.deliveries, delays: self.delays }
+        let Self { packets, deliveries, delays, slots, .. } = self;
+        NetworkRecord { packets, energy, deliveries, delays, slots }
     }
 
     /// What the packets that were simulated took on average; if there were none, what they take on a channel that is not

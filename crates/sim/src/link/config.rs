@@ -1,5 +1,7 @@
 //! Radios and channel access as written in a scenario, for all technologies.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 use sextant_mac::Phy;
@@ -7,6 +9,7 @@ use sextant_mac::csma::CsmaConfig;
 use sextant_mac::dmg::SweepConfig;
 use sextant_mac::program::ProgramConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
+use sextant_mac::tsch::{ScheduleConfig, TschConfig};
 
 use super::antennas::AntennasConfig;
 use super::dmg_channel::carrier_hz;
@@ -41,9 +44,9 @@ pub struct RadioConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_floor_dbm: Option<f64>,
     /// The clock of each node is fast or slow by up to this many millionths, drawn uniformly for each node: 0 to 1000.
-    /// Backoffs, airtimes, waiting times and the intervals of periodic traffic follow it. The clocks of robots and sinks
-    /// are exact. IEEE 802.15.4 allows 40. Only with `mac.csma_unslotted`: nodes that follow beacons take over the
-    /// clock of the coordinator, and programs have exact clocks.
+    /// Backoffs, airtimes, waiting times and the intervals of periodic traffic follow it, and slots with `mac.tsch`. The
+    /// clocks of robots and sinks are exact. IEEE 802.15.4 allows 40. Only with `mac.csma_unslotted` and `mac.tsch`: nodes
+    /// that follow beacons take over the clock of the coordinator, and programs have exact clocks.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 0.0)))]
     pub clock_ppm: f64,
@@ -129,6 +132,9 @@ pub enum MacConfig {
     /// The first robot, or the first sink if there is no robot, is the coordinator: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in
     /// guaranteed slots (IEEE 802.15.4), in symbols of the physical layer of the radios (`radio.phy`).
     BeaconEnabled(BeaconEnabledConfig),
+    /// Time-slotted channel hopping (TSCH) of IEEE 802.15.4: stations send and listen in slots, by a schedule, on one radio
+    /// channel after the other. Robots take no part.
+    Tsch(TschConfig),
     /// No channel access: programs of the stations, given by the library or in Python, command the radios of IEEE 802.15.4
     /// themselves. Stations without a program are off, but for sinks, which listen. No `traffic` but `silent`.
     Program(ProgramConfig),
@@ -144,10 +150,25 @@ impl Default for MacConfig {
 }
 
 impl MacConfig {
+    /// The files that it names, each with its key below the table.
+    pub fn files_mut(&mut self) -> impl Iterator<Item = (&'static str, &mut PathBuf)> {
+        let own = match self {
+            Self::Tsch(TschConfig { schedule: ScheduleConfig::Own(own), .. }) => own.file.as_mut(),
+            _ => None,
+        };
+        own.into_iter().map(|file| ("tsch.schedule.own.file", file))
+    }
+
     /// Whether programs command the radios.
     #[must_use]
     pub fn is_programmed(&self) -> bool {
         matches!(self, Self::Program(_))
+    }
+
+    /// Whether stations send and listen in slots, on one channel after the other.
+    #[must_use]
+    pub fn has_slots(&self) -> bool {
+        matches!(self, Self::Tsch(_))
     }
 
     /// Whether the links sweep sectors. They have antennas then, and nodes send no traffic.

@@ -21,6 +21,7 @@ pub(crate) mod settings;
 mod technology;
 mod track;
 pub(crate) mod transmitter;
+pub(crate) mod tsch;
 
 use sextant_kernel::SettingError;
 
@@ -31,6 +32,7 @@ pub use ieee80211ad::Ieee80211ad;
 pub use ieee802154::Ieee802154;
 pub(crate) use technology::Links;
 pub use technology::Technology;
+pub use tsch::Tsch;
 
 /// Refuses bit errors of another physical layer, that of `radio`, than that of which they are known.
 fn refuse_bit_errors(reception: ReceptionModel, radio: &str) -> Result<(), SettingError> {

@@ -13,7 +13,9 @@ use super::clock::Clock;
 use super::coordinator::Coordination;
 use crate::air::ReceptionRules;
 use crate::service::network_id::NetworkId;
+use crate::station::Sink;
 use crate::world::interferer::Interferer;
+use crate::world::layout::PlacedNode;
 
 /// Where the links of a network are: what a technology gets when they are set up.
 #[derive(Clone)]
@@ -64,6 +66,51 @@ pub(crate) struct FrameSize {
     pub(crate) mpdu_octets: u8,
     /// Whether it goes to one station, which acknowledges it.
     pub(crate) acknowledged: bool,
+}
+
+/// The stations of a network, for settings that name them.
+#[derive(Clone, Debug)]
+pub(crate) struct KnownStations<'a> {
+    pub(crate) nodes: &'a [PlacedNode],
+    /// Whether each robot is in the network.
+    pub(crate) robots: Vec<bool>,
+    /// Those that are not in the network have no name there.
+    pub(crate) sinks: &'a [Sink],
+    pub(crate) network: NetworkId,
+}
+
+impl KnownStations<'_> {
+    /// Number of stations, in the network or not.
+    pub(crate) fn count(&self) -> usize {
+        self.first_sink() + self.sinks.len()
+    }
+
+    /// Number of the first sink.
+    pub(crate) fn first_sink(&self) -> usize {
+        self.nodes.len() + self.robots.len()
+    }
+
+    /// Whether a robot is in the network.
+    pub(crate) fn has_robots(&self) -> bool {
+        self.robots.contains(&true)
+    }
+
+    /// The names of nodes and of the sinks in the network.
+    pub(crate) fn names(&self) -> impl Iterator<Item = (&str, StationId)> {
+        let nodes = self.nodes.iter().enumerate().map(|(i, node)| (node.name.as_str(), StationId::from_index(i)));
+        let first = self.first_sink();
+        let sinks = self.sinks.iter().enumerate().filter(|(_, sink)| sink.is_in(self.network));
+        nodes.chain(sinks.map(move |(i, sink)| (sink.name.as_str(), StationId::from_index(first + i))))
+    }
+
+    /// The sink in the network that is nearest to a node; `None` if there is no sink, or the station is no node.
+    pub(crate) fn nearest_sink(&self, station: StationId) -> Option<StationId> {
+        let place = self.nodes.get(station.index())?.position;
+        let distance_m = |&sink: &usize| place.distance_m(self.sinks[sink].position);
+        let sinks = (0..self.sinks.len()).filter(|&sink| self.sinks[sink].is_in(self.network));
+        let nearest = sinks.min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)))?;
+        Some(StationId::from_index(self.first_sink() + nearest))
+    }
 }
 
 /// What the simulator asks of the settings of a technology. What has a default is right for omnidirectional radios
@@ -158,6 +205,17 @@ pub(crate) trait LinkSettings {
     /// The antennas; `None` if all are omnidirectional.
     fn antennas(&self) -> Option<&Antennas> {
         None
+    }
+
+    /// Along which tree packets go, if that is known before the start: the next station of each.
+    fn know_parents(&mut self, _parents: &[Option<StationId>]) {}
+
+    /// Resolves what names stations.
+    ///
+    /// # Errors
+    /// If a station is not there, or one that is there cannot take part. The key is below the network.
+    fn know_stations(&mut self, _stations: &KnownStations<'_>) -> Result<(), SettingError> {
+        Ok(())
     }
 
     /// The clock of a node.

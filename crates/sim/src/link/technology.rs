@@ -17,6 +17,7 @@ use super::links::{Cut, NetworkLinks};
 use super::programmed::{self, Programmed};
 use super::settings::{LinkSettings, Placement};
 use super::transmitter::Transmitter;
+use super::tsch::{self, Tsch};
 use crate::event::link::LinkEvent;
 use crate::observer::Observer;
 use crate::scene::Scene;
@@ -106,6 +107,8 @@ technologies! {$
     MacConfig::CsmaUnslotted(_) | MacConfig::BeaconEnabled(_) => Ieee802154(Ieee802154) in ieee802154;
     /// Radios of IEEE 802.15.4 that programs command.
     MacConfig::Program(_) => Programmed(Programmed) in programmed;
+    /// IEEE 802.15.4 with time-slotted channel hopping.
+    MacConfig::Tsch(_) => Tsch(Box<Tsch>) in tsch;
     /// Sector sweeps of IEEE 802.11ad.
     MacConfig::SectorSweep(_) => Ieee80211ad(Box<Ieee80211ad>) in ieee80211ad;
 }
@@ -126,6 +129,17 @@ impl Technology {
     #[must_use]
     pub fn is_programmed(&self) -> bool {
         matches!(self, Self::Programmed(_))
+    }
+
+    /// Whether stations send and listen in slots, on one channel after the other.
+    #[must_use]
+    pub fn has_slots(&self) -> bool {
+        matches!(self, Self::Tsch(_))
+    }
+
+    /// Along which tree packets go: the next station of each. Called before a simulation is set up.
+    pub fn know_parents(&mut self, parents: &[Option<StationId>]) {
+        self.settings_mut().know_parents(parents);
     }
 
     /// Transmit power, without antennas; but for groups of nodes.

@@ -4,6 +4,7 @@ use sextant_mac::EnergySpent;
 
 use super::delays::Delays;
 use super::outcome::{Deafness, FrameOutcome};
+use super::slots::SlotUse;
 
 /// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
 /// of `lost_channel_access`, `lost_queue`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and
@@ -216,4 +217,6 @@ pub struct NetworkRecord {
     pub deliveries: Vec<u64>,
     /// Time from offer to first reception of the packets of each station that were received. Empty if there are no sinks.
     pub delays: Vec<Delays>,
+    /// How each station used its slots. Empty if the network has none.
+    pub slots: Vec<SlotUse>,
 }

@@ -7,12 +7,29 @@ use sextant_mac::coordinator::Coordinator;
 use crate::applications::robot::Robot;
 use crate::applications::traffic::Traffic;
 use crate::link::coordinator::{Coordination, Demand, Post};
-use crate::link::settings::FrameSize;
+use crate::link::settings::{FrameSize, KnownStations};
 use crate::network::Network;
 use crate::service::network_id::NetworkId;
 use crate::service::report::Destination;
 use crate::setup::Setup;
 use crate::station::Roll;
+
+/// Tells each network its stations, for settings that name them.
+///
+/// # Errors
+/// If a station is not there, or one that is there cannot take part.
+pub(super) fn know(setup: &mut Setup) -> Result<(), SettingError> {
+    let Setup { world, robots, sinks, networks, .. } = setup;
+    for (number, network) in networks.iter_mut().enumerate() {
+        let id = NetworkId(u8::try_from(number).unwrap_or(u8::MAX));
+        let robots = robots.iter().map(|robot| robot.body.networks.contains(&id)).collect();
+        let stations = KnownStations { nodes: &world.nodes, robots, sinks, network: id };
+        let name = network.name.clone();
+        let known = network.technology.settings_mut().know_stations(&stations);
+        known.map_err(|error| name.map_or(error.clone(), |name| error.within(format!("networks.{name}"))))?;
+    }
+    Ok(())
+}
 
 /// The stations of a simulation, and the networks that they are in.
 #[derive(Clone, Copy)]

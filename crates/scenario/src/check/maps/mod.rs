@@ -119,9 +119,9 @@ pub(crate) fn check_log_of_maps(
         let uses = map.mapper.uses();
         uses.iter().any(|kind| kind.needs_neighbours() || kind.needs_beacons())
     };
-    if let Some(map) = maps.iter().find(discovers).filter(|_| networks.first_has_programs()) {
+    if let Some((map, key)) = maps.iter().find(discovers).zip(networks.first_without_hellos()) {
         let with = format!("the map `{}`, for which nodes send hellos by a channel access", map.name);
-        errors.refuse(&SettingError::conflict("mac.program", with, "leave one of them out"));
+        errors.refuse(&SettingError::conflict(key, with, "leave one of them out"));
     }
     if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
         return;

@@ -8,7 +8,7 @@ use sextant_channel::Position;
 use sextant_kernel::text::counted;
 use sextant_kernel::{Files, SettingError};
 use sextant_sim::layout::PlacedNode;
-use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup};
+use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup, Technology};
 
 use super::check_all_nodes;
 use super::distributed::NodeMapJob;
@@ -246,7 +246,11 @@ impl Surroundings<'_> {
         let before = errors.found.len();
         let busy: &Network = &self.setup.networks[network.index()];
         if busy.technology.ieee802154().is_none() {
-            let with = if busy.technology.is_programmed() { "`mac.program`" } else { "sector sweeps" };
+            let with = match &busy.technology {
+                Technology::Programmed(_) => "`mac.program`",
+                Technology::Tsch(_) => "`mac.tsch`",
+                Technology::Ieee802154(_) | Technology::Ieee80211ad(_) => "sector sweeps",
+            };
             let found =
                 busy.name.as_ref().map_or(format!("one with {with}"), |name| format!("`{name}`, with {with}"));
             let allowed =

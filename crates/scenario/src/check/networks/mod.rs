@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use sextant_channel::ChannelLaw;
 use sextant_kernel::{Files, SettingError};
-use sextant_sim::{Network, NetworkId, Technology};
+use sextant_sim::{MacConfig, Network, NetworkId, Technology};
 
 use super::errors::Errors;
 use crate::config::ScenarioConfig;
@@ -72,9 +72,14 @@ impl<'a> Networks<'a> {
         self.all.iter().any(|network| network.tables.is_programmed())
     }
 
-    /// Whether programs command the radios of the first network, in which nodes discover their neighbours.
-    pub(crate) fn first_has_programs(&self) -> bool {
-        self.all.first().is_some_and(|network| network.tables.is_programmed())
+    /// The key of the channel access of the first network, in which nodes discover their neighbours, if that is one by which
+    /// they send no hellos.
+    pub(crate) fn first_without_hellos(&self) -> Option<&'static str> {
+        match self.all.first()?.tables.mac.value {
+            MacConfig::Program(_) => Some("mac.program"),
+            MacConfig::Tsch(_) => Some("mac.tsch"),
+            MacConfig::CsmaUnslotted(_) | MacConfig::BeaconEnabled(_) | MacConfig::SectorSweep(_) => None,
+        }
     }
 
     /// The named chips whose energy is counted, though they have not the band of the radios.

@@ -23,6 +23,8 @@ pub enum Unit {
     Degree,
     /// Joules.
     Joule,
+    /// Amperes.
+    Ampere,
     /// Bits per second.
     BitPerSecond,
 }
@@ -42,6 +44,7 @@ impl Unit {
             Self::Second => "seconds",
             Self::Degree => "degrees",
             Self::Joule => "joules",
+            Self::Ampere => "amperes",
             Self::BitPerSecond => "bits per second",
         }
     }
@@ -58,6 +61,7 @@ impl Unit {
             Self::Second => "s",
             Self::Degree => "°",
             Self::Joule => "J",
+            Self::Ampere => "A",
             Self::BitPerSecond => "bit/s",
         }
     }
@@ -68,6 +72,7 @@ impl Unit {
         let steps: &[(f64, &'static str)] = match self {
             Self::Second => &[(1.0, "s"), (1e-3, "ms"), (1e-6, "µs")],
             Self::Joule => &[(1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ")],
+            Self::Ampere => &[(1.0, "A"), (1e-3, "mA"), (1e-6, "µA")],
             Self::BitPerSecond => &[(1e6, "Mbit/s"), (1e3, "kbit/s"), (1.0, "bit/s")],
             Self::Count
             | Self::MeanCount
@@ -95,6 +100,7 @@ impl Unit {
             Self::Second => (1.0, "s"),
             Self::Degree => (1.0, "°"),
             Self::Joule => (1000.0, "mJ"),
+            Self::Ampere => (1e6, "µA"),
             Self::BitPerSecond => (1e-3, "kbit/s"),
         }
     }

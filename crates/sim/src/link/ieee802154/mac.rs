@@ -29,13 +29,17 @@ impl TryFrom<MacConfig> for Mac {
             MacConfig::BeaconEnabled(beacons) => BeaconEnabled::try_from(beacons)
                 .map(Self::BeaconEnabled)
                 .map_err(|error| error.within("beacon_enabled")),
-            MacConfig::Program(_) | MacConfig::SectorSweep(_) => {
-                let key = if config.is_programmed() { "program" } else { "sector_sweep" };
-                let allowed = "`csma_unslotted` or `beacon_enabled`, the channel access of IEEE 802.15.4";
-                Err(SettingError::new(key, "set for IEEE 802.15.4", allowed))
-            }
+            MacConfig::Program(_) => Err(other_technology("program")),
+            MacConfig::SectorSweep(_) => Err(other_technology("sector_sweep")),
+            MacConfig::Tsch(_) => Err(other_technology("tsch")),
         }
     }
+}
+
+/// The error of a table for another technology.
+fn other_technology(key: &str) -> SettingError {
+    let allowed = "`csma_unslotted` or `beacon_enabled`, the channel access of IEEE 802.15.4";
+    SettingError::new(key, "set for IEEE 802.15.4", allowed)
 }
 
 impl Mac {

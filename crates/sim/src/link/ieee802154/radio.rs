@@ -203,11 +203,16 @@ impl Radio {
 
     /// The clock of a node.
     pub(crate) fn clock(&self, seed: Seed, network: NetworkId, node: NodeId) -> Clock {
+        Clock::fast_by(self.clock_ppm(seed, network, node))
+    }
+
+    /// By how much the clock of a node is fast (millionths).
+    pub(crate) fn clock_ppm(&self, seed: Seed, network: NetworkId, node: NodeId) -> f64 {
         let draw = || seed.uniform(purpose::CLOCK, [node.0.into(), network.0.into(), 0]);
-        Clock::fast_by(match self.levels(node).clock {
+        match self.levels(node).clock {
             Rate::UpTo(ppm) => ppm * (2.0 * draw() - 1.0),
             Rate::FastBy(ppm) => ppm,
-        })
+        }
     }
 }
 

@@ -46,6 +46,11 @@ pub(super) fn of_run(has_maps_by_nodes: bool) -> impl Iterator<Item = KnownMeasu
     all(run::RUN, &[]).chain(all(if has_maps_by_nodes { run::WITH_MAPS_BY_NODES } else { &[] }, &[]))
 }
 
+/// All of a run whose network has slots, in addition.
+pub(super) fn of_slots() -> impl Iterator<Item = KnownMeasure<'static>> {
+    all(run::WITH_SLOTS, &[])
+}
+
 /// All of a run in which packets go over several hops, in addition.
 pub(super) fn of_routing() -> impl Iterator<Item = KnownMeasure<'static>> {
     all(run::WITH_ROUTING, &[])
@@ -58,7 +63,7 @@ pub(super) fn of_way_down() -> impl Iterator<Item = KnownMeasure<'static>> {
 
 /// All of any run.
 pub(super) fn of_any_run() -> impl Iterator<Item = KnownMeasure<'static>> {
-    of_run(true).chain(of_routing()).chain(of_way_down())
+    of_run(true).chain(of_slots()).chain(of_routing()).chain(of_way_down())
 }
 
 fn all(

@@ -1,7 +1,7 @@
 //! The numbers of a run as a whole.
 
 use super::{Count, Joule, KnownMeasure, MeanCount, Second, Share, known};
-use crate::summary::Unit::{BitPerSecond, Metre};
+use crate::summary::Unit::{Ampere, BitPerSecond, Metre};
 
 /// Of any run.
 pub(super) const RUN: &[KnownMeasure<'static>] = &[
@@ -66,6 +66,26 @@ pub(super) const RUN: &[KnownMeasure<'static>] = &[
     known("gathering.not_listened_by.off", Count, "packets sent while robots were off"),
     known("gathering.pending", Count, "packets that wait or are on air at the end of the survey"),
     known("discovery.anchors.energy_j.rx", Joule, "energy for receiving in the flood of anchors"),
+];
+
+/// Of a run whose network has slots.
+pub(super) const WITH_SLOTS: &[KnownMeasure<'static>] = &[
+    known(
+        "mac.slots.duty_cycle",
+        Share,
+        "duty cycle of a node: share of the time in which its radio sends or listens",
+    ),
+    known("mac.slots.sink_duty_cycle", Share, "duty cycle of a sink"),
+    known("mac.slots.idle_listen", Count, "slots in which nodes listened in vain"),
+    known("mac.slots.transmit_acknowledged", Count, "slots in which nodes sent and were acknowledged"),
+    known("mac.slots.transmit_unacknowledged", Count, "slots in which nodes sent and were not acknowledged"),
+    known("mac.slots.transmit", Count, "slots in which nodes sent to all"),
+    known("mac.slots.receive_acknowledge", Count, "slots in which nodes received and acknowledged"),
+    known("mac.slots.receive", Count, "slots in which nodes received without acknowledging"),
+    known("mac.slots.mean_current_a", Ampere, "mean current of a node by published charges of slots"),
+    known("mac.slots.joined", Count, "nodes that are in the network at the end"),
+    known("mac.slots.lost", Count, "times that nodes lost the network"),
+    known("mac.slots.join_s", Second, "mean time until a node that scans has joined"),
 ];
 
 /// Of a run in which nodes compute a map.

@@ -1,0 +1,150 @@
+//! Frames are offered, and what becomes of them is counted.
+
+use sextant_kernel::StationId;
+use sextant_mac::frame::DataFrame;
+
+use super::Links;
+use crate::link::payloads::Content;
+use crate::link::track::PacketTrack;
+use crate::link::tsch::stack::{FrameKind, Membership, SlotFrame};
+use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::{PacketEnd, PacketFate};
+use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
+use crate::service::upcall::Upcall;
+
+impl Links {
+    /// The sizes of the data frames of a station, which are those of earlier revisions.
+    pub(super) fn sizes(&self, station: StationId, to: Destination) -> DataFrame {
+        match to {
+            Destination::All => DataFrame::broadcast(self.pan, station),
+            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
+        }
+    }
+
+    /// Takes a frame to send.
+    pub(super) fn take_frame(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError> {
+        if matches!(self.stacks[station.index()].membership, Membership::Out) {
+            return Err(SendError::ReceivesOnly);
+        }
+        if let Destination::Station(to) = to
+            && (to == station || to.index() >= self.stacks.len() || !self.ledger.has(to))
+        {
+            return Err(SendError::NoSuchStation(to));
+        }
+        let sizes = self.sizes(station, to);
+        let mpdu_octets = match payload {
+            Payload::Filler(mpdu_octets) => {
+                debug_assert!(sizes.filler(mpdu_octets).is_ok(), "sizes of traffic were checked at the start");
+                mpdu_octets
+            }
+            Payload::Octets(octets) => {
+                let allowed = sizes.max_payload_octets();
+                match u8::try_from(octets.len()) {
+                    Ok(found) if found <= allowed => found + sizes.overhead_octets(),
+                    _ => return Err(SendError::Oversized { found: octets.len(), allowed: allowed.into() }),
+                }
+            }
+        };
+        let counts = u64::from(scene.now >= self.ledger.counted_from);
+        self.ledger.packets[station.index()].offered += counts;
+        self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
+        scene.offered += 1;
+        let content = self.payloads.keep(payload);
+        let stack = &mut self.stacks[station.index()];
+        let id = FrameId(stack.frames);
+        stack.frames = stack.frames.wrapping_add(1);
+        let mut track = stack.is_traced.then(Box::<PacketTrack>::default);
+        if let Some(track) = &mut track {
+            track.begin(scene.now);
+        }
+        let frame = SlotFrame {
+            kind: FrameKind::Data,
+            id,
+            to,
+            content,
+            mpdu_octets,
+            offered: scene.now,
+            sequence: stack.next_sequence(),
+            transmissions: 0,
+            outcome: FrameOutcome::WORST,
+            track,
+        };
+        let peer = match to {
+            Destination::Station(to) => Some(to),
+            Destination::All => None,
+        };
+        match stack.sender.offer(peer, frame) {
+            Ok(()) => {
+                self.replan(station, scene);
+                Ok(id)
+            }
+            Err(frame) => {
+                self.ledger.packets[station.index()].lost_queue += counts;
+                self.payloads.release(frame.content);
+                self.trace_frame(station, frame, PacketEnd::QueueFull, PacketFate::LostQueue, scene);
+                // The frame under way is one of those that wait.
+                Err(SendError::QueueFull(usize::from(self.settings.queue_frames) - 1))
+            }
+        }
+    }
+
+    /// A packet of a station has left its link: it is counted, and its application is told.
+    pub(super) fn finish_frame(
+        &mut self,
+        station: StationId,
+        frame: SlotFrame,
+        outcome: SendOutcome,
+        scene: &mut Scene,
+    ) {
+        if frame.kind != FrameKind::Data {
+            return;
+        }
+        self.payloads.release(frame.content);
+        let SlotFrame { id, to, offered, transmissions, .. } = frame;
+        if offered >= self.ledger.counted_from {
+            let octets = u64::from(frame.mpdu_octets - self.sizes(station, to).overhead_octets());
+            let packets = &mut self.ledger.packets[station.index()];
+            packets.transmissions += u64::from(transmissions);
+            packets.unacknowledged += u64::from(outcome == SendOutcome::NoAcknowledgement);
+            packets.count_sent(frame.outcome);
+            if frame.outcome == FrameOutcome::Received {
+                packets.octets_received += octets;
+            }
+        }
+        let end = match outcome {
+            SendOutcome::Sent => PacketEnd::Sent,
+            SendOutcome::Acknowledged => PacketEnd::Acknowledged,
+            SendOutcome::NoAcknowledgement => PacketEnd::NoAcknowledgement,
+            SendOutcome::ChannelAccessFailure => PacketEnd::ChannelAccessFailure,
+        };
+        let fate = PacketFate::Sent(frame.outcome);
+        self.trace_frame(station, frame, end, fate, scene);
+        let report = SendReport { frame: id, to, outcome, transmissions, offered };
+        scene.upcalls.push(Upcall::Sent { station, report });
+    }
+
+    /// The payload of a frame with this content and size.
+    pub(super) fn payload_of(
+        &self,
+        station: StationId,
+        kind: FrameKind,
+        to: Destination,
+        (content, mpdu_octets): (Content, u8),
+    ) -> &[u8] {
+        match content {
+            Content::Octets(slot) => self.payloads.octets(slot),
+            Content::Filler if kind == FrameKind::Data => {
+                let sizes = self.sizes(station, to);
+                sizes.filler(mpdu_octets).expect("sizes of traffic were checked at the start")
+            }
+            Content::Filler => &[],
+        }
+    }
+}
