@@ -7,6 +7,8 @@ use sextant_mapper::{
     TrapezoidConfig,
 };
 
+use crate::estimators::of_receptions;
+
 /// The height at which stops are.
 fn level(_: usize) -> f64 {
     0.0
@@ -104,8 +106,7 @@ fn no_estimator_claims_a_variance_below_that_of_its_grid() {
     for height_m in [level, |i: usize| if i.is_multiple_of(2) { 0.0 } else { 2.5 }] {
         let log = sharp(height_m);
         let is_level = log.stops().iter().all(|stop| stop.position.z_m.abs() < 1e-9);
-        // These logs have no ranges.
-        for any_log in AlgorithmConfig::of_any_log().into_iter().filter(|any_log| any_log.name != "range-ml") {
+        for any_log in of_receptions() {
             let text = format!("{} = {}", any_log.key(), any_log.settings);
             let config: AlgorithmConfig = toml::from_str(&text).expect("good settings");
             let (Some(variances), grid_step_m) = variances(config, &log) else { continue };

@@ -7,6 +7,7 @@ mod calibration;
 mod cells;
 mod comparators;
 mod concerns;
+mod estimators;
 mod features;
 mod grid_sizes;
 mod heights;

@@ -14,6 +14,8 @@ use sextant_mapper::{AlgorithmConfig, AnyLog, Choice, Estimate, EstimatorFinding
 
 use change::{Change, Changed};
 
+use crate::estimators::of_receptions;
+
 /// A place moves by less than this share of the standard deviation that the estimator claims.
 const MOST_SIGMAS: f64 = 0.05;
 /// The same of an estimator that claims none (m): a log that comes from degrees is known to a tenth of a millimetre.
@@ -104,10 +106,9 @@ fn differences(any_log: &AnyLog, log: &ReceptionLog, changes: &[Change]) -> Vec<
     found
 }
 
-/// Each estimator of `names` gives the same map of `log`, which has no ranges, after each change.
+/// Each estimator of `names` gives the same map of `log` after each change.
 fn check(names: fn(&str) -> bool, log: &ReceptionLog, changes: &[Change]) {
-    let estimators =
-        AlgorithmConfig::of_any_log().into_iter().filter(|any_log| names(any_log.name) && any_log.name != "range-ml");
+    let estimators = of_receptions().filter(|any_log| names(any_log.name));
     let found: Vec<String> = estimators.flat_map(|any_log| differences(&any_log, log, changes)).collect();
     assert!(found.is_empty(), "{found:#?}");
 }
@@ -158,8 +159,7 @@ fn logs_of_a_folder_that_is_named_give_the_same_maps_however_they_are_written() 
     let Some(folder) = std::env::var_os("SEXTANT_LOGS") else { return };
     let mut failed = Vec::new();
     for (name, log) in logs::of_folder(folder.as_ref()) {
-        // These logs have no ranges.
-        for any_log in AlgorithmConfig::of_any_log().into_iter().filter(|any_log| any_log.name != "range-ml") {
+        for any_log in of_receptions() {
             let mapper = mapper(&any_log);
             let Ok((before, learned)) = mapper.map_and_learn(&log, &Unwatched) else { continue };
             let mut row = format!("{name} {}:", any_log.name);
