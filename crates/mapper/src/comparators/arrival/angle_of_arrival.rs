@@ -1,10 +1,11 @@
 //! Angulation: a node is where the directions of its sectors cross.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_channel::{ReceptionLog, SectorTable, Wedge};
+use sextant_channel::{Reception, ReceptionLog, Wedge};
 use sextant_kernel::{NodeId, SettingError, Watch};
 
 use crate::comparators::lateration::{Bearing, MeasuredAngle, angulate};
@@ -51,20 +52,21 @@ impl AngleOfArrival {
         let table = log.sectors().ok_or_else(|| {
             missing("the directions of the antenna sectors", "a log has them in `sectors.csv` or `antenna.toml`")
         })?;
+        let wedges: BTreeMap<u8, Wedge> =
+            table.iter().filter_map(|sector| Some((sector.sector, sector.wedge().ok()?))).collect();
         let in_space = knowledge.dimensions() == 3;
         let operations = log.stops().len() as f64;
         let places = node_by_node(Self::NAME, nodes, operations, watch, |node| {
-            angulate(&bearings(log, table, NodeId::from_index(node), in_space)).ok()
+            angulate(&bearings(log, &wedges, NodeId::from_index(node), in_space)).ok()
         })?;
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 }
 
 /// The directions of `node` at the stops that received it.
-fn bearings(log: &ReceptionLog, table: &SectorTable, node: NodeId, in_space: bool) -> Vec<Bearing> {
-    let wedge_of = |id: u8| table.iter().find(|sector| sector.sector == id)?.wedge().ok();
-    let bearing = |reception: sextant_channel::Reception| {
-        let wedge = wedge_of(reception.sector.filter(|_| reception.received > 0)?)?;
+fn bearings(log: &ReceptionLog, wedges: &BTreeMap<u8, Wedge>, node: NodeId, in_space: bool) -> Vec<Bearing> {
+    let bearing = |reception: Reception| {
+        let wedge = *wedges.get(&reception.sector.filter(|_| reception.received > 0)?)?;
         let stop = &log.stops()[reception.stop as usize];
         let azimuth_rad =
             wedge.azimuth_from_rad + 0.5 * wedge.azimuth_width_rad + stop.heading_rad.unwrap_or_default();
@@ -126,7 +128,7 @@ impl EstimatorSettings for AngleOfArrivalConfig {
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{EvenSectorsConfig, Position, Reception, SectorConfig, Stop};
+    use sextant_channel::{EvenSectorsConfig, Position, SectorConfig, SectorTable, Stop};
     use sextant_kernel::{RobotId, SimTime};
 
     use super::*;

@@ -5,16 +5,14 @@ use std::convert::Infallible;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use sextant_channel::Position;
 
-use super::LaterationError;
+use super::{DAMPING, LaterationError, STEPS};
 use crate::grid_ml::directions::wrapped;
-use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
+use crate::numerics::least_squares::{LeastSquares, minimum};
 
 /// Residuals of more standard deviations count linearly: 5 % more variance where errors are normal (Huber 1964).
 const HUBER: f64 = 1.345;
 /// Least ratio of the eigenvalues of the normal equations at which lines still cross.
 const FLATNESS: f64 = 1e-9;
-const STEPS: u32 = 100;
-const DAMPING: Damping = Damping { first: 1e-3, ease: 0.2, least: 1e-15, tighten: 5.0, most: 5e12 };
 
 /// An angle and its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,6 +10,12 @@ pub use multilateration::{Range, multilaterate, multilaterate_linear, refine, tr
 pub use time_difference::locate_by_differences;
 pub use triangulation::triangulate;
 
+use crate::numerics::least_squares::Damping;
+
+/// Maximum number of steps of a refinement, and how it is damped.
+const STEPS: u32 = 100;
+const DAMPING: Damping = Damping { first: 1e-3, ease: 0.2, least: 1e-15, tighten: 5.0, most: 5e12 };
+
 /// Reasons why a place cannot be computed from distances or angles.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LaterationError {

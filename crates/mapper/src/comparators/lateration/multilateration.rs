@@ -5,13 +5,11 @@ use std::convert::Infallible;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use sextant_channel::Position;
 
-use super::LaterationError;
-use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
+use super::{DAMPING, LaterationError, STEPS};
+use crate::numerics::least_squares::{LeastSquares, minimum};
 
 /// Smallest ratio of singular values at which anchors still span plane or space.
 const FLATNESS: f64 = 1e-9;
-/// Maximum number of steps of the refinement.
-const STEPS: u32 = 100;
 
 /// A distance to a known place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,8 +103,6 @@ pub fn refine(start: Position, ranges: &[Range], dimensions: usize) -> Position 
     let Ok(place) = minimum(&Ranges { ranges, dimensions }, start, DAMPING, STEPS);
     place
 }
-
-const DAMPING: Damping = Damping { first: 1e-3, ease: 0.2, least: 1e-15, tighten: 5.0, most: 5e12 };
 
 /// The distances that the place should have.
 struct Ranges<'a> {

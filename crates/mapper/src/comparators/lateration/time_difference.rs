@@ -5,13 +5,11 @@ use std::convert::Infallible;
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 use sextant_channel::Position;
 
-use super::{LaterationError, Range};
-use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
+use super::{DAMPING, LaterationError, Range, STEPS};
+use crate::numerics::least_squares::{LeastSquares, minimum};
 
 /// Smallest ratio of singular values at which anchors still tell the place and the length.
 const FLATNESS: f64 = 1e-9;
-const STEPS: u32 = 100;
-const DAMPING: Damping = Damping { first: 1e-3, ease: 0.2, least: 1e-15, tighten: 5.0, most: 5e12 };
 
 /// The place in two or three `dimensions` whose distances, all longer by one unknown length, fit best: the minimum of
 /// `Σ w (|x − a| + b − d)²` over place and length b. Signals whose time of arrival is known, but not when they were sent, tell such

@@ -6,6 +6,7 @@ use sextant_mac::frame::DataFrame;
 use crate::link::settings::FrameSize;
 use crate::purpose;
 use crate::service::network_id::NetworkId;
+use crate::service::report::{Payload, SendError};
 
 /// PAN of the first network; the others follow.
 const FIRST_PAN: u16 = 0x5E87;
@@ -24,6 +25,26 @@ pub(in crate::link) fn first_sequence(scene_seed: Seed, station: StationId, netw
 /// Size of the frame to all that carries a payload of this size (octets).
 pub(in crate::link) fn frame_octets(payload_octets: u16) -> u16 {
     payload_octets + u16::from(DataFrame::broadcast(0, StationId(0)).overhead_octets())
+}
+
+/// Size of the frame that carries this payload behind the addresses of `frame` (octets).
+///
+/// # Errors
+/// [`SendError::Oversized`].
+pub(in crate::link) fn offered_octets(frame: &DataFrame, payload: Payload<'_>) -> Result<u8, SendError> {
+    match payload {
+        Payload::Filler(mpdu_octets) => {
+            debug_assert!(frame.filler(mpdu_octets).is_ok(), "sizes of traffic were checked at the start");
+            Ok(mpdu_octets)
+        }
+        Payload::Octets(octets) => {
+            let allowed = frame.max_payload_octets();
+            match u8::try_from(octets.len()) {
+                Ok(found) if found <= allowed => Ok(found + frame.overhead_octets()),
+                _ => Err(SendError::Oversized { found: octets.len(), allowed: allowed.into() }),
+            }
+        }
+    }
 }
 
 /// Refuses frames without room for the addresses.

@@ -5,7 +5,7 @@ use sextant_kernel::{NodeId, Seed, SettingError};
 use sextant_mac::{Phy, oqpsk};
 
 use crate::link::clock::Clock;
-use crate::link::config::{RadioConfig, RadioGroupConfig};
+use crate::link::config::{LinkConfig, LinkError, RadioConfig, RadioGroupConfig};
 use crate::purpose;
 use crate::service::network_id::NetworkId;
 use crate::world::layout::PlacedNode;
@@ -87,6 +87,19 @@ impl TryFrom<RadioConfig> for Radio {
 }
 
 impl Radio {
+    /// The radios that a scenario describes, with their groups if the nodes are known; `None` with an error if it describes none.
+    pub(in crate::link) fn read(
+        config: &LinkConfig<'_>,
+        nodes: Option<&[PlacedNode]>,
+        errors: &mut Vec<LinkError>,
+    ) -> Option<Self> {
+        match (config.radio, nodes) {
+            (Some(radio), Some(nodes)) => LinkError::take("radio", Self::new(radio, nodes), errors),
+            (Some(radio), None) => LinkError::take("radio", Self::try_from(radio.clone()), errors),
+            (None, _) => LinkError::missing("radio", errors),
+        }
+    }
+
     /// The radios with the groups of `nodes`.
     ///
     /// # Errors

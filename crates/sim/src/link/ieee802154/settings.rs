@@ -39,11 +39,7 @@ impl Ieee802154 {
         _files: &Files,
     ) -> Result<Self, Vec<LinkError>> {
         let mut errors = Vec::new();
-        let radio = match (config.radio, nodes) {
-            (Some(radio), Some(nodes)) => LinkError::take("radio", Radio::new(radio, nodes), &mut errors),
-            (Some(radio), None) => LinkError::take("radio", Radio::try_from(radio.clone()), &mut errors),
-            (None, _) => LinkError::missing("radio", &mut errors),
-        };
+        let radio = Radio::read(config, nodes, &mut errors);
         let mac = LinkError::take("mac", Mac::try_from(config.mac.clone()), &mut errors);
         let reception = ReceptionModel::try_from(config.reception.copied().unwrap_or_default());
         let reception = LinkError::take("reception", reception, &mut errors);

@@ -37,11 +37,7 @@ impl Programmed {
     ) -> Result<Self, Vec<LinkError>> {
         let MacConfig::Program(program) = config.mac else { unreachable!("the channel access chose the technology") };
         let mut errors = Vec::new();
-        let radio = match (config.radio, nodes) {
-            (Some(radio), Some(nodes)) => LinkError::take("radio", Radio::new(radio, nodes), &mut errors),
-            (Some(radio), None) => LinkError::take("radio", Radio::try_from(radio.clone()), &mut errors),
-            (None, _) => LinkError::missing("radio", &mut errors),
-        };
+        let radio = Radio::read(config, nodes, &mut errors);
         let reception = ReceptionModel::try_from(config.reception.copied().unwrap_or_default());
         let reception = LinkError::take("reception", reception, &mut errors);
         let (Some(radio), Some(reception)) = (radio, reception) else { return Err(errors) };

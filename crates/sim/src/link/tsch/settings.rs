@@ -43,11 +43,7 @@ impl Tsch {
     ) -> Result<Self, Vec<LinkError>> {
         let MacConfig::Tsch(tsch) = config.mac else { unreachable!("the channel access chose the technology") };
         let mut errors = Vec::new();
-        let radio = match (config.radio, nodes) {
-            (Some(radio), Some(nodes)) => LinkError::take("radio", Radio::new(radio, nodes), &mut errors),
-            (Some(radio), None) => LinkError::take("radio", Radio::try_from(radio.clone()), &mut errors),
-            (None, _) => LinkError::missing("radio", &mut errors),
-        };
+        let radio = Radio::read(config, nodes, &mut errors);
         if config.radio.is_some_and(|radio| radio.channel.is_some()) {
             let remedy = "remove the key: `mac.tsch.hopping` names the channels";
             LinkError::take(

@@ -7,6 +7,7 @@ use sextant_mac::frame::DataFrame;
 use super::Links;
 use super::tracing::RefusedFrame;
 use crate::event::ieee802154::Event;
+use crate::link::ieee802154::addressing::offered_octets;
 use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::link::payloads::Content;
@@ -34,19 +35,7 @@ impl Links {
             return Err(SendError::NoSuchStation(to));
         }
         let header = self.data_frame(station, to);
-        let mpdu_octets = match payload {
-            Payload::Filler(mpdu_octets) => {
-                debug_assert!(header.filler(mpdu_octets).is_ok(), "sizes of traffic were checked at the start");
-                mpdu_octets
-            }
-            Payload::Octets(octets) => {
-                let allowed = header.max_payload_octets();
-                match u8::try_from(octets.len()) {
-                    Ok(found) if found <= allowed => found + header.overhead_octets(),
-                    _ => return Err(SendError::Oversized { found: octets.len(), allowed: allowed.into() }),
-                }
-            }
-        };
+        let mpdu_octets = offered_octets(&header, payload)?;
         let counts = u64::from(scene.now >= self.ledger.counted_from);
         let packets = &mut self.ledger.packets[station.index()];
         packets.offered += counts;

@@ -4,6 +4,7 @@ use sextant_kernel::StationId;
 use sextant_mac::frame::DataFrame;
 
 use super::Links;
+use crate::link::ieee802154::offered_octets;
 use crate::link::payloads::Content;
 use crate::link::track::PacketTrack;
 use crate::link::tsch::stack::{FrameKind, Membership, SlotFrame};
@@ -39,19 +40,7 @@ impl Links {
             return Err(SendError::NoSuchStation(to));
         }
         let sizes = self.sizes(station, to);
-        let mpdu_octets = match payload {
-            Payload::Filler(mpdu_octets) => {
-                debug_assert!(sizes.filler(mpdu_octets).is_ok(), "sizes of traffic were checked at the start");
-                mpdu_octets
-            }
-            Payload::Octets(octets) => {
-                let allowed = sizes.max_payload_octets();
-                match u8::try_from(octets.len()) {
-                    Ok(found) if found <= allowed => found + sizes.overhead_octets(),
-                    _ => return Err(SendError::Oversized { found: octets.len(), allowed: allowed.into() }),
-                }
-            }
-        };
+        let mpdu_octets = offered_octets(&sizes, payload)?;
         let counts = u64::from(scene.now >= self.ledger.counted_from);
         self.ledger.packets[station.index()].offered += counts;
         self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
