@@ -9,11 +9,12 @@ use super::claim::{Check, Claim};
 use super::computation::{Candidate, Computation, Least, likelihood};
 use super::error::TableError;
 use super::experiment::Experiment;
+use super::picture::Picture;
 use super::published::Published;
 use super::quantity::Quantity;
 use super::reading::readings;
 use super::runs::Term;
-use super::table::{ChartEntry, Condition, Entry, HorizontalEntry, LeastEntry, Shared, Table};
+use super::table::{ChartEntry, Condition, Entry, HorizontalEntry, LeastEntry, PictureEntry, Shared, Table};
 use super::variant::Variant;
 use super::words::{Scope, Words};
 
@@ -60,6 +61,10 @@ impl<'a> Expansion<'a> {
         for entry in &table.charts {
             charts.extend(self::charts(entry, &group, &scope)?);
         }
+        let mut pictures = Vec::new();
+        for entry in &table.pictures {
+            pictures.extend(self::pictures(entry, &group, &scope)?);
+        }
         let mut open = Vec::new();
         for entry in &table.open {
             open.extend(entry.setting(&scope)?);
@@ -75,6 +80,7 @@ impl<'a> Expansion<'a> {
             lines,
             leave_out_empty_lines: table.leave_out_empty_lines,
             charts,
+            pictures,
             claims,
             notes: table.notes.iter().map(|note| scope.fill(note)).collect::<Result<_, _>>()?,
         })
@@ -256,6 +262,19 @@ fn across(x: &HorizontalEntry, own: &Entry, scope: &Scope<'_>) -> Result<Across,
             Across::Measured(term(&measured, scope)?)
         }
     })
+}
+
+fn pictures<'a>(entry: &'a PictureEntry, group: &Entry, scope: &Scope<'a>) -> Result<Vec<Picture>, TableError> {
+    let scenario = entry.scenario.as_ref().or(group.scenario.as_ref());
+    let scenario = scenario.ok_or_else(|| TableError::Missing { key: "scenario", what: entry.title.clone() })?;
+    let mut pictures = Vec::new();
+    for scope in scope.clone().only(&entry.only).each(&entry.each)? {
+        if scope.is_meant()? {
+            let [scenario, figure, title] = [scenario, &entry.figure, &entry.title].map(|text| scope.fill(text));
+            pictures.push(Picture { scenario: scenario?, figure: figure?, title: title? });
+        }
+    }
+    Ok(pictures)
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use super::claim::Claim;
 use super::line::Line;
 use super::open::OpenSetting;
 use super::ours::Ours;
+use super::picture::Picture;
 use super::quantity::Quantity;
 use super::reading::Reading;
 use super::runs::{Runs, Term};
@@ -32,6 +33,8 @@ pub struct Experiment {
     pub leave_out_empty_lines: bool,
     /// Figures of measures over its runs.
     pub charts: Vec<Chart>,
+    /// Pictures of one run of its scenarios.
+    pub pictures: Vec<Picture>,
     /// Conclusions to check, of the thesis or ours.
     pub claims: Vec<Claim>,
     /// What the thesis leaves open.

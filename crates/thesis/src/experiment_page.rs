@@ -43,6 +43,13 @@ pub(crate) fn parts(of: &Results, out: &Path) -> Result<Vec<PagePart>, OutputErr
         let svg = std::fs::read_to_string(&path).map_err(|error| OutputError::new(&path, &error))?;
         parts.push(PagePart::Figure { file, title: title.clone(), svg });
     }
+    // An interrupted reproduction has not all of them.
+    let pictures = of.pictures.iter().filter(|picture| out.join(picture.file()).is_file());
+    let pictures: Vec<_> = pictures.map(|of| PagePart::Picture(of.file(), of.title.clone())).collect();
+    if !pictures.is_empty() {
+        let summary = format!("{} of the first run", counted(pictures.len(), "picture"));
+        parts.push(PagePart::Folded(summary, pictures));
+    }
     if !of.notes.is_empty() {
         parts.push(PagePart::List(of.notes.iter().map(|note| with_code(note)).collect()));
     }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::error::ReproductionError;
 use super::experiment::Experiment;
 use super::runs::Runs;
+use super::variant::flat_name;
 use sextant::run::{RunRecorder, run};
 use sextant::scenario::Scenario;
 use sextant_figure::{self as figure, FileFormat, Source};
@@ -16,7 +17,7 @@ use sextant_recording::output::OutputError;
 use sextant_recording::{read_run, read_world};
 
 /// Runs the scenarios `names` from the folder `scenarios`, each with its own seed, and draws their figures into
-/// `out`/NAME: the network with the survey, the maps and their errors.
+/// `out`/NAME, by the names of the files: the network with the survey, the maps and their errors.
 ///
 /// # Errors
 /// If a run or a file fails, or `watch` stops the work.
@@ -28,7 +29,7 @@ pub fn write_pictures(
 ) -> Result<(), ReproductionError> {
     names.par_iter().try_for_each(|name| {
         let scenario = Scenario::load(scenarios.join(name))?;
-        let folder = out.join(scenario.name());
+        let folder = out.join(flat_name(name));
         disk::create_folders(&folder).map_err(|error| OutputError::new(&folder, &error))?;
         let recording = folder.join("run.mcap");
         run(&scenario, &mut RunRecorder::new(&recording), &Unreported(watch))?;

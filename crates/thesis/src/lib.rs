@@ -43,6 +43,15 @@
 //! scenarios = ["ml-tm/trajectory-random.toml"]
 //! values = [{ value = "after 5 steps", set = ["robots.0.controller.random_walk.steps_per_turn=5"] }]
 //! ```
+//!
+//! # Pictures
+//! An entry of `[[pictures]]` shows a figure of the first run of a scenario on the page, by its name in `sextant figure`:
+//! ```toml
+//! [[pictures]]
+//! each = ["trajectory"]
+//! figure = "network"
+//! title = "The way of the robot: {trajectory}"
+//! ```
 
 mod agreement;
 mod better;
@@ -61,6 +70,7 @@ mod open;
 mod ours;
 mod page;
 mod pages;
+mod picture;
 mod published;
 mod quantity;
 mod reading;
@@ -90,6 +100,7 @@ pub use line::{Line, NamedReading, write_csv};
 pub use open::OpenSetting;
 pub use ours::Ours;
 pub use pages::write_pages;
+pub use picture::{FIGURES, Picture};
 pub use published::Published;
 pub use quantity::Quantity;
 pub use reading::{Choice, Reading};

@@ -31,6 +31,8 @@ pub(crate) enum PagePart {
         /// The picture itself.
         svg: String,
     },
+    /// A picture in a file below the page, and its title.
+    Picture(String, String),
 }
 
 /// A piece of text.
@@ -106,7 +108,9 @@ impl PagePart {
                 let parts: String = parts.iter().map(Self::markdown).collect();
                 format!("<details>\n<summary>{}</summary>\n\n{parts}</details>\n\n", escaped(summary))
             }
-            Self::Figure { file, title, .. } => format!("![{}]({file})\n\n", plain_markdown(title)),
+            Self::Figure { file, title, .. } | Self::Picture(file, title) => {
+                format!("![{}]({file})\n\n", plain_markdown(title))
+            }
         }
     }
 
@@ -140,6 +144,13 @@ impl PagePart {
                 let title = escaped(title);
                 format!("<figure>\n{picture}\n<figcaption>{title}</figcaption>\n</figure>\n")
             }
+            Self::Picture(file, title) => {
+                let title = escaped(title);
+                format!(
+                    "<figure>\n<img src=\"{file}\" alt=\"{title}\" loading=\"lazy\">\n\
+                     <figcaption>{title}</figcaption>\n</figure>\n"
+                )
+            }
         }
     }
 }
@@ -153,7 +164,7 @@ table { border-collapse: collapse; margin: 1rem 0; }
 th, td { border-bottom: 1px solid #8886; padding: 0.25rem 0.75rem; text-align: left; vertical-align: top; }
 summary { cursor: pointer; margin: 0.5rem 0; }
 figure { margin: 1.5rem 0; }
-figure svg { background: #fff; height: auto; max-width: 100%; }
+figure svg, figure img { background: #fff; height: auto; max-width: 100%; }
 figcaption { opacity: 0.8; }
 ";
 
@@ -213,6 +224,7 @@ mod tests {
                 PagePart::List(vec![vec![Span::File("all".into(), "a.csv".into())]]),
                 PagePart::Folded("more & more".into(), vec![PagePart::Text(vec!["here".into()])]),
                 PagePart::Figure { file: "f.svg".into(), title: "F".into(), svg: "<?xml?>\n<svg>s</svg>".into() },
+                PagePart::Picture("figures/s/map.svg".into(), "M".into()),
             ],
         };
         insta::assert_snapshot!(page.markdown(), @r"
@@ -234,6 +246,8 @@ mod tests {
         </details>
 
         ![F](f.svg)
+
+        ![M](figures/s/map.svg)
         ");
         let html = page.html();
         for part in [
@@ -243,6 +257,7 @@ mod tests {
             "<details>\n<summary>more &amp; more</summary>\n<p>here</p>\n</details>",
             "<li><a href=\"a.csv\">all</a></li>",
             "<figure>\n<svg>s</svg>\n<figcaption>F</figcaption>",
+            "<img src=\"figures/s/map.svg\" alt=\"M\"",
         ] {
             assert!(html.contains(part), "{part} in {html}");
         }

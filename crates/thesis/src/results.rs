@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::experiment::Experiment;
 use super::line::{Line, write_csv};
+use super::picture::Picture;
 use super::readings::Readings;
 use super::runs::Runs;
 use super::variant::Variant;
@@ -31,6 +32,8 @@ pub struct Results {
     pub readings: Readings,
     /// Its figures: name of the file without extension, and title.
     pub figures: Vec<(String, String)>,
+    /// Its pictures of one run.
+    pub pictures: Vec<Picture>,
     /// Notes on different definitions, and on what the thesis does not say.
     pub notes: Vec<String>,
 }
@@ -54,6 +57,7 @@ impl Results {
             conclusions,
             readings,
             figures: experiment.charts.iter().map(|chart| (chart.name.clone(), chart.title.clone())).collect(),
+            pictures: experiment.pictures.clone(),
             notes: experiment.notes.clone(),
         }
     }
@@ -94,6 +98,7 @@ impl Results {
             "scenarios": scenarios.collect::<Vec<_>>(),
             "lines": self.all().map(Line::json).collect::<Vec<_>>(),
             "figures": self.figures.iter().map(|(name, title)| json!({"file": format!("{name}.svg"), "title": title})).collect::<Vec<_>>(),
+            "pictures": self.pictures.iter().map(|of| json!({"file": of.file(), "title": of.title})).collect::<Vec<_>>(),
             "notes": self.notes,
         })
     }

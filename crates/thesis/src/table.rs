@@ -63,6 +63,9 @@ pub(crate) struct Table {
     /// Its figures.
     #[serde(default)]
     pub(crate) charts: Vec<ChartEntry>,
+    /// Its pictures of one run.
+    #[serde(default)]
+    pub(crate) pictures: Vec<PictureEntry>,
 }
 
 /// A reading is judged by a fifth of the published value, which few runs tell.
@@ -227,6 +230,24 @@ pub(crate) struct ChartEntry {
     pub(crate) curves: CurveEntry,
     /// The points of each curve.
     pub(crate) points: PointEntry,
+}
+
+/// A picture of one run for each combination of items.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PictureEntry {
+    /// One for each combination of items of these lists.
+    #[serde(default)]
+    pub(crate) each: Vec<String>,
+    /// The items that variables may have.
+    #[serde(default)]
+    pub(crate) only: Only,
+    /// The scenario, if it is not that of the table.
+    pub(crate) scenario: Option<String>,
+    /// The name of the figure, as `sextant figure` names its file.
+    pub(crate) figure: String,
+    /// What it shows.
+    pub(crate) title: String,
 }
 
 /// The curves of a figure.

@@ -394,6 +394,29 @@ fn every_conclusion_can_hold_or_not() {
     }
 }
 
+/// A picture is drawn with the figures of a scenario that its experiment runs, and shows a map or an application of that.
+#[test]
+fn every_picture_shows_what_its_scenario_has() {
+    let folder = TempDir::new().unwrap();
+    write_scenarios(folder.path()).unwrap();
+    let mut shown = 0;
+    for experiment in experiments() {
+        let scenarios = experiment.scenarios();
+        for picture in &experiment.pictures {
+            let of = format!("{}: {picture:?}", experiment.id);
+            assert!(scenarios.contains(&picture.scenario.as_str()), "{of} is of no run");
+            let scenario = Scenario::load(folder.path().join(&picture.scenario)).unwrap();
+            let maps = scenario.maps().iter().map(|map| &map.name).chain(scenario.distributed().map(|map| &map.name));
+            let maps = maps.map(|name| format!("map-{name}"));
+            let searches = scenario.missions().iter().map(|mission| format!("application-{}", mission.name));
+            let mut figures = maps.chain(searches).chain(["network".to_owned()]);
+            assert!(figures.any(|figure| figure == picture.figure), "{of}");
+            shown += 1;
+        }
+    }
+    assert!(shown > 30, "{shown} pictures");
+}
+
 #[test]
 fn a_published_value_names_its_source() {
     let runs = made_up(&plans(&TempDir::new().unwrap(), false), |_, _, _| Some(1.0));

@@ -27,7 +27,7 @@ impl Variant {
     /// The name of the table of its runs: `runs-SCENARIO.csv`, or `runs-SCENARIO--READING.csv`.
     #[must_use]
     pub fn table_name(&self) -> String {
-        let scenario = self.scenario.trim_end_matches(".toml").replace('/', "-");
+        let scenario = flat_name(&self.scenario);
         if self.is_shipped() {
             format!("runs-{scenario}.csv")
         } else {
@@ -48,6 +48,11 @@ impl Variant {
         }
         slug.trim_matches('-').to_owned()
     }
+}
+
+/// The name of a scenario in one word, for files: its folder and its file.
+pub(crate) fn flat_name(scenario: &str) -> String {
+    scenario.trim_end_matches(".toml").replace('/', "-")
 }
 
 #[cfg(test)]

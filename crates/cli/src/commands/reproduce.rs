@@ -18,8 +18,8 @@ use sextant_kernel::text::counted;
 use sextant_recording::admission::{OutputKind, admit_folder};
 use sextant_recording::disk;
 use sextant_thesis::{
-    Costs, Experiment, Line, ReproductionError, Results, RunCounts, Runs, SHIPPED, Tally, Variant, by_chapter,
-    experiments, first_seed, is_reproduction, json, usual_runs, write_figures, write_json, write_pages,
+    Costs, Experiment, FIGURES, Line, ReproductionError, Results, RunCounts, Runs, SHIPPED, Tally, Variant,
+    by_chapter, experiments, first_seed, is_reproduction, json, usual_runs, write_figures, write_json, write_pages,
     write_pictures, write_scenarios,
 };
 
@@ -100,8 +100,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         if arguments.printing.format == Format::Text {
             print(&results, &mut stdout)?;
         }
+        arguments.copy_pictures(&results)?;
         finished.push(results);
-        outcome = write_pictures(&shipped, &scenarios, &arguments.out.join("figures"), interrupt);
+        outcome = write_pictures(&shipped, &scenarios, &arguments.out.join(FIGURES), interrupt);
         if outcome.is_err() {
             break;
         }
@@ -151,6 +152,23 @@ impl Arguments {
         let counts = self.runs.map_or_else(usual_runs, RunCounts::Each);
         let first = self.seed.or_else(|| first_seed(self.from.as_ref()?));
         Ok(Seeds { first, counts })
+    }
+
+    /// Copies the pictures of `results` from the folder that its runs are read from.
+    fn copy_pictures(&self, results: &Results) -> Result<(), Failure> {
+        let Some(from) = &self.from else { return Ok(()) };
+        let mut missing = 0;
+        for picture in &results.pictures {
+            if !picture.copy(from, &self.out)? {
+                missing += 1;
+            }
+        }
+        if missing > 0 {
+            let (id, from, missing) = (&results.id, from.display(), counted(missing, "picture"));
+            self.work
+                .note(&format!("{id}: without {missing}, because `{from}` does not have the figures of its runs"));
+        }
+        Ok(())
     }
 
     /// Rejects a folder with files that are not those of a reproduction, or with scenarios that were changed.

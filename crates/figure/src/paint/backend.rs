@@ -50,7 +50,9 @@ pub(crate) fn svg(picture: &Picture) -> io::Result<String> {
     }
     // The backend writes the size in its units, which are tenths of a pixel.
     let size = format!("width=\"{wide}\" height=\"{high}\"");
-    Ok(document.replacen(&size, &format!("width=\"{width}\" height=\"{height}\""), 1))
+    let document = document.replacen(&size, &format!("width=\"{width}\" height=\"{height}\""), 1);
+    // It also writes what is the default of SVG, in each mark.
+    Ok(document.replace(" opacity=\"1\"", "").replace(" stroke=\"none\"", ""))
 }
 
 /// `picture` as a PNG file.

@@ -4,6 +4,9 @@ use std::sync::Once;
 
 use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, register_font};
 
+/// How far the sides of a ring are from the circle at most (px).
+const RING_SAG: f64 = 0.05;
+
 /// A point of the picture (px); y points down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point {
@@ -173,15 +176,17 @@ impl Picture {
         self.marks.push(Mark::Disc { center, radius, fill });
     }
 
-    /// Draws a circle as a polygon with many sides.
+    /// Draws a circle as a polygon whose sides are nowhere more than [`RING_SAG`] from it.
     pub(crate) fn ring(&mut self, center: Point, radius: f64, stroke: Stroke) {
-        const PIECES: u8 = 48;
+        let half_side_rad = libm::acos((1.0 - RING_SAG / radius).max(0.0));
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number of sides")]
+        let sides = libm::ceil(std::f64::consts::PI / half_side_rad).clamp(8.0, 250.0) as u8;
         let at = |i: u8| {
-            let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::TAU / f64::from(PIECES));
+            let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::TAU / f64::from(sides));
             Point::new(center.x + radius * cos, center.y + radius * sin)
         };
         // The last side covers the first one, so that no gap is visible.
-        self.path((0..=PIECES + 1).map(at).collect(), stroke);
+        self.path((0..=sides + 1).map(at).collect(), stroke);
     }
 
     /// Draws an upright cross with arms of length `arm` (px).

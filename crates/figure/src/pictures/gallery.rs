@@ -73,7 +73,9 @@ fn pictures(source: &Source<'_>, crowding: Crowding) -> Vec<(String, Picture)> {
     figures.extend(sectors::draw(source).map(|picture| ("sectors".to_owned(), picture)));
     figures.extend(targets::draw(source).map(|picture| ("targets".to_owned(), picture)));
     for instant in &source.drawn.fields {
-        let name = format!("field-{}-{}s", instant.name, instant.time.as_secs_f64());
+        // To the millisecond: a file's name has no tails of rounding.
+        let time_s = libm::round(instant.time.as_secs_f64() * 1e3) / 1e3;
+        let name = format!("field-{}-{time_s}s", instant.name);
         figures.push((name, field::draw(source, instant)));
     }
     for drawn in &source.drawn.applications {
