@@ -38,6 +38,8 @@ keep circular.figures/network circular-network
 keep circular.figures/map-ml-tm circular-map
 run scenarios/smoke.toml
 keep smoke.figures/map-ml-tm smoke-map
+run scenarios/routing/collection-tree.toml
+keep collection-tree.figures/tree collection-tree
 run scenarios/ml-tm/two-robots.toml
 keep two-robots.figures/network two-robots-network
 

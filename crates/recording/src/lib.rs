@@ -63,6 +63,7 @@ pub use reader::traffic::{RecordedDelays, RecordedOutcomes, RecordedTraffic};
 pub use reader::way::Way;
 pub use reader::world::applications::{RecordedApplication, RecordedCapture, RecordedTargetPlace};
 pub use reader::world::distributed::{NodeRole, RecordedNode};
+pub use reader::world::routing::RecordedEdge;
 pub use reader::world::sensing::{Detection, RecordedField, RecordedTarget, Sample};
 pub use reader::world::{Places, RecordedLikelihood, RecordedWorld, read_world};
 pub use recorder::{FileRecorder, Origin, Recorder, Relay};

@@ -339,6 +339,8 @@ fn the_hops_of_a_packet_are_its_way_along_the_tree() {
     let names = ["sink", "one", "two", "three", "four", "five", "six", "seven"];
     let expected: Vec<_> = (1..8).map(|i| (names[i], names[i - 1], i64::try_from(i).expect("few"))).collect();
     assert_eq!(parents, expected);
+    let stations: Vec<_> = tree.iter().map(|edge| number(edge, "parent_station")).collect();
+    assert_eq!(stations, [7, 0, 1, 2, 3, 4, 5], "the sink is station 7");
     for edge in &tree {
         // 70 % of the frames arrive, and of the acknowledgements.
         let etx: f64 = edge["etx"].parse().expect("a number");

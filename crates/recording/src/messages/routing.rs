@@ -43,6 +43,9 @@ pub struct TreeEdgeMessage {
     /// How often it changed its parent.
     #[prost(uint32, tag = "5")]
     pub changes: u32,
+    /// Index of its parent among the stations, nodes first and then sinks; absent without one.
+    #[prost(uint32, optional, tag = "6")]
+    pub parent_station: Option<u32>,
 }
 
 recorded! {
@@ -52,6 +55,6 @@ recorded! {
     ];
     TreeEdgeMessage = "TreeEdge": [
         "node" = 1 Uint32, "parent" = 2 String, "depth" = 3 OptionalUint32, "etx" = 4 OptionalDouble,
-        "changes" = 5 Uint32,
+        "changes" = 5 Uint32, "parent_station" = 6 OptionalUint32,
     ];
 }

@@ -135,6 +135,7 @@ pub(super) fn edges(scenario: &Scenario, record: &RoutingRecord) -> Vec<TreeEdge
         depth: station.depth,
         etx: station.parent_etx,
         changes: u32::try_from(station.changes.len()).unwrap_or(u32::MAX),
+        parent_station: station.parent.map(|parent| parent.0),
     };
     (0..).zip(nodes).map(edge).collect()
 }

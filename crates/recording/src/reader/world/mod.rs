@@ -2,6 +2,7 @@
 
 pub(crate) mod applications;
 pub(crate) mod distributed;
+pub(crate) mod routing;
 pub(crate) mod sensing;
 
 use std::collections::BTreeMap;
@@ -17,12 +18,13 @@ use crate::error::RecordingError;
 use crate::mcap_file::Piece;
 use crate::messages::names::{
     ANCHORS_TOPIC, ApplicationTopics, FIELDS_TOPICS, MAPPED_NODES_TOPIC, PHASES_METADATA, SENSED_TOPIC,
-    SENSORS_TOPIC, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+    SENSORS_TOPIC, TARGETS_TOPICS, TREE_TOPIC, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
 };
 use crate::messages::phase::{self, Phase};
 use crate::reader::run::sound;
 use applications::RecordedApplication;
 use distributed::RecordedNode;
+use routing::RecordedEdge;
 use sensing::{Detection, RecordedField, RecordedTarget, Sample};
 
 /// Positions by node (m).
@@ -47,6 +49,8 @@ pub struct RecordedWorld {
     pub maps: Vec<(String, Places)>,
     /// The nodes that computed a map themselves.
     pub mapped_nodes: Vec<RecordedNode>,
+    /// The tree over which packets went at the end, a node each; empty without routing.
+    pub tree: Vec<RecordedEdge>,
     /// Likelihood surfaces in the order of the file.
     pub likelihoods: Vec<RecordedLikelihood>,
     /// The targets, in the order of the file.
@@ -158,6 +162,7 @@ impl RecordedWorld {
                 }
             }
             _ if topic == MAPPED_NODES_TOPIC => self.mapped_nodes.push(distributed::mapped_node(data)?),
+            _ if topic == TREE_TOPIC => self.tree.push(routing::edge(data)?),
             _ if topic == SENSORS_TOPIC => self.detection_radius_m = sensing::radius_m(data)?,
             _ if topic == SENSED_TOPIC => self.add_sensed(time, data)?,
             "sextant.Metric" => self.add_metric(time, data)?,
