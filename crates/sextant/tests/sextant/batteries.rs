@@ -90,6 +90,24 @@ fn a_node_that_rests_dies_by_the_sum_of_its_states_and_its_load() {
     assert_close(node.capacity_j - node.left_j, 3000.0 * 1e-3 * second_mj, 1e-3, "what it used");
 }
 
+/// The same node asleep between its packets. It has no idle time before it looks, so coming on takes nothing: 128 us to look, 192 us to turn around, 1792 us to send, and 640 us of spacing, idle.
+#[test]
+fn a_node_that_sleeps_between_packets_draws_what_sleeping_takes() {
+    let rest = format!(
+        "duration_s = 4000.0\nmac.csma_unslotted = {{ sleep_between_frames = true, min_be = 0 }}\n{PERIODIC}\n\
+         battery.capacity_j = 100.0\n"
+    );
+    let found = summary(&star(&[1.0], &rest));
+    let active_s = 128e-6 + 192e-6 + 1792e-6 + 640e-6;
+    let second_mj = 56.4 * (128e-6 + 192e-6) + 52.2 * 1792e-6 + 1.278 * 640e-6 + 0.06 * (1.0 - active_s);
+    let node = &battery(&found).nodes[0];
+    assert_close(node.mean_power_w, 1e-3 * second_mj, 1e-7, "power");
+    assert_close(node.lifetime_d.expect("a load") * 86_400.0, 1e5 / second_mj, 1e2, "lifetime");
+    // The chip says what sleeping costs: an idle one would last a fifth as long.
+    let idle = summary(&star(&[1.0], &rest.replace("sleep_between_frames = true, ", "")));
+    assert!(battery(&idle).nodes[0].lifetime_d.expect("a load") < 0.25 * node.lifetime_d.expect("a load"));
+}
+
 /// Energy spent up to the death is the capacity, whatever the channel access: within a frame.
 #[test]
 fn what_a_node_spent_until_its_death_is_its_capacity() {
@@ -101,6 +119,7 @@ fn what_a_node_spent_until_its_death_is_its_capacity() {
     for (rest, capacity_j) in [
         (format!("mac.csma_unslotted.rx_on_when_idle = false\n{busy}"), 0.15),
         (format!("mac.csma_unslotted.rx_on_when_idle = true\n{busy}"), 2.0),
+        (format!("mac.csma_unslotted.sleep_between_frames = true\n{busy}"), 0.1),
         (slots.to_owned(), 0.2),
         (beacons.to_owned(), 0.3),
     ] {
@@ -127,6 +146,7 @@ fn a_battery_that_does_not_run_empty_changes_nothing_else() {
     let routed = "[routing.tree.collection]\n";
     for rest in [
         format!("mac.csma_unslotted.rx_on_when_idle = false\n{traffic}"),
+        format!("mac.csma_unslotted.sleep_between_frames = true\n{traffic}"),
         format!(
             "mac.csma_unslotted = {{ rx_on_when_idle = true, max_retries = 7 }}\ntraffic.periodic.interval_s = 0.5\n{routed}"
         ),
