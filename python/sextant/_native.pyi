@@ -346,6 +346,9 @@ class Port:
     def node_count(self) -> int:
         """Number of nodes in the world."""
     @property
+    def charge_j(self) -> float | None:
+        """Energy that is left in the battery of the station (J); ``None`` if it has no battery."""
+    @property
     def pose(self) -> Pose:
         """Where the station is and where it looks; of a robot by its odometry."""
     def pose_at(self, time_s: float) -> Pose:

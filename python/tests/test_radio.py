@@ -111,6 +111,44 @@ def test_a_window_on_each_of_two_channels_hears_what_is_sent_there() -> None:
     assert listener.energy_j == sorted(listener.energy_j)
 
 
+class Saver(sextant.Application):
+    """Listens until half of its battery is left, and then sleeps."""
+
+    def __init__(self) -> None:
+        self.left_j: list[float | None] = []
+        self.slept_s: float | None = None
+
+    def started(self, port: sextant.Port) -> None:
+        self.left_j.append(port.charge_j)
+        port.radio().receive()
+        port.after(0.1, 1)
+
+    def timed(self, timer: int, port: sextant.Port) -> None:
+        self.left_j.append(port.charge_j)
+        left_j = port.charge_j
+        assert left_j is not None
+        if left_j < 0.282:
+            port.radio().off()
+            self.slept_s = port.now_s
+        else:
+            port.after(0.1, 1)
+
+
+def test_a_program_knows_what_is_left_in_its_battery() -> None:
+    saver = Saver()
+    # 0.564 J: ten seconds at 56.4 mW.
+    own = {"duration_s": 20.0, "battery": {"capacity_j": 0.564}}
+    run = scenario(**own).run(applications={"n0": saver})
+    assert saver.left_j[0] == pytest.approx(0.564) and saver.left_j[1] == pytest.approx(0.564 - 0.1 * 0.0564, abs=1e-5)
+    assert saver.slept_s == pytest.approx(5.1)
+    node = run.summary["battery"]["nodes"][0]
+    assert node["left_j"] == pytest.approx(0.564 - 5.1 * 0.0564 - 14.9 * 60e-6, abs=1e-5)
+    silent = Saver()
+    silent.timed = lambda timer, port: silent.left_j.append(port.charge_j)  # type: ignore[method-assign]
+    scenario(duration_s=1.0).run(applications={"n0": silent})
+    assert silent.left_j == [None, None]
+
+
 def test_what_a_radio_cannot_do_says_why() -> None:
     class Asks(sextant.Application):
         def started(self, port: sextant.Port) -> None:

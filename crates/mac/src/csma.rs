@@ -96,7 +96,7 @@ impl Csma {
         matches!(self.state, State::Sensing) && self.attempt.busy >= self.settings.max_backoffs()
     }
 
-    /// The state of the radio between commands, also before the first one.
+    /// The state of the radio between commands for a frame.
     #[must_use]
     #[inline]
     pub const fn resting_state(&self) -> RadioState {
@@ -154,6 +154,9 @@ impl Csma {
                 SendingStep::Unanswered { waited } => self.retry(waited, radio),
             },
             (State::Spacing(Next::Nothing), Event::InterframeSpaceEnded) => {
+                if self.settings.state_without_frame() != self.resting_state() {
+                    radio.enter(self.settings.state_without_frame());
+                }
                 self.state = State::Idle;
                 None
             }
@@ -184,7 +187,7 @@ impl Csma {
     fn defer(&mut self, radio: &mut impl Radio) -> Option<Report> {
         self.attempt.busy += 1;
         if self.attempt.busy > self.settings.max_backoffs() {
-            radio.enter(self.resting_state());
+            radio.enter(self.settings.state_without_frame());
             self.state = State::Idle;
             return Some(self.attempt.report(Outcome::ChannelAccessFailure));
         }
@@ -227,7 +230,7 @@ impl Csma {
         match next {
             Next::Contention => self.contend(radio),
             Next::Nothing => {
-                radio.enter(self.resting_state());
+                radio.enter(self.settings.state_without_frame());
                 self.state = State::Idle;
             }
         }

@@ -44,6 +44,12 @@ pub enum EnergyConfig {
     Cc2420,
     /// Microchip AT86RF233 at 3 V, for the 2.4 GHz band.
     At86rf233,
+    /// Nordic nRF52840 at 3 V with its converter, for the 2.4 GHz band: the whole chip. Its idle current is
+    /// assumed.
+    Nrf52840,
+    /// Texas Instruments CC2538 at 3 V, for the 2.4 GHz band: the whole chip. Typical currents, not checked against the data
+    /// sheet.
+    Cc2538,
     /// Microchip AT86RF212B at 3 V, for the bands at 868 and 915 MHz. It has BPSK and O-QPSK; with ASK its currents stand
     /// for a chip of these bands.
     At86rf212b,
@@ -103,9 +109,23 @@ impl EnergyConfig {
     #[must_use]
     pub const fn other_bands(self, phy: Phy) -> Option<&'static str> {
         match (self, phy.band()) {
-            (Self::Cc2420 | Self::At86rf233, Band::Mhz868 | Band::Mhz915) => Some("2.4 GHz"),
+            (Self::Cc2420 | Self::At86rf233 | Self::Nrf52840 | Self::Cc2538, Band::Mhz868 | Band::Mhz915) => {
+                Some("2.4 GHz")
+            }
             (Self::At86rf212b, Band::Mhz2450) => Some("868 and 915 MHz"),
             (Self::Mmwave60Ghz, _) => Some("60 GHz"),
+            _ => None,
+        }
+    }
+
+    /// What the chip has no number for with this physical layer, and what is taken instead; `None` if it has all.
+    #[must_use]
+    pub const fn gap(self, phy: Phy) -> Option<&'static str> {
+        match (self, phy) {
+            (Self::At86rf212b, Phy::Ask868 | Phy::Ask915) => {
+                Some("has no ASK: its currents with BPSK and O-QPSK are taken")
+            }
+            (Self::Nrf52840, _) => Some("has no idle current in its data sheet: 0.25 mA is assumed"),
             _ => None,
         }
     }
@@ -116,6 +136,8 @@ impl EnergyConfig {
         match self {
             Self::Cc2420 => "cc2420",
             Self::At86rf233 => "at86rf233",
+            Self::Nrf52840 => "nrf52840",
+            Self::Cc2538 => "cc2538",
             Self::At86rf212b => "at86rf212b",
             Self::Mmwave60Ghz => "mmwave_60_ghz",
             Self::Custom(_) => "custom",
@@ -145,6 +167,20 @@ impl RadioStates {
     pub(crate) fn at86rf233() -> Self {
         let tx = [(-17.0, 7.2), (-5.0, 9.8), (0.0, 11.8), (4.0, 13.8)];
         Self::from_milliamperes(3.0, &tx, 11.8, 0.3, 0.0002)
+    }
+
+    /// Nordic nRF52840 with its DC/DC converter at 3 V: the whole chip, which sends and executes code from RAM (product
+    /// specification, electrical specification of the radio: 0 dBm with IEEE 802.15.4, 8 dBm with Bluetooth, receiving).
+    /// Asleep, its clock runs. An idle current is not stated there: that of a crystal oscillator is assumed.
+    #[must_use]
+    pub(crate) fn nrf52840() -> Self {
+        Self::from_milliamperes(3.0, &[(0.0, 6.40), (8.0, 16.40)], 6.53, 0.25, 0.0015)
+    }
+
+    /// Texas Instruments CC2538 at 3 V: the whole chip (typical currents of data sheet SWRS096, from memory).
+    #[must_use]
+    pub(crate) fn cc2538() -> Self {
+        Self::from_milliamperes(3.0, &[(0.0, 24.0), (7.0, 34.0)], 20.0, 0.6, 0.0013)
     }
 
     /// Microchip AT86RF212B at 3 V (data sheet 42002, features: transmitting at 5 dBm, receiving, sleeping; idle is its state
@@ -186,6 +222,14 @@ impl RadioStates {
             }
     }
 
+    /// The most that it draws in any state, transmitting at up to `tx_power` (W).
+    #[must_use]
+    pub fn most_w(&self, tx_power: Dbm) -> f64 {
+        let tx_a = self.tx_a(tx_power);
+        let lower = self.tx.iter().filter(|level| level.power <= tx_power).map(|level| level.current_a);
+        self.supply_v * lower.chain([tx_a, self.rx_a, self.idle_a]).fold(self.sleep_a, f64::max)
+    }
+
     fn tx_a(&self, power: Dbm) -> f64 {
         let level = self.tx.iter().find(|level| level.power >= power).or(self.tx.last());
         level.expect("a radio has a transmit level").current_a
@@ -199,6 +243,8 @@ impl TryFrom<EnergyConfig> for RadioStates {
         Ok(match config {
             EnergyConfig::Cc2420 => Self::cc2420(),
             EnergyConfig::At86rf233 => Self::at86rf233(),
+            EnergyConfig::Nrf52840 => Self::nrf52840(),
+            EnergyConfig::Cc2538 => Self::cc2538(),
             EnergyConfig::At86rf212b => Self::at86rf212b(),
             EnergyConfig::Mmwave60Ghz => Self::mmwave_60_ghz(),
             EnergyConfig::Custom(custom) => Self::try_from(custom).map_err(|error| error.within("custom"))?,
@@ -356,6 +402,58 @@ mod tests {
             assert_eq!(EnergyConfig::Cc2420.other_bands(phy), is_low.then_some("2.4 GHz"));
             assert_eq!(EnergyConfig::At86rf212b.other_bands(phy), (!is_low).then_some("868 and 915 MHz"));
         }
+    }
+
+    /// Energy of 50 octets on air by hand: preamble, delimiter, length and MPDU at the rate of the data, with 54 mW of the
+    /// AT86RF212B at 5 dBm and 52.2 mW of the CC2420 at 0 dBm.
+    #[test]
+    fn fifty_octets_take_what_airtime_and_current_say() {
+        for (phy, dbm, airtime_us, uj) in [
+            (Phy::Bpsk868, 5.0, 22_400, 1209.6),
+            (Phy::Bpsk915, 5.0, 11_200, 604.8),
+            (Phy::Ask868, 5.0, 1_872, 101.1),
+            (Phy::Ask915, 5.0, 1_772, 95.7),
+            (Phy::Oqpsk868, 5.0, 4_480, 241.9),
+            (Phy::Oqpsk915, 5.0, 1_792, 96.8),
+            (Phy::Oqpsk2450, 0.0, 1_792, 93.5),
+        ] {
+            let radio = RadioStates::try_from(EnergyConfig::usual(phy)).expect("a known chip");
+            assert_eq!(phy.airtime(50), Duration::from_micros(airtime_us), "{phy:?}");
+            assert_close(microjoules(&radio, RadioState::Transmit, dbm, phy.airtime(50)), uj, 0.06);
+        }
+    }
+
+    #[test]
+    fn a_chip_says_what_it_has_no_number_for() {
+        for phy in Phy::ALL {
+            let is_ask = matches!(phy, Phy::Ask868 | Phy::Ask915);
+            assert_eq!(EnergyConfig::At86rf212b.gap(phy).is_some(), is_ask, "{phy:?}");
+            assert_eq!(EnergyConfig::Cc2420.gap(phy), None);
+        }
+        assert!(EnergyConfig::Nrf52840.gap(PHY).is_some_and(|gap| gap.contains("idle")));
+    }
+
+    #[test]
+    fn chips_of_today_draw_what_their_makers_say() {
+        use RadioState::{Idle, Receive, Sleep, Transmit};
+        for (chip, states) in [
+            (
+                EnergyConfig::Nrf52840,
+                [(Transmit, 0.0, 6.4), (Transmit, 8.0, 16.4), (Receive, 0.0, 6.53), (Sleep, 0.0, 0.0015)],
+            ),
+            (
+                EnergyConfig::Cc2538,
+                [(Transmit, 7.0, 34.0), (Receive, 0.0, 20.0), (Idle, 0.0, 0.6), (Sleep, 0.0, 0.0013)],
+            ),
+        ] {
+            let radio = RadioStates::try_from(chip).expect("a known chip");
+            for (state, dbm, ma) in states {
+                assert_close(1e3 * radio.power_w(state, Dbm(dbm)) / 3.0, ma, 1e-9);
+            }
+        }
+        // Of a radio that sends at -10 dBm, receiving takes most; at 8 dBm, sending does.
+        assert_close(1e3 * RadioStates::cc2420().most_w(Dbm(-10.0)) / 3.0, 18.8, 1e-9);
+        assert_close(1e3 * RadioStates::nrf52840().most_w(Dbm(8.0)) / 3.0, 16.4, 1e-9);
     }
 
     #[test]

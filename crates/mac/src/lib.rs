@@ -1,6 +1,6 @@
 //! Protocol machines without i/o: IEEE 802.15.4 channel access with and without beacons, IEEE 802.11ad sector sweeps
 //! ([`dmg`]), radios that programs command ([`program`]), slots with channel hopping ([`tsch`]), routing over several hops ([`routing`]), frames, airtimes, bit
-//! errors, energy.
+//! errors, energy, batteries ([`battery`]).
 //!
 //! Goes in: frames to send, and the events of timers and radio. Comes out: commands to a radio ([`csma::Radio`],
 //! [`device::Radio`], [`responder::Radio`], [`coordinator::Radio`]), the octets of frames ([`frame::Frame`]), their
@@ -53,6 +53,7 @@
 //! assert_eq!(radio.now, Duration::from_micros(7 * 320 + 128 + 192 + 832));
 //! ```
 
+pub mod battery;
 pub mod coordinator;
 pub mod csma;
 pub mod device;

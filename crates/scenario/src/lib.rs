@@ -48,7 +48,7 @@ pub use check::maps::MapJob;
 pub use check::missions::distributed::NodeMapJob;
 pub use check::missions::planned::{MissionMap, PlannedMission};
 pub use check::networks::surveyed::PacketsPerStop;
-pub use check::networks::tables::ForeignChip;
+pub use check::networks::tables::{ForeignChip, IncompleteChip};
 pub use config::detail::DetailConfig;
 pub use config::network::NetworkConfig;
 pub use config::snapshots::SnapshotsConfig;

@@ -18,7 +18,7 @@ use super::check::missions::distributed::NodeMapJob;
 use super::check::missions::outside;
 use super::check::missions::planned::{LEAST_PLACES, MissionMap, PlannedMission, TakenNames};
 use super::check::networks::surveyed::PacketsPerStop;
-use super::check::networks::tables::ForeignChip;
+use super::check::networks::tables::{ForeignChip, IncompleteChip};
 use super::check::plausible::check_numbers;
 use super::check::{Parts, check};
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
@@ -325,6 +325,12 @@ impl Scenario {
     #[must_use]
     pub fn foreign_chips(&self) -> &[ForeignChip] {
         &self.parts.foreign_chips
+    }
+
+    /// The chips whose energy is counted, though they have no number for something.
+    #[must_use]
+    pub fn incomplete_chips(&self) -> &[IncompleteChip] {
+        &self.parts.incomplete_chips
     }
 
     /// Which part of the nodes' traffic is simulated.

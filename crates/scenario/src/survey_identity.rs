@@ -9,8 +9,8 @@ use sextant_apps::routing::RoutingConfig;
 use sextant_channel::{ChannelConfig, RangingDeviceConfig};
 use sextant_mac::EnergyConfig;
 use sextant_sim::{
-    AnchorsConfig, AntennasConfig, FaultsConfig, InterfererConfig, LinkTraceConfig, MacConfig, RadioConfig,
-    ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+    AnchorsConfig, AntennasConfig, BatteryConfig, FaultsConfig, InterfererConfig, LinkTraceConfig, MacConfig,
+    RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
 };
 use sha2::{Digest, Sha256};
 
@@ -42,6 +42,8 @@ struct SurveySettings<'a> {
     ranging: &'a Option<RangingDeviceConfig>,
     antenna: &'a Option<AntennasConfig>,
     energy: &'a Option<EnergyConfig>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    battery: &'a Option<BatteryConfig>,
     networks: &'a BTreeMap<String, NetworkConfig>,
     duration_s: &'a Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -81,6 +83,7 @@ impl SurveyIdentity {
             ranging,
             antenna,
             energy,
+            battery,
             networks,
             duration_s,
             warm_up_s,
@@ -114,6 +117,7 @@ impl SurveyIdentity {
             ranging,
             antenna,
             energy,
+            battery,
             networks,
             duration_s,
             warm_up_s,

@@ -84,7 +84,7 @@
 //! };
 //! let world = World { nodes: vec![node(0.0), node(3.0)], ..World::default() };
 //! let (robots, sinks, networks) = (vec![], vec![], vec![network]);
-//! let setup = Setup { world, robots, sinks, networks, duration: None, faults: Faults::default(), seed: Seed(1) };
+//! let setup = Setup { world, robots, sinks, networks, duration: None, faults: Faults::default(), batteries: None, seed: Seed(1) };
 //! let stations = Applications::of_nodes(vec![Station::Asks(None), Station::Answers(451)]);
 //! let (survey, stations) = Simulation::with(setup, stations)?.run_own(&mut Unobserved);
 //! assert!(matches!(stations.nodes[0], Station::Asks(Some(451))));
@@ -97,6 +97,7 @@
 mod air;
 mod application;
 mod applications;
+mod batteries;
 pub mod csv_rows;
 mod engine;
 mod event;
@@ -132,6 +133,7 @@ pub use applications::traffic::{
     GroupConfig, Next, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig, TraceConfig,
     Traffic, TrafficConfig, TrafficPlan,
 };
+pub use batteries::{Batteries, BatteryConfig, BatteryGroupConfig, BatteryRecord, BatterySupply};
 pub use event::Timer;
 pub use faults::{Death, DeathsConfig, Faults, FaultsConfig, LyingAnchorsConfig};
 pub use halo::{AllSimulated, SimulatedPart};

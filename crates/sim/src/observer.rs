@@ -86,6 +86,9 @@ pub trait Observer {
     /// A sensor of a node says something.
     fn sensed(&mut self, _node: NodeId, _time: SimTime, _sensed: &Sensed) {}
 
+    /// The battery of a node is empty: the node dies.
+    fn depleted(&mut self, _node: NodeId, _time: SimTime) {}
+
     /// A station removed the source number `source` of a field.
     fn source_removed(&mut self, _field: FieldId, _source: usize, _time: SimTime) {}
 
@@ -185,6 +188,10 @@ impl Observer for RememberingObserver<'_> {
 
     fn sensed(&mut self, node: NodeId, time: SimTime, sensed: &Sensed) {
         self.observer.sensed(node, time, sensed);
+    }
+
+    fn depleted(&mut self, node: NodeId, time: SimTime) {
+        self.observer.depleted(node, time);
     }
 
     fn source_removed(&mut self, field: FieldId, source: usize, time: SimTime) {

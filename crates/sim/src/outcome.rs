@@ -5,6 +5,7 @@ use sextant_kernel::SimTime;
 use sextant_mac::EnergySpent;
 
 use crate::applications::controller::{Ending, StopsLeftOut};
+use crate::batteries::BatteryRecord;
 use crate::faults::Death;
 use crate::halo::SimulatedPart;
 use crate::service::packets::{NetworkRecord, Packets};
@@ -28,6 +29,8 @@ pub struct Survey {
     pub sensed: Sensations,
     /// The nodes that died, in the order of their deaths.
     pub deaths: Vec<Death>,
+    /// What is left of the batteries, by node; empty if there are none.
+    pub batteries: Vec<BatteryRecord>,
     /// Time at which the last robot finished, or the time was over.
     pub end: SimTime,
     /// Number of events.

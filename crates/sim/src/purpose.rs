@@ -55,6 +55,8 @@ pub(crate) const ODOMETRY: Purpose = Purpose::new(16);
 pub(crate) const SENSOR_ERRORS: Purpose = Purpose::new(34);
 /// Instants of the beacons of slotted networks, and the channels of their scans.
 pub(crate) const SLOTS: Purpose = Purpose::new(60);
+/// Capacities of batteries.
+pub(crate) const BATTERIES: Purpose = Purpose::new(70);
 /// Generators of programs of the user.
 const PROGRAM: Purpose = Purpose::new(33);
 

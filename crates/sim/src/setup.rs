@@ -5,6 +5,7 @@ use std::time::Duration;
 use sextant_kernel::Seed;
 
 use crate::applications::robot::Robot;
+use crate::batteries::Batteries;
 use crate::faults::Faults;
 use crate::network::Network;
 use crate::service::network_id::NetworkId;
@@ -26,6 +27,8 @@ pub struct Setup {
     pub duration: Option<Duration>,
     /// What goes wrong.
     pub faults: Faults,
+    /// The batteries of the nodes; `None` if these never run empty.
+    pub batteries: Option<Batteries>,
     /// The seed of all randomness.
     pub seed: Seed,
 }

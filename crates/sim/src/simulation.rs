@@ -204,6 +204,7 @@ impl Outcome {
             events,
             sensed,
             deaths,
+            batteries,
             interrupted,
             ..
         } = ended;
@@ -248,8 +249,20 @@ impl Outcome {
         });
         let first = surveyed.next().expect("a network is surveyed");
         let logs = NetworkLogs::new(first, surveyed.collect());
-        let survey =
-            Survey { logs, robots, packets, energy, networks, sensed, deaths, end, events, simulated, interrupted };
+        let survey = Survey {
+            logs,
+            robots,
+            packets,
+            energy,
+            networks,
+            sensed,
+            deaths,
+            batteries,
+            end,
+            events,
+            simulated,
+            interrupted,
+        };
         (survey, own)
     }
 }

@@ -184,6 +184,12 @@ impl Port {
         self.names.nodes().len()
     }
 
+    /// Energy that is left in the battery of the station (J); none if it has no battery.
+    #[getter]
+    fn charge_j(&self) -> PyResult<Option<f64>> {
+        self.ask(|port| port.charge_j())
+    }
+
     /// Where the station is and where it looks; of a robot by its odometry.
     #[getter]
     fn pose(&self) -> PyResult<Pose> {

@@ -129,6 +129,7 @@ impl Scene {
             sinks: Vec::new(),
             duration: None,
             faults: Faults::default(),
+            batteries: None,
             seed: Seed(self.seed),
         };
         let antenna =

@@ -186,6 +186,7 @@ impl Scene {
             sinks: Vec::new(),
             duration: Some(duration),
             faults: Faults::default(),
+            batteries: None,
             seed: Seed(self.seed),
         };
         let mut watch = Watch::default();

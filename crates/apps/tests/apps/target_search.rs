@@ -177,6 +177,7 @@ impl Scene {
             sinks: vec![Sink { name: "sink".into(), position: Position::new(-0.5, -0.5, 0.0), networks: None }],
             duration: Some(duration),
             faults: Faults::default(),
+            batteries: None,
             seed: Seed(self.seed),
         };
         let mut watch = Watch::default();

@@ -29,6 +29,10 @@ pub struct CsmaConfig {
     /// the way back as long, in time and in energy. Otherwise the radio turns around in the last part of its backoff, which
     /// takes energy and no time, and is idle again at once. Without effect with `rx_on_when_idle`.
     pub idle_turnarounds: bool,
+    /// Whether the radio sleeps as long as there is no frame to send; otherwise it is idle then. Waking up takes no time.
+    /// Not with `rx_on_when_idle`.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub sleep_between_frames: bool,
 }
 
 impl Default for CsmaConfig {
@@ -41,6 +45,7 @@ impl Default for CsmaConfig {
             rx_on_when_idle: false,
             queue_frames: 0,
             idle_turnarounds: false,
+            sleep_between_frames: false,
         }
     }
 }
@@ -53,6 +58,7 @@ pub struct CsmaSettings {
     max_backoffs: u8,
     max_retries: u8,
     resting_state: RadioState,
+    state_without_frame: RadioState,
     queue_frames: u16,
     idle_turnarounds: bool,
 }
@@ -97,10 +103,16 @@ impl CsmaSettings {
     /// The same, with the receiver on between frames and during backoff.
     #[must_use]
     pub const fn with_receiver_on(self) -> Self {
-        Self { resting_state: RadioState::Receive, ..self }
+        Self { resting_state: RadioState::Receive, state_without_frame: RadioState::Receive, ..self }
     }
 
-    /// State of the radio between frames and during backoff.
+    /// State of the radio as long as there is no frame to send.
+    #[must_use]
+    pub const fn state_without_frame(&self) -> RadioState {
+        self.state_without_frame
+    }
+
+    /// State of the radio between commands for a frame, as during backoff.
     #[must_use]
     pub const fn resting_state(&self) -> RadioState {
         self.resting_state
@@ -116,6 +128,7 @@ impl Default for CsmaSettings {
             max_backoffs: 4,
             max_retries: 3,
             resting_state: RadioState::Idle,
+            state_without_frame: RadioState::Idle,
             queue_frames: 0,
             idle_turnarounds: false,
         }
@@ -126,8 +139,13 @@ impl TryFrom<CsmaConfig> for CsmaSettings {
     type Error = SettingError;
 
     fn try_from(config: CsmaConfig) -> Result<Self, SettingError> {
-        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, queue_frames, idle_turnarounds } =
-            config;
+        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, .. } = config;
+        let CsmaConfig { queue_frames, idle_turnarounds, sleep_between_frames, .. } = config;
+        if sleep_between_frames && rx_on_when_idle {
+            let remedy = "set one of them: a receiver that sleeps is not on";
+            return Err(SettingError::conflict("sleep_between_frames", "`rx_on_when_idle`", remedy));
+        }
+        let resting_state = if rx_on_when_idle { RadioState::Receive } else { RadioState::Idle };
         if queue_frames > MAX_QUEUE_FRAMES {
             return Err(SettingError::new("queue_frames", queue_frames, format!("0 to {MAX_QUEUE_FRAMES}")));
         }
@@ -140,7 +158,8 @@ impl TryFrom<CsmaConfig> for CsmaSettings {
             max_be,
             max_backoffs: within("max_backoffs", max_backoffs, 0, 5)?,
             max_retries: within("max_retries", max_retries, 0, 7)?,
-            resting_state: if rx_on_when_idle { RadioState::Receive } else { RadioState::Idle },
+            resting_state,
+            state_without_frame: if sleep_between_frames { RadioState::Sleep } else { resting_state },
             queue_frames,
             idle_turnarounds,
         })
@@ -174,6 +193,9 @@ mod tests {
         assert_eq!(key(CsmaConfig { max_backoffs: 6, ..good }).as_deref(), Some("max_backoffs"));
         assert_eq!(key(CsmaConfig { queue_frames: 10_001, ..good }).as_deref(), Some("queue_frames"));
         assert_eq!(key(CsmaConfig { max_retries: 8, ..good }).as_deref(), Some("max_retries"));
+        let sleeping = CsmaConfig { sleep_between_frames: true, ..good };
+        assert_eq!(key(sleeping), None);
+        assert_eq!(key(CsmaConfig { rx_on_when_idle: true, ..sleeping }).as_deref(), Some("sleep_between_frames"));
         assert_eq!(
             key(CsmaConfig { min_be: 0, max_be: 8, max_backoffs: 5, max_retries: 7, queue_frames: 10_000, ..good }),
             None

@@ -423,6 +423,29 @@ fn a_receiver_that_stays_on_rests_in_receive() {
 }
 
 #[test]
+fn a_radio_that_sleeps_between_frames_idles_for_a_frame_alone() {
+    let config = CsmaConfig { sleep_between_frames: true, ..CsmaConfig::default() };
+    let mut radio = Script::new(&[3], &[], &[]);
+    let mut csma = machine_with(config);
+    csma.start(BROADCAST, &mut radio);
+    radio.report(&mut csma);
+    while let Some(event) = radio.next() {
+        csma.handle(event, &mut radio);
+    }
+    let states: Vec<_> =
+        radio.log.iter().filter(|(_, step)| matches!(step, Step::Enter(_))).map(|&(_, step)| step).collect();
+    use RadioState::{Idle, Receive, Sleep, Transmit, Turnaround};
+    let expected = [Idle, Receive, Turnaround, Transmit, Idle, Sleep];
+    assert_eq!(states, expected.map(Step::Enter));
+    // A channel that is never free ends the frame, and the radio sleeps at once.
+    let mut radio = Script::new(&[0; 9], &[true; 9], &[]);
+    let mut csma = machine_with(config);
+    csma.start(BROADCAST, &mut radio);
+    radio.report(&mut csma);
+    assert_eq!(radio.log.last().map(|&(_, step)| step), Some(Step::Enter(Sleep)));
+}
+
+#[test]
 fn a_broadcast_of_a_lone_node_costs_63_microjoules_and_an_acknowledged_frame_94() {
     // The mean backoff is 3.5 periods: the mean of one of 3 and one of 4.
     let microjoules = |frame| {

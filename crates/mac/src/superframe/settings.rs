@@ -154,6 +154,7 @@ impl TryFrom<BeaconEnabledConfig> for BeaconEnabled {
             rx_on_when_idle: config.rx_on_when_idle,
             queue_frames: config.queue_frames,
             idle_turnarounds: false,
+            sleep_between_frames: false,
         })?;
         Ok(Self {
             beacon_order,

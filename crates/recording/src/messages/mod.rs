@@ -44,6 +44,7 @@ macro_rules! recorded {
 }
 
 pub(super) mod applications;
+mod battery;
 pub(crate) mod descriptor;
 pub(super) mod distributed;
 pub(crate) mod names;
@@ -59,6 +60,7 @@ pub(super) mod sensing;
 pub(super) mod stop_receptions;
 
 pub use applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
+pub use battery::BatteryMessage;
 pub use distributed::MappedNodeMessage;
 pub(crate) use networks::{NetworksMessage, SectorMessage};
 pub use packets::{AssessmentMessage, PacketMessage, TransmissionMessage};
@@ -243,6 +245,7 @@ pub(crate) fn declarations() -> impl Iterator<Item = &'static Declaration> {
     let all = [
         DECLARATIONS,
         applications::DECLARATIONS,
+        battery::DECLARATIONS,
         distributed::DECLARATIONS,
         networks::DECLARATIONS,
         packets::DECLARATIONS,

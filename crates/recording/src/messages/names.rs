@@ -36,6 +36,8 @@ pub(crate) const TRANSMISSIONS_TOPIC: &str = "/mac/transmissions";
 pub(crate) const HOPS_TOPIC: &str = "/routing/hops";
 /// Topic of the tree along which packets go, at the end.
 pub(crate) const TREE_TOPIC: &str = "/routing/tree";
+/// Topic of the batteries of the nodes, at the end.
+pub(crate) const BATTERIES_TOPIC: &str = "/batteries";
 /// Topic of what sensors said.
 pub(crate) const SENSED_TOPIC: &str = "/sensed";
 /// Start of the topics of targets; their names follow.

@@ -5,9 +5,13 @@ use std::io::Write;
 use sextant_kernel::SimTime;
 
 use super::super::error::RecordingError;
-use super::super::messages::{AssessmentMessage, HopMessage, PacketMessage, TransmissionMessage, TreeEdgeMessage};
+use super::super::messages::{
+    AssessmentMessage, BatteryMessage, HopMessage, PacketMessage, TransmissionMessage, TreeEdgeMessage,
+};
 use super::Recorder;
-use crate::messages::names::{ASSESSMENTS_TOPIC, HOPS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC, TREE_TOPIC};
+use crate::messages::names::{
+    ASSESSMENTS_TOPIC, BATTERIES_TOPIC, HOPS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC, TREE_TOPIC,
+};
 
 impl<W: Write> Recorder<W> {
     /// Writes a packet at the time of its end, with its assessments and transmissions. A chunk never ends within it.
@@ -41,5 +45,13 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn tree(&mut self, end: SimTime, edges: &[TreeEdgeMessage]) -> Result<(), RecordingError> {
         edges.iter().try_for_each(|edge| self.append(end, TREE_TOPIC, edge))
+    }
+
+    /// Writes the batteries of the nodes, as they are at `end`.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn batteries(&mut self, end: SimTime, batteries: &[BatteryMessage]) -> Result<(), RecordingError> {
+        batteries.iter().try_for_each(|battery| self.append(end, BATTERIES_TOPIC, battery))
     }
 }

@@ -17,7 +17,8 @@ use sextant_channel::{Anchor, Bounds};
 use sextant_kernel::text::counted;
 use sextant_kernel::{Files, Seed, SettingError};
 use sextant_sim::{
-    Discovery, Interferer, LeftOut, RobotBody, RoleConfig, Sensors, Setup, SimulatedRegion, Simulation, World,
+    Batteries, Discovery, Interferer, LeftOut, RobotBody, RoleConfig, Sensors, Setup, SimulatedRegion, Simulation,
+    World,
 };
 
 use super::config::ScenarioConfig;
@@ -27,7 +28,7 @@ use missions::distributed::{NodeMapInput, NodeMapJob, check_distributed};
 use missions::planned::{PlannedMission, Surroundings, check_missions};
 use networks::Networks;
 use networks::surveyed::PacketsPerStop;
-use networks::tables::{ForeignChip, Named};
+use networks::tables::{ForeignChip, IncompleteChip, Named};
 use robots::team;
 use robots::{Robots, check_robots, check_target_names};
 use routing::check_routing;
@@ -45,6 +46,7 @@ pub(crate) struct Parts {
     /// What nodes send while a robot listens, in the first network that robots survey.
     pub(crate) packets_per_stop: PacketsPerStop,
     pub(crate) foreign_chips: Vec<ForeignChip>,
+    pub(crate) incomplete_chips: Vec<IncompleteChip>,
     pub(crate) maps: Vec<MapJob>,
     pub(crate) distributed: Option<NodeMapJob>,
     pub(crate) routing: Option<Routing>,
@@ -100,10 +102,12 @@ fn check_in_world(
     let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
     let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));
     let faults = world.as_ref().and_then(|world| errors.take("faults", config.faults.build(&world.nodes, seed)));
+    let batteries = world.as_ref().map(|world| check_battery(config, world, errors));
     let (world, simulated, anchors, discovery, faults) = (world?, simulated?, anchors?, discovery?, faults?);
     check_recorded_nodes(config, &world, errors);
     let Robots { of_survey: robots, bodies } = robots;
-    let mut setup = Setup { world, networks: simulated, robots, sinks, duration, faults, seed };
+    let mut setup =
+        Setup { world, networks: simulated, robots, sinks, duration, faults, batteries: batteries.flatten(), seed };
     let input = NodeMapInput { config, networks: &networks, anchors: &anchors, maps: &maps };
     let distributed = check_distributed(&input, &mut setup, errors);
     let routing = check_routing(config, &networks, &setup, files, errors);
@@ -125,6 +129,7 @@ fn check_in_world(
         discovery,
         packets_per_stop,
         foreign_chips,
+        incomplete_chips: networks.incomplete_chips(),
         maps,
         distributed,
         routing,
@@ -153,6 +158,21 @@ impl Parts {
         errors.take("", simulation);
         errors.take("simulation", self.region.halo_m(self.setup.reach()));
     }
+}
+
+/// The batteries of the nodes, if there are any.
+fn check_battery(config: &ScenarioConfig, world: &World, errors: &mut Errors) -> Option<Batteries> {
+    let battery = config.battery.as_ref()?;
+    for (is_there, with) in [
+        (!config.applications.is_empty(), "`applications`"),
+        (config.distributed_mapping.is_some(), "`distributed_mapping`"),
+    ] {
+        if is_there {
+            let remedy = "remove one of the two: batteries are those of nodes that send their traffic";
+            errors.refuse(&SettingError::conflict("battery", with, remedy));
+        }
+    }
+    errors.take("battery", battery.build(&world.nodes, Seed(config.seed)))
 }
 
 /// When the simulation ends, if not with the survey.

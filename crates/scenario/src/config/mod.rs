@@ -19,8 +19,9 @@ use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::{MapConfig, NodeDisplacement};
 use sextant_sim::{
-    AnchorsConfig, AntennasConfig, DiscoveryConfig, FaultsConfig, InterfererConfig, LinkTraceConfig, MacConfig,
-    RadioConfig, ReceptionConfig, RobotConfig, RoleConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+    AnchorsConfig, AntennasConfig, BatteryConfig, DiscoveryConfig, FaultsConfig, InterfererConfig, LinkTraceConfig,
+    MacConfig, RadioConfig, ReceptionConfig, RobotConfig, RoleConfig, SensorsConfig, SinkConfig, TrafficConfig,
+    WorldConfig,
 };
 
 use super::SweepConfig;
@@ -78,6 +79,9 @@ pub struct ScenarioConfig {
     /// 868 and 915 MHz, `mmwave_60_ghz` with sector sweeps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyConfig>,
+    /// The batteries of the nodes, which die when they are empty; nodes never do if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub battery: Option<BatteryConfig>,
     /// Several networks by name, each with tables `radio`, `channel`, `link_trace`, `mac`, `traffic`, `reception`, `ranging`,
     /// `antenna` and `energy` of its own; one network with the tables of the scenario if absent.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

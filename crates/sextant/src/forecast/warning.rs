@@ -6,7 +6,7 @@ use std::fmt;
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 use sextant_mac::EnergyConfig;
-use sextant_scenario::{ForeignChip, Scenario};
+use sextant_scenario::{ForeignChip, IncompleteChip, Scenario};
 use sextant_sim::{RobotTask, Setup, Technology};
 
 use super::idle_obstacles::{APART, Audience};
@@ -123,7 +123,7 @@ impl Warnings<'_> {
         }
     }
 
-    /// Chips whose energy is counted, but that have not the band of the radios.
+    /// Chips whose energy is counted, but that have not the band of the radios, or no number for something.
     fn chips(&mut self) {
         for ForeignChip { key, chip, bands, phy } in self.scenario.foreign_chips() {
             self.warn(
@@ -136,6 +136,9 @@ impl Warnings<'_> {
                     EnergyConfig::usual(*phy).name(),
                 ),
             );
+        }
+        for IncompleteChip { key, chip, gap } in self.scenario.incomplete_chips() {
+            self.warn(key, format!("`{}` {gap}; give currents of your own in `[{key}.custom]`", chip.name()));
         }
     }
 

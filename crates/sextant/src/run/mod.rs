@@ -1,5 +1,6 @@
 //! A run: simulate, map, measure, apply, summarise. What else comes of it are observers.
 
+mod battery;
 mod bound;
 mod capture;
 mod discovery;

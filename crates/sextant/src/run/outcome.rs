@@ -7,6 +7,7 @@ use sextant_scenario::Scenario;
 use sextant_sim::{Network, NetworkRecord, Packets, RoleConfig, SimulatedPart, Survey};
 use sha2::{Digest, Sha256};
 
+use super::battery;
 use super::discovery::Discoveries;
 use super::ending;
 use super::mac;
@@ -58,6 +59,7 @@ fn of_survey(scenario: &Scenario, simulated: &Simulated) -> Summary {
         mac: traffic.next(),
         other_networks: traffic.collect(),
         routing: routing::of(scenario, simulated),
+        battery: battery::of(scenario, survey),
         sensing: sensing(scenario, survey),
         gathering: has_robots.then(|| gathering(scenario, simulated)),
         faults: faults(scenario, survey),
@@ -100,6 +102,7 @@ fn gathering(scenario: &Scenario, simulated: &Simulated) -> GatheringSummary {
         out_of_range: Some(packets.out_of_range),
         not_listened: Some(packets.not_listened),
         not_listened_by: Some(NotListenedSummary::from(&packets)),
+        depleted: packets.depleted,
         pending: Some(packets.pending),
         energy_j: Some(EnergySummary {
             tx: survey.energy.tx_j,
@@ -121,8 +124,11 @@ fn faults(scenario: &Scenario, survey: &Survey) -> Option<FaultsSummary> {
     let (faults, nodes) = (&scenario.config().faults, &scenario.world().nodes);
     let name = |node: NodeId| nodes[node.index()].name.clone();
     let lying = || scenario.anchors().iter().filter(|anchor| anchor.position != nodes[anchor.node.index()].position);
+    let is_depleted =
+        |node: NodeId| survey.batteries.get(node.index()).is_some_and(|record| record.depleted.is_some());
+    let others = || survey.deaths.iter().filter(|death| !is_depleted(death.node));
     let summary = FaultsSummary {
-        deaths: faults.deaths.as_ref().map(|_| survey.deaths.iter().map(|death| name(death.node)).collect()),
+        deaths: faults.deaths.as_ref().map(|_| others().map(|death| name(death.node)).collect()),
         lying_anchors: faults.lying_anchors.as_ref().map(|_| lying().map(|anchor| name(anchor.node)).collect()),
     };
     (summary != FaultsSummary::default()).then_some(summary)

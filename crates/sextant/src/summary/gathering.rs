@@ -70,6 +70,9 @@ pub struct GatheringSummary {
     /// The same by the reason why none did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_listened_by: Option<NotListenedSummary>,
+    /// Packets still pending when the battery of their node was empty. Absent if there are none.
+    #[serde(skip_serializing_if = "is_none")]
+    pub depleted: u64,
     /// Packets still pending at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pending: Option<u64>,
@@ -187,4 +190,10 @@ pub struct RoundSummary {
     pub duration_s: f64,
     /// Energy of the radios of all nodes, with receivers always on.
     pub energy_j: EnergySummary,
+}
+
+/// Whether no packet counts: the key is absent then.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+pub(super) fn is_none(packets: &u64) -> bool {
+    *packets == 0
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use sextant_sim::{DelayCount, Delays};
 
-use super::gathering::{EnergySummary, NotListenedSummary};
+use super::gathering::{EnergySummary, NotListenedSummary, is_none};
 
 /// The traffic in one network.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -78,7 +78,7 @@ pub struct NamedTraffic {
 }
 
 /// The traffic of some nodes. Each packet offered is in exactly one of `delivered`, the `lost_*`, `out_of_range`,
-/// `not_listened` and `pending`.
+/// `not_listened`, `depleted` and `pending`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TrafficSummary {
     /// Packets that applications gave to the MAC.
@@ -124,6 +124,9 @@ pub struct TrafficSummary {
     pub not_listened: u64,
     /// The same by the reason why it did not.
     pub not_listened_by: NotListenedSummary,
+    /// Packets that were waiting or on air when the battery of their node was empty. Absent if there are none.
+    #[serde(skip_serializing_if = "is_none")]
+    pub depleted: u64,
     /// Packets that were waiting or on air at the end.
     pub pending: u64,
     /// Energy of the radios.

@@ -79,7 +79,10 @@ fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
         ("pending", all.pending.to_string(), ""),
         ("energy of the nodes", format!("{energy:.3}"), "J"),
     ];
-    let rows = rows.into_iter().chain(mac.slots.iter().flat_map(slot_rows));
+    let depleted = Some(all.depleted).filter(|&packets| packets > 0);
+    let depleted =
+        depleted.map(|packets| ("lost to empty batteries", packets.to_string(), "they waited in their node"));
+    let rows = rows.into_iter().chain(depleted).chain(mac.slots.iter().flat_map(slot_rows));
     rows.map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]).collect()
 }
 

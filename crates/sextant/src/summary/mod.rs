@@ -3,6 +3,7 @@
 //! Numbers are in SI units. A key that does not apply is absent. New keys may be added; existing keys do not change.
 //! Everything except [`Summary::timing`] depends on scenario and seed alone.
 
+mod battery;
 mod distributed;
 mod distributed_table;
 mod gathering;
@@ -24,6 +25,7 @@ mod table;
 mod timing;
 mod tracks;
 
+pub use battery::{BatteryNodeSummary, BatterySummary, LifetimeSummary};
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
 };

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::battery::BatterySummary;
 use super::gathering::{DiscoverySummary, GatheringSummary};
 use super::mac::MacSummary;
 use super::map::MapSummary;
@@ -35,6 +36,9 @@ pub struct Summary {
     /// The packets that went over several hops, if they did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub routing: Option<RoutingSummary>,
+    /// The batteries of the nodes, if they have any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub battery: Option<BatterySummary>,
     /// What the sensors of the nodes said, if there are targets or fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensing: Option<SensingSummary>,

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use sextant_mapper::Section;
 
+use super::battery;
 use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
@@ -62,6 +63,9 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
             writeln!(out, "traffic to sinks")?;
         }
         mac_table::write(mac, out)?;
+    }
+    if let Some(battery) = &summary.battery {
+        battery::write(battery, out)?;
     }
     if let Some(sensing) = &summary.sensing {
         let (targets, fields) = (counted(sensing.targets, "target"), counted(sensing.fields, "field"));
@@ -124,6 +128,8 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
         row("receiver asleep", Some(unheard.asleep.to_string()), "sent while no receiver listened");
         row("receiver off", Some(unheard.off.to_string()), "sent while no receiver listened");
     }
+    let depleted = Some(gathering.depleted).filter(|&packets| packets > 0);
+    row("lost to empty batteries", count(depleted), "they waited in their node");
     row("pending", count(gathering.pending), "");
     if let Some(energy) = &gathering.energy_j {
         let is_estimated = gathering.packets_not_simulated.is_some_and(|packets| packets > 0);

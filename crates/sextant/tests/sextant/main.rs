@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "oracles may be those of the C library")]
 
+mod batteries;
 mod disasters;
 mod examples;
 mod fading;

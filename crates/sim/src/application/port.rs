@@ -135,6 +135,12 @@ impl Port<'_> {
         self.model.halo.as_ref().is_some_and(|halo| halo.is_outside(self.station))
     }
 
+    /// Energy that is left in the battery of the station (J), as a meter of its charge would show; `None` if it has no battery.
+    #[must_use]
+    pub fn charge_j(&mut self) -> Option<f64> {
+        self.model.charge_j(self.station)
+    }
+
     /// Nothing happens in the event that is handled now: it does not count.
     pub(crate) fn discount_event(&mut self) {
         self.model.scene.discounted += 1;

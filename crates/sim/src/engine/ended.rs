@@ -3,6 +3,7 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::SimTime;
 
+use crate::batteries::BatteryRecord;
 use crate::faults::Death;
 use crate::link::books::Books;
 use crate::service::sensed::Sensations;
@@ -29,6 +30,8 @@ pub(crate) struct Ended<A> {
     pub(crate) sensed: Sensations,
     /// The nodes that died, in the order of their deaths.
     pub(crate) deaths: Vec<Death>,
+    /// What is left of the batteries, by node; empty without batteries.
+    pub(crate) batteries: Vec<BatteryRecord>,
     /// Radius of the halos (m), if nodes rested beyond those of the listeners.
     pub(crate) halo_m: Option<f64>,
     /// Whether the observer ended it.

@@ -16,11 +16,13 @@ use sextant_mac::coordinator::Coordinator;
 
 use crate::air::{Air, Interface, ReceiverId};
 use crate::application::{Application, Port};
+use crate::batteries::Bank;
 use crate::event::Event;
 use crate::faults::{Death, Faults};
 use crate::halo::Halo;
 use crate::link::Links;
 use crate::link::antennas::Antennas;
+use crate::link::books::Books;
 use crate::link::links::Cut;
 use crate::link::settings::{Berth, Placement};
 use crate::model::log::Logs;
@@ -147,6 +149,7 @@ impl<A: Application> Engine<A> {
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
         let Extras { round, channel_seed, mut coordinator } = extras;
         bands::check_links(networks)?;
+        dying::check_batteries(&setup)?;
         for carrier_ghz in networks.iter().filter_map(|network| network.channel.carrier_ghz()) {
             world.obstacles.check_carrier(carrier_ghz).map_err(|error| error.within("world"))?;
         }
@@ -193,6 +196,15 @@ impl<A: Application> Engine<A> {
         if hear >= MANY_HEAR && noises.is_empty() {
             tell_late(&mut scene, networks, &bands);
         }
+        let batteries = setup.batteries.clone().map(|batteries| {
+            let most_w = |station| {
+                let radios = links.iter().zip(networks).filter_map(|(links, network)| {
+                    Some(network.radio_states.most_w(links.transmitter(station)?.tx_power))
+                });
+                radios.sum()
+            };
+            Bank::new(batteries, most_w)
+        });
         let ranging = |network: &Network| Some(Ranging::new(network.ranging?, &network.channel, world));
         let rangings = networks.iter().map(ranging).collect();
         let sectors = networks.iter().map(|network| network.technology.antennas());
@@ -212,6 +224,7 @@ impl<A: Application> Engine<A> {
                 sensing,
                 courses,
                 halo: None,
+                batteries,
                 notes: Vec::new(),
                 has_task,
                 unfinished,
@@ -295,6 +308,7 @@ impl<A: Application> Engine<A> {
         }
         self.model.sensing.begin(&mut self.model.scene);
         self.schedule_deaths();
+        self.look_at_batteries();
         self.model.tell(&mut self.logs, observer);
         self.model.tell_packets(observer);
     }
@@ -337,6 +351,7 @@ impl<A: Application> Engine<A> {
             Event::FalseAlarmEnded(station, target) => self.end_false_alarm(station, target, observer),
             Event::SampleDue(station) => self.sample(station, observer),
             Event::Died(station) => self.die(station),
+            Event::BatteryDue(station) => self.look_at_battery(station),
             Event::NoiseStarted(number) => {
                 self.noises[usize::from(number)].start(number, &mut self.model.scene);
             }
@@ -344,6 +359,7 @@ impl<A: Application> Engine<A> {
             Event::WarmedUp => {
                 let now = self.model.scene.now;
                 self.catch_up(Cut::now(&self.model.scene));
+                self.restart_batteries();
                 self.model.networks.iter_mut().for_each(|network| network.restart_meters(now));
             }
         }
@@ -429,9 +445,10 @@ impl<A: Application> Engine<A> {
             }
         }
         let end_poses = (0..self.model.vehicles.len()).map(|robot| self.pose_at(now, robot)).collect();
-        let Model { scene, networks, world, vehicles, .. } = self.model;
+        let Model { scene, networks, world, vehicles, batteries, .. } = self.model;
         let events = self.events + scene.steps - scene.discounted;
-        let networks = networks.into_iter().map(|network| network.finish(now)).collect();
+        let networks: Vec<Books> = networks.into_iter().map(|network| network.finish(now)).collect();
+        let batteries = batteries.map(|bank| dying::close_batteries(bank, &networks, now)).unwrap_or_default();
         // The logs are built last, because that takes as much memory again as they have.
         drop(scene);
         let names: Vec<String> = world.nodes.into_iter().map(|node| node.name).collect();
@@ -446,6 +463,7 @@ impl<A: Application> Engine<A> {
             events,
             sensed: self.sensed,
             deaths: self.deaths,
+            batteries,
             interrupted,
             halo_m,
         }

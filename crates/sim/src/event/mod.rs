@@ -44,6 +44,8 @@ pub(crate) enum Event {
     SampleDue(StationId),
     /// A node dies.
     Died(StationId),
+    /// The battery of a node may be empty.
+    BatteryDue(StationId),
     /// A noise begins, or its next part.
     NoiseStarted(u16),
     /// A part of a noise ends.
@@ -72,7 +74,8 @@ impl Event {
             | Self::FalseAlarmRaised(station)
             | Self::FalseAlarmEnded(station, _)
             | Self::SampleDue(station)
-            | Self::Died(station) => Class::Application.rank(station),
+            | Self::Died(station)
+            | Self::BatteryDue(station) => Class::Application.rank(station),
             Self::NoiseStarted(noise) => Class::StartOfSignal.rank(StationId(noise.into())),
             Self::NoiseEnded(noise) => Class::EndOfSignal.rank(StationId(noise.into())),
             Self::WarmedUp => Class::Application.rank(StationId(0)),

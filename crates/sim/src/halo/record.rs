@@ -31,6 +31,8 @@ pub enum AllSimulated {
     Sinks,
     /// Nodes wait for acknowledgements: who is not heard sends each frame again.
     Acknowledged,
+    /// Nodes have batteries, which run empty sooner if they send more.
+    Batteries,
     /// There are so few nodes that none need rest.
     FewNodes,
     /// All nodes are within a halo, wherever its listener is among them.
@@ -49,6 +51,7 @@ impl AllSimulated {
             Self::OnlyAnswers => "nodes send only when they are asked",
             Self::Sinks => "sinks count the packets of all nodes",
             Self::Acknowledged => "nodes send frames again that nobody acknowledges",
+            Self::Batteries => "nodes have batteries",
             Self::FewNodes => "there are few nodes",
             Self::AllWithin => "the halo covers all nodes",
         }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::Dbm;
-use sextant_kernel::SimTime;
+use sextant_kernel::{SimTime, StationId};
 use sextant_mac::{EnergyMeter, EnergySpent, RadioState, RadioStates};
 
 use crate::service::delays::Delays;
@@ -91,6 +91,12 @@ impl Books {
     /// The same, with how each station used its slots.
     pub(super) fn with_slots(self, slots: Vec<SlotUse>) -> Self {
         Self { slots, ..self }
+    }
+
+    /// Energy that the radio of a station used (J).
+    pub(crate) fn metered_j(&self, station: StationId) -> f64 {
+        let is_member = self.members.as_ref().is_none_or(|members| members[station.index()]);
+        if is_member { self.radios[station.index()].spent(&self.radio_states).total_j() } else { 0.0 }
     }
 
     /// Adds those of another part of the same simulation, with the same end. No station did anything in both at once.

@@ -26,6 +26,8 @@ pub(super) struct Ledger {
     pub(super) counted_from: SimTime,
     /// Whether each station is in the network; `None` if all are.
     members: Option<Vec<bool>>,
+    /// When the battery of each station was empty, if it was; empty as long as none was.
+    depleted: Vec<Option<SimTime>>,
     /// Energy model of the radios.
     pub(super) radio_states: RadioStates,
 }
@@ -41,6 +43,7 @@ impl Ledger {
             delays: vec![Delays::default(); if roll.sinks > 0 { roll.len() } else { 0 }],
             counted_from: SimTime::ZERO,
             members: placement.members.clone(),
+            depleted: Vec::new(),
             radio_states: placement.radio_states.clone(),
         }
     }
@@ -49,6 +52,18 @@ impl Ledger {
     #[inline]
     pub(super) fn has(&self, station: StationId) -> bool {
         self.members.as_ref().is_none_or(|members| members[station.index()])
+    }
+
+    /// The battery of a station is empty.
+    pub(super) fn deplete(&mut self, station: StationId, now: SimTime) {
+        self.depleted.resize(self.packets.len(), None);
+        self.depleted[station.index()] = Some(now);
+    }
+
+    /// When the battery of a station was empty, if it was.
+    #[inline]
+    pub(super) fn depleted(&self, station: StationId) -> Option<SimTime> {
+        self.depleted.get(station.index()).copied().flatten()
     }
 
     /// Notes which frames of a station were due.

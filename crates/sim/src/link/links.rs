@@ -116,6 +116,12 @@ pub(crate) trait NetworkLinks {
     /// A station listens for `span` from now, instead of what is left of an earlier time to listen.
     fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene);
 
+    /// Energy that the radio of a station has used since the start, or since its meter began anew (J).
+    fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64;
+
+    /// The battery of a station is empty: called before it dies. Its radio uses nothing any more, and its packets are lost.
+    fn deplete(&mut self, station: StationId, now: SimTime);
+
     /// A station dies: its radio is off from now on, or from the end of the frame on air.
     fn die(&mut self, station: StationId, scene: &mut Scene);
 

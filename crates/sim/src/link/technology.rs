@@ -301,6 +301,14 @@ impl Links {
         ask!(self, links => links.listen(station, span, scene));
     }
 
+    pub(crate) fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64 {
+        ask!(self, links => links.metered_j(station, scene))
+    }
+
+    pub(crate) fn deplete(&mut self, station: StationId, now: SimTime) {
+        ask!(self, links => links.deplete(station, now));
+    }
+
     pub(crate) fn die(&mut self, station: StationId, scene: &mut Scene) {
         ask!(self, links => links.die(station, scene));
     }

@@ -1,5 +1,6 @@
 //! What the commands of applications act on.
 
+mod charge;
 mod driving;
 mod following;
 pub(crate) mod log;
@@ -8,8 +9,9 @@ pub(crate) mod ranging;
 mod vehicle;
 
 use sextant_channel::{Contact, Position, Stop, StopLog};
-use sextant_kernel::{RobotId, StationId};
+use sextant_kernel::{NodeId, RobotId, StationId};
 
+use crate::batteries::Bank;
 use crate::halo::Halo;
 use crate::link::Links;
 use crate::observer::Observer;
@@ -38,6 +40,8 @@ pub(crate) struct Model {
     pub(crate) courses: Vec<(StationId, NodeCourse)>,
     /// The halos round the listeners; `None` if all nodes are simulated all the time.
     pub(crate) halo: Option<Halo>,
+    /// The batteries of the nodes, if they have any.
+    pub(crate) batteries: Option<Bank>,
     /// What the observer will see.
     pub(crate) notes: Vec<Note>,
     /// Which stations have a task that they have not finished.
@@ -65,6 +69,8 @@ pub(crate) enum Note {
     Captured(RobotId, TargetId),
     /// A target is gone, from this place.
     TargetGone(TargetId, Position),
+    /// The battery of a node is empty.
+    Depleted(NodeId),
     /// A station has worked out something.
     Estimated(StationId, Estimate),
 }
@@ -106,6 +112,7 @@ impl Model {
                     observer.target_moved(target, now, place);
                     observer.target_gone(target, now);
                 }
+                Note::Depleted(node) => observer.depleted(node, now),
                 Note::Estimated(station, estimate) => observer.estimated(station, now, &estimate),
                 Note::Stopped(network, stop, heard) => {
                     stopped = true;

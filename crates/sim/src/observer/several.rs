@@ -90,6 +90,7 @@ each_event! {
     captured(robot: usize, target: TargetId, time: SimTime);
     target_gone(target: TargetId, time: SimTime);
     sensed(node: NodeId, time: SimTime, sensed: &Sensed);
+    depleted(node: NodeId, time: SimTime);
     source_removed(field: FieldId, source: usize, time: SimTime);
     framed(frame: FrameOnAir<'_>);
     traced(packet: &PacketTrace);

@@ -18,6 +18,8 @@ impl Setup {
             Some(AllSimulated::Sinks)
         } else if traffic().any(Traffic::is_acknowledged) {
             Some(AllSimulated::Acknowledged)
+        } else if self.batteries.is_some() {
+            Some(AllSimulated::Batteries)
         } else {
             traffic().all(Traffic::is_silent).then_some(AllSimulated::OnlyAnswers)
         }

@@ -48,13 +48,15 @@ pub enum PacketEnd {
     ChannelAccessFailure,
     /// The transmit queue was full.
     QueueFull,
+    /// The battery of its station was empty.
+    Depleted,
     /// It had not ended at the end of the simulation.
     Pending,
 }
 
 impl PacketEnd {
     /// Its name in recordings: `sent`, `acknowledged`, `no_acknowledgement`, `channel_access_failure`, `queue_full`,
-    /// `pending`.
+    /// `depleted`, `pending`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -63,6 +65,7 @@ impl PacketEnd {
             Self::NoAcknowledgement => "no_acknowledgement",
             Self::ChannelAccessFailure => "channel_access_failure",
             Self::QueueFull => "queue_full",
+            Self::Depleted => "depleted",
             Self::Pending => "pending",
         }
     }
@@ -77,13 +80,16 @@ pub enum PacketFate {
     LostChannelAccess,
     /// Never sent: the transmit queue was full.
     LostQueue,
+    /// Still in a MAC or in its queue when the battery of its station was empty.
+    Depleted,
     /// Still in a MAC or in its queue at the end.
     Pending,
 }
 
 impl PacketFate {
     /// Its name in recordings, that of its count in the summary: `received`, `lost_collision`, `lost_signal`,
-    /// `out_of_range`, `not_listened`, `lost_channel_access`, `lost_queue`, `pending`.
+    /// `out_of_range`, `not_listened`, `lost_channel_access`, `lost_queue`, `depleted`,
+    /// `pending`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -94,6 +100,7 @@ impl PacketFate {
             Self::Sent(FrameOutcome::NotListened(_)) => "not_listened",
             Self::LostChannelAccess => "lost_channel_access",
             Self::LostQueue => "lost_queue",
+            Self::Depleted => "depleted",
             Self::Pending => "pending",
         }
     }

@@ -37,6 +37,8 @@ pub struct Packets {
     pub not_listened_asleep: u64,
     /// No receiver listened, because none was in use. Not part of the sum.
     pub not_listened_off: u64,
+    /// Still in a MAC or in its queue when the battery of its station was empty.
+    pub depleted: u64,
     /// Still in a MAC or in its queue at the end.
     pub pending: u64,
     /// Given up because of a busy channel, retransmissions included: those in `lost_channel_access`, and those that
@@ -85,8 +87,9 @@ impl Packets {
     #[must_use]
     pub(crate) fn with_pending(self) -> Self {
         let Self { received, lost_collision, lost_channel_access, lost_queue, lost_signal, .. } = self;
-        let Self { offered, out_of_range, not_listened, .. } = self;
+        let Self { offered, out_of_range, not_listened, depleted, .. } = self;
         let lost = lost_collision + lost_channel_access + lost_queue + lost_signal + out_of_range + not_listened;
+        let lost = lost + depleted;
         Self { pending: offered - received - lost, ..self }
     }
 
@@ -163,6 +166,7 @@ impl std::ops::AddAssign for Packets {
             not_listened_transmitting,
             not_listened_asleep,
             not_listened_off,
+            depleted,
             pending,
             channel_access_failures,
             transmissions,
@@ -185,6 +189,7 @@ impl std::ops::AddAssign for Packets {
         self.not_listened_transmitting += not_listened_transmitting;
         self.not_listened_asleep += not_listened_asleep;
         self.not_listened_off += not_listened_off;
+        self.depleted += depleted;
         self.pending += pending;
         self.channel_access_failures += channel_access_failures;
         self.transmissions += transmissions;

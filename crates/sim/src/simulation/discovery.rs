@@ -179,6 +179,7 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
         networks: vec![network],
         duration: None,
         faults: setup.faults.without_deaths(),
+        batteries: None,
         seed,
     };
     Engine::new(setup, applications, extras)

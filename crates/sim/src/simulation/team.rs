@@ -53,13 +53,19 @@ impl Team {
     /// # Errors
     /// Those of [`Simulation::new`] and [`Simulation::with_region`].
     pub fn of(setup: &Setup, region: SimulatedRegion) -> Result<Option<Self>, SettingError> {
-        let Setup { world, robots, sinks, networks, faults, .. } = setup;
+        let Setup { world, robots, sinks, networks, faults, batteries, .. } = setup;
         let is_still = world.interferers.is_empty() && world.targets.is_empty() && world.fields.is_empty();
         let is_survey = robots.len() > 1 && robots.iter().all(|robot| robot.is_surveying());
         let robots_send = networks
             .iter()
             .any(|network| network.traffic.is_acknowledged() || network.technology.antennas().is_some());
-        if !is_still || !is_survey || robots_send || !sinks.is_empty() || !faults.deaths().is_empty() {
+        if !is_still
+            || !is_survey
+            || robots_send
+            || !sinks.is_empty()
+            || !faults.deaths().is_empty()
+            || batteries.is_some()
+        {
             return Ok(None);
         }
         let simulation = Simulation::new(setup.clone())?.with_region(region)?;

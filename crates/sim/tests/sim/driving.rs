@@ -210,6 +210,7 @@ impl Scene {
             networks: vec![Network { traffic: TrafficPlan::silent(places.len()), ..link }],
             duration: Some(self.end),
             faults: Faults::default(),
+            batteries: None,
             seed: setup.seed,
         };
         let ended = network::run_watched(setup, applications, observer);

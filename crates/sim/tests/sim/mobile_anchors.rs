@@ -68,6 +68,7 @@ fn setup(broadcast: Option<Box<dyn Broadcast>>, listening: Listening, traffic: T
         sinks: Vec::new(),
         duration: None,
         faults: Faults::default(),
+        batteries: None,
         seed: sextant_kernel::Seed(1),
     }
 }

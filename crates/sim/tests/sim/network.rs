@@ -115,6 +115,7 @@ pub(crate) fn setup(
         sinks: Vec::new(),
         duration: None,
         faults: Faults::default(),
+        batteries: None,
         seed: Seed(seed),
     }
 }
@@ -183,6 +184,7 @@ pub(crate) fn engine(places: &[Position], link: Network, seed: u64) -> Setup {
         networks: vec![link],
         duration: None,
         faults: Faults::default(),
+        batteries: None,
         seed: Seed(seed),
     }
 }

@@ -39,6 +39,7 @@ fn setup(world: World, robots: &[[f64; 3]], sinks: &[[f64; 3]], duration_s: f64,
         sinks: sinks.iter().enumerate().map(sink).collect(),
         duration: Some(Duration::from_secs_f64(duration_s)),
         faults: Faults::default(),
+        batteries: None,
         seed: Seed(seed),
     }
 }

@@ -105,6 +105,7 @@ fn run<A: Application>(
         networks: vec![network::link(1.0, network::prompt())],
         duration: Some(Duration::from_secs_f64(duration_s)),
         faults: Faults::default(),
+        batteries: None,
         seed: Seed(seed),
     };
     network::run_watched(setup, applications, observer)

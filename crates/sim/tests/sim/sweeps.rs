@@ -82,6 +82,7 @@ impl Scene {
             sinks: Vec::new(),
             duration: None,
             faults: Faults::default(),
+            batteries: None,
             seed: Seed(self.seed),
         }
     }

@@ -11,7 +11,7 @@ use sextant_sim::{MacConfig, Network, NetworkId, Technology};
 
 use super::errors::Errors;
 use crate::config::ScenarioConfig;
-use tables::{ForeignChip, Named, NetworkTables};
+use tables::{ForeignChip, IncompleteChip, Named, NetworkTables};
 
 /// The networks of a scenario, in the order of their numbers: at least one.
 pub(crate) struct Networks<'a> {
@@ -85,6 +85,11 @@ impl<'a> Networks<'a> {
     /// The named chips whose energy is counted, though they have not the band of the radios.
     pub(crate) fn foreign_chips(&self) -> Vec<ForeignChip> {
         self.all.iter().filter_map(|network| network.tables.foreign_chip()).collect()
+    }
+
+    /// The chips whose energy is counted, though they have no number for something.
+    pub(crate) fn incomplete_chips(&self) -> Vec<IncompleteChip> {
+        self.all.iter().filter_map(|network| network.tables.incomplete_chip()).collect()
     }
 
     /// The number of the network `name`, or of the only one.

@@ -45,6 +45,17 @@ pub(crate) struct Named<'w> {
     pub(crate) files: &'w Files,
 }
 
+/// A chip whose energy is counted, though it has no number for something.
+#[derive(Clone, Debug)]
+pub struct IncompleteChip {
+    /// The key that names it, or could name another one.
+    pub key: String,
+    /// The chip.
+    pub chip: EnergyConfig,
+    /// What it has no number for, and what is taken instead.
+    pub gap: &'static str,
+}
+
 /// A named chip whose energy is counted, though it has not the band of the radios.
 #[derive(Clone, Debug)]
 pub struct ForeignChip {
@@ -173,12 +184,16 @@ impl<'a> NetworkTables<'a> {
 
     /// The energy model of the chip that is counted: the one that is named, or one of the band of the radios.
     pub(super) fn radio_states(&self, errors: &mut Errors) -> Option<RadioStates> {
+        errors.take(&self.energy.key, RadioStates::try_from(self.chip()))
+    }
+
+    /// The chip that is counted.
+    fn chip(&self) -> EnergyConfig {
         let usual = || match self.radio.value {
             _ if self.sweeps_sectors() => EnergyConfig::Mmwave60Ghz,
             radio => EnergyConfig::usual(radio.map(|radio| radio.phy).unwrap_or_default()),
         };
-        let chip = self.energy.value.copied().unwrap_or_else(usual);
-        errors.take(&self.energy.key, RadioStates::try_from(chip))
+        self.energy.value.copied().unwrap_or_else(usual)
     }
 
     /// Whether robots measure the ranges to its nodes.
@@ -261,6 +276,14 @@ impl<'a> NetworkTables<'a> {
         let chip = *self.energy.value?;
         let bands = chip.other_bands(phy)?;
         Some(ForeignChip { key: self.energy.key.clone(), chip, bands, phy })
+    }
+
+    /// The chip whose energy is counted, if it has no number for something.
+    pub(super) fn incomplete_chip(&self) -> Option<IncompleteChip> {
+        let phy = self.radio.value.filter(|_| !self.sweeps_sectors())?.phy;
+        let chip = self.chip();
+        let gap = chip.gap(phy)?;
+        Some(IncompleteChip { key: self.energy.key.clone(), chip, gap })
     }
 
     fn missing(&self, table: &str) -> SettingError {

@@ -92,6 +92,12 @@ impl Observer for RunRecorder {
         });
     }
 
+    fn depleted(&mut self, node: NodeId, time: SimTime) {
+        self.record(time, |recorder, simulation, time| {
+            recorder.note(time, Level::Warning, &simulation.battery_names[node.index()], "its battery is empty")
+        });
+    }
+
     fn source_removed(&mut self, field: FieldId, source: usize, time: SimTime) {
         self.simulation.fields[field.index()].remove(source, time);
         self.record(time, |recorder, simulation, time| {

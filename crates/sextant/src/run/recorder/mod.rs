@@ -66,6 +66,8 @@ struct RecordedSimulation {
     application: Option<String>,
     /// Where the nodes really are (m).
     nodes: Vec<Position>,
+    /// Their names, if they have batteries.
+    battery_names: Vec<String>,
     /// Where the sinks are (m).
     sinks: Vec<Position>,
     /// Frames that are not drawn yet.
@@ -91,6 +93,10 @@ impl RecordedSimulation {
             offset: start.start - SimTime::ZERO,
             application: start.mission.map(|mission| mission.name.clone()),
             nodes: scenario.world().nodes.iter().map(|node| node.position).collect(),
+            battery_names: match scenario.config().battery {
+                Some(_) => scenario.world().nodes.iter().map(|node| node.name.clone()).collect(),
+                None => Vec::new(),
+            },
             sinks: scenario.config().sinks.iter().map(|sink| sink.position_m).collect(),
             air: Air::default(),
         }
@@ -184,6 +190,7 @@ impl RunObserver for RunRecorder {
         if let Some(routing) = &survey.simulated.routing {
             recorder.tree(end, &super::routing::edges(survey.scenario, routing))?;
         }
+        recorder.batteries(end, &super::battery::messages(&survey.simulated.survey))?;
         fields::record(survey.scenario, &self.simulation.fields, end, recorder)?;
         self.phases.push(Phase { name: SURVEY.to_owned(), start: SimTime::ZERO, end });
         Ok(())

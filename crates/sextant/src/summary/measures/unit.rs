@@ -19,6 +19,8 @@ pub enum Unit {
     Metre,
     /// Seconds.
     Second,
+    /// Days.
+    Day,
     /// Degrees.
     Degree,
     /// Joules.
@@ -42,6 +44,7 @@ impl Unit {
             Self::Plain => "a number in the unit of the field",
             Self::Metre => "metres",
             Self::Second => "seconds",
+            Self::Day => "days",
             Self::Degree => "degrees",
             Self::Joule => "joules",
             Self::Ampere => "amperes",
@@ -59,6 +62,7 @@ impl Unit {
             Self::Plain => "of the field",
             Self::Metre => "m",
             Self::Second => "s",
+            Self::Day => "d",
             Self::Degree => "°",
             Self::Joule => "J",
             Self::Ampere => "A",
@@ -81,6 +85,7 @@ impl Unit {
             | Self::PerSecond
             | Self::Plain
             | Self::Metre
+            | Self::Day
             | Self::Degree => return self.for_people(),
         };
         // Zero has no size; it is printed in the first unit.
@@ -98,6 +103,7 @@ impl Unit {
             Self::PerSecond => (1.0, "1/s"),
             Self::Metre => (1.0, "m"),
             Self::Second => (1.0, "s"),
+            Self::Day => (1.0, "d"),
             Self::Degree => (1.0, "°"),
             Self::Joule => (1000.0, "mJ"),
             Self::Ampere => (1e6, "µA"),

@@ -345,6 +345,17 @@ impl NetworkLinks for Links {
         self.ledger.note_due(station, due);
     }
 
+    fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64 {
+        let radio = &self.stacks[station.index()].radio;
+        let mut meter = radio.meter;
+        meter.enter(radio.state, scene.now);
+        meter.spent(&self.ledger.radio_states, self.radios.power()).total_j()
+    }
+
+    fn deplete(&mut self, station: StationId, now: SimTime) {
+        self.ledger.deplete(station, now);
+    }
+
     fn die(&mut self, station: StationId, scene: &mut Scene) {
         self.turn_off(station, scene);
     }

@@ -261,8 +261,10 @@ impl NetworkLinks for Links {
     fn finish(mut self, now: SimTime) -> Books {
         let mut radios = Vec::with_capacity(self.stacks.len());
         for (i, stack) in self.stacks.iter_mut().enumerate() {
-            let state = stack.state();
-            stack.meter.enter(state, now);
+            let station = StationId::from_index(i);
+            if self.ledger.depleted(station).is_none() {
+                stack.meter.enter(stack.state(), now);
+            }
             let rests_in = if i < self.nodes { self.rests_in } else { RadioState::Receive };
             let (meter, tx_power) = (stack.meter, stack.tx_power);
             radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
@@ -271,7 +273,6 @@ impl NetworkLinks for Links {
             packets.pending = stack.waiting.iter().filter(|frame| counts(frame)).count() as u64;
             if let Some(frame) = stack.frame.filter(counts) {
                 // A frame that was received counts so, even if its acknowledgement is still under way.
-                let station = StationId::from_index(i);
                 let header = data_frame(self.pan, station, frame.to);
                 if stack.outcome == FrameOutcome::Received {
                     packets.sent += 1;
@@ -324,6 +325,21 @@ impl NetworkLinks for Links {
 
     fn note_due(&mut self, station: StationId, due: DueFrames) {
         self.ledger.note_due(station, due);
+    }
+
+    fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64 {
+        if !self.ledger.has(station) {
+            return 0.0;
+        }
+        self.catch_up_now(station, scene);
+        let stack = &self.stacks[station.index()];
+        let mut meter = stack.meter;
+        meter.enter(stack.state(), scene.now);
+        meter.spent(&self.ledger.radio_states, stack.tx_power).total_j()
+    }
+
+    fn deplete(&mut self, station: StationId, now: SimTime) {
+        self.ledger.deplete(station, now);
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {

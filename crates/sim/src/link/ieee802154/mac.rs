@@ -54,7 +54,7 @@ impl Mac {
     /// The initial state of a node's radio.
     pub(crate) fn initial_state(&self) -> RadioState {
         match self {
-            Self::CsmaUnslotted(csma) => csma.resting_state(),
+            Self::CsmaUnslotted(csma) => csma.state_without_frame(),
             Self::BeaconEnabled(_) => Device::INITIAL_STATE,
         }
     }

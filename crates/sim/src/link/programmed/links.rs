@@ -274,6 +274,14 @@ impl NetworkLinks for Links {
         self.command(station, scene, |radio, now, timers| radio.rest(Rest::Receive, now, timers));
     }
 
+    fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64 {
+        if self.ledger.has(station) { self.energy_j(station, scene.now) } else { 0.0 }
+    }
+
+    fn deplete(&mut self, station: StationId, now: SimTime) {
+        self.ledger.deplete(station, now);
+    }
+
     fn die(&mut self, station: StationId, scene: &mut Scene) {
         let stack = &mut self.stacks[station.index()];
         if stack.on_air.is_some() || stack.is_dead {
@@ -286,6 +294,9 @@ impl NetworkLinks for Links {
             self.payloads.free(outgoing.payload);
         }
         self.settle(station, scene);
+        if self.ledger.depleted(station).is_some() {
+            self.abandon(station, scene);
+        }
     }
 
     fn ends_frame(&self, station: StationId, event: Event) -> bool {
@@ -322,7 +333,9 @@ impl NetworkLinks for Links {
         for i in 0..self.stacks.len() {
             self.count_open(StationId::from_index(i));
             let stack = &mut self.stacks[i];
-            stack.meter_until(now);
+            if self.ledger.depleted(StationId::from_index(i)).is_none() {
+                stack.meter_until(now);
+            }
             radios.push(RadioUse {
                 meter: stack.meter,
                 tx_power: stack.most_power,

@@ -251,6 +251,23 @@ impl NetworkLinks for Links {
         self.schedule(station, span, Event::ListeningOver, scene);
     }
 
+    fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64 {
+        if !self.ledger.has(station) {
+            return 0.0;
+        }
+        self.count_idle(station, scene.now);
+        let stack = &mut self.stacks[station.index()];
+        if stack.usage.count_scan(scene.now) {
+            stack.usage.begin_scan(scene.now);
+        }
+        let (meter, _) = stack.usage.close(scene.now);
+        meter.spent(&self.ledger.radio_states, stack.tx_power).total_j()
+    }
+
+    fn deplete(&mut self, station: StationId, now: SimTime) {
+        self.ledger.deplete(station, now);
+    }
+
     fn die(&mut self, station: StationId, scene: &mut Scene) {
         self.turn_off(station, scene);
     }
@@ -287,7 +304,7 @@ impl NetworkLinks for Links {
             let stack = &mut self.stacks[i];
             stack.usage.count_scan(now);
             stack.usage.slots.is_member = stack.is_joined();
-            let (meter, used) = stack.usage.close(now);
+            let (meter, used) = stack.usage.close(self.ledger.depleted(station).unwrap_or(now));
             let (tx_power, rests_in) = (stack.tx_power, RadioState::Sleep);
             radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
             slots.push(used);

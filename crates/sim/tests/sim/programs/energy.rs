@@ -6,7 +6,7 @@ use sextant_channel::Dbm;
 use sextant_kernel::SimTime;
 use sextant_mac::program::ProgramConfig;
 use sextant_mac::{EnergySpent, RadioState, RadioStates};
-use sextant_sim::{Application, NetworkId, Port, RadioEvent, Setup};
+use sextant_sim::{Application, BatteryConfig, NetworkId, Port, RadioEvent, Setup, Timer};
 
 use super::{NETWORK, Script, Step, script, to_all, us};
 use crate::network;
@@ -81,4 +81,45 @@ fn a_program_knows_what_it_has_used() {
     let found = &stations.applications[0].0;
     assert_eq!(found.len(), 2);
     assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-12), "{found:?}");
+}
+
+/// Listens all the time, and asks each 100 ms what is left in its battery.
+#[derive(Default)]
+struct Gauge {
+    left_j: Vec<Option<f64>>,
+}
+
+impl Application for Gauge {
+    fn started(&mut self, port: &mut Port<'_>) {
+        port.radio(NETWORK).expect("programs command the radios").receive();
+        self.timed(Timer(0), port);
+    }
+
+    fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
+        self.left_j.push(port.charge_j());
+        port.after(Duration::from_millis(100), timer);
+    }
+}
+
+#[test]
+fn a_program_knows_what_is_left_in_its_battery_until_that_is_empty() {
+    // 56.4 mJ: a second of receiving at 56.4 mW, and the load of 0.1 mA takes 0.3 mW of it.
+    let config: BatteryConfig = toml::from_str("capacity_j = 0.0564\nload_ma = 0.1").expect("a good table");
+    let plain = Setup { duration: Some(Duration::from_secs(2)), ..super::setup(&[0.0], ProgramConfig::default()) };
+    let batteries = Some(config.build(&plain.world.nodes, plain.seed).expect("good batteries"));
+    let ended = network::run(Setup { batteries, ..plain.clone() }, vec![Gauge::default()]);
+    let found = &ended.applications[0].left_j;
+    assert_eq!(found.len(), 10, "it dies before the eleventh");
+    for (i, left_j) in found.iter().enumerate() {
+        let expected = 0.0564 - 0.0567 * 0.1 * i as f64;
+        assert!((left_j.expect("a battery") - expected).abs() < 1e-9, "{i}: {left_j:?}, not {expected}");
+    }
+    let record = ended.survey.batteries[0];
+    let death_s = record.depleted.expect("empty").as_secs_f64();
+    assert!((death_s - 0.0564 / 0.0567).abs() < 0.0011, "{death_s}");
+    assert!((record.used_j - 0.0564).abs() < 1e-4 && (record.lifetime_s - death_s).abs() < 1e-12);
+    assert!((ended.networks[0].energy[0].total_j() - 0.0564 * death_s).abs() < 1e-9);
+    // Without a battery there is nothing to ask for.
+    let without = network::run(plain, vec![Gauge::default()]);
+    assert!(without.applications[0].left_j.len() == 20 && without.applications[0].left_j.iter().all(Option::is_none));
 }

@@ -163,6 +163,7 @@ fn a_target_flees_from_the_true_place_of_a_robot() {
             networks: vec![network::link(1.0, network::prompt())],
             duration: Some(Duration::from_secs(60)),
             faults: Default::default(),
+            batteries: None,
             seed: Seed(1),
         };
         let mut notebook = Notebook::default();

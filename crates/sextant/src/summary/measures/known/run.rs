@@ -1,7 +1,7 @@
 //! The numbers of a run as a whole.
 
 use super::{Count, Joule, KnownMeasure, MeanCount, Second, Share, known};
-use crate::summary::Unit::{Ampere, BitPerSecond, Metre};
+use crate::summary::Unit::{Ampere, BitPerSecond, Day, Metre};
 
 /// Of any run.
 pub(super) const RUN: &[KnownMeasure<'static>] = &[
@@ -86,6 +86,17 @@ pub(super) const WITH_SLOTS: &[KnownMeasure<'static>] = &[
     known("mac.slots.joined", Count, "nodes that are in the network at the end"),
     known("mac.slots.lost", Count, "times that nodes lost the network"),
     known("mac.slots.join_s", Second, "mean time until a node that scans has joined"),
+];
+
+/// Of a run whose nodes have batteries.
+pub(super) const WITH_BATTERIES: &[KnownMeasure<'static>] = &[
+    known("battery.lifetime_d.min", Day, "battery lifetime, first node: from the mean power of the run"),
+    known("battery.lifetime_d.median", Day, "battery lifetime, median of the nodes"),
+    known("battery.lifetime_d.max", Day, "battery lifetime, last node"),
+    known("battery.depleted", Count, "nodes whose battery is empty at the end"),
+    known("battery.first_death_s", Second, "time until the first battery is empty"),
+    known("battery.half_death_s", Second, "time until the batteries of half of the nodes are empty"),
+    known("mac.depleted", Count, "packets lost in nodes whose battery is empty"),
 ];
 
 /// Of a run in which nodes compute a map.

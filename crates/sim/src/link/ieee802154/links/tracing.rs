@@ -88,6 +88,20 @@ impl Links {
         }
     }
 
+    /// Traces a frame that a station with an empty battery leaves behind.
+    pub(super) fn trace_abandoned(
+        &self,
+        track: &mut PacketTrack,
+        station: StationId,
+        frame: &QueuedFrame,
+        fate: PacketFate,
+        sequence: Option<u8>,
+        scene: &mut Scene,
+    ) {
+        let traced = self.traced_frame(station, frame).with_end(PacketEnd::Depleted, fate);
+        self.tell(track, station, &Traced { sequence, ..traced }, self.payload_of(frame), scene);
+    }
+
     fn traced_frame(&self, station: StationId, frame: &QueuedFrame) -> Traced {
         let &QueuedFrame { id, to, mpdu_octets, offered, .. } = frame;
         self.traced(station, id, to, mpdu_octets, offered)

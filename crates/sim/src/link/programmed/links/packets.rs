@@ -172,6 +172,7 @@ impl Links {
             }
             PacketFate::LostChannelAccess => packets.lost_channel_access += 1,
             PacketFate::LostQueue => packets.lost_queue += 1,
+            PacketFate::Depleted => packets.depleted += 1,
             PacketFate::Pending => packets.pending += 1,
         }
     }
@@ -180,6 +181,18 @@ impl Links {
     pub(super) fn count_open(&mut self, station: StationId) {
         for packet in std::mem::take(&mut self.stacks[station.index()].open) {
             self.count(station, &packet, None, packet.fate_at_end());
+        }
+    }
+
+    /// The packets of a station whose battery is empty are lost.
+    pub(super) fn abandon(&mut self, station: StationId, scene: &mut Scene) {
+        for packet in std::mem::take(&mut self.stacks[station.index()].open) {
+            let fate = match packet.fate_at_end() {
+                PacketFate::Pending => PacketFate::Depleted,
+                fate => fate,
+            };
+            self.count(station, &packet, None, fate);
+            self.trace(station, packet, PacketEnd::Depleted, fate, scene);
         }
     }
 

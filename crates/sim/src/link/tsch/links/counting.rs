@@ -41,7 +41,29 @@ impl Origin {
 impl Links {
     /// Counts the packets of a station that have not ended: one that was received counts so.
     pub(super) fn count_open(&mut self, station: StationId) {
-        for frame in self.stacks[station.index()].sender.take_all() {
+        let open = self.stacks[station.index()].sender.take_all();
+        self.count_left(station, &open);
+    }
+
+    /// The packets of a station whose battery is empty are lost.
+    pub(super) fn abandon(&mut self, station: StationId, scene: &mut Scene) {
+        let open = self.stacks[station.index()].sender.take_all();
+        self.count_left(station, &open);
+        for frame in open {
+            let fate = match frame.outcome {
+                FrameOutcome::Received => PacketFate::Sent(FrameOutcome::Received),
+                _ => PacketFate::Depleted,
+            };
+            let content = frame.content;
+            self.trace_frame(station, frame, PacketEnd::Depleted, fate, scene);
+            self.payloads.release(content);
+        }
+    }
+
+    /// Counts packets that a station leaves behind.
+    fn count_left(&mut self, station: StationId, left: &[SlotFrame]) {
+        let is_depleted = self.ledger.depleted(station).is_some();
+        for frame in left {
             if frame.kind != FrameKind::Data || frame.offered < self.ledger.counted_from {
                 continue;
             }
@@ -51,6 +73,8 @@ impl Links {
             if frame.outcome == FrameOutcome::Received {
                 packets.count_sent(frame.outcome);
                 packets.octets_received += u64::from(frame.mpdu_octets - overhead);
+            } else if is_depleted {
+                packets.depleted += 1;
             } else {
                 packets.pending += 1;
             }

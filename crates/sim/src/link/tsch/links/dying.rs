@@ -16,6 +16,9 @@ impl Links {
             return;
         }
         self.count_idle(station, scene.now);
+        if self.ledger.depleted(station).is_some() {
+            self.abandon(station, scene);
+        }
         let stack = &mut self.stacks[station.index()];
         stack.usage.count_scan(scene.now);
         let change = match stack.membership {

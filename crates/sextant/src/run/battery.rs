@@ -1,0 +1,67 @@
+//! The batteries of a run, as a summary and as messages of a recording.
+
+use sextant_kernel::SimTime;
+use sextant_recording::messages::BatteryMessage;
+use sextant_scenario::Scenario;
+use sextant_sim::{BatteryRecord, Survey};
+
+use crate::summary::{BatteryNodeSummary, BatterySummary, LifetimeSummary};
+
+const SECONDS_OF_A_DAY: f64 = 86_400.0;
+
+/// The batteries of the nodes, if they have any.
+pub(super) fn of(scenario: &Scenario, survey: &Survey) -> Option<BatterySummary> {
+    let records = &survey.batteries;
+    if records.is_empty() {
+        return None;
+    }
+    let mut deaths_s: Vec<f64> = records.iter().filter_map(depleted_s).collect();
+    deaths_s.sort_by(f64::total_cmp);
+    let mut lifetimes_d: Vec<f64> = records.iter().map(|record| record.lifetime_s / SECONDS_OF_A_DAY).collect();
+    lifetimes_d.sort_by(f64::total_cmp);
+    let node = |(placed, record): (&sextant_sim::layout::PlacedNode, &BatteryRecord)| BatteryNodeSummary {
+        name: placed.name.clone(),
+        capacity_j: record.capacity_j,
+        left_j: record.left_j,
+        mean_power_w: record.mean_power_w(),
+        lifetime_d: lifetime_d(record),
+        depleted_s: depleted_s(record),
+    };
+    Some(BatterySummary {
+        lifetime_d: lifetimes(&lifetimes_d),
+        depleted: deaths_s.len(),
+        first_death_s: deaths_s.first().copied(),
+        half_death_s: deaths_s.get(records.len().div_ceil(2) - 1).copied(),
+        nodes: scenario.world().nodes.iter().zip(records).map(node).collect(),
+    })
+}
+
+/// The batteries at the end, for a recording.
+pub(super) fn messages(survey: &Survey) -> Vec<BatteryMessage> {
+    let message = |(node, record): (u32, &BatteryRecord)| BatteryMessage {
+        node,
+        capacity_j: record.capacity_j,
+        left_j: record.left_j,
+        mean_power_w: record.mean_power_w(),
+        lifetime_d: lifetime_d(record),
+        depleted_ns: record.depleted.map(SimTime::as_nanos),
+    };
+    (0..).zip(&survey.batteries).map(message).collect()
+}
+
+fn depleted_s(record: &BatteryRecord) -> Option<f64> {
+    record.depleted.map(SimTime::as_secs_f64)
+}
+
+fn lifetime_d(record: &BatteryRecord) -> Option<f64> {
+    Some(record.lifetime_s / SECONDS_OF_A_DAY).filter(|days| days.is_finite())
+}
+
+/// Of lifetimes in rising order (d); `None` if one has no end.
+fn lifetimes(sorted_d: &[f64]) -> Option<LifetimeSummary> {
+    let (&min, &max) = (sorted_d.first()?, sorted_d.last()?);
+    let middle = sorted_d.len() / 2;
+    let median =
+        if sorted_d.len() % 2 == 1 { sorted_d[middle] } else { 0.5 * (sorted_d[middle - 1] + sorted_d[middle]) };
+    max.is_finite().then_some(LifetimeSummary { min, median, max })
+}
