@@ -176,6 +176,8 @@ fn likely_mistakes_are_warned_of() {
         ("[radio]", above, "blocks nothing: it lies beside"),
         ("[radio]", "[[sinks]]\nname = \"gate\"\nposition_m = [5000, 0]\n[radio]", "the sink `gate` hears each node"),
         ("[[0, 1], [10, 1], [20, 1], [30, 1]]", "[[0, 1]]", "the robot never moves"),
+        ("name = \"line\"", "name = \"line\"\nenergy = \"nrf52840\"", "`nrf52840` has no idle current"),
+        ("[radio]", "[radio]\nphy = \"ask868\"", "`energy`: `at86rf212b` has no ASK"),
     ] {
         let found = warnings(from, to);
         assert!(found.contains("warning: a.toml: `") && found.contains(expected), "{to}: {found}");

@@ -8,6 +8,7 @@ mod antennas;
 mod applications;
 mod architecture;
 mod bags;
+mod batteries;
 mod campaigns;
 mod captures;
 mod check;

@@ -133,7 +133,7 @@ fn what_a_node_spent_until_its_death_is_its_capacity() {
             assert_close(spent_j, node.capacity_j, FRAME_J, &rest);
             assert_close(node.mean_power_w * death_s, node.capacity_j, FRAME_J, &rest);
         }
-        assert!(nodes[0].capacity_j != nodes[1].capacity_j);
+        assert!((nodes[0].capacity_j - nodes[1].capacity_j).abs() > 1e-6);
         let first_s = nodes.iter().filter_map(|node| node.depleted_s).fold(f64::MAX, f64::min);
         assert_eq!(battery(&found).first_death_s, Some(first_s));
     }
@@ -160,7 +160,7 @@ fn a_battery_that_does_not_run_empty_changes_nothing_else() {
         let places: Vec<f64> = (1..9).map(f64::from).collect();
         let (without, mut with) = (summary(&star(&places, &without)), summary(&star(&places, &with)));
         assert_eq!(with.battery.take().map(|battery| battery.depleted), Some(0));
-        (with.scenario, with.timing) = (without.scenario.clone(), without.timing.clone());
+        (with.scenario, with.timing) = (without.scenario.clone(), without.timing);
         assert_eq!(with, without, "{rest}");
     }
 }
