@@ -147,6 +147,7 @@ fn measures(path: &str) -> Vec<Measure> {
         has_routing: true,
         has_way_down: true,
         has_slots: true,
+        has_sleep: true,
     };
     let path = path.trim();
     if path.len() < 3 {
