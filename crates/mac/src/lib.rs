@@ -63,6 +63,7 @@ pub mod oqpsk;
 pub mod program;
 pub mod responder;
 pub mod routing;
+pub mod sleep;
 pub mod slotted;
 pub mod superframe;
 pub mod tsch;

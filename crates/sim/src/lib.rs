@@ -142,7 +142,7 @@ pub use link::ieee80211ad::DmgRadio;
 pub use link::ieee802154::{Mac, Radio};
 pub use link::programmed::{Acknowledging, Hearing, Programmed, RadioFrame};
 pub use link::{
-    FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig,
+    FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig, Sleeping,
     Technology, Tsch,
 };
 pub use link_budget::{LinkBudget, LinkBudgets, LinkReception};
@@ -164,6 +164,7 @@ pub use service::radio_error::RadioError;
 pub use service::radio_event::{RadioEvent, ReceivedFrame};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
+pub use service::sleep::SleepUse;
 pub use service::slots::SlotUse;
 pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use setup::Setup;

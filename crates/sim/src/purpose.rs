@@ -53,6 +53,8 @@ pub(crate) const ROUND: Purpose = Purpose::new(28);
 pub(crate) const ODOMETRY: Purpose = Purpose::new(16);
 /// Passages of targets that sensors miss, and their false alarms.
 pub(crate) const SENSOR_ERRORS: Purpose = Purpose::new(34);
+/// Phases and waits of stations that sleep between checks of the channel.
+pub(crate) const SLEEP: Purpose = Purpose::new(64);
 /// Instants of the beacons of slotted networks, and the channels of their scans.
 pub(crate) const SLOTS: Purpose = Purpose::new(60);
 /// Capacities of batteries.

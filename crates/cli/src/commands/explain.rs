@@ -148,6 +148,7 @@ fn measures(path: &str) -> Vec<Measure> {
         has_way_down: true,
         has_slots: true,
         has_batteries: true,
+        has_sleep: true,
     };
     let path = path.trim();
     if path.len() < 3 {

@@ -64,6 +64,7 @@ mod sector_reports;
 mod sector_sweeps;
 mod sensing;
 mod silent_settings;
+mod sleeping;
 mod slots;
 mod standing_obstacles;
 mod sweep;

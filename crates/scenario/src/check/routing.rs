@@ -60,7 +60,7 @@ fn check_mac(networks: &Networks<'_>, tree: &TreeConfig, errors: &mut Errors) {
     let tables = networks.tables(NetworkId::default());
     let is_built = matches!(tree, TreeConfig::Collection(_));
     let why = "because each hop is acknowledged, and nodes must hear each other at any time";
-    let only = format!("`csma_unslotted` or `tsch`, {why}");
+    let only = format!("`csma_unslotted`, `tsch` or `sleep`, {why}");
     let error = match tables.mac.value {
         MacConfig::CsmaUnslotted(csma) if csma.rx_on_when_idle => return,
         MacConfig::CsmaUnslotted(_) => {
@@ -76,7 +76,11 @@ fn check_mac(networks: &Networks<'_>, tree: &TreeConfig, errors: &mut Errors) {
             let found = "`sender_based`, beside `routing.tree.collection`";
             SettingError::new("tsch.schedule.orchestra.unicast", found, allowed)
         }
-        MacConfig::Tsch(_) => return,
+        MacConfig::Sleep(_) if is_built => {
+            let allowed = "another tree: its beacons to all would take an interval each";
+            SettingError::new("sleep", "a table, beside `routing.tree.collection`", allowed)
+        }
+        MacConfig::Tsch(_) | MacConfig::Sleep(_) => return,
     };
     errors.refuse(&error.within(&tables.mac.key));
 }

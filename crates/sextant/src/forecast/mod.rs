@@ -8,6 +8,7 @@ mod changes;
 mod cost;
 mod curve;
 mod idle_obstacles;
+mod interval;
 mod network;
 mod warning;
 mod way;
@@ -16,6 +17,7 @@ use serde::Serialize;
 use sextant_sim::Robot;
 
 pub use cost::CostForecast;
+pub use interval::IntervalForecast;
 pub use network::{FadingForecast, LoadForecast, NeighbourForecast, NetworkForecast, RangeForecast};
 use sextant_scenario::Scenario;
 pub use warning::{Warning, warnings};
@@ -42,7 +44,12 @@ impl Forecast {
     pub fn of(scenario: &Scenario) -> Self {
         let setup = scenario.setup();
         let reaches = Reach::all(&setup);
-        let networks: Vec<_> = reaches.iter().map(Reach::forecast).collect();
+        let is_routed = scenario.routing().is_some();
+        let of_network = |reach: &Reach<'_>| NetworkForecast {
+            interval: IntervalForecast::of(reach, is_routed),
+            ..reach.forecast()
+        };
+        let networks: Vec<_> = reaches.iter().map(of_network).collect();
         let planned = |robot: &Robot| is_planned(scenario, robot);
         let ways: Vec<_> =
             setup.robots.iter().filter_map(|robot| Way::driven(robot, planned(robot), &reaches)).collect();

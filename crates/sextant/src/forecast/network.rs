@@ -6,6 +6,7 @@ use sextant_kernel::NodeId;
 use sextant_sim::{Network, NetworkId, Setup};
 
 use super::curve::Curve;
+use super::interval::IntervalForecast;
 
 /// At most so many nodes are asked for their neighbours; of more, evenly spread ones.
 const MOST_ASKED: usize = 500;
@@ -35,6 +36,9 @@ pub struct NetworkForecast {
     /// How busy the channel is; absent if the rate of the traffic is not known before the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<LoadForecast>,
+    /// How often stations should wake up, if they sleep between checks of the channel and are woken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<IntervalForecast>,
 }
 
 /// How deep fades are.
@@ -205,6 +209,7 @@ impl<'a> Reach<'a> {
             }),
             burst_share: self.law().bursts().map(|bursts| bursts.bad_share()),
             load: self.load().filter(|_| !self.is_measured()),
+            interval: None,
         }
     }
 

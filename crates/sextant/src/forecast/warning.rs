@@ -6,6 +6,7 @@ use std::fmt;
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 use sextant_mac::EnergyConfig;
+use sextant_mac::sleep::Check;
 use sextant_scenario::{ForeignChip, IncompleteChip, Scenario};
 use sextant_sim::{RobotTask, Setup, Technology};
 
@@ -49,6 +50,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     reaches.iter().for_each(|reach| warnings.loss_at_a_metre(reach));
     reaches.iter().for_each(|reach| warnings.programs(reach));
     reaches.iter().for_each(|reach| warnings.slotframes(reach));
+    reaches.iter().for_each(|reach| warnings.deaf_checks(reach));
     warnings.chips();
     warnings.short_stops(&reaches);
     planned.iter().for_each(|way| warnings.way(way));
@@ -120,6 +122,24 @@ impl Warnings<'_> {
                     ),
                 );
             }
+        }
+    }
+
+    /// Checks of the channel that miss frames which could be received.
+    fn deaf_checks(&mut self, reach: &Reach<'_>) {
+        let technology = &reach.network.technology;
+        let looks = technology.sleeping().is_some_and(|links| matches!(links.sleep.check(), Check::Looks(_)));
+        let (threshold, sensitivity) = (technology.carrier_sense_threshold(), technology.sensitivity());
+        if looks && threshold > sensitivity {
+            let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+            self.warn(
+                format!("{table}radio.cca_threshold_dbm"),
+                format!(
+                    "checks with two looks find the channel busy from {} dBm on, so that frames between {} dBm and \
+                     that wake nobody; set it to `sensitivity_dbm` if all that can be received is to wake",
+                    threshold.0, sensitivity.0
+                ),
+            );
         }
     }
 

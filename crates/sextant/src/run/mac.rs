@@ -4,11 +4,12 @@ use sextant_kernel::{NodeId, SimTime};
 use sextant_mac::EnergySpent;
 use sextant_mac::tsch::{SlotCounts, SlotKind};
 use sextant_scenario::Scenario;
-use sextant_sim::{Delays, Network, NetworkRecord, Packets, SlotUse, Survey};
+use sextant_sim::layout::PlacedNode;
+use sextant_sim::{Delays, Network, NetworkRecord, Packets, SleepUse, SlotUse, Survey};
 
 use crate::summary::{
-    DelayBin, DelaySummary, EnergySummary, MacSummary, NamedTraffic, NotListenedSummary, SinkSummary, SlotSummary,
-    TrafficSummary,
+    DelayBin, DelaySummary, EnergySummary, MacSummary, NamedTraffic, NotListenedSummary, SinkSummary, SleepSummary,
+    SlotSummary, TrafficSummary,
 };
 
 /// The traffic in each network of `scenario`, if it has sinks: otherwise the survey tells all.
@@ -49,6 +50,7 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &Network, record: &
         duration_s,
         warm_up_s: (!warm_up.is_zero()).then_some(warm_up.as_secs_f64()),
         all: of_nodes(&members),
+        sleep: sleep(record, &members, nodes.len() + survey.robots.len(), nodes),
         slots: slots(record, &members, nodes.len() + survey.robots.len()),
         delay_histogram: all_delays.histogram().into_iter().map(DelayBin::from).collect(),
         sinks: sinks.map(|(name, &received)| SinkSummary { name: name.clone(), received }).collect(),
@@ -92,6 +94,45 @@ fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Optio
         joined: nodes.iter().filter(|used| used.is_member).count(),
         lost: nodes.iter().map(|used| used.lost).sum(),
         join_s: mean(&mut nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64()))),
+    })
+}
+
+/// How the stations of a network slept, if they sleep between checks of the channel; sinks follow from `first_sink` on.
+fn sleep(
+    record: &NetworkRecord,
+    members: &[NodeId],
+    first_sink: usize,
+    nodes: &[PlacedNode],
+) -> Option<SleepSummary> {
+    if record.sleep.is_empty() {
+        return None;
+    }
+    let duty_cycle = |used: &SleepUse| match used.span.is_zero() {
+        true => 0.0,
+        false => used.on.as_secs_f64() / used.span.as_secs_f64(),
+    };
+    let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+    let used = |node: &NodeId| &record.sleep[node.index()];
+    let of_nodes: Vec<f64> = members.iter().map(|node| duty_cycle(used(node))).collect();
+    let worst = of_nodes.iter().zip(members).max_by(|(a, _), (b, _)| a.total_cmp(b));
+    let sinks: Vec<f64> = record.sleep[first_sink..].iter().filter(|used| used.is_member).map(duty_cycle).collect();
+    let strobes = members.iter().map(|node| used(node).strobes).sum();
+    let sent: u64 = members.iter().map(|node| record.packets[node.index()].sent).sum();
+    let energy = members.iter().map(|node| &record.energy[node.index()]);
+    let power = |node: &NodeId| {
+        let span_s = used(node).span.as_secs_f64();
+        if span_s > 0.0 { record.energy[node.index()].total_j() / span_s } else { 0.0 }
+    };
+    Some(SleepSummary {
+        duty_cycle: mean(&of_nodes).unwrap_or(0.0),
+        worst_duty_cycle: worst.map_or(0.0, |(share, _)| *share),
+        worst_node: worst.map_or(String::new(), |(_, node)| nodes[node.index()].name.clone()),
+        sink_duty_cycle: mean(&sinks),
+        checks: members.iter().map(|node| used(node).checks).sum(),
+        strobes,
+        strobes_per_packet: (sent > 0).then(|| strobes as f64 / sent as f64),
+        mean_power_w: mean(&members.iter().map(power).collect::<Vec<_>>()).unwrap_or(0.0),
+        asleep_j: energy.map(|energy| energy.sleep_j).sum(),
     })
 }
 

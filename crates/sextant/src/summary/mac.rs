@@ -22,6 +22,9 @@ pub struct MacSummary {
     /// What the stations did in their slots, if the network has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slots: Option<SlotSummary>,
+    /// How the stations slept, if they sleep between checks of the channel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sleep: Option<SleepSummary>,
     /// Number of packets by delay.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub delay_histogram: Vec<DelayBin>,
@@ -65,6 +68,31 @@ pub struct SlotSummary {
     /// Mean time from the start until a node joined (s), of those that scanned and joined. Absent if none did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub join_s: Option<f64>,
+}
+
+/// How the stations of a network slept that sleep between checks of the channel.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SleepSummary {
+    /// Share of the time in which the radio of a node was on: it sent, received or turned around. On average.
+    pub duty_cycle: f64,
+    /// The same of the node with the largest share.
+    pub worst_duty_cycle: f64,
+    /// The name of that node.
+    pub worst_node: String,
+    /// The same of a sink, on average. Absent without sinks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sink_duty_cycle: Option<f64>,
+    /// Checks of the channel by the schedules of all nodes.
+    pub checks: u64,
+    /// Frames that nodes sent to wake others: strobes, copies of a frame, wake-up frames.
+    pub strobes: u64,
+    /// The same for each packet that was sent. Absent if none was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strobes_per_packet: Option<f64>,
+    /// Mean power of a node (W), all states together.
+    pub mean_power_w: f64,
+    /// Energy of all nodes asleep (J): a part of `energy_j.idle`.
+    pub asleep_j: f64,
 }
 
 /// The traffic of a node or a group, with its name.

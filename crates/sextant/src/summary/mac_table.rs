@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::mac::{MacSummary, SlotSummary, TrafficSummary};
+use super::mac::{MacSummary, SleepSummary, SlotSummary, TrafficSummary};
 use crate::columns::{Align, columns};
 
 /// Nodes that are printed one by one.
@@ -83,7 +83,25 @@ fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
     let depleted =
         depleted.map(|packets| ("lost to empty batteries", packets.to_string(), "they waited in their node"));
     let rows = rows.into_iter().chain(depleted).chain(mac.slots.iter().flat_map(slot_rows));
-    rows.map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]).collect()
+    let rows = rows.map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]);
+    rows.chain(mac.sleep.iter().flat_map(sleep_rows)).collect()
+}
+
+/// The rows of a network whose stations sleep between checks of the channel.
+fn sleep_rows(sleep: &SleepSummary) -> Vec<Vec<String>> {
+    let percent = |share: f64| format!("{:.3} %", 100.0 * share);
+    let row = |name: &str, value: String, note: &str| vec![name.to_owned(), value, note.to_owned()];
+    let mut rows = vec![
+        row("duty cycle", percent(sleep.duty_cycle), "of a node"),
+        row("duty cycle, worst", percent(sleep.worst_duty_cycle), &format!("of `{}`", sleep.worst_node)),
+    ];
+    rows.extend(sleep.sink_duty_cycle.map(|share| row("duty cycle, sinks", percent(share), "")));
+    rows.push(row("checks", sleep.checks.to_string(), "of the channel, by all nodes"));
+    let strobes = sleep.strobes_per_packet.map_or_else(|| "-".to_owned(), |strobes| format!("{strobes:.1}"));
+    rows.push(row("strobes per packet", strobes, "to wake the receiver"));
+    rows.push(row("mean power", format!("{:.1}", 1e6 * sleep.mean_power_w), "uW, of a node"));
+    rows.push(row("energy asleep", format!("{:.3}", sleep.asleep_j), "J"));
+    rows
 }
 
 /// The rows of a network with slots.

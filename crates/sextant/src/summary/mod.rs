@@ -34,7 +34,9 @@ pub use gathering::{
 };
 pub use judgement::{Judgement, JudgementLevel};
 pub(crate) use log_counts::LogCounts;
-pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, SlotSummary, TrafficSummary};
+pub use mac::{
+    DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, SleepSummary, SlotSummary, TrafficSummary,
+};
 pub use map::{
     AlignmentSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, HeightsSource, HeightsSummary,
     LearnedSummary, MapSummary, MeasuredIn, SectorPairsSummary, SectorsSummary,

@@ -57,6 +57,11 @@ impl Air {
         (power >= self.rules(receiver).least_power()).then_some(power)
     }
 
+    /// Whether the power of one radio at another is the same for all frames, as long as both stand: nothing moves or changes.
+    pub(crate) fn powers_last(&self) -> bool {
+        self.moving.is_empty() && self.roll.robots == 0 && self.medium.is_lasting()
+    }
+
     /// A frame of no length that is not sent.
     fn trial(&self, emission: Emission, PlacedRadio { radio, place }: PlacedRadio) -> Signal {
         let Interface { receiver, station } = radio;

@@ -105,6 +105,11 @@ impl Medium {
         }
     }
 
+    /// Whether powers are the same for all packets of a link.
+    pub(super) fn is_lasting(&self) -> bool {
+        self.budget.is_lasting() && !self.budget.has_varying_powers()
+    }
+
     /// The surroundings of all senders, if powers last and all of `all` stand for good; `None` otherwise. Called before the
     /// first of them listens.
     pub(super) fn all_surroundings(&self, all: impl Iterator<Item = Listener<Position>>) -> Option<AllSurroundings> {

@@ -2,7 +2,7 @@
 
 use sextant_mac::Class;
 
-use super::{ieee80211ad, ieee802154, programmed, tsch};
+use super::{ieee80211ad, ieee802154, programmed, sleeping, tsch};
 
 /// An event of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +15,8 @@ pub(crate) enum LinkEvent {
     Programmed(programmed::Event),
     /// Of a link with time-slotted channel hopping.
     Tsch(tsch::Event),
+    /// Of a station that sleeps between checks of the channel.
+    Sleeping(sleeping::Event),
 }
 
 impl LinkEvent {
@@ -26,6 +28,7 @@ impl LinkEvent {
             Self::Ieee80211ad(event) => event.class(),
             Self::Programmed(event) => event.class(),
             Self::Tsch(event) => event.class(),
+            Self::Sleeping(event) => event.class(),
         }
     }
 }

@@ -4,6 +4,7 @@ pub(crate) mod ieee80211ad;
 pub(crate) mod ieee802154;
 pub(crate) mod link;
 pub(crate) mod programmed;
+pub(crate) mod sleeping;
 pub(crate) mod tsch;
 
 use sextant_kernel::{Rank, StationId};

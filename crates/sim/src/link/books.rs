@@ -9,6 +9,7 @@ use sextant_mac::{EnergyMeter, EnergySpent, RadioState, RadioStates};
 use crate::service::delays::Delays;
 use crate::service::due_frames::DueFrames;
 use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::sleep::SleepUse;
 use crate::service::slots::SlotUse;
 
 /// The books of a network at the end: whole numbers, so that those of parts of a simulation can be added.
@@ -34,6 +35,8 @@ pub(crate) struct Books {
     pub(super) spans: FrameSpans,
     /// How each station used its slots; empty if there are none.
     pub(super) slots: Vec<SlotUse>,
+    /// How each station slept; empty if stations do not sleep between checks of the channel.
+    pub(super) sleep: Vec<SleepUse>,
 }
 
 /// What a frame takes that is sent once, on a channel that is not busy.
@@ -99,6 +102,11 @@ impl Books {
         if is_member { self.radios[station.index()].spent(&self.radio_states).total_j() } else { 0.0 }
     }
 
+    /// The same, with how each station slept.
+    pub(super) fn with_sleep(self, sleep: Vec<SleepUse>) -> Self {
+        Self { sleep, ..self }
+    }
+
     /// Adds those of another part of the same simulation, with the same end. No station did anything in both at once.
     pub(crate) fn add(&mut self, other: Self) {
         self.packets.iter_mut().zip(other.packets).for_each(|(sum, packets)| *sum += packets);
@@ -106,7 +114,7 @@ impl Books {
         self.deliveries.iter_mut().zip(other.deliveries).for_each(|(sum, count)| *sum += count);
         debug_assert_eq!(self.due, other.due, "the same schedules until the same end");
         debug_assert!(other.delays.is_empty(), "parts have no sinks");
-        debug_assert!(other.slots.is_empty(), "parts have no slots");
+        debug_assert!(other.slots.is_empty() && other.sleep.is_empty(), "parts have no sinks");
         for (sum, radio) in self.radios.iter_mut().zip(other.radios) {
             sum.meter.add_activity(&radio.meter, radio.rests_in);
         }
@@ -133,8 +141,8 @@ impl Books {
             let others = energy.iter_mut().zip(members).filter(|(_, is_member)| !**is_member);
             others.for_each(|(energy, _)| *energy = EnergySpent::default());
         }
-        let Self { packets, deliveries, delays, slots, .. } = self;
-        NetworkRecord { packets, energy, deliveries, delays, slots }
+        let Self { packets, deliveries, delays, slots, sleep, .. } = self;
+        NetworkRecord { packets, energy, deliveries, delays, slots, sleep }
     }
 
     /// What the packets that were simulated took on average; if there were none, what they take on a channel that is not

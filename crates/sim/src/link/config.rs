@@ -8,6 +8,7 @@ use sextant_mac::Phy;
 use sextant_mac::csma::CsmaConfig;
 use sextant_mac::dmg::SweepConfig;
 use sextant_mac::program::ProgramConfig;
+use sextant_mac::sleep::SleepConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
 use sextant_mac::tsch::{ScheduleConfig, TschConfig};
 
@@ -135,6 +136,8 @@ pub enum MacConfig {
     /// Time-slotted channel hopping (TSCH) of IEEE 802.15.4: stations send and listen in slots, by a schedule, on one radio
     /// channel after the other. Robots take no part.
     Tsch(TschConfig),
+    /// Stations sleep, and look at the channel at each interval; senders wake them: X-MAC, ContikiMAC, CSL. Robots take no part.
+    Sleep(SleepConfig),
     /// No channel access: programs of the stations, given by the library or in Python, command the radios of IEEE 802.15.4
     /// themselves. Stations without a program are off, but for sinks, which listen. No `traffic` but `silent`.
     Program(ProgramConfig),
@@ -169,6 +172,12 @@ impl MacConfig {
     #[must_use]
     pub fn has_slots(&self) -> bool {
         matches!(self, Self::Tsch(_))
+    }
+
+    /// Whether stations sleep between checks of the channel.
+    #[must_use]
+    pub fn sleeps(&self) -> bool {
+        matches!(self, Self::Sleep(_))
     }
 
     /// Whether the links sweep sectors. They have antennas then, and nodes send no traffic.

@@ -74,6 +74,18 @@ impl Ledger {
     /// The books of the network, with how each radio was used, and what frames take that were not simulated.
     pub(super) fn close(self, radios: Vec<RadioUse>, spans: FrameSpans) -> Books {
         let Self { packets, octets, due, deliveries, delays, members, radio_states, .. } = self;
-        Books { packets, octets, due, deliveries, delays, members, radio_states, radios, spans, slots: Vec::new() }
+        Books {
+            packets,
+            octets,
+            due,
+            deliveries,
+            delays,
+            members,
+            radio_states,
+            radios,
+            spans,
+            slots: Vec::new(),
+            sleep: Vec::new(),
+        }
     }
 }

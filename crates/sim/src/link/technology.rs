@@ -16,6 +16,7 @@ use super::ieee802154::{self, Ieee802154};
 use super::links::{Cut, NetworkLinks};
 use super::programmed::{self, Programmed};
 use super::settings::{LinkSettings, Placement};
+use super::sleeping::{self, Sleeping};
 use super::transmitter::Transmitter;
 use super::tsch::{self, Tsch};
 use crate::event::link::LinkEvent;
@@ -109,6 +110,8 @@ technologies! {$
     MacConfig::Program(_) => Programmed(Programmed) in programmed;
     /// IEEE 802.15.4 with time-slotted channel hopping.
     MacConfig::Tsch(_) => Tsch(Box<Tsch>) in tsch;
+    /// IEEE 802.15.4 whose stations sleep between checks of the channel.
+    MacConfig::Sleep(_) => Sleeping(Box<Sleeping>) in sleeping;
     /// Sector sweeps of IEEE 802.11ad.
     MacConfig::SectorSweep(_) => Ieee80211ad(Box<Ieee80211ad>) in ieee80211ad;
 }
@@ -135,6 +138,12 @@ impl Technology {
     #[must_use]
     pub fn has_slots(&self) -> bool {
         matches!(self, Self::Tsch(_))
+    }
+
+    /// The settings of stations that sleep between checks of the channel, if that is the technology.
+    #[must_use]
+    pub fn sleeping(&self) -> Option<&Sleeping> {
+        if let Self::Sleeping(settings) = self { Some(settings) } else { None }
     }
 
     /// Along which tree packets go: the next station of each. Called before a simulation is set up.

@@ -13,6 +13,7 @@ pub(crate) mod radio_error;
 pub(crate) mod radio_event;
 pub(crate) mod report;
 pub(crate) mod sensed;
+pub(crate) mod sleep;
 pub(crate) mod slots;
 pub(crate) mod sweep;
 pub(crate) mod upcall;

@@ -4,6 +4,7 @@ use sextant_mac::EnergySpent;
 
 use super::delays::Delays;
 use super::outcome::{Deafness, FrameOutcome};
+use super::sleep::SleepUse;
 use super::slots::SlotUse;
 
 /// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
@@ -224,4 +225,6 @@ pub struct NetworkRecord {
     pub delays: Vec<Delays>,
     /// How each station used its slots. Empty if the network has none.
     pub slots: Vec<SlotUse>,
+    /// How each station slept. Empty if stations do not sleep between checks of the channel.
+    pub sleep: Vec<SleepUse>,
 }

@@ -77,6 +77,7 @@ pub fn described_columns(plan: Option<&Sweep>) -> Vec<DescribedColumn> {
                 has_way_down: true,
                 has_slots: true,
                 has_batteries: true,
+                has_sleep: true,
             };
             let (of_maps, of_runs): (Vec<_>, Vec<_>) =
                 all(&subjects).into_iter().partition(|measure| measure.map().is_some());

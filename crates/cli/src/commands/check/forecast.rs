@@ -61,6 +61,16 @@ fn of_network(network: &NetworkForecast, lines: &mut Vec<(String, String)>) {
         );
         lines.push((called("channel load"), text));
     }
+    if let Some(interval) = &network.interval {
+        let text = format!(
+            "best {:.3} s, where checks and waking take {:.1} uW; {:.1} uW with {:.3} s",
+            interval.best_s,
+            1e6 * interval.best_power_w,
+            1e6 * interval.power_w,
+            interval.interval_s
+        );
+        lines.push((called("wake-up interval"), text));
+    }
 }
 
 fn of_way(way: &WayForecast, lines: &mut Vec<(String, String)>) {

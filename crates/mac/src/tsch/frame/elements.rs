@@ -24,7 +24,7 @@ pub(super) const TIMESLOT: u16 = 0x1C;
 pub(super) const HOPPING: u16 = 9;
 
 /// Writes an element of the header.
-pub(super) fn write_header(id: u16, content: &[u8], mpdu: &mut Vec<u8>) {
+pub(crate) fn write_header(id: u16, content: &[u8], mpdu: &mut Vec<u8>) {
     write(length(content) | id << 7, content, mpdu);
 }
 
@@ -53,7 +53,7 @@ fn length(content: &[u8]) -> u16 {
 }
 
 /// The next element of a header: its number, its content, and the octets after it.
-pub(super) fn header_element(octets: &[u8]) -> Result<(u16, &[u8], &[u8]), SlotFrameError> {
+pub(crate) fn header_element(octets: &[u8]) -> Result<(u16, &[u8], &[u8]), SlotFrameError> {
     let (descriptor, rest) = descriptor(octets)?;
     let (content, rest) = content(rest, descriptor & 0x7F)?;
     Ok((descriptor >> 7 & 0xFF, content, rest))

@@ -15,7 +15,7 @@
 mod ack;
 mod beacon;
 mod data;
-mod elements;
+pub(crate) mod elements;
 #[cfg(test)]
 mod tests;
 
@@ -70,7 +70,7 @@ const VERSION_2: u16 = 2 << 12;
 const SOURCE_MODE: u32 = 14;
 
 /// Adds the frame check sequence.
-fn finish(mpdu: &mut Vec<u8>) {
+pub(crate) fn finish(mpdu: &mut Vec<u8>) {
     mpdu.extend(fcs(mpdu).to_le_bytes());
 }
 

@@ -34,6 +34,9 @@ fn check_all_nodes(network: &Network, tables: &NetworkTables<'_>, nodes: usize, 
         MacConfig::Program(_) => {
             SettingError::new("program", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
         }
+        MacConfig::Sleep(_) => {
+            SettingError::new("sleep", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
+        }
         MacConfig::Tsch(_) => {
             SettingError::new("tsch", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
         }

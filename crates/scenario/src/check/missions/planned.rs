@@ -249,6 +249,7 @@ impl Surroundings<'_> {
             let with = match &busy.technology {
                 Technology::Programmed(_) => "`mac.program`",
                 Technology::Tsch(_) => "`mac.tsch`",
+                Technology::Sleeping(_) => "`mac.sleep`",
                 Technology::Ieee802154(_) | Technology::Ieee80211ad(_) => "sector sweeps",
             };
             let found =

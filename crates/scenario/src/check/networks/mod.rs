@@ -78,6 +78,7 @@ impl<'a> Networks<'a> {
         match self.all.first()?.tables.mac.value {
             MacConfig::Program(_) => Some("mac.program"),
             MacConfig::Tsch(_) => Some("mac.tsch"),
+            MacConfig::Sleep(_) => Some("mac.sleep"),
             MacConfig::CsmaUnslotted(_) | MacConfig::BeaconEnabled(_) | MacConfig::SectorSweep(_) => None,
         }
     }

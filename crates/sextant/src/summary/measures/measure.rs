@@ -53,17 +53,30 @@ pub struct Subjects {
     /// Whether nodes have batteries.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_batteries: bool,
+    /// Whether stations of the first network sleep between checks of the channel.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_sleep: bool,
 }
 
 impl Subjects {
     /// Adds the names of others that are new, in their order.
     pub fn extend(&mut self, others: &Self) {
-        let Self { maps, by_nodes, applications, searches, has_routing, has_way_down, has_slots, has_batteries } =
-            self;
+        let Self {
+            maps,
+            by_nodes,
+            applications,
+            searches,
+            has_routing,
+            has_way_down,
+            has_slots,
+            has_batteries,
+            has_sleep,
+        } = self;
         *has_routing |= others.has_routing;
         *has_way_down |= others.has_way_down;
         *has_slots |= others.has_slots;
         *has_batteries |= others.has_batteries;
+        *has_sleep |= others.has_sleep;
         for (list, names) in [
             (maps, &others.maps),
             (by_nodes, &others.by_nodes),
@@ -223,12 +236,23 @@ fn of_run_shortened(path: &str) -> &str {
 /// All measures of a run with these subjects, in the order of their columns.
 #[must_use]
 pub fn all(subjects: &Subjects) -> Vec<Measure> {
-    let Subjects { maps, by_nodes, applications, searches, has_routing, has_way_down, has_slots, has_batteries } =
-        subjects;
+    let Subjects {
+        maps,
+        by_nodes,
+        applications,
+        searches,
+        has_routing,
+        has_way_down,
+        has_slots,
+        has_batteries,
+        has_sleep,
+    } = subjects;
     let measure = |of: Of, known: KnownMeasure<'static>| Measure { of, known };
     let mut measures: Vec<_> = known::of_run(!by_nodes.is_empty()).map(|number| measure(Of::Run, number)).collect();
     let of_slots = known::of_slots().filter(|_| *has_slots);
     measures.extend(of_slots.map(|number| measure(Of::Run, number)));
+    let of_sleep = known::of_sleep().filter(|_| *has_sleep);
+    measures.extend(of_sleep.map(|number| measure(Of::Run, number)));
     let of_way_down = known::of_way_down().filter(|_| *has_way_down);
     let of_routing = known::of_routing().filter(|_| *has_routing).chain(of_way_down);
     measures.extend(of_routing.map(|number| measure(Of::Run, number)));
@@ -326,6 +350,7 @@ mod tests {
             has_way_down: true,
             has_slots: true,
             has_batteries: true,
+            has_sleep: true,
         };
         let measures = all(&subjects);
         for measure in &measures {

@@ -27,6 +27,8 @@ pub enum Unit {
     Joule,
     /// Amperes.
     Ampere,
+    /// Watts.
+    Watt,
     /// Bits per second.
     BitPerSecond,
 }
@@ -48,6 +50,7 @@ impl Unit {
             Self::Degree => "degrees",
             Self::Joule => "joules",
             Self::Ampere => "amperes",
+            Self::Watt => "watts",
             Self::BitPerSecond => "bits per second",
         }
     }
@@ -66,6 +69,7 @@ impl Unit {
             Self::Degree => "°",
             Self::Joule => "J",
             Self::Ampere => "A",
+            Self::Watt => "W",
             Self::BitPerSecond => "bit/s",
         }
     }
@@ -76,6 +80,7 @@ impl Unit {
         let steps: &[(f64, &'static str)] = match self {
             Self::Second => &[(1.0, "s"), (1e-3, "ms"), (1e-6, "µs")],
             Self::Joule => &[(1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ")],
+            Self::Watt => &[(1.0, "W"), (1e-3, "mW"), (1e-6, "µW")],
             Self::Ampere => &[(1.0, "A"), (1e-3, "mA"), (1e-6, "µA")],
             Self::BitPerSecond => &[(1e6, "Mbit/s"), (1e3, "kbit/s"), (1.0, "bit/s")],
             Self::Count
@@ -107,6 +112,7 @@ impl Unit {
             Self::Degree => (1.0, "°"),
             Self::Joule => (1000.0, "mJ"),
             Self::Ampere => (1e6, "µA"),
+            Self::Watt => (1e6, "µW"),
             Self::BitPerSecond => (1e-3, "kbit/s"),
         }
     }

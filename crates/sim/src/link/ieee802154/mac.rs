@@ -32,6 +32,7 @@ impl TryFrom<MacConfig> for Mac {
             MacConfig::Program(_) => Err(other_technology("program")),
             MacConfig::SectorSweep(_) => Err(other_technology("sector_sweep")),
             MacConfig::Tsch(_) => Err(other_technology("tsch")),
+            MacConfig::Sleep(_) => Err(other_technology("sleep")),
         }
     }
 }

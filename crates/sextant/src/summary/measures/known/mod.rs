@@ -56,6 +56,11 @@ pub(super) fn of_batteries() -> impl Iterator<Item = KnownMeasure<'static>> {
     all(run::WITH_BATTERIES, &[])
 }
 
+/// All of a run whose stations sleep between checks of the channel, in addition.
+pub(super) fn of_sleep() -> impl Iterator<Item = KnownMeasure<'static>> {
+    all(run::WITH_SLEEP, &[])
+}
+
 /// All of a run in which packets go over several hops, in addition.
 pub(super) fn of_routing() -> impl Iterator<Item = KnownMeasure<'static>> {
     all(run::WITH_ROUTING, &[])
@@ -68,7 +73,8 @@ pub(super) fn of_way_down() -> impl Iterator<Item = KnownMeasure<'static>> {
 
 /// All of any run.
 pub(super) fn of_any_run() -> impl Iterator<Item = KnownMeasure<'static>> {
-    of_run(true).chain(of_slots()).chain(of_routing()).chain(of_way_down()).chain(of_batteries())
+    let mac = of_slots().chain(of_sleep()).chain(of_routing()).chain(of_way_down());
+    of_run(true).chain(mac).chain(of_batteries())
 }
 
 fn all(

@@ -1,7 +1,7 @@
 //! The numbers of a run as a whole.
 
 use super::{Count, Joule, KnownMeasure, MeanCount, Second, Share, known};
-use crate::summary::Unit::{Ampere, BitPerSecond, Day, Metre};
+use crate::summary::Unit::{Ampere, BitPerSecond, Day, Metre, Watt};
 
 /// Of any run.
 pub(super) const RUN: &[KnownMeasure<'static>] = &[
@@ -97,6 +97,22 @@ pub(super) const WITH_BATTERIES: &[KnownMeasure<'static>] = &[
     known("battery.first_death_s", Second, "time until the first battery is empty"),
     known("battery.half_death_s", Second, "time until the batteries of half of the nodes are empty"),
     known("mac.depleted", Count, "packets lost in nodes whose battery is empty"),
+];
+
+/// Of a run whose stations sleep between checks of the channel.
+pub(super) const WITH_SLEEP: &[KnownMeasure<'static>] = &[
+    known(
+        "mac.sleep.duty_cycle",
+        Share,
+        "duty cycle of a node that sleeps: share of the time in which its radio is on",
+    ),
+    known("mac.sleep.worst_duty_cycle", Share, "largest duty cycle of a node that sleeps"),
+    known("mac.sleep.sink_duty_cycle", Share, "duty cycle of a sink beside nodes that sleep"),
+    known("mac.sleep.checks", Count, "checks of the channel by nodes that sleep"),
+    known("mac.sleep.strobes", Count, "frames that nodes sent to wake others"),
+    known("mac.sleep.strobes_per_packet", MeanCount, "frames to wake a receiver for each packet sent"),
+    known("mac.sleep.mean_power_w", Watt, "mean power of the radio of a node that sleeps"),
+    known("mac.sleep.asleep_j", Joule, "energy of nodes asleep"),
 ];
 
 /// Of a run in which nodes compute a map.

@@ -1,0 +1,116 @@
+//! Frames are offered, and what becomes of them is counted.
+
+use sextant_kernel::StationId;
+use sextant_mac::frame::DataFrame;
+
+use super::Links;
+use crate::link::ieee802154::offered_octets;
+use crate::link::sleeping::stack::OpenFrame;
+use crate::link::track::PacketTrack;
+use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::{PacketEnd, PacketFate};
+use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
+use crate::service::upcall::Upcall;
+
+impl Links {
+    /// The header of the data frames of a station.
+    pub(super) fn header(&self, station: StationId, to: Destination) -> DataFrame {
+        match to {
+            Destination::All => DataFrame::broadcast(self.pan, station),
+            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
+        }
+    }
+
+    /// Takes a frame to send.
+    pub(super) fn take_frame(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError> {
+        if !self.stacks[station.index()].is_there {
+            return Err(SendError::ReceivesOnly);
+        }
+        if let Destination::Station(to) = to
+            && (to == station || to.index() >= self.stacks.len() || !self.ledger.has(to))
+        {
+            return Err(SendError::NoSuchStation(to));
+        }
+        let mpdu_octets = offered_octets(&self.header(station, to), payload)?;
+        let allowed = self.settings.least_mpdu_octets();
+        if mpdu_octets < allowed {
+            return Err(SendError::Undersized { found: mpdu_octets.into(), allowed: allowed.into() });
+        }
+        let counts = u64::from(scene.now >= self.ledger.counted_from);
+        self.ledger.packets[station.index()].offered += counts;
+        self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
+        scene.offered += 1;
+        let content = self.payloads.keep(payload);
+        let most = usize::from(self.settings.queue_frames);
+        let stack = &mut self.stacks[station.index()];
+        let id = FrameId(stack.frames);
+        stack.frames = stack.frames.wrapping_add(1);
+        let mut track = stack.is_traced.then(Box::<PacketTrack>::default);
+        if let Some(track) = &mut track {
+            track.begin(scene.now);
+        }
+        let frame = OpenFrame {
+            id,
+            to,
+            content,
+            mpdu_octets,
+            offered: scene.now,
+            sequence: stack.next_sequence(),
+            attempts: 0,
+            busy: 0,
+            looks: 0,
+            outcome: FrameOutcome::WORST,
+            delivered: Vec::new(),
+            track,
+        };
+        if stack.waiting.len() >= most {
+            self.ledger.packets[station.index()].lost_queue += counts;
+            self.payloads.release(frame.content);
+            self.trace_frame(station, frame, PacketEnd::QueueFull, PacketFate::LostQueue, scene);
+            return Err(SendError::QueueFull(most - 1));
+        }
+        stack.waiting.push_back(frame);
+        self.go_on(station, scene);
+        Ok(id)
+    }
+
+    /// The packet under way has left the link of a station: it is counted, and its application is told.
+    pub(super) fn finish_frame(&mut self, station: StationId, outcome: SendOutcome, scene: &mut Scene) {
+        let frame = self.stacks[station.index()].waiting.pop_front().expect("a packet was under way");
+        self.payloads.release(frame.content);
+        let OpenFrame { id, to, offered, attempts, .. } = frame;
+        if offered >= self.ledger.counted_from {
+            let octets = u64::from(frame.mpdu_octets - self.header(station, to).overhead_octets());
+            let packets = &mut self.ledger.packets[station.index()];
+            packets.transmissions += u64::from(attempts);
+            packets.assessments += u64::from(frame.looks);
+            packets.unacknowledged += u64::from(outcome == SendOutcome::NoAcknowledgement);
+            packets.channel_access_failures += u64::from(outcome == SendOutcome::ChannelAccessFailure);
+            if attempts == 0 {
+                packets.lost_channel_access += 1;
+            } else {
+                packets.count_sent(frame.outcome);
+                if frame.outcome == FrameOutcome::Received {
+                    packets.octets_received += octets;
+                }
+            }
+        }
+        let end = match outcome {
+            SendOutcome::Sent => PacketEnd::Sent,
+            SendOutcome::Acknowledged => PacketEnd::Acknowledged,
+            SendOutcome::NoAcknowledgement => PacketEnd::NoAcknowledgement,
+            SendOutcome::ChannelAccessFailure => PacketEnd::ChannelAccessFailure,
+        };
+        let fate = if attempts == 0 { PacketFate::LostChannelAccess } else { PacketFate::Sent(frame.outcome) };
+        self.trace_frame(station, frame, end, fate, scene);
+        let report = SendReport { frame: id, to, outcome, transmissions: attempts, offered };
+        scene.upcalls.push(Upcall::Sent { station, report });
+    }
+}
