@@ -5,8 +5,7 @@ use std::time::Duration;
 use serde::Serialize;
 use sextant_mac::RadioState;
 use sextant_mac::sleep::{BestInterval, Form, IntervalPowers, PhasesConfig, SinksConfig};
-
-use super::network::Reach;
+use sextant_sim::Network;
 
 /// How often stations should wake up: the interval at which checks and waking receivers together take the least power.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -21,13 +20,22 @@ pub struct IntervalForecast {
     pub power_w: f64,
 }
 
+/// Over how many hops packets go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Hops {
+    /// To whom hears them.
+    One,
+    /// From node to node.
+    Several,
+}
+
 impl IntervalForecast {
     /// The forecast for a network; `None` if its stations do not sleep or need not be woken, or if it is not known how often nodes
-    /// send. The packets of a node are its own: what it sends on for others is not known before the run.
-    pub(super) fn of(reach: &Reach<'_>, is_routed: bool) -> Option<Self> {
-        let network = reach.network;
+    /// send (a second and node, on average). The packets of a node are its own: what it sends on for others is not known before the run.
+    pub(super) fn of(network: &Network, rate_per_s: Option<f64>, hops: Hops) -> Option<Self> {
+        let is_routed = hops == Hops::Several;
         let sleep = &network.technology.sleeping()?.sleep;
-        let rate_per_s = reach.rate_per_s().filter(|rate| *rate > 0.0)?;
+        let rate_per_s = rate_per_s.filter(|rate| *rate > 0.0)?;
         let airtime = network.technology.airtime(network.traffic.mpdu_octets().into())?;
         let to_all = !is_routed && !network.traffic.kinds().any(|kind| kind.is_acknowledged());
         // Who knows when its receiver wakes up does not wait for it with its radio on.

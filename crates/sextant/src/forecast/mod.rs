@@ -23,6 +23,7 @@ use sextant_scenario::Scenario;
 pub use warning::{Warning, warnings};
 pub use way::WayForecast;
 
+use interval::Hops;
 use network::Reach;
 use way::{Way, is_planned};
 
@@ -44,9 +45,9 @@ impl Forecast {
     pub fn of(scenario: &Scenario) -> Self {
         let setup = scenario.setup();
         let reaches = Reach::all(&setup);
-        let is_routed = scenario.routing().is_some();
+        let hops = if scenario.routing().is_some() { Hops::Several } else { Hops::One };
         let of_network = |reach: &Reach<'_>| NetworkForecast {
-            interval: IntervalForecast::of(reach, is_routed),
+            interval: IntervalForecast::of(reach.network, reach.rate_per_s(), hops),
             ..reach.forecast()
         };
         let networks: Vec<_> = reaches.iter().map(of_network).collect();

@@ -139,10 +139,31 @@ fn what_a_node_spent_until_its_death_is_its_capacity() {
     }
 }
 
+/// Nodes that sleep between checks of the channel: until its death, each draws the mean power that their links tell.
+#[test]
+fn what_a_sleeping_node_spent_until_its_death_is_its_capacity() {
+    for form in ["x_mac = {}", "repeated_data = {}", "csl = {}"] {
+        let rest = format!(
+            "duration_s = 1500.0\nmac.sleep = {{ interval_s = 0.25, wake_up.{form} }}\n\
+             traffic.poisson = {{ mpdu_octets = 60, rate_per_s = 0.1, acknowledged = true }}\n\
+             battery.capacity_j = 0.3\n"
+        );
+        let found = summary(&star(&[1.0], &rest));
+        let node = &battery(&found).nodes[0];
+        let death_s = node.depleted_s.expect("empty");
+        assert_close(node.mean_power_w * death_s, node.capacity_j, FRAME_J, form);
+        let mac = found.mac.as_ref().expect("sinks");
+        let power_w = mac.sleep.as_ref().expect("sleeps").mean_power_w;
+        assert_close(power_w, node.mean_power_w, 1e-3 * node.mean_power_w, form);
+        assert!(mac.all.depleted <= 1 && mac.all.pending == 0, "{form}");
+    }
+}
+
 /// Looks at batteries change nothing but what is said of batteries.
 #[test]
 fn a_battery_that_does_not_run_empty_changes_nothing_else() {
     let traffic = "traffic.poisson = { mpdu_octets = 80, rate_per_s = 8.0, acknowledged = true }\n";
+    let slow = "traffic.poisson = { mpdu_octets = 80, rate_per_s = 0.2, acknowledged = true }\n";
     let routed = "[routing.tree.collection]\n";
     for rest in [
         format!("mac.csma_unslotted.rx_on_when_idle = false\n{traffic}"),
@@ -152,6 +173,8 @@ fn a_battery_that_does_not_run_empty_changes_nothing_else() {
         ),
         format!("{traffic}[mac.tsch.schedule.minimal]\nslotframe = 5\n"),
         format!("{traffic}mac.beacon_enabled = {{ beacon_order = 4, superframe_order = 3 }}\n"),
+        format!("{slow}mac.sleep = {{ interval_s = 0.25, sinks = \"sleep\", wake_up.x_mac = {{}} }}\n"),
+        format!("{slow}mac.sleep = {{ interval_s = 0.25, sinks = \"sleep\", wake_up.csl = {{}} }}\n"),
     ] {
         let without = format!("duration_s = 60.0\nwarm_up_s = 7.3\n{rest}");
         let with = format!(

@@ -25,7 +25,7 @@ fn pair(wake_up: &str, interval_s: f64, rest: &str) -> Scenario {
     let text = format!(
         r#"
 name = "sleeping"
-duration_s = 60000.0
+duration_s = 30000.0
 world.nodes.explicit = {{ names = ["node"], positions_m = [[0.0, 0.0]] }}
 channel.path_loss.log_distance.exponent = 2.0
 traffic.periodic = {{ mpdu_octets = 50, interval_s = 20.0, jitter = 0.5, acknowledged = true }}
@@ -192,8 +192,9 @@ fn clocks_that_drift_more_than_senders_allow_for_cost_retries() {
         mac.all.retries as f64 / mac.all.offered as f64
     };
     assert_close(retries(40.0), 0.0, 0.0);
-    // Nearly each attempt with a phase misses; then one without follows, and tells it again.
-    assert!(retries(0.0) > 0.8, "{}", retries(0.0));
+    // Most attempts with a phase miss; then one without follows, and tells it again. A phase that is less than 9 s old is hit: it is
+    // off by less than a unit and a wake-up frame.
+    assert!(retries(0.0) > 0.6, "{}", retries(0.0));
 }
 
 #[test]
@@ -247,12 +248,14 @@ fn contenders_take_turns() {
 #[test]
 fn packets_go_over_several_hops_of_stations_that_sleep() {
     for wake_up in ["x_mac = {}", "repeated_data = {}", "csl = {}"] {
-        let rest =
-            "radio.cca_threshold_dbm = -90.0\nrouting.tree.shortest.metric = \"hops\"\nchannel.max_range_m = 25.0";
-        let scenario = pair(wake_up, 0.125, rest);
-        let nodes = "{ explicit.positions_m = [[25.0, 0.0], [45.0, 0.0], [65.0, 0.0]] }";
-        let traffic = "{ poisson = { mpdu_octets = 50, rate_per_s = 0.02 } }";
-        let scenario = scenario.with("world.nodes", nodes).expect("nodes").with("traffic", traffic).expect("traffic");
+        let mut scenario = pair(wake_up, 0.125, "radio.cca_threshold_dbm = -90.0\nchannel.max_range_m = 25.0");
+        for (key, value) in [
+            ("world.nodes", "{ explicit.positions_m = [[25.0, 0.0], [45.0, 0.0], [65.0, 0.0]] }"),
+            ("traffic", "{ poisson = { mpdu_octets = 50, rate_per_s = 0.02 } }"),
+            ("routing", "{ tree.shortest.metric = \"hops\" }"),
+        ] {
+            scenario = scenario.with(key, value).expect(key);
+        }
         let run =
             sextant::run(&scenario.with("duration_s", 5000.0).expect("a time"), &mut (), &Unwatched).expect("a run");
         let routing = run.summary().routing.clone().expect("several hops");
