@@ -57,10 +57,20 @@ pub struct CsmaSettings {
     max_be: u8,
     max_backoffs: u8,
     max_retries: u8,
-    resting_state: RadioState,
-    state_without_frame: RadioState,
+    rest: Rest,
     queue_frames: u16,
     idle_turnarounds: bool,
+}
+
+/// What the radio does while the channel access does nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rest {
+    /// Its receiver is on.
+    Listening,
+    /// It is idle.
+    Idle,
+    /// It is idle during backoff, and sleeps without a frame.
+    Asleep,
 }
 
 impl CsmaSettings {
@@ -97,25 +107,32 @@ impl CsmaSettings {
     /// Whether the radio takes one turnaround from idle to receiving, and back.
     #[must_use]
     pub const fn has_idle_turnarounds(&self) -> bool {
-        self.idle_turnarounds && matches!(self.resting_state, RadioState::Idle)
+        self.idle_turnarounds && !matches!(self.rest, Rest::Listening)
     }
 
     /// The same, with the receiver on between frames and during backoff.
     #[must_use]
     pub const fn with_receiver_on(self) -> Self {
-        Self { resting_state: RadioState::Receive, state_without_frame: RadioState::Receive, ..self }
+        Self { rest: Rest::Listening, ..self }
     }
 
     /// State of the radio as long as there is no frame to send.
     #[must_use]
     pub const fn state_without_frame(&self) -> RadioState {
-        self.state_without_frame
+        match self.rest {
+            Rest::Listening => RadioState::Receive,
+            Rest::Idle => RadioState::Idle,
+            Rest::Asleep => RadioState::Sleep,
+        }
     }
 
     /// State of the radio between commands for a frame, as during backoff.
     #[must_use]
     pub const fn resting_state(&self) -> RadioState {
-        self.resting_state
+        match self.rest {
+            Rest::Listening => RadioState::Receive,
+            Rest::Idle | Rest::Asleep => RadioState::Idle,
+        }
     }
 }
 
@@ -127,8 +144,7 @@ impl Default for CsmaSettings {
             max_be: 5,
             max_backoffs: 4,
             max_retries: 3,
-            resting_state: RadioState::Idle,
-            state_without_frame: RadioState::Idle,
+            rest: Rest::Idle,
             queue_frames: 0,
             idle_turnarounds: false,
         }
@@ -145,7 +161,11 @@ impl TryFrom<CsmaConfig> for CsmaSettings {
             let remedy = "set one of them: a receiver that sleeps is not on";
             return Err(SettingError::conflict("sleep_between_frames", "`rx_on_when_idle`", remedy));
         }
-        let resting_state = if rx_on_when_idle { RadioState::Receive } else { RadioState::Idle };
+        let rest = match (rx_on_when_idle, sleep_between_frames) {
+            (true, _) => Rest::Listening,
+            (false, true) => Rest::Asleep,
+            (false, false) => Rest::Idle,
+        };
         if queue_frames > MAX_QUEUE_FRAMES {
             return Err(SettingError::new("queue_frames", queue_frames, format!("0 to {MAX_QUEUE_FRAMES}")));
         }
@@ -158,8 +178,7 @@ impl TryFrom<CsmaConfig> for CsmaSettings {
             max_be,
             max_backoffs: within("max_backoffs", max_backoffs, 0, 5)?,
             max_retries: within("max_retries", max_retries, 0, 7)?,
-            resting_state,
-            state_without_frame: if sleep_between_frames { RadioState::Sleep } else { resting_state },
+            rest,
             queue_frames,
             idle_turnarounds,
         })
