@@ -84,9 +84,9 @@ fn mean_frames(interval_us: u64, period_us: u64, hears_from: impl Fn(i64) -> Opt
 /// T/(2P) + 3/2 leaves out that a packet may come during a window.
 #[test]
 fn x_mac_takes_the_strobes_and_the_time_of_its_closed_form() {
-    for interval_s in [0.125, 0.5] {
+    for interval_us in [125_000, 500_000] {
+        let interval_s = 1e-6 * interval_us as f64;
         let (delay_s, strobes, packets) = measured(&pair("x_mac = {}", interval_s, ""));
-        let interval_us = (1e6 * interval_s) as u64;
         let window = STROBE_PERIOD_US as i64;
         let expected = mean_frames(interval_us, STROBE_PERIOD_US, |on| (on + window > 0).then_some(on));
         assert_close(expected, interval_s / (2e-6 * STROBE_PERIOD_US as f64) + 0.5, 0.01);
@@ -115,9 +115,9 @@ fn x_mac_is_as_fast_as_the_program_that_was_written_apart() {
 /// The literal rule of two looks: the first that meets a copy keeps the receiver on, and the next copy that begins is heard.
 #[test]
 fn repeated_frames_take_the_copies_and_the_time_of_their_closed_form() {
-    for interval_s in [0.125, 0.5] {
+    for interval_us in [125_000, 500_000] {
+        let interval_s = 1e-6 * interval_us as f64;
         let (delay_s, copies, packets) = measured(&pair("repeated_data = {}", interval_s, ""));
-        let interval_us = (1e6 * interval_s) as u64;
         let (turnaround, look) = (TURNAROUND_US as i64, LOOK_US as i64);
         let (period, data) = (COPY_PERIOD_US as i64, DATA_US as i64);
         let is_busy = |from: i64| {
