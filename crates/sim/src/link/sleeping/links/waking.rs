@@ -68,7 +68,7 @@ impl Links {
         };
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.clear();
-        candidates.extend(order.waking(now.saturating_sub(length)..end, now));
+        candidates.extend(order.waking(now.saturating_sub(length)..end));
         self.reached[from.index()] = Some(order);
         for &station in &candidates {
             let stack = &self.stacks[station.index()];
