@@ -347,7 +347,7 @@ class Port:
         """Number of nodes in the world."""
     @property
     def charge_j(self) -> float | None:
-        """Energy that is left in the battery of the station (J); ``None`` if it has no battery."""
+        """Energy that is left in the battery of the station (J); none if it has no battery."""
     @property
     def pose(self) -> Pose:
         """Where the station is and where it looks; of a robot by its odometry."""

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use sextant::summary::{BatterySummary, Summary};
 use sextant::{Scenario, Unwatched};
-use sextant_sim::{Observer, PacketEnd, PacketFate, PacketTrace};
+use sextant_kernel::{NodeId, SimTime, StationId};
+use sextant_sim::{FrameOnAir, Observer, PacketEnd, PacketFate, PacketTrace};
 
 /// Energy of the longest frame (J): 133 octets of 32 us with the 62 mW or less of the chips here.
 const FRAME_J: f64 = 133.0 * 32e-6 * 0.062;
@@ -203,6 +204,52 @@ impl Observer for Ends {
 }
 
 impl sextant::RunObserver for Ends {}
+
+/// Keeps the frames of the first node, and when its battery was empty.
+#[derive(Default)]
+struct LastFrames {
+    frames: Vec<(SimTime, SimTime)>,
+    depleted: Option<SimTime>,
+}
+
+impl Observer for LastFrames {
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
+        if frame.source == StationId(0) {
+            self.frames.push((frame.start, frame.start + frame.airtime));
+        }
+    }
+
+    fn wants_frames(&self) -> bool {
+        true
+    }
+
+    fn depleted(&mut self, _node: NodeId, time: SimTime) {
+        self.depleted = Some(time);
+    }
+}
+
+impl sextant::RunObserver for LastFrames {}
+
+/// Wake-up frames of CSL go out back to back for an interval. The node dies amid them, and only the frame on air ends.
+#[test]
+fn a_node_that_dies_while_it_wakes_another_sends_no_further_frame() {
+    for form in ["csl = {}", "x_mac = {}", "repeated_data = {}"] {
+        let rest = format!(
+            "duration_s = 100.0\nmac.sleep = {{ interval_s = 1.0, sinks = \"sleep\", wake_up.{form} }}\n\
+             traffic.periodic = {{ mpdu_octets = 50, interval_s = 10.0, acknowledged = true }}\n\
+             battery.capacity_j = 0.01\n"
+        );
+        let mut seen = LastFrames::default();
+        sextant::run(&star(&[1.0], &rest), &mut seen, &Unwatched).expect("a run");
+        let depleted = seen.depleted.expect("it is empty");
+        let after = seen.frames.iter().filter(|(start, _)| *start > depleted).count();
+        assert_eq!(after, 0, "{form}: {:?}", seen.frames.last());
+        // It was sending.
+        let (_, ended) = *seen.frames.last().expect("frames");
+        let quiet_s = depleted.as_secs_f64() - ended.as_secs_f64();
+        assert!(quiet_s < 0.003, "{form}: quiet for {quiet_s} s");
+    }
+}
 
 /// More is offered than the channel takes, so that queues are full at the deaths.
 #[test]
