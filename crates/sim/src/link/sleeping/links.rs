@@ -99,7 +99,6 @@ impl Links {
                 planned: None,
                 timer: None,
                 is_there: ledger.has(station),
-                is_dying: false,
                 tx_power: levels.tx_power,
                 cca_threshold: levels.cca_threshold.to_milliwatts(),
                 usage: Usage::new(RadioState::Sleep, SimTime::ZERO),

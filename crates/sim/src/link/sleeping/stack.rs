@@ -87,8 +87,6 @@ pub(super) struct Stack {
     pub(super) timer: Option<EventKey>,
     /// Whether it is in the network, and alive.
     pub(super) is_there: bool,
-    /// Whether it dies as soon as it has nothing on air.
-    pub(super) is_dying: bool,
     pub(super) tx_power: Dbm,
     pub(super) cca_threshold: Milliwatts,
     pub(super) usage: Usage,

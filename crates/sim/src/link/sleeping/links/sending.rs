@@ -103,14 +103,6 @@ impl Links {
     ) {
         self.stacks[station.index()].timer = None;
         let ended_frame = if event == Step::FrameEnded { self.end_frame(station, scene, observer) } else { None };
-        if self.stacks[station.index()].is_dying {
-            // What it had on air is over, and no other frame follows.
-            if let Some((frame, transmission)) = ended_frame {
-                self.receive(station, frame, &transmission, scene);
-            }
-            self.turn_off(station, scene);
-            return;
-        }
         let now = scene.now;
         let ended = self.command(station, scene, |sleeper, port| sleeper.handle(event, now, port));
         if let Some((frame, transmission)) = ended_frame {

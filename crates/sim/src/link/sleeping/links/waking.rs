@@ -146,8 +146,7 @@ impl Links {
 
     /// A station dies: its radio is off from now on, or from the end of what it has on air.
     pub(super) fn turn_off(&mut self, station: StationId, scene: &mut Scene) {
-        let stack = &mut self.stacks[station.index()];
-        stack.is_dying = true;
+        let stack = &self.stacks[station.index()];
         if stack.on_air.is_some() || !stack.is_there {
             return;
         }
