@@ -13,7 +13,7 @@ use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{
     AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace,
 };
-use crate::service::report::Destination;
+use crate::service::report::{Destination, FrameId};
 
 /// The track of the packet that a station has under way. It exists only if packets are traced.
 #[derive(Debug, Default)]
@@ -40,6 +40,46 @@ pub(super) struct Traced {
     pub(super) counts: bool,
     pub(super) end: PacketEnd,
     pub(super) fate: PacketFate,
+}
+
+/// What the traces of all packets of a station have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    pub(super) network: NetworkId,
+    pub(super) station: StationId,
+    /// Packets that were offered earlier do not count.
+    pub(super) counted_from: SimTime,
+}
+
+/// A data packet of a station.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DataPacket {
+    pub(super) id: FrameId,
+    pub(super) sequence: u8,
+    pub(super) to: Destination,
+    pub(super) mpdu_octets: u8,
+    pub(super) offered: SimTime,
+}
+
+impl Origin {
+    /// What a trace says of a packet that ended so.
+    pub(super) fn traced(self, packet: DataPacket, end: PacketEnd, fate: PacketFate) -> Traced {
+        let Self { network, station, counted_from } = self;
+        let DataPacket { id: FrameId(number), sequence, to, mpdu_octets, offered } = packet;
+        Traced {
+            network,
+            source: station,
+            kind: PacketKind::Data,
+            number,
+            sequence: Some(sequence),
+            to,
+            octets: mpdu_octets.into(),
+            offered,
+            counts: offered >= counted_from,
+            end,
+            fate,
+        }
+    }
 }
 
 /// What became of a transmission at the receiver that counts.

@@ -11,7 +11,7 @@ use super::checks::Checks;
 use super::usage::Usage;
 use crate::air::Transmission;
 use crate::link::payloads::Content;
-use crate::link::track::PacketTrack;
+use crate::link::track::{DataPacket, PacketTrack};
 use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::service::report::{Destination, FrameId};
 
@@ -35,6 +35,14 @@ pub(super) struct OpenFrame {
     /// Those to which a packet to all was delivered.
     pub(super) delivered: Vec<StationId>,
     pub(super) track: Option<Box<PacketTrack>>,
+}
+
+impl OpenFrame {
+    /// What a trace says of it.
+    pub(super) fn packet(&self) -> DataPacket {
+        let &Self { id, sequence, to, mpdu_octets, offered, .. } = self;
+        DataPacket { id, sequence, to, mpdu_octets, offered }
+    }
 }
 
 /// What a station does for the packet that is first in its queue.

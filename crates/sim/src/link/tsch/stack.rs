@@ -9,7 +9,7 @@ use sextant_mac::{EnergyMeter, RadioState};
 
 use crate::air::Transmission;
 use crate::link::payloads::Content;
-use crate::link::track::PacketTrack;
+use crate::link::track::{DataPacket, PacketTrack};
 use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::service::report::{Destination, FrameId};
 use crate::service::slots::SlotUse;
@@ -39,6 +39,14 @@ pub(super) struct SlotFrame {
     /// The best outcome of its transmissions.
     pub(super) outcome: FrameOutcome,
     pub(super) track: Option<Box<PacketTrack>>,
+}
+
+impl SlotFrame {
+    /// What a trace says of it.
+    pub(super) fn packet(&self) -> DataPacket {
+        let &Self { id, sequence, to, mpdu_octets, offered, .. } = self;
+        DataPacket { id, sequence, to, mpdu_octets, offered }
+    }
 }
 
 /// The slot in which a station sends next.

@@ -6,10 +6,10 @@ use super::Links;
 use crate::air::Transmission;
 use crate::link::fate::Fate;
 use crate::link::programmed::packet::OpenPacket;
-use crate::link::track::{PacketTrack, Traced, TransmissionEnd};
+use crate::link::track::{DataPacket, Origin, PacketTrack, Traced, TransmissionEnd};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
-use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
+use crate::service::packet_trace::{PacketEnd, PacketFate};
 use crate::service::radio_error::RadioError;
 use crate::service::report::{Destination, FrameId, SendOutcome};
 
@@ -212,21 +212,10 @@ impl Links {
         self.tell(station, track, &traced, scene);
     }
 
-    fn traced(&self, source: StationId, packet: &OpenPacket, end: PacketEnd, fate: PacketFate) -> Traced {
-        let &OpenPacket { id: FrameId(number), to, sequence, mpdu_octets, offered, .. } = packet;
-        Traced {
-            network: self.radios[0].network,
-            source,
-            kind: PacketKind::Data,
-            number,
-            sequence: Some(sequence),
-            to,
-            octets: mpdu_octets.into(),
-            offered,
-            counts: offered >= self.ledger.counted_from,
-            end,
-            fate,
-        }
+    fn traced(&self, station: StationId, packet: &OpenPacket, end: PacketEnd, fate: PacketFate) -> Traced {
+        let &OpenPacket { id, to, sequence, mpdu_octets, offered, .. } = packet;
+        let origin = Origin { network: self.radios[0].network, station, counted_from: self.ledger.counted_from };
+        origin.traced(DataPacket { id, sequence, to, mpdu_octets, offered }, end, fate)
     }
 
     fn tell(&self, station: StationId, track: Option<Box<PacketTrack>>, traced: &Traced, scene: &mut Scene) {

@@ -1,42 +1,13 @@
 //! Frames that are left at the end, and traces of all.
 
-use sextant_kernel::{SimTime, StationId};
+use sextant_kernel::StationId;
 
 use super::Links;
-use crate::link::track::Traced;
+use crate::link::track::Origin;
 use crate::link::tsch::stack::{FrameKind, SlotFrame};
 use crate::scene::Scene;
-use crate::service::network_id::NetworkId;
 use crate::service::outcome::FrameOutcome;
-use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
-use crate::service::report::FrameId;
-
-/// What the traces of all packets of a station have in common.
-#[derive(Clone, Copy)]
-struct Origin {
-    network: NetworkId,
-    station: StationId,
-    counted_from: SimTime,
-}
-
-impl Origin {
-    fn traced(self, frame: &SlotFrame, end: PacketEnd, fate: PacketFate) -> Traced {
-        let FrameId(number) = frame.id;
-        Traced {
-            network: self.network,
-            source: self.station,
-            kind: PacketKind::Data,
-            number,
-            sequence: Some(frame.sequence),
-            to: frame.to,
-            octets: frame.mpdu_octets.into(),
-            offered: frame.offered,
-            counts: frame.offered >= self.counted_from,
-            end,
-            fate,
-        }
-    }
-}
+use crate::service::packet_trace::{PacketEnd, PacketFate};
 
 impl Links {
     /// Counts the packets of a station that have not ended: one that was received counts so.
@@ -92,7 +63,7 @@ impl Links {
                     FrameOutcome::Received => PacketFate::Sent(FrameOutcome::Received),
                     _ => PacketFate::Pending,
                 };
-                let traced = origin.traced(frame, PacketEnd::Pending, fate);
+                let traced = origin.traced(frame.packet(), PacketEnd::Pending, fate);
                 scene.traced.push(track.end(&traced, &self.ledger.radio_states, stack.tx_power, scene.now));
             }
         }
@@ -109,7 +80,7 @@ impl Links {
     ) {
         let Some(mut track) = frame.track.take() else { return };
         let origin = Origin { network: self.radios[0].network, station, counted_from: self.ledger.counted_from };
-        let (traced, power) = (origin.traced(&frame, end, fate), self.stacks[station.index()].tx_power);
+        let (traced, power) = (origin.traced(frame.packet(), end, fate), self.stacks[station.index()].tx_power);
         scene.traced.push(track.end(&traced, &self.ledger.radio_states, power, scene.now));
     }
 }
