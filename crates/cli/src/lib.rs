@@ -6,7 +6,6 @@ mod commands;
 mod diagnostic;
 mod interrupt;
 mod invocation;
-#[cfg(feature = "live")]
 mod live;
 mod paragraph;
 mod progress;

@@ -66,5 +66,5 @@ pub use reader::world::distributed::{NodeRole, RecordedNode};
 pub use reader::world::routing::RecordedEdge;
 pub use reader::world::sensing::{Detection, RecordedField, RecordedTarget, Sample};
 pub use reader::world::{Places, RecordedLikelihood, RecordedWorld, read_world};
-pub use recorder::{FileRecorder, Origin, Recorder, Relay};
+pub use recorder::{FileRecorder, Origin, Recorder, RecordingSoFar, Relay};
 pub use tables::{Cell, CellKind, LeftOut, OwnedRow, TableColumn, TablePiece, TableRow, read_tables, station};

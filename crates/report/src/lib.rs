@@ -36,6 +36,7 @@ pub use error::ReportError;
 pub use frame::Frame;
 pub use map::{Map, NodeDetails, Snapshot};
 pub use missions::{Captures, Predictions, ReportedMission, TimeSeries};
+pub use page::live_page;
 pub use plane::Plane;
 pub use reproduction::{Claims, Reproduction};
 pub use survey::{Contacts, Receptions, Sector, Stops, Survey};

@@ -11,7 +11,7 @@ use flate2::{Compression, GzBuilder};
 use sextant_recording::admission::REPORT_TITLE;
 
 use super::document::{DocumentKind, Report};
-use super::policy::policy;
+use super::policy::{live_policy, policy};
 use super::text::{bdi, isolated};
 
 /// What `web/build.sh` makes.
@@ -30,35 +30,30 @@ impl Report {
     /// Never: all keys of a report are texts, and memory is written without errors.
     #[must_use]
     pub fn to_html(&self) -> String {
-        let json = serde_json::to_string(self).expect("the keys of a report are texts");
+        let json = self.to_json();
         let mut packed: GzEncoder<Vec<u8>> =
             GzBuilder::new().mtime(0).operating_system(UNKNOWN_SYSTEM).write(Vec::new(), Compression::new(7));
         packed.write_all(json.as_bytes()).expect("memory takes everything");
         let packed = packed.finish().expect("memory takes everything");
-        let (script, style) = (format!("\n{SCRIPT}"), format!("\n{STYLE}"));
-        let mut html = String::with_capacity(SCRIPT.len() + STYLE.len() + 2 * packed.len());
-        let _ = write!(
-            html,
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta name=\"color-scheme\" content=\"light dark\">\n\
-             <title>{} · {REPORT_TITLE}\n<style>{style}</style>\n</head>\n<body>\n\
-             <header class=\"top\">\n<div class=\"titles\">\n<p class=\"kind\">{}</p>\n<h1>{}</h1>\n{}</div>\n</header>\n\
-             <main id=\"main\">\n<p class=\"wait\" role=\"status\">Reading the data ..</p>\n\
-             <noscript><p>This report draws with JavaScript, which is off in this browser.</p></noscript>\n</main>\n\
-             <script type=\"application/octet-stream\" id=\"data\">{}</script>\n\
-             <script type=\"text/plain\" id=\"licences\">{}</script>\n\
-             <script>{script}</script>\n</body>\n</html>\n",
-            policy(&script, &style),
-            isolated(&self.title),
-            self.kind.words(),
-            bdi(&self.title),
-            self.origin_line(),
-            STANDARD.encode(packed),
-            without_ends(LICENCES),
-        );
-        html
+        let data =
+            format!("<script type=\"application/octet-stream\" id=\"data\">{}</script>\n", STANDARD.encode(packed));
+        page(&PageFrame {
+            title: &self.title,
+            kind: self.kind.words(),
+            origin: &self.origin_line(),
+            root: "",
+            policy,
+            data: &data,
+        })
+    }
+
+    /// The document alone (JSON), as the code of the page reads it.
+    ///
+    /// # Panics
+    /// Never: all keys of a report are texts.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("the keys of a report are texts")
     }
 
     /// Scenario, seed and versions, as a paragraph.
@@ -84,6 +79,59 @@ impl DocumentKind {
             Self::Reproduction => "Report of a reproduction",
         }
     }
+}
+
+/// The page of a run of `scenario` that is still simulated. It has no data: it asks the server that it is from for `state`
+/// and `document` ([`Report::to_json`]), and tells it to `pause`, `resume`, `step` and `speed/N`, all beside its own address.
+#[must_use]
+pub fn live_page(scenario: &str) -> String {
+    let frame = PageFrame {
+        title: scenario,
+        kind: "Run that goes on",
+        origin: "",
+        root: " data-live",
+        policy: live_policy,
+        data: "",
+    };
+    page(&frame)
+}
+
+/// What differs from page to page.
+struct PageFrame<'a> {
+    title: &'a str,
+    kind: &'a str,
+    /// Where the data are from (HTML).
+    origin: &'a str,
+    /// Attributes of the root element.
+    root: &'a str,
+    /// What the page may do, by its code and its style.
+    policy: fn(&str, &str) -> String,
+    /// The element with the data (HTML).
+    data: &'a str,
+}
+
+fn page(frame: &PageFrame<'_>) -> String {
+    let PageFrame { title, kind, origin, root, policy, data } = frame;
+    let (script, style) = (format!("\n{SCRIPT}"), format!("\n{STYLE}"));
+    let mut html = String::with_capacity(SCRIPT.len() + STYLE.len() + data.len() + LICENCES.len() + 2000);
+    let _ = write!(
+        html,
+        "<!DOCTYPE html>\n<html lang=\"en\"{root}>\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>{} · {REPORT_TITLE}\n<style>{style}</style>\n</head>\n<body>\n\
+         <header class=\"top\">\n<div class=\"titles\">\n<p class=\"kind\">{kind}</p>\n<h1>{}</h1>\n{origin}</div>\n</header>\n\
+         <main id=\"main\">\n<p class=\"wait\" role=\"status\">Reading the data ..</p>\n\
+         <noscript><p>This report draws with JavaScript, which is off in this browser.</p></noscript>\n</main>\n\
+         {data}<script type=\"text/plain\" id=\"licences\">{}</script>\n\
+         <script>{script}</script>\n</body>\n</html>\n",
+        policy(&script, &style),
+        isolated(title),
+        bdi(title),
+        without_ends(LICENCES),
+    );
+    html
 }
 
 /// A text in which no element ends.

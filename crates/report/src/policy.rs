@@ -14,6 +14,11 @@ pub(super) fn policy(script: &str, style: &str) -> String {
     )
 }
 
+/// The same of a page that may ask where it is from.
+pub(super) fn live_policy(script: &str, style: &str) -> String {
+    format!("{}; connect-src 'self'", policy(script, style))
+}
+
 /// The source of exactly this text.
 fn source(text: &str) -> String {
     format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text.as_bytes())))

@@ -2,14 +2,16 @@
 
 use clap::Args;
 
+use crate::live::{Speed, Viewer};
+
 /// How a run is shown while it goes on.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct LiveOptions {
-    /// Show the run while it goes on: Foxglove connects to ws://HOST:PORT. The recording is the same
-    #[arg(long)]
-    pub(crate) live: bool,
+    /// Show the run while it goes on, at the address that is printed. The recording is the same
+    #[arg(long, value_name = "VIEWER", num_args = 0..=1, require_equals = true, default_missing_value = "browser")]
+    pub(crate) live: Option<Viewer>,
     /// Simulated seconds in a second of the live view; `max` or 0 for as fast as possible
-    #[arg(long, value_name = "N", requires = "live", default_value = "10", value_parser = speed)]
+    #[arg(long, value_name = "N", requires = "live", default_value = "10", value_parser = Speed::read)]
     pub(crate) speed: Speed,
     /// The port of the live view; 0 for any that is free
     #[arg(long, value_name = "N", requires = "live", default_value_t = 8765)]
@@ -20,19 +22,4 @@ pub(crate) struct LiveOptions {
     /// Begin the live view paused: time passes when a viewer or a key resumes
     #[arg(long, requires = "live")]
     pub(crate) paused: bool,
-}
-
-/// Simulated seconds in a second; `None` for as fast as possible.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Speed(pub(crate) Option<f64>);
-
-fn speed(text: &str) -> Result<Speed, &'static str> {
-    if text == "max" {
-        return Ok(Speed(None));
-    }
-    match text.parse::<f64>() {
-        Ok(0.0) => Ok(Speed(None)),
-        Ok(speed) if (1e-6..=1e9).contains(&speed) => Ok(Speed(Some(speed))),
-        _ => Err("allowed: 0.000001 to 1000000000; 0 or max for as fast as possible"),
-    }
 }

@@ -9,7 +9,6 @@ use super::options::{Results, ScenarioSource, Work};
 use super::outputs::{Replacing, admit, keep_logs, reads_scenario};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-#[cfg(feature = "live")]
 use crate::live::{LiveView, Settings};
 use sextant::forecast::warnings;
 use sextant::run::{RunCapture, RunRecorder, run};
@@ -102,42 +101,11 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
 }
 
 /// Starts the live view, if there is to be one.
-#[cfg(feature = "live")]
 fn show(arguments: &Arguments, name: &str, interrupt: &Interrupt) -> Result<Option<LiveView>, Failure> {
     let LiveOptions { live, speed, port, host, paused } = &arguments.live;
-    if !live {
-        return Ok(None);
-    }
-    let settings =
-        Settings { host: host.clone(), port: *port, speed: speed.0, is_paused: *paused, name: name.to_owned() };
-    let view = LiveView::start(&settings, interrupt)?;
-    arguments.work.note(&view.note(host));
+    let Some(viewer) = *live else { return Ok(None) };
+    let (host, port, name) = (host.clone(), *port, name.to_owned());
+    let view = LiveView::start(&Settings { viewer, host, port, speed: speed.0, is_paused: *paused, name }, interrupt)?;
+    arguments.work.note(&view.note(&arguments.live.host));
     Ok(Some(view))
-}
-
-/// This program has no live view.
-#[cfg(not(feature = "live"))]
-fn show(arguments: &Arguments, _name: &str, _interrupt: &Interrupt) -> Result<Option<NoView>, Failure> {
-    if arguments.live.live {
-        return Err(Failure::bad_input_with_help(
-            "this program was built without the live view",
-            "`cargo install sextant-cli --features live` builds it in",
-        ));
-    }
-    Ok(None)
-}
-
-/// Stands for a live view where there is none.
-#[cfg(not(feature = "live"))]
-enum NoView {}
-
-#[cfg(not(feature = "live"))]
-impl NoView {
-    fn relay(&self) -> Box<dyn sextant_recording::Relay> {
-        match *self {}
-    }
-
-    fn finish(self, _interrupt: &Interrupt) {
-        match self {}
-    }
 }

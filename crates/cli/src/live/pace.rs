@@ -15,20 +15,22 @@ const TICK: Duration = Duration::from_millis(50);
 pub(crate) struct Pace {
     state: Mutex<State>,
     changed: Condvar,
-    /// Simulated seconds in a second; `None` for as fast as possible.
-    speed: Option<f64>,
     interrupt: Interrupt,
 }
 
 #[derive(Debug)]
 struct State {
     is_paused: bool,
+    /// Simulated seconds in a second; `None` for as fast as possible.
+    speed: Option<f64>,
     /// Steps that were asked for and not made.
     steps: u32,
     /// Simulated time at `since`.
     time: SimTime,
     /// From when on time passes.
     since: Instant,
+    /// The last instant of which is known that something happens then.
+    known: SimTime,
 }
 
 /// How far a run is.
@@ -36,6 +38,8 @@ struct State {
 pub(crate) struct Progress {
     /// Whether time stands still.
     pub(crate) is_paused: bool,
+    /// Simulated seconds in a second; `None` for as fast as possible.
+    pub(crate) speed: Option<f64>,
     /// Simulated time.
     pub(crate) time: SimTime,
 }
@@ -43,8 +47,8 @@ pub(crate) struct Progress {
 impl Pace {
     /// Time 0, at which everything stays if `is_paused`. After a signal, nothing waits.
     pub(crate) fn new(speed: Option<f64>, is_paused: bool, interrupt: Interrupt) -> Self {
-        let state = State { is_paused, steps: 0, time: SimTime::ZERO, since: now() };
-        Self { state: Mutex::new(state), changed: Condvar::new(), speed, interrupt }
+        let state = State { is_paused, speed, steps: 0, time: SimTime::ZERO, since: now(), known: SimTime::ZERO };
+        Self { state: Mutex::new(state), changed: Condvar::new(), interrupt }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -74,18 +78,28 @@ impl Pace {
         })
     }
 
+    /// Time passes faster or slower from now on.
+    pub(crate) fn set_speed(&self, speed: Option<f64>) -> Progress {
+        self.change(|state| state.speed = speed)
+    }
+
+    /// How far the run is.
+    pub(crate) fn progress(&self) -> Progress {
+        self.change(|_| ())
+    }
+
     fn change(&self, change: impl FnOnce(&mut State)) -> Progress {
         let mut state = self.state();
-        state.time = self.time(&state);
+        state.time = Self::time(&state);
         state.since = now();
         change(&mut state);
         self.changed.notify_all();
-        Progress { is_paused: state.is_paused, time: state.time }
+        Progress { is_paused: state.is_paused, speed: state.speed, time: state.time.min(state.known) }
     }
 
     /// Simulated time now.
-    fn time(&self, state: &State) -> SimTime {
-        match self.speed {
+    fn time(state: &State) -> SimTime {
+        match state.speed {
             Some(speed) if !state.is_paused => passed(state.time, state.since.elapsed(), speed),
             _ => state.time,
         }
@@ -94,6 +108,7 @@ impl Pace {
     /// Waits until simulated time is `next`, and tells `tick` the time while it passes. An instant before now has come.
     pub(crate) fn wait_until(&self, next: SimTime, tick: impl Fn(SimTime)) {
         let mut state = self.state();
+        state.known = state.known.max(next);
         while next > state.time && !self.interrupt.is_requested() {
             let mut longest = TICK;
             if state.is_paused && state.steps > 0 {
@@ -101,8 +116,8 @@ impl Pace {
                 break;
             }
             if !state.is_paused {
-                let Some(speed) = self.speed else { break };
-                let time = self.time(&state);
+                let Some(speed) = state.speed else { break };
+                let time = Self::time(&state);
                 if time >= next {
                     break;
                 }

@@ -26,7 +26,7 @@ const FEW: [&str; 2] = ["--set", "recording.frames=false"];
 fn shown(out: &Path, flags: &[&str]) -> (Child, String) {
     let mut command = sextant();
     command.arg("run").arg(scenario("smoke.toml")).args(FEW).arg("--out").arg(out);
-    command.args(["--live", "--port", "0"]).args(flags);
+    command.args(["--live=foxglove", "--port", "0"]).args(flags);
     let mut child = command.spawn().expect("it starts");
     let mut stderr = BufReader::new(child.stderr.take().expect("a pipe"));
     let mut note = String::new();

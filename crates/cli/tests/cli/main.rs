@@ -32,7 +32,7 @@ mod guide;
 mod init;
 #[cfg(unix)]
 mod interrupt;
-#[cfg(all(unix, feature = "live"))]
+#[cfg(all(unix, feature = "foxglove"))]
 mod live;
 mod log_folders;
 mod map;

@@ -19,7 +19,7 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn phases(&mut self, phases: &[Phase]) -> Result<(), RecordingError> {
-        self.sink.metadata(&Metadata { name: PHASES_METADATA.to_owned(), metadata: phase::record(phases) })
+        self.describe(&Metadata { name: PHASES_METADATA.to_owned(), metadata: phase::record(phases) })
     }
 
     /// Writes what an application is, where its phase begins.

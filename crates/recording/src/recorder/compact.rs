@@ -18,7 +18,7 @@ impl<W: Write> Recorder<W> {
     pub fn make_compact(&mut self, difference: &str, keep: &str) -> Result<(), RecordingError> {
         self.detail = Detail::Compact;
         let values = [("form", "compact"), ("difference", difference), ("keep", keep)];
-        self.sink.metadata(&Metadata {
+        self.describe(&Metadata {
             name: DETAIL_METADATA.to_owned(),
             metadata: values.map(|(key, value)| (key.to_owned(), value.to_owned())).into(),
         })

@@ -9,9 +9,11 @@ mod packets;
 mod playing;
 mod relay;
 mod sensing;
+mod so_far;
 
 pub use file::FileRecorder;
 pub use relay::Relay;
+pub use so_far::RecordingSoFar;
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -108,7 +110,7 @@ impl<W: Write> Recorder<W> {
     pub fn origin(&mut self, origin: Origin<'_>) -> Result<(), RecordingError> {
         let Origin { scenario, seed, version } = origin;
         let values = [("scenario", scenario.to_owned()), ("seed", seed.to_string()), ("version", version.to_owned())];
-        self.sink.metadata(&Metadata {
+        self.describe(&Metadata {
             name: ORIGIN_METADATA.to_owned(),
             metadata: values.map(|(key, value)| (key.to_owned(), value)).into(),
         })
@@ -146,7 +148,20 @@ impl<W: Write> Recorder<W> {
             name: name.to_owned(),
             media_type: media_type.to_owned(),
             data: data.into(),
-        })
+        })?;
+        if let Some(relay) = &mut self.relay {
+            relay.attachment(name, media_type, data);
+        }
+        Ok(())
+    }
+
+    /// Writes what is known by name.
+    fn describe(&mut self, metadata: &Metadata) -> Result<(), RecordingError> {
+        self.sink.metadata(metadata)?;
+        if let Some(relay) = &mut self.relay {
+            relay.metadata(&metadata.name, &metadata.metadata);
+        }
+        Ok(())
     }
 
     /// Writes the names of all nodes that the robots know (index = `NodeId`). Call it before the first stop.
@@ -177,7 +192,7 @@ impl<W: Write> Recorder<W> {
         if log.links().is_empty() {
             // Without a message there is no topic: that nobody was heard is another thing than that nobody listened.
             let values = BTreeMap::from([(LINKS_KEY.to_owned(), "0".to_owned())]);
-            self.sink.metadata(&Metadata { name: topic.to_owned(), metadata: values })?;
+            self.describe(&Metadata { name: topic.to_owned(), metadata: values })?;
         }
         log.links().iter().try_for_each(|&Link { listener, sender, received, sent, rssi_dbm }| {
             let message = messages::LinkMessage { listener: listener.0, sender: sender.0, received, sent, rssi_dbm };

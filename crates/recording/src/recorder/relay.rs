@@ -1,5 +1,7 @@
 //! Who else gets what is recorded.
 
+use std::collections::BTreeMap;
+
 use sextant_kernel::SimTime;
 
 /// Gets what a recorder writes: the same messages in the same order, with the same octets. It changes nothing in the
@@ -10,4 +12,10 @@ pub trait Relay: Send {
 
     /// A message of a channel was written. It may wait here for as long as it likes.
     fn message(&mut self, channel: u16, time: SimTime, data: &[u8]);
+
+    /// A file was attached: the scenario, a file that it names, or the summary.
+    fn attachment(&mut self, _name: &str, _media_type: &str, _data: &[u8]) {}
+
+    /// What is known by name was written, such as the origin.
+    fn metadata(&mut self, _name: &str, _values: &BTreeMap<String, String>) {}
 }

@@ -12,8 +12,17 @@ export class Clock {
     this.speed = span ? niceSpeed((span.to - span.from) / 30) : 1;
   }
 
+  /** Another span, of the same run. */
+  renew(span, isAtEnd) {
+    if (!this.span && span) this.speed = niceSpeed((span.to - span.from) / 30);
+    this.span = span;
+    if (span) this.time = isAtEnd ? span.to : Math.min(this.time, span.to);
+  }
+
+  /** Tells `listener` of each change. Gives what ends that. */
   listen(listener) {
     this.#listeners.add(listener);
+    return () => this.#listeners.delete(listener);
   }
 
   #tell() {

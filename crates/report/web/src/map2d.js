@@ -34,6 +34,14 @@ export class Map2d {
     this.camera.resize(width, height);
   }
 
+  /** Draws a later state of the same world from now on. */
+  renew(model) {
+    this.model = model;
+    this.images.clear();
+    this.camera.extent = model.extent;
+    if (this.camera.fitted) this.camera.fit();
+  }
+
   /** Sees x and y, or x and z. */
   turn(axes) {
     this.camera.axes = axes;

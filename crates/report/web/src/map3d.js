@@ -24,9 +24,7 @@ export class Map3d {
     this.isLarge = model.count > LARGE;
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.isLarge, powerPreference: "high-performance" });
     this.scene = new Scene();
-    const { low, high } = model.extent;
-    this.middle = new Vector3(...low.map((l, k) => (l + high[k]) / 2));
-    this.size = Math.max(...low.map((l, k) => high[k] - l), 1e-3);
+    this.#measure();
     this.camera = new PerspectiveCamera(40, 1, this.size / 500, this.size * 50);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -37,6 +35,19 @@ export class Map3d {
     this.scene.add(...this.lights);
     this.dot = new CanvasTexture(disc());
     this.still = null;
+  }
+
+  #measure() {
+    const { low, high } = this.model.extent;
+    this.middle = new Vector3(...low.map((l, k) => (l + high[k]) / 2));
+    this.size = Math.max(...low.map((l, k) => high[k] - l), 1e-3);
+  }
+
+  /** Draws a later state of the same world from now on. */
+  renew(model) {
+    this.model = model;
+    this.#measure();
+    if (this.still) this.still.key = null;
   }
 
   reset() {

@@ -69,13 +69,37 @@ export class MapView {
       element("button", { type: "button", onclick: () => this.zoom(1 / 1.3), "aria-label": "Zoom out" }, "−"),
       element("button", { type: "button", onclick: () => this.fit() }, "Show all"));
     this.data = element("div");
+    this.time = element("div");
+    this.#player();
     this.section = section("map", "Map",
       element("div", { class: "tools" }, this.choices, views),
       this.why,
-      element("div", { class: "map" }, element("div", { class: "picture" }, this.stage, model.span ? player(this.clock, model) : null, this.legend),
+      element("div", { class: "map" }, element("div", { class: "picture" }, this.stage, this.time, this.legend),
         element("aside", { "aria-label": "Node and layers" }, this.find, this.card, this.ticks)),
       this.live, this.help, this.data);
     this.#choices();
+  }
+
+  #player() {
+    this.player?.end();
+    this.player = this.model.span ? player(this.clock, this.model) : null;
+    this.time.replaceChildren(...(this.player ? [this.player.bar] : []));
+  }
+
+  /** Goes on with a later state of the same run. What is looked at stays: the maps, the layers, the part of the plane, the node. A clock at its end stays there. */
+  renew(model) {
+    const { clock } = this;
+    const isAtEnd = !clock.span || clock.time >= clock.span.to;
+    const named = (map) => model.maps.find((one) => one.name === map?.name) ?? null;
+    this.mapA = named(this.mapA) ?? model.maps[0] ?? null;
+    this.mapB = named(this.mapB);
+    this.model = model;
+    clock.renew(model.span, isAtEnd);
+    this.two.renew(model);
+    this.three?.renew(model);
+    this.#player();
+    this.ticks.replaceChildren(element("legend", {}, "Show"), ...this.#layerTicks());
+    this.#changed();
   }
 
   #canvas(label) {

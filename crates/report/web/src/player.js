@@ -1,4 +1,4 @@
-// The buttons and the slider of the time.
+// The buttons and the slider of the time, and what ends their following it.
 
 import { choice, element, identity } from "./element.js";
 import { clockTime, number } from "./format.js";
@@ -28,9 +28,10 @@ export function player(clock, model) {
     shown.textContent = all;
     slider.setAttribute("aria-valuetext", all);
   }
-  clock.listen(update);
+  const end = clock.listen(update);
   update();
-  return element("div", { class: "player", role: "group", "aria-label": "The walk in time" }, button,
+  const bar = element("div", { class: "player", role: "group", "aria-label": "The walk in time" }, button,
     element("div", { class: "track" }, element("label", { for: id, class: "hidden" }, "Time"), slider, model.phases.length > 1 ? phases : null),
     shown, speed);
+  return { bar, end };
 }

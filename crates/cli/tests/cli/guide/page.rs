@@ -111,7 +111,7 @@ fn step(language: &str, block: &[&str], marks: &[&str], place: Range<usize>) -> 
 /// Whether the program was built with a feature.
 fn has_feature(name: &str) -> Result<bool, String> {
     match name {
-        "live" => Ok(cfg!(feature = "live")),
+        "foxglove" => Ok(cfg!(feature = "foxglove")),
         "parquet" => Ok(cfg!(feature = "parquet")),
         "sqlite-bags" => Ok(cfg!(feature = "sqlite-bags")),
         _ => Err(format!("there is no feature `{name}`")),

@@ -1,4 +1,6 @@
-//! The server of a live view.
+//! The view of Foxglove: a server of its WebSocket protocol that sends what is recorded.
+
+mod feed;
 
 use std::sync::Arc;
 use std::thread;
@@ -6,12 +8,12 @@ use std::time::Duration;
 
 use foxglove::websocket::Capability;
 use foxglove::websocket::service::{Request, Service, ServiceSchema};
-use foxglove::{Context, FoxgloveError, WebSocketServer, WebSocketServerHandle};
+use foxglove::{Context, WebSocketServer, WebSocketServerHandle};
 use sextant_recording::Relay;
 
-use super::feed::{Channels, Feed};
-use super::keys;
+use self::feed::{Channels, Feed};
 use super::pace::{Pace, Progress};
+use super::{Settings, unavailable};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 
@@ -22,34 +24,18 @@ const LAST: Duration = Duration::from_secs(2);
 /// A signal is noticed this often.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Where a live view is, and how fast time passes.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Settings {
-    /// Name or address of this machine.
-    pub(crate) host: String,
-    /// The port; 0 for any that is free.
-    pub(crate) port: u16,
-    /// Simulated seconds in a second; `None` for as fast as possible.
-    pub(crate) speed: Option<f64>,
-    /// Whether time begins to pass only when somebody says so.
-    pub(crate) is_paused: bool,
-    /// Name of the scenario.
-    pub(crate) name: String,
-}
-
 /// A server that shows a run.
-pub(crate) struct LiveView {
+pub(crate) struct FoxgloveView {
     server: Arc<WebSocketServerHandle>,
     context: Arc<Context>,
     channels: Arc<Channels>,
     pace: Arc<Pace>,
 }
 
-impl LiveView {
-    /// Starts the server, and reads keys if there is a terminal.
-    pub(crate) fn start(settings: &Settings, interrupt: &Interrupt) -> Result<Self, Failure> {
-        let Settings { host, port, speed, is_paused, name } = settings;
-        let pace = Arc::new(Pace::new(*speed, *is_paused, interrupt.clone()));
+impl FoxgloveView {
+    /// Starts the server.
+    pub(super) fn start(settings: &Settings, pace: &Arc<Pace>) -> Result<Self, Failure> {
+        let Settings { host, port, name, .. } = settings;
         let (context, channels) = (Context::new(), Arc::new(Channels::default()));
         let server = WebSocketServer::new()
             .name(format!("sextant {name}"))
@@ -57,19 +43,16 @@ impl LiveView {
             .context(&context)
             .capabilities([Capability::Time, Capability::Services])
             .supported_encodings(["json"])
-            .services(services(&pace))
+            .services(services(pace))
             .listener(Arc::clone(&channels) as _)
             .message_backlog_size(BACKLOG)
             .start_blocking()
             .map_err(|error| unavailable(host, *port, &error))?;
-        if keys::has_keys() {
-            keys::listen(&pace);
-        }
-        Ok(Self { server: Arc::new(server), context, channels, pace })
+        Ok(Self { server: Arc::new(server), context, channels, pace: Arc::clone(pace) })
     }
 
     /// What hands on the messages of the recording.
-    pub(crate) fn relay(&self) -> Box<dyn Relay> {
+    pub(super) fn relay(&self) -> Box<dyn Relay> {
         Box::new(Feed {
             server: Arc::clone(&self.server),
             context: Arc::clone(&self.context),
@@ -78,15 +61,13 @@ impl LiveView {
         })
     }
 
-    /// What to tell the user.
-    pub(crate) fn note(&self, host: &str) -> String {
-        let port = self.server.port();
-        let keys = if keys::has_keys() { format!("; {}", keys::HELP) } else { String::new() };
-        format!("the run is shown at ws://{host}:{port}, for Foxglove: Open connection{keys}")
+    /// Where it is.
+    pub(super) fn note(&self, host: &str) -> String {
+        format!("ws://{host}:{}, for Foxglove: Open connection", self.server.port())
     }
 
     /// Ends the view when the run is over; viewers get the last messages before.
-    pub(crate) fn finish(self, interrupt: &Interrupt) {
+    pub(super) fn finish(self, interrupt: &Interrupt) {
         let mut left = LAST;
         while self.server.client_count() > 0 && !left.is_zero() && !interrupt.is_requested() {
             thread::sleep(LOOK);
@@ -103,7 +84,7 @@ fn services(pace: &Arc<Pace>) -> Vec<Service> {
     let service = |name: &str, act: fn(&Pace) -> Progress| {
         let pace = Arc::clone(pace);
         Service::builder(name, ServiceSchema::new(name)).handler_fn(move |_: Request| {
-            let Progress { is_paused, time } = act(&pace);
+            let Progress { is_paused, time, .. } = act(&pace);
             let answer = serde_json::json!({ "paused": is_paused, "time_s": time.as_secs_f64() });
             Ok::<_, String>(answer.to_string())
         })
@@ -113,11 +94,4 @@ fn services(pace: &Arc<Pace>) -> Vec<Service> {
         service("sextant.resume", Pace::resume),
         service("sextant.step", Pace::step),
     ]
-}
-
-fn unavailable(host: &str, port: u16, error: &FoxgloveError) -> Failure {
-    Failure::bad_input_with_help(
-        format!("the live view cannot use `{host}:{port}`: {error}"),
-        "`--port` chooses another port, and `--port 0` any that is free",
-    )
 }

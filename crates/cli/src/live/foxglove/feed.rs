@@ -8,7 +8,7 @@ use foxglove::{ChannelBuilder, Context, PartialMetadata, RawChannel, Schema, Web
 use sextant_kernel::SimTime;
 use sextant_recording::Relay;
 
-use super::pace::Pace;
+use super::super::pace::Pace;
 
 /// Sends what is recorded when its time has come.
 pub(super) struct Feed {
