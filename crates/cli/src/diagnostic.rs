@@ -40,6 +40,16 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
+    /// What went wrong, without how to fix it.
+    pub(crate) fn text(&self) -> String {
+        match self {
+            Self::BadInput(reports) => reports.iter().map(Report::to_string).collect::<Vec<_>>().join("; "),
+            Self::Failed(report) => report.to_string(),
+            Self::Interrupted | Self::Terminated => "it was stopped".to_owned(),
+            Self::Unread => "nobody reads it".to_owned(),
+        }
+    }
+
     /// Bad input, in one sentence.
     pub(crate) fn bad_input(message: impl Into<String>) -> Self {
         Self::BadInput(vec![Report::new(Message { text: message.into(), help: None, excerpt: None })])

@@ -105,7 +105,8 @@ fn show(arguments: &Arguments, name: &str, interrupt: &Interrupt) -> Result<Opti
     let LiveOptions { live, speed, port, host, paused } = &arguments.live;
     let Some(viewer) = *live else { return Ok(None) };
     let (host, port, name) = (host.clone(), *port, name.to_owned());
-    let view = LiveView::start(&Settings { viewer, host, port, speed: speed.0, is_paused: *paused, name }, interrupt)?;
+    let view =
+        LiveView::start(&Settings { viewer, host, port, speed: speed.0, is_paused: *paused, name }, interrupt)?;
     arguments.work.note(&view.note(&arguments.live.host));
     Ok(Some(view))
 }

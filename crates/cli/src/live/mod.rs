@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 use sextant_recording::Relay;
 
-use self::browser::BrowserView;
+use self::browser::RunView;
+pub(crate) use self::browser::{BrowserView, Document, Place, Story};
 #[cfg(feature = "foxglove")]
 use self::foxglove::FoxgloveView;
 use self::pace::Pace;
@@ -47,7 +48,7 @@ pub(crate) struct Settings {
 
 /// A server that shows a run.
 pub(crate) enum LiveView {
-    Browser(BrowserView),
+    Browser(RunView),
     #[cfg(feature = "foxglove")]
     Foxglove(FoxgloveView),
 }
@@ -57,7 +58,7 @@ impl LiveView {
     pub(crate) fn start(settings: &Settings, interrupt: &Interrupt) -> Result<Self, Failure> {
         let pace = Arc::new(Pace::new(settings.speed, settings.is_paused, interrupt.clone()));
         let view = match settings.viewer {
-            Viewer::Browser => Self::Browser(BrowserView::start(settings, &pace)?),
+            Viewer::Browser => Self::Browser(RunView::start(settings, &pace, interrupt)?),
             #[cfg(feature = "foxglove")]
             Viewer::Foxglove => Self::Foxglove(FoxgloveView::start(settings, &pace)?),
             #[cfg(not(feature = "foxglove"))]

@@ -234,7 +234,7 @@ fn a_port_that_is_in_use_is_named_with_a_remedy() {
     let port = taken.local_addr().expect("a port").port().to_string();
     let out = folder.path().join("run.mcap");
     let mut command = sextant();
-    command.arg("run").arg(scenario("smoke.toml")).arg("--out").arg(&out).args(["--live", "--port", &port]);
+    command.arg("run").arg(scenario("smoke.toml")).arg("--out").arg(&out).args(["--live=foxglove", "--port", &port]);
     let output = command.output().expect("it starts");
     let text = String::from_utf8_lossy(&output.stderr).replace('\n', " ");
     assert_eq!(output.status.code(), Some(2), "{text}");

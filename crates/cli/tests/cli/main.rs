@@ -34,6 +34,8 @@ mod init;
 mod interrupt;
 #[cfg(all(unix, feature = "foxglove"))]
 mod live;
+#[cfg(unix)]
+mod live_page;
 mod log_folders;
 mod map;
 mod map_figure;

@@ -1,8 +1,9 @@
-// A run that is still simulated: its page asks the program for what is new, and tells it to pause, to step or to hurry.
+// What goes on: a run that is simulated, or a log that grows. The page asks the program for what is new, and tells a run to pause, to step or to hurry.
 
 import { choice, element } from "./element.js";
 import { clockTime, number } from "./format.js";
 import { documentOf } from "./payload.js";
+import { visible } from "./text.js";
 
 /** Between two questions (ms). */
 const PAUSE = 300;
@@ -10,19 +11,19 @@ const PAUSE = 300;
 const GONE = 10;
 const SPEEDS = [["1", "1 ×"], ["10", "10 ×"], ["100", "100 ×"], ["1000", "1000 ×"], ["max", "as fast as possible"]];
 
-/** Whether the page is that of a run that is still simulated. */
+/** Whether the page is that of something that goes on. */
 export function isLive() {
   return document.documentElement.dataset.live !== undefined;
 }
 
-/** Shows each new document by `show`, until the run is over. Gives the bar with its controls. */
+/** Shows each new document by `show`, until nothing follows. Gives the bar with its controls. */
 export function follow(show) {
   const said = element("output", { class: "time", role: "status" }, "Waiting for the program");
-  const pause = element("button", { type: "button", onclick: () => tell(state.is_paused ? "resume" : "pause") }, "Pause");
-  const step = element("button", { type: "button", title: "To the next instant at which something is recorded", onclick: () => tell("step") }, "Step");
+  const pause = element("button", { type: "button", hidden: true, onclick: () => tell(state.pace.is_paused ? "resume" : "pause") }, "Pause");
+  const step = element("button", { type: "button", hidden: true, title: "To the next instant at which something is recorded", onclick: () => tell("step") }, "Step");
   const speed = element("div", { class: "speed" });
-  const bar = element("div", { class: "player live", role: "group", "aria-label": "The run" }, element("strong", {}, "Live"), pause, step, said, speed);
-  let state = { is_paused: false };
+  const bar = element("div", { class: "player live", role: "group", "aria-label": "What goes on" }, element("strong", {}, "Live"), pause, step, said, speed);
+  let state = { pace: null };
   let shown = 0;
   let missed = 0;
 
@@ -33,20 +34,27 @@ export function follow(show) {
 
   async function ask() {
     state = await (await answered("state")).json();
-    pause.textContent = state.is_paused ? "Go on" : "Pause";
-    if (speed.childElementCount === 0) {
-      const now = state.speed === null ? "max" : String(state.speed);
-      const all = SPEEDS.some(([key]) => key === now) ? SPEEDS : [[now, `${number(state.speed)} ×`], ...SPEEDS];
-      speed.append(choice("Speed", all, now, (value) => tell(`speed/${value}`)));
-    }
-    const what = state.is_over ? "the run is over" : state.is_paused ? "paused" : "simulated";
-    said.textContent = `${clockTime(state.time_s)}, ${what}${state.problem ? `; ${state.problem}` : ""}`;
+    if (state.pace) controls(state.pace);
+    said.textContent = [state.pace && progress(state.pace), state.news && visible(state.news)].filter(Boolean).join("; ") || "Waiting for what can be mapped";
     if (state.document > shown) {
       shown = state.document;
       show(documentOf(await (await answered("document")).text()));
     }
     if (state.is_over) for (const one of bar.querySelectorAll("button, select")) one.disabled = true;
     return state.is_over && shown === state.document;
+  }
+
+  function controls({ is_paused, speed: times }) {
+    pause.hidden = step.hidden = false;
+    pause.textContent = is_paused ? "Go on" : "Pause";
+    if (speed.childElementCount > 0) return;
+    const now = times === null ? "max" : String(times);
+    const all = SPEEDS.some(([key]) => key === now) ? SPEEDS : [[now, `${number(times)} ×`], ...SPEEDS];
+    speed.append(choice("Speed", all, now, (value) => tell(`speed/${value}`)));
+  }
+
+  function progress({ is_paused, time_s }) {
+    return `${clockTime(time_s)}, ${state.is_over ? "the run is over" : is_paused ? "paused" : "simulated"}`;
   }
 
   async function loop() {

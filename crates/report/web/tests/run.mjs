@@ -1,7 +1,8 @@
-// Tests of reports in the browsers that are installed. `node tests/run.mjs FOLDER`: FOLDER has reports as tests/make.sh makes
-// them. With `--keep`, the pictures of Chromium become those that later ones are compared with.
+// Tests of reports in the browsers that are installed. `node tests/run.mjs FOLDER PROGRAM`: FOLDER has reports as tests/make.sh
+// makes them, with that program, which is asked for a live view too. With `--keep`, the pictures of Chromium become those that later ones are compared with.
 
 import { strict as assert } from "node:assert";
+import { spawn } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -10,7 +11,7 @@ import { namesInNode, namesInPage } from "./names.mjs";
 import { difference, reduced } from "./picture.mjs";
 import { page as pageOf, synthetic } from "./synthetic.mjs";
 
-const folder = process.argv.slice(2).find((word) => !word.startsWith("--"));
+const [folder, program] = process.argv.slice(2).filter((word) => !word.startsWith("--"));
 const isKeeping = process.argv.includes("--keep");
 const kept = new URL("./kept/", import.meta.url).pathname;
 const axe = readFileSync(new URL("../node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
@@ -245,6 +246,40 @@ async function withoutWebgl() {
   await browser.close();
 }
 
+/** A run that is shown while it is simulated. */
+async function live(name, browser) {
+  await test(`${name}: a run goes on in the page, is paused there, and what is looked at stays`, async () => {
+    const scenario = new URL("../../../../scenarios/smoke.toml", import.meta.url).pathname;
+    const run = spawn(program, ["run", scenario, "--out", join(made, `${name}.mcap`), "--live", "--port", "0", "--speed", "40"]);
+    const address = await new Promise((done) => {
+      let said = "";
+      run.stderr.on("data", (part) => { said += part; const found = /http:\S+\//.exec(said); if (found) done(found[0]); });
+    });
+    const ended = new Promise((done) => run.on("exit", done));
+    const page = await browser.newPage();
+    const said = [];
+    page.on("console", (message) => { if (message.type() === "error" && !/favicon/.test(message.location().url ?? "")) said.push(message.text()); });
+    page.on("pageerror", (error) => said.push(error.message));
+    const asked = [];
+    page.on("request", (request) => { if (!request.url().startsWith(address) && !/^(data|blob):|favicon/.test(request.url())) asked.push(request.url()); });
+    await page.goto(address);
+    const stops = () => globalThis.sextantReport?.view?.model.surveys[0]?.stops.times_s.length ?? 0;
+    await page.waitForFunction(stops, { timeout: 20_000 });
+    await page.evaluate(() => { sextantReport.view.zoom(2); sextantReport.view.select(3); [...document.querySelectorAll(".live button")][0].click(); });
+    await page.waitForFunction(() => /paused/.test(document.querySelector(".live output").textContent), { timeout: 5_000 });
+    const before = await page.evaluate(() => ({ scale: sextantReport.view.two.camera.scale, stops: sextantReport.view.model.surveys[0].stops.times_s.length }));
+    assert.ok(before.stops < 100);
+    await page.evaluate(() => [...document.querySelectorAll(".live button")][0].click());
+    await page.waitForFunction(() => document.querySelector("#summary") && /over/.test(document.querySelector(".live output").textContent), { timeout: 30_000 });
+    const after = await page.evaluate(() => ({ scale: sextantReport.view.two.camera.scale, selected: sextantReport.view.selected, stops: sextantReport.view.model.surveys[0].stops.times_s.length, maps: document.querySelectorAll("#map").length }));
+    assert.deepEqual(after, { scale: before.scale, selected: 3, stops: 100, maps: 1 });
+    assert.equal(await ended, 0);
+    assert.deepEqual(said, [], "errors on the console");
+    assert.deepEqual(asked, [], "requests to elsewhere");
+    await page.close();
+  });
+}
+
 await namesInNode(test);
 for (const name of Object.keys(installed)) {
   const browser = await start(name);
@@ -252,6 +287,7 @@ for (const name of Object.keys(installed)) {
   await looks(name, browser);
   await uses(name, browser);
   await compares(name, browser);
+  await live(name, browser);
   await namesInPage(test, name, browser, join(folder, "names.html"));
   if (name === "chromium") await limits(browser);
   await browser.close();

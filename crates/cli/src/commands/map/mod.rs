@@ -1,5 +1,6 @@
 //! `sextant map`: computes maps from a reception log.
 
+mod follow;
 mod track;
 
 use std::collections::BTreeMap;
@@ -102,6 +103,17 @@ pub(crate) struct Arguments {
     /// The format of the figures
     #[arg(long, value_enum, default_value_t, requires = "figure")]
     pub(crate) figure_format: PictureFormat,
+    /// Map the log again whenever it has grown, and show the map in a browser, at the address that is printed, until Ctrl-C
+    #[arg(long, conflicts_with_all = [
+        "out", "summary", "figure", "tiles", "stitch", "estimate_path", "track", "path_out",
+    ])]
+    pub(crate) follow: bool,
+    /// The port of the page of --follow; 0 for any that is free
+    #[arg(long, value_name = "N", requires = "follow", default_value_t = 8765)]
+    pub(crate) port: u16,
+    /// The address of the page of --follow. Other machines can connect to it only if it is not 127.0.0.1
+    #[arg(long, value_name = "HOST", requires = "follow", default_value = "127.0.0.1")]
+    pub(crate) host: String,
     /// Map tile by tile, with memory for the stops, the nodes and one tile instead of all receptions: N tiles, `auto` for as
     /// many as the free memory needs, or `auto:MB` for as many as so many megabytes need. The map is the same as in one
     /// piece. For recordings, and folders with stops.csv and receptions.csv. A temporary file is written
@@ -151,6 +163,9 @@ pub(super) fn algorithms() -> impl TypedValueParser<Value = AlgorithmName> {
 pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
+    if arguments.follow {
+        return follow::execute(arguments, interrupt);
+    }
     if let Some(known) = arguments.path.known.as_deref().filter(|_| arguments.path.track) {
         return track::execute(arguments, known, interrupt);
     }
@@ -218,24 +233,7 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
         let problem = format!("`--network` is `{name}`, but the log is of one network without a name");
         return Err(Failure::bad_input_with_help(problem, "leave out `--network`"));
     }
-    let fields = arguments.truth_fields.as_ref();
-    let truth = match &arguments.truth {
-        Some(path) => Some(robot_log::read_truth(path, fields, input.plane.as_ref(), &mut input.notes)?),
-        None => None,
-    };
-    let truth = match &arguments.names {
-        Some(path) => {
-            let names = Names::read(path, &mut input.notes)?;
-            input.rename(&names, truth)?
-        }
-        None => truth,
-    };
-    if let Some(truth) = truth {
-        input.take_truth(truth);
-    }
-    input.prior =
-        mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, input.plane.as_ref(), &settings.maps)?;
-    floorplan::lay(arguments.floorplan.as_deref(), &mut input)?;
+    arguments.know(&mut input, &settings)?;
     let _keeper = keeper.unwrap_or_else(|| interrupt.keep());
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     if arguments.path.estimate_path {
@@ -285,6 +283,28 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
 }
 
 impl Arguments {
+    /// Takes what is known besides the log: true positions, other names, where nodes may be, walls.
+    fn know(&self, input: &mut Input, settings: &MapSettings) -> Result<(), Failure> {
+        let fields = self.truth_fields.as_ref();
+        let truth = match &self.truth {
+            Some(path) => Some(robot_log::read_truth(path, fields, input.plane.as_ref(), &mut input.notes)?),
+            None => None,
+        };
+        let truth = match &self.names {
+            Some(path) => {
+                let names = Names::read(path, &mut input.notes)?;
+                input.rename(&names, truth)?
+            }
+            None => truth,
+        };
+        if let Some(truth) = truth {
+            input.take_truth(truth);
+        }
+        input.prior =
+            mapping::place_prior(self.area.as_deref(), self.near_stops, input.plane.as_ref(), &settings.maps)?;
+        floorplan::lay(self.floorplan.as_deref(), input)
+    }
+
     /// The files that are read.
     pub(super) fn inputs<'a>(&self) -> Outputs<'a> {
         let mut outputs = self.replacing.outputs();

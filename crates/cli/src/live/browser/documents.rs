@@ -1,21 +1,37 @@
-//! The documents of a run that goes on: one after another, each with all that was recorded until then.
+//! The documents of what goes on: one after another, each with all that there is until then.
 
 use std::io;
-use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use sextant_recording::RecordingSoFar;
-use sextant_report::{Report, ReportError};
-use tempfile::TempDir;
-
 /// Between two documents at least.
 const APART: Duration = Duration::from_secs(1);
-/// A document that takes long leaves the processor to the simulation for so many times its own time.
-const SHARE: u32 = 10;
+/// A document that takes long leaves the processor to others for so many times its own time.
+const SHARE: u32 = 5;
 /// A browser that has asked within this time looks at the run.
 const LOOKS: Duration = Duration::from_secs(3);
+
+/// What documents are made of.
+pub(crate) trait Story: Send + 'static {
+    /// Whether there is something that the last document does not have.
+    fn has_more(&mut self) -> bool;
+
+    /// A document of all that there is (JSON), with a sentence on what is new if there is one to say. `is_last` if nothing
+    /// follows. `None` if there is nothing to show yet.
+    ///
+    /// # Errors
+    /// Why there is no document now: what is told beside the last one.
+    fn document(&mut self, is_last: bool) -> Result<Option<Document>, String>;
+}
+
+/// A document of a story.
+pub(crate) struct Document {
+    /// JSON.
+    pub(crate) text: String,
+    /// What is new in it.
+    pub(crate) news: Option<String>,
+}
 
 /// The last document, and who has it.
 #[derive(Default)]
@@ -32,8 +48,8 @@ struct State {
     number: u64,
     /// The number of the one that was given last.
     given: u64,
-    /// Why there is no newer one.
-    problem: Option<String>,
+    /// What is new in it, or why there is no newer one.
+    news: Option<String>,
     /// Whether the run is over, and then whether the last document is made.
     is_over: bool,
     is_last: bool,
@@ -44,7 +60,7 @@ struct State {
 /// What a browser is told.
 pub(super) struct Told {
     pub(super) number: u64,
-    pub(super) problem: Option<String>,
+    pub(super) news: Option<String>,
     /// Whether no document follows this one.
     pub(super) is_last: bool,
 }
@@ -59,7 +75,7 @@ impl Documents {
         let mut state = self.state();
         state.asked = Some(now());
         self.changed.notify_all();
-        Told { number: state.number, problem: state.problem.clone(), is_last: state.is_last }
+        Told { number: state.number, news: state.news.clone(), is_last: state.is_last }
     }
 
     /// A browser takes the last document.
@@ -81,29 +97,27 @@ impl Documents {
         state.is_watched() && !(state.is_last && state.given == state.number)
     }
 
-    fn made(&self, document: Result<String, ReportError>, is_last: bool) {
+    fn made(&self, made: Result<Option<Document>, String>, is_last: bool) {
         let mut state = self.state();
-        match document {
-            Ok(text) => {
-                (state.text, state.problem) = (text.into(), None);
+        match made {
+            Ok(Some(Document { text, news })) => {
+                (state.text, state.news) = (text.into(), news);
                 state.number += 1;
             }
-            // Nothing has happened yet.
-            Err(ReportError::Empty { .. }) => {}
-            Err(error) => state.problem = Some(error.to_string()),
+            Ok(None) => {}
+            Err(problem) => state.news = Some(problem),
         }
         state.is_last = is_last;
     }
 
-    /// Waits until a document is wanted that has more than `records` records; whether the run is over then. `None` if
-    /// the run is over and nobody looks.
-    fn wanted(&self, records: usize, so_far: &RecordingSoFar) -> Option<bool> {
+    /// Waits until a document is wanted; whether the run is over then. `None` if the run is over and nobody looks.
+    fn wanted(&self, story: &mut dyn Story) -> Option<bool> {
         let mut state = self.state();
         loop {
             if state.is_over {
                 return state.is_watched().then_some(true);
             }
-            if state.is_watched() && so_far.records() > records {
+            if state.is_watched() && story.has_more() {
                 return Some(false);
             }
             state = self.changed.wait_timeout(state, APART).unwrap_or_else(PoisonError::into_inner).0;
@@ -126,17 +140,13 @@ impl State {
     }
 }
 
-/// Makes documents of what is recorded while a browser looks, in a thread of its own.
-pub(super) fn make(documents: &Arc<Documents>, so_far: &RecordingSoFar) -> io::Result<()> {
-    let folder = TempDir::with_prefix("sextant-live-")?;
-    let (documents, so_far) = (Arc::clone(documents), so_far.clone());
+/// Makes documents of a story while a browser looks, in a thread of its own.
+pub(super) fn make(documents: &Arc<Documents>, mut story: impl Story) -> io::Result<()> {
+    let documents = Arc::clone(documents);
     thread::Builder::new().name("live documents".to_owned()).spawn(move || {
-        let path = folder.path().join("run.mcap");
-        let mut records = 0;
-        while let Some(is_last) = documents.wanted(records, &so_far) {
-            records = so_far.records();
+        while let Some(is_last) = documents.wanted(&mut story) {
             let began = now();
-            documents.made(document(&so_far, &path), is_last);
+            documents.made(story.document(is_last), is_last);
             if is_last {
                 break;
             }
@@ -144,14 +154,6 @@ pub(super) fn make(documents: &Arc<Documents>, so_far: &RecordingSoFar) -> io::R
         }
     })?;
     Ok(())
-}
-
-fn document(so_far: &RecordingSoFar, path: &Path) -> Result<String, ReportError> {
-    so_far.write(path)?;
-    let mut report = Report::of_recording(path)?;
-    // That it goes on is told beside it.
-    report.notes.clear();
-    Ok(report.to_json())
 }
 
 fn now() -> Instant {

@@ -7,8 +7,9 @@ use std::thread;
 use sextant_report::live_page;
 use tiny_http::{Header, Method, Request, Response};
 
-use super::super::pace::Pace;
+use super::super::pace::{Pace, Progress};
 use super::super::speed::Speed;
+use super::Place;
 use super::documents::{Documents, Told};
 
 /// A server of HTTP. It gives the page, the documents and how far the run is, to those who know the word in the address;
@@ -20,23 +21,18 @@ pub(super) struct Server {
 }
 
 impl Server {
-    /// Listens at `address`, below `/TOKEN/`.
+    /// Listens at a place, below `/TOKEN/`.
     pub(super) fn start(
-        address: (&str, u16),
+        place: Place<'_>,
         token: &str,
-        name: &str,
         documents: &Arc<Documents>,
-        pace: &Arc<Pace>,
+        pace: Option<Arc<Pace>>,
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
-        let server = Arc::new(tiny_http::Server::http(address)?);
-        let port = server.server_addr().to_ip().map_or(address.1, |at| at.port());
+        let server = Arc::new(tiny_http::Server::http((place.host, place.port))?);
+        let port = server.server_addr().to_ip().map_or(place.port, |at| at.port());
         let folder = format!("/{token}/");
-        let desk = Desk {
-            folder: folder.clone(),
-            page: live_page(name),
-            documents: Arc::clone(documents),
-            pace: Arc::clone(pace),
-        };
+        let desk =
+            Desk { folder: folder.clone(), page: live_page(place.title), documents: Arc::clone(documents), pace };
         let listening = Arc::clone(&server);
         thread::Builder::new().name("live server".to_owned()).spawn(move || {
             for request in listening.incoming_requests() {
@@ -68,7 +64,8 @@ struct Desk {
     folder: String,
     page: String,
     documents: Arc<Documents>,
-    pace: Arc<Pace>,
+    /// How fast it goes, where that can be changed.
+    pace: Option<Arc<Pace>>,
 }
 
 impl Desk {
@@ -90,28 +87,31 @@ impl Desk {
             (Method::Get, "") => return Some(("text/html", self.page.clone())),
             (Method::Get, "document") => return Some(("application/json", self.documents.take().to_string())),
             (Method::Get, "state") => {}
-            (Method::Post, "pause") => drop(self.pace.pause()),
-            (Method::Post, "resume") => drop(self.pace.resume()),
-            (Method::Post, "step") => drop(self.pace.step()),
-            (Method::Post, what) => drop(self.pace.set_speed(Speed::read(what.strip_prefix("speed/")?).ok()?.0)),
+            (Method::Post, what) => self.change(self.pace.as_ref()?, what)?,
             _ => return None,
         }
         Some(("application/json", self.state()))
     }
 
+    /// Does what the page says; `None` if that is nothing.
+    fn change(&self, pace: &Pace, what: &str) -> Option<()> {
+        match what {
+            "pause" => pace.pause(),
+            "resume" => pace.resume(),
+            "step" => pace.step(),
+            _ => pace.set_speed(Speed::read(what.strip_prefix("speed/")?).ok()?.0),
+        };
+        Some(())
+    }
+
     /// How far the run is, and which document is the last one.
     fn state(&self) -> String {
-        let Told { number, problem, is_last } = self.documents.ask();
-        let progress = self.pace.progress();
-        let state = serde_json::json!({
-            "document": number,
-            "problem": problem,
-            "is_over": is_last,
-            "is_paused": progress.is_paused,
-            "speed": progress.speed,
-            "time_s": progress.time.as_secs_f64(),
+        let Told { number, news, is_last } = self.documents.ask();
+        let pace = self.pace.as_ref().map(|pace| {
+            let Progress { is_paused, speed, time } = pace.progress();
+            serde_json::json!({ "is_paused": is_paused, "speed": speed, "time_s": time.as_secs_f64() })
         });
-        state.to_string()
+        serde_json::json!({ "document": number, "news": news, "is_over": is_last, "pace": pace }).to_string()
     }
 }
 
