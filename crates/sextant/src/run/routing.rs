@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use sextant_apps::routing::{Deliveries, RoutedStation, RoutedTo, RoutingRecord, TreeConfig};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::EnergySpent;
-use sextant_recording::messages::TreeEdgeMessage;
+use sextant_recording::messages::{ParentChangeMessage, TreeEdgeMessage};
 use sextant_scenario::Scenario;
 use sextant_sim::layout::PlacedNode;
 
@@ -20,7 +20,7 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
     let mut all = Deliveries::default();
     nodes.iter().for_each(|node| all += &node.packets);
     let counts = record.counts();
-    let changes: usize = nodes.iter().map(|node| node.changes.len()).sum();
+    let changes: usize = nodes.iter().map(|node| node.changes()).sum();
     let hours = simulated.survey.end.saturating_since(SimTime::ZERO).as_secs_f64() / 3600.0;
     let node_hours = nodes.len() as f64 * hours;
     Some(RoutingSummary {
@@ -120,7 +120,7 @@ fn by_node(scenario: &Scenario, record: &RoutingRecord, energy: &[EnergySpent]) 
         delivered: node.packets.delivered,
         delay_s: node.packets.delays.mean_s(),
         transmissions: node.counts.transmissions,
-        parent_changes: node.changes.len() as u64,
+        parent_changes: node.changes() as u64,
         energy_j: total_j(spent),
     };
     nodes.iter().zip(&record.stations).zip(energy).map(summary).collect()
@@ -134,10 +134,33 @@ pub(super) fn edges(scenario: &Scenario, record: &RoutingRecord) -> Vec<TreeEdge
         parent: station.parent.map(|parent| name_of(scenario, parent)).unwrap_or_default(),
         depth: station.depth,
         etx: station.parent_etx,
-        changes: u32::try_from(station.changes.len()).unwrap_or(u32::MAX),
+        changes: u32::try_from(station.changes()).unwrap_or(u32::MAX),
         parent_station: station.parent.map(|parent| parent.0),
     };
     (0..).zip(nodes).map(edge).collect()
+}
+
+/// The parents that nodes chose, for a recording: in the order of time, and of the nodes.
+pub(super) fn parent_changes(scenario: &Scenario, record: &RoutingRecord) -> Vec<ParentChangeMessage> {
+    let name = |parent: Option<StationId>| parent.map(|parent| name_of(scenario, parent)).unwrap_or_default();
+    let nodes = record.stations[..scenario.world().nodes.len()].iter();
+    let mut changes = Vec::new();
+    for (node, station) in (0..).zip(nodes) {
+        let mut before = None;
+        for change in &station.parents {
+            changes.push(ParentChangeMessage {
+                time_ns: change.time.as_nanos(),
+                node,
+                old_parent: name(before),
+                new_parent: name(change.parent),
+                etx: change.etx,
+                parent_station: change.parent.map(|parent| parent.0),
+            });
+            before = change.parent;
+        }
+    }
+    changes.sort_by_key(|change| change.time_ns);
+    changes
 }
 
 /// The name of a node or a sink.
