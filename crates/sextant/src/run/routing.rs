@@ -7,6 +7,7 @@ use sextant_kernel::{SimTime, StationId};
 use sextant_mac::EnergySpent;
 use sextant_recording::messages::{ParentChangeMessage, TreeEdgeMessage};
 use sextant_scenario::Scenario;
+use sextant_sim::BatteryRecord;
 use sextant_sim::layout::PlacedNode;
 
 use super::simulator::Simulated;
@@ -55,7 +56,7 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
         parent_changes_per_node_h: if node_hours > 0.0 { changes as f64 / node_hours } else { 0.0 },
         without_way: nodes.iter().filter(|node| node.depth.is_none()).count(),
         depth: nodes.iter().filter_map(|node| node.depth).max().unwrap_or(0),
-        by_depth: by_depth(nodes, energy),
+        by_depth: by_depth(nodes, energy, &simulated.survey.batteries),
         nodes: by_node(scenario, record, energy),
     })
 }
@@ -87,7 +88,8 @@ fn answers(sinks: &[RoutedStation]) -> AnswersSummary {
     }
 }
 
-fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary> {
+/// The nodes by their depth; `batteries` is empty if they have none.
+fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent], batteries: &[BatteryRecord]) -> Vec<DepthSummary> {
     let mut depths: BTreeMap<u32, (Deliveries, EnergySpent, usize)> = BTreeMap::new();
     for (node, &spent) in nodes.iter().zip(energy) {
         let Some(depth) = node.depth else { continue };
@@ -96,6 +98,11 @@ fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary
         *sum += spent;
         *count += 1;
     }
+    let of_depth = |depth: u32| {
+        let own = nodes.iter().zip(batteries).filter(move |(node, _)| node.depth == Some(depth));
+        own.map(|(_, battery)| battery)
+    };
+    let dead = |depth: u32| of_depth(depth).filter(|battery| battery.depleted.is_some()).count();
     let summary = |(depth, (packets, spent, nodes)): (u32, (Deliveries, EnergySpent, usize))| DepthSummary {
         depth,
         nodes,
@@ -105,6 +112,8 @@ fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary
         delay_s: packets.delays.mean_s(),
         energy_j: total_j(spent) / nodes as f64,
         energy_tx_j: spent.tx_j / nodes as f64,
+        depleted: (!batteries.is_empty()).then(|| dead(depth)),
+        lifetime_d: super::battery::lifetimes(of_depth(depth)),
     };
     depths.into_iter().map(summary).collect()
 }
