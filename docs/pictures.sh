@@ -40,6 +40,13 @@ run scenarios/smoke.toml
 keep smoke.figures/map-ml-tm smoke-map
 run scenarios/routing/collection-tree.toml
 keep collection-tree.figures/tree collection-tree
+run scenarios/batteries/slots-tree.toml --set recording.packets=true --set recording.frames=true --set duration_s=3600
+keep slots-tree.figures/time-line slots-time-line
+run scenarios/sleep/csl-corridor.toml --set recording.packets=true --set recording.frames=true
+keep csl-corridor.figures/time-line sleep-time-line
+"$sextant" init network --out network.toml > /dev/null
+run network.toml
+keep network.figures/tree-changes network-tree-changes
 run scenarios/ml-tm/two-robots.toml
 keep two-robots.figures/network two-robots-network
 

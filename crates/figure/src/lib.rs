@@ -2,7 +2,7 @@
 //!
 //! There is one [`Figure`] of the network with the survey, one of the sectors at a stop, and one of the targets. Each
 //! recorded instant of a field has one, each application and its time series, each map, and each likelihood surface.
-//! Further ones are the distribution of each kind of error, the sector displacement, and the neighbour scattering in
+//! The tree of packets over several hops has those of [`of_tree`]. Further ones are the distribution of each kind of error, the sector displacement, and the neighbour scattering in
 //! a map that the nodes computed. A recorded packet trace has those of [`of_packets`]. Maps that were computed just now have three more: regions of 95 % and names, the
 //! reception curve against the data, and the residual of each stop. The same recording gives the same bytes. The
 //! colours can be distinguished with any
@@ -40,6 +40,7 @@ pub use paint::file::{Figure, FileFormat};
 pub use pictures::antenna::of_antenna;
 pub use pictures::gallery::{all, all_of_maps};
 pub use pictures::maps::estimated::{EstimatedMap, Model, ReceptionCurve};
+pub use pictures::networks::trees::of_tree;
 pub use pictures::packets::{PacketSource, TimeWindow, of_packets};
 pub use pictures::source::Source;
 pub use plot::bars::Bars;

@@ -52,6 +52,7 @@ pub use messages::names::{FILES_ATTACHMENTS, ORIGIN_METADATA, SCENARIO_ATTACHMEN
 pub use messages::phase::{Phase, SURVEY};
 pub use messages::sensation::Sensation;
 pub use output::foreign_folder::ForeignFolder;
+pub use reader::activity::{FrameType, RecordedActivity, RecordedFrame};
 pub use reader::course::{RecordedCourse, read_course};
 pub use reader::known::{MutualKnowledge, read_known};
 pub use reader::packets::{RecordedPacket, read_packets};
@@ -63,7 +64,7 @@ pub use reader::traffic::{RecordedDelays, RecordedOutcomes, RecordedTraffic};
 pub use reader::way::Way;
 pub use reader::world::applications::{RecordedApplication, RecordedCapture, RecordedTargetPlace};
 pub use reader::world::distributed::{NodeRole, RecordedNode};
-pub use reader::world::routing::RecordedEdge;
+pub use reader::world::routing::{RecordedEdge, RecordedParent};
 pub use reader::world::sensing::{Detection, RecordedField, RecordedTarget, Sample};
 pub use reader::world::{Places, RecordedLikelihood, RecordedWorld, read_world};
 pub use recorder::{FileRecorder, Origin, Recorder, RecordingSoFar, Relay};

@@ -28,6 +28,7 @@ mod survey;
 mod sweep;
 mod tables;
 mod text;
+mod tree;
 mod world;
 
 pub use column::Column;
@@ -41,4 +42,5 @@ pub use plane::Plane;
 pub use reproduction::{Claims, Reproduction};
 pub use survey::{Contacts, Receptions, Sector, Stops, Survey};
 pub use sweep::{SweepColumn, SweepTable, SweepValues};
+pub use tree::{ChosenParents, Deaths, Tree};
 pub use world::{Body, Marks, PhaseSpan, Solid, Way, World};

@@ -18,6 +18,7 @@ use super::map::{Map, NodeDetails, Snapshot, errors};
 use super::missions::ReportedMission;
 use super::plane::Plane;
 use super::survey::{Contacts, Survey};
+use super::tree::{Deaths, Tree};
 use super::world::{Body, Marks, PhaseSpan, Solid, Way, World};
 
 /// More receptions make a page of a few hundred megabytes, which browsers do not open.
@@ -109,6 +110,8 @@ fn world(run: &RecordedRun, drawn: &RecordedWorld, course: &RecordedCourse, fram
             .map(|surface| Plane::new(&surface.map, Some(&surface.node), None, &surface.plane, &frame))
             .collect(),
         fields: Plane::of_fields(&drawn.fields, &frame),
+        tree: Tree::of(drawn, &frame),
+        deaths: Deaths::of(drawn, &frame),
         phases: course.phases.iter().map(|phase| PhaseSpan::of(phase, &frame)).collect(),
     }
 }

@@ -10,6 +10,7 @@ use super::frame::Frame;
 use super::map::Map;
 use super::plane::Plane;
 use super::survey::{Contacts, Survey};
+use super::tree::{Deaths, Tree};
 
 /// Everything with a place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -51,6 +52,12 @@ pub struct World {
     /// Fields at instants.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<Plane>,
+    /// The tree over which packets went.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tree: Option<Tree>,
+    /// When batteries were empty.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deaths: Option<Deaths>,
     /// The simulations of the run, if there are several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub phases: Vec<PhaseSpan>,

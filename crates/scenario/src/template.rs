@@ -50,6 +50,7 @@ const TEMPLATES: &[Template] = &[
         "a robot measures ranges, as ultra-wideband does, and its log becomes a map: biases included"
     ),
     scenario!("mac", "nodes send packets to a sink by CSMA-CA: deliveries, delays, collisions, retries"),
+    scenario!("network", "nodes on batteries send over several hops to a sink: a tree, its changes, lifetimes"),
     scenario!("mmwave", "a robot with a 60 GHz antenna maps nodes by the sectors in which they answer"),
     scenario!("distributed", "no robot: nodes work out their own places from messages of those that know theirs"),
     scenario!("search", "nodes detect a moving target, and a robot is led to it"),

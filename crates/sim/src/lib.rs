@@ -163,6 +163,7 @@ pub use service::packets::{NetworkRecord, Packets};
 pub use service::radio_error::RadioError;
 pub use service::radio_event::{RadioEvent, ReceivedFrame};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
+pub use service::rhythm::Rhythm;
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
 pub use service::sleep::SleepUse;
 pub use service::slots::SlotUse;

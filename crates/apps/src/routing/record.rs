@@ -33,8 +33,8 @@ pub struct RoutedStation {
     /// Expected transmissions of a packet to its parent: as the station worked them out, or by the layout at the start. `None` if
     /// they are not known.
     pub parent_etx: Option<f64>,
-    /// Its parents after its first one, in the order of time.
-    pub changes: Vec<ParentChange>,
+    /// Its parents, in the order of time, if it chose them itself: the first one is no change.
+    pub parents: Vec<ParentChange>,
 }
 
 /// What became of packets.
@@ -81,13 +81,23 @@ pub struct Counts {
     pub no_route: u64,
 }
 
-/// A station has another parent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A station has its first parent, or another one.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParentChange {
     /// When.
     pub time: SimTime,
     /// The new one; `None` if it has lost its way.
     pub parent: Option<StationId>,
+    /// Expected transmissions of a packet to the new one, as the station knew them then.
+    pub etx: Option<f64>,
+}
+
+impl RoutedStation {
+    /// How often it changed its parent after the first one.
+    #[must_use]
+    pub fn changes(&self) -> usize {
+        self.parents.len().saturating_sub(1)
+    }
 }
 
 /// What a station leaves behind.
@@ -101,7 +111,7 @@ pub(super) struct StationRecord {
     pub(super) parent: Option<StationId>,
     /// Expected transmissions to its parent, if it worked them out itself.
     pub(super) parent_etx: Option<f64>,
-    pub(super) changes: Vec<ParentChange>,
+    pub(super) parents: Vec<ParentChange>,
     pub(super) counts: Counts,
 }
 
@@ -143,7 +153,7 @@ impl RoutingRecord {
                 depth: tree.depth(station, is_root),
                 shortest_hops: shortest.depth(station, is_root),
                 parent_etx: left.parent_etx.or_else(|| links.etx(station, left.parent?)),
-                changes: left.changes.iter().skip(1).copied().collect(),
+                parents: left.parents.clone(),
             })
             .collect();
         let waiting = waiting(&left, &context.dead);

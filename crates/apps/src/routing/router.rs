@@ -61,6 +61,14 @@ impl Way {
         }
     }
 
+    /// Expected transmissions to the parent, if the station worked them out itself.
+    fn parent_etx(&self) -> Option<f64> {
+        match self {
+            Self::FixedRoot | Self::Fixed(_) => None,
+            Self::Built { tree, .. } => tree.parent_etx(),
+        }
+    }
+
     fn cost(&self) -> Option<f64> {
         match self {
             Self::FixedRoot | Self::Fixed(_) => None,
@@ -118,11 +126,8 @@ impl Router {
     /// What the station leaves behind.
     pub(super) fn into_record(self) -> StationRecord {
         let waiting = self.outbox.iter().map(|packet| (packet.data.origin, packet.data.number)).collect();
-        let parent_etx = match &self.way {
-            Way::Built { tree, .. } => tree.parent_etx(),
-            Way::FixedRoot | Way::Fixed(_) => None,
-        };
-        StationRecord { waiting, parent: self.way.parent(), parent_etx, ..self.record }
+        let (parent, parent_etx) = (self.way.parent(), self.way.parent_etx());
+        StationRecord { waiting, parent, parent_etx, ..self.record }
     }
 
     pub(super) fn uniform(&mut self, port: &Port<'_>) -> f64 {
@@ -219,7 +224,8 @@ impl Router {
     /// Does what follows from something that the tree learned.
     fn react(&mut self, reaction: Reaction, port: &mut Port<'_>) {
         if reaction.has_changed_parent {
-            self.record.changes.push(ParentChange { time: port.now(), parent: self.way.parent() });
+            let (parent, etx) = (self.way.parent(), self.way.parent_etx());
+            self.record.parents.push(ParentChange { time: port.now(), parent, etx });
         }
         if reaction.is_inconsistent {
             self.hasten_beacons(port);

@@ -2,8 +2,10 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::Args;
+use sextant::kernel::SimTime;
 
 use super::options::PictureFormat;
 use super::outputs::{Replacing, admit, reads_given};
@@ -11,6 +13,7 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::stdout;
 use sextant::Scenario;
+use sextant::export::station_names;
 use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, TimeWindow};
 use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::disk;
@@ -36,6 +39,9 @@ pub(crate) struct Arguments {
     /// The time line of packets ends here
     #[arg(long, value_name = "S")]
     pub(crate) to: Option<f64>,
+    /// The tree of packets over several hops is drawn as it was then (simulated time) [default: at the end]
+    #[arg(long, value_name = "S")]
+    pub(crate) time: Option<f64>,
     /// The measures of a table to draw, as the names of their columns [default: the usual ones]. Only for tables
     #[arg(long, value_name = "COLUMN")]
     pub(crate) column: Vec<String>,
@@ -93,7 +99,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     if arguments.layout {
         return write_layouts(arguments);
     }
-    let Recording { run, world: drawn, packets } = recording::read_recording(path)?;
+    let Recording { run, world: drawn, packets, activity } = recording::read_recording(path)?;
     let is_empty = drawn.maps.is_empty() && drawn.targets.is_empty() && drawn.fields.is_empty();
     if is_empty && drawn.applications.is_empty() && drawn.sinks.is_empty() && run.log().stops().is_empty() {
         return Err(Failure::bad_input_with_help(
@@ -111,10 +117,13 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         claimed_obstacles: &run.claimed_obstacles(),
     };
     let mut figures = figure::all(&source);
+    figures.extend(arguments.trees(&source)?);
     figures.extend(figure::of_packets(&PacketSource {
         title: source.title,
-        names: run.log().names(),
+        names: &station_names(&run),
+        drawn: &drawn,
         packets: &packets,
+        activity: &activity,
         traffic: &run.traffic(),
         window: arguments.window(&packets)?,
     }));
@@ -161,6 +170,22 @@ impl Arguments {
     /// The folder for the figures.
     fn folder(&self) -> PathBuf {
         self.out.clone().unwrap_or_else(|| self.recording.with_extension("figures"))
+    }
+
+    /// The tree of packets over several hops, if there is one.
+    fn trees(&self, source: &Source<'_>) -> Result<Vec<Figure>, Failure> {
+        let Some(time_s) = self.time else { return Ok(figure::of_tree(source, None)) };
+        let end_s = source.drawn.tree_end.as_secs_f64();
+        if source.drawn.tree.is_empty() {
+            return Err(Failure::bad_input_with_help(
+                format!("`--time {time_s}` is given, but `{}` has no tree", self.recording.display()),
+                "a run has one if its scenario has a table [routing]",
+            ));
+        }
+        if !(0.0..=end_s).contains(&time_s) {
+            return Err(Failure::bad_input(format!("`--time {time_s}` is not in the run; allowed: 0 to {end_s}")));
+        }
+        Ok(figure::of_tree(source, Some(SimTime::ZERO + Duration::from_secs_f64(time_s))))
     }
 
     /// The window of the time line.

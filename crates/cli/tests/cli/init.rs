@@ -72,6 +72,70 @@ fn the_study_of_channel_access_delivers_most_packets() {
 }
 
 #[test]
+fn the_tree_of_the_network_delivers_repairs_itself_and_has_its_pictures() {
+    let summary = run("network");
+    let routing = &summary["routing"];
+    assert!(routing["delivery"].as_f64().expect("a share") > 0.98, "{routing}");
+    assert!(
+        routing["depth"].as_u64().expect("hops") >= 2 && routing["parent_changes"].as_u64().expect("a count") > 5
+    );
+    let battery = &summary["battery"];
+    assert!(battery["depleted"].as_u64().expect("a count") > 5 && battery["half_death_s"].is_number(), "{battery}");
+    let folder = folder();
+    sextant(folder.path(), &["init", "network"]).success();
+    sextant(folder.path(), &["run", "network.toml", "--out", "network.mcap", "--quiet"]).success();
+    let drawn = sextant(folder.path(), &["figure", "network.mcap", "--out", "pictures"]).success();
+    let drawn = text(&drawn.get_output().stdout);
+    for picture in ["tree.svg", "tree-changes.svg", "time-line.svg"] {
+        assert!(drawn.contains(picture), "{picture} in {drawn}");
+    }
+}
+
+/// The text of the template `network` without the tables that begin with `without`, and with the marked settings that begin
+/// with `with`, and what follows them.
+fn varied(without: &[&str], with: &[&str]) -> String {
+    let begins = |line: &str, words: &[&str]| words.iter().any(|word| line.starts_with(word));
+    let template = Template::named("network").and_then(Template::scenario).expect("a template");
+    let (mut leaves_out, mut takes) = (false, false);
+    let mut lines = Vec::new();
+    for line in template.text.lines() {
+        if let Some(setting) = line.strip_prefix("#: ") {
+            takes = begins(setting, with) || takes && !setting.starts_with('[');
+            leaves_out = false;
+            lines.push(if takes { setting } else { line });
+            continue;
+        }
+        takes = false;
+        leaves_out = begins(line, without) || leaves_out && !line.is_empty() && !line.starts_with(['[', '#']);
+        if !leaves_out {
+            lines.push(line);
+        }
+    }
+    lines.join("\n")
+}
+
+#[test]
+fn each_marked_setting_of_the_network_is_another_network() {
+    let run = |without: &[&str], with: &[&str]| {
+        let scenario = Scenario::parse(&varied(without, with)).expect("a good scenario");
+        sextant::run(&scenario, &mut (), &Unwatched).expect("it runs").summary().clone()
+    };
+    let (csma, collection) = ("[mac.csma_unslotted]", "[routing.tree.collection]");
+    let delivery = |summary: &sextant::Summary| summary.routing.as_ref().and_then(|routing| routing.delivery);
+    let slots = run(&[csma], &["[mac.tsch"]);
+    assert!(slots.mac.as_ref().and_then(|mac| mac.slots.as_ref()).is_some_and(|slots| slots.duty_cycle < 0.05));
+    assert!(delivery(&slots).is_some_and(|share| share > 0.98));
+    let asleep = run(&[csma, collection], &["[mac.sleep", "[routing.tree.shortest"]);
+    assert!(asleep.mac.as_ref().and_then(|mac| mac.sleep.as_ref()).is_some_and(|sleep| sleep.duty_cycle < 0.02));
+    assert!(delivery(&asleep).is_some_and(|share| share > 0.98));
+    let still = run(&[], &[]);
+    let changes = |summary: &sextant::Summary| summary.routing.as_ref().map_or(0, |routing| routing.parent_changes);
+    for with in [&["fading ="][..], &["[[world.motions", "[world.motions"]] {
+        assert!(changes(&run(&[], with)) > 3 * changes(&still), "{with:?}");
+    }
+}
+
+#[test]
 fn the_survey_by_sectors_maps_all_nodes_within_half_a_metre() {
     let summary = run("mmwave");
     assert_eq!(summary["maps"][0]["mapped"], 40);

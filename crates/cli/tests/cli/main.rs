@@ -42,6 +42,7 @@ mod map_figure;
 mod metrics_page;
 mod moving;
 mod named_files;
+mod network_pictures;
 mod odometry;
 mod outcomes;
 mod outdoor_paths;

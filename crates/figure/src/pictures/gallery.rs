@@ -22,7 +22,6 @@ use super::networks::crowded_network;
 use super::networks::crowded_network::Crowds;
 use super::networks::network;
 use super::networks::sectors;
-use super::networks::tree;
 use super::source::Source;
 use crate::paint::file::Figure;
 use crate::paint::picture::Picture;
@@ -30,7 +29,6 @@ use crate::plot::density::Crowding;
 
 /// All figures of a recording: `network`, and `survey` if there are so many nodes or stops that dots would overlap; then
 /// colours show the number of nodes in each cell, or a mean over them. There are `sectors` if robots have sectors,
-/// `tree` if packets go over several hops,
 /// `targets` if there are any, `field-NAME-Ts` for each recorded instant T of a field. There is `application-NAME` with its time series for each
 /// application, `map-NAME` for each map, and `likelihood-NAME-NODE` for each likelihood surface. If the true
 /// positions are known, there are `error-cdf` and `connectivity-cdf`. There is `sector-displacement` if nodes have
@@ -73,7 +71,6 @@ pub fn all_of_maps(source: &Source<'_>, maps: &[EstimatedMap<'_>]) -> Vec<Figure
 fn pictures(source: &Source<'_>, crowding: Crowding) -> Vec<(String, Picture)> {
     let mut figures = networks(source, crowding);
     figures.extend(sectors::draw(source).map(|picture| ("sectors".to_owned(), picture)));
-    figures.extend(tree::draw(source).map(|picture| ("tree".to_owned(), picture)));
     figures.extend(targets::draw(source).map(|picture| ("targets".to_owned(), picture)));
     for instant in &source.drawn.fields {
         // To the millisecond: a file's name has no tails of rounding.
@@ -146,7 +143,7 @@ fn file_name(name: &str, taken: &mut BTreeSet<String>) -> String {
 mod tests {
     use sextant_channel::{Position, Reception, ReceptionLog, Stop};
     use sextant_kernel::{NodeId, RobotId, SimTime};
-    use sextant_recording::{RecordedEdge, RecordedWorld};
+    use sextant_recording::RecordedWorld;
 
     use super::*;
     use crate::paint::picture::Mark;
@@ -171,33 +168,6 @@ mod tests {
             .unwrap();
         let maps = vec![("ml-tm".to_owned(), mapped.collect())];
         (log, RecordedWorld { nodes, maps, ..RecordedWorld::default() })
-    }
-
-    #[test]
-    fn a_tree_has_a_line_to_each_parent_and_a_cross_where_there_is_none() {
-        let (log, mut drawn) = world();
-        drawn.nodes.retain(|node, _| node.0 < 3);
-        drawn.sinks.insert(NodeId(0), Position::new(0.0, 5.0, 0.0));
-        // Stations 0 to 2 are the nodes, and 3 is the sink.
-        let edge = |(node, parent, depth)| RecordedEdge { node: NodeId(node), parent, depth };
-        drawn.tree = [(0, Some(3), Some(1)), (1, Some(0), Some(2)), (2, None, None)].map(edge).into();
-        let source =
-            Source { title: "t", log: &log, drawn: &drawn, sector_displacements: &[], claimed_obstacles: &[] };
-        let figures = pictures(&source, Crowding::default());
-        let (_, tree) = figures.iter().find(|(name, _)| name == "tree").unwrap();
-        let words: Vec<_> = tree
-            .marks
-            .iter()
-            .filter_map(|mark| match mark {
-                Mark::Text { text, .. } => Some(text.as_str()),
-                _ => None,
-            })
-            .collect();
-        assert!(words.contains(&"3 nodes, 1.5 hops in the mean, 2 at most, 1 without a way"), "{words:?}");
-        assert!(words.contains(&"node without a way"), "{words:?}");
-        let without = RecordedWorld { tree: Vec::new(), ..drawn.clone() };
-        let source = Source { drawn: &without, ..source };
-        assert!(pictures(&source, Crowding::default()).iter().all(|(name, _)| name != "tree"));
     }
 
     fn discs(figures: &[(String, Picture)], name: &str) -> usize {

@@ -5,6 +5,6 @@ mod applications;
 mod errors;
 pub(crate) mod gallery;
 pub(crate) mod maps;
-mod networks;
+pub(crate) mod networks;
 pub(crate) mod packets;
 pub(crate) mod source;

@@ -41,12 +41,21 @@ impl Source<'_> {
     /// Views of the world that contain the nodes, the obstacles and `more`: from above, and also from the side unless the
     /// nodes and `more` all have the same height.
     pub(crate) fn views(&self, more: impl Iterator<Item = Position>) -> Views {
-        let RecordedWorld { nodes, obstacles, .. } = self.drawn;
-        let places: Vec<_> = nodes.values().copied().chain(more).collect();
+        let places: Vec<_> = self.drawn.nodes.values().copied().chain(more).collect();
         let flat = Extent::around(places.iter().copied()).is_none_or(|extent| extent.is_flat());
-        let corners = obstacles.iter().flat_map(|solid| &solid.vertices).copied();
-        let extent = Extent::around(places.into_iter().chain(corners)).unwrap_or_default();
+        let extent = self.extent(places.into_iter());
         Views::new(&extent, if flat { &[View::Top] } else { &[View::Top, View::Side] })
+    }
+
+    /// The view from above that contains the same.
+    pub(crate) fn views_from_above(&self, more: impl Iterator<Item = Position>) -> Views {
+        Views::new(&self.extent(self.drawn.nodes.values().copied().chain(more)), &[View::Top])
+    }
+
+    /// The part of the world with these places and the obstacles.
+    fn extent(&self, places: impl Iterator<Item = Position>) -> Extent {
+        let corners = self.drawn.obstacles.iter().flat_map(|solid| &solid.vertices).copied();
+        Extent::around(places.chain(corners)).unwrap_or_default()
     }
 
     /// The legend of obstacles, if there are any.

@@ -50,8 +50,10 @@ pub(super) mod distributed;
 pub(crate) mod names;
 pub(super) mod networks;
 pub(super) mod packets;
+pub(super) mod parents;
 pub(crate) mod phase;
 pub(super) mod ranges;
+pub(super) mod rhythm;
 pub(super) mod routing;
 pub(super) mod sector_gains;
 pub(super) mod sector_snrs;
@@ -64,7 +66,9 @@ pub use battery::BatteryMessage;
 pub use distributed::MappedNodeMessage;
 pub(crate) use networks::{NetworksMessage, SectorMessage};
 pub use packets::{AssessmentMessage, PacketMessage, TransmissionMessage};
+pub use parents::ParentChangeMessage;
 pub(crate) use ranges::RangeMessage;
+pub use rhythm::{CellMessage, CheckMessage};
 pub use routing::{HopMessage, TreeEdgeMessage};
 pub(crate) use sector_gains::SectorGainsMessage;
 pub(crate) use sector_snrs::SectorSnrsMessage;
@@ -249,7 +253,9 @@ pub(crate) fn declarations() -> impl Iterator<Item = &'static Declaration> {
         distributed::DECLARATIONS,
         networks::DECLARATIONS,
         packets::DECLARATIONS,
+        parents::DECLARATIONS,
         ranges::DECLARATIONS,
+        rhythm::DECLARATIONS,
         routing::DECLARATIONS,
         sector_gains::DECLARATIONS,
         sector_snrs::DECLARATIONS,

@@ -26,6 +26,8 @@ pub(crate) const ANCHORS_TOPIC: &str = "/anchors";
 pub(crate) const MAPPED_NODES_TOPIC: &str = "/distributed/nodes";
 /// Topic of the sensors that the nodes have.
 pub(crate) const SENSORS_TOPIC: &str = "/sensors";
+/// Topic of every frame on air.
+pub(crate) const FRAMES_TOPIC: &str = "/mac/frames";
 /// Topic of the packets that stations offered.
 pub(crate) const PACKETS_TOPIC: &str = "/mac/packets";
 /// Topic of the assessments of the channel for these packets.
@@ -36,6 +38,12 @@ pub(crate) const TRANSMISSIONS_TOPIC: &str = "/mac/transmissions";
 pub(crate) const HOPS_TOPIC: &str = "/routing/hops";
 /// Topic of the tree along which packets go, at the end.
 pub(crate) const TREE_TOPIC: &str = "/routing/tree";
+/// Topic of the parents that nodes chose.
+pub(crate) const PARENT_CHANGES_TOPIC: &str = "/routing/changes";
+/// Topic of the cells in the schedules of stations.
+pub(crate) const CELLS_TOPIC: &str = "/mac/cells";
+/// Topic of the checks of the channel of stations that sleep.
+pub(crate) const CHECKS_TOPIC: &str = "/mac/checks";
 /// Topic of the batteries of the nodes, at the end.
 pub(crate) const BATTERIES_TOPIC: &str = "/batteries";
 /// Topic of what sensors said.

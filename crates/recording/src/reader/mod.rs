@@ -1,5 +1,6 @@
 //! What is read from recordings: runs, logs, worlds, courses, packets and traffic.
 
+pub(crate) mod activity;
 pub(crate) mod course;
 pub(crate) mod known;
 pub(crate) mod packets;

@@ -5,8 +5,8 @@ use std::path::Path;
 use super::run::sound;
 use crate::error::RecordingError;
 use crate::mcap_file::Piece;
-use crate::messages::names::{ASSESSMENTS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC};
-use crate::messages::{AssessmentMessage, PacketMessage, TransmissionMessage};
+use crate::messages::names::{ASSESSMENTS_TOPIC, HOPS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC};
+use crate::messages::{AssessmentMessage, HopMessage, PacketMessage, TransmissionMessage};
 
 /// A packet with its assessments and transmissions.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,13 +17,15 @@ pub struct RecordedPacket {
     pub assessments: Vec<AssessmentMessage>,
     /// Its transmissions, in their order.
     pub transmissions: Vec<TransmissionMessage>,
+    /// Whose packet it is one hop of, if it goes over several.
+    pub hop: Option<HopMessage>,
 }
 
 /// Reads the packets of the recording `path` in the order in which they ended; none if packets were not recorded. Needs
 /// memory for all of them.
 ///
 /// # Errors
-/// If the file cannot be read or is damaged, or an assessment or a transmission does not follow its packet.
+/// If the file cannot be read or is damaged, or an assessment, a transmission or a hop does not follow its packet.
 pub fn read_packets(path: &Path) -> Result<Vec<RecordedPacket>, RecordingError> {
     let mut packets: Vec<RecordedPacket> = Vec::new();
     sound(path, &mut |piece| take(&mut packets, path, &piece))?;
@@ -54,6 +56,11 @@ fn add(packets: &mut Vec<RecordedPacket>, topic: &str, data: &[u8]) -> Result<()
         TRANSMISSIONS_TOPIC => {
             let transmission: TransmissionMessage = decode(data)?;
             last(packets, transmission.packet)?.transmissions.push(transmission);
+        }
+        HOPS_TOPIC => {
+            let hop: HopMessage = decode(data)?;
+            let id = hop.packet;
+            last(packets, id)?.hop = Some(hop);
         }
         _ => {}
     }

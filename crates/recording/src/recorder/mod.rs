@@ -36,8 +36,8 @@ use super::link_quality::link_quality;
 use super::messages;
 use crate::container::sink::Sink;
 use crate::messages::names::{
-    ANCHORS_TOPIC, BEACONS_TOPIC, FILES_ATTACHMENTS, LINKS_KEY, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC,
-    NETWORKS_TOPIC, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
+    ANCHORS_TOPIC, BEACONS_TOPIC, FILES_ATTACHMENTS, FRAMES_TOPIC, LINKS_KEY, LogTopics, MAPPED_NODES_TOPIC,
+    NEIGHBOURS_TOPIC, NETWORKS_TOPIC, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
 };
 
 /// A chunk is closed after this many stops, even if it has few messages.
@@ -373,7 +373,7 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn frame(&mut self, frame: &messages::FrameMessage) -> Result<(), RecordingError> {
-        self.write(SimTime::from_nanos(frame.start_ns.saturating_add(frame.airtime_ns)), "/mac/frames", frame)
+        self.write(SimTime::from_nanos(frame.start_ns.saturating_add(frame.airtime_ns)), FRAMES_TOPIC, frame)
     }
 
     /// Writes one value of the time series `name`, which ends in its unit.

@@ -6,11 +6,13 @@ use sextant_kernel::SimTime;
 
 use super::super::error::RecordingError;
 use super::super::messages::{
-    AssessmentMessage, BatteryMessage, HopMessage, PacketMessage, TransmissionMessage, TreeEdgeMessage,
+    AssessmentMessage, BatteryMessage, CellMessage, CheckMessage, HopMessage, PacketMessage, ParentChangeMessage,
+    TransmissionMessage, TreeEdgeMessage,
 };
 use super::Recorder;
 use crate::messages::names::{
-    ASSESSMENTS_TOPIC, BATTERIES_TOPIC, HOPS_TOPIC, PACKETS_TOPIC, TRANSMISSIONS_TOPIC, TREE_TOPIC,
+    ASSESSMENTS_TOPIC, BATTERIES_TOPIC, CELLS_TOPIC, CHECKS_TOPIC, HOPS_TOPIC, PACKETS_TOPIC, PARENT_CHANGES_TOPIC,
+    TRANSMISSIONS_TOPIC, TREE_TOPIC,
 };
 
 impl<W: Write> Recorder<W> {
@@ -45,6 +47,30 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn tree(&mut self, end: SimTime, edges: &[TreeEdgeMessage]) -> Result<(), RecordingError> {
         edges.iter().try_for_each(|edge| self.append(end, TREE_TOPIC, edge))
+    }
+
+    /// Writes the parents that nodes chose until `end`, in the order of time.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn parent_changes(&mut self, end: SimTime, changes: &[ParentChangeMessage]) -> Result<(), RecordingError> {
+        changes.iter().try_for_each(|change| self.append(end, PARENT_CHANGES_TOPIC, change))
+    }
+
+    /// Writes a cell in the schedule of a station, as it is at `end`.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn cell(&mut self, end: SimTime, cell: &CellMessage) -> Result<(), RecordingError> {
+        self.append(end, CELLS_TOPIC, cell)
+    }
+
+    /// Writes when a station checks the channel, as it did until `end`.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn check(&mut self, end: SimTime, check: &CheckMessage) -> Result<(), RecordingError> {
+        self.append(end, CHECKS_TOPIC, check)
     }
 
     /// Writes the batteries of the nodes, as they are at `end`.

@@ -69,7 +69,7 @@ pub(super) fn network_table(table: &str, topic: &str) -> String {
 const STOP: &str = "Stop";
 
 /// The table of each message type: its name, the fields that are the index of a node, and whether the topic says more.
-const TABLES: [(&str, &str, &[&str], NamedByTopic); 21] = [
+const TABLES: [(&str, &str, &[&str], NamedByTopic); 24] = [
     (STOP, "stops", &[], NamedByTopic::Network),
     ("Reception", "receptions", &["node"], NamedByTopic::Network),
     ("Range", "ranges", &["node"], NamedByTopic::Network),
@@ -83,6 +83,9 @@ const TABLES: [(&str, &str, &[&str], NamedByTopic); 21] = [
     ("Assessment", "mac_assessments", &[], NamedByTopic::Topic),
     ("Hop", "routing_hops", &[], NamedByTopic::Topic),
     ("TreeEdge", "routing_tree", &["node"], NamedByTopic::Topic),
+    ("ParentChange", "routing_changes", &["node"], NamedByTopic::Topic),
+    ("Cell", "mac_cells", &[], NamedByTopic::Topic),
+    ("Check", "mac_checks", &[], NamedByTopic::Topic),
     ("Battery", "batteries", &["node"], NamedByTopic::Topic),
     ("Metric", "metrics", &[], NamedByTopic::Topic),
     ("Sensors", "sensors", &[], NamedByTopic::Topic),

@@ -74,6 +74,45 @@ fn the_errors_of_a_run_have_the_mean_of_its_summary() {
 }
 
 #[test]
+fn a_tree_has_its_parents_one_after_the_other_and_its_deaths() {
+    let folder = folder();
+    let path = folder.path().join("tree.mcap");
+    let scenario = Scenario::load(root().join("scenarios/batteries/dying-tree.toml")).expect("a shipped scenario");
+    let run = sextant::run(&scenario, &mut RunRecorder::new(&path), &Unwatched).expect("a run");
+    let report = Report::of_recording(&path).expect("a sound recording");
+    let world = report.world.expect("a world");
+    let tree = world.tree.expect("a tree");
+    let chosen = tree.chosen.expect("nodes choose their parents");
+    let summary = run.summary();
+    let (routing, battery) = (summary.routing.as_ref().expect("hops"), summary.battery.as_ref().expect("batteries"));
+    assert_eq!(tree.span_s.map(f64::to_bits), [0.0_f64, 4500.0].map(f64::to_bits));
+    // Each node has a first parent, and then its changes; the last one is that of the summary.
+    assert_eq!(chosen.nodes.len() as u64, routing.nodes.len() as u64 + routing.parent_changes);
+    let (nodes, parents) = (chosen.nodes.to_vec(), chosen.parents.to_vec());
+    for (number, node) in routing.nodes.iter().enumerate() {
+        let at = nodes.iter().rposition(|&other| (other - number as f64).abs() < 0.5).expect("it has a parent");
+        assert_eq!(parents[at].to_bits(), tree.parents.to_vec()[number].to_bits());
+        let station = (1..).zip(&world.names).find(|&(number, _)| (parents[at] - f64::from(number)).abs() < 0.5);
+        assert_eq!(node.parent.as_deref(), Some(station.map_or("sink", |(_, name): (u32, _)| name.as_str())));
+    }
+    let deaths = world.deaths.expect("nodes die");
+    let of_summary: Vec<f64> = battery.nodes.iter().filter_map(|node| node.depleted_s).collect();
+    assert_eq!(deaths.times_s.len(), battery.depleted);
+    for (shown, &expected) in deaths.times_s.to_vec().iter().zip(&of_summary) {
+        assert!((shown - expected).abs() < 1e-3, "{shown} and {expected}");
+    }
+    // The table by depth has the batteries of all nodes with a way.
+    let dead: usize = routing.by_depth.iter().filter_map(|nodes| nodes.depleted).sum();
+    let with_way = |name: &str| routing.nodes.iter().any(|node| node.name == name && node.depth.is_some());
+    let expected = battery.nodes.iter().filter(|node| node.depleted_s.is_some() && with_way(&node.name)).count();
+    assert_eq!(dead, expected);
+    let least = routing.by_depth.iter().filter_map(|nodes| nodes.lifetime_d).map(|lifetime| lifetime.min);
+    let shortest = battery.nodes.iter().filter(|node| with_way(&node.name)).filter_map(|node| node.lifetime_d);
+    let [least, shortest] = [least.fold(f64::INFINITY, f64::min), shortest.fold(f64::INFINITY, f64::min)];
+    assert_eq!(least.to_bits(), shortest.to_bits());
+}
+
+#[test]
 fn a_broken_recording_is_refused_with_its_place() {
     let folder = folder();
     let path = recorded(&folder);

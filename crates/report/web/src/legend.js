@@ -18,6 +18,14 @@ export function legend(model, show, wayName) {
   if (model.truth && show.maps.length > 0 && show.layers.errors) entries.push(mark("line", null, "error"));
   if (model.world.anchors && show.layers.truth) entries.push(mark("triangle", null, "anchor"));
   if (model.world.sinks) entries.push(mark("square", "var(--accent)", "sink"));
+  if (model.tree && show.layers.tree) {
+    if (model.tree.tree) {
+      entries.push(mark("line", null, "line to its parent"));
+      entries.push(mark("disc", ramp(0.5), `node, by its hops to a sink: 1 to ${number(model.tree.deepest)}`));
+      entries.push(mark("cross", "var(--accent)", "node without a way"));
+    }
+    if (model.tree.deaths) entries.push(mark("disc", "var(--unknown)", "node with an empty battery"));
+  }
   if (show.layers.path) {
     model.robots.slice(0, 8).forEach((robot, i) => entries.push(mark("disc", robotColor(i), `robot ${isolated(robot.name)}`)));
     if (model.world.contacts) entries.push(mark("cross", "var(--accent)", "contact with an obstacle"));

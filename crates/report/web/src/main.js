@@ -7,6 +7,7 @@ import { follow, isLive } from "./live.js";
 import { macSection } from "./mac.js";
 import { MapView } from "./mapview.js";
 import { Model } from "./model.js";
+import { networkSection } from "./network.js";
 import { readDocument } from "./payload.js";
 import { reproductionSection } from "./reproduction.js";
 import { scenarioSection } from "./scenario.js";
@@ -40,10 +41,11 @@ function sectionsOf(report, earlier) {
     return view.section;
   });
   const isTraffic = !report.summary?.maps?.length && report.summary?.mac;
+  const network = attempt("network", "Network", () => networkSection(report));
   const traffic = attempt("traffic", "Traffic", () => macSection(report));
   const sections = [
-    attempt("summary", "Summary", () => summarySection(report)), isTraffic ? traffic : null,
-    map, attempt("errors", "Errors", () => view && errorsSection(view.model)), isTraffic ? null : traffic,
+    attempt("summary", "Summary", () => summarySection(report)), isTraffic ? network : null, isTraffic ? traffic : null,
+    map, attempt("errors", "Errors", () => view && errorsSection(view.model)), isTraffic ? null : network, isTraffic ? null : traffic,
     attempt("applications", "Applications", () => applicationsSection(report)), attempt("sweep", "Sweep", () => sweepSection(report)),
     attempt("reproduction", "Reproduction", () => reproductionSection(report)), attempt("origin", "Origin", () => scenarioSection(report)),
   ].filter(Boolean);

@@ -6,6 +6,7 @@ import { drawNodes } from "./marks.js";
 import { category, ink } from "./palette.js";
 import { planeImage } from "./planeimage.js";
 import { short } from "./text.js";
+import { drawTree } from "./treelayer.js";
 import { drawListening, drawMarks, drawMovers, drawPaths, drawStops } from "./walk.js";
 
 /** With more nodes in sight than this, lines of errors are left out: they would cover everything. */
@@ -62,6 +63,7 @@ export class Map2d {
     if (show.layers.stops) drawStops(this, show);
     if (show.layers.errors) this.#errors(show);
     drawNodes(this, show);
+    if (show.layers.tree) drawTree(this, show);
     if (fromAbove && show.layers.listening) drawListening(this, show);
     drawMarks(this, show);
     drawMovers(this, show);

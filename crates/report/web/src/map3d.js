@@ -7,8 +7,10 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { niceStep, number } from "./format.js";
-import { after, placeAt, stopsNow } from "./model.js";
-import { category, ink, robotColor } from "./palette.js";
+import { placeAt, stopsNow } from "./model.js";
+import { after } from "./times.js";
+import { category, ink, rampRgb, robotColor, hexRgb } from "./palette.js";
+import { placeOfStation } from "./treelayer.js";
 
 /** With more nodes than this, lines of errors are left out. */
 const MOST_LINES = 20000;
@@ -259,6 +261,7 @@ export class Map3d {
       if (place) body.position.set(...place);
     }
     this.#link(show);
+    this.#tree(show);
     const node = show.hovered >= 0 ? show.hovered : show.selected;
     const places = show.maps[0]?.places ?? model.truth;
     this.still.mark.visible = node >= 0 && Boolean(places) && Number.isFinite(places[3 * node]);
@@ -267,6 +270,36 @@ export class Map3d {
       position.array.set(places.subarray(3 * node, 3 * node + 3));
       position.needsUpdate = true;
     }
+  }
+
+  /** The tree: lines from nodes to their parents, and discs in the colour of their hops. */
+  #tree(show) {
+    const { model, still } = this;
+    const { tree } = show;
+    if (!tree || !model.truth || !show.layers.tree || this.isLarge || still.tree?.version === tree.version) return;
+    for (const old of still.tree?.drawn ?? []) {
+      still.group.remove(old);
+      old.geometry.dispose();
+      old.material.dispose();
+    }
+    const lines = [];
+    const places = [];
+    const colours = [];
+    for (let node = 0; node < model.count; node++) {
+      const at = model.truth.subarray(3 * node, 3 * node + 3);
+      if (!Number.isFinite(at[0])) continue;
+      const parent = tree.parents[node] >= 0 && !tree.dead[node] ? placeOfStation(model, tree.parents[node]) : null;
+      if (parent) lines.push(...at, ...parent[0].subarray(3 * parent[1], 3 * parent[1] + 3));
+      places.push(...at);
+      colours.push(...(tree.dead[node] ? hexRgb(ink("unknown")) : tree.hops[node] > 0 ? rampRgb(tree.hops[node] / model.tree.deepest) : hexRgb(ink("accent"))));
+    }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(lines), 3));
+    const links = new LineSegments(geometry, new LineBasicMaterial({ color: ink("thread") }));
+    links.frustumCulled = false;
+    const discs = this.#points(new Float32Array(places), new Uint8Array(colours), null, 9);
+    still.tree = { version: tree.version, drawn: [links, discs] };
+    still.group.add(links, discs);
   }
 
   /** Lines from the robots to the nodes that they hear. */

@@ -17,7 +17,7 @@ import { behind } from "./table.js";
 import { isolated, short } from "./text.js";
 
 /** The layers, and their names. */
-const LAYERS = { truth: "True places", errors: "Errors", path: "Robots", stops: "Stops", listening: "Receptions", obstacles: "Obstacles", surface: "Field", labels: "Names" };
+const LAYERS = { tree: "Tree", truth: "True places", errors: "Errors", path: "Robots", stops: "Stops", listening: "Receptions", obstacles: "Obstacles", surface: "Field", labels: "Names" };
 /** The pointer may be so far from a node (px). */
 const REACH = 14;
 
@@ -31,7 +31,7 @@ export class MapView {
     this.mapA = model.maps[0] ?? null;
     this.mapB = null;
     this.way = waysOf(model, this.mapA)[0][0];
-    this.layers = { truth: true, errors: true, path: true, stops: model.count < 20000, listening: true, obstacles: true, surface: true, labels: false };
+    this.layers = { tree: true, truth: true, errors: true, path: true, stops: model.count < 20000, listening: true, obstacles: true, surface: true, labels: false };
     this.selected = -1;
     this.hovered = -1;
     this.in3d = false;
@@ -143,7 +143,7 @@ export class MapView {
 
   #layerTicks() {
     const { model } = this;
-    const has = { truth: model.truth, errors: model.truth && model.maps.length, path: model.robots.length || model.world.contacts, stops: model.surveys.length,
+    const has = { tree: model.tree, truth: model.truth, errors: model.truth && model.maps.length, path: model.robots.length || model.world.contacts, stops: model.surveys.length,
       listening: model.surveys.length && model.span, obstacles: model.obstacles.length, labels: model.count,
       surface: model.fields.length || model.likelihoods.length || model.applications.some((application) => application.fields) };
     return Object.entries(LAYERS).filter(([key]) => has[key]).map(([key, name]) =>
@@ -199,7 +199,7 @@ export class MapView {
     });
     const application = model.applications.find((one, i) => time >= one.start_s && time <= (model.phases.find((phase) => phase.name === one.name)?.end_s ?? model.applications[i + 1]?.start_s ?? Infinity));
     const targets = application?.targets ?? model.targets;
-    return { time, survey, maps, targets, layers: this.layers, selected: this.selected, hovered: this.hovered, surface: this.#surface(time, application) };
+    return { time, survey, maps, targets, layers: this.layers, selected: this.selected, hovered: this.hovered, surface: this.#surface(time, application), tree: model.tree?.at(time) ?? null };
   }
 
   /** The likelihood of the selected node, or the field at that time. */

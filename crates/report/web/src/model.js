@@ -1,5 +1,8 @@
 // What the pictures of a world need: places by node, receptions by stop, the span of time, the extent of space.
 
+import { after } from "./times.js";
+import { Tree } from "./tree.js";
+
 /** The numbers of a document's world, ready to be drawn. */
 export class Model {
   constructor(report) {
@@ -20,6 +23,7 @@ export class Model {
     this.summaries = report.summary?.maps ?? [];
     this.fields = world.fields ?? [];
     this.likelihoods = world.likelihoods ?? [];
+    this.tree = world.tree || world.deaths ? new Tree(world) : null;
     this.hasTimes = this.#giveTimes();
     this.span = this.#span();
     this.extent = this.#extent();
@@ -48,6 +52,7 @@ export class Model {
     for (const body of [...this.robots, ...this.targets]) add(body.way.times_s);
     for (const application of this.applications) for (const target of application.targets ?? []) add(target.way.times_s);
     for (const phase of this.phases) times.push(phase.start_s, phase.end_s);
+    if (this.tree?.hasChanges) times.push(...(this.world.tree?.span_s ?? [0, ...spanOf(this.world.deaths.times_s)]));
     if (times.length === 0) return null;
     const span = { from: Math.min(...times), to: Math.max(...times) };
     return span.to > span.from ? span : null;
@@ -204,18 +209,6 @@ export function placeAt(way, time, span) {
 function between(places, i, share, count) {
   const j = Math.min(i + 1, count - 1);
   return [0, 1, 2].map((k) => places[3 * i + k] + share * (places[3 * j + k] - places[3 * i + k]));
-}
-
-/** The index of the first of the rising `times` that is later than `time`. */
-export function after(times, time) {
-  let low = 0;
-  let high = times.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (times[middle] <= time) low = middle + 1;
-    else high = middle;
-  }
-  return low;
 }
 
 /** The last stop of each robot at `time`. */

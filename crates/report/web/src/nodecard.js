@@ -10,6 +10,14 @@ export function aboutNode(model, show, node) {
   const place = (places) => model.inWorld(places, node).slice(0, model.isFlat ? 2 : 3).map((value) => (Math.round(value * 100) / 100).toFixed(2).replace("-", "−")).join(", ");
   const has = (column) => column && Number.isFinite(column[3 * node]);
   if (has(model.truth)) pairs.push(["True place", `${place(model.truth)} m`]);
+  if (show.tree) {
+    const { parents, hops, dead } = show.tree;
+    if (model.tree.tree) {
+      pairs.push(["Parent", parents[node] >= 0 ? nameOf(model, parents[node]) : "none"]);
+      pairs.push(["Hops to a sink", hops[node] > 0 ? number(hops[node]) : "no way"]);
+    }
+    if (model.tree.deaths) pairs.push(["Battery", dead[node] ? "empty" : "not empty"]);
+  }
   for (const { map, places } of show.maps) {
     const called = (word) => (show.maps.length > 1 ? `${isolated(map.name)}: ${word}` : word[0].toUpperCase() + word.slice(1));
     const concern = model.summaryOf(map).concerns?.find?.((one) => one.node === model.names[node])?.concern;
@@ -35,6 +43,11 @@ export function aboutNode(model, show, node) {
     if (Number.isFinite(heard.firstTime[node]) && model.hasTimes) pairs.push(["First heard", `${withUnit(heard.firstTime[node], "s")} after the start`]);
   }
   return pairs;
+}
+
+/** The name of a station: of a node, or the number of a sink. */
+function nameOf(model, station) {
+  return station < model.count ? isolated(model.names[station]) : `sink ${number(station - model.count + 1)}`;
 }
 
 function strongest(model, survey, node) {

@@ -1,6 +1,7 @@
 // The walk on the map in 2D: ways, stops, what is heard now, who is where.
 
-import { after, placeAt, stopsNow } from "./model.js";
+import { placeAt, stopsNow } from "./model.js";
+import { after } from "./times.js";
 import { ink, robotColor } from "./palette.js";
 
 /** The ways of the robots: what is done is stronger. */

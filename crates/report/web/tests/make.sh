@@ -14,6 +14,8 @@ run compare ml-tm/classics
 report "$made/compare.mcap" compare
 run traffic mac/one-shot-star
 report "$made/traffic.mcap" traffic
+run network batteries/dying-tree --set duration_s=4200
+report "$made/network.mcap" network
 run search target/case-1
 report "$made/search.mcap" search
 "$program" sweep scenarios/mac/poisson-star.toml --runs 2 --out "$made/sweep.csv" --quiet >/dev/null

@@ -204,6 +204,50 @@ async function compares(name, browser) {
   });
 }
 
+/** The tree of a network follows the slider. */
+async function networks(name, browser) {
+  if (!reports.includes("network.html")) return;
+  await test(`${name}: the tree follows the slider, and dead nodes are grey`, async () => {
+    const opened = await open(browser, join(folder, "network.html"));
+    const { page } = opened;
+    const at = (time) => page.evaluate((time) => {
+      const { view } = sextantReport;
+      if (time !== null) view.clock.set(time);
+      const { parents, hops, dead } = view.show().tree;
+      const count = (list, is) => Array.from(list).filter(is).length;
+      return { linked: count(parents, (one) => one >= 0), ways: count(hops, (one) => one > 0), dead: count(dead, (one) => one === 1), deepest: Math.max(...hops) };
+    }, time);
+    const summary = await page.evaluate(() => sextantReport.report.summary);
+    const end = await at(null);
+    assert.equal(end.dead, summary.battery.depleted);
+    assert.ok(end.dead > 0 && end.ways <= summary.battery.nodes.length - end.dead, JSON.stringify(end));
+    assert.deepEqual(await at(0), { linked: 0, ways: 0, dead: 0, deepest: 0 });
+    const living = await at(summary.battery.first_death_s - 1);
+    assert.deepEqual([living.dead, living.ways], [0, summary.battery.nodes.length]);
+    assert.equal((await at(summary.battery.first_death_s + 1)).dead, 1);
+    // The picture changes with it.
+    const picture = () => page.evaluate(() => { sextantReport.view.draw(); return sextantReport.view.canvas2d.toDataURL(); });
+    const pictures = [];
+    for (const time of [0, summary.battery.first_death_s - 1, 1e9]) {
+      await at(time);
+      pictures.push(await picture());
+    }
+    assert.equal(new Set(pictures).size, 3);
+    await page.evaluate(() => sextantReport.view.select(0));
+    const card = await page.evaluate(() => document.querySelector("#node").textContent);
+    assert.match(card, /Parent.*Hops to a sink.*Battery/);
+    isQuiet(opened);
+    await page.close();
+  });
+  await test(`${name}: a network has its table by depth and its lifetimes`, async () => {
+    const opened = await open(browser, join(folder, "network.html"));
+    const text = await opened.page.evaluate(() => document.querySelector("#network").textContent);
+    for (const words of ["Nodes by hops to a sink", "Shortest lifetime (d)", "first battery empty after", "changes of parents"]) assert.ok(text.includes(words), words);
+    isQuiet(opened);
+    await opened.page.close();
+  });
+}
+
 /** Sizes and times. */
 async function limits(browser) {
   for (const [count, mostOctets] of [[1000, 5e6], [100_000, 20e6]]) {
@@ -288,6 +332,7 @@ for (const name of Object.keys(installed)) {
   await uses(name, browser);
   await compares(name, browser);
   await live(name, browser);
+  await networks(name, browser);
   await namesInPage(test, name, browser, join(folder, "names.html"));
   if (name === "chromium") await limits(browser);
   await browser.close();

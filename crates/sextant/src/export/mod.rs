@@ -16,6 +16,7 @@ use sextant_recording::output::{FileIdentity, open_folder, write_file};
 use sextant_recording::{RecordingError, SCENARIO_ATTACHMENT, TablePiece, TableRow, read_tables, station};
 
 pub use error::ExportError;
+pub use stations::station_names;
 
 /// Rows between two looks at whether to go on.
 const LOOK: u64 = 4096;

@@ -1,5 +1,7 @@
 //! The robots and sinks of a recording by their names in its scenario.
 
+use sextant_recording::{RecordedRun, SCENARIO_ATTACHMENT};
+
 /// The robots and sinks of a scenario (TOML), as `robot` or `sink` and name. Robots come first.
 pub(super) fn of_scenario(toml: &[u8]) -> Vec<(&'static str, String)> {
     let table = std::str::from_utf8(toml).ok().and_then(|text| text.parse::<toml::Table>().ok()).unwrap_or_default();
@@ -9,6 +11,14 @@ pub(super) fn of_scenario(toml: &[u8]) -> Vec<(&'static str, String)> {
         list.into_iter().flatten().filter_map(name).collect::<Vec<_>>()
     };
     [named("robot", "robots"), named("sink", "sinks")].concat()
+}
+
+/// The names of all stations of a recorded run, by index: nodes come first, then robots, then sinks.
+#[must_use]
+pub fn station_names(run: &RecordedRun) -> Vec<String> {
+    let scenario = run.attachment(SCENARIO_ATTACHMENT).map_or(&[][..], |attachment| &attachment.data);
+    let others = of_scenario(scenario).into_iter().map(|(_, name)| name);
+    run.log().names().iter().cloned().chain(others).collect()
 }
 
 #[cfg(test)]

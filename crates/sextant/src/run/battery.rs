@@ -17,8 +17,6 @@ pub(super) fn of(scenario: &Scenario, survey: &Survey) -> Option<BatterySummary>
     }
     let mut deaths_s: Vec<f64> = records.iter().filter_map(depleted_s).collect();
     deaths_s.sort_by(f64::total_cmp);
-    let mut lifetimes_d: Vec<f64> = records.iter().map(|record| record.lifetime_s / SECONDS_OF_A_DAY).collect();
-    lifetimes_d.sort_by(f64::total_cmp);
     let node = |(placed, record): (&sextant_sim::layout::PlacedNode, &BatteryRecord)| BatteryNodeSummary {
         name: placed.name.clone(),
         capacity_j: record.capacity_j,
@@ -28,7 +26,7 @@ pub(super) fn of(scenario: &Scenario, survey: &Survey) -> Option<BatterySummary>
         depleted_s: depleted_s(record),
     };
     Some(BatterySummary {
-        lifetime_d: lifetimes(&lifetimes_d),
+        lifetime_d: lifetimes(records),
         depleted: deaths_s.len(),
         first_death_s: deaths_s.first().copied(),
         half_death_s: deaths_s.get(records.len().div_ceil(2) - 1).copied(),
@@ -57,8 +55,10 @@ fn lifetime_d(record: &BatteryRecord) -> Option<f64> {
     Some(record.lifetime_s / SECONDS_OF_A_DAY).filter(|days| days.is_finite())
 }
 
-/// Of lifetimes in rising order (d); `None` if one has no end.
-fn lifetimes(sorted_d: &[f64]) -> Option<LifetimeSummary> {
+/// The lifetimes of some nodes; `None` if there are none, or one has no end.
+pub(super) fn lifetimes<'a>(records: impl IntoIterator<Item = &'a BatteryRecord>) -> Option<LifetimeSummary> {
+    let mut sorted_d: Vec<f64> = records.into_iter().map(|record| record.lifetime_s / SECONDS_OF_A_DAY).collect();
+    sorted_d.sort_by(f64::total_cmp);
     let (&min, &max) = (sorted_d.first()?, sorted_d.last()?);
     let middle = sorted_d.len() / 2;
     let median =

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use sextant_apps::routing::{Deliveries, RoutedStation, RoutedTo, RoutingRecord, TreeConfig};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::EnergySpent;
-use sextant_recording::messages::TreeEdgeMessage;
+use sextant_recording::messages::{ParentChangeMessage, TreeEdgeMessage};
 use sextant_scenario::Scenario;
+use sextant_sim::BatteryRecord;
 use sextant_sim::layout::PlacedNode;
 
 use super::simulator::Simulated;
@@ -20,7 +21,7 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
     let mut all = Deliveries::default();
     nodes.iter().for_each(|node| all += &node.packets);
     let counts = record.counts();
-    let changes: usize = nodes.iter().map(|node| node.changes.len()).sum();
+    let changes: usize = nodes.iter().map(|node| node.changes()).sum();
     let hours = simulated.survey.end.saturating_since(SimTime::ZERO).as_secs_f64() / 3600.0;
     let node_hours = nodes.len() as f64 * hours;
     Some(RoutingSummary {
@@ -55,7 +56,7 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
         parent_changes_per_node_h: if node_hours > 0.0 { changes as f64 / node_hours } else { 0.0 },
         without_way: nodes.iter().filter(|node| node.depth.is_none()).count(),
         depth: nodes.iter().filter_map(|node| node.depth).max().unwrap_or(0),
-        by_depth: by_depth(nodes, energy),
+        by_depth: by_depth(nodes, energy, &simulated.survey.batteries),
         nodes: by_node(scenario, record, energy),
     })
 }
@@ -87,7 +88,8 @@ fn answers(sinks: &[RoutedStation]) -> AnswersSummary {
     }
 }
 
-fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary> {
+/// The nodes by their depth; `batteries` is empty if they have none.
+fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent], batteries: &[BatteryRecord]) -> Vec<DepthSummary> {
     let mut depths: BTreeMap<u32, (Deliveries, EnergySpent, usize)> = BTreeMap::new();
     for (node, &spent) in nodes.iter().zip(energy) {
         let Some(depth) = node.depth else { continue };
@@ -96,6 +98,11 @@ fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary
         *sum += spent;
         *count += 1;
     }
+    let of_depth = |depth: u32| {
+        let own = nodes.iter().zip(batteries).filter(move |(node, _)| node.depth == Some(depth));
+        own.map(|(_, battery)| battery)
+    };
+    let dead = |depth: u32| of_depth(depth).filter(|battery| battery.depleted.is_some()).count();
     let summary = |(depth, (packets, spent, nodes)): (u32, (Deliveries, EnergySpent, usize))| DepthSummary {
         depth,
         nodes,
@@ -105,6 +112,8 @@ fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent]) -> Vec<DepthSummary
         delay_s: packets.delays.mean_s(),
         energy_j: total_j(spent) / nodes as f64,
         energy_tx_j: spent.tx_j / nodes as f64,
+        depleted: (!batteries.is_empty()).then(|| dead(depth)),
+        lifetime_d: super::battery::lifetimes(of_depth(depth)),
     };
     depths.into_iter().map(summary).collect()
 }
@@ -120,7 +129,7 @@ fn by_node(scenario: &Scenario, record: &RoutingRecord, energy: &[EnergySpent]) 
         delivered: node.packets.delivered,
         delay_s: node.packets.delays.mean_s(),
         transmissions: node.counts.transmissions,
-        parent_changes: node.changes.len() as u64,
+        parent_changes: node.changes() as u64,
         energy_j: total_j(spent),
     };
     nodes.iter().zip(&record.stations).zip(energy).map(summary).collect()
@@ -134,10 +143,33 @@ pub(super) fn edges(scenario: &Scenario, record: &RoutingRecord) -> Vec<TreeEdge
         parent: station.parent.map(|parent| name_of(scenario, parent)).unwrap_or_default(),
         depth: station.depth,
         etx: station.parent_etx,
-        changes: u32::try_from(station.changes.len()).unwrap_or(u32::MAX),
+        changes: u32::try_from(station.changes()).unwrap_or(u32::MAX),
         parent_station: station.parent.map(|parent| parent.0),
     };
     (0..).zip(nodes).map(edge).collect()
+}
+
+/// The parents that nodes chose, for a recording: in the order of time, and of the nodes.
+pub(super) fn parent_changes(scenario: &Scenario, record: &RoutingRecord) -> Vec<ParentChangeMessage> {
+    let name = |parent: Option<StationId>| parent.map(|parent| name_of(scenario, parent)).unwrap_or_default();
+    let nodes = record.stations[..scenario.world().nodes.len()].iter();
+    let mut changes = Vec::new();
+    for (node, station) in (0..).zip(nodes) {
+        let mut before = None;
+        for change in &station.parents {
+            changes.push(ParentChangeMessage {
+                time_ns: change.time.as_nanos(),
+                node,
+                old_parent: name(before),
+                new_parent: name(change.parent),
+                etx: change.etx,
+                parent_station: change.parent.map(|parent| parent.0),
+            });
+            before = change.parent;
+        }
+    }
+    changes.sort_by_key(|change| change.time_ns);
+    changes
 }
 
 /// The name of a node or a sink.

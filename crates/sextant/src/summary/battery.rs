@@ -55,11 +55,15 @@ pub struct BatteryNodeSummary {
     pub depleted_s: Option<f64>,
 }
 
+/// Days with as many digits as help.
+pub(super) fn days(days: f64) -> String {
+    if days < 0.1 { format!("{days:.6}") } else { format!("{days:.2}") }
+}
+
 /// Writes the batteries as a table.
 pub(super) fn write(battery: &BatterySummary, out: &mut impl Write) -> io::Result<()> {
     let mut rows = Vec::new();
     let mut row = |name: &str, value: String, note: &str| rows.push(vec![name.to_owned(), value, note.to_owned()]);
-    let days = |days: f64| if days < 0.1 { format!("{days:.6}") } else { format!("{days:.2}") };
     if let Some(lifetime) = battery.lifetime_d {
         let note = match battery.depleted {
             0 => "d, extrapolated from the mean power of this run",

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::battery::LifetimeSummary;
 use super::mac::DelaySummary;
 
 /// Packets that went over several hops, and their tree.
@@ -120,6 +121,12 @@ pub struct DepthSummary {
     pub energy_j: f64,
     /// Mean energy of the radio of a node for transmitting (J).
     pub energy_tx_j: f64,
+    /// Those whose battery is empty at the end. Absent without batteries.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depleted: Option<usize>,
+    /// How long they last, from a full battery. Absent without batteries, or if one has no load.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lifetime_d: Option<LifetimeSummary>,
 }
 
 /// A node.

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::battery::days;
 use super::mac::DelaySummary;
 use super::routing::{DepthSummary, RoutingSummary};
 use crate::columns::{Align, columns};
@@ -19,7 +20,17 @@ pub(super) fn write(routing: &RoutingSummary, out: &mut impl Write) -> io::Resul
     let header = ["depth", "nodes", "offered", "delivered", "delivery", "mean delay", "energy of a node", "sending"];
     let mut lines = vec![header.map(str::to_owned).to_vec()];
     lines.extend(routing.by_depth.iter().map(line));
-    columns(&lines, &[Align::Right; 8], out)?;
+    if routing.by_depth.iter().any(|nodes| nodes.depleted.is_some()) {
+        lines[0].extend(["empty batteries", "first lifetime"].map(str::to_owned));
+        for (line, nodes) in lines[1..].iter_mut().zip(&routing.by_depth) {
+            line.push(nodes.depleted.map_or_else(|| "-".to_owned(), |dead| dead.to_string()));
+            line.push(
+                nodes.lifetime_d.map_or_else(|| "-".to_owned(), |lifetime| format!("{} d", days(lifetime.min))),
+            );
+        }
+    }
+    let align = vec![Align::Right; lines[0].len()];
+    columns(&lines, &align, out)?;
     writeln!(out)
 }
 

@@ -9,6 +9,7 @@ use sextant_mac::{EnergyMeter, EnergySpent, RadioState, RadioStates};
 use crate::service::delays::Delays;
 use crate::service::due_frames::DueFrames;
 use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::rhythm::Rhythm;
 use crate::service::sleep::SleepUse;
 use crate::service::slots::SlotUse;
 
@@ -37,6 +38,8 @@ pub(crate) struct Books {
     pub(super) slots: Vec<SlotUse>,
     /// How each station slept; empty if stations do not sleep between checks of the channel.
     pub(super) sleep: Vec<SleepUse>,
+    /// When the radio of each station was on by plan; empty if there is no plan.
+    pub(super) rhythms: Vec<Option<Rhythm>>,
 }
 
 /// What a frame takes that is sent once, on a channel that is not busy.
@@ -107,6 +110,11 @@ impl Books {
         Self { sleep, ..self }
     }
 
+    /// The same, with when the radio of each station was on by plan.
+    pub(super) fn with_rhythms(self, rhythms: Vec<Option<Rhythm>>) -> Self {
+        Self { rhythms, ..self }
+    }
+
     /// Adds those of another part of the same simulation, with the same end. No station did anything in both at once.
     pub(crate) fn add(&mut self, other: Self) {
         self.packets.iter_mut().zip(other.packets).for_each(|(sum, packets)| *sum += packets);
@@ -141,8 +149,8 @@ impl Books {
             let others = energy.iter_mut().zip(members).filter(|(_, is_member)| !**is_member);
             others.for_each(|(energy, _)| *energy = EnergySpent::default());
         }
-        let Self { packets, deliveries, delays, slots, sleep, .. } = self;
-        NetworkRecord { packets, energy, deliveries, delays, slots, sleep }
+        let Self { packets, deliveries, delays, slots, sleep, rhythms, .. } = self;
+        NetworkRecord { packets, energy, deliveries, delays, slots, sleep, rhythms }
     }
 
     /// What the packets that were simulated took on average; if there were none, what they take on a channel that is not

@@ -86,6 +86,7 @@ impl Ledger {
             spans,
             slots: Vec::new(),
             sleep: Vec::new(),
+            rhythms: Vec::new(),
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{
     AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace,
 };
-use crate::service::report::{Destination, FrameId};
+use crate::service::report::{Destination, FrameId, Payload};
 
 /// The track of the packet that a station has under way. It exists only if packets are traced.
 #[derive(Debug, Default)]
@@ -24,6 +24,8 @@ pub(super) struct PacketTrack {
     assessments: Vec<AssessmentTrace>,
     transmissions: Vec<TransmissionTrace>,
     delivered: Option<SimTime>,
+    /// What it carries, as far as it says something.
+    payload: Vec<u8>,
 }
 
 /// What a trace says of a packet besides its track.
@@ -100,6 +102,14 @@ impl PacketTrack {
         self.begun = Some(now);
     }
 
+    /// The packet carries this.
+    pub(super) fn carry(&mut self, payload: Payload<'_>) {
+        match payload {
+            Payload::Octets(octets) => self.payload = octets.to_vec(),
+            Payload::Filler(_) => self.payload.clear(),
+        }
+    }
+
     /// A backoff begins now.
     pub(super) fn begin_backoff(&mut self, now: SimTime) {
         self.backoff.get_or_insert(now);
@@ -152,7 +162,7 @@ impl PacketTrack {
 
     /// The trace of the packet, whose link has ended its work now. The track is that of the next packet then.
     pub(super) fn end(&mut self, traced: &Traced, states: &RadioStates, power: Dbm, now: SimTime) -> PacketTrace {
-        let Self { begun, assessments, transmissions, delivered, .. } = std::mem::take(self);
+        let Self { begun, backoff: _, assessments, transmissions, delivered, payload } = std::mem::take(self);
         let airtime: Duration = transmissions.iter().map(|transmission| transmission.airtime).sum();
         let &Traced { network, source, kind, number, sequence, to, octets, offered, counts, end, fate } = traced;
         let tx_energy_j = MessageEnergy::of_airtime(states, power, airtime).tx_j;
@@ -174,7 +184,7 @@ impl PacketTrack {
             end,
             ended: now,
             fate,
-            payload: Vec::new(),
+            payload,
         }
     }
 }

@@ -12,6 +12,7 @@ pub(crate) mod packets;
 pub(crate) mod radio_error;
 pub(crate) mod radio_event;
 pub(crate) mod report;
+pub(crate) mod rhythm;
 pub(crate) mod sensed;
 pub(crate) mod sleep;
 pub(crate) mod slots;

@@ -4,6 +4,7 @@ use sextant_mac::EnergySpent;
 
 use super::delays::Delays;
 use super::outcome::{Deafness, FrameOutcome};
+use super::rhythm::Rhythm;
 use super::sleep::SleepUse;
 use super::slots::SlotUse;
 
@@ -227,4 +228,7 @@ pub struct NetworkRecord {
     pub slots: Vec<SlotUse>,
     /// How each station slept. Empty if stations do not sleep between checks of the channel.
     pub sleep: Vec<SleepUse>,
+    /// When the radio of each station was on by plan; `None` for those without one. Empty if the network has neither slots nor
+    /// checks.
+    pub rhythms: Vec<Option<Rhythm>>,
 }

@@ -13,7 +13,7 @@ use super::table_file::{Texts, read_texts};
 use super::tidy::{ERROR, IDENTITY, MAP, SWEEP};
 
 /// The measures that are drawn if nothing is asked for, as ends of the names of their columns.
-const USUAL: [&str; 16] = [
+const USUAL: [&str; 20] = [
     "mac.prr",
     "mac.throughput_bit_per_s",
     "mac.delay_s.mean",
@@ -23,6 +23,10 @@ const USUAL: [&str; 16] = [
     "routing.delay_s.mean",
     "routing.hops.mean",
     "routing.transmissions_per_delivery",
+    "routing.depth",
+    "battery.lifetime_d.min",
+    "slots.duty_cycle",
+    "sleep.duty_cycle",
     "position_error_m.mean",
     "connectivity_error",
     "energy_j.rx",

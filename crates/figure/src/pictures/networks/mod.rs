@@ -3,4 +3,4 @@
 pub(crate) mod crowded_network;
 pub(crate) mod network;
 pub(crate) mod sectors;
-pub(crate) mod tree;
+pub(crate) mod trees;

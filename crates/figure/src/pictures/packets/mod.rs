@@ -5,7 +5,7 @@ mod outcomes;
 mod summary;
 mod time_line;
 
-use sextant_recording::{RecordedPacket, RecordedTraffic};
+use sextant_recording::{RecordedActivity, RecordedPacket, RecordedTraffic, RecordedWorld};
 
 use crate::paint::file::Figure;
 
@@ -14,17 +14,21 @@ use crate::paint::file::Figure;
 pub struct PacketSource<'a> {
     /// The beginning of all titles.
     pub title: &'a str,
-    /// The names of the nodes.
+    /// The names of the stations: nodes come first, then robots, then sinks.
     pub names: &'a [String],
+    /// The tree and the batteries, if there are any.
+    pub drawn: &'a RecordedWorld,
     /// The packets; none if they were not recorded.
     pub packets: &'a [RecordedPacket],
+    /// What radios did besides.
+    pub activity: &'a RecordedActivity,
     /// What the summary says of the traffic, for recordings without packets.
     pub traffic: &'a [RecordedTraffic],
     /// The instants that the time line shows.
     pub window: TimeWindow,
 }
 
-/// A part of the simulated time (s); where an end is absent, the first busy time is shown.
+/// A part of the simulated time (s). Without both ends, the way of a packet over most hops is shown, or else the first busy time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TimeWindow {
     /// Its start.
@@ -34,7 +38,7 @@ pub struct TimeWindow {
 }
 
 impl PacketSource<'_> {
-    /// The name of a station: nodes come first.
+    /// The name of a station.
     fn name(&self, station: u32) -> String {
         self.names.get(station as usize).cloned().unwrap_or_else(|| format!("station {station}"))
     }

@@ -17,14 +17,14 @@ use crate::drawing::{self, GridPlane, Solid, place};
 use crate::error::RecordingError;
 use crate::mcap_file::Piece;
 use crate::messages::names::{
-    ANCHORS_TOPIC, ApplicationTopics, FIELDS_TOPICS, MAPPED_NODES_TOPIC, PHASES_METADATA, SENSED_TOPIC,
-    SENSORS_TOPIC, TARGETS_TOPICS, TREE_TOPIC, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+    ANCHORS_TOPIC, ApplicationTopics, BATTERIES_TOPIC, FIELDS_TOPICS, MAPPED_NODES_TOPIC, PARENT_CHANGES_TOPIC,
+    PHASES_METADATA, SENSED_TOPIC, SENSORS_TOPIC, TARGETS_TOPICS, TREE_TOPIC, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
 };
 use crate::messages::phase::{self, Phase};
 use crate::reader::run::sound;
 use applications::RecordedApplication;
 use distributed::RecordedNode;
-use routing::RecordedEdge;
+use routing::{RecordedEdge, RecordedParent};
 use sensing::{Detection, RecordedField, RecordedTarget, Sample};
 
 /// Positions by node (m).
@@ -51,6 +51,12 @@ pub struct RecordedWorld {
     pub mapped_nodes: Vec<RecordedNode>,
     /// The tree over which packets went at the end, a node each; empty without routing.
     pub tree: Vec<RecordedEdge>,
+    /// The parents that nodes chose, in the order of time; empty if the tree does not change.
+    pub parents: Vec<RecordedParent>,
+    /// When batteries were empty, by node.
+    pub deaths: BTreeMap<NodeId, SimTime>,
+    /// When the tree was written: at the end of the simulation.
+    pub tree_end: SimTime,
     /// Likelihood surfaces in the order of the file.
     pub likelihoods: Vec<RecordedLikelihood>,
     /// The targets, in the order of the file.
@@ -162,7 +168,12 @@ impl RecordedWorld {
                 }
             }
             _ if topic == MAPPED_NODES_TOPIC => self.mapped_nodes.push(distributed::mapped_node(data)?),
-            _ if topic == TREE_TOPIC => self.tree.push(routing::edge(data)?),
+            _ if topic == TREE_TOPIC => {
+                self.tree.push(routing::edge(data)?);
+                self.tree_end = time;
+            }
+            _ if topic == PARENT_CHANGES_TOPIC => self.parents.push(routing::parent(data)?),
+            _ if topic == BATTERIES_TOPIC => self.deaths.extend(routing::death(data)?),
             _ if topic == SENSORS_TOPIC => self.detection_radius_m = sensing::radius_m(data)?,
             _ if topic == SENSED_TOPIC => self.add_sensed(time, data)?,
             "sextant.Metric" => self.add_metric(time, data)?,

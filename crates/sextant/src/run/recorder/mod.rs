@@ -7,6 +7,7 @@ mod maps;
 mod mission;
 mod opening;
 mod packets;
+mod rhythms;
 mod track;
 
 use std::path::{Path, PathBuf};
@@ -189,8 +190,12 @@ impl RunObserver for RunRecorder {
         }
         if let Some(routing) = &survey.simulated.routing {
             recorder.tree(end, &super::routing::edges(survey.scenario, routing))?;
+            recorder.parent_changes(end, &super::routing::parent_changes(survey.scenario, routing))?;
         }
         recorder.batteries(end, &super::battery::messages(&survey.simulated.survey))?;
+        if self.simulation.packets {
+            rhythms::record(recorder, end, &self.simulation.network_names, &survey.simulated.survey.networks)?;
+        }
         fields::record(survey.scenario, &self.simulation.fields, end, recorder)?;
         self.phases.push(Phase { name: SURVEY.to_owned(), start: SimTime::ZERO, end });
         Ok(())

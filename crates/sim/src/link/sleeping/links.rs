@@ -40,6 +40,7 @@ use crate::service::due_frames::DueFrames;
 use crate::service::outcome::Deafness;
 use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
+use crate::service::rhythm::Rhythm;
 use crate::service::sleep::SleepUse;
 use crate::service::upcall::Upcall;
 use crate::station::StationKind;
@@ -139,6 +140,15 @@ impl Links {
 
     fn phy(&self) -> Phy {
         self.radios.phy()
+    }
+
+    /// When the radio of a station was on by plan; `None` if it is always on, or not there.
+    fn rhythm(&self, station: StationId) -> Option<Rhythm> {
+        let stack = &self.stacks[station.index()];
+        let (first, second) = (stack.checks.start_of(0), stack.checks.start_of(1));
+        let length = self.settings.check_length();
+        let checks = self.ledger.has(station) && stack.sleeper.rest() == Rest::Asleep;
+        checks.then_some(Rhythm::Checks { first, interval: second - first, length })
     }
 
     fn schedule(&self, station: StationId, span: Duration, event: Event, scene: &mut Scene) -> EventKey {
@@ -259,6 +269,7 @@ impl NetworkLinks for Links {
     fn finish(mut self, now: SimTime) -> Books {
         let mut radios = Vec::with_capacity(self.stacks.len());
         let mut sleep: Vec<SleepUse> = Vec::with_capacity(self.stacks.len());
+        let rhythms = (0..self.stacks.len()).map(|i| self.rhythm(StationId::from_index(i))).collect();
         for i in 0..self.stacks.len() {
             let station = StationId::from_index(i);
             self.count_idle(station, now);
@@ -274,6 +285,6 @@ impl NetworkLinks for Links {
             self.count_open(station);
         }
         // Nodes that sleep do not rest unseen.
-        self.ledger.close(radios, FrameSpans::default()).with_sleep(sleep)
+        self.ledger.close(radios, FrameSpans::default()).with_sleep(sleep).with_rhythms(rhythms)
     }
 }

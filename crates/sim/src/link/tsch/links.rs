@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
-use sextant_mac::tsch::{Sender, SlotClock, TschSettings};
+use sextant_mac::tsch::{JoiningConfig, Sender, SlotClock, TschSettings};
 use sextant_mac::{Phy, RadioState};
 
 use super::plan::Plan;
@@ -37,6 +37,7 @@ use crate::service::due_frames::DueFrames;
 use crate::service::outcome::Deafness;
 use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
+use crate::service::rhythm::Rhythm;
 use crate::service::slots::SlotUse;
 use crate::service::upcall::Upcall;
 use crate::station::StationKind;
@@ -174,6 +175,19 @@ impl Links {
         }
     }
 
+    /// When the radio of a station was on by plan; `None` if it never followed the schedule.
+    fn rhythm(&self, station: StationId) -> Option<Rhythm> {
+        let stack = &self.stacks[station.index()];
+        let is_in = self.ledger.has(station);
+        let from = match (stack.usage.slots.joined_after, self.settings.synchronisation.joining) {
+            (Some(after), _) => SimTime::ZERO + after,
+            (None, JoiningConfig::ByScan) if !stack.is_joined() => return None,
+            (None, JoiningConfig::AtStart | JoiningConfig::ByScan) => SimTime::ZERO,
+        };
+        let (slot, cells) = (self.settings.timeslot.length(), stack.schedule.cells().to_vec());
+        is_in.then_some(Rhythm::Cells { from, slot, cells })
+    }
+
     /// Counts the slots of a station up to now in which it listened and nobody sent.
     fn count_idle(&mut self, station: StationId, now: SimTime) {
         let stack = &mut self.stacks[station.index()];
@@ -298,6 +312,7 @@ impl NetworkLinks for Links {
     fn finish(mut self, now: SimTime) -> Books {
         let mut radios = Vec::with_capacity(self.stacks.len());
         let mut slots: Vec<SlotUse> = Vec::with_capacity(self.stacks.len());
+        let rhythms = (0..self.stacks.len()).map(|i| self.rhythm(StationId::from_index(i))).collect();
         for i in 0..self.stacks.len() {
             let station = StationId::from_index(i);
             self.count_idle(station, now);
@@ -311,6 +326,6 @@ impl NetworkLinks for Links {
             self.count_open(station);
         }
         // Nodes with slots do not rest unseen.
-        self.ledger.close(radios, FrameSpans::default()).with_slots(slots)
+        self.ledger.close(radios, FrameSpans::default()).with_slots(slots).with_rhythms(rhythms)
     }
 }

@@ -52,6 +52,7 @@ impl Links {
         let mut track = stack.is_traced.then(Box::<PacketTrack>::default);
         if let Some(track) = &mut track {
             track.begin(scene.now);
+            track.carry(payload);
         }
         let frame = SlotFrame {
             kind: FrameKind::Data,
