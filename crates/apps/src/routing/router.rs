@@ -5,6 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, SimTime, StationId};
+use sextant_mac::routing::fragment::{self, Fragment, Reassembly};
+use sextant_mac::routing::rpl::LEAST_DATA_OCTETS;
 use sextant_mac::routing::{
     Beacon, Collection, Data, Down, HOP_LIMIT, Packet, Reaction, Repeat, Seen, SourceRoutes, Trickle,
 };
@@ -13,14 +15,16 @@ use sextant_sim::{
 };
 
 use super::config::RoutedTo;
-use super::outbox::{Heading, Outbox, Outgoing};
+use super::outbox::{Heading, Kind, Outbox, Outgoing};
 use super::record::{Arrival, Counts, ParentChange, StationRecord};
-use super::settings::{MAC_OCTETS, Routing};
+use super::rpl::{Next, RplStation};
+use super::settings::{MAC_OCTETS, MOST_PAYLOAD_OCTETS, Routing};
 use super::source::Source;
 
 const TRAFFIC: Timer = Timer(0);
 const BEACON: Timer = Timer(1);
 const RESEND: Timer = Timer(2);
+pub(super) const REASSEMBLY: Timer = Timer(3);
 
 /// Least time before a packet is given to the MAC again (ms), ...
 const PAUSE_MS: f64 = 16.0;
@@ -36,6 +40,8 @@ pub(super) enum Way {
     Fixed(Option<StationId>),
     /// Beacons tell.
     Built { is_root: bool, tree: Box<Collection>, trickle: Trickle },
+    /// RPL tells.
+    Rpl(Box<RplStation>),
 }
 
 impl Way {
@@ -50,7 +56,12 @@ impl Way {
     }
 
     pub(super) fn is_root(&self) -> bool {
-        matches!(self, Self::FixedRoot | Self::Built { is_root: true, .. })
+        match self {
+            Self::FixedRoot => true,
+            Self::Fixed(_) => false,
+            Self::Built { is_root, .. } => *is_root,
+            Self::Rpl(station) => station.dodag.is_root(),
+        }
     }
 
     pub(super) fn parent(&self) -> Option<StationId> {
@@ -58,12 +69,13 @@ impl Way {
             Self::FixedRoot => None,
             Self::Fixed(parent) => *parent,
             Self::Built { tree, .. } => tree.parent(),
+            Self::Rpl(station) => station.dodag.parent(),
         }
     }
 
     fn cost(&self) -> Option<f64> {
         match self {
-            Self::FixedRoot | Self::Fixed(_) => None,
+            Self::FixedRoot | Self::Fixed(_) | Self::Rpl(_) => None,
             Self::Built { tree, .. } => tree.cost(),
         }
     }
@@ -80,7 +92,12 @@ pub struct Router {
     pub(super) way: Way,
     source: Option<Source>,
     outbox: Outbox,
-    seen: Seen,
+    /// Packets that come in fragments, if they do.
+    pub(super) reassembly: Option<Reassembly>,
+    pub(super) expiry_due: Option<EventKey>,
+    /// Number of the last packet that went in fragments.
+    tag: u16,
+    pub(super) seen: Seen,
     /// The same for packets that go down.
     pub(super) seen_down: Seen,
     /// The ways down, in a root.
@@ -90,7 +107,12 @@ pub struct Router {
     /// Random numbers drawn so far.
     draws: u64,
     beacon_due: Option<EventKey>,
-    octets: Vec<u8>,
+    /// A packet or message that is written, ...
+    pub(super) octets: Vec<u8>,
+    /// ... and a piece of it.
+    piece: Vec<u8>,
+    /// Size of the packet that the MAC has (octets), of which it may be a piece.
+    octets_of_first: usize,
     /// What happens before it is not counted.
     counted_from: SimTime,
     pub(super) record: StationRecord,
@@ -98,11 +120,15 @@ pub struct Router {
 
 impl Router {
     pub(super) fn new(routing: Arc<Routing>, way: Way, source: Option<Source>, counted_from: SimTime) -> Self {
+        let fragments = routing.fragments;
         Self {
             routing,
             way,
             source,
             outbox: Outbox::default(),
+            reassembly: fragments.map(|fragments| Reassembly::new(fragments.most, fragments.timeout)),
+            expiry_due: None,
+            tag: 0,
             seen: Seen::default(),
             seen_down: Seen::default(),
             routes: SourceRoutes::default(),
@@ -110,6 +136,8 @@ impl Router {
             draws: 0,
             beacon_due: None,
             octets: Vec::new(),
+            piece: Vec::new(),
+            octets_of_first: 0,
             counted_from,
             record: StationRecord::default(),
         }
@@ -117,12 +145,14 @@ impl Router {
 
     /// What the station leaves behind.
     pub(super) fn into_record(self) -> StationRecord {
-        let waiting = self.outbox.iter().map(|packet| (packet.data.origin, packet.data.number)).collect();
-        let parent_etx = match &self.way {
-            Way::Built { tree, .. } => tree.parent_etx(),
-            Way::FixedRoot | Way::Fixed(_) => None,
+        let packets = self.outbox.iter().filter(|packet| packet.is_data());
+        let waiting = packets.map(|packet| (packet.data.origin, packet.data.number)).collect();
+        let (parent_etx, routes) = match &self.way {
+            Way::Built { tree, .. } => (tree.parent_etx(), 0),
+            Way::Rpl(station) => (station.dodag.parent_etx(), station.routes() + self.routes.stations().count()),
+            Way::FixedRoot | Way::Fixed(_) => (None, 0),
         };
-        StationRecord { waiting, parent: self.way.parent(), parent_etx, ..self.record }
+        StationRecord { waiting, parent: self.way.parent(), parent_etx, routes, ..self.record }
     }
 
     pub(super) fn uniform(&mut self, port: &Port<'_>) -> f64 {
@@ -147,29 +177,77 @@ impl Router {
     fn originate(&mut self, port: &mut Port<'_>) {
         let Some(source) = &mut self.source else { return };
         let octets = usize::from(source.take().saturating_sub(MAC_OCTETS));
+        let octets = self.routing.fragments.map_or(octets, |fragments| fragments.packet_octets);
         let target = match self.routing.to {
             RoutedTo::Sink | RoutedTo::SinkAndBack => None,
             RoutedTo::Nodes => Some(self.draw_target(port)),
         };
         let data = Data { target, ..self.number_packet(port) };
         self.seen.note(data.origin, data.number, 0);
-        self.enqueue(Outgoing { data, heading: Heading::Up, octets, resends: 0 }, port);
+        if self.rpl().is_some() {
+            let payload_octets = octets.saturating_sub(LEAST_DATA_OCTETS.into());
+            self.originate_rpl(data, target, payload_octets, port);
+        } else {
+            self.enqueue(Outgoing::new(data, Heading::Up, octets), port);
+        }
         self.schedule(port);
     }
 
     /// Adds a packet to the queue, if there is room.
     pub(super) fn enqueue(&mut self, packet: Outgoing, port: &mut Port<'_>) {
+        let is_data = packet.is_data();
         if self.outbox.add(packet, self.routing.queue_packets) {
             self.pump(port);
-        } else {
+        } else if is_data {
             self.count(port, |counts| counts.queue_drops += 1);
+        } else {
+            self.count(port, |counts| counts.rpl.lost += 1);
         }
     }
 
-    /// Gives the first packet to the MAC, if there is one and the station knows to whom.
-    fn pump(&mut self, port: &mut Port<'_>) {
+    /// Gives the first packet, or the next piece of it, to the MAC, if there is one and the station knows to whom.
+    pub(super) fn pump(&mut self, port: &mut Port<'_>) {
         let Some(first) = self.outbox.first() else { return };
-        let Some(to) = self.next_of(first) else { return };
+        let to = match self.next_of(first, port) {
+            Next::Station(to) => to,
+            Next::Later => return,
+            Next::Nowhere => {
+                if first.is_data() {
+                    self.count(port, |counts| counts.no_route += 1);
+                }
+                return self.first_is_done(port);
+            }
+        };
+        let kind = first.kind();
+        self.write_first(to, port);
+        let most = if self.reassembly.is_some() { MOST_PAYLOAD_OCTETS } else { usize::MAX };
+        let payload = if self.octets.len() > most {
+            let pieces = self.outbox.pieces(to, self.tag.wrapping_add(1));
+            self.tag = pieces.tag;
+            fragment::write(&self.octets, pieces.tag, most, pieces.number, &mut self.piece);
+            &self.piece
+        } else {
+            &self.octets
+        };
+        let is_fragment = self.octets.len() > most;
+        self.octets_of_first = self.octets.len();
+        match port.send(NetworkId::default(), Destination::Station(to), Payload::Octets(payload)) {
+            Ok(frame) => {
+                self.outbox.send(frame, to);
+                self.count(port, |counts| {
+                    counts.fragments += u64::from(is_fragment);
+                    counts.rpl.dao += u64::from(matches!(kind, Kind::Dao | Kind::NoPath));
+                    counts.rpl.dao_ack += u64::from(kind == Kind::DaoAck);
+                });
+            }
+            Err(SendError::QueueFull(_)) => self.try_again(port),
+            Err(_) => self.give_up(port),
+        }
+    }
+
+    /// Writes the first packet, for the station `to`.
+    fn write_first(&mut self, to: StationId, port: &Port<'_>) {
+        let Some(first) = self.outbox.first() else { return };
         match &first.heading {
             Heading::Up => {
                 // The root makes ways down of what origins tell.
@@ -182,17 +260,24 @@ impl Router {
                 let Data { origin, number, hops, .. } = first.data;
                 Down { origin, number, hops, route: route[1..].to_vec() }.write(first.octets, &mut self.octets);
             }
-        }
-        match port.send(NetworkId::default(), Destination::Station(to), Payload::Octets(&self.octets)) {
-            Ok(frame) => self.outbox.send(frame, to),
-            Err(SendError::QueueFull(_)) => self.try_again(port),
-            Err(_) => self.give_up(port),
+            Heading::Rpl(datagram) => {
+                if let Way::Rpl(station) = &self.way {
+                    let ready = station.ready(datagram, &first.data);
+                    station.write(&ready, first.octets, &mut self.octets);
+                }
+            }
+            Heading::Neighbour(_, message) => {
+                if let Way::Rpl(station) = &self.way {
+                    station.write_message(message, to, &mut self.octets);
+                }
+            }
         }
     }
 
     /// The first packet did not reach the next station.
     fn try_again(&mut self, port: &mut Port<'_>) {
-        if self.outbox.pause(self.routing.resends) {
+        let is_no_path = self.outbox.front().is_some_and(|first| first.kind() == Kind::NoPath);
+        if !is_no_path && self.outbox.pause(self.routing.resends) {
             let pause_ms = PAUSE_MS + PAUSE_SPREAD_MS * self.uniform(port);
             port.after(Duration::from_secs_f64(pause_ms / 1e3), RESEND);
         } else {
@@ -201,8 +286,19 @@ impl Router {
     }
 
     fn give_up(&mut self, port: &mut Port<'_>) {
-        self.count(port, |counts| counts.given_up += 1);
+        if self.outbox.front().is_some_and(|first| first.is_data()) {
+            self.count(port, |counts| counts.given_up += 1);
+        } else {
+            self.count(port, |counts| counts.rpl.lost += 1);
+        }
         self.first_is_done(port);
+    }
+
+    /// Whether a piece of the first packet follows that which was sent last.
+    fn has_more_pieces(&mut self) -> bool {
+        let Some(pieces) = self.outbox.front().map(|first| first.pieces) else { return false };
+        let octets = self.octets_of_first;
+        self.reassembly.is_some() && fragment::piece(octets, MOST_PAYLOAD_OCTETS, pieces.number + 1).is_some()
     }
 
     /// The first packet leaves the queue.
@@ -210,7 +306,7 @@ impl Router {
         self.outbox.remove_first();
         let own = port.station();
         let is_saturated = self.source.as_ref().is_some_and(Source::is_saturated);
-        if is_saturated && self.outbox.iter().all(|packet| packet.data.origin != own) {
+        if is_saturated && self.outbox.iter().all(|packet| packet.data.origin != own || !packet.is_data()) {
             self.originate(port);
         }
         self.pump(port);
@@ -276,7 +372,20 @@ impl Router {
         if self.way.is_root() {
             self.take_at_root(data, octets, port);
         } else {
-            self.pass_on(Outgoing { data, heading: Heading::Up, octets, resends: 0 }, port);
+            self.pass_on(Outgoing::new(data, Heading::Up, octets), port);
+        }
+    }
+
+    /// A whole packet or message came from a neighbour.
+    fn hear(&mut self, from: StationId, payload: &[u8], port: &mut Port<'_>) {
+        if self.rpl().is_some() {
+            return self.hear_rpl(from, payload, port);
+        }
+        match Packet::read(payload) {
+            Some(Packet::Beacon(beacon)) => self.hear_beacon(from, &beacon, port),
+            Some(Packet::Data(data)) => self.take_packet(data, payload.len(), port),
+            Some(Packet::Down(down)) => self.take_down(down, payload.len(), port),
+            None => {}
         }
     }
 
@@ -324,38 +433,53 @@ impl Application for Router {
             let due = trickle.begin(port.now(), uniform);
             self.beacon_due = Some(port.after(due.saturating_since(port.now()), BEACON));
         }
+        if self.rpl().is_some() {
+            self.start_rpl(port);
+        }
     }
 
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
         match timer {
             TRAFFIC => self.originate(port),
             BEACON => self.send_beacon(port),
-            _ => {
+            RESEND => {
                 self.outbox.resume();
                 self.pump(port);
             }
+            REASSEMBLY => self.reassembly_is_over(port),
+            _ => self.time_rpl(timer, port),
         }
     }
 
     fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
-        match Packet::read(delivery.payload) {
-            Some(Packet::Beacon(beacon)) => self.hear_beacon(delivery.from, &beacon, port),
-            Some(Packet::Data(data)) => self.take_packet(data, delivery.payload.len(), port),
-            Some(Packet::Down(down)) => self.take_down(down, delivery.payload.len(), port),
-            None => {}
-        }
+        let whole = match Fragment::read(delivery.payload).filter(|_| self.reassembly.is_some()) {
+            Some(fragment) => match self.take_fragment(delivery.from, &fragment, port) {
+                Some(packet) => packet,
+                None => return,
+            },
+            None => return self.hear(delivery.from, delivery.payload, port),
+        };
+        self.hear(delivery.from, &whole, port);
     }
 
     fn sent(&mut self, _network: NetworkId, report: &SendReport, port: &mut Port<'_>) {
-        let Some(to) = self.outbox.ended(report.frame) else { return };
+        let Some(to) = self.outbox.ended(report.frame) else { return self.end_of_frame(report, port) };
         let is_through = report.outcome == SendOutcome::Acknowledged;
         let transmissions = report.transmissions;
-        self.count(port, |counts| counts.transmissions += u64::from(transmissions));
-        if is_through {
-            self.first_is_done(port);
-        } else {
+        let is_data = self.outbox.front().is_some_and(|first| first.is_data());
+        self.count(port, |counts| {
+            let sum = if is_data { &mut counts.transmissions } else { &mut counts.rpl.transmissions };
+            *sum += u64::from(transmissions);
+        });
+        if !is_through {
             self.try_again(port);
+        } else if self.has_more_pieces() {
+            self.outbox.next_piece();
+            self.pump(port);
+        } else {
+            self.first_is_done(port);
         }
+        self.learn_link(to, report, port);
         if let Way::Built { tree, .. } = &mut self.way {
             let reaction = tree.sent(to, transmissions, u32::from(is_through));
             self.react(reaction, port);

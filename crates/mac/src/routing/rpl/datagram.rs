@@ -160,6 +160,17 @@ impl Datagram {
         true
     }
 
+    /// Size of its headers, and of the number of data (octets).
+    #[must_use]
+    pub fn header_octets(&self) -> usize {
+        let is_data = matches!(self.content, Content::Data(_));
+        let option = if self.option.is_some() { 8 } else { 0 };
+        let route = self.route.as_ref().map_or(0, |route| source_route_octets(route.stations.len()));
+        let content = if is_data { 7 + 2 } else { 0 };
+        // The next header of ICMPv6 is in line once.
+        7 + option + route + content + usize::from(!is_data)
+    }
+
     /// Writes it to `octets`, in place of what is there, and fills data up to `size` octets.
     pub fn write(&self, size: usize, configuration: &DioConfiguration, octets: &mut Vec<u8>) {
         octets.clear();

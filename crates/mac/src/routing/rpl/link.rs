@@ -29,6 +29,8 @@ pub enum LinkOutcome {
     Acknowledged,
     /// None was acknowledged.
     Lost,
+    /// The channel was never free: that says nothing of the link.
+    Unsent,
 }
 
 /// Expected transmissions (ETX) over a link, as Contiki-NG learns them: each frame is a sample, with a weight of 0.25 as long as
@@ -68,14 +70,15 @@ impl LinkStatistics {
 
     /// A frame was sent so many times until `now`.
     pub fn sent(&mut self, transmissions: u32, outcome: LinkOutcome, now: SimTime) {
-        self.last = Some(now);
-        self.remembered = self.remembered.saturating_add(transmissions).min(MOST_REMEMBERED);
-        let transmissions = match outcome {
+        let counted = match outcome {
             LinkOutcome::Acknowledged => transmissions,
             LinkOutcome::Lost => LOST_TRANSMISSIONS,
+            LinkOutcome::Unsent => return,
         };
+        self.last = Some(now);
+        self.remembered = self.remembered.saturating_add(transmissions).min(MOST_REMEMBERED);
         let weight = if self.is_fresh(now) { WEIGHT_PERCENT } else { EARLY_WEIGHT_PERCENT };
-        self.etx = averaged(self.etx, transmissions, weight);
+        self.etx = averaged(self.etx, counted, weight);
     }
 
     /// Half of what is remembered is forgotten: each 15 minutes.
@@ -124,6 +127,8 @@ mod tests {
         // Eight transmissions are enough for the smaller weight: 0.9 of 256 and 0.1 of 12 times 128.
         assert_eq!(link.etx(), 384);
         link.sent(1, LinkOutcome::Lost, SimTime::ZERO);
+        assert_eq!(link.etx(), 499);
+        link.sent(0, LinkOutcome::Unsent, SimTime::ZERO);
         assert_eq!(link.etx(), 499);
     }
 

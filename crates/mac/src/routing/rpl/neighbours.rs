@@ -42,10 +42,6 @@ impl Neighbours {
         self.0.iter_mut()
     }
 
-    pub(super) fn clear(&mut self) {
-        self.0.clear();
-    }
-
     /// The entry of a neighbour that told this rank. In a full table it takes the place of the one by which a station would have
     /// the greatest rank, as `rank_via` says, if its own rank is less; never that of those that are `kept`.
     pub(super) fn entry(

@@ -28,6 +28,13 @@ fn written(datagram: &Datagram, size: usize) -> Vec<u8> {
     let mut octets = vec![1];
     datagram.write(size, &CONFIGURATION, &mut octets);
     assert_eq!(RplFrame::read(&octets), Some(RplFrame::Datagram(datagram.clone())), "{octets:02x?}");
+    let message = match datagram.content {
+        Content::Message(Message::Dao(_)) => 50,
+        Content::Message(_) => 8,
+        Content::Data(_) => 0,
+    };
+    let least = datagram.header_octets() + message;
+    assert_eq!(octets.len(), if message > 0 { least } else { least.max(size) });
     octets
 }
 
