@@ -56,6 +56,7 @@ mod recording;
 mod repairs;
 mod report;
 mod reproduce;
+mod rpl;
 mod run;
 mod safety;
 mod scenario_errors;

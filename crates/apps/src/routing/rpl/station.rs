@@ -7,7 +7,7 @@ use std::time::Duration;
 use sextant_kernel::{EventKey, StationId};
 use sextant_mac::routing::Trickle;
 use sextant_mac::routing::rpl::{Action, Dao, Dodag, Downward, LinkOutcome, Message, Registration, RouteTable};
-use sextant_sim::{FrameId, Port, SendOutcome, SendReport, Timer};
+use sextant_sim::{FrameId, NetworkId, Port, SendOutcome, SendReport, Timer};
 
 use super::plan::RplPlan;
 use crate::routing::record::ParentChange;
@@ -224,6 +224,9 @@ impl Router {
         let parent = self.way.parent();
         self.record.changes.push(ParentChange { time: port.now(), parent });
         let own = port.station();
+        if let Some(parent) = parent {
+            port.follow(NetworkId::default(), parent);
+        }
         let Some(station) = self.rpl() else { return };
         if parent.is_none() {
             station.stop(DAO, port);

@@ -34,8 +34,8 @@ const HOP_BY_HOP: u8 = 0xE1;
 /// A routing header, likewise.
 const ROUTING: u8 = 0xE3;
 const UDP: u8 = 0xF0;
-/// Ports 5678, as in Contiki-NG's example of UDP.
-const PORT: [u8; 2] = 5678_u16.to_be_bytes();
+/// Both ports: that of the client in Contiki-NG's example of UDP.
+const PORT: [u8; 2] = 8765_u16.to_be_bytes();
 /// The RPL option (RFC 6553, 6: type 0x63) and its length.
 const OPTION: [u8; 2] = [0x63, 4];
 const DOWN: u8 = 0x80;

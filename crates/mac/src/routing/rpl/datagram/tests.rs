@@ -49,7 +49,7 @@ fn packets_have_the_sizes_of_their_headers_and_are_read_back() {
     assert_eq!(octets.len(), usize::from(LEAST_DATA_OCTETS));
     assert_eq!(octets[..7], [0x7C, 0x66, 64, 0, 5, 1, 9]);
     assert_eq!(octets[7..15], [0xE1, 6, 0x63, 4, 0, 0, 3, 0]);
-    assert_eq!(octets[15..], [0xF0, 0x16, 0x2E, 0x16, 0x2E, 0, 0, 0x12, 0x34]);
+    assert_eq!(octets[15..], [0xF0, 0x22, 0x3D, 0x22, 0x3D, 0, 0, 0x12, 0x34]);
     assert_eq!(written(&up, 60).len(), 60);
     assert_eq!(written(&data(), 0).len(), 16);
     for (stations, octets) in [(1, 16), (4, 16), (5, 24), (8, 24), (9, 32)] {
