@@ -6,9 +6,10 @@ use sextant_sim::Port;
 
 use super::config::RoutedTo;
 use super::outbox::{Heading, Outgoing};
-use super::router::{Router, Way};
+use super::router::Router;
 use super::rpl::Next;
 use super::settings::MOST_PAYLOAD_OCTETS;
+use super::way::Way;
 
 impl Router {
     /// The station has one packet more of its own.

@@ -16,10 +16,12 @@ mod reassembly;
 mod record;
 mod router;
 mod rpl;
+mod sending;
 mod settings;
 mod simulation;
 mod source;
 mod tree;
+mod way;
 
 pub use config::{
     CollectionConfig, FragmentsConfig, GivenTreeConfig, RoutedTo, RoutingConfig, ShortestTreeConfig, TreeConfig,

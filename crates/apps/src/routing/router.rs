@@ -2,101 +2,36 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Duration;
 
 use sextant_kernel::{EventKey, SimTime, StationId};
-use sextant_mac::routing::fragment::{self, Fragment, Reassembly};
+use sextant_mac::routing::fragment::{Fragment, Reassembly};
 use sextant_mac::routing::rpl::LEAST_DATA_OCTETS;
-use sextant_mac::routing::{
-    Beacon, Collection, Data, Down, HOP_LIMIT, Packet, Reaction, Repeat, Seen, SourceRoutes, Trickle,
-};
-use sextant_sim::{
-    Application, Delivery, Destination, NetworkId, Payload, Port, SendError, SendOutcome, SendReport, Timer,
-};
+use sextant_mac::routing::{Beacon, Data, HOP_LIMIT, Packet, Reaction, Repeat, Seen, SourceRoutes};
+use sextant_sim::{Application, Delivery, Destination, NetworkId, Payload, Port, SendOutcome, SendReport, Timer};
 
 use super::config::RoutedTo;
-use super::outbox::{Heading, Kind, Outbox, Outgoing};
+use super::outbox::{Heading, Outbox, Outgoing};
 use super::record::{Arrival, Counts, ParentChange, StationRecord};
-use super::rpl::{Next, RplStation};
-use super::settings::{MAC_OCTETS, MOST_PAYLOAD_OCTETS, Routing};
+use super::settings::{MAC_OCTETS, Routing};
 use super::source::Source;
+use super::way::Way;
 
 const TRAFFIC: Timer = Timer(0);
 const BEACON: Timer = Timer(1);
-const RESEND: Timer = Timer(2);
+pub(super) const RESEND: Timer = Timer(2);
 pub(super) const REASSEMBLY: Timer = Timer(3);
-
-/// Least time before a packet is given to the MAC again (ms), ...
-const PAUSE_MS: f64 = 16.0;
-/// ... and the most that is added to it at random, as in TinyOS.
-const PAUSE_SPREAD_MS: f64 = 15.0;
-
-/// How a station finds the next one.
-#[derive(Clone, Debug)]
-pub(super) enum Way {
-    /// It is the root of a tree that does not change.
-    FixedRoot,
-    /// It has this parent in a tree that does not change.
-    Fixed(Option<StationId>),
-    /// Beacons tell.
-    Built { is_root: bool, tree: Box<Collection>, trickle: Trickle },
-    /// RPL tells.
-    Rpl(Box<RplStation>),
-}
-
-impl Way {
-    /// That of the root of a tree that beacons build.
-    pub(super) fn root(own: StationId, trickle: Trickle) -> Self {
-        Self::Built { is_root: true, tree: Box::new(Collection::of_root(own)), trickle }
-    }
-
-    /// That of a node in a tree that beacons build.
-    pub(super) fn node(own: StationId, trickle: Trickle, hysteresis_etx: f64) -> Self {
-        Self::Built { is_root: false, tree: Box::new(Collection::of_node(own, hysteresis_etx)), trickle }
-    }
-
-    pub(super) fn is_root(&self) -> bool {
-        match self {
-            Self::FixedRoot => true,
-            Self::Fixed(_) => false,
-            Self::Built { is_root, .. } => *is_root,
-            Self::Rpl(station) => station.dodag.is_root(),
-        }
-    }
-
-    pub(super) fn parent(&self) -> Option<StationId> {
-        match self {
-            Self::FixedRoot => None,
-            Self::Fixed(parent) => *parent,
-            Self::Built { tree, .. } => tree.parent(),
-            Self::Rpl(station) => station.dodag.parent(),
-        }
-    }
-
-    fn cost(&self) -> Option<f64> {
-        match self {
-            Self::FixedRoot | Self::Fixed(_) | Self::Rpl(_) => None,
-            Self::Built { tree, .. } => tree.cost(),
-        }
-    }
-
-    /// Whether a packet that goes up comes from a station that is not farther from the root.
-    fn is_uphill(&self, cost: Option<f64>) -> bool {
-        matches!(self, Self::Built { tree, is_root: false, .. } if tree.is_uphill(cost))
-    }
-}
 
 /// The application of a station that takes part in routing.
 pub struct Router {
     pub(super) routing: Arc<Routing>,
     pub(super) way: Way,
-    source: Option<Source>,
-    outbox: Outbox,
+    pub(super) source: Option<Source>,
+    pub(super) outbox: Outbox,
     /// Packets that come in fragments, if they do.
     pub(super) reassembly: Option<Reassembly>,
     pub(super) expiry_due: Option<EventKey>,
     /// Number of the last packet that went in fragments.
-    tag: u16,
+    pub(super) tag: u16,
     pub(super) seen: Seen,
     /// The same for packets that go down.
     pub(super) seen_down: Seen,
@@ -110,9 +45,9 @@ pub struct Router {
     /// A packet or message that is written, ...
     pub(super) octets: Vec<u8>,
     /// ... and a piece of it.
-    piece: Vec<u8>,
+    pub(super) piece: Vec<u8>,
     /// Size of the packet that the MAC has (octets), of which it may be a piece.
-    octets_of_first: usize,
+    pub(super) octets_of_first: usize,
     /// What happens before it is not counted.
     counted_from: SimTime,
     pub(super) record: StationRecord,
@@ -167,14 +102,14 @@ impl Router {
     }
 
     /// Sets the timer of the next packet of its own.
-    fn schedule(&mut self, port: &mut Port<'_>) {
+    pub(super) fn schedule(&mut self, port: &mut Port<'_>) {
         if let Some(due) = self.source.as_mut().and_then(|source| source.next(port)) {
             port.after(due.saturating_since(port.now()), TRAFFIC);
         }
     }
 
     /// The station has a packet of its own.
-    fn originate(&mut self, port: &mut Port<'_>) {
+    pub(super) fn originate(&mut self, port: &mut Port<'_>) {
         let Some(source) = &mut self.source else { return };
         let octets = usize::from(source.take().saturating_sub(MAC_OCTETS));
         let octets = self.routing.fragments.map_or(octets, |fragments| fragments.packet_octets);
@@ -191,125 +126,6 @@ impl Router {
             self.enqueue(Outgoing::new(data, Heading::Up, octets), port);
         }
         self.schedule(port);
-    }
-
-    /// Adds a packet to the queue, if there is room.
-    pub(super) fn enqueue(&mut self, packet: Outgoing, port: &mut Port<'_>) {
-        let is_data = packet.is_data();
-        if self.outbox.add(packet, self.routing.queue_packets) {
-            self.pump(port);
-        } else if is_data {
-            self.count(port, |counts| counts.queue_drops += 1);
-        } else {
-            self.count(port, |counts| counts.rpl.lost += 1);
-        }
-    }
-
-    /// Gives the first packet, or the next piece of it, to the MAC, if there is one and the station knows to whom.
-    pub(super) fn pump(&mut self, port: &mut Port<'_>) {
-        let Some(first) = self.outbox.first() else { return };
-        let to = match self.next_of(first, port) {
-            Next::Station(to) => to,
-            Next::Later => return,
-            Next::Nowhere => {
-                if first.is_data() {
-                    self.count(port, |counts| counts.no_route += 1);
-                }
-                return self.first_is_done(port);
-            }
-        };
-        let kind = first.kind();
-        self.write_first(to, port);
-        let most = if self.reassembly.is_some() { MOST_PAYLOAD_OCTETS } else { usize::MAX };
-        let payload = if self.octets.len() > most {
-            let pieces = self.outbox.pieces(to, self.tag.wrapping_add(1));
-            self.tag = pieces.tag;
-            fragment::write(&self.octets, pieces.tag, most, pieces.number, &mut self.piece);
-            &self.piece
-        } else {
-            &self.octets
-        };
-        let is_fragment = self.octets.len() > most;
-        self.octets_of_first = self.octets.len();
-        match port.send(NetworkId::default(), Destination::Station(to), Payload::Octets(payload)) {
-            Ok(frame) => {
-                self.outbox.send(frame, to);
-                self.count(port, |counts| {
-                    counts.fragments += u64::from(is_fragment);
-                    counts.rpl.dao += u64::from(matches!(kind, Kind::Dao | Kind::NoPath));
-                    counts.rpl.dao_ack += u64::from(kind == Kind::DaoAck);
-                });
-            }
-            Err(SendError::QueueFull(_)) => self.try_again(port),
-            Err(_) => self.give_up(port),
-        }
-    }
-
-    /// Writes the first packet, for the station `to`.
-    fn write_first(&mut self, to: StationId, port: &Port<'_>) {
-        let Some(first) = self.outbox.first() else { return };
-        match &first.heading {
-            Heading::Up => {
-                // The root makes ways down of what origins tell.
-                let tells = self.routing.to != RoutedTo::Sink && first.data.origin == port.station();
-                let parent = if tells { Some(to) } else { first.data.parent };
-                let data = Data { cost: self.way.cost(), parent, ..first.data };
-                data.write(first.octets, &mut self.octets);
-            }
-            Heading::Down(route) => {
-                let Data { origin, number, hops, .. } = first.data;
-                Down { origin, number, hops, route: route[1..].to_vec() }.write(first.octets, &mut self.octets);
-            }
-            Heading::Rpl(datagram) => {
-                if let Way::Rpl(station) = &self.way {
-                    let ready = station.ready(datagram, &first.data);
-                    station.write(&ready, first.octets, &mut self.octets);
-                }
-            }
-            Heading::Neighbour(_, message) => {
-                if let Way::Rpl(station) = &self.way {
-                    station.write_message(message, to, &mut self.octets);
-                }
-            }
-        }
-    }
-
-    /// The first packet did not reach the next station.
-    fn try_again(&mut self, port: &mut Port<'_>) {
-        let is_no_path = self.outbox.front().is_some_and(|first| first.kind() == Kind::NoPath);
-        if !is_no_path && self.outbox.pause(self.routing.resends) {
-            let pause_ms = PAUSE_MS + PAUSE_SPREAD_MS * self.uniform(port);
-            port.after(Duration::from_secs_f64(pause_ms / 1e3), RESEND);
-        } else {
-            self.give_up(port);
-        }
-    }
-
-    fn give_up(&mut self, port: &mut Port<'_>) {
-        if self.outbox.front().is_some_and(|first| first.is_data()) {
-            self.count(port, |counts| counts.given_up += 1);
-        } else {
-            self.count(port, |counts| counts.rpl.lost += 1);
-        }
-        self.first_is_done(port);
-    }
-
-    /// Whether a piece of the first packet follows that which was sent last.
-    fn has_more_pieces(&mut self) -> bool {
-        let Some(pieces) = self.outbox.front().map(|first| first.pieces) else { return false };
-        let octets = self.octets_of_first;
-        self.reassembly.is_some() && fragment::piece(octets, MOST_PAYLOAD_OCTETS, pieces.number + 1).is_some()
-    }
-
-    /// The first packet leaves the queue.
-    fn first_is_done(&mut self, port: &mut Port<'_>) {
-        self.outbox.remove_first();
-        let own = port.station();
-        let is_saturated = self.source.as_ref().is_some_and(Source::is_saturated);
-        if is_saturated && self.outbox.iter().all(|packet| packet.data.origin != own || !packet.is_data()) {
-            self.originate(port);
-        }
-        self.pump(port);
     }
 
     /// Does what follows from something that the tree learned.

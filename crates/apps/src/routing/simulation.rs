@@ -6,10 +6,11 @@ use sextant_kernel::{NodeId, SettingError, SimTime, StationId};
 use sextant_sim::{Applications, LeftOut, ReadySimulation, Setup, Simulation, TrafficPlan};
 
 use super::record::{Context, RoutingRecord};
-use super::router::{Router, Way};
+use super::router::Router;
 use super::rpl::RplStation;
 use super::settings::{Plan, Routing, roots};
 use super::source::Source;
+use super::way::Way;
 
 impl Routing {
     /// The simulation of `setup` with the traffic of its first network, ready to run.

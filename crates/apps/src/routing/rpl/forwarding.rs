@@ -13,8 +13,9 @@ use super::messages::upward;
 use super::station::RplStation;
 use crate::routing::config::RoutedTo;
 use crate::routing::outbox::{Heading, Outgoing};
-use crate::routing::router::{Router, Way};
+use crate::routing::router::Router;
 use crate::routing::settings::MOST_PAYLOAD_OCTETS;
+use crate::routing::way::Way;
 
 /// To whom a packet goes next.
 pub(in crate::routing) enum Next {

@@ -11,7 +11,8 @@ use sextant_sim::{FrameId, NetworkId, Port, SendOutcome, SendReport, Timer};
 
 use super::plan::RplPlan;
 use crate::routing::record::ParentChange;
-use crate::routing::router::{Router, Way};
+use crate::routing::router::Router;
+use crate::routing::way::Way;
 
 pub(super) const DIO: Timer = Timer(16);
 pub(super) const DIS: Timer = Timer(17);
