@@ -1,6 +1,6 @@
 //! Routing over several hops, without i/o: the octets of its packets ([`Packet`]), the quality of links
 //! ([`LinkEstimate`]), when to send beacons ([`Trickle`]), the tree that beacons build ([`Collection`]), and packets that
-//! come twice ([`Seen`]), and ways down from the root ([`SourceRoutes`]).
+//! come twice ([`Seen`]), ways down from the root ([`SourceRoutes`]), packets in pieces ([`fragment`]), and RPL ([`rpl`]).
 //!
 //! Goes in: beacons and packets that a station heard, and what became of the frames that it sent. Comes out: its parent,
 //! the expected number of transmissions to the root, and whether its beacons must come sooner. The tree is that of CTP
@@ -23,8 +23,10 @@
 
 mod collection;
 mod estimate;
+pub mod fragment;
 mod neighbours;
 mod packet;
+pub mod rpl;
 mod seen;
 mod source_routes;
 mod trickle;

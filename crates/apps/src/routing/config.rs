@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::rpl::RplConfig;
+
 /// How packets go over several hops, as written in a scenario. Nodes send them along a tree whose roots are the sinks, and
 /// each hop is acknowledged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,6 +29,34 @@ pub struct RoutingConfig {
     #[serde(default, skip_serializing_if = "RoutedTo::is_sink")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = "sink")))]
     pub to: RoutedTo,
+    /// Packets that are larger than a frame, and go in fragments. Absent: a packet is one frame, of the size that the traffic has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fragments: Option<FragmentsConfig>,
+}
+
+/// Packets in fragments (RFC 4944), as written in a scenario. Each fragment is a frame with its own tries on each hop, and each
+/// station puts packets together before it sends them on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct FragmentsConfig {
+    /// Size of the packets of nodes, with their headers and without those of the MAC (octets): 40 to 1280. It replaces the size
+    /// of the traffic.
+    pub packet_octets: u16,
+    /// A packet that is not complete after this time is given up (s): 0.1 to 60.
+    #[serde(default = "default_reassembly_s")]
+    pub reassembly_s: f64,
+    /// Packets that a station can put together at the same time: 1 to 255. A fragment of another one is lost.
+    #[serde(default = "default_reassembly_buffers")]
+    pub reassembly_buffers: u8,
+}
+
+fn default_reassembly_s() -> f64 {
+    8.0
+}
+
+fn default_reassembly_buffers() -> u8 {
+    2
 }
 
 /// Where the packets of nodes go.
@@ -73,6 +103,30 @@ pub enum TreeConfig {
     Shortest(ShortestTreeConfig),
     /// The tree that the stations build and repair by beacons, as CTP does.
     Collection(CollectionConfig),
+    /// The tree that the stations build and repair by RPL (RFC 6550).
+    Rpl(RplConfig),
+}
+
+impl TreeConfig {
+    /// Its name, which is its key.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Given(_) => "given",
+            Self::Shortest(_) => "shortest",
+            Self::Collection(_) => "collection",
+            Self::Rpl(_) => "rpl",
+        }
+    }
+
+    /// Whether the stations build it, so that it changes.
+    #[must_use]
+    pub const fn is_built(&self) -> bool {
+        match self {
+            Self::Given(_) | Self::Shortest(_) => false,
+            Self::Collection(_) | Self::Rpl(_) => true,
+        }
+    }
 }
 
 /// A tree of a file, as written in a scenario.

@@ -7,7 +7,9 @@ use sextant_sim::Port;
 use super::config::RoutedTo;
 use super::outbox::{Heading, Outgoing};
 use super::router::Router;
+use super::rpl::Next;
 use super::settings::MOST_PAYLOAD_OCTETS;
+use super::way::Way;
 
 impl Router {
     /// The station has one packet more of its own.
@@ -27,10 +29,15 @@ impl Router {
     }
 
     /// To whom a packet goes next.
-    pub(super) fn next_of(&self, packet: &Outgoing) -> Option<StationId> {
+    pub(super) fn next_of(&self, packet: &Outgoing, port: &Port<'_>) -> Next {
         match &packet.heading {
-            Heading::Up => self.way.parent(),
-            Heading::Down(route) => route.first().copied(),
+            Heading::Up => self.way.parent().map_or(Next::Later, Next::Station),
+            Heading::Down(route) => route.first().map_or(Next::Nowhere, |&first| Next::Station(first)),
+            Heading::Neighbour(to, _) => Next::Station(*to),
+            Heading::Rpl(datagram) => match &self.way {
+                Way::Rpl(station) => station.next_of(datagram, port),
+                Way::FixedRoot | Way::Fixed(_) | Way::Built { .. } => Next::Nowhere,
+            },
         }
     }
 
@@ -54,7 +61,7 @@ impl Router {
     fn send_down(&mut self, data: Data, target: StationId, octets: usize, port: &mut Port<'_>) {
         let route = self.routes.route(port.station(), target);
         match route.filter(|route| down_octets(route.len() - 1) <= MOST_PAYLOAD_OCTETS) {
-            Some(route) => self.pass_on(Outgoing { data, heading: Heading::Down(route), octets, resends: 0 }, port),
+            Some(route) => self.pass_on(Outgoing::new(data, Heading::Down(route), octets), port),
             None => self.count(port, |counts| counts.no_route += 1),
         }
     }
@@ -68,7 +75,7 @@ impl Router {
             None if route.is_empty() => self.arrive(origin, number, hops, port),
             None => {
                 let data = Data { origin, number, hops, cost: None, parent: None, target: None };
-                self.pass_on(Outgoing { data, heading: Heading::Down(route), octets, resends: 0 }, port);
+                self.pass_on(Outgoing::new(data, Heading::Down(route), octets), port);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Routing over several hops: the packets of nodes go along a tree to a sink.
 //!
 //! The tree is given, or made of the shortest ways from the layout, or built by the beacons of the stations
-//! ([`sextant_mac::routing`]). Each node has a queue of packets. It gives them one by one to its MAC, which waits for the
+//! ([`sextant_mac::routing`]), or by RPL ([`sextant_mac::routing::rpl`]). Each node has a queue of packets. It gives them one by one to its MAC, which waits for the
 //! acknowledgement of the next station, and gives a packet again that was not acknowledged. All that a station knows of
 //! others came in frames; see [`sextant_mac::routing::Packet`] for their octets.
 //!
@@ -12,18 +12,24 @@ mod config;
 mod downward;
 mod links;
 mod outbox;
+mod reassembly;
 mod record;
 mod router;
+mod rpl;
+mod sending;
 mod settings;
 mod simulation;
 mod source;
 mod tree;
+mod way;
 
 pub use config::{
-    CollectionConfig, GivenTreeConfig, RoutedTo, RoutingConfig, ShortestTreeConfig, TreeConfig, TreeMetric,
+    CollectionConfig, FragmentsConfig, GivenTreeConfig, RoutedTo, RoutingConfig, ShortestTreeConfig, TreeConfig,
+    TreeMetric,
 };
 pub use links::UsableLinks;
-pub use record::{Counts, Deliveries, ParentChange, RoutedStation, RoutingRecord};
+pub use record::{Counts, Deliveries, ParentChange, RoutedStation, RoutingRecord, RplCounts};
 pub use router::Router;
+pub use rpl::{MrhofConfig, ObjectiveConfig, Of0Config, RankErrors, RplConfig, RplMode, StepOfRankConfig};
 pub use settings::Routing;
 pub use tree::Tree;

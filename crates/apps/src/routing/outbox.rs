@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use sextant_kernel::StationId;
 use sextant_mac::routing::Data;
+use sextant_mac::routing::rpl::{Content, Datagram, Message};
 use sextant_sim::FrameId;
 
 /// A packet that waits in a station, or is under way to the next one.
@@ -15,6 +16,19 @@ pub(super) struct Outgoing {
     pub(super) octets: usize,
     /// How often it was given to the MAC again.
     pub(super) resends: u8,
+    /// What of it was sent, if it goes in fragments.
+    pub(super) pieces: Pieces,
+}
+
+/// What of a packet in fragments was sent.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pieces {
+    /// To whom the first piece went.
+    to: Option<StationId>,
+    /// The number by which its receiver knows the packet.
+    pub(super) tag: u16,
+    /// The piece to send now.
+    pub(super) number: usize,
 }
 
 /// Which way a packet goes.
@@ -24,6 +38,52 @@ pub(super) enum Heading {
     Up,
     /// Along these stations.
     Down(Vec<StationId>),
+    /// As RPL has it.
+    Rpl(Box<Datagram>),
+    /// A message of RPL to a neighbour.
+    Neighbour(StationId, Message),
+}
+
+impl Outgoing {
+    /// A packet that was not sent yet.
+    pub(super) fn new(data: Data, heading: Heading, octets: usize) -> Self {
+        Self { data, heading, octets, resends: 0, pieces: Pieces::default() }
+    }
+
+    /// What it is.
+    pub(super) fn kind(&self) -> Kind {
+        let message = match &self.heading {
+            Heading::Up | Heading::Down(_) => return Kind::Packet,
+            Heading::Neighbour(_, message) => message,
+            Heading::Rpl(datagram) => match &datagram.content {
+                Content::Data(_) => return Kind::Packet,
+                Content::Message(message) => message,
+            },
+        };
+        match message {
+            Message::DaoAck(_) => Kind::DaoAck,
+            Message::Dao(dao) if dao.lifetime_min == 0 => Kind::NoPath,
+            Message::Dao(_) | Message::Dio(_) | Message::Dis => Kind::Dao,
+        }
+    }
+
+    /// Whether it is a packet with data, and no message of RPL.
+    pub(super) fn is_data(&self) -> bool {
+        self.kind() == Kind::Packet
+    }
+}
+
+/// What waits in a station.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A packet with data.
+    Packet,
+    /// A message that a station can be reached, ...
+    Dao,
+    /// ... or no longer: it is not given to the MAC again.
+    NoPath,
+    /// An answer to such a message.
+    DaoAck,
 }
 
 /// The packets that wait in a station. One at a time is given to the MAC, and stays first until it is through.
@@ -50,6 +110,28 @@ impl Outbox {
     pub(super) fn first(&self) -> Option<&Outgoing> {
         let is_free = self.under_way.is_none() && !self.is_pausing;
         self.waiting.front().filter(|_| is_free)
+    }
+
+    /// The pieces of the first packet, for that station: if others went to another one, it begins anew with the tag `tag`.
+    pub(super) fn pieces(&mut self, to: StationId, tag: u16) -> Pieces {
+        let Some(first) = self.waiting.front_mut() else { return Pieces::default() };
+        if first.pieces.to != Some(to) {
+            first.pieces = Pieces { to: Some(to), tag, number: 0 };
+        }
+        first.pieces
+    }
+
+    /// A piece of the first packet is through: the next one follows.
+    pub(super) fn next_piece(&mut self) {
+        if let Some(first) = self.waiting.front_mut() {
+            first.pieces.number += 1;
+            first.resends = 0;
+        }
+    }
+
+    /// The first packet, whether it waits or is under way.
+    pub(super) fn front(&self) -> Option<&Outgoing> {
+        self.waiting.front()
     }
 
     /// The first packet is with the MAC.

@@ -2,93 +2,37 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Duration;
 
 use sextant_kernel::{EventKey, SimTime, StationId};
-use sextant_mac::routing::{
-    Beacon, Collection, Data, Down, HOP_LIMIT, Packet, Reaction, Repeat, Seen, SourceRoutes, Trickle,
-};
-use sextant_sim::{
-    Application, Delivery, Destination, NetworkId, Payload, Port, SendError, SendOutcome, SendReport, Timer,
-};
+use sextant_mac::routing::fragment::{Fragment, Reassembly};
+use sextant_mac::routing::rpl::LEAST_DATA_OCTETS;
+use sextant_mac::routing::{Beacon, Data, HOP_LIMIT, Packet, Reaction, Repeat, Seen, SourceRoutes};
+use sextant_sim::{Application, Delivery, Destination, NetworkId, Payload, Port, SendOutcome, SendReport, Timer};
 
 use super::config::RoutedTo;
 use super::outbox::{Heading, Outbox, Outgoing};
 use super::record::{Arrival, Counts, ParentChange, StationRecord};
 use super::settings::{MAC_OCTETS, Routing};
 use super::source::Source;
+use super::way::Way;
 
 const TRAFFIC: Timer = Timer(0);
 const BEACON: Timer = Timer(1);
-const RESEND: Timer = Timer(2);
-
-/// Least time before a packet is given to the MAC again (ms), ...
-const PAUSE_MS: f64 = 16.0;
-/// ... and the most that is added to it at random, as in TinyOS.
-const PAUSE_SPREAD_MS: f64 = 15.0;
-
-/// How a station finds the next one.
-#[derive(Clone, Debug)]
-pub(super) enum Way {
-    /// It is the root of a tree that does not change.
-    FixedRoot,
-    /// It has this parent in a tree that does not change.
-    Fixed(Option<StationId>),
-    /// Beacons tell.
-    Built { is_root: bool, tree: Box<Collection>, trickle: Trickle },
-}
-
-impl Way {
-    /// That of the root of a tree that beacons build.
-    pub(super) fn root(own: StationId, trickle: Trickle) -> Self {
-        Self::Built { is_root: true, tree: Box::new(Collection::of_root(own)), trickle }
-    }
-
-    /// That of a node in a tree that beacons build.
-    pub(super) fn node(own: StationId, trickle: Trickle, hysteresis_etx: f64) -> Self {
-        Self::Built { is_root: false, tree: Box::new(Collection::of_node(own, hysteresis_etx)), trickle }
-    }
-
-    pub(super) fn is_root(&self) -> bool {
-        matches!(self, Self::FixedRoot | Self::Built { is_root: true, .. })
-    }
-
-    pub(super) fn parent(&self) -> Option<StationId> {
-        match self {
-            Self::FixedRoot => None,
-            Self::Fixed(parent) => *parent,
-            Self::Built { tree, .. } => tree.parent(),
-        }
-    }
-
-    /// Expected transmissions to the parent, if the station worked them out itself.
-    fn parent_etx(&self) -> Option<f64> {
-        match self {
-            Self::FixedRoot | Self::Fixed(_) => None,
-            Self::Built { tree, .. } => tree.parent_etx(),
-        }
-    }
-
-    fn cost(&self) -> Option<f64> {
-        match self {
-            Self::FixedRoot | Self::Fixed(_) => None,
-            Self::Built { tree, .. } => tree.cost(),
-        }
-    }
-
-    /// Whether a packet that goes up comes from a station that is not farther from the root.
-    fn is_uphill(&self, cost: Option<f64>) -> bool {
-        matches!(self, Self::Built { tree, is_root: false, .. } if tree.is_uphill(cost))
-    }
-}
+pub(super) const RESEND: Timer = Timer(2);
+pub(super) const REASSEMBLY: Timer = Timer(3);
 
 /// The application of a station that takes part in routing.
 pub struct Router {
     pub(super) routing: Arc<Routing>,
     pub(super) way: Way,
-    source: Option<Source>,
-    outbox: Outbox,
-    seen: Seen,
+    pub(super) source: Option<Source>,
+    pub(super) outbox: Outbox,
+    /// Packets that come in fragments, if they do.
+    pub(super) reassembly: Option<Reassembly>,
+    pub(super) expiry_due: Option<EventKey>,
+    /// Number of the last packet that went in fragments.
+    pub(super) tag: u16,
+    pub(super) seen: Seen,
     /// The same for packets that go down.
     pub(super) seen_down: Seen,
     /// The ways down, in a root.
@@ -98,7 +42,12 @@ pub struct Router {
     /// Random numbers drawn so far.
     draws: u64,
     beacon_due: Option<EventKey>,
-    octets: Vec<u8>,
+    /// A packet or message that is written, ...
+    pub(super) octets: Vec<u8>,
+    /// ... and a piece of it.
+    pub(super) piece: Vec<u8>,
+    /// Size of the packet that the MAC has (octets), of which it may be a piece.
+    pub(super) octets_of_first: usize,
     /// What happens before it is not counted.
     counted_from: SimTime,
     pub(super) record: StationRecord,
@@ -106,11 +55,15 @@ pub struct Router {
 
 impl Router {
     pub(super) fn new(routing: Arc<Routing>, way: Way, source: Option<Source>, counted_from: SimTime) -> Self {
+        let fragments = routing.fragments;
         Self {
             routing,
             way,
             source,
             outbox: Outbox::default(),
+            reassembly: fragments.map(|fragments| Reassembly::new(fragments.most, fragments.timeout)),
+            expiry_due: None,
+            tag: 0,
             seen: Seen::default(),
             seen_down: Seen::default(),
             routes: SourceRoutes::default(),
@@ -118,6 +71,8 @@ impl Router {
             draws: 0,
             beacon_due: None,
             octets: Vec::new(),
+            piece: Vec::new(),
+            octets_of_first: 0,
             counted_from,
             record: StationRecord::default(),
         }
@@ -125,9 +80,14 @@ impl Router {
 
     /// What the station leaves behind.
     pub(super) fn into_record(self) -> StationRecord {
-        let waiting = self.outbox.iter().map(|packet| (packet.data.origin, packet.data.number)).collect();
+        let packets = self.outbox.iter().filter(|packet| packet.is_data());
+        let waiting = packets.map(|packet| (packet.data.origin, packet.data.number)).collect();
+        let routes = match &self.way {
+            Way::Rpl(station) => station.routes() + self.routes.stations().count(),
+            Way::Built { .. } | Way::FixedRoot | Way::Fixed(_) => 0,
+        };
         let (parent, parent_etx) = (self.way.parent(), self.way.parent_etx());
-        StationRecord { waiting, parent, parent_etx, ..self.record }
+        StationRecord { waiting, parent, parent_etx, routes, ..self.record }
     }
 
     pub(super) fn uniform(&mut self, port: &Port<'_>) -> f64 {
@@ -142,83 +102,30 @@ impl Router {
     }
 
     /// Sets the timer of the next packet of its own.
-    fn schedule(&mut self, port: &mut Port<'_>) {
+    pub(super) fn schedule(&mut self, port: &mut Port<'_>) {
         if let Some(due) = self.source.as_mut().and_then(|source| source.next(port)) {
             port.after(due.saturating_since(port.now()), TRAFFIC);
         }
     }
 
     /// The station has a packet of its own.
-    fn originate(&mut self, port: &mut Port<'_>) {
+    pub(super) fn originate(&mut self, port: &mut Port<'_>) {
         let Some(source) = &mut self.source else { return };
         let octets = usize::from(source.take().saturating_sub(MAC_OCTETS));
+        let octets = self.routing.fragments.map_or(octets, |fragments| fragments.packet_octets);
         let target = match self.routing.to {
             RoutedTo::Sink | RoutedTo::SinkAndBack => None,
             RoutedTo::Nodes => Some(self.draw_target(port)),
         };
         let data = Data { target, ..self.number_packet(port) };
         self.seen.note(data.origin, data.number, 0);
-        self.enqueue(Outgoing { data, heading: Heading::Up, octets, resends: 0 }, port);
+        if self.rpl().is_some() {
+            let payload_octets = octets.saturating_sub(LEAST_DATA_OCTETS.into());
+            self.originate_rpl(data, target, payload_octets, port);
+        } else {
+            self.enqueue(Outgoing::new(data, Heading::Up, octets), port);
+        }
         self.schedule(port);
-    }
-
-    /// Adds a packet to the queue, if there is room.
-    pub(super) fn enqueue(&mut self, packet: Outgoing, port: &mut Port<'_>) {
-        if self.outbox.add(packet, self.routing.queue_packets) {
-            self.pump(port);
-        } else {
-            self.count(port, |counts| counts.queue_drops += 1);
-        }
-    }
-
-    /// Gives the first packet to the MAC, if there is one and the station knows to whom.
-    fn pump(&mut self, port: &mut Port<'_>) {
-        let Some(first) = self.outbox.first() else { return };
-        let Some(to) = self.next_of(first) else { return };
-        match &first.heading {
-            Heading::Up => {
-                // The root makes ways down of what origins tell.
-                let tells = self.routing.to != RoutedTo::Sink && first.data.origin == port.station();
-                let parent = if tells { Some(to) } else { first.data.parent };
-                let data = Data { cost: self.way.cost(), parent, ..first.data };
-                data.write(first.octets, &mut self.octets);
-            }
-            Heading::Down(route) => {
-                let Data { origin, number, hops, .. } = first.data;
-                Down { origin, number, hops, route: route[1..].to_vec() }.write(first.octets, &mut self.octets);
-            }
-        }
-        match port.send(NetworkId::default(), Destination::Station(to), Payload::Octets(&self.octets)) {
-            Ok(frame) => self.outbox.send(frame, to),
-            Err(SendError::QueueFull(_)) => self.try_again(port),
-            Err(_) => self.give_up(port),
-        }
-    }
-
-    /// The first packet did not reach the next station.
-    fn try_again(&mut self, port: &mut Port<'_>) {
-        if self.outbox.pause(self.routing.resends) {
-            let pause_ms = PAUSE_MS + PAUSE_SPREAD_MS * self.uniform(port);
-            port.after(Duration::from_secs_f64(pause_ms / 1e3), RESEND);
-        } else {
-            self.give_up(port);
-        }
-    }
-
-    fn give_up(&mut self, port: &mut Port<'_>) {
-        self.count(port, |counts| counts.given_up += 1);
-        self.first_is_done(port);
-    }
-
-    /// The first packet leaves the queue.
-    fn first_is_done(&mut self, port: &mut Port<'_>) {
-        self.outbox.remove_first();
-        let own = port.station();
-        let is_saturated = self.source.as_ref().is_some_and(Source::is_saturated);
-        if is_saturated && self.outbox.iter().all(|packet| packet.data.origin != own) {
-            self.originate(port);
-        }
-        self.pump(port);
     }
 
     /// Does what follows from something that the tree learned.
@@ -282,7 +189,20 @@ impl Router {
         if self.way.is_root() {
             self.take_at_root(data, octets, port);
         } else {
-            self.pass_on(Outgoing { data, heading: Heading::Up, octets, resends: 0 }, port);
+            self.pass_on(Outgoing::new(data, Heading::Up, octets), port);
+        }
+    }
+
+    /// A whole packet or message came from a neighbour.
+    fn hear(&mut self, from: StationId, payload: &[u8], port: &mut Port<'_>) {
+        if self.rpl().is_some() {
+            return self.hear_rpl(from, payload, port);
+        }
+        match Packet::read(payload) {
+            Some(Packet::Beacon(beacon)) => self.hear_beacon(from, &beacon, port),
+            Some(Packet::Data(data)) => self.take_packet(data, payload.len(), port),
+            Some(Packet::Down(down)) => self.take_down(down, payload.len(), port),
+            None => {}
         }
     }
 
@@ -330,38 +250,53 @@ impl Application for Router {
             let due = trickle.begin(port.now(), uniform);
             self.beacon_due = Some(port.after(due.saturating_since(port.now()), BEACON));
         }
+        if self.rpl().is_some() {
+            self.start_rpl(port);
+        }
     }
 
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
         match timer {
             TRAFFIC => self.originate(port),
             BEACON => self.send_beacon(port),
-            _ => {
+            RESEND => {
                 self.outbox.resume();
                 self.pump(port);
             }
+            REASSEMBLY => self.reassembly_is_over(port),
+            _ => self.time_rpl(timer, port),
         }
     }
 
     fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
-        match Packet::read(delivery.payload) {
-            Some(Packet::Beacon(beacon)) => self.hear_beacon(delivery.from, &beacon, port),
-            Some(Packet::Data(data)) => self.take_packet(data, delivery.payload.len(), port),
-            Some(Packet::Down(down)) => self.take_down(down, delivery.payload.len(), port),
-            None => {}
-        }
+        let whole = match Fragment::read(delivery.payload).filter(|_| self.reassembly.is_some()) {
+            Some(fragment) => match self.take_fragment(delivery.from, &fragment, port) {
+                Some(packet) => packet,
+                None => return,
+            },
+            None => return self.hear(delivery.from, delivery.payload, port),
+        };
+        self.hear(delivery.from, &whole, port);
     }
 
     fn sent(&mut self, _network: NetworkId, report: &SendReport, port: &mut Port<'_>) {
-        let Some(to) = self.outbox.ended(report.frame) else { return };
+        let Some(to) = self.outbox.ended(report.frame) else { return self.end_of_frame(report, port) };
         let is_through = report.outcome == SendOutcome::Acknowledged;
         let transmissions = report.transmissions;
-        self.count(port, |counts| counts.transmissions += u64::from(transmissions));
-        if is_through {
-            self.first_is_done(port);
-        } else {
+        let is_data = self.outbox.front().is_some_and(|first| first.is_data());
+        self.count(port, |counts| {
+            let sum = if is_data { &mut counts.transmissions } else { &mut counts.rpl.transmissions };
+            *sum += u64::from(transmissions);
+        });
+        if !is_through {
             self.try_again(port);
+        } else if self.has_more_pieces() {
+            self.outbox.next_piece();
+            self.pump(port);
+        } else {
+            self.first_is_done(port);
         }
+        self.learn_link(to, report, port);
         if let Way::Built { tree, .. } = &mut self.way {
             let reaction = tree.sent(to, transmissions, u32::from(is_through));
             self.react(reaction, port);

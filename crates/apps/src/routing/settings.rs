@@ -4,11 +4,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_kernel::{Files, SettingError, StationId};
+use sextant_mac::routing::fragment::MOST_OCTETS;
+use sextant_mac::routing::rpl::LEAST_DATA_OCTETS;
 use sextant_mac::routing::{HEADER_OCTETS, MAX_STATIONS, Trickle};
 use sextant_sim::Setup;
 
-use super::config::{CollectionConfig, RoutedTo, RoutingConfig, TreeConfig};
+use super::config::{CollectionConfig, FragmentsConfig, RoutedTo, RoutingConfig, TreeConfig};
 use super::links::UsableLinks;
+use super::rpl::{RplMode, RplPlan};
 use super::tree::Tree;
 
 /// Size of the header and the check sequence of a data frame among stations with short addresses (octets).
@@ -27,6 +30,19 @@ pub struct Routing {
     pub(super) nodes: u32,
     pub(super) plan: Plan,
     pub(super) links: Arc<UsableLinks>,
+    /// How packets go in fragments, if they do.
+    pub(super) fragments: Option<Fragmenting>,
+}
+
+/// How packets go in fragments.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fragmenting {
+    /// Size of a packet of a node (octets).
+    pub(super) packet_octets: usize,
+    /// How long a packet may take to be complete, ...
+    pub(super) timeout: Duration,
+    /// ... and how many a station puts together at the same time.
+    pub(super) most: usize,
 }
 
 /// Where the tree comes from.
@@ -34,6 +50,7 @@ pub struct Routing {
 pub(super) enum Plan {
     Fixed(Arc<Tree>),
     Built { trickle: Trickle, hysteresis_etx: f64 },
+    Rpl(Arc<RplPlan>),
 }
 
 impl Routing {
@@ -42,7 +59,7 @@ impl Routing {
     /// # Errors
     /// If a number is out of range, or the tree does not reach each node, or there are too many stations.
     pub fn new(config: &RoutingConfig, setup: &Setup, files: &Files) -> Result<Self, SettingError> {
-        let &RoutingConfig { ref tree, queue_packets, resends, usable_prr, to } = config;
+        let &RoutingConfig { ref tree, queue_packets, resends, usable_prr, to, fragments } = config;
         if !(1..=1000).contains(&queue_packets) {
             return Err(SettingError::new("queue_packets", queue_packets, "1 to 1000"));
         }
@@ -72,8 +89,18 @@ impl Routing {
                 let trickle = trickle(collection).map_err(|error| error.within("tree.collection"))?;
                 Plan::Built { trickle, hysteresis_etx: collection.hysteresis_etx }
             }
+            TreeConfig::Rpl(rpl) => {
+                if rpl.mode == RplMode::None && to != RoutedTo::Sink {
+                    let remedy = "set `mode` to `non_storing` or `storing`, so that somebody knows ways down";
+                    let with = "`routing.to`, by which packets go down";
+                    return Err(SettingError::conflict("tree.rpl.mode", with, remedy));
+                }
+                Plan::Rpl(Arc::new(RplPlan::try_from(rpl).map_err(|error| error.within("tree.rpl"))?))
+            }
         };
-        Ok(Self { queue_packets: queue_packets.into(), resends, to, nodes, plan, links })
+        let fragments = fragments.as_ref().map(Fragmenting::try_from).transpose();
+        let fragments = fragments.map_err(|error| error.within("fragments"))?;
+        Ok(Self { queue_packets: queue_packets.into(), resends, to, nodes, plan, links, fragments })
     }
 
     /// The tree, if it is fixed.
@@ -81,7 +108,7 @@ impl Routing {
     pub fn tree(&self) -> Option<&Tree> {
         match &self.plan {
             Plan::Fixed(tree) => Some(tree),
-            Plan::Built { .. } => None,
+            Plan::Built { .. } | Plan::Rpl(_) => None,
         }
     }
 
@@ -91,8 +118,33 @@ impl Routing {
         &self.links
     }
 
-    /// The least size of a frame of the traffic whose packets go to sinks only: a header of the MAC and one of a packet (octets).
-    pub const LEAST_MPDU_OCTETS: u8 = MAC_OCTETS + HEADER_OCTETS;
+    /// The least size of a frame of the traffic: a header of the MAC and those of a packet (octets).
+    #[must_use]
+    pub const fn least_mpdu_octets(tree: &TreeConfig, to: RoutedTo) -> u8 {
+        match tree {
+            TreeConfig::Rpl(_) => MAC_OCTETS + LEAST_DATA_OCTETS,
+            TreeConfig::Given(_) | TreeConfig::Shortest(_) | TreeConfig::Collection(_) => {
+                MAC_OCTETS + HEADER_OCTETS + to.further_octets()
+            }
+        }
+    }
+}
+
+impl TryFrom<&FragmentsConfig> for Fragmenting {
+    type Error = SettingError;
+
+    fn try_from(config: &FragmentsConfig) -> Result<Self, SettingError> {
+        let &FragmentsConfig { packet_octets, reassembly_s, reassembly_buffers } = config;
+        if !(40..=MOST_OCTETS).contains(&packet_octets) {
+            return Err(SettingError::new("packet_octets", packet_octets, format!("40 to {MOST_OCTETS}")));
+        }
+        if reassembly_buffers == 0 {
+            return Err(SettingError::new("reassembly_buffers", 0, "1 to 255"));
+        }
+        let timeout_s = SettingError::in_range("reassembly_s", reassembly_s, 0.1, 60.0)?;
+        let (packet_octets, most) = (packet_octets.into(), reassembly_buffers.into());
+        Ok(Self { packet_octets, timeout: Duration::from_secs_f64(timeout_s), most })
+    }
 }
 
 /// The sinks of a setup.

@@ -6,9 +6,11 @@ use sextant_kernel::{NodeId, SettingError, SimTime, StationId};
 use sextant_sim::{Applications, LeftOut, ReadySimulation, Setup, Simulation, TrafficPlan};
 
 use super::record::{Context, RoutingRecord};
-use super::router::{Router, Way};
+use super::router::Router;
+use super::rpl::RplStation;
 use super::settings::{Plan, Routing, roots};
 use super::source::Source;
+use super::way::Way;
 
 impl Routing {
     /// The simulation of `setup` with the traffic of its first network, ready to run.
@@ -63,6 +65,8 @@ impl Routing {
             Plan::Fixed(tree) => Way::Fixed(tree.parent(station)),
             Plan::Built { trickle, .. } if roots.contains(&station) => Way::root(station, trickle.clone()),
             Plan::Built { trickle, hysteresis_etx } => Way::node(station, trickle.clone(), *hysteresis_etx),
+            Plan::Rpl(plan) if roots.contains(&station) => Way::Rpl(Box::new(RplStation::root(station, plan))),
+            Plan::Rpl(plan) => Way::Rpl(Box::new(RplStation::node(station, plan))),
         }
     }
 }

@@ -146,6 +146,8 @@ fn measures(path: &str) -> Vec<Measure> {
         searches: name(),
         has_routing: true,
         has_way_down: true,
+        has_rpl: true,
+        has_fragments: true,
         has_slots: true,
         has_batteries: true,
         has_sleep: true,

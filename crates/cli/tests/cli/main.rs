@@ -59,6 +59,7 @@ mod recording;
 mod repairs;
 mod report;
 mod reproduce;
+mod rpl;
 mod run;
 mod safety;
 mod scenario_errors;

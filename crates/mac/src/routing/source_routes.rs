@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use sextant_kernel::StationId;
+use sextant_kernel::{SimTime, StationId};
 
 use super::HOP_LIMIT;
 
@@ -10,13 +10,33 @@ use super::HOP_LIMIT;
 /// RPL without tables in nodes (RFC 6550, 9.7); the root writes the whole way into each packet that goes down.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SourceRoutes {
-    parents: BTreeMap<StationId, StationId>,
+    parents: BTreeMap<StationId, (StationId, SimTime)>,
 }
 
 impl SourceRoutes {
     /// A packet told that `node` has this parent.
     pub fn learn(&mut self, node: StationId, parent: StationId) {
-        self.parents.insert(node, parent);
+        self.learn_until(node, parent, SimTime::MAX);
+    }
+
+    /// The same, up to then.
+    pub fn learn_until(&mut self, node: StationId, parent: StationId, until: SimTime) {
+        self.parents.insert(node, (parent, until));
+    }
+
+    /// `node` has no parent any more.
+    pub fn forget(&mut self, node: StationId) {
+        self.parents.remove(&node);
+    }
+
+    /// Forgets what was told up to `now` only.
+    pub fn expire(&mut self, now: SimTime) {
+        self.parents.retain(|_, &mut (_, until)| now < until);
+    }
+
+    /// The stations whose parents are known.
+    pub fn stations(&self) -> impl Iterator<Item = StationId> {
+        self.parents.keys().copied()
     }
 
     /// The stations on the way from `root` down to `target`, which is the last one. `None` if a parent on the way is not known, or
@@ -25,8 +45,12 @@ impl SourceRoutes {
     pub fn route(&self, root: StationId, target: StationId) -> Option<Vec<StationId>> {
         let mut route = vec![target];
         let mut at = target;
-        while *self.parents.get(&at)? != root {
-            at = self.parents[&at];
+        loop {
+            let &(parent, _) = self.parents.get(&at)?;
+            if parent == root {
+                break;
+            }
+            at = parent;
             route.push(at);
             if route.len() > usize::from(HOP_LIMIT) {
                 return None;
@@ -56,6 +80,20 @@ mod tests {
         // What was told at different times may go round.
         routes.learn(s(1), s(2));
         routes.learn(s(2), s(1));
+        assert_eq!(routes.route(s(9), s(1)), None);
+    }
+
+    #[test]
+    fn what_was_told_for_a_time_is_forgotten_after_it() {
+        let s = StationId;
+        let mut routes = SourceRoutes::default();
+        routes.learn(s(1), s(9));
+        routes.learn_until(s(2), s(1), SimTime::from_secs(60));
+        routes.expire(SimTime::from_secs(59));
+        assert_eq!(routes.route(s(9), s(2)), Some(vec![s(1), s(2)]));
+        routes.expire(SimTime::from_secs(60));
+        assert_eq!((routes.route(s(9), s(2)), routes.stations().count()), (None, 1));
+        routes.forget(s(1));
         assert_eq!(routes.route(s(9), s(1)), None);
     }
 }

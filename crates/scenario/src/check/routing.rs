@@ -1,6 +1,6 @@
 //! Routing over several hops.
 
-use sextant_apps::routing::{RoutedTo, Routing, TreeConfig};
+use sextant_apps::routing::{Routing, RoutingConfig, TreeConfig};
 use sextant_kernel::{Files, SettingError};
 use sextant_mac::tsch::{ScheduleConfig, TschConfig, UnicastConfig};
 use sextant_sim::{MacConfig, NetworkId, Setup};
@@ -24,7 +24,7 @@ pub(crate) fn check_routing(
     let before = errors.found.len();
     check_others(config, errors);
     check_mac(networks, &written.tree, errors);
-    check_traffic(written.to, setup, errors);
+    check_traffic(written, setup, errors);
     // A tree needs sinks and links.
     if errors.found.len() > before {
         return None;
@@ -58,7 +58,7 @@ fn check_others(config: &ScenarioConfig, errors: &mut Errors) {
 /// Refuses a MAC by which stations do not hear each other at any time, or that has no acknowledgements.
 fn check_mac(networks: &Networks<'_>, tree: &TreeConfig, errors: &mut Errors) {
     let tables = networks.tables(NetworkId::default());
-    let is_built = matches!(tree, TreeConfig::Collection(_));
+    let is_built = tree.is_built();
     let why = "because each hop is acknowledged, and nodes must hear each other at any time";
     let only = format!("`csma_unslotted`, `tsch` or `sleep`, {why}");
     let error = match tables.mac.value {
@@ -73,12 +73,12 @@ fn check_mac(networks: &Networks<'_>, tree: &TreeConfig, errors: &mut Errors) {
             if is_built && orchestra.unicast == UnicastConfig::SenderBased =>
         {
             let allowed = "`receiver_based`, because nodes listen in the cells of their children, which change";
-            let found = "`sender_based`, beside `routing.tree.collection`";
+            let found = format!("`sender_based`, beside `routing.tree.{}`", tree.name());
             SettingError::new("tsch.schedule.orchestra.unicast", found, allowed)
         }
         MacConfig::Sleep(_) if is_built => {
             let allowed = "another tree: its beacons to all would take an interval each";
-            SettingError::new("sleep", "a table, beside `routing.tree.collection`", allowed)
+            SettingError::new("sleep", format!("a table, beside `routing.tree.{}`", tree.name()), allowed)
         }
         MacConfig::Tsch(_) | MacConfig::Sleep(_) => return,
     };
@@ -86,7 +86,7 @@ fn check_mac(networks: &Networks<'_>, tree: &TreeConfig, errors: &mut Errors) {
 }
 
 /// Refuses frames without room for the header of a packet, and acknowledgements from afar.
-fn check_traffic(to: RoutedTo, setup: &Setup, errors: &mut Errors) {
+fn check_traffic(routing: &RoutingConfig, setup: &Setup, errors: &mut Errors) {
     let traffic = &setup.network().traffic;
     for kind in traffic.kinds().filter(|kind| !kind.is_silent()) {
         if kind.is_acknowledged() {
@@ -94,8 +94,9 @@ fn check_traffic(to: RoutedTo, setup: &Setup, errors: &mut Errors) {
             let allowed = "false: with `routing` each hop is acknowledged, and packets go to a sink in any case";
             errors.refuse(&SettingError::new(key, "true, beside `routing`", allowed));
         }
-        let (octets, least) = (kind.mpdu_octets(), Routing::LEAST_MPDU_OCTETS + to.further_octets());
-        if octets < least {
+        let (octets, least) = (kind.mpdu_octets(), Routing::least_mpdu_octets(&routing.tree, routing.to));
+        // Packets in fragments have a size of their own.
+        if routing.fragments.is_none() && octets < least {
             let allowed =
                 format!("at least {least} with `routing`: headers of MAC and packet, and the check sequence");
             errors.refuse(&SettingError::new(format!("{}.mpdu_octets", kind.key()), octets, allowed));

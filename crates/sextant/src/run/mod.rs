@@ -19,6 +19,7 @@ mod pipeline;
 mod programs;
 mod recorder;
 mod routing;
+mod rpl;
 mod scattering;
 mod simulator;
 mod stepped;

@@ -10,8 +10,11 @@ use sextant_scenario::Scenario;
 use sextant_sim::BatteryRecord;
 use sextant_sim::layout::PlacedNode;
 
+use super::rpl;
 use super::simulator::Simulated;
-use crate::summary::{AnswersSummary, DelaySummary, DepthSummary, HopsSummary, RoutedNodeSummary, RoutingSummary};
+use crate::summary::{
+    AnswersSummary, DelaySummary, DepthSummary, FragmentsSummary, HopsSummary, RoutedNodeSummary, RoutingSummary,
+};
 
 /// What became of the packets that went over several hops, if they did.
 pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSummary> {
@@ -25,11 +28,7 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
     let hours = simulated.survey.end.saturating_since(SimTime::ZERO).as_secs_f64() / 3600.0;
     let node_hours = nodes.len() as f64 * hours;
     Some(RoutingSummary {
-        tree: match written.tree {
-            TreeConfig::Given(_) => "given",
-            TreeConfig::Shortest(_) => "shortest",
-            TreeConfig::Collection(_) => "collection",
-        },
+        tree: written.tree.name(),
         to: match written.to {
             RoutedTo::Sink => None,
             RoutedTo::SinkAndBack => Some("sink_and_back"),
@@ -52,6 +51,14 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
         no_route: (written.to != RoutedTo::Sink).then_some(counts.no_route),
         answers: (written.to == RoutedTo::SinkAndBack).then(|| answers(&record.stations[nodes.len()..])),
         beacons: counts.beacons,
+        rpl: match &written.tree {
+            TreeConfig::Rpl(tree) => Some(rpl::of(scenario, tree, record, simulated)),
+            TreeConfig::Given(_) | TreeConfig::Shortest(_) | TreeConfig::Collection(_) => None,
+        },
+        fragments: written.fragments.map(|_| FragmentsSummary {
+            fragments: counts.fragments,
+            reassembly_failures: counts.reassembly_failures,
+        }),
         parent_changes: changes as u64,
         parent_changes_per_node_h: if node_hours > 0.0 { changes as f64 / node_hours } else { 0.0 },
         without_way: nodes.iter().filter(|node| node.depth.is_none()).count(),

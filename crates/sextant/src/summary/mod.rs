@@ -20,6 +20,7 @@ mod results;
 mod robots;
 mod routing;
 mod routing_table;
+mod rpl;
 mod sensing;
 mod table;
 mod timing;
@@ -48,6 +49,7 @@ pub use missions::{ArrivalSummary, MissionMessages, MissionRobot, MissionSummary
 pub use results::{FaultsSummary, RegionSummary, ScenarioSummary, SimulationSummary, Summary};
 pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};
 pub use routing::{AnswersSummary, DepthSummary, HopsSummary, RoutedNodeSummary, RoutingSummary};
+pub use rpl::{FragmentsSummary, HealingSummary, RplSummary};
 pub use sensing::{SensingSummary, SensorErrorCounts};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};

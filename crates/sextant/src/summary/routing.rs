@@ -4,11 +4,12 @@ use serde::Serialize;
 
 use super::battery::LifetimeSummary;
 use super::mac::DelaySummary;
+use super::rpl::{FragmentsSummary, RplSummary};
 
 /// Packets that went over several hops, and their tree.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RoutingSummary {
-    /// Where the tree comes from: `given`, `shortest` or `collection`.
+    /// Where the tree comes from: `given`, `shortest`, `collection` or `rpl`.
     pub tree: &'static str,
     /// Where packets go: `sink_and_back` or `nodes`. Absent if only to a sink.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -49,14 +50,20 @@ pub struct RoutingSummary {
     pub given_up: u64,
     /// Packets that were dropped after 64 hops.
     pub hop_limit_drops: u64,
-    /// Packets that a sink dropped because it knew no way down, or the header had no room for it. Absent if none go down.
+    /// Packets that a sink, or a node of RPL, dropped because it knew no way down, or the header had no room for it. Absent if none go down.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_route: Option<u64>,
     /// The answers of the sinks. Absent if they do not answer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub answers: Option<AnswersSummary>,
-    /// Beacons.
+    /// Beacons; in a tree of RPL, DIOs to all.
     pub beacons: u64,
+    /// What a tree of RPL took. Absent with another tree.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rpl: Option<RplSummary>,
+    /// Packets in fragments. Absent if none are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fragments: Option<FragmentsSummary>,
     /// Changes of the parent of a node, after its first one, warm-up included.
     pub parent_changes: u64,
     /// The same per node and hour.

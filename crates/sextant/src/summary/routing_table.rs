@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use super::battery::days;
 use super::mac::DelaySummary;
 use super::routing::{DepthSummary, RoutingSummary};
+use super::rpl::RplSummary;
 use crate::columns::{Align, columns};
 
 /// Writes what became of packets over several hops, and of the nodes by depth.
@@ -14,7 +15,10 @@ pub(super) fn write(routing: &RoutingSummary, out: &mut impl Write) -> io::Resul
         Some("nodes") => "packets to nodes",
         Some(_) => "packets to a sink, which answers",
     };
-    writeln!(out, "end to end: {whither}, tree `{}`", routing.tree)?;
+    match &routing.rpl {
+        None => writeln!(out, "end to end: {whither}, tree `{}`", routing.tree)?,
+        Some(rpl) => writeln!(out, "end to end: {whither}, tree `rpl` (`{}`, `{}`)", rpl.objective, rpl.mode)?,
+    }
     columns(&rows(routing), &[Align::Left, Align::Right, Align::Left], out)?;
     writeln!(out)?;
     let header = ["depth", "nodes", "offered", "delivered", "delivery", "mean delay", "energy of a node", "sending"];
@@ -81,6 +85,8 @@ fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
         rows.push(("answers, mean delay", milliseconds(mean_s), "from the sink to the node"));
         rows.push(("answers, mean hops", decimals(hops), ""));
     }
+    rows.extend(routing.fragments.iter().flat_map(|fragments| fragments.rows()));
+    rows.extend(routing.rpl.iter().flat_map(RplSummary::rows));
     rows.into_iter().map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]).collect()
 }
 

@@ -12,6 +12,7 @@ mod own_access;
 mod own_missions;
 mod programs;
 mod routing;
+mod rpl;
 mod sleeping;
 mod slots;
 mod stepping;

@@ -9,7 +9,7 @@ use sextant::{Scenario, Unwatched};
 use crate::programs::shipped;
 
 /// Nodes `n0`, `n1`, .. and a sink, whose links are those of `links.csv` alone. `n0` has packets.
-fn network(folder: &Path, nodes: usize, links: &[(&str, &str, f64)], rest: &str) -> Scenario {
+pub(crate) fn network(folder: &Path, nodes: usize, links: &[(&str, &str, f64)], rest: &str) -> Scenario {
     let places: Vec<String> = (0..nodes).map(|node| format!("[{node}.0, 1.0]")).collect();
     let mut rows = "t_s,from,to,prr\n".to_owned();
     for (from, to, share) in links {
@@ -44,7 +44,7 @@ rx_on_when_idle = true
 }
 
 /// A chain from `n0` to the sink with so many hops, each of which loses the same shares of frames and of acknowledgements.
-fn chain(folder: &Path, hops: usize, frames: f64, acknowledgements: f64, rest: &str) -> Scenario {
+pub(crate) fn chain(folder: &Path, hops: usize, frames: f64, acknowledgements: f64, rest: &str) -> Scenario {
     let mut names: Vec<String> = (0..hops).map(|node| format!("n{node}")).collect();
     names.push("sink".to_owned());
     let mut links = Vec::new();
@@ -55,7 +55,7 @@ fn chain(folder: &Path, hops: usize, frames: f64, acknowledgements: f64, rest: &
     network(folder, hops, &links, rest)
 }
 
-fn routing(scenario: &Scenario) -> RoutingSummary {
+pub(crate) fn routing(scenario: &Scenario) -> RoutingSummary {
     let run = sextant::run(scenario, &mut (), &Unwatched).expect("a run");
     run.summary().routing.clone().expect("routing")
 }
@@ -292,7 +292,13 @@ fn settings_that_do_not_fit_are_refused_with_their_key_and_what_is_allowed() {
 
 /// Nodes `n0`, `n1`, .. in a chain to the sink, each of which has a packet every ten seconds; these shares of the frames arrive
 /// over each link up and down.
-fn talking_chain(folder: &Path, nodes: usize, [up, down]: [f64; 2], duration_s: f64, to: &str) -> Scenario {
+pub(crate) fn talking_chain(
+    folder: &Path,
+    nodes: usize,
+    [up, down]: [f64; 2],
+    duration_s: f64,
+    to: &str,
+) -> Scenario {
     let name = |i: usize| if i < nodes { format!("n{i}") } else { "sink".to_owned() };
     let rows = (0..nodes).map(|i| {
         let (a, b) = (name(i), name(i + 1));

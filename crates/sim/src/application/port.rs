@@ -135,6 +135,12 @@ impl Port<'_> {
         self.model.halo.as_ref().is_some_and(|halo| halo.is_outside(self.station))
     }
 
+    /// The station has chosen another one as its parent in a tree. In a network with slots its time comes from there from now on,
+    /// if it has joined. Other technologies need not know.
+    pub fn follow(&mut self, network: NetworkId, parent: StationId) {
+        self.model.networks[network.index()].follow(self.station, parent);
+    }
+
     /// Energy that is left in the battery of the station (J), as a meter of its charge would show; `None` if it has no battery.
     #[must_use]
     pub fn charge_j(&mut self) -> Option<f64> {

@@ -79,6 +79,9 @@ pub(crate) trait NetworkLinks {
     /// Leaves out frames that were due while a station rested.
     fn skip(&mut self, _station: StationId, _frames: u64) {}
 
+    /// A station has chosen another one as its parent in a tree: its time comes from there, if its technology keeps a common time.
+    fn follow(&mut self, _station: StationId, _parent: StationId) {}
+
     /// Notes which frames of a station were due, since packets are counted.
     fn note_due(&mut self, station: StationId, due: DueFrames);
 

@@ -278,6 +278,10 @@ impl Links {
         ask!(self, links => links.skip(station, frames));
     }
 
+    pub(crate) fn follow(&mut self, station: StationId, parent: StationId) {
+        ask!(self, links => links.follow(station, parent));
+    }
+
     pub(crate) fn note_due(&mut self, station: StationId, due: DueFrames) {
         ask!(self, links => links.note_due(station, due));
     }

@@ -75,6 +75,8 @@ pub fn described_columns(plan: Option<&Sweep>) -> Vec<DescribedColumn> {
                 searches: name(),
                 has_routing: true,
                 has_way_down: true,
+                has_rpl: true,
+                has_fragments: true,
                 has_slots: true,
                 has_batteries: true,
                 has_sleep: true,

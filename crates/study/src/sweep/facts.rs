@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use sextant_kernel::{LARGEST_FILE, read_at_most};
 use sha2::{Digest, Sha256};
 
+use sextant::apps::routing::TreeConfig;
 use sextant::summary::measures::Subjects;
 use sextant_kernel::text::hexadecimal;
 use sextant_scenario::{NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity};
@@ -51,6 +52,7 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
     let by_nodes: Vec<String> = scenario.distributed().map(|map| map.name.clone()).into_iter().collect();
     let maps = scenario.maps().iter().map(|named| named.name.clone());
     let searches = scenario.missions().iter().filter(|application| application.goal().is_targets());
+    let routing = scenario.config().routing.as_ref();
     Ok(CellFacts {
         survey: scenario.survey_identity(),
         seed: scenario.seed().0,
@@ -58,7 +60,9 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
             maps: by_nodes.iter().cloned().chain(maps).collect(),
             by_nodes,
             has_routing: scenario.routing().is_some(),
-            has_way_down: scenario.config().routing.as_ref().is_some_and(|routing| !routing.to.is_sink()),
+            has_way_down: routing.is_some_and(|routing| !routing.to.is_sink()),
+            has_rpl: routing.is_some_and(|routing| matches!(routing.tree, TreeConfig::Rpl(_))),
+            has_fragments: routing.is_some_and(|routing| routing.fragments.is_some()),
             has_batteries: scenario.config().battery.is_some(),
             has_slots: scenario.networks().first().is_some_and(|network| network.technology.has_slots()),
             has_sleep: scenario.networks().first().is_some_and(|network| network.technology.sleeping().is_some()),

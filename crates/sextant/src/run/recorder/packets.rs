@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
-use sextant_kernel::SimTime;
-use sextant_mac::routing::Packet;
+use sextant_kernel::{SimTime, StationId};
+use sextant_mac::routing::fragment::Fragment;
+use sextant_mac::routing::rpl::{Content, HOP_LIMIT, RplFrame};
+use sextant_mac::routing::{Data, Packet};
 use sextant_recording::messages::{AssessmentMessage, HopMessage, PacketMessage, TransmissionMessage};
 use sextant_recording::{FileRecorder, RecordingError};
 use sextant_sim::{AssessmentTrace, Deafness, Destination, PacketFate, PacketTrace, TransmissionTrace};
@@ -79,20 +81,56 @@ pub(super) fn record_hop(
     trace: &PacketTrace,
     offset: Duration,
 ) -> Result<(), RecordingError> {
-    let (origin, number, hops, target) = match Packet::read(&trace.payload) {
-        Some(Packet::Data(data)) => (data.origin, data.number, data.hops, data.target),
-        Some(Packet::Down(down)) => {
-            let next = match trace.to {
-                Destination::Station(next) => Some(next),
-                Destination::All => None,
-            };
-            (down.origin, down.number, down.hops, down.route.last().copied().or(next))
-        }
-        Some(Packet::Beacon(_)) | None => return Ok(()),
+    // The first fragment has the header of its packet.
+    let payload = match Fragment::read(&trace.payload) {
+        Some(fragment) if fragment.offset == 0 => fragment.part,
+        Some(_) => return Ok(()),
+        None => &trace.payload,
     };
+    let Some(Hop { origin, number, hops, target }) = Hop::read(payload, trace.to) else { return Ok(()) };
     let target = target.map(|station| station.0);
     let hop = HopMessage { packet: id, origin: origin.0, number: number.into(), hops: hops.into(), target };
     recorder.hop((trace.ended + offset).as_nanos(), &hop)
+}
+
+/// What the header of a packet over several hops says.
+struct Hop {
+    origin: StationId,
+    number: u16,
+    /// Hops before this one.
+    hops: u8,
+    target: Option<StationId>,
+}
+
+impl Hop {
+    fn read(payload: &[u8], to: Destination) -> Option<Self> {
+        match Packet::read(payload) {
+            Some(Packet::Data(Data { origin, number, hops, target, .. })) => {
+                return Some(Self { origin, number, hops, target });
+            }
+            Some(Packet::Down(down)) => {
+                let next = match to {
+                    Destination::Station(next) => Some(next),
+                    Destination::All => None,
+                };
+                let target = down.route.last().copied().or(next);
+                return Some(Self { origin: down.origin, number: down.number, hops: down.hops, target });
+            }
+            Some(Packet::Beacon(_)) => return None,
+            None => {}
+        }
+        match RplFrame::read(payload)? {
+            RplFrame::Datagram(datagram) => match datagram.content {
+                Content::Data(number) => {
+                    let hops = HOP_LIMIT.saturating_sub(datagram.hop_limit);
+                    let (origin, target) = (datagram.source, Some(datagram.target()));
+                    Some(Self { origin, number, hops, target })
+                }
+                Content::Message(_) => None,
+            },
+            RplFrame::Local(_) => None,
+        }
+    }
 }
 
 fn name_of(deafness: Option<Deafness>) -> String {

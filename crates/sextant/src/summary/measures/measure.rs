@@ -47,6 +47,12 @@ pub struct Subjects {
     /// Whether they go down from a sink too.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_way_down: bool,
+    /// Whether their tree is built by RPL.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_rpl: bool,
+    /// Whether they go in fragments.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_fragments: bool,
     /// Whether the first network has slots.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_slots: bool,
@@ -68,12 +74,16 @@ impl Subjects {
             searches,
             has_routing,
             has_way_down,
+            has_rpl,
+            has_fragments,
             has_slots,
             has_batteries,
             has_sleep,
         } = self;
         *has_routing |= others.has_routing;
         *has_way_down |= others.has_way_down;
+        *has_rpl |= others.has_rpl;
+        *has_fragments |= others.has_fragments;
         *has_slots |= others.has_slots;
         *has_batteries |= others.has_batteries;
         *has_sleep |= others.has_sleep;
@@ -243,6 +253,8 @@ pub fn all(subjects: &Subjects) -> Vec<Measure> {
         searches,
         has_routing,
         has_way_down,
+        has_rpl,
+        has_fragments,
         has_slots,
         has_batteries,
         has_sleep,
@@ -256,6 +268,9 @@ pub fn all(subjects: &Subjects) -> Vec<Measure> {
     let of_way_down = known::of_way_down().filter(|_| *has_way_down);
     let of_routing = known::of_routing().filter(|_| *has_routing).chain(of_way_down);
     measures.extend(of_routing.map(|number| measure(Of::Run, number)));
+    let of_fragments = known::of_fragments().filter(|_| *has_fragments);
+    let of_rpl = known::of_rpl().filter(|_| *has_rpl);
+    measures.extend(of_fragments.chain(of_rpl).map(|number| measure(Of::Run, number)));
     let of_batteries = known::of_batteries().filter(|_| *has_batteries);
     measures.extend(of_batteries.map(|number| measure(Of::Run, number)));
     for map in maps {
@@ -348,6 +363,8 @@ mod tests {
             searches: names(&["detarsk", "p-g"]),
             has_routing: true,
             has_way_down: true,
+            has_rpl: true,
+            has_fragments: true,
             has_slots: true,
             has_batteries: true,
             has_sleep: true,

@@ -249,6 +249,10 @@ impl NetworkLinks for Links {
         self.take_frame(station, to, payload, scene)
     }
 
+    fn follow(&mut self, station: StationId, parent: StationId) {
+        self.change_time_source(station, parent);
+    }
+
     fn note_due(&mut self, station: StationId, due: DueFrames) {
         self.ledger.note_due(station, due);
     }

@@ -71,10 +71,21 @@ pub(super) fn of_way_down() -> impl Iterator<Item = KnownMeasure<'static>> {
     all(run::WITH_WAY_DOWN, &[])
 }
 
+/// All of a run whose packets go in fragments, in addition.
+pub(super) fn of_fragments() -> impl Iterator<Item = KnownMeasure<'static>> {
+    all(run::WITH_FRAGMENTS, &[])
+}
+
+/// All of a run with a tree of RPL, in addition.
+pub(super) fn of_rpl() -> impl Iterator<Item = KnownMeasure<'static>> {
+    all(run::WITH_RPL, &[])
+}
+
 /// All of any run.
 pub(super) fn of_any_run() -> impl Iterator<Item = KnownMeasure<'static>> {
     let mac = of_slots().chain(of_sleep()).chain(of_routing()).chain(of_way_down());
-    of_run(true).chain(mac).chain(of_batteries())
+    let hops = of_fragments().chain(of_rpl());
+    of_run(true).chain(mac).chain(hops).chain(of_batteries())
 }
 
 fn all(

@@ -157,3 +157,31 @@ pub(super) const WITH_ROUTING: &[KnownMeasure<'static>] = &[
     known("routing.without_way", Count, "nodes without a way to a sink at the end"),
     known("routing.depth", Count, "depth of the tree at the end: most hops of a node"),
 ];
+
+/// Of a run whose packets go in fragments.
+pub(super) const WITH_FRAGMENTS: &[KnownMeasure<'static>] = &[
+    known("routing.fragments.fragments", Count, "frames with fragments, without retries"),
+    known("routing.fragments.reassembly_failures", Count, "packets that a station could not put together"),
+];
+
+/// Of a run with a tree of RPL.
+pub(super) const WITH_RPL: &[KnownMeasure<'static>] = &[
+    known("routing.rpl.dio", Count, "DIOs of RPL to all"),
+    known("routing.rpl.dio_left_out", Count, "DIOs of RPL that were left out"),
+    known("routing.rpl.unicast_dio", Count, "DIOs of RPL to one neighbour"),
+    known("routing.rpl.dis", Count, "DISs of RPL"),
+    known("routing.rpl.dao", Count, "DAOs of RPL on all hops"),
+    known("routing.rpl.dao_ack", Count, "answers to DAOs of RPL on all hops"),
+    known("routing.rpl.dao_transmissions", Count, "transmissions of DAOs of RPL and their answers"),
+    known("routing.rpl.dao_lost", Count, "DAOs of RPL and their answers that were lost in queues or given up"),
+    known("routing.rpl.rank_errors", Count, "rank errors of RPL: packets from a station that is not farther away"),
+    known("routing.rpl.rank_error_drops", Count, "packets dropped for a rank error of RPL"),
+    known("routing.rpl.full_tables", Count, "DAOs of RPL that found a table full"),
+    known("routing.rpl.local_repairs", Count, "local repairs of RPL"),
+    known("routing.rpl.routes_known_s", Second, "time until the roots of RPL had learned ways to all nodes"),
+    known("routing.rpl.most_routes", Count, "most ways down that a station of RPL keeps at the end"),
+    known("routing.rpl.healing.orphans", Count, "nodes of RPL whose parent died"),
+    known("routing.rpl.healing.healed", Count, "nodes of RPL whose parent died and that found another one"),
+    known("routing.rpl.healing.mean_s", Second, "mean time from the death of a parent to another one"),
+    known("routing.rpl.healing.max_s", Second, "longest time from the death of a parent to another one"),
+];

@@ -214,6 +214,16 @@ impl Links {
         self.begin_membership(station, scene);
     }
 
+    /// A station in the network has its time from another one from now on. Acknowledgements of that one, and frames in cells of
+    /// all, correct its clock; the cell in which it hears beacons stays.
+    pub(super) fn change_time_source(&mut self, station: StationId, source: StationId) {
+        let metric = self.stacks[source.index()].join_metric.saturating_add(1);
+        let stack = &mut self.stacks[station.index()];
+        if stack.is_joined() {
+            (stack.time_source, stack.join_metric) = (Some(source), metric);
+        }
+    }
+
     /// By how much a frame begins earlier than a station expects it in its slot (us).
     pub(super) fn early_us(&self, station: StationId, asn: Asn, transmission: &Transmission) -> i64 {
         let expected = self.stacks[station.index()].clock.start_of(asn) + self.settings.timeslot.frame_begins();
