@@ -16,6 +16,7 @@ mod reassembly;
 mod record;
 mod router;
 mod rpl;
+mod rpl_router;
 mod sending;
 mod settings;
 mod simulation;

@@ -67,6 +67,17 @@ impl Outgoing {
         }
     }
 
+    /// Whether it is given to the MAC again if it did not reach the next station. A copy of a message over several hops would be
+    /// sent on as such, and its origin sends it again anyway if it is not answered.
+    pub(super) fn is_tried_again(&self) -> bool {
+        let is_over_hops = matches!(self.heading, Heading::Rpl(_));
+        match self.kind() {
+            Kind::Packet => true,
+            Kind::Dao | Kind::DaoAck => !is_over_hops,
+            Kind::NoPath => false,
+        }
+    }
+
     /// Whether it is a packet with data, and no message of RPL.
     pub(super) fn is_data(&self) -> bool {
         self.kind() == Kind::Packet

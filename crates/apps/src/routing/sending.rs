@@ -104,8 +104,8 @@ impl Router {
 
     /// The first packet did not reach the next station.
     pub(super) fn try_again(&mut self, port: &mut Port<'_>) {
-        let is_no_path = self.outbox.front().is_some_and(|first| first.kind() == Kind::NoPath);
-        if !is_no_path && self.outbox.pause(self.routing.resends) {
+        let is_tried_again = self.outbox.front().is_some_and(Outgoing::is_tried_again);
+        if is_tried_again && self.outbox.pause(self.routing.resends) {
             let pause_ms = PAUSE_MS + PAUSE_SPREAD_MS * self.uniform(port);
             port.after(Duration::from_secs_f64(pause_ms / 1e3), RESEND);
         } else {

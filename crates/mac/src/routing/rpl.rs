@@ -25,6 +25,7 @@
 mod address;
 mod datagram;
 mod dodag;
+mod frame;
 mod link;
 mod message;
 mod neighbours;
@@ -39,10 +40,11 @@ pub use datagram::{
     source_route_octets,
 };
 pub use dodag::{Action, Dodag, Stage};
+pub use frame::{RplFrame, local_octets};
 pub use link::{ETX_UNIT, LinkOutcome, LinkStatistics};
-pub use message::{Dao, DaoAck, DaoStatus, Dio, DioConfiguration, Message, RplFrame, local_octets};
+pub use message::{Dao, DaoAck, DaoStatus, Dio, DioConfiguration, Message};
 pub use objective::{Mrhof, Objective, StepOfRank};
 pub use rank::Rank;
 pub use registration::Registration;
-pub use route_table::{RouteTable, TableFull};
+pub use route_table::{Learned, RouteTable, TableFull};
 pub use settings::{DodagSettings, Downward, Probing};

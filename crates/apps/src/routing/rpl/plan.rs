@@ -11,20 +11,20 @@ use super::config::{MrhofConfig, ObjectiveConfig, RankErrors, RplConfig, RplMode
 /// What all stations know of RPL, checked.
 #[derive(Clone, Debug)]
 pub(in crate::routing) struct RplPlan {
-    pub(super) dodag: DodagSettings,
-    pub(super) configuration: DioConfiguration,
-    pub(super) trickle: Trickle,
-    pub(super) dis_interval: Duration,
-    pub(super) dao_delay: Duration,
+    pub(in crate::routing) dodag: DodagSettings,
+    pub(in crate::routing) configuration: DioConfiguration,
+    pub(in crate::routing) trickle: Trickle,
+    pub(in crate::routing) dis_interval: Duration,
+    pub(in crate::routing) dao_delay: Duration,
     /// How often a DAO is sent until it is answered; zero: no answers are asked for.
-    pub(super) dao_tries: u8,
-    pub(super) dao_retry: Duration,
+    pub(in crate::routing) dao_tries: u8,
+    pub(in crate::routing) dao_retry: Duration,
     /// How long ways down last.
-    pub(super) lifetime: Duration,
+    pub(in crate::routing) lifetime: Duration,
     /// Time between probes; `None` if links are not tried.
-    pub(super) probing: Option<Duration>,
-    pub(super) route_table: usize,
-    pub(super) rank_errors: RankErrors,
+    pub(in crate::routing) probing: Option<Duration>,
+    pub(in crate::routing) route_table: usize,
+    pub(in crate::routing) rank_errors: RankErrors,
 }
 
 impl TryFrom<&RplConfig> for RplPlan {

@@ -1,51 +1,35 @@
-//! What a station of RPL knows, and its timers.
+//! What a station of RPL knows.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, StationId};
-use sextant_mac::routing::Trickle;
-use sextant_mac::routing::rpl::{Action, Dao, Dodag, Downward, LinkOutcome, Message, Registration, RouteTable};
-use sextant_sim::{FrameId, NetworkId, Port, SendOutcome, SendReport, Timer};
+use sextant_mac::routing::rpl::{
+    Content, Datagram, Direction, Dodag, Message, Registration, RouteTable, RplOption, local_octets,
+};
+use sextant_mac::routing::{Data, Trickle};
+use sextant_sim::{FrameId, Port, Timer};
 
 use super::plan::RplPlan;
-use crate::routing::record::ParentChange;
-use crate::routing::router::Router;
-use crate::routing::way::Way;
 
-pub(super) const DIO: Timer = Timer(16);
-pub(super) const DIS: Timer = Timer(17);
-/// A new DAO is due, ...
-pub(super) const DAO: Timer = Timer(18);
-/// ... or the last one again.
-pub(super) const DAO_AGAIN: Timer = Timer(19);
-pub(super) const PROBE: Timer = Timer(20);
-pub(super) const LEAVE: Timer = Timer(21);
-pub(super) const MINUTE: Timer = Timer(22);
-
-/// Time without a parent after which a station leaves its tree (Contiki-NG).
-const LEAVES_AFTER: Duration = Duration::from_secs(300);
-/// An urgent probe is sent within this time.
-const URGENT_WITHIN: Duration = Duration::from_secs(4);
-const A_MINUTE: Duration = Duration::from_secs(60);
-/// What is known of links ages each so many minutes.
-const AGEING_MIN: u32 = 15;
+/// The timer of DIOs.
+pub(in crate::routing) const DIO: Timer = Timer(16);
 
 /// What a station of RPL knows.
 #[derive(Clone, Debug)]
 pub(in crate::routing) struct RplStation {
-    pub(super) plan: Arc<RplPlan>,
+    pub(in crate::routing) plan: Arc<RplPlan>,
     pub(in crate::routing) dodag: Dodag,
-    pub(super) trickle: Trickle,
-    pub(super) registration: Registration,
+    pub(in crate::routing) trickle: Trickle,
+    pub(in crate::routing) registration: Registration,
     /// The ways down that it keeps, if stations do.
-    pub(super) table: RouteTable,
+    pub(in crate::routing) table: RouteTable,
     /// The timers that are set.
-    due: BTreeMap<Timer, EventKey>,
+    pub(in crate::routing) due: BTreeMap<Timer, EventKey>,
     /// Frames to one neighbour that are no packets of the queue, and to whom they go.
-    pub(super) under_way: Vec<(FrameId, StationId)>,
-    minutes: u32,
+    pub(in crate::routing) under_way: Vec<(FrameId, StationId)>,
+    pub(in crate::routing) minutes: u32,
 }
 
 impl RplStation {
@@ -78,23 +62,23 @@ impl RplStation {
     }
 
     /// Sets a timer, in place of the time for which it was set.
-    pub(super) fn set(&mut self, timer: Timer, span: Duration, port: &mut Port<'_>) {
+    pub(in crate::routing) fn set(&mut self, timer: Timer, span: Duration, port: &mut Port<'_>) {
         self.stop(timer, port);
         self.due.insert(timer, port.after(span, timer));
     }
 
-    pub(super) fn stop(&mut self, timer: Timer, port: &mut Port<'_>) {
+    pub(in crate::routing) fn stop(&mut self, timer: Timer, port: &mut Port<'_>) {
         if let Some(earlier) = self.due.remove(&timer) {
             port.cancel(earlier);
         }
     }
 
-    fn is_set(&self, timer: Timer) -> bool {
+    pub(in crate::routing) fn is_set(&self, timer: Timer) -> bool {
         self.due.contains_key(&timer)
     }
 
     /// The next DIO is sent soon, if there is something to tell.
-    fn hasten_dio(&mut self, uniform: f64, port: &mut Port<'_>) {
+    pub(in crate::routing) fn hasten_dio(&mut self, uniform: f64, port: &mut Port<'_>) {
         if !self.dodag.may_tell() {
             return;
         }
@@ -109,167 +93,51 @@ impl RplStation {
     }
 }
 
-impl Router {
-    /// The state of RPL; `None` in a tree of another kind.
-    pub(in crate::routing) fn rpl(&mut self) -> Option<&mut RplStation> {
-        match &mut self.way {
-            Way::Rpl(station) => Some(station),
-            Way::FixedRoot | Way::Fixed(_) | Way::Built { .. } => None,
-        }
-    }
+/// To whom a packet goes next.
+pub(in crate::routing) enum Next {
+    /// To this neighbour.
+    Station(StationId),
+    /// Nobody is known, but somebody may be soon.
+    Later,
+    /// Nobody is known.
+    Nowhere,
+}
 
-    /// Sets a timer to a span that is drawn in 50 to 150 % of `mean`.
-    pub(super) fn set_around(&mut self, timer: Timer, mean: Duration, port: &mut Port<'_>) {
-        let uniform = self.uniform(port);
-        if let Some(station) = self.rpl() {
-            station.set(timer, mean.mul_f64(0.5 + uniform), port);
-        }
-    }
-
-    /// The simulation begins.
-    pub(in crate::routing) fn start_rpl(&mut self, port: &mut Port<'_>) {
-        let uniform = self.uniform(port);
-        let Some(station) = self.rpl() else { return };
-        station.set(MINUTE, A_MINUTE, port);
-        let dis_interval = station.plan.dis_interval;
-        if station.dodag.is_root() {
-            station.hasten_dio(uniform, port);
-        } else {
-            self.set_around(DIS, dis_interval, port);
-        }
-    }
-
-    /// A timer of RPL is due.
-    pub(in crate::routing) fn time_rpl(&mut self, timer: Timer, port: &mut Port<'_>) {
-        let Some(station) = self.rpl() else { return };
-        station.due.remove(&timer);
-        match timer {
-            DIO => self.send_dio(port),
-            DIS => self.send_dis(port),
-            DAO => self.send_new_dao(port),
-            DAO_AGAIN => self.send_dao_again(port),
-            PROBE => self.send_probe(port),
-            LEAVE => station.dodag.leave(),
-            _ => self.pass_minute(port),
-        }
-    }
-
-    fn pass_minute(&mut self, port: &mut Port<'_>) {
-        let now = port.now();
-        self.routes.expire(now);
-        let Some(station) = self.rpl() else { return };
-        station.set(MINUTE, A_MINUTE, port);
-        station.minutes += 1;
-        if station.minutes.is_multiple_of(AGEING_MIN) {
-            station.dodag.age();
-        }
-        station.table.expire(now);
-        let dis_interval = station.plan.dis_interval;
-        let seeks = !station.dodag.is_root() && station.dodag.parent().is_none() && !station.is_set(DIS);
-        let actions = station.dodag.reconsider(now);
-        if seeks {
-            self.set_around(DIS, dis_interval, port);
-        }
-        self.act(&actions, port);
-    }
-
-    /// Does what follows from something that the station learned.
-    pub(super) fn act(&mut self, actions: &[Action], port: &mut Port<'_>) {
-        for &action in actions {
-            match action {
-                Action::NoteParent(before) => self.note_parent(before, port),
-                Action::HastenDio => {
-                    let uniform = self.uniform(port);
-                    if let Some(station) = self.rpl() {
-                        station.hasten_dio(uniform, port);
-                    }
-                }
-                Action::Register => {
-                    let Some(delay) = self.rpl().map(|station| station.plan.dao_delay) else { return };
-                    self.set_dao(DAO, delay, port);
-                }
-                Action::Solicit => {
-                    let idle = self.rpl().filter(|station| !station.is_set(DIS));
-                    if let Some(interval) = idle.map(|station| station.plan.dis_interval) {
-                        self.set_around(DIS, interval, port);
-                    }
-                }
-                Action::LeaveLater => {
-                    if let Some(station) = self.rpl().filter(|station| !station.is_set(LEAVE)) {
-                        station.set(LEAVE, LEAVES_AFTER, port);
-                    }
-                }
-                Action::Stay => {
-                    if let Some(station) = self.rpl() {
-                        station.stop(LEAVE, port);
-                        station.stop(DIS, port);
-                    }
-                }
-                Action::BeginProbing => {
-                    if let Some(interval) = self.rpl().and_then(|station| station.plan.probing) {
-                        self.set_around(PROBE, interval, port);
-                    }
-                }
-                Action::ProbeSoon => {
-                    let uniform = self.uniform(port);
-                    if let Some(station) = self.rpl() {
-                        station.set(PROBE, URGENT_WITHIN.mul_f64(uniform), port);
-                    }
-                }
+impl RplStation {
+    /// To whom a packet goes next.
+    pub(in crate::routing) fn next_of(&self, datagram: &Datagram, port: &Port<'_>) -> Next {
+        match datagram.option {
+            Some(RplOption { direction: Direction::Up, .. }) => {
+                self.dodag.parent().map_or(Next::Later, Next::Station)
             }
+            Some(RplOption { direction: Direction::Down, .. }) => {
+                self.table.next(datagram.destination, port.now()).map_or(Next::Nowhere, Next::Station)
+            }
+            None => Next::Station(datagram.destination),
         }
     }
 
-    /// The station has another parent, or none, than `before`.
-    fn note_parent(&mut self, before: Option<StationId>, port: &mut Port<'_>) {
-        let (parent, etx) = (self.way.parent(), self.way.parent_etx());
-        self.record.parents.push(ParentChange { time: port.now(), parent, etx });
-        let own = port.station();
-        if let Some(parent) = parent {
-            port.follow(NetworkId::default(), parent);
+    /// The packet as it is sent now: with the rank of this station, and the root where it goes if nothing else is said.
+    pub(in crate::routing) fn ready(&self, datagram: &Datagram, data: &Data) -> Datagram {
+        let mut datagram = datagram.clone();
+        if let Some(option) = &mut datagram.option {
+            option.sender_rank = self.dodag.rank();
         }
-        let Some(station) = self.rpl() else { return };
-        if parent.is_none() {
-            station.stop(DAO, port);
-            station.stop(DAO_AGAIN, port);
+        let is_data = matches!(datagram.content, Content::Data(_));
+        let is_to_root = is_data && data.hops == 0 && data.target.is_none();
+        if let Some(root) = self.dodag.root().filter(|_| is_to_root) {
+            datagram.destination = root;
         }
-        if let Some(before) = before.filter(|_| station.plan.dodag.downward == Downward::ByStations) {
-            // The old parent should not send packets down this way any more (RFC 6550, 9.8).
-            let dao = Dao { target: own, parent: None, lifetime_min: 0, number: 0, asks: false };
-            self.send_to_neighbour(before, Message::Dao(dao), port);
-        }
-        self.pump(port);
+        datagram
     }
 
-    /// Sets one of both timers of DAOs, in place of the other.
-    pub(super) fn set_dao(&mut self, timer: Timer, mean: Duration, port: &mut Port<'_>) {
-        if let Some(station) = self.rpl() {
-            station.stop(DAO, port);
-            station.stop(DAO_AGAIN, port);
-        }
-        self.set_around(timer, mean, port);
+    /// Writes a message to a neighbour.
+    pub(in crate::routing) fn write_message(&self, message: &Message, to: StationId, octets: &mut Vec<u8>) {
+        local_octets(message, Some(to), &self.plan.configuration, octets);
     }
 
-    /// A frame to one neighbour has ended that was not of the queue.
-    pub(in crate::routing) fn end_of_frame(&mut self, report: &SendReport, port: &mut Port<'_>) {
-        let Some(station) = self.rpl() else { return };
-        if let Some(place) = station.under_way.iter().position(|&(frame, _)| frame == report.frame) {
-            let (_, to) = station.under_way.swap_remove(place);
-            self.learn_link(to, report, port);
-        }
-    }
-
-    /// Frames to a neighbour tell how good the link is.
-    pub(in crate::routing) fn learn_link(&mut self, to: StationId, report: &SendReport, port: &mut Port<'_>) {
-        let outcome = match report.outcome {
-            SendOutcome::Acknowledged => LinkOutcome::Acknowledged,
-            SendOutcome::NoAcknowledgement => LinkOutcome::Lost,
-            SendOutcome::ChannelAccessFailure | SendOutcome::Sent => LinkOutcome::Unsent,
-        };
-        let now = port.now();
-        if let Some(station) = self.rpl() {
-            let actions = station.dodag.sent(to, report.transmissions, outcome, now);
-            self.act(&actions, port);
-        }
+    /// Writes a packet whose payload beyond its number has so many octets.
+    pub(in crate::routing) fn write(&self, datagram: &Datagram, payload_octets: usize, octets: &mut Vec<u8>) {
+        datagram.write(datagram.header_octets() + payload_octets, &self.plan.configuration, octets);
     }
 }

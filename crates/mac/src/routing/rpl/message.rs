@@ -14,7 +14,6 @@
 use sextant_kernel::StationId;
 
 use super::address::{PREFIX, of_whole, take, whole};
-use super::datagram::Datagram;
 use super::rank::Rank;
 
 const ICMP_RPL: u8 = 155;
@@ -23,12 +22,6 @@ const CODE_DIO: u8 = 1;
 const CODE_DAO: u8 = 2;
 const CODE_DAO_ACK: u8 = 3;
 
-/// IPv6, header compressed: link-local addresses, hop limit 255, the next header in line ...
-const LOCAL: u8 = 0x7B;
-/// ... to all RPL stations, `ff02::1a`, ...
-const TO_ALL: [u8; 3] = [0x3B, ICMPV6, 0x1A];
-/// ... or to one.
-const TO_ONE: [u8; 2] = [0x33, ICMPV6];
 /// The next header of ICMPv6.
 pub(super) const ICMPV6: u8 = 58;
 
@@ -121,44 +114,6 @@ pub enum DaoStatus {
     Rejected,
 }
 
-/// What a frame of a network with RPL carries.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum RplFrame {
-    /// A message to neighbours.
-    Local(Message),
-    /// A packet that may go over several hops.
-    Datagram(Datagram),
-}
-
-impl RplFrame {
-    /// Reads what a frame carries; `None` if that is nothing of this kind.
-    #[must_use]
-    pub fn read(octets: &[u8]) -> Option<Self> {
-        let rest = octets.strip_prefix(&[LOCAL]);
-        let message = rest.and_then(|rest| rest.strip_prefix(&TO_ALL).or_else(|| rest.strip_prefix(&TO_ONE)));
-        match message {
-            Some(message) => Message::read(message).map(Self::Local),
-            None => Datagram::read(octets).map(Self::Datagram),
-        }
-    }
-}
-
-/// Writes a message to neighbours to `octets`, in place of what is there: to one if there is one, or to all.
-pub fn local_octets(
-    message: &Message,
-    to: Option<StationId>,
-    configuration: &DioConfiguration,
-    octets: &mut Vec<u8>,
-) {
-    octets.clear();
-    octets.push(LOCAL);
-    match to {
-        Some(_) => octets.extend(TO_ONE),
-        None => octets.extend(TO_ALL),
-    }
-    message.write(configuration, octets);
-}
-
 impl Message {
     /// Adds it to `octets`.
     pub(super) fn write(&self, configuration: &DioConfiguration, octets: &mut Vec<u8>) {
@@ -242,6 +197,7 @@ impl Dao {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::routing::rpl::frame::{RplFrame, local_octets};
 
     const CONFIGURATION: DioConfiguration = DioConfiguration {
         mode: 1,

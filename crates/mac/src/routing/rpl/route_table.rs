@@ -8,7 +8,18 @@ use sextant_kernel::{SimTime, StationId};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Route {
     next: StationId,
+    /// Number of the message that told it.
+    number: u8,
     until: SimTime,
+}
+
+/// What a message told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Learned {
+    /// Something that those above do not know.
+    News,
+    /// What the last message of this number told: it came again, or went round.
+    Known,
 }
 
 /// The table has no room for one more way.
@@ -29,16 +40,22 @@ impl RouteTable {
         Self { routes: BTreeMap::new(), most }
     }
 
-    /// `target` can be reached by way of `next` until then.
+    /// `target` can be reached by way of `next` until then, says its message of this number.
     ///
     /// # Errors
     /// If it is not in the table, and that is full.
-    pub fn learn(&mut self, target: StationId, next: StationId, until: SimTime) -> Result<(), TableFull> {
+    pub fn learn(
+        &mut self,
+        target: StationId,
+        next: StationId,
+        number: u8,
+        until: SimTime,
+    ) -> Result<Learned, TableFull> {
         if self.routes.len() >= self.most && !self.routes.contains_key(&target) {
             return Err(TableFull);
         }
-        self.routes.insert(target, Route { next, until });
-        Ok(())
+        let before = self.routes.insert(target, Route { next, number, until });
+        Ok(if before.is_some_and(|before| before.number == number) { Learned::Known } else { Learned::News })
     }
 
     /// `target` can no longer be reached by way of `next`: whether that was the way.
@@ -79,14 +96,15 @@ mod tests {
     fn a_way_lasts_until_it_expires_or_its_next_station_takes_it_back() {
         let (s, at) = (StationId, SimTime::from_secs);
         let mut table = RouteTable::new(2);
-        assert_eq!(table.learn(s(5), s(1), at(10)), Ok(()));
-        assert_eq!(table.learn(s(6), s(1), at(20)), Ok(()));
-        assert_eq!(table.learn(s(7), s(1), at(20)), Err(TableFull));
-        assert_eq!(table.learn(s(5), s(2), at(10)), Ok(()), "a way that is known may change");
+        assert_eq!(table.learn(s(5), s(1), 1, at(10)), Ok(Learned::News));
+        assert_eq!(table.learn(s(6), s(1), 1, at(20)), Ok(Learned::News));
+        assert_eq!(table.learn(s(6), s(1), 1, at(20)), Ok(Learned::Known));
+        assert_eq!(table.learn(s(7), s(1), 1, at(20)), Err(TableFull));
+        assert_eq!(table.learn(s(5), s(2), 2, at(10)), Ok(Learned::News), "a way that is known may change");
         assert!(!table.forget(s(5), s(1)), "the way goes by another one");
         assert_eq!((table.next(s(5), at(9)), table.next(s(5), at(10))), (Some(s(2)), None));
         table.expire(at(10));
-        assert_eq!((table.len(), table.learn(s(7), s(1), at(20))), (1, Ok(())));
+        assert_eq!((table.len(), table.learn(s(7), s(1), 1, at(20))), (1, Ok(Learned::News)));
         assert!(table.forget(s(7), s(1)) && table.forget(s(6), s(1)) && table.is_empty());
     }
 }

@@ -1,5 +1,6 @@
 use super::*;
-use crate::routing::rpl::message::{Dao, DaoAck, DaoStatus, RplFrame};
+use crate::routing::rpl::frame::RplFrame;
+use crate::routing::rpl::message::{Dao, DaoAck, DaoStatus};
 
 const CONFIGURATION: DioConfiguration = DioConfiguration {
     mode: 1,

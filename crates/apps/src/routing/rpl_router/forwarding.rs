@@ -1,70 +1,17 @@
 //! Packets in a network with RPL: on their way up, along source routes, and down by tables.
 
 use sextant_kernel::StationId;
-use sextant_mac::routing::rpl::{
-    Action, Content, Datagram, Direction, Downward, HOP_LIMIT, Message, OptionFlags, RplFrame, RplOption,
-    local_octets,
-};
+use sextant_mac::routing::rpl::{Action, Content, Datagram, Direction, Downward, HOP_LIMIT, OptionFlags, RplFrame};
 use sextant_mac::routing::{Data, Repeat};
 use sextant_sim::Port;
 
-use super::config::RankErrors;
 use super::messages::upward;
-use super::station::RplStation;
 use crate::routing::config::RoutedTo;
 use crate::routing::outbox::{Heading, Outgoing};
 use crate::routing::router::Router;
+use crate::routing::rpl::RankErrors;
 use crate::routing::settings::MOST_PAYLOAD_OCTETS;
 use crate::routing::way::Way;
-
-/// To whom a packet goes next.
-pub(in crate::routing) enum Next {
-    /// To this neighbour.
-    Station(StationId),
-    /// Nobody is known, but somebody may be soon.
-    Later,
-    /// Nobody is known.
-    Nowhere,
-}
-
-impl RplStation {
-    /// To whom a packet goes next.
-    pub(in crate::routing) fn next_of(&self, datagram: &Datagram, port: &Port<'_>) -> Next {
-        match datagram.option {
-            Some(RplOption { direction: Direction::Up, .. }) => {
-                self.dodag.parent().map_or(Next::Later, Next::Station)
-            }
-            Some(RplOption { direction: Direction::Down, .. }) => {
-                self.table.next(datagram.destination, port.now()).map_or(Next::Nowhere, Next::Station)
-            }
-            None => Next::Station(datagram.destination),
-        }
-    }
-
-    /// The packet as it is sent now: with the rank of this station, and the root where it goes if nothing else is said.
-    pub(in crate::routing) fn ready(&self, datagram: &Datagram, data: &Data) -> Datagram {
-        let mut datagram = datagram.clone();
-        if let Some(option) = &mut datagram.option {
-            option.sender_rank = self.dodag.rank();
-        }
-        let is_data = matches!(datagram.content, Content::Data(_));
-        let is_to_root = is_data && data.hops == 0 && data.target.is_none();
-        if let Some(root) = self.dodag.root().filter(|_| is_to_root) {
-            datagram.destination = root;
-        }
-        datagram
-    }
-
-    /// Writes a message to a neighbour.
-    pub(in crate::routing) fn write_message(&self, message: &Message, to: StationId, octets: &mut Vec<u8>) {
-        local_octets(message, Some(to), &self.plan.configuration, octets);
-    }
-
-    /// Writes a packet whose payload beyond its number has so many octets.
-    pub(in crate::routing) fn write(&self, datagram: &Datagram, payload_octets: usize, octets: &mut Vec<u8>) {
-        datagram.write(datagram.header_octets() + payload_octets, &self.plan.configuration, octets);
-    }
-}
 
 impl Router {
     /// The station has a packet of its own, for a node or, without one, for the root.

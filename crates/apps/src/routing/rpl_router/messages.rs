@@ -5,14 +5,15 @@ use std::time::Duration;
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::routing::Data;
 use sextant_mac::routing::rpl::{
-    Action, Content, Dao, DaoAck, DaoStatus, Datagram, Dio, Direction, Downward, HOP_LIMIT, Message, OptionFlags,
-    Rank, RplOption, SourceRoute, Stage, local_octets,
+    Action, Content, Dao, DaoAck, DaoStatus, Datagram, Dio, Direction, Downward, HOP_LIMIT, Learned, Message,
+    OptionFlags, Rank, RplOption, SourceRoute, Stage, local_octets,
 };
 use sextant_sim::{Destination, NetworkId, Payload, Port};
 
-use super::station::{DAO, DAO_AGAIN, DIO, DIS, PROBE};
+use super::timers::{DAO, DAO_AGAIN, DIS, PROBE};
 use crate::routing::outbox::{Heading, Outgoing};
 use crate::routing::router::Router;
+use crate::routing::rpl::DIO;
 
 /// Ways down are refreshed this long before they expire, and up to once more at random (Contiki-NG).
 const REFRESH_BEFORE: Duration = Duration::from_secs(60);
@@ -188,13 +189,15 @@ impl Router {
             }
             return;
         }
-        let learned = station.table.learn(dao.target, from, now + lifetime(dao));
-        if learned.is_err() {
-            self.count(port, |counts| counts.rpl.full_tables += 1);
-        } else if is_root {
-            self.note_known(dao.target, now);
-        } else if let Some(parent) = parent {
-            self.send_to_neighbour(parent, Message::Dao(Dao { asks: false, ..*dao }), port);
+        let learned = station.table.learn(dao.target, from, dao.number, now + lifetime(dao));
+        match (learned, parent) {
+            (Err(_), _) => self.count(port, |counts| counts.rpl.full_tables += 1),
+            (Ok(_), _) if is_root => self.note_known(dao.target, now),
+            (Ok(Learned::News), Some(parent)) => {
+                self.send_to_neighbour(parent, Message::Dao(Dao { asks: false, ..*dao }), port);
+            }
+            // Those above know it, or there is nobody above.
+            (Ok(_), _) => {}
         }
         if dao.asks {
             let status = if learned.is_ok() { DaoStatus::Accepted } else { DaoStatus::Rejected };
