@@ -220,6 +220,7 @@ impl Router {
     fn react(&mut self, reaction: Reaction, port: &mut Port<'_>) {
         if reaction.has_changed_parent {
             self.record.changes.push(ParentChange { time: port.now(), parent: self.way.parent() });
+            port.follow(NetworkId::default(), self.way.parent());
         }
         if reaction.is_inconsistent {
             self.hasten_beacons(port);
@@ -319,6 +320,7 @@ impl Application for Router {
 
     fn started(&mut self, port: &mut Port<'_>) {
         self.schedule(port);
+        port.follow(NetworkId::default(), self.way.parent());
         let uniform = self.uniform(port);
         if let Way::Built { trickle, .. } = &mut self.way {
             let due = trickle.begin(port.now(), uniform);

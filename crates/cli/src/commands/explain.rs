@@ -147,6 +147,7 @@ fn measures(path: &str) -> Vec<Measure> {
         has_routing: true,
         has_way_down: true,
         has_slots: true,
+        has_negotiated_cells: true,
         has_batteries: true,
         has_sleep: true,
     };

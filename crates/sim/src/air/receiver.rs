@@ -222,7 +222,9 @@ impl Receiver {
         };
         let was_followed = match rules.model {
             ReceptionModel::Overlap => signal.tracked && !signal.disturbed,
-            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => locked,
+            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => {
+                locked
+            }
         };
         Some(EndedSignal { power, sinr: signal.least_sinr.min(alone), outcome: fate, was_followed })
     }

@@ -79,6 +79,10 @@ pub(crate) trait NetworkLinks {
     /// Leaves out frames that were due while a station rested.
     fn skip(&mut self, _station: StationId, _frames: u64) {}
 
+    /// The packets of a station go to this one from now on: links that agree on cells with it do so. Without a definition, they
+    /// need not know.
+    fn follow(&mut self, _station: StationId, _parent: Option<StationId>, _scene: &mut Scene) {}
+
     /// Notes which frames of a station were due, since packets are counted.
     fn note_due(&mut self, station: StationId, due: DueFrames);
 

@@ -140,6 +140,12 @@ impl Technology {
         matches!(self, Self::Tsch(_))
     }
 
+    /// Whether stations agree with each other on when they send.
+    #[must_use]
+    pub fn has_negotiated_cells(&self) -> bool {
+        matches!(self, Self::Tsch(links) if links.tsch.msf().is_some())
+    }
+
     /// The settings of stations that sleep between checks of the channel, if that is the technology.
     #[must_use]
     pub fn sleeping(&self) -> Option<&Sleeping> {
@@ -276,6 +282,10 @@ impl Links {
 
     pub(crate) fn skip(&mut self, station: StationId, frames: u64) {
         ask!(self, links => links.skip(station, frames));
+    }
+
+    pub(crate) fn follow(&mut self, station: StationId, parent: Option<StationId>, scene: &mut Scene) {
+        ask!(self, links => links.follow(station, parent, scene));
     }
 
     pub(crate) fn note_due(&mut self, station: StationId, due: DueFrames) {

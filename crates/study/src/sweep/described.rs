@@ -76,6 +76,7 @@ pub fn described_columns(plan: Option<&Sweep>) -> Vec<DescribedColumn> {
                 has_routing: true,
                 has_way_down: true,
                 has_slots: true,
+                has_negotiated_cells: true,
                 has_batteries: true,
                 has_sleep: true,
             };

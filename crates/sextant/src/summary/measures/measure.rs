@@ -50,6 +50,9 @@ pub struct Subjects {
     /// Whether the first network has slots.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_slots: bool,
+    /// Whether its stations agree on cells.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_negotiated_cells: bool,
     /// Whether nodes have batteries.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_batteries: bool,
@@ -69,12 +72,14 @@ impl Subjects {
             has_routing,
             has_way_down,
             has_slots,
+            has_negotiated_cells,
             has_batteries,
             has_sleep,
         } = self;
         *has_routing |= others.has_routing;
         *has_way_down |= others.has_way_down;
         *has_slots |= others.has_slots;
+        *has_negotiated_cells |= others.has_negotiated_cells;
         *has_batteries |= others.has_batteries;
         *has_sleep |= others.has_sleep;
         for (list, names) in [
@@ -244,12 +249,14 @@ pub fn all(subjects: &Subjects) -> Vec<Measure> {
         has_routing,
         has_way_down,
         has_slots,
+        has_negotiated_cells,
         has_batteries,
         has_sleep,
     } = subjects;
     let measure = |of: Of, known: KnownMeasure<'static>| Measure { of, known };
     let mut measures: Vec<_> = known::of_run(!by_nodes.is_empty()).map(|number| measure(Of::Run, number)).collect();
-    let of_slots = known::of_slots().filter(|_| *has_slots);
+    let of_cells = known::of_negotiated_cells().filter(|_| *has_negotiated_cells);
+    let of_slots = known::of_slots().filter(|_| *has_slots).chain(of_cells);
     measures.extend(of_slots.map(|number| measure(Of::Run, number)));
     let of_sleep = known::of_sleep().filter(|_| *has_sleep);
     measures.extend(of_sleep.map(|number| measure(Of::Run, number)));
@@ -349,6 +356,7 @@ mod tests {
             has_routing: true,
             has_way_down: true,
             has_slots: true,
+            has_negotiated_cells: true,
             has_batteries: true,
             has_sleep: true,
         };

@@ -133,12 +133,19 @@ impl Links {
         }
         match kind {
             FrameKind::Beacon => self.receive_beacon(station, chance.asn, &transmission, scene),
-            FrameKind::Data | FrameKind::KeepAlive => {
+            FrameKind::Data | FrameKind::KeepAlive | FrameKind::SixP(_) => {
                 self.correct_clocks(station, chance.asn, &transmission, scene);
             }
         }
         if kind == FrameKind::Data {
             self.deliver(station, chance.turn, was_received, scene);
+        }
+        if let (FrameKind::SixP(_), Destination::Station(to)) = (kind, to)
+            && !was_received
+            && self.has_received(to)
+        {
+            let content = self.stacks[station.index()].sender.frame(chance.turn).content;
+            self.receive_six_p(station, to, content, scene);
         }
         let is_answered = self.answer_frame(station, chance, place, &transmission, scene);
         self.close_slot(place, scene);
