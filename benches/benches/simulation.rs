@@ -41,6 +41,7 @@ fn simulation(criterion: &mut Criterion) {
         "mac/saturated-star",
         "mac/poisson-star",
         "mac/acknowledged-star",
+        "tsch/saturated-cell",
         // Sector sweeps among 591 nodes.
         "mmtm/warehouse-vaa",
     ];

@@ -133,6 +133,7 @@ impl Router {
         if reaction.has_changed_parent {
             let (parent, etx) = (self.way.parent(), self.way.parent_etx());
             self.record.parents.push(ParentChange { time: port.now(), parent, etx });
+            port.follow(NetworkId::default(), parent);
         }
         if reaction.is_inconsistent {
             self.hasten_beacons(port);
@@ -245,6 +246,7 @@ impl Application for Router {
 
     fn started(&mut self, port: &mut Port<'_>) {
         self.schedule(port);
+        port.follow(NetworkId::default(), self.way.parent());
         let uniform = self.uniform(port);
         if let Way::Built { trickle, .. } = &mut self.way {
             let due = trickle.begin(port.now(), uniform);

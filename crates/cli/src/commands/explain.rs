@@ -149,6 +149,7 @@ fn measures(path: &str) -> Vec<Measure> {
         has_rpl: true,
         has_fragments: true,
         has_slots: true,
+        has_negotiated_cells: true,
         has_batteries: true,
         has_sleep: true,
     };

@@ -51,6 +51,22 @@ fn settings_of_slots_that_do_not_fit_are_refused_with_their_keys() {
 }
 
 #[test]
+fn settings_of_msf_that_do_not_fit_are_refused_with_their_keys() {
+    for (setting, allowed) in [
+        ("slotframe=2", "3 to 65535"),
+        ("max_num_cells=3", "4 to 10000"),
+        ("lim_num_cells_used_high=101", "which is 100"),
+        ("lim_num_cells_used_low=76", "which is 75"),
+        ("waits=1", "max_num_cells"),
+    ] {
+        let setting = format!("mac.tsch.schedule.msf.{setting}");
+        let message = refused("tsch/msf-star.toml", &[&setting]);
+        let key = setting.split('=').next().expect("a key");
+        assert!(message.contains(key) && message.contains(allowed), "{setting}: {message}");
+    }
+}
+
+#[test]
 fn a_slotframe_that_hops_over_a_part_of_the_channels_is_warned_of() {
     let check = |slots: u16| {
         let setting = format!("mac.tsch.schedule.minimal.slotframe={slots}");

@@ -65,6 +65,8 @@ pub enum ScheduleConfig {
     Minimal(MinimalConfig),
     /// Orchestra: cells by the numbers of the stations, without negotiation.
     Orchestra(OrchestraConfig),
+    /// MSF, the minimal scheduling function of 6TiSCH (RFC 9033): stations agree with their parents on as many cells as they use.
+    Msf(MsfConfig),
     /// The cells of each station, as a list or a file.
     Own(OwnScheduleConfig),
 }
@@ -117,6 +119,27 @@ pub enum UnicastConfig {
     /// Each station sends in one cell, in which those listen to which it may send: sinks to all nodes, and nodes to their children
     /// in a tree that is known before the start.
     SenderBased,
+}
+
+/// MSF, as written in a scenario. Names and defaults are those of RFC 9033, table 2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct MsfConfig {
+    /// Length of its three slotframes (SLOTFRAME_LENGTH, slots): 3 to 65535.
+    pub slotframe: u16,
+    /// So many cells to the parent go by between two decisions (MAX_NUMCELLS): 4 to 10000. Fewer follow a changing load faster.
+    pub max_num_cells: u16,
+    /// If more of these cells were used, one more is asked for (LIM_NUMCELLSUSED_HIGH): up to max_num_cells.
+    pub lim_num_cells_used_high: u16,
+    /// If fewer of these cells were used, one is given up (LIM_NUMCELLSUSED_LOW): up to lim_num_cells_used_high.
+    pub lim_num_cells_used_low: u16,
+}
+
+impl Default for MsfConfig {
+    fn default() -> Self {
+        Self { slotframe: 101, max_num_cells: 100, lim_num_cells_used_high: 75, lim_num_cells_used_low: 25 }
+    }
 }
 
 /// A schedule of one's own, as written in a scenario.

@@ -23,10 +23,12 @@ mod asn;
 mod cell;
 mod config;
 mod hopping;
+mod msf;
 mod orchestra;
 mod schedule;
 mod sender;
 mod settings;
+mod six_p;
 mod slot;
 mod slot_clock;
 mod timeslot;
@@ -34,14 +36,16 @@ mod timeslot;
 pub use asn::Asn;
 pub use cell::{Cell, CellOptions, CellPeer, Slotframe};
 pub use config::{
-    BeaconsConfig, CellConfig, JoiningConfig, MinimalConfig, OrchestraConfig, OwnScheduleConfig, ScheduleConfig,
-    SynchronisationConfig, TschConfig, UnicastConfig,
+    BeaconsConfig, CellConfig, JoiningConfig, MinimalConfig, MsfConfig, OrchestraConfig, OwnScheduleConfig,
+    ScheduleConfig, SynchronisationConfig, TschConfig, UnicastConfig,
 };
 pub use hopping::Hopping;
+pub use msf::{Autonomous, Ended, Msf, MsfRules, MsfUse};
 pub use orchestra::{Orchestra, UnicastCells};
-pub use schedule::{Heard, Schedule};
+pub use schedule::{Heard, Rule, Schedule};
 pub use sender::{Chance, Ending, Sender, Turn};
 pub use settings::{BackoffExponents, ScheduleKind, Synchronisation, TschSettings};
+pub use six_p::{CellPlace, ReturnCode, SixP, SixPBody, SixPCommand};
 pub use slot::{SlotCounts, SlotKind};
 pub use slot_clock::SlotClock;
 pub use timeslot::{Timeslot, TimeslotConfig};

@@ -2,7 +2,16 @@
 
 use sextant_kernel::StationId;
 
-use super::{Asn, Cell, CellOptions, CellPeer, Orchestra};
+use super::{Asn, Autonomous, Cell, CellOptions, CellPeer, Orchestra};
+
+/// How the cell to any other station is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// By Orchestra.
+    Orchestra(Orchestra),
+    /// By its address, as long as no cell to it is listed.
+    Autonomous(Autonomous),
+}
 
 /// The cells of a station.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -10,7 +19,7 @@ pub struct Schedule {
     /// Those that it has whatever it sends, by slotframe.
     cells: Vec<Cell>,
     /// How the cell to any other station is found, if there is a rule.
-    rule: Option<Orchestra>,
+    rule: Option<Rule>,
 }
 
 /// A cell in which a station listens.
@@ -32,8 +41,16 @@ impl Schedule {
 
     /// The same, in which a rule gives the cells to other stations.
     #[must_use]
-    pub fn with_rule(self, rule: Orchestra) -> Self {
+    pub fn with_rule(self, rule: Rule) -> Self {
         Self { rule: Some(rule), ..self }
+    }
+
+    /// The same with further cells.
+    #[must_use]
+    pub fn with_cells(self, further: impl Iterator<Item = Cell>) -> Self {
+        let Self { mut cells, rule } = self;
+        cells.extend(further);
+        Self { rule, ..Self::new(cells) }
     }
 
     /// The cells that the station has whatever it sends.
@@ -42,16 +59,15 @@ impl Schedule {
         &self.cells
     }
 
-    /// Whether frames to a station have cells of their own.
-    fn is_served(&self, peer: StationId) -> bool {
-        self.rule.is_some_and(|rule| rule.cell_to(peer).is_some())
-            || self.cells.iter().any(|cell| cell.sends() && cell.peer == CellPeer::Station(peer))
-    }
-
     /// The cells in which frames to a station may go: those to it alone, or those to all if there are none.
     pub fn cells_to(&self, peer: StationId) -> impl Iterator<Item = Cell> + '_ {
-        let wanted = if self.is_served(peer) { CellPeer::Station(peer) } else { CellPeer::All };
-        let by_rule = self.rule.and_then(|rule| rule.cell_to(peer));
+        let is_listed = self.sending().any(|cell| cell.peer == CellPeer::Station(peer));
+        let by_rule = match &self.rule {
+            Some(Rule::Orchestra(rule)) => rule.cell_to(peer),
+            Some(Rule::Autonomous(rule)) if !is_listed => rule.cell_to(peer),
+            Some(Rule::Autonomous(_)) | None => None,
+        };
+        let wanted = if is_listed || by_rule.is_some() { CellPeer::Station(peer) } else { CellPeer::All };
         by_rule.into_iter().chain(self.sending().filter(move |cell| cell.peer == wanted))
     }
 

@@ -82,23 +82,34 @@ impl<T> Sender<T> {
     /// # Errors
     /// The frame, if as many wait already as may.
     pub fn offer(&mut self, to: Option<StationId>, frame: T) -> Result<(), T> {
+        let most_frames = self.most_frames;
         let frames = match to {
             None => &mut self.to_all,
-            Some(peer) => {
-                let known = self.queues.iter().position(|queue| queue.peer == peer);
-                let place = known.unwrap_or_else(|| {
-                    let (frames, exponent) = (VecDeque::new(), None);
-                    self.queues.push(Queue { peer, frames, tries: 0, exponent, backed_off: Asn(0) });
-                    self.queues.len() - 1
-                });
-                &mut self.queues[place].frames
-            }
+            Some(peer) => &mut self.queue_to(peer).frames,
         };
-        if frames.len() >= self.most_frames {
+        if frames.len() >= most_frames {
             return Err(frame);
         }
         frames.push_back(frame);
         Ok(())
+    }
+
+    /// Takes a frame to a station that goes before those that wait, but for the first one, which may be under way. There is always
+    /// room for it.
+    pub fn offer_first(&mut self, peer: StationId, frame: T) {
+        let queue = self.queue_to(peer);
+        queue.frames.insert(queue.frames.len().min(1), frame);
+    }
+
+    /// The queue to a station, which may be a new one.
+    fn queue_to(&mut self, peer: StationId) -> &mut Queue<T> {
+        let known = self.queues.iter().position(|queue| queue.peer == peer);
+        let place = known.unwrap_or_else(|| {
+            let (frames, exponent) = (VecDeque::new(), None);
+            self.queues.push(Queue { peer, frames, tries: 0, exponent, backed_off: Asn(0) });
+            self.queues.len() - 1
+        });
+        &mut self.queues[place]
     }
 
     /// An enhanced beacon is due, instead of one that still waits.
@@ -238,7 +249,9 @@ fn after_shared_cells(schedule: &Schedule, peer: StationId, failed: Asn, cells: 
         return Asn(at.0 + u64::from(cells) * u64::from(only.slotframe.length));
     }
     for _ in 0..=cells {
-        at = next(at.next()).expect("it failed in a shared cell");
+        // Cells may have been negotiated meanwhile.
+        let Some(shared) = next(at.next()) else { return at.next() };
+        at = shared;
     }
     at
 }
@@ -370,6 +383,17 @@ mod tests {
             }
             assert!((1.0 - meet - expected).abs() < 1e-15, "{retries} retries: {}", 1.0 - meet);
         }
+    }
+
+    #[test]
+    fn a_frame_that_goes_first_waits_for_the_one_under_way_and_always_has_room() {
+        let mut sender = sender(0, 1, 7);
+        sender.offer_first(PEER, "first");
+        sender.offer(Some(PEER), "last").expect("there is room");
+        assert_eq!(sender.offer(Some(PEER), "lost"), Err("lost"));
+        sender.offer_first(PEER, "second");
+        let frames: Vec<&str> = sender.waiting_mut().map(|frame| *frame).collect();
+        assert_eq!(frames, ["first", "second", "last"]);
     }
 
     #[test]

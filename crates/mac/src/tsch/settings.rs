@@ -5,8 +5,8 @@ use std::time::Duration;
 use sextant_kernel::SettingError;
 
 use super::{
-    BeaconsConfig, Hopping, JoiningConfig, OrchestraConfig, OwnScheduleConfig, ScheduleConfig, SynchronisationConfig,
-    Timeslot, TschConfig, UnicastConfig,
+    BeaconsConfig, Hopping, JoiningConfig, MsfConfig, MsfRules, OrchestraConfig, OwnScheduleConfig, ScheduleConfig,
+    SynchronisationConfig, Timeslot, TschConfig, UnicastConfig,
 };
 use crate::Phy;
 use crate::tsch::frame::EnhancedAck;
@@ -19,6 +19,12 @@ const MOST_RETRIES: u8 = 15;
 
 /// Largest back-off exponent.
 const GREATEST_BE: u8 = 8;
+
+/// HOUSEKEEPINGCOLLISION_PERIOD, WAIT_DURATION_MIN, WAIT_DURATION_MAX and QUARANTINE_DURATION of MSF (RFC 9033, table 2; s).
+const MSF_TIMES_S: [u64; 4] = [60, 30, 60, 300];
+
+/// Most channel offsets of MSF (NUM_CH_OFFSET).
+const MOST_OFFSETS: u16 = 16;
 
 /// The exponents of the back-off in shared cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +42,8 @@ pub enum ScheduleKind {
     Minimal(u16),
     /// Cells by the numbers of the stations.
     Orchestra(OrchestraConfig),
+    /// Cells that stations agree on with their parents.
+    Msf(MsfConfig),
     /// The cells of each station, whose names are not known yet.
     Own(OwnScheduleConfig),
 }
@@ -130,12 +138,36 @@ impl TschSettings {
         match &self.schedule {
             ScheduleKind::Minimal(slotframe) => vec![("minimal.slotframe", *slotframe)],
             ScheduleKind::Own(own) => vec![("own.slotframe", own.slotframe)],
+            ScheduleKind::Msf(msf) => vec![("msf.slotframe", msf.slotframe)],
             ScheduleKind::Orchestra(orchestra) => vec![
                 ("orchestra.beacon_slotframe", orchestra.beacon_slotframe),
                 ("orchestra.unicast_slotframe", orchestra.unicast_slotframe),
                 ("orchestra.shared_slotframe", orchestra.shared_slotframe),
             ],
         }
+    }
+
+    /// The numbers of MSF, if that is the schedule.
+    #[must_use]
+    pub fn msf(&self) -> Option<MsfRules> {
+        let ScheduleKind::Msf(msf) = &self.schedule else { return None };
+        let slots = |seconds: u64| {
+            let slots = Duration::from_secs(seconds).as_nanos().div_ceil(self.timeslot.length().as_nanos());
+            u64::try_from(slots).expect("few minutes have few slots")
+        };
+        let [housekeeping_s, least_wait_s, longest_wait_s, quarantine_s] = MSF_TIMES_S;
+        let windows = (1_u64 << self.exponents.greatest) - 1;
+        Some(MsfRules {
+            length: msf.slotframe,
+            channels: u16::try_from(self.hopping.channels().len()).unwrap_or(u16::MAX).min(MOST_OFFSETS),
+            max_num_cells: msf.max_num_cells,
+            used_high: msf.lim_num_cells_used_high,
+            used_low: msf.lim_num_cells_used_low,
+            housekeeping: slots(housekeeping_s),
+            waits: [slots(least_wait_s), slots(longest_wait_s)],
+            quarantine: slots(quarantine_s),
+            timeout: windows.max(1) * u64::from(self.max_retries.max(1)) * u64::from(msf.slotframe),
+        })
     }
 
     /// Whether a station listens in the cells of those that send to it, so that it must know them.
@@ -156,6 +188,27 @@ fn schedule_kind(config: ScheduleConfig) -> Result<ScheduleKind, SettingError> {
             length("orchestra.unicast_slotframe", orchestra.unicast_slotframe)?;
             length("orchestra.shared_slotframe", orchestra.shared_slotframe)?;
             Ok(ScheduleKind::Orchestra(orchestra))
+        }
+        ScheduleConfig::Msf(msf) => {
+            let MsfConfig { slotframe, max_num_cells, lim_num_cells_used_high: high, lim_num_cells_used_low: low } =
+                msf;
+            let refuse =
+                |key: &str, found: u16, allowed: String| SettingError::new(format!("msf.{key}"), found, allowed);
+            if slotframe < 3 {
+                return Err(refuse("slotframe", slotframe, "3 to 65535".to_owned()));
+            }
+            if !(4..=10_000).contains(&max_num_cells) {
+                return Err(refuse("max_num_cells", max_num_cells, "4 to 10000".to_owned()));
+            }
+            if high > max_num_cells {
+                let allowed = format!("0 to max_num_cells, which is {max_num_cells}");
+                return Err(refuse("lim_num_cells_used_high", high, allowed));
+            }
+            if low > high {
+                let allowed = format!("0 to lim_num_cells_used_high, which is {high}");
+                return Err(refuse("lim_num_cells_used_low", low, allowed));
+            }
+            Ok(ScheduleKind::Msf(msf))
         }
         ScheduleConfig::Own(own) => {
             length("own.slotframe", own.slotframe)?;
@@ -203,6 +256,39 @@ mod tests {
         let settings = TschSettings::new(written(), Phy::Oqpsk2450).expect("good settings");
         assert_eq!(settings.slotframes(), [("minimal.slotframe", 101)]);
         assert_eq!(settings.hopping.channels().len(), 16);
+    }
+
+    #[test]
+    fn the_numbers_of_msf_are_those_of_its_standard() {
+        let written = TschConfig { schedule: ScheduleConfig::Msf(MsfConfig::default()), max_be: 5, ..written() };
+        let rules = TschSettings::new(written, Phy::Oqpsk2450).expect("good settings").msf();
+        let expected = MsfRules {
+            length: 101,
+            channels: 16,
+            max_num_cells: 100,
+            used_high: 75,
+            used_low: 25,
+            housekeeping: 6000,
+            waits: [3000, 6000],
+            quarantine: 30_000,
+            // ((2^5) - 1) 3 101 slots (section 9).
+            timeout: 9393,
+        };
+        assert_eq!(rules, Some(expected));
+    }
+
+    #[test]
+    fn settings_of_msf_out_of_range_are_rejected_with_their_keys() {
+        let key = |msf| key(TschConfig { schedule: ScheduleConfig::Msf(msf), ..written() });
+        let usual = MsfConfig::default();
+        for (msf, expected) in [
+            (MsfConfig { slotframe: 2, ..usual }, "slotframe"),
+            (MsfConfig { max_num_cells: 3, ..usual }, "max_num_cells"),
+            (MsfConfig { lim_num_cells_used_high: 101, ..usual }, "lim_num_cells_used_high"),
+            (MsfConfig { lim_num_cells_used_low: 76, ..usual }, "lim_num_cells_used_low"),
+        ] {
+            assert_eq!(key(msf), Some(format!("schedule.msf.{expected}")));
+        }
     }
 
     #[test]

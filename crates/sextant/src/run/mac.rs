@@ -2,14 +2,14 @@
 
 use sextant_kernel::{NodeId, SimTime};
 use sextant_mac::EnergySpent;
-use sextant_mac::tsch::{SlotCounts, SlotKind};
+use sextant_mac::tsch::{MsfUse, SlotCounts, SlotKind};
 use sextant_scenario::Scenario;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{Delays, Network, NetworkRecord, Packets, SleepUse, SlotUse, Survey};
 
 use crate::summary::{
-    DelayBin, DelaySummary, EnergySummary, MacSummary, NamedTraffic, NotListenedSummary, SinkSummary, SleepSummary,
-    SlotSummary, TrafficSummary,
+    DelayBin, DelaySummary, EnergySummary, MacSummary, NamedTraffic, NegotiatedSummary, NotListenedSummary,
+    SinkSummary, SleepSummary, SlotSummary, TrafficSummary,
 };
 
 /// The traffic in each network of `scenario`, if it has sinks: otherwise the survey tells all.
@@ -94,6 +94,24 @@ fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Optio
         joined: nodes.iter().filter(|used| used.is_member).count(),
         lost: nodes.iter().map(|used| used.lost).sum(),
         join_s: mean(&mut nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64()))),
+        negotiated: negotiated(&nodes),
+    })
+}
+
+/// How nodes agreed on cells, if they did.
+fn negotiated(nodes: &[&SlotUse]) -> Option<NegotiatedSummary> {
+    let used: Vec<MsfUse> = nodes.iter().filter_map(|used| used.msf).collect();
+    if used.is_empty() {
+        return None;
+    }
+    let mean = |of: fn(&MsfUse) -> f64| used.iter().map(of).sum::<f64>() / used.len() as f64;
+    let sum = |of: fn(&MsfUse) -> u64| used.iter().map(of).sum();
+    Some(NegotiatedSummary {
+        mean_cells: mean(|used| used.mean_cells),
+        cells: mean(|used| used.cells.into()),
+        transactions: sum(|used| used.transactions),
+        failures: sum(|used| used.failures),
+        relocations: sum(|used| used.relocations),
     })
 }
 

@@ -68,6 +68,24 @@ pub struct SlotSummary {
     /// Mean time from the start until a node joined (s), of those that scanned and joined. Absent if none did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub join_s: Option<f64>,
+    /// How nodes agreed on cells with their parents. Absent if they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub negotiated: Option<NegotiatedSummary>,
+}
+
+/// How nodes agreed on cells in which they send.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct NegotiatedSummary {
+    /// Mean number of these cells of a node.
+    pub mean_cells: f64,
+    /// The same at the end.
+    pub cells: f64,
+    /// Transactions of the 6top protocol that nodes began.
+    pub transactions: u64,
+    /// Those of them that failed: no response came, or one that says no.
+    pub failures: u64,
+    /// Cells that were relocated because they delivered too little.
+    pub relocations: u64,
 }
 
 /// How the stations of a network slept that sleep between checks of the channel.

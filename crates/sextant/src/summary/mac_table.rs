@@ -122,6 +122,13 @@ fn slot_rows(slots: &SlotSummary) -> Vec<(&'static str, String, &'static str)> {
     }
     rows.push(("mean current", format!("{:.1}", 1e6 * slots.mean_current_a), "uA, by published charges of slots"));
     rows.push(("nodes in the network", slots.joined.to_string(), "at the end"));
+    if let Some(cells) = &slots.negotiated {
+        rows.push(("negotiated cells", format!("{:.3}", cells.mean_cells), "of a node, on average"));
+        rows.push(("negotiated cells, end", format!("{:.3}", cells.cells), "of a node, on average"));
+        rows.push(("6P transactions", cells.transactions.to_string(), "of all nodes"));
+        rows.push(("6P failures", cells.failures.to_string(), "transactions without success"));
+        rows.push(("relocations", cells.relocations.to_string(), "cells that delivered too little"));
+    }
     rows.extend(slots.join_s.map(|join_s| ("joined after", format!("{join_s:.3}"), "s, on average")));
     rows
 }

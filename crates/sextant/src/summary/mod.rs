@@ -36,7 +36,8 @@ pub use gathering::{
 pub use judgement::{Judgement, JudgementLevel};
 pub(crate) use log_counts::LogCounts;
 pub use mac::{
-    DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, SleepSummary, SlotSummary, TrafficSummary,
+    DelayBin, DelaySummary, MacSummary, NamedTraffic, NegotiatedSummary, SinkSummary, SleepSummary, SlotSummary,
+    TrafficSummary,
 };
 pub use map::{
     AlignmentSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, HeightsSource, HeightsSummary,

@@ -2,6 +2,7 @@
 
 mod cells;
 mod clocks;
+mod msf;
 mod stars;
 
 use std::path::Path;

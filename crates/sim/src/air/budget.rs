@@ -174,7 +174,8 @@ impl Budget {
                 if self.is_per_packet { self.with_shadowing(Dbm(known), signal, listener) } else { Dbm(known) };
             return Some(self.milliwatts(shadowed, signal, listener));
         }
-        let address = station.index() * self.stations + signal.source.index();
+        // The listeners of a signal follow each other.
+        let address = signal.source.index() * self.stations + station.index();
         let slot = self.slot(address);
         let mut remembered = self.links[slot];
         if remembered.link != address as u64 + 1 {

@@ -15,8 +15,8 @@ impl Air {
 
     /// Whether a radio is locked on to a transmission on air.
     pub(crate) fn follows(&mut self, now: SimTime, receiver: ReceiverId, transmission: &Transmission) -> bool {
-        let rules = *self.rules(receiver);
-        self.receivers[receiver.index()].follows(now, transmission.signal.packet, &rules)
+        let rules = &self.rules[self.rules_of[receiver.index()] as usize];
+        self.receivers[receiver.index()].follows(now, transmission.signal.packet, rules)
     }
 
     /// Until when a radio follows a signal that began before `end`: the end of the one that it is locked on to, or the end of

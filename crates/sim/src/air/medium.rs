@@ -336,7 +336,11 @@ impl Medium {
 
     /// Removes a receiver from those that listen.
     pub(crate) fn leave(&mut self, receiver: ReceiverId, place: Position) {
-        self.standing.at(place).retain(|listener| listener.receiver != receiver);
+        let listeners = self.standing.at(place);
+        // Those that came last often leave first.
+        if let Some(place) = listeners.iter().rposition(|listener| listener.receiver == receiver) {
+            listeners.swap_remove(place);
+        }
         self.standing_count -= 1;
     }
 

@@ -9,6 +9,8 @@
 //! weaker one is lost there and received here: 0.02 to 0.26 % more frames, by load and range (frames replayed in both at
 //! the same instants). Without such pairs both receive the same frames.
 
+use std::collections::VecDeque;
+
 use sextant_channel::Milliwatts;
 use sextant_kernel::SimTime;
 
@@ -29,11 +31,11 @@ pub(crate) struct Receiver {
     /// When the signals were last brought up to date.
     settled: SimTime,
     /// All signals at the antenna.
-    present: Vec<Present>,
-    /// The sum of their powers, in their order.
-    total: Milliwatts,
+    present: VecDeque<Present>,
+    /// The sum of their powers, in their order; `None` if one has ended since it was last asked for.
+    total: Option<Milliwatts>,
     /// Those of them that are above the sensitivity, or were missed: no others can be received.
-    signals: Vec<Incoming>,
+    signals: VecDeque<Incoming>,
     /// Number of signals that alone make the channel busy.
     strong: u32,
     /// Number of signals that are tracked; only the one that the radio is locked on to, if there is one.
@@ -58,9 +60,9 @@ impl Default for Receiver {
             is_busy: false,
             sent_until: SimTime::ZERO,
             settled: SimTime::ZERO,
-            present: Vec::new(),
-            total: Milliwatts::ZERO,
-            signals: Vec::new(),
+            present: VecDeque::new(),
+            total: Some(Milliwatts::ZERO),
+            signals: VecDeque::new(),
             strong: 0,
             tracked: 0,
             locked: None,
@@ -75,6 +77,8 @@ pub(crate) struct EndedSignal {
     /// Smallest ratio of signal to interference and noise while it was followed, as a factor.
     pub(crate) sinr: f64,
     pub(crate) outcome: FrameOutcome,
+    /// Whether the radio was locked on to it; with the model `overlap`, whether nothing has disturbed it.
+    pub(crate) was_followed: bool,
 }
 
 impl Receiver {
@@ -103,7 +107,7 @@ impl Receiver {
     pub(super) fn forget(&mut self) {
         self.present.clear();
         self.signals.clear();
-        self.total = Milliwatts::ZERO;
+        self.total = Some(Milliwatts::ZERO);
         (self.strong, self.tracked, self.locked) = (0, 0, None);
     }
 
@@ -141,19 +145,22 @@ impl Receiver {
                 disturbed
             }
             ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => {
-                self.signals.iter_mut().for_each(|other| other.disturbed = true);
+                // Those before the last one have been disturbed by it.
+                if let Some(last) = self.signals.back_mut() {
+                    last.disturbed = true;
+                }
                 !self.present.is_empty()
             }
         };
-        self.present.push(Present { packet, power });
-        self.total += power;
+        self.present.push_back(Present { packet, power });
+        self.total = self.total.map(|total| total + power);
         self.strong += u32::from(is_strong(power, rules));
         if missed.is_none() && !audible {
             return;
         }
         let tracked = missed.is_none() && self.locked.is_none();
         self.tracked += u32::from(tracked);
-        self.signals.push(Incoming {
+        self.signals.push_back(Incoming {
             packet,
             power,
             preamble_end: now + rules.preamble,
@@ -169,7 +176,7 @@ impl Receiver {
     /// Whether the channel became busy (`true`) or idle (`false`) since the radio last said so.
     pub(crate) fn carrier_change(&mut self, rules: &ReceptionRules) -> Option<bool> {
         let energy = rules.carrier?.energy;
-        let is_busy = self.listening && (self.strong > 0 || self.total >= energy);
+        let is_busy = self.listening && (self.strong > 0 || self.total() >= energy);
         (std::mem::replace(&mut self.is_busy, is_busy) != is_busy).then_some(is_busy)
     }
 
@@ -188,7 +195,7 @@ impl Receiver {
         self.strong -= u32::from(is_strong(power, rules));
         let alone = power.ratio(rules.noise);
         let Some((signal, locked)) = self.take(packet) else {
-            return Some(EndedSignal { power, sinr: alone, outcome: FrameOutcome::Weak });
+            return Some(EndedSignal { power, sinr: alone, outcome: FrameOutcome::Weak, was_followed: false });
         };
         let drowned = |least: f64| if alone < least { FrameOutcome::Weak } else { FrameOutcome::Collided };
         let fate = if let Some(deafness) = signal.missed {
@@ -213,7 +220,13 @@ impl Receiver {
                 ReceptionModel::Ber => FrameOutcome::Weak,
             }
         };
-        Some(EndedSignal { power, sinr: signal.least_sinr.min(alone), outcome: fate })
+        let was_followed = match rules.model {
+            ReceptionModel::Overlap => signal.tracked && !signal.disturbed,
+            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => {
+                locked
+            }
+        };
+        Some(EndedSignal { power, sinr: signal.least_sinr.min(alone), outcome: fate, was_followed })
     }
 
     /// Whether the radio is locked on to the signal of `packet`. With the model `overlap`, whether nothing has disturbed that
@@ -257,15 +270,16 @@ impl Receiver {
     /// Removes the signal in a place from the antenna; returns its power.
     #[inline]
     fn remove(&mut self, place: usize) -> Milliwatts {
-        let power = self.present[place].power;
-        let (before, after) = self.present.split_at_mut(place);
-        self.total = before.iter().map(|present| present.power).sum();
-        for i in 1..after.len() {
-            after[i - 1] = after[i];
-            self.total += after[i].power;
-        }
-        self.present.pop();
-        power
+        let removed = self.present.remove(place).expect("a place among those at the antenna");
+        self.total = self.present.is_empty().then_some(Milliwatts::ZERO);
+        removed.power
+    }
+
+    /// The sum of the powers of all signals at the antenna, in their order.
+    #[inline]
+    fn total(&mut self) -> Milliwatts {
+        let present = &self.present;
+        *self.total.get_or_insert_with(|| present.iter().map(|present| present.power).sum())
     }
 
     /// Takes the signal of a packet out of those that can be received, if it is there; also returns whether the radio was
@@ -273,7 +287,7 @@ impl Receiver {
     #[inline]
     fn take(&mut self, packet: u64) -> Option<(Incoming, bool)> {
         let place = self.signals.iter().position(|signal| signal.packet == packet)?;
-        let signal = self.signals.remove(place);
+        let signal = self.signals.remove(place)?;
         self.tracked -= u32::from(signal.tracked);
         let is_locked = self.locked == Some(place);
         self.locked = match self.locked {
@@ -291,7 +305,8 @@ impl Receiver {
         if self.tracked == 0 || now == since || matches!(rules.model, ReceptionModel::Overlap) {
             return;
         }
-        self.follow(&Span { since, now, total: self.total }, rules);
+        let total = self.total();
+        self.follow(&Span { since, now, total }, rules);
     }
 
     /// Updates all tracked signals after a time during which nothing has changed.

@@ -51,6 +51,8 @@ pub(crate) struct Arrival {
     /// Smallest ratio of signal to interference and noise while the frame was followed, as a factor.
     pub(crate) sinr: f64,
     pub(crate) outcome: FrameOutcome,
+    /// Whether the radio was locked on to it at its end; with the model `overlap`, whether nothing has disturbed it.
+    pub(crate) was_followed: bool,
 }
 
 impl Air {
@@ -99,27 +101,29 @@ impl Air {
     /// communication that it is for.
     fn reach_listeners(&mut self, signal: &Signal, to: Option<ReceiverId>, reached: &mut Vec<Whom>) -> usize {
         let network = self.network(signal.sender);
-        let mut near = std::mem::take(&mut self.near);
-        self.medium.listeners(signal, &mut near);
+        let (is_only, stations) = (self.audiences.len() == 1, self.roll.len());
+        let network_of = |receiver: ReceiverId| if is_only { 0 } else { receiver.index() / stations };
+        let Self { medium, receivers, in_audience, rules, rules_of, carrier_changes, near, .. } = self;
+        medium.listeners(signal, near);
         let mut within = 0;
-        for listener in &near {
-            if let Some(power) = self.medium.power_at(signal, listener) {
+        for listener in &*near {
+            if let Some(power) = medium.power_at(signal, listener) {
                 let &Listener { receiver, station, .. } = listener;
                 let is_for = match to {
                     Some(to) => receiver == to,
-                    None => self.in_audience[receiver.index()] && self.network(receiver) == network,
+                    None => in_audience[receiver.index()] && network_of(receiver) == network,
                 };
                 within += usize::from(is_for);
                 // A negligible power is not even interference.
                 if power.0 > 0.0 {
-                    let rules = *self.rules(receiver);
-                    self.receivers[receiver.index()].begin(signal.start, signal.packet, power, None, &rules);
-                    self.note_carrier(receiver, station, &rules);
+                    let rules = &rules[rules_of[receiver.index()] as usize];
+                    let radio = &mut receivers[receiver.index()];
+                    radio.begin(signal.start, signal.packet, power, None, rules);
+                    note_carrier(radio, station, rules, carrier_changes);
                     reached.push((receiver, station));
                 }
             }
         }
-        self.near = near;
         within
     }
 
@@ -255,7 +259,7 @@ impl Air {
         let luck = || seed.uniform(purpose::RECEPTION, signal.draw_at(receiver));
         let rules = &self.rules[self.rules_of[receiver.index()] as usize];
         let radio = &mut self.receivers[receiver.index()];
-        let EndedSignal { power, sinr, outcome } = radio.end(now, signal.packet, rules, luck)?;
+        let EndedSignal { power, sinr, outcome, was_followed } = radio.end(now, signal.packet, rules, luck)?;
         note_carrier(radio, station, rules, &mut self.carrier_changes);
         // A signal that cannot be received is told only to the radio that it is for, and to collectors.
         let is_told = outcome != FrameOutcome::Weak
@@ -266,7 +270,7 @@ impl Air {
         }
         let is_lost = outcome == FrameOutcome::Received && self.loses(&signal, receiver, station);
         let outcome = if is_lost { FrameOutcome::Weak } else { outcome };
-        Some(Arrival { station, power, sinr, outcome })
+        Some(Arrival { station, power, sinr, outcome, was_followed })
     }
 
     /// The same where receivers are told late.
@@ -294,7 +298,8 @@ impl Air {
                 let has_it = receivers[receiver.index()].is_listening() && marks.listens_since(receiver, began);
                 if power.0 > 0.0 && power < rules.sensitivity && has_it {
                     let sinr = power.ratio(rules.noise);
-                    arrivals.push(Arrival { station, power, sinr, outcome: FrameOutcome::Weak });
+                    let outcome = FrameOutcome::Weak;
+                    arrivals.push(Arrival { station, power, sinr, outcome, was_followed: false });
                 }
             }
             arrivals.sort_by_key(|arrival| arrival.station);

@@ -126,6 +126,12 @@ impl Port<'_> {
         self.model.networks[network.index()].offer(self.station, to, payload, &mut self.model.scene)
     }
 
+    /// Tells the link of a network to which station the packets of this one go from now on: links that agree with it on when to
+    /// send do so. `None` if it is not known.
+    pub fn follow(&mut self, network: NetworkId, parent: Option<StationId>) {
+        self.model.networks[network.index()].follow(self.station, parent, &mut self.model.scene);
+    }
+
     /// Whether nobody who listens is near, so that what the station sends reaches nobody, and holds back nobody who is
     /// heard. Then an application that [may rest](super::Application::may_rest) need not send it. It is
     /// [woken](super::Application::woken) when a listener comes near. Always false if all nodes are simulated.
@@ -137,8 +143,8 @@ impl Port<'_> {
 
     /// The station has chosen another one as its parent in a tree. In a network with slots its time comes from there from now on,
     /// if it has joined. Other technologies need not know.
-    pub fn follow(&mut self, network: NetworkId, parent: StationId) {
-        self.model.networks[network.index()].follow(self.station, parent);
+    pub fn take_time_from(&mut self, network: NetworkId, parent: StationId) {
+        self.model.networks[network.index()].take_time_from(self.station, parent);
     }
 
     /// Energy that is left in the battery of the station (J), as a meter of its charge would show; `None` if it has no battery.

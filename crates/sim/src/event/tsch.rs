@@ -19,6 +19,8 @@ pub(crate) enum Event {
     BeaconDue,
     /// It looks whether its clock was corrected.
     SynchronisationChecked,
+    /// It looks at the cells that it has agreed on.
+    CellsDue,
     /// It scans, and changes to another channel.
     ChannelChanged,
     /// It has listened long enough.
@@ -32,7 +34,11 @@ impl Event {
         match self {
             Self::FrameEnds | Self::AckEnds => Class::EndOfSignal,
             Self::FrameStarts | Self::AckStarts => Class::StartOfSignal,
-            Self::AckMissed | Self::BeaconDue | Self::SynchronisationChecked | Self::ChannelChanged => Class::Timer,
+            Self::AckMissed
+            | Self::BeaconDue
+            | Self::SynchronisationChecked
+            | Self::CellsDue
+            | Self::ChannelChanged => Class::Timer,
             Self::ListeningOver => Class::Application,
         }
     }

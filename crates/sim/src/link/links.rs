@@ -80,7 +80,11 @@ pub(crate) trait NetworkLinks {
     fn skip(&mut self, _station: StationId, _frames: u64) {}
 
     /// A station has chosen another one as its parent in a tree: its time comes from there, if its technology keeps a common time.
-    fn follow(&mut self, _station: StationId, _parent: StationId) {}
+    fn take_time_from(&mut self, _station: StationId, _parent: StationId) {}
+
+    /// The packets of a station go to this one from now on: links that agree on cells with it do so. Without a definition, they
+    /// need not know.
+    fn follow(&mut self, _station: StationId, _parent: Option<StationId>, _scene: &mut Scene) {}
 
     /// Notes which frames of a station were due, since packets are counted.
     fn note_due(&mut self, station: StationId, due: DueFrames);

@@ -140,6 +140,12 @@ impl Technology {
         matches!(self, Self::Tsch(_))
     }
 
+    /// Whether stations agree with each other on when they send.
+    #[must_use]
+    pub fn has_negotiated_cells(&self) -> bool {
+        matches!(self, Self::Tsch(links) if links.tsch.msf().is_some())
+    }
+
     /// The settings of stations that sleep between checks of the channel, if that is the technology.
     #[must_use]
     pub fn sleeping(&self) -> Option<&Sleeping> {
@@ -278,8 +284,12 @@ impl Links {
         ask!(self, links => links.skip(station, frames));
     }
 
-    pub(crate) fn follow(&mut self, station: StationId, parent: StationId) {
-        ask!(self, links => links.follow(station, parent));
+    pub(crate) fn take_time_from(&mut self, station: StationId, parent: StationId) {
+        ask!(self, links => links.take_time_from(station, parent));
+    }
+
+    pub(crate) fn follow(&mut self, station: StationId, parent: Option<StationId>, scene: &mut Scene) {
+        ask!(self, links => links.follow(station, parent, scene));
     }
 
     pub(crate) fn note_due(&mut self, station: StationId, due: DueFrames) {

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use sextant_mac::tsch::SlotCounts;
+use sextant_mac::tsch::{MsfUse, SlotCounts};
 
 /// How a station used its slots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SlotUse {
     /// Slots by what it did in them.
     pub counts: SlotCounts,
@@ -19,4 +19,6 @@ pub struct SlotUse {
     pub joined_after: Option<Duration>,
     /// Whether it is in the network at the end.
     pub is_member: bool,
+    /// How it agreed on cells, if it did.
+    pub msf: Option<MsfUse>,
 }

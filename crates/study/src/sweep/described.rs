@@ -78,6 +78,7 @@ pub fn described_columns(plan: Option<&Sweep>) -> Vec<DescribedColumn> {
                 has_rpl: true,
                 has_fragments: true,
                 has_slots: true,
+                has_negotiated_cells: true,
                 has_batteries: true,
                 has_sleep: true,
             };

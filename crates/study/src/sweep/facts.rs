@@ -64,6 +64,8 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
             has_rpl: routing.is_some_and(|routing| matches!(routing.tree, TreeConfig::Rpl(_))),
             has_fragments: routing.is_some_and(|routing| routing.fragments.is_some()),
             has_batteries: scenario.config().battery.is_some(),
+            has_negotiated_cells: (scenario.networks().first())
+                .is_some_and(|network| network.technology.has_negotiated_cells()),
             has_slots: scenario.networks().first().is_some_and(|network| network.technology.has_slots()),
             has_sleep: scenario.networks().first().is_some_and(|network| network.technology.sleeping().is_some()),
             applications: scenario.missions().iter().map(|application| application.name.clone()).collect(),

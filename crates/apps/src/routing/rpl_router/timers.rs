@@ -144,8 +144,9 @@ impl Router {
         let (parent, etx) = (self.way.parent(), self.way.parent_etx());
         self.record.parents.push(ParentChange { time: port.now(), parent, etx });
         let own = port.station();
+        port.follow(NetworkId::default(), parent);
         if let Some(parent) = parent {
-            port.follow(NetworkId::default(), parent);
+            port.take_time_from(NetworkId::default(), parent);
         }
         let Some(station) = self.rpl() else { return };
         if parent.is_none() {

@@ -11,7 +11,10 @@ pub(super) const TIME_CORRECTION: u16 = 0x1E;
 /// The group of payload elements with those of the MAC.
 pub(super) const MLME: u16 = 1;
 
-/// Within that group: the number of the slot and the join metric, ...
+/// That of the IETF (RFC 8137).
+pub(super) const IETF: u16 = 5;
+
+/// Within the group of the MAC: the number of the slot and the join metric, ...
 pub(super) const SYNCHRONISATION: u16 = 0x1A;
 
 /// ... slotframes and their cells, ...

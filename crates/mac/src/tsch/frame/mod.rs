@@ -1,4 +1,4 @@
-//! Frames of networks with slots, to the octet: data, enhanced acknowledgements and enhanced beacons (IEEE 802.15.4-2015, 7.3
+//! Frames of networks with slots, to the octet: data, messages about cells, enhanced acknowledgements and enhanced beacons (IEEE 802.15.4-2015, 7.3
 //! and 7.4). They have the frame version 2, which information elements need.
 //!
 //! ```
@@ -16,12 +16,14 @@ mod ack;
 mod beacon;
 mod data;
 pub(crate) mod elements;
+mod six_p;
 #[cfg(test)]
 mod tests;
 
 pub use ack::EnhancedAck;
 pub use beacon::{AdvertisedCell, AdvertisedSlotframe, EnhancedBeacon};
 pub use data::SlotData;
+pub use six_p::SixPFrame;
 
 use crate::fcs;
 use crate::frame::{Header, ParseError};

@@ -56,6 +56,9 @@ pub struct Subjects {
     /// Whether the first network has slots.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_slots: bool,
+    /// Whether its stations agree on cells.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_negotiated_cells: bool,
     /// Whether nodes have batteries.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_batteries: bool,
@@ -77,6 +80,7 @@ impl Subjects {
             has_rpl,
             has_fragments,
             has_slots,
+            has_negotiated_cells,
             has_batteries,
             has_sleep,
         } = self;
@@ -85,6 +89,7 @@ impl Subjects {
         *has_rpl |= others.has_rpl;
         *has_fragments |= others.has_fragments;
         *has_slots |= others.has_slots;
+        *has_negotiated_cells |= others.has_negotiated_cells;
         *has_batteries |= others.has_batteries;
         *has_sleep |= others.has_sleep;
         for (list, names) in [
@@ -256,12 +261,14 @@ pub fn all(subjects: &Subjects) -> Vec<Measure> {
         has_rpl,
         has_fragments,
         has_slots,
+        has_negotiated_cells,
         has_batteries,
         has_sleep,
     } = subjects;
     let measure = |of: Of, known: KnownMeasure<'static>| Measure { of, known };
     let mut measures: Vec<_> = known::of_run(!by_nodes.is_empty()).map(|number| measure(Of::Run, number)).collect();
-    let of_slots = known::of_slots().filter(|_| *has_slots);
+    let of_cells = known::of_negotiated_cells().filter(|_| *has_negotiated_cells);
+    let of_slots = known::of_slots().filter(|_| *has_slots).chain(of_cells);
     measures.extend(of_slots.map(|number| measure(Of::Run, number)));
     let of_sleep = known::of_sleep().filter(|_| *has_sleep);
     measures.extend(of_sleep.map(|number| measure(Of::Run, number)));
@@ -366,6 +373,7 @@ mod tests {
             has_rpl: true,
             has_fragments: true,
             has_slots: true,
+            has_negotiated_cells: true,
             has_batteries: true,
             has_sleep: true,
         };

@@ -1,6 +1,7 @@
 //! A network with time-slotted channel hopping: the links of all its stations.
 
 mod acknowledging;
+mod agreeing;
 mod counting;
 mod dying;
 mod frames;
@@ -91,6 +92,9 @@ impl Links {
                 join_metric: 0,
                 corrected: SimTime::ZERO,
                 schedule: plan.schedule(tsch, station, time_source),
+                parent: time_source,
+                msf: plan.msf(tsch, station),
+                agreement: None,
                 sender: Sender::new(tsch.queue_frames.into(), tsch.max_retries, tsch.exponents),
                 planned: None,
                 used: None,
@@ -218,7 +222,9 @@ impl NetworkLinks for Links {
     }
 
     fn restart_meters(&mut self, now: SimTime) {
-        for stack in &mut self.stacks {
+        for i in 0..self.stacks.len() {
+            self.restart_agreement(StationId::from_index(i), now);
+            let stack = &mut self.stacks[i];
             let from = stack.clock.next_from(now);
             stack.usage.restart(now, from);
         }
@@ -235,6 +241,7 @@ impl NetworkLinks for Links {
             Event::BeaconDue => self.offer_beacon(station, scene),
             Event::SynchronisationChecked => self.check_synchronisation(station, scene),
             Event::ChannelChanged => self.change_channel(station, scene),
+            Event::CellsDue => self.act_on_cells(station, scene),
             Event::ListeningOver => scene.upcalls.push(Upcall::Listened { station }),
         }
     }
@@ -249,8 +256,12 @@ impl NetworkLinks for Links {
         self.take_frame(station, to, payload, scene)
     }
 
-    fn follow(&mut self, station: StationId, parent: StationId) {
+    fn take_time_from(&mut self, station: StationId, parent: StationId) {
         self.change_time_source(station, parent);
+    }
+
+    fn follow(&mut self, station: StationId, parent: Option<StationId>, scene: &mut Scene) {
+        self.change_parent(station, parent, scene);
     }
 
     fn note_due(&mut self, station: StationId, due: DueFrames) {
@@ -323,6 +334,8 @@ impl NetworkLinks for Links {
             let stack = &mut self.stacks[i];
             stack.usage.count_scan(now);
             stack.usage.slots.is_member = stack.is_joined();
+            let until = stack.clock.next_from(now);
+            stack.usage.slots.msf = stack.msf.as_mut().map(|msf| msf.used(until));
             let (meter, used) = stack.usage.close(self.ledger.depleted(station).unwrap_or(now));
             let (tx_power, rests_in) = (stack.tx_power, RadioState::Sleep);
             radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });

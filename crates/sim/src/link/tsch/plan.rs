@@ -6,8 +6,8 @@ use sextant_kernel::{SettingError, StationId};
 use sextant_mac::frame::{Address, Endpoint};
 use sextant_mac::tsch::frame::{AdvertisedCell, AdvertisedSlotframe, EnhancedBeacon};
 use sextant_mac::tsch::{
-    Asn, Cell, CellOptions, CellPeer, Orchestra, OrchestraConfig, Schedule, ScheduleKind, Slotframe, TschSettings,
-    UnicastCells, UnicastConfig,
+    Asn, Autonomous, Cell, CellOptions, CellPeer, Msf, MsfConfig, Orchestra, OrchestraConfig, Rule, Schedule,
+    ScheduleKind, Slotframe, TschSettings, UnicastCells, UnicastConfig,
 };
 
 use super::cells::NamedCell;
@@ -66,7 +66,7 @@ impl Plan {
             ScheduleKind::Own(own) => {
                 own_cells(own.slotframe, cells, stations).map_err(|error| error.within("schedule.own"))?
             }
-            ScheduleKind::Minimal(_) | ScheduleKind::Orchestra(_) => Vec::new(),
+            ScheduleKind::Minimal(_) | ScheduleKind::Orchestra(_) | ScheduleKind::Msf(_) => Vec::new(),
         };
         Ok(Self { time_sources, senders, own })
     }
@@ -84,9 +84,21 @@ impl Plan {
             ScheduleKind::Orchestra(config) => {
                 let rule = orchestra(config, settings, station);
                 let senders = self.senders.get(station.index()).into_iter().flatten().copied();
-                Schedule::new(rule.cells(time_source, senders)).with_rule(rule)
+                Schedule::new(rule.cells(time_source, senders)).with_rule(Rule::Orchestra(rule))
+            }
+            ScheduleKind::Msf(msf) => {
+                let rule = autonomous(settings, msf.slotframe, station);
+                Schedule::new(vec![minimal_cell(msf.slotframe), rule.receive_cell()])
+                    .with_rule(Rule::Autonomous(rule))
             }
         }
+    }
+
+    /// How a station agrees on cells, if it does.
+    pub(super) fn msf(&self, settings: &TschSettings, station: StationId) -> Option<Box<Msf>> {
+        let rules = settings.msf()?;
+        let own_slot = autonomous(settings, rules.length, station).receive_cell().timeslot;
+        Some(Box::new(Msf::new(rules, own_slot)))
     }
 
     /// The beacon of a station in a slot.
@@ -99,11 +111,13 @@ impl Plan {
     ) -> EnhancedBeacon {
         // Stations know the cells of other schedules by themselves.
         let slotframes = match settings.schedule {
-            ScheduleKind::Minimal(length) => vec![AdvertisedSlotframe {
-                handle: 0,
-                length,
-                cells: vec![AdvertisedCell { timeslot: 0, channel_offset: 0, options: MINIMAL_OPTIONS }],
-            }],
+            ScheduleKind::Minimal(length) | ScheduleKind::Msf(MsfConfig { slotframe: length, .. }) => {
+                vec![AdvertisedSlotframe {
+                    handle: 0,
+                    length,
+                    cells: vec![AdvertisedCell { timeslot: 0, channel_offset: 0, options: MINIMAL_OPTIONS }],
+                }]
+            }
             ScheduleKind::Orchestra(_) | ScheduleKind::Own(_) => Vec::new(),
         };
         EnhancedBeacon { from, sequence: 0, asn, join_metric, slotframes }
@@ -114,6 +128,10 @@ impl Plan {
         let from = Endpoint { pan: 0, address: Address::of(station) };
         self.beacon(settings, from, Asn(0), 0).octets()
     }
+}
+
+fn autonomous(settings: &TschSettings, length: u16, station: StationId) -> Autonomous {
+    Autonomous { length, channels: settings.msf().map_or(1, |rules| rules.channels), station }
 }
 
 fn minimal_cell(length: u16) -> Cell {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use sextant_channel::Dbm;
 use sextant_kernel::{EventKey, SimTime, StationId};
-use sextant_mac::tsch::{Asn, Chance, Schedule, Sender, SlotClock, SlotKind};
+use sextant_mac::tsch::{Asn, Chance, Msf, Schedule, Sender, SlotClock, SlotKind};
 use sextant_mac::{EnergyMeter, RadioState};
 
 use crate::air::Transmission;
@@ -23,6 +23,19 @@ pub(super) enum FrameKind {
     KeepAlive,
     /// An enhanced beacon.
     Beacon,
+    /// A message about cells.
+    SixP(SixPRole),
+}
+
+/// What a message about cells is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SixPRole {
+    /// It asks.
+    Request,
+    /// It says yes: cells change when it is acknowledged.
+    Answer,
+    /// It says no.
+    Refusal,
 }
 
 /// A frame that waits or is under way.
@@ -121,6 +134,12 @@ pub(super) struct Stack {
     /// When its clock was last corrected.
     pub(super) corrected: SimTime,
     pub(super) schedule: Schedule,
+    /// The station with which it agrees on cells.
+    pub(super) parent: Option<StationId>,
+    /// How it agrees on them, if it does, ...
+    pub(super) msf: Option<Box<Msf>>,
+    /// ... and when it acts on them next, with the pending event.
+    pub(super) agreement: Option<(SimTime, EventKey)>,
     pub(super) sender: Sender<SlotFrame>,
     pub(super) planned: Option<Planned>,
     /// The last slot in which it sent.

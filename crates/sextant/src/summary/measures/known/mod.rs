@@ -51,6 +51,11 @@ pub(super) fn of_slots() -> impl Iterator<Item = KnownMeasure<'static>> {
     all(run::WITH_SLOTS, &[])
 }
 
+/// All of a run whose stations agree on cells, in addition.
+pub(super) fn of_negotiated_cells() -> impl Iterator<Item = KnownMeasure<'static>> {
+    all(run::WITH_NEGOTIATED_CELLS, &[])
+}
+
 /// All of a run whose nodes have batteries, in addition.
 pub(super) fn of_batteries() -> impl Iterator<Item = KnownMeasure<'static>> {
     all(run::WITH_BATTERIES, &[])
@@ -83,7 +88,7 @@ pub(super) fn of_rpl() -> impl Iterator<Item = KnownMeasure<'static>> {
 
 /// All of any run.
 pub(super) fn of_any_run() -> impl Iterator<Item = KnownMeasure<'static>> {
-    let mac = of_slots().chain(of_sleep()).chain(of_routing()).chain(of_way_down());
+    let mac = of_slots().chain(of_negotiated_cells()).chain(of_sleep()).chain(of_routing()).chain(of_way_down());
     let hops = of_fragments().chain(of_rpl());
     of_run(true).chain(mac).chain(hops).chain(of_batteries())
 }

@@ -88,6 +88,15 @@ pub(super) const WITH_SLOTS: &[KnownMeasure<'static>] = &[
     known("mac.slots.join_s", Second, "mean time until a node that scans has joined"),
 ];
 
+/// Of a run whose stations agree on cells.
+pub(super) const WITH_NEGOTIATED_CELLS: &[KnownMeasure<'static>] = &[
+    known("mac.slots.negotiated.mean_cells", Count, "negotiated cells in which a node sends, on average"),
+    known("mac.slots.negotiated.cells", Count, "negotiated cells in which a node sends at the end"),
+    known("mac.slots.negotiated.transactions", Count, "transactions of the 6top protocol that nodes began"),
+    known("mac.slots.negotiated.failures", Count, "transactions of the 6top protocol that failed"),
+    known("mac.slots.negotiated.relocations", Count, "negotiated cells that were relocated"),
+];
+
 /// Of a run whose nodes have batteries.
 pub(super) const WITH_BATTERIES: &[KnownMeasure<'static>] = &[
     known("battery.lifetime_d.min", Day, "battery lifetime, first node: from the mean power of the run"),

@@ -3,14 +3,14 @@
 use sextant_kernel::StationId;
 use sextant_mac::frame::{Address, Endpoint};
 use sextant_mac::tsch::frame::EnhancedAck;
-use sextant_mac::tsch::{Chance, Ending, SlotKind, Turn};
+use sextant_mac::tsch::{Chance, Ended, Ending, SlotKind, Turn};
 
 use super::Links;
 use crate::air::Transmission;
 use crate::event::link::LinkEvent;
 use crate::event::tsch::Event;
 use crate::link::fate::Fate;
-use crate::link::tsch::stack::Answer;
+use crate::link::tsch::stack::{Answer, FrameKind};
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::{Deafness, FrameOutcome};
@@ -144,6 +144,9 @@ impl Links {
             false => SlotKind::TransmitUnacknowledged,
         };
         stack.usage.slots.counts.add(kind, 1);
+        let ended = if is_acknowledged { Ended::Acknowledged } else { Ended::GivenUp };
+        self.note_use(station, &sending.chance.cell, ended);
+        let stack = &mut self.stacks[station.index()];
         let ending = if is_acknowledged {
             stack.sender.acknowledged(to, sending.chance.cell)
         } else {
@@ -156,7 +159,12 @@ impl Links {
         match ending {
             Ending::Acknowledged(frame) | Ending::GivenUp(frame) => {
                 self.note_kept_alive(station, frame.kind);
-                self.finish_frame(station, frame, outcome, scene);
+                match frame.kind {
+                    FrameKind::SixP(role) => self.finish_six_p(station, &frame, role, ended, scene),
+                    FrameKind::Data | FrameKind::KeepAlive | FrameKind::Beacon => {
+                        self.finish_frame(station, frame, outcome, scene);
+                    }
+                }
             }
             Ending::Again => {}
         }

@@ -29,7 +29,8 @@ impl Links {
         let answer = stack.answer.take();
         let starts = answer.and_then(|answer| answer.starts);
         let planned = stack.planned.take().map(|planned| planned.key);
-        for key in [change, missed, starts, planned, stack.check.take()].into_iter().flatten() {
+        let agreement = stack.agreement.take().map(|(_, key)| key);
+        for key in [change, missed, starts, planned, agreement, stack.check.take()].into_iter().flatten() {
             scene.queue.cancel(key);
         }
         stack.membership = Membership::Out;

@@ -3,7 +3,7 @@
 use sextant_kernel::StationId;
 use sextant_mac::frame::{Address, Endpoint};
 use sextant_mac::tsch::Chance;
-use sextant_mac::tsch::frame::{EnhancedBeacon, SlotData};
+use sextant_mac::tsch::frame::{EnhancedBeacon, SixPFrame, SlotData};
 
 use super::Links;
 use crate::air::Transmission;
@@ -40,6 +40,13 @@ impl Links {
                 let end = mpdu.len() - 2;
                 end - payload.len()..end
             }
+            (FrameKind::SixP(_), true) => {
+                if let Destination::Station(to) = to {
+                    SixPFrame { pan: self.pan, from: station, to, sequence, message: payload }.write(&mut mpdu);
+                }
+                0..0
+            }
+            (FrameKind::SixP(_), false) => 0..0,
             (FrameKind::Data | FrameKind::KeepAlive, false) => {
                 mpdu.extend_from_slice(payload);
                 0..payload.len()

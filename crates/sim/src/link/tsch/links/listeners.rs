@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use sextant_kernel::StationId;
+use sextant_kernel::{SimTime, StationId};
 use sextant_mac::tsch::{Asn, Schedule};
 
 /// Who listens in which slot, and who is awake on each channel.
@@ -19,6 +19,8 @@ pub(super) struct Awake {
     /// Frames on air.
     pub(super) frames: u32,
     pub(super) stations: Vec<StationId>,
+    /// When stations were last woken, and for which slot.
+    pub(super) woken: Option<(SimTime, Asn)>,
 }
 
 impl Listeners {

@@ -1,24 +1,19 @@
 //! Receiving: who follows a frame, to whom it is delivered, and when a station sleeps again.
 
-use sextant_kernel::StationId;
+use sextant_kernel::{SimTime, StationId};
 use sextant_mac::tsch::{SlotKind, Turn};
 
 use super::Links;
-use crate::air::{Arrival, Transmission};
 use crate::scene::Scene;
 use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::service::upcall::Upcall;
 
 impl Links {
-    /// Notes who is locked on to a frame that ends now.
-    pub(super) fn follow(&mut self, place: usize, transmission: &Transmission, scene: &mut Scene) {
-        let Self { stacks, listeners, radios, .. } = self;
-        let air = &mut scene.airs[radios[place].air];
-        for &station in &listeners.awake(place).stations {
-            if air.follows(scene.now, radios[place].receiver(station), transmission)
-                && let Some(listening) = &mut stacks[station.index()].listening
-            {
-                listening.followed = Some(scene.now);
+    /// Notes who was locked on to a frame that ends now.
+    pub(super) fn note_followers(&mut self, now: SimTime) {
+        for arrival in self.arrivals.iter().filter(|arrival| arrival.was_followed) {
+            if let Some(listening) = &mut self.stacks[arrival.station.index()].listening {
+                listening.followed = Some(now);
             }
         }
     }
@@ -27,16 +22,15 @@ impl Links {
     pub(super) fn deliver(&mut self, from: StationId, turn: Turn, was_received: bool, scene: &mut Scene) {
         let frame = self.stacks[from.index()].sender.frame(turn);
         let (sequence, counts) = (frame.sequence, frame.offered >= self.ledger.counted_from);
-        for i in 0..self.arrivals.len() {
-            let arrival = &self.arrivals[i];
+        let places = match turn {
+            Turn::Station(to) if !was_received => self.place_of(to).map_or(0..0, |place| place..place + 1),
+            Turn::Station(_) | Turn::Beacon => 0..0,
+            Turn::All => 0..self.arrivals.len(),
+        };
+        for arrival in &self.arrivals[places] {
             let (station, power, outcome) = (arrival.station, arrival.power, arrival.outcome);
-            let is_for = match turn {
-                Turn::Station(to) => to == station && !was_received,
-                Turn::All => true,
-                Turn::Beacon => false,
-            };
             let is_received = outcome == FrameOutcome::Received;
-            if is_received && is_for && self.hears[station.index()] && self.stacks[station.index()].is_joined() {
+            if is_received && self.hears[station.index()] && self.stacks[station.index()].is_joined() {
                 self.ledger.deliveries[station.index()] += u64::from(counts);
                 scene.upcalls.push(Upcall::Delivered { station, from, sequence, power, sector: None, snr: None });
             }
@@ -52,7 +46,8 @@ impl Links {
             return;
         }
         let mut stations = std::mem::take(&mut awake.stations);
-        for station in stations.drain(..) {
+        // The air finds the last of them first.
+        for station in stations.drain(..).rev() {
             let stack = &mut self.stacks[station.index()];
             let Some(listening) = stack.listening else { continue };
             let kind = match listening.followed {
@@ -77,7 +72,11 @@ impl Links {
 
     /// Whether a station has received the frame that ends now.
     pub(super) fn has_received(&self, station: StationId) -> bool {
-        let is_at = |arrival: &Arrival| arrival.station == station && arrival.outcome == FrameOutcome::Received;
-        self.arrivals.iter().any(is_at)
+        self.place_of(station).is_some_and(|place| self.arrivals[place].outcome == FrameOutcome::Received)
+    }
+
+    /// The place of a station among the arrivals, which are in the order of the stations.
+    fn place_of(&self, station: StationId) -> Option<usize> {
+        self.arrivals.binary_search_by_key(&station, |arrival| arrival.station).ok()
     }
 }

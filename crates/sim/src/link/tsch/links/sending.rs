@@ -74,6 +74,10 @@ impl Links {
     /// Wakes the stations that listen in a slot on a channel when a frame of `from` begins.
     fn wake(&mut self, from: StationId, asn: Asn, place: usize, scene: &mut Scene) {
         let Self { settings, stacks, listeners, radios, .. } = self;
+        // Another frame that begins at the same instant in the same slot wakes nobody else.
+        if listeners.awake(place).woken.replace((scene.now, asn)) == Some((scene.now, asn)) {
+            return;
+        }
         let delimiter = scene.now + settings.timeslot.preamble();
         let mut awake = std::mem::take(&mut listeners.awake(place).stations);
         for station in listeners.at(asn) {
@@ -106,9 +110,9 @@ impl Links {
         let sending = self.stacks[station.index()].sending.as_mut().expect("only a frame on air ends");
         let transmission = sending.transmission.take().expect("only a frame on air ends");
         let (chance, place) = (sending.chance, sending.place);
-        self.follow(place, &transmission, scene);
         let air = self.radios[place].air;
         scene.airs[air].end(scene.now, &transmission, &mut self.arrivals);
+        self.note_followers(scene.now);
         let to = match chance.turn {
             Turn::Station(to) => Destination::Station(to),
             Turn::All | Turn::Beacon => Destination::All,
@@ -129,12 +133,19 @@ impl Links {
         }
         match kind {
             FrameKind::Beacon => self.receive_beacon(station, chance.asn, &transmission, scene),
-            FrameKind::Data | FrameKind::KeepAlive => {
+            FrameKind::Data | FrameKind::KeepAlive | FrameKind::SixP(_) => {
                 self.correct_clocks(station, chance.asn, &transmission, scene);
             }
         }
         if kind == FrameKind::Data {
             self.deliver(station, chance.turn, was_received, scene);
+        }
+        if let (FrameKind::SixP(_), Destination::Station(to)) = (kind, to)
+            && !was_received
+            && self.has_received(to)
+        {
+            let content = self.stacks[station.index()].sender.frame(chance.turn).content;
+            self.receive_six_p(station, to, content, scene);
         }
         let is_answered = self.answer_frame(station, chance, place, &transmission, scene);
         self.close_slot(place, scene);

@@ -83,6 +83,7 @@ impl Links {
         if self.has_drift && scene.roll.is_node(station) {
             self.plan_check(station, scene);
         }
+        self.begin_agreement(station, scene);
     }
 
     /// The next beacon of a station is due.
@@ -112,7 +113,7 @@ impl Links {
     ) -> SlotFrame {
         let mpdu_octets = match kind {
             FrameKind::Beacon => self.plan.beacon_octets(&self.settings, station),
-            FrameKind::Data | FrameKind::KeepAlive => self.sizes(station, to).overhead_octets(),
+            FrameKind::Data | FrameKind::KeepAlive | FrameKind::SixP(_) => self.sizes(station, to).overhead_octets(),
         };
         SlotFrame {
             kind,
@@ -131,6 +132,7 @@ impl Links {
     /// A station scans from now on.
     fn scan(&mut self, station: StationId, scene: &mut Scene) {
         self.count_idle(station, scene.now);
+        self.end_agreement(station, scene);
         let place = self.scanned_place(station, scene);
         let change = self.schedule(station, SCAN_STEP, Event::ChannelChanged, scene);
         let stack = &mut self.stacks[station.index()];
