@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
+use sextant_apps::routing::{RplMode, TreeConfig};
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 use sextant_mac::EnergyConfig;
@@ -52,6 +53,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     reaches.iter().for_each(|reach| warnings.slotframes(reach));
     reaches.iter().for_each(|reach| warnings.deaf_checks(reach));
     warnings.chips();
+    warnings.route_tables();
     warnings.short_stops(&reaches);
     planned.iter().for_each(|way| warnings.way(way));
     warnings.out_of_reach(&planned);
@@ -159,6 +161,24 @@ impl Warnings<'_> {
         }
         for IncompleteChip { key, chip, gap } in self.scenario.incomplete_chips() {
             self.warn(key, format!("`{}` {gap}; give currents of your own in `[{key}.custom]`", chip.name()));
+        }
+    }
+
+    /// Tables of ways down that are too small for the sink.
+    fn route_tables(&mut self) {
+        let Some(TreeConfig::Rpl(rpl)) = self.scenario.config().routing.as_ref().map(|routing| &routing.tree) else {
+            return;
+        };
+        let nodes = self.setup.world.nodes.len();
+        if rpl.mode == RplMode::Storing && self.setup.sinks.len() == 1 && usize::from(rpl.route_table) < nodes {
+            self.warn(
+                "routing.tree.rpl.route_table",
+                format!(
+                    "the sink has room for ways to {} of {}; packets to the others are dropped; give it at least {nodes}",
+                    rpl.route_table,
+                    counted(nodes, "node"),
+                ),
+            );
         }
     }
 

@@ -245,6 +245,37 @@ fn each_fragment_has_its_own_tries_on_each_hop() {
     assert!((share - delivery).abs() < error, "{share}, not {delivery} +- {error}");
 }
 
+/// Three hundred nodes within 71 m of a sink register with it. Messages in loops are not copied, so the network comes to rest.
+#[test]
+fn a_dense_network_registers_and_comes_to_rest() {
+    let settings = [
+        "sweep={}",
+        "duration_s=1200.0",
+        "world.nodes.random.count=300",
+        "world.nodes.random.region.disc.radius_m=71.0",
+        "channel.shadowing={ sigma_db = 3.0, correlation = { per_link = {} } }",
+        "routing.tree={ rpl = {} }",
+    ]
+    .map(str::to_owned);
+    let found = routing(&shipped("routing/collection-tree.toml").with_all(&settings, None).expect("a scenario"));
+    let rpl = found.rpl.expect("a tree of RPL");
+    assert!(nearly_all(found.delivered, found.offered) && found.without_way == 0, "{:?}", found.delivery);
+    assert!(rpl.dao < 3 * 300 * 5 && rpl.most_routes == 300, "{rpl:?}");
+}
+
+#[test]
+fn a_table_that_is_too_small_for_the_sink_is_a_warning() {
+    let warned = |table: &str| {
+        let set = [format!("routing.tree.rpl.route_table={table}"), "sweep={}".to_owned()];
+        let scenario = shipped("routing/rpl-node-to-node.toml").with_all(&set, None).expect("a scenario");
+        let found = sextant::forecast::warnings(&scenario).into_iter();
+        found.map(|warning| warning.to_string()).find(|warning| warning.contains("route_table"))
+    };
+    assert_eq!(warned("40"), None);
+    let warning = warned("39").expect("a warning");
+    assert!(warning.contains("39 of 40 nodes") && warning.contains("at least 40"), "{warning}");
+}
+
 #[test]
 fn settings_that_do_not_fit_are_refused_with_their_key_and_what_is_allowed() {
     let good = shipped("routing/collection-tree.toml");
