@@ -58,7 +58,7 @@ impl TryFrom<&RplConfig> for RplPlan {
             RplMode::Storing => 2,
         };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 20")]
-        let interval_min = (1e3 * shortest.as_secs_f64()).log2().round().max(0.0) as u8;
+        let interval_min = libm::log2(1e3 * shortest.as_secs_f64()).round().max(0.0) as u8;
         #[expect(clippy::cast_possible_truncation, reason = "the ranges are checked")]
         let [doublings, dao_tries, lifetime_min] = [doublings, dao_tries, lifetime_min].map(|number| number as u8);
         Ok(Self {

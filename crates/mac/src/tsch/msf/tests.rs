@@ -36,9 +36,8 @@ fn station(number: StationId) -> Msf {
 
 /// Number of cells in which a station sends to another, and in which it listens to it.
 fn cells_between(msf: &Msf, peer: StationId) -> (usize, usize) {
-    let of = |is: fn(&Cell) -> bool| {
-        msf.cells().filter(|cell| cell.peer == CellPeer::Station(peer)).filter(&is).count()
-    };
+    let of =
+        |is: fn(&Cell) -> bool| msf.cells().filter(|cell| cell.peer == CellPeer::Station(peer)).filter(&is).count();
     (of(Cell::sends), of(Cell::listens))
 }
 
