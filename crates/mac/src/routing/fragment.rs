@@ -213,7 +213,7 @@ mod tests {
                     };
                     assert!(!part.is_empty() && header + part.len() <= most, "{octets} in {most}");
                     end = part.end;
-                    assert!(end == octets || part.len() % 8 == 0);
+                    assert!(end == octets || part.len().is_multiple_of(8));
                 }
                 assert_eq!(end, octets, "{octets} in {most}");
             }
