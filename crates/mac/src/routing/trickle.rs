@@ -109,13 +109,16 @@ mod tests {
     /// intervals end at 2044 s, and 33 more of 1024 s begin and have their message within ten hours.
     #[test]
     fn with_a_redundancy_of_one_all_stations_together_send_one_message_an_interval() {
-        for stations in [1, 5, 30] {
+        for stations in [1_u8, 5, 30] {
             let trickle = Trickle::new(Duration::from_secs(4), Duration::from_secs(4 << 8)).with_redundancy(1);
-            let mut all = vec![trickle; stations];
+            let mut all = vec![trickle; stations.into()];
             // Other numbers at each station and each interval.
-            let uniform = |station: usize, round: usize| ((station * 37 + round * 11) % 101) as f64 / 101.0;
+            let uniform = |station: usize, round: u32| {
+                let station = u32::try_from(station).expect("few stations");
+                f64::from((station * 37 + round * 11) % 101) / 101.0
+            };
             let mut due: Vec<SimTime> = (0..all.len()).map(|i| all[i].begin(SimTime::ZERO, uniform(i, 0))).collect();
-            let (mut sent, mut rounds) = (0, vec![0_usize; all.len()]);
+            let (mut sent, mut rounds) = (0, vec![0_u32; all.len()]);
             while let Some(i) =
                 (0..all.len()).min_by_key(|&i| due[i]).filter(|&i| due[i] <= SimTime::from_secs(36_000))
             {

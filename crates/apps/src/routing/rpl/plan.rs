@@ -57,8 +57,8 @@ impl TryFrom<&RplConfig> for RplPlan {
             RplMode::NonStoring => 1,
             RplMode::Storing => 2,
         };
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 20")]
-        let interval_min = libm::log2(1e3 * shortest.as_secs_f64()).round().max(0.0) as u8;
+        // The greatest power of two that is not longer.
+        let interval_min = u8::try_from(shortest.as_millis().max(1).ilog2()).expect("below 128");
         #[expect(clippy::cast_possible_truncation, reason = "the ranges are checked")]
         let [doublings, dao_tries, lifetime_min] = [doublings, dao_tries, lifetime_min].map(|number| number as u8);
         Ok(Self {
