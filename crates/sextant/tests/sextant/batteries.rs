@@ -184,6 +184,10 @@ fn a_battery_that_does_not_run_empty_changes_nothing_else() {
         let places: Vec<f64> = (1..9).map(f64::from).collect();
         let (without, mut with) = (summary(&star(&places, &without)), summary(&star(&places, &with)));
         assert_eq!(with.battery.take().map(|battery| battery.depleted), Some(0));
+        for depth in with.routing.iter_mut().flat_map(|routing| &mut routing.by_depth) {
+            assert_eq!(depth.depleted.take(), Some(0));
+            assert!(depth.lifetime_d.take().is_some());
+        }
         (with.scenario, with.timing) = (without.scenario.clone(), without.timing);
         assert_eq!(with, without, "{rest}");
     }
