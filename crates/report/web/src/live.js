@@ -35,11 +35,12 @@ export function follow(show) {
   async function ask() {
     state = await (await answered("state")).json();
     if (state.pace) controls(state.pace);
-    said.textContent = [state.pace && progress(state.pace), state.news && visible(state.news)].filter(Boolean).join("; ") || "Waiting for what can be mapped";
     if (state.document > shown) {
       shown = state.document;
       show(documentOf(await (await answered("document")).text()));
     }
+    // Who reads that the run is over sees its end.
+    said.textContent = [state.pace && progress(state.pace), state.news && visible(state.news)].filter(Boolean).join("; ") || "Waiting for what can be mapped";
     if (state.is_over) for (const one of bar.querySelectorAll("button, select")) one.disabled = true;
     return state.is_over && shown === state.document;
   }
