@@ -120,6 +120,7 @@ fn page(frame: &PageFrame<'_>) -> String {
          <meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n\
          <title>{} · {REPORT_TITLE}\n<style>{style}</style>\n</head>\n<body>\n\
          <header class=\"top\">\n<div class=\"titles\">\n<p class=\"kind\">{kind}</p>\n<h1>{}</h1>\n{origin}</div>\n</header>\n\
          <main id=\"main\">\n<p class=\"wait\" role=\"status\">Reading the data ..</p>\n\

@@ -302,10 +302,10 @@ async function live(name, browser) {
     const ended = new Promise((done) => run.on("exit", done));
     const page = await browser.newPage();
     const said = [];
-    page.on("console", (message) => { if (message.type() === "error" && !/favicon/.test(message.location().url ?? "")) said.push(message.text()); });
+    page.on("console", (message) => { if (message.type() === "error") said.push(message.text()); });
     page.on("pageerror", (error) => said.push(error.message));
     const asked = [];
-    page.on("request", (request) => { if (!request.url().startsWith(address) && !/^(data|blob):|favicon/.test(request.url())) asked.push(request.url()); });
+    page.on("request", (request) => { if (!request.url().startsWith(address) && !/^(data|blob):/.test(request.url())) asked.push(request.url()); });
     await page.goto(address);
     const stops = () => globalThis.sextantReport?.view?.model.surveys[0]?.stops.times_s.length ?? 0;
     await page.waitForFunction(stops, { timeout: 20_000 });
