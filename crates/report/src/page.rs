@@ -42,6 +42,7 @@ impl Report {
             kind: self.kind.words(),
             origin: &self.origin_line(),
             root: "",
+            head: "",
             policy,
             data: &data,
         })
@@ -90,6 +91,8 @@ pub fn live_page(scenario: &str) -> String {
         kind: "Run that goes on",
         origin: "",
         root: " data-live",
+        // No picture for the tab: the browser would ask for one.
+        head: "<link rel=\"icon\" href=\"data:,\">\n",
         policy: live_policy,
         data: "",
     };
@@ -104,6 +107,8 @@ struct PageFrame<'a> {
     origin: &'a str,
     /// Attributes of the root element.
     root: &'a str,
+    /// More elements of the head (HTML).
+    head: &'a str,
     /// What the page may do, by its code and its style.
     policy: fn(&str, &str) -> String,
     /// The element with the data (HTML).
@@ -111,7 +116,7 @@ struct PageFrame<'a> {
 }
 
 fn page(frame: &PageFrame<'_>) -> String {
-    let PageFrame { title, kind, origin, root, policy, data } = frame;
+    let PageFrame { title, kind, origin, root, head, policy, data } = frame;
     let (script, style) = (format!("\n{SCRIPT}"), format!("\n{STYLE}"));
     let mut html = String::with_capacity(SCRIPT.len() + STYLE.len() + data.len() + LICENCES.len() + 2000);
     let _ = write!(
@@ -120,7 +125,7 @@ fn page(frame: &PageFrame<'_>) -> String {
          <meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n\
+         {head}\
          <title>{} · {REPORT_TITLE}\n<style>{style}</style>\n</head>\n<body>\n\
          <header class=\"top\">\n<div class=\"titles\">\n<p class=\"kind\">{kind}</p>\n<h1>{}</h1>\n{origin}</div>\n</header>\n\
          <main id=\"main\">\n<p class=\"wait\" role=\"status\">Reading the data ..</p>\n\
