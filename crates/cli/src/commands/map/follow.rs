@@ -30,13 +30,14 @@ const DEPTH: usize = 3;
 /// Shows the map until somebody ends the program.
 pub(super) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     // What is wrong with the flags or with the log as it is now is told at once.
+    let mut story = LogStory::new(arguments, interrupt);
     if arguments.log.exists() {
         let _keeper = interrupt.keep();
-        LogStory::new(arguments, interrupt).mapped()?;
+        story.ready = Some(story.next()?);
     }
     let title = super::title(&arguments.log);
     let place = Place { host: &arguments.host, port: arguments.port, title: &title };
-    let view = BrowserView::start(place, LogStory::new(arguments, interrupt), None)?;
+    let view = BrowserView::start(place, story, None)?;
     arguments.work.note(&format!("the map is shown at {}; Ctrl-C ends it", view.address(&arguments.host)));
     let _keeper = interrupt.keep();
     while !interrupt.is_requested() {
@@ -57,11 +58,22 @@ struct LogStory {
     /// The files of the last document.
     sizes: Option<Sizes>,
     places: Places,
+    /// A document that nobody has seen yet.
+    ready: Option<Document>,
 }
 
 impl LogStory {
     fn new(arguments: &Arguments, interrupt: &Interrupt) -> Self {
-        Self { arguments: arguments.clone(), interrupt: interrupt.clone(), sizes: None, places: Places::new() }
+        let (arguments, interrupt) = (arguments.clone(), interrupt.clone());
+        Self { arguments, interrupt, sizes: None, places: Places::new(), ready: None }
+    }
+
+    /// The document of the log as it is; the next one tells what is new since then.
+    fn next(&mut self) -> Result<Document, Failure> {
+        self.sizes = Some(self.sizes());
+        let (document, places) = self.mapped()?;
+        self.places = places;
+        Ok(document)
     }
 
     fn sizes(&self) -> Sizes {
@@ -129,24 +141,20 @@ fn news(stops: usize, before: &Places, places: &Places) -> String {
 
 impl Story for LogStory {
     fn has_more(&mut self) -> bool {
-        self.sizes.as_ref() != Some(&self.sizes())
+        self.ready.is_some() || self.sizes.as_ref() != Some(&self.sizes())
     }
 
     fn document(&mut self, _is_last: bool) -> Result<Option<Document>, String> {
-        self.sizes = Some(self.sizes());
-        let made = self.mapped();
+        let made = self.ready.take().map_or_else(|| self.next(), Ok);
         let told = match &made {
-            Ok((document, _)) => document.news.clone().unwrap_or_default(),
+            Ok(document) => document.news.clone().unwrap_or_default(),
             // A line that is being written is whole at the next look.
             Err(failure) => format!("the log cannot be mapped as it is now: {}", failure.text()),
         };
         if !self.arguments.work.quiet {
             say(&told);
         }
-        made.map_err(|_| told).map(|(document, places)| {
-            self.places = places;
-            Some(document)
-        })
+        made.map(Some).map_err(|_| told)
     }
 }
 
