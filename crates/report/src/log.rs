@@ -1,8 +1,9 @@
 //! The report of maps that were computed from a log.
 
-use sextant::mapping::{ComputedMap, Input};
-use sextant::summary::Summary;
-use sextant_kernel::{NodeId, SimTime};
+use sextant::mapping::{self, ComputedMap, Input, MapLogError};
+use sextant::scenario::MapSettings;
+use sextant::summary::{Stopwatch, Summary};
+use sextant_kernel::{NodeId, SimTime, Watch};
 use sextant_recording::{Places, RecordedWorld};
 
 use super::document::{DocumentKind, Report};
@@ -13,23 +14,32 @@ use super::survey::{Contacts, Survey};
 use super::world::{Body, Marks, Solid, Way, World};
 
 impl Report {
-    /// A report of `maps` of the log `input`. `file` names the log, `drawn` is what else is known of the world
-    /// ([`sextant::mapping::drawn`]), and `summary` are the results.
-    #[must_use]
-    pub fn of_log(
+    /// Maps the log `input` as `settings` say, and reports the maps, which are returned beside it. `file` names the log, and notes
+    /// are told as `reworded` says. Nothing if `watch` stops the work.
+    ///
+    /// # Errors
+    /// If a map cannot be computed, or a recording cannot be read.
+    pub fn of_log<'a>(
         file: &str,
-        input: &Input,
-        drawn: &RecordedWorld,
-        maps: &[ComputedMap<'_>],
-        summary: &Summary,
-    ) -> Self {
+        input: &mut Input,
+        settings: &'a MapSettings,
+        reworded: fn(&str) -> String,
+        watch: &dyn Watch,
+    ) -> Result<Option<(Self, Vec<ComputedMap<'a>>)>, MapLogError> {
+        let drawn = mapping::drawn(input)?;
+        let (mut summary, maps) = mapping::map(input, settings, None, Stopwatch::start(), watch)?;
+        if summary.interrupted {
+            return Ok(None);
+        }
+        summary.notes.iter_mut().for_each(|note| *note = reworded(note));
         let title = file.rsplit_once('.').map_or(file, |(stem, _)| if stem.is_empty() { file } else { stem });
         let mut report = Self::new(DocumentKind::Log, title, file);
         report.notes = summary.notes.clone();
-        report.summary = Some(Summary { timing: None, ..summary.clone() }.to_json());
+        // The page has no times: the same log gives the same page.
+        report.summary = Some(Summary { timing: None, ..summary }.to_json());
         report.scenario = input.scenario.clone();
-        report.world = Some(world(input, drawn, maps));
-        report
+        report.world = Some(world(input, &drawn, &maps));
+        Ok(Some((report, maps)))
     }
 }
 

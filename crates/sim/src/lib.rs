@@ -68,8 +68,7 @@
 //!     groups: Vec::new(),
 //! };
 //! let links = Ieee802154 {
-//!     radio: Radio::try_from(radio)?,
-//!     reception: ReceptionModel::Ber,
+//!     radio: Radio::try_from(radio)?.with_reception(ReceptionModel::Ber),
 //!     mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
 //! };
 //! let network = Network {

@@ -112,9 +112,10 @@ impl LinkBudgets {
         for (number, network) in (0..=u8::MAX).zip(networks) {
             let settings = network.technology.settings();
             let air = band_of(&bands, settings.spectrum());
-            let rules = (0..roll.nodes).map(|node| settings.rule_of(NodeId::from_index(node)));
+            let rules = (0..roll.nodes).map(|node| settings.radio().rule_of(NodeId::from_index(node)));
             let rules = rules.chain(std::iter::repeat_n(0, roll.robots + roll.sinks));
-            let first_receiver = airs[air].add_receivers(settings.reception_rules(), rules, &vec![true; roll.len()]);
+            let first_receiver =
+                airs[air].add_receivers(settings.radio().reception_rules(), rules, &vec![true; roll.len()]);
             for station in roll.stations() {
                 if let Some(antennas) = settings.antennas() {
                     airs[air].mount(ReceiverId(first_receiver + station.0), antennas.mount(&roll, station, *seed));
@@ -187,7 +188,7 @@ impl LinkBudgets {
         let LinkItems { path, shadowing, transmit_gain, receive_gain, fading, traced, power } = items;
         let law = self.networks[network.index()].network.channel;
         let frame_octets = self.frame_octets(network, from);
-        let airtime = settings.airtime(frame_octets).unwrap_or_default();
+        let airtime = settings.radio().airtime(frame_octets).unwrap_or_default();
         let mean = path.mean_power(tx_power) + transmit_gain + receive_gain;
         let measured = share_measured(traced, power, &rules, airtime);
         let reception = LinkReception {
@@ -198,7 +199,7 @@ impl LinkBudgets {
             frame_octets,
             probability: measured.unwrap_or_else(|| rules.reception_alone(power.to_milliwatts(), airtime)),
             probability_over_shadowing: measured.unwrap_or_else(|| over_shadowing(&law, &rules, mean, airtime)),
-            busy_from: settings.busy_from(self.node(to)),
+            busy_from: settings.radio().busy_from(self.node(to)),
         };
         let shadowing = shadowing.filter(|_| law.shadowing().sigma_db() > 0.0);
         Some(LinkBudget {
@@ -238,7 +239,8 @@ impl LinkBudgets {
     fn share_unless_below(&mut self, network: NetworkId, from: StationId, to: StationId, least: f64) -> Option<f64> {
         let (_, items, rules) = self.best(network, from, to)?;
         let placed = &self.networks[network.index()].network;
-        let airtime = placed.technology.settings().airtime(self.frame_octets(network, from)).unwrap_or_default();
+        let airtime =
+            placed.technology.settings().radio().airtime(self.frame_octets(network, from)).unwrap_or_default();
         if let Some(share) = share_measured(items.traced, items.power, &rules, airtime) {
             return Some(share);
         }
@@ -288,7 +290,7 @@ impl LinkBudgets {
     /// Transmit power of a station.
     fn tx_power(&self, network: NetworkId, station: StationId) -> Dbm {
         let settings = self.networks[network.index()].network.technology.settings();
-        self.node(station).map_or(settings.tx_power(), |node| settings.tx_power_of(node))
+        self.node(station).map_or(settings.radio().tx_power(), |node| settings.radio().tx_power_of(node))
     }
 
     fn node(&self, station: StationId) -> Option<NodeId> {

@@ -98,8 +98,7 @@ impl Scene {
             Technology::Ieee80211ad(Box::new(links))
         } else {
             Technology::Ieee802154(Ieee802154 {
-                radio: Radio::try_from(radio).expect("good levels"),
-                reception: ReceptionModel::Overlap,
+                radio: Radio::try_from(radio).expect("good levels").with_reception(ReceptionModel::Overlap),
                 mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
             })
         }

@@ -113,8 +113,7 @@ impl Scene {
             name: None,
             channel: channel.try_into().expect("a good channel"),
             technology: Technology::Ieee802154(Ieee802154 {
-                radio: Radio::try_from(radio).expect("good levels"),
-                reception: ReceptionModel::Overlap,
+                radio: Radio::try_from(radio).expect("good levels").with_reception(ReceptionModel::Overlap),
                 mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
             }),
             radio_states: RadioStates::cc2420(),

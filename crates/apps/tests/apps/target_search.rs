@@ -122,7 +122,7 @@ impl Scene {
         let power_dbm = -90.0 + 20.0 * libm::log10(self.reach_m);
         let radio: RadioConfig =
             toml::from_str(&format!("tx_power_dbm = {power_dbm}\nsensitivity_dbm = -90.0")).expect("a radio");
-        let radio = Radio::try_from(radio).expect("good levels");
+        let radio = Radio::try_from(radio).expect("good levels").with_reception(ReceptionModel::Overlap);
         let search = if self.is_pseudo_gradient {
             TargetSearch::pseudo_gradient(&toml::from_str(self.settings).expect("settings"), &radio)
         } else {
@@ -139,7 +139,6 @@ impl Scene {
             channel: channel.try_into().expect("a good channel"),
             technology: Technology::Ieee802154(Ieee802154 {
                 radio: radio.clone(),
-                reception: ReceptionModel::Overlap,
                 mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
             }),
             radio_states: RadioStates::cc2420(),

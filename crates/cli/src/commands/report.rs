@@ -16,11 +16,9 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{Watcher, stdout};
 use sextant::mapping::{self, Input};
-use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
-use sextant::summary::Stopwatch;
+use sextant::scenario::AlgorithmName;
 use sextant_kernel::FileForm;
 use sextant_logs::{self as robot_log, FieldNames, Source};
-use sextant_recording::SCENARIO_ATTACHMENT;
 use sextant_recording::admission::OutputKind;
 use sextant_recording::output::write_file;
 use sextant_report::{Report, ReportError};
@@ -118,29 +116,22 @@ fn is_of_log(column: &str) -> bool {
 
 /// Maps a log and reports the map.
 fn of_log(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failure> {
-    let start = Stopwatch::start();
     let mut input = Input::read(&arguments.input, None, &arguments.reading.options())?;
-    let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.input.display());
-    let scenario = input.scenario.as_deref().map(|text| RecordedScenario { name: &name, text, files: &input.files });
-    let settings = MapSettings::new(scenario, arguments.algorithm, None, None, &[])?;
+    let settings = input.map_settings(arguments.algorithm, None, None, &[])?;
     if let Some(path) = &arguments.truth {
         let fields = arguments.truth_fields.as_ref();
         let truth = robot_log::read_truth(path, fields, input.plane.as_ref(), &mut input.notes)?;
         input.take_truth(truth);
     }
     floorplan::lay(arguments.floorplan.as_deref(), &mut input)?;
-    let drawn = mapping::drawn(&input)?;
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
-    let (mut summary, maps) = mapping::map(&mut input, &settings, None, start, &watcher)?;
+    let mapped = Report::of_log(&whole_name(&arguments.input), &mut input, &settings, with_flags, &watcher)?;
     watcher.clear();
-    if summary.interrupted {
-        return Err(Failure::Interrupted);
-    }
-    summary.notes.iter_mut().for_each(|note| *note = with_flags(note));
+    let (report, _) = mapped.ok_or(Failure::Interrupted)?;
     for note in &input.notes {
         arguments.work.note(note);
     }
-    Ok(Report::of_log(&whole_name(&arguments.input), &input, &drawn, &maps, &summary))
+    Ok(report)
 }
 
 /// What the experiments of the reproduction are about, by their numbers.

@@ -28,7 +28,7 @@ pub(super) struct DistanceLaw {
     /// How much better it predicts stops that are left out than shadowing alone does (nats a link), and the standard error.
     pub(super) gain: f64,
     pub(super) gain_error: f64,
-    /// Where nodes may be.
+    /// Where nodes may be, in all of the survey.
     pub(super) lattice: Lattice,
 }
 
@@ -50,7 +50,7 @@ impl DistanceLaw {
         if nodes.is_empty() {
             return None;
         }
-        let tried = tried(lattice.extent_m);
+        let tried = tried(median(nodes.iter().map(|node| node.field.lattice.extent_m).collect()));
         let evidence: Vec<Vec<[f64; 2]>> = nodes.par_iter().map(|node| node.evidence(&tried)).collect();
         let best = |of: usize| {
             let total = |at: usize| evidence.iter().map(|node| node[at][of]).sum::<f64>();
@@ -67,7 +67,12 @@ impl DistanceLaw {
     }
 }
 
-/// All shadowings that are tried in a survey of this extent (m).
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// All shadowings that are tried where nodes are heard over this extent (m).
 fn tried(extent_m: f64) -> Vec<Shadowing> {
     let with = |share: f64, shared_db: f64| {
         ALONE_DB.map(|alone_db| Shadowing { shared_db, range_m: share * extent_m, alone_db })
@@ -77,13 +82,8 @@ fn tried(extent_m: f64) -> Vec<Shadowing> {
 
 impl Quarters {
     fn new(heard: &NodeStrengths, lattice: &Lattice) -> Self {
-        let median = |axis: &dyn Fn(usize) -> f64| {
-            let mut values: Vec<f64> = (0..heard.len()).map(axis).collect();
-            values.sort_by(f64::total_cmp);
-            values[values.len() / 2]
-        };
         let (x, y) = (|stop: usize| heard.places[stop].x_m, |stop: usize| heard.places[stop].y_m);
-        let middle = [median(&x), median(&y)];
+        let middle = [median((0..heard.len()).map(x).collect()), median((0..heard.len()).map(y).collect())];
         let quarter = |stop: usize| 2 * usize::from(x(stop) >= middle[0]) + usize::from(y(stop) >= middle[1]);
         Self { field: NodeField::new(heard, lattice), of_stop: (0..heard.len()).map(quarter).collect() }
     }

@@ -18,8 +18,10 @@ const SLOPE_DB: [f64; 2] = [10.857, 5.212];
 const LEVEL_DB: f64 = 20.0;
 /// Places along the shorter and the longer side of a lattice, as the geometric mean.
 const ALONG: f64 = 14.0;
-/// The lattice reaches beyond the stops by this share of their extent.
+/// The lattice of a survey reaches beyond the stops by this share of their extent, and that of a node beyond the stops that heard
+/// it, as far as that of the survey.
 const MARGIN: f64 = 0.15;
+const NODE_MARGIN: f64 = 0.5;
 /// The distance below which the law is flat (m), at least.
 const FLAT_M: f64 = 0.5;
 
@@ -42,24 +44,35 @@ pub(super) struct Lattice {
     pub(super) step_m: f64,
     /// The diagonal of the box around the stops (m).
     pub(super) extent_m: f64,
+    /// The ends along x and y (m).
+    sides: [[f64; 2]; 2],
 }
 
 impl Lattice {
     /// The lattice around `stops`; `None` if all are at one place.
     pub(super) fn around(stops: impl Iterator<Item = Position> + Clone) -> Option<Self> {
-        let along = |axis: fn(Position) -> f64| {
-            stops
-                .clone()
-                .map(axis)
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
-        };
-        let sides = [along(|at| at.x_m), along(|at| at.y_m)];
-        let extent_m = libm::hypot(sides[0][1] - sides[0][0], sides[1][1] - sides[1][0]);
+        let sides = sides(stops);
+        let extent_m = diagonal_m(sides);
         if !(extent_m.is_finite() && extent_m > 0.0) {
             return None;
         }
-        let wide = sides.map(|[low, high]| [low - MARGIN * extent_m, high + MARGIN * extent_m]);
-        let [width_m, depth_m] = wide.map(|[low, high]| high - low);
+        Some(Self::on(sides.map(|[low, high]| [low - MARGIN * extent_m, high + MARGIN * extent_m]), extent_m))
+    }
+
+    /// The part of this lattice, made finer, in which a node may be that these stops heard: in a large field a lattice of all of it
+    /// is coarser than the distances over which a node is heard.
+    pub(super) fn near(&self, stops: &[Position]) -> Self {
+        let heard = sides(stops.iter().copied());
+        let margin_m = (NODE_MARGIN * diagonal_m(heard)).max(0.5 * self.step_m);
+        let part = [0, 1].map(|axis| {
+            let ([low, high], [first, last]) = (self.sides[axis], heard[axis]);
+            [low.max(first - margin_m), high.min(last + margin_m)]
+        });
+        Self::on(part, self.extent_m * diagonal_m(part) / diagonal_m(self.sides))
+    }
+
+    fn on(sides: [[f64; 2]; 2], extent_m: f64) -> Self {
+        let [width_m, depth_m] = sides.map(|[low, high]| high - low);
         let step_m = (width_m * depth_m).sqrt() / ALONG;
         let on_axis = |[low, high]: [f64; 2]| {
             let mut at = low + 0.5 * step_m;
@@ -69,8 +82,8 @@ impl Lattice {
                 (found < high).then_some(found)
             })
         };
-        let places = on_axis(wide[0]).flat_map(|x| on_axis(wide[1]).map(move |y| [x, y])).collect();
-        Some(Self { places, step_m, extent_m })
+        let places = on_axis(sides[0]).flat_map(|x| on_axis(sides[1]).map(move |y| [x, y])).collect();
+        Self { places, step_m, extent_m, sides }
     }
 
     /// The mean of the places, whose logarithms of probability are `ln`.
@@ -86,9 +99,24 @@ impl Lattice {
     }
 }
 
-/// The strengths of a node, and what a law says of them from each place of a lattice.
+/// The ends of `places` along x and y (m).
+fn sides(places: impl Iterator<Item = Position> + Clone) -> [[f64; 2]; 2] {
+    let along = |axis: fn(Position) -> f64| {
+        let ends = [f64::INFINITY, f64::NEG_INFINITY];
+        places.clone().map(axis).fold(ends, |[low, high], at| [low.min(at), high.max(at)])
+    };
+    [along(|at| at.x_m), along(|at| at.y_m)]
+}
+
+/// The diagonal of a box with these ends (m).
+fn diagonal_m([[west, east], [south, north]]: [[f64; 2]; 2]) -> f64 {
+    libm::hypot(east - west, north - south)
+}
+
+/// The strengths of a node, and what a law says of them from each place of its lattice.
 #[derive(Clone, Debug)]
 pub(super) struct NodeField {
+    pub(super) lattice: Lattice,
     levels_dbm: DVector<f64>,
     /// −ln √(d² + d₀²) of each stop (row) and place (column).
     logs: DMatrix<f64>,
@@ -97,7 +125,9 @@ pub(super) struct NodeField {
 }
 
 impl NodeField {
-    pub(super) fn new(heard: &NodeStrengths, lattice: &Lattice) -> Self {
+    /// What is known of a node in a survey that has this lattice.
+    pub(super) fn new(heard: &NodeStrengths, survey: &Lattice) -> Self {
+        let lattice = survey.near(&heard.places);
         let count = heard.len();
         let flat_m = FLAT_M.max(0.5 * lattice.step_m);
         let log = |stop: usize, place: usize| {
@@ -109,6 +139,7 @@ impl NodeField {
             levels_dbm: DVector::from_column_slice(&heard.levels_dbm),
             logs: DMatrix::from_fn(count, lattice.places.len(), log),
             apart_m: DMatrix::from_fn(count, count, |a, b| plane_m(heard.places[a], heard.places[b])),
+            lattice,
         }
     }
 
@@ -220,8 +251,8 @@ mod tests {
         let shadowing = Shadowing { shared_db: 3.0, range_m: 5.0, alone_db: 2.0 };
         let found = field.by_place(&[0, 1], field.covariance(&[0, 1], shadowing)).unwrap();
         // By hand: the sum and the difference of two strengths with the same variance are independent.
-        let flat_m = FLAT_M.max(0.5 * lattice.step_m);
-        let [x, y] = lattice.places[7];
+        let flat_m = FLAT_M.max(0.5 * field.lattice.step_m);
+        let [x, y] = field.lattice.places[7];
         let log = |at: Position| -0.5 * ((at.x_m - x).powi(2) + (at.y_m - y).powi(2) + flat_m * flat_m).ln();
         let step = log(heard.places[0]) - log(heard.places[1]);
         let shared = 9.0 * (-1.0_f64).exp();
@@ -235,6 +266,18 @@ mod tests {
         let without = field.without_law(&[0, 1], field.covariance(&[0, 1], shadowing)).unwrap();
         let flat = 2.0 * (9.0 + 4.0 - shared);
         assert!((without - (normal(6.0, flat) + normal(0.0, sum) + 2.0_f64.ln())).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_lattice_of_a_node_is_that_of_a_small_survey_and_finer_in_a_large_one() {
+        let corners = |size_m: f64| [Position::ORIGIN, Position::new(size_m, size_m, 0.0)];
+        let survey = Lattice::around(corners(100.0).into_iter()).unwrap();
+        assert_eq!(survey.near(&corners(100.0)), survey);
+        let part = survey.near(&corners(10.0));
+        // 10 m and half of the diagonal beyond, on the side where the survey goes on; it ends 21 m beyond its stops on the other.
+        let wide_m = 10.0 + 2.0 * 0.5 * 10.0 * 2.0_f64.sqrt();
+        assert!((part.step_m - wide_m / ALONG).abs() < 1e-9, "{}", part.step_m);
+        assert!((part.extent_m - survey.extent_m * wide_m / (100.0 + 30.0 * 2.0_f64.sqrt())).abs() < 1e-9);
     }
 
     #[test]

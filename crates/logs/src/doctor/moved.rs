@@ -24,7 +24,7 @@ const LEAST_PART: usize = 10;
 const SPLITS: [usize; 7] = [2, 3, 4, 5, 6, 7, 8];
 /// Two places beat what else explains a node by so many nats, and by the logarithm of the number of nodes that are tried.
 const CLEAR: f64 = 5.0;
-/// They are farther apart than this share of the extent of the stops.
+/// They are farther apart than this share of the extent of the area in which the node was heard.
 const APART: f64 = 0.2;
 /// Of so many nodes that are checked, at most one moved.
 const FEW: usize = 3;
@@ -112,6 +112,7 @@ fn moved(heard: &NodeStrengths, law: &DistanceLaw, clear: f64) -> Option<Moved> 
             return None;
         }
     }
+    let lattice = &node.field.lattice;
     let apart_m = plane_m(lattice.middle(&best[0]), lattice.middle(&best[1]));
     (apart_m > APART * lattice.extent_m).then(|| Moved { after: heard.stops[*at], apart_m, gain })
 }

@@ -53,8 +53,15 @@ impl SearchBox {
 
     /// Whether `place` is less than `step_m` from an end of the box that is guessed.
     pub(crate) fn is_at_edge(&self, place: Position, step_m: f64) -> bool {
+        self.is_in_outer_cells(place, [step_m; 3])
+    }
+
+    /// Whether `place` is nearer to an end of the box that is guessed than these steps along the axes (m).
+    pub(crate) fn is_in_outer_cells(&self, place: Position, steps_m: [f64; 3]) -> bool {
         let place: [f64; 3] = place.into();
-        let is_near = |axis: usize| place[axis] < self.low[axis] + step_m || place[axis] > self.high[axis] - step_m;
+        let is_near = |axis: usize| {
+            place[axis] < self.low[axis] + steps_m[axis] || place[axis] > self.high[axis] - steps_m[axis]
+        };
         (0..3).any(|axis| self.is_guessed[axis] && self.low[axis] < self.high[axis] && is_near(axis))
     }
 

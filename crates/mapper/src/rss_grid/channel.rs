@@ -1,16 +1,37 @@
 //! The channel, estimated from the log itself.
 
 use rayon::prelude::*;
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch, Work};
 
+use super::distance_bins::{BINS, DistanceBins};
 use super::evidence::{HeardByStops, LEAST_M, StrengthEvidence, below};
 use super::fitted_channel::FittedChannel;
+use super::silent_field::SilentField;
 use super::zoom::{PosteriorDetail, WeighedPlaces};
+use crate::log_facts::SoughtHeights;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::density;
 use crate::numerics::whole;
 use crate::ranging::RangingConfig;
+
+/// The stops of a log, and the grids on which its nodes are searched for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurveyGrid<'a> {
+    pub(super) stops: &'a [Position],
+    pub(super) heights: SoughtHeights,
+    /// The finest step (m).
+    pub(super) step_m: f64,
+    /// No place of a node is farther from a stop (m).
+    pub(super) longest_m: f64,
+}
+
+impl<'a> SurveyGrid<'a> {
+    /// The silence of all stops under a channel.
+    pub(super) fn silence(&self, evidence: &'a StrengthEvidence) -> SilentField<'a> {
+        SilentField::new(evidence, self.stops, self.step_m, self.heights)
+    }
+}
 
 /// The values that are given; the others are estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,9 +58,6 @@ const MOST_ROUNDS: u32 = 40;
 const TOLERANCES: [f64; 3] = [0.003, 0.05, 0.02];
 /// Rounds of the regression with censored strengths for one round of places.
 const INNER_ROUNDS: usize = 100;
-/// Bins of the logarithm of distance for silent links: per tenfold distance, and in all.
-const BINS_PER_DECADE: f64 = 40.0;
-const BINS: usize = 240;
 
 /// Sums for the regression of strengths on the logarithm of distance.
 #[derive(Clone, Debug)]
@@ -57,18 +75,21 @@ impl RegressionSums {
         Self { heard: [0.0; 6], silent: vec![0.0; BINS], links: 0.0 }
     }
 
-    /// Adds a node whose place has these probabilities.
-    fn take(&mut self, links: &HeardByStops, places: &[(Position, f64)], reference_m: f64) {
+    /// Adds a node whose place has these probabilities, of a log with these stops.
+    fn take(&mut self, links: &HeardByStops, stops: &[Position], places: &[(Position, f64)], reference_m: f64) {
+        let bins = DistanceBins::new();
         for &(place, weight) in places {
+            for &stop in stops {
+                self.silent[bins.of(place, stop)] += weight;
+            }
+            for (stop, share) in links.not_silent() {
+                self.silent[bins.of(place, stop)] -= weight * share;
+            }
             for &(stop, y, share) in &links.heard {
                 let x = libm::log10(place.distance_m(stop).max(LEAST_M) / reference_m);
                 for (sum, term) in self.heard.iter_mut().zip([1.0, x, x * x, y, x * y, y * y]) {
                     *sum += weight * share * term;
                 }
-            }
-            for &(stop, share) in &links.silent {
-                let x = libm::log10(place.distance_m(stop).max(LEAST_M) / LEAST_M);
-                self.silent[whole(x * BINS_PER_DECADE).min(BINS - 1)] += weight * share;
             }
             let heard = links.heard.iter().map(|&(_, _, share)| share);
             self.links += weight * heard.chain(links.unmeasured.iter().map(|&(_, share)| share)).sum::<f64>();
@@ -84,31 +105,29 @@ impl RegressionSums {
 }
 
 impl FittedChannel {
-    /// The channel of a log, from the nodes with these links and boxes, on grids of `step_m` in which no distance is above
-    /// `longest_m`. `None` if no strength was measured.
+    /// The channel of a log with these stops, from the nodes with these links and boxes. `None` if no strength was measured.
     pub(super) fn fit(
-        log: &ReceptionLog,
+        survey: &SurveyGrid<'_>,
         nodes: &[(HeardByStops, SearchBox)],
         given: &Given,
-        step_m: f64,
-        longest_m: f64,
         watch: &dyn Watch,
     ) -> Result<Option<Self>, Interrupted> {
         let stride = nodes.len().div_ceil(ENOUGH_NODES).max(1);
         let sample: Vec<&(HeardByStops, SearchBox)> =
             nodes.iter().filter(|(links, _)| !links.heard.is_empty()).step_by(stride).collect();
-        let Some(mut channel) = Self::first(&sample, given) else { return Ok(None) };
-        let operations = sample.len() as f64 * log.stops().len() as f64 * 2e3 * f64::from(MOST_ROUNDS);
+        let Some(mut channel) = Self::first(survey.stops, &sample, given) else { return Ok(None) };
+        let operations = sample.len() as f64 * survey.stops.len() as f64 * 2e3 * f64::from(MOST_ROUNDS);
         watch.begin(Work { name: "fitted channel", unit: "round", steps: MOST_ROUNDS.into(), operations });
         while channel.rounds < MOST_ROUNDS && !channel.converged {
-            let evidence = StrengthEvidence::new(channel, longest_m);
+            let evidence = StrengthEvidence::new(channel, survey.longest_m);
+            let field = survey.silence(&evidence);
             let tallies: Result<Vec<RegressionSums>, Interrupted> = sample
                 .par_iter()
                 .map(|(links, within)| {
                     watch.check()?;
-                    let posterior = WeighedPlaces::of(links, &evidence, within, step_m, PosteriorDetail::Coarse);
+                    let posterior = WeighedPlaces::of(links, &field, within, PosteriorDetail::Coarse);
                     let mut sums = RegressionSums::new();
-                    sums.take(links, &posterior.places, channel.reference_distance_m);
+                    sums.take(links, survey.stops, &posterior.places, channel.reference_distance_m);
                     Ok(sums)
                 })
                 .collect();
@@ -128,7 +147,7 @@ impl FittedChannel {
     }
 
     /// A first channel, with each node at the middle of the stops that heard it, weighted by amplitude.
-    fn first(sample: &[&(HeardByStops, SearchBox)], given: &Given) -> Option<Self> {
+    fn first(stops: &[Position], sample: &[&(HeardByStops, SearchBox)], given: &Given) -> Option<Self> {
         let mut strengths: Vec<f64> =
             sample.iter().flat_map(|(links, _)| links.heard.iter().map(|&(_, rssi_dbm, _)| rssi_dbm)).collect();
         strengths.sort_unstable_by(f64::total_cmp);
@@ -143,7 +162,7 @@ impl FittedChannel {
                 sum + place * (weight(rssi_dbm) / total)
             };
             let middle = within.nearest(links.heard.iter().fold(Position::ORIGIN, sum));
-            sums.take(links, &[(middle, 1.0)], reference_distance_m);
+            sums.take(links, stops, &[(middle, 1.0)], reference_distance_m);
         }
         let guess = Self {
             exponent: given.ranging.exponent.unwrap_or(USUAL_EXPONENT),
@@ -166,7 +185,7 @@ impl FittedChannel {
             let [mut weight, mut x1, mut x2, mut y1, mut xy, mut y2] = sums.heard;
             let mut lost = 0.0;
             for (bin, &silent) in sums.silent.iter().enumerate().filter(|(_, silent)| **silent > 0.0) {
-                let distance_m = LEAST_M * libm::pow(10.0, (bin as f64 + 0.5) / BINS_PER_DECADE);
+                let distance_m = DistanceBins::middle_m(bin);
                 let x = libm::log10(distance_m / channel.reference_distance_m);
                 let mean_dbm = channel.tx_power_dbm - 10.0 * channel.exponent * x;
                 let sigma_db = channel.sigma_db;

@@ -8,44 +8,47 @@ use crate::numerics::normal::index;
 
 /// Least probability of what a stop heard.
 const LEAST: f64 = 1e-6;
-/// A logarithm of a probability this near to 0 is 0.
-const CERTAIN: f64 = 1e-12;
+/// Silence whose log-probability is this near to 0 is certain. A thousand such stops do not move a place.
+const CERTAIN: f64 = 1e-7;
 /// Below this distance the strength is constant (m).
 pub(super) const LEAST_M: f64 = 0.1;
 
-/// What the stops heard of one node.
+/// What the stops heard of one node; all others were silent.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HeardByStops {
-    /// Stops that heard it with a strength (dBm), and the share of the packets that they received.
+    /// Stops that heard it with a strength (dBm), and the share of the packets that they received. The strengths of packets that
+    /// they missed are only known to be low.
     pub(super) heard: Vec<(Position, f64, f64)>,
     /// Stops that heard it without one, and this share.
     pub(super) unmeasured: Vec<(Position, f64)>,
-    /// Stops that missed packets, and their share: the strengths of these packets are only known to be low.
-    pub(super) silent: Vec<(Position, f64)>,
+    /// Stops that could not have heard it.
+    pub(super) deaf: Vec<Position>,
 }
 
 impl HeardByStops {
     pub(super) fn of(log: &ReceptionLog, node: NodeId) -> Self {
         let mut links = Self::default();
-        let mut entries = log.of(node).iter().peekable();
-        for (index, stop) in (0_u32..).zip(log.stops()) {
-            let entry = entries.next_if(|entry| entry.stop == index);
-            let (received, sent) = entry.as_ref().map_or((0, 1), |entry| (entry.received, entry.sent));
-            if sent == 0 {
+        for entry in &log.of(node) {
+            let stop = log.stops()[entry.stop as usize].position;
+            if entry.sent == 0 {
+                links.deaf.push(stop);
                 continue;
             }
             // The packets of a link share most of what weakens them, so they count as one.
-            let share = f64::from(received) / f64::from(sent);
-            if received < sent {
-                links.silent.push((stop.position, 1.0 - share));
-            }
-            match entry.and_then(|entry| entry.rssi_dbm) {
-                _ if received == 0 => {}
-                Some(rssi_dbm) => links.heard.push((stop.position, rssi_dbm, share)),
-                None => links.unmeasured.push((stop.position, share)),
+            let share = f64::from(entry.received) / f64::from(entry.sent);
+            match entry.rssi_dbm {
+                _ if entry.received == 0 => {}
+                Some(rssi_dbm) => links.heard.push((stop, rssi_dbm, share)),
+                None => links.unmeasured.push((stop, share)),
             }
         }
         links
+    }
+
+    /// The stops that were not silent, and the share of the packets that they received; deaf ones as if they had received all.
+    pub(super) fn not_silent(&self) -> impl Iterator<Item = (Position, f64)> {
+        let heard = self.heard.iter().map(|&(stop, _, share)| (stop, share));
+        heard.chain(self.unmeasured.iter().copied()).chain(self.deaf.iter().map(|&stop| (stop, 1.0)))
     }
 }
 
@@ -87,38 +90,60 @@ impl StrengthEvidence {
         Self { per_m, mean, ln_heard, ln_silent, per_sigma, certain_m }
     }
 
-    /// The links of a node without the silent stops that tell nothing of places in the box with these corners.
-    pub(super) fn near(&self, links: &HeardByStops, low: [f64; 3], high: [f64; 3]) -> HeardByStops {
-        let least_m = |stop: Position| {
-            let along: [f64; 3] = stop.into();
+    /// The stops whose silence tells something of places in the box with these corners.
+    pub(super) fn near(&self, stops: &[Position], low: Position, high: Position) -> Vec<Position> {
+        let (low, high): ([f64; 3], [f64; 3]) = (low.into(), high.into());
+        let least_m = |stop: &Position| {
+            let along: [f64; 3] = (*stop).into();
             let outside = [0, 1, 2].map(|axis| (low[axis] - along[axis]).max(along[axis] - high[axis]).max(0.0));
             outside.iter().map(|way| way * way).sum::<f64>().sqrt()
         };
-        let silent = links.silent.iter().copied().filter(|&(stop, _)| least_m(stop) < self.certain_m).collect();
-        HeardByStops { silent, ..links.clone() }
+        stops.iter().copied().filter(|stop| least_m(stop) < self.certain_m).collect()
     }
 
-    /// Log-likelihood of a place, up to a constant.
-    pub(super) fn log_likelihood(&self, links: &HeardByStops, place: Position) -> f64 {
-        let mut sum = 0.0;
+    /// Log-probability that none of `stops` hears a node at a place.
+    pub(super) fn ln_silence(&self, stops: &[Position], place: Position) -> f64 {
+        stops.iter().map(|&stop| Cell::at(self, place.distance_m(stop)).of(&self.ln_silent)).sum()
+    }
+
+    /// Log-likelihood of a place, up to a constant, where the log-probability that all stops are silent is `ln_silence`.
+    pub(super) fn log_likelihood(&self, links: &HeardByStops, place: Position, ln_silence: f64) -> f64 {
+        let mut sum = ln_silence;
         for &(stop, rssi_dbm, share) in &links.heard {
-            let misfit = rssi_dbm * self.per_sigma - self.at(&self.mean, place.distance_m(stop));
-            sum -= 0.5 * share * misfit * misfit;
+            let cell = Cell::at(self, place.distance_m(stop));
+            let misfit = rssi_dbm * self.per_sigma - cell.of(&self.mean);
+            sum -= share * (0.5 * misfit * misfit + cell.of(&self.ln_silent));
         }
         for &(stop, share) in &links.unmeasured {
-            sum += share * self.at(&self.ln_heard, place.distance_m(stop));
+            let cell = Cell::at(self, place.distance_m(stop));
+            sum += share * (cell.of(&self.ln_heard) - cell.of(&self.ln_silent));
         }
-        for &(stop, share) in &links.silent {
-            sum += share * self.at(&self.ln_silent, place.distance_m(stop));
+        for &stop in &links.deaf {
+            sum -= Cell::at(self, place.distance_m(stop)).of(&self.ln_silent);
         }
         sum
     }
+}
+
+/// Where a distance lies in the tables.
+#[derive(Clone, Copy)]
+struct Cell {
+    first: usize,
+    within: f64,
+}
+
+impl Cell {
+    #[inline]
+    fn at(evidence: &StrengthEvidence, distance_m: f64) -> Self {
+        let along = distance_m * evidence.per_m;
+        let first = index(along).min(CELLS);
+        Self { first, within: (along - first as f64).min(1.0) }
+    }
 
     #[inline]
-    fn at(&self, table: &[f64], distance_m: f64) -> f64 {
-        let along = distance_m * self.per_m;
-        let cell = index(along).min(CELLS);
-        table[cell] + (along - cell as f64).min(1.0) * (table[cell + 1] - table[cell])
+    fn of(self, table: &[f64]) -> f64 {
+        let Self { first, within } = self;
+        table[first] + within * (table[first + 1] - table[first])
     }
 }
 

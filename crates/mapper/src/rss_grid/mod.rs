@@ -2,10 +2,12 @@
 
 mod channel;
 mod curves;
+mod distance_bins;
 mod evidence;
 mod fitted_channel;
 mod report;
 mod search;
+mod silent_field;
 mod tiles;
 mod zoom;
 
@@ -15,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
-use self::channel::Given;
+use self::channel::{Given, SurveyGrid};
 use self::curves::Curves;
 use self::evidence::{HeardByStops, StrengthEvidence};
 pub use self::fitted_channel::FittedChannel;
@@ -220,15 +222,17 @@ impl RssGrid {
         if heard.is_empty() {
             return Ok((map, None));
         }
-        let longest_m = longest_m(log, &nodes);
-        let channel = FittedChannel::fit(log, &nodes, given, step_m, longest_m, watch)?.ok_or(MapError::Missing {
+        let stops: Vec<Position> = log.stops().iter().map(|stop| stop.position).collect();
+        let survey = SurveyGrid { stops: &stops, heights, step_m, longest_m: longest_m(&stops, &nodes) };
+        let channel = FittedChannel::fit(&survey, &nodes, given, watch)?.ok_or(MapError::Missing {
             algorithm: Self::NAME,
             what: "the signal strengths of receptions",
             remedy: "a log has them in the column `rssi_dbm`; `ml_tm` and `self_calibrated` map without",
         })?;
-        let evidence = StrengthEvidence::new(channel, longest_m);
+        let evidence = StrengthEvidence::new(channel, survey.longest_m);
+        let field = survey.silence(&evidence);
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
-        let operations = nodes.len() as f64 * log.stops().len() as f64 * 1e4;
+        let operations = nodes.len() as f64 * 1e5;
         watch.begin(Work { name: Self::NAME, unit: "node", steps: nodes.len() as u64, operations });
         let state = FitState { is_reach_known: is_reach_known(&heard), is_settled: channel.converged };
         let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = nodes
@@ -239,7 +243,7 @@ impl RssGrid {
                 if links.heard.is_empty() {
                     return Ok((None, 0));
                 }
-                let posterior = WeighedPlaces::of(links, &evidence, within, step_m, PosteriorDetail::Fine);
+                let posterior = WeighedPlaces::of(links, &field, within, PosteriorDetail::Fine);
                 let estimate = posterior.estimate(self.estimate);
                 let concern = state.concern(estimate.concern);
                 Ok((Some(Estimate { concern, ..estimate }), posterior.vertices))
@@ -337,10 +341,10 @@ impl RssGrid {
 }
 
 /// A distance that no place in the boxes of the nodes exceeds from a stop (m).
-fn longest_m(log: &ReceptionLog, nodes: &[(HeardByStops, SearchBox)]) -> f64 {
+fn longest_m(stops: &[Position], nodes: &[(HeardByStops, SearchBox)]) -> f64 {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
-    let stops = log.stops().iter().map(|stop| <[f64; 3]>::from(stop.position)).map(|place| (place, place));
+    let stops = stops.iter().map(|&stop| <[f64; 3]>::from(stop)).map(|place| (place, place));
     let boxes = nodes.iter().map(|(_, within)| (within.low, within.high));
     for (first, last) in stops.chain(boxes) {
         for axis in 0..3 {

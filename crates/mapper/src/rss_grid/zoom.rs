@@ -2,18 +2,17 @@
 
 use sextant_channel::Position;
 
-use super::evidence::{HeardByStops, StrengthEvidence};
+use super::evidence::HeardByStops;
+use super::silent_field::{GridPart, SilentField};
 use crate::log_facts::search_box::SearchBox;
 use crate::posterior::{Cell, Concern, Estimate, EstimateKind, Verdict};
 
-/// Vertices along each axis, in the plane and in space.
+/// Steps along each axis of the last grids at most, in the plane and in space.
 const FINE: [u32; 2] = [48, 16];
-/// The same while the channel is estimated.
+/// The same for the first one, and for all while the channel is estimated.
 const COARSE: [u32; 2] = [24, 10];
 /// The next grid holds the vertices whose log-likelihood is at most this much below the highest.
 const KEPT: f64 = 12.0;
-/// Most grids for a node.
-const MOST_GRIDS: usize = 12;
 /// Places with a lower probability do not count.
 const SLIGHT: f64 = 1e-4;
 
@@ -37,51 +36,38 @@ pub(super) struct WeighedPlaces {
 }
 
 impl WeighedPlaces {
-    /// The posterior of a node in its box, on grids whose last step is about `step_m`.
+    /// The posterior of a node in its box, on grids of `field` down to the finest that its posterior needs.
     pub(super) fn of(
         links: &HeardByStops,
-        evidence: &StrengthEvidence,
+        field: &SilentField<'_>,
         within: &SearchBox,
-        step_m: f64,
         detail: PosteriorDetail,
     ) -> Self {
-        let counts = match detail {
-            PosteriorDetail::Coarse => COARSE,
-            PosteriorDetail::Fine => FINE,
-        }[usize::from(!within.is_level())];
-        let (mut low, mut high) = (within.low, within.high);
-        let (mut concern, mut vertices) = (None, 0);
-        for grid in 0.. {
-            let steps = [0, 1, 2].map(|axis| (high[axis] - low[axis]) / f64::from(counts));
-            let mut found: Vec<(Position, f64)> = Vec::new();
-            let near = evidence.near(links, low, high);
-            each(low, steps, counts, |place| found.push((place, evidence.log_likelihood(&near, place))));
+        let space = usize::from(!within.is_level());
+        let most = if detail == PosteriorDetail::Fine { FINE[space] } else { COARSE[space] };
+        let mut part = field.part(within, COARSE[space], None);
+        let mut found = places(links, field, &part);
+        let concern = of_box(&found, within, part.steps_m());
+        let mut vertices = found.len() as u64;
+        loop {
+            let best = likeliest(&found, within);
+            // The cells of the places that are likely enough.
+            let steps_m = part.steps_m();
+            let mut kept = SearchBox { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3], ..*within };
+            for (place, _) in found.iter().filter(|(_, value)| *value >= best.1 - KEPT) {
+                for (axis, along) in <[f64; 3]>::from(*place).into_iter().enumerate() {
+                    kept.low[axis] = kept.low[axis].min(along - steps_m[axis]).max(within.low[axis]);
+                    kept.high[axis] = kept.high[axis].max(along + steps_m[axis]).min(within.high[axis]);
+                }
+            }
+            let next = field.part(&kept, most, Some(&part));
+            if next.is_as_fine_as(&part) {
+                return Self { concern, vertices, ..Self::on(&found, best, Cell::new(steps_m)) };
+            }
+            found = places(links, field, &next);
             vertices += found.len() as u64;
-            let best =
-                found.iter().fold((within.nearest(within.middle()), f64::NEG_INFINITY), |best, &(place, value)| {
-                    if value > best.1 { (place, value) } else { best }
-                });
-            if grid == 0 {
-                concern = of_box(&found, within, steps);
-            }
-            let is_last = steps.iter().all(|&step| step <= step_m) || grid + 1 == MOST_GRIDS;
-            let before = [low, high];
-            if !is_last {
-                (low, high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-                for (place, _) in found.iter().filter(|(_, value)| *value >= best.1 - KEPT) {
-                    for (axis, along) in <[f64; 3]>::from(*place).into_iter().enumerate() {
-                        low[axis] = low[axis].min(along - steps[axis]).max(before[0][axis]);
-                        high[axis] = high[axis].max(along + steps[axis]).min(before[1][axis]);
-                    }
-                }
-                let shrinks = (0..3).any(|axis| high[axis] - low[axis] < 0.8 * (before[1][axis] - before[0][axis]));
-                if shrinks {
-                    continue;
-                }
-            }
-            return Self { concern, vertices, ..Self::on(&found, best, Cell::new(steps)) };
+            part = next;
         }
-        unreachable!("the last grid returns")
     }
 
     /// The posterior of places that stand for such cells.
@@ -109,24 +95,25 @@ impl WeighedPlaces {
     }
 }
 
-/// Calls `visit` with the middle of each cell of a grid with its first corner at `low`.
-fn each(low: [f64; 3], steps: [f64; 3], count: u32, mut visit: impl FnMut(Position)) {
-    let along = |axis: usize, i: u32| low[axis] + (f64::from(i) + 0.5) * steps[axis];
-    let count = |axis: usize| if steps[axis] > 0.0 { count } else { 1 };
-    for k in 0..count(2) {
-        for j in 0..count(1) {
-            for i in 0..count(0) {
-                visit(Position::new(along(0, i), along(1, j), along(2, k)));
-            }
-        }
-    }
+/// The places of a part of the grid, with their log-likelihoods.
+fn places(links: &HeardByStops, field: &SilentField<'_>, part: &GridPart) -> Vec<(Position, f64)> {
+    let mut found = Vec::with_capacity(part.len());
+    field.each(part, |place, ln_silence| {
+        found.push((place, field.evidence.log_likelihood(links, place, ln_silence)));
+    });
+    found
+}
+
+/// The likeliest place and its log-likelihood; the middle of the box if no place is likely at all.
+fn likeliest(found: &[(Position, f64)], within: &SearchBox) -> (Position, f64) {
+    let middle = (within.nearest(within.middle()), f64::NEG_INFINITY);
+    found.iter().fold(middle, |best, &found| if found.1 > best.1 { found } else { best })
 }
 
 /// What the grid over the whole box says of the posterior.
 fn of_box(found: &[(Position, f64)], within: &SearchBox, steps: [f64; 3]) -> Option<Concern> {
     let mut verdict = Verdict::default();
     found.iter().for_each(|&(_, value)| verdict.take(value));
-    let widest_m = steps.into_iter().fold(0.0, f64::max);
-    let at_edge = found.iter().filter(|(place, _)| within.is_at_edge(*place, 0.6 * widest_m));
+    let at_edge = found.iter().filter(|(place, _)| within.is_in_outer_cells(*place, steps));
     verdict.concern(verdict.highest() - at_edge.map(|&(_, value)| value).fold(f64::NEG_INFINITY, f64::max))
 }

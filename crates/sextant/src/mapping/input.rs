@@ -9,6 +9,7 @@ use sextant_mapper::{EstimatedPath, PathError, PlacePrior, estimate_path};
 
 use super::error::MapLogError;
 use crate::measure::Dimensions;
+use crate::scenario::{AlgorithmName, MapSettings, RecordedScenario, ScenarioErrors};
 use sextant_kernel::text::{counted, listed};
 use sextant_logs::{self as robot_log, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
 use sextant_recording::{self as recording, MutualKnowledge, ORIGIN_METADATA, RecordedRun, SCENARIO_ATTACHMENT};
@@ -179,6 +180,27 @@ impl Input {
     #[must_use]
     pub fn log(&self) -> &ReceptionLog {
         self.logs.first()
+    }
+
+    /// The maps to compute from this log: those of its scenario if it has one, with what overrides them
+    /// ([`MapSettings::new`]).
+    ///
+    /// # Errors
+    /// All errors found.
+    pub fn map_settings(
+        &self,
+        algorithm: Option<AlgorithmName>,
+        profile: Option<&str>,
+        network: Option<&str>,
+        set: &[String],
+    ) -> Result<MapSettings, ScenarioErrors> {
+        let name = match &self.recording {
+            Some(path) => format!("{SCENARIO_ATTACHMENT} of {}", path.display()),
+            None => SCENARIO_ATTACHMENT.to_owned(),
+        };
+        let scenario = self.scenario.as_deref();
+        let scenario = scenario.map(|text| RecordedScenario { name: &name, text, files: &self.files });
+        MapSettings::new(scenario, algorithm, profile, network, set)
     }
 
     /// Gives the nodes of the log, and of the true positions `truth`, their names. Returns the true positions.

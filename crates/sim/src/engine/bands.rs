@@ -107,6 +107,7 @@ impl Bands<'_> {
         let settings = network.technology.settings();
         let trace = network.link_trace.as_ref().map(|trace| {
             let needed = settings
+                .radio()
                 .reception_rules()
                 .iter()
                 .map(|rules| rules.least_power().to_dbm().0)
@@ -114,7 +115,7 @@ impl Bands<'_> {
             trace.of(&self.roll, Dbm(needed) + SURELY_RECEIVED)
         });
         let links = ChangingLinks { seed: self.channel_seed, stations: self.roll.len() };
-        Changes::of(&network.channel, settings.fading_band(band.spectrum.channel), trace, links)
+        Changes::of(&network.channel, settings.radio().fading_band(band.spectrum.channel), trace, links)
     }
 
     /// The air of the band number `number`, which some of `networks` share.
@@ -129,12 +130,12 @@ impl Bands<'_> {
         AirSettings {
             channel: Channel::new(networks[0].channel, self.world.obstacles.clone(), channel_seed),
             changes: self.changes(band, networks[0]),
-            power: Dbm(settings().map(|settings| settings.greatest_tx_power().0).fold(f64::MIN, f64::max)),
+            power: Dbm(settings().map(|settings| settings.radio().greatest_tx_power().0).fold(f64::MIN, f64::max)),
             noise: Dbm((self.world.interferers.iter())
-                .filter_map(|interferer| first.power_of(interferer, band.spectrum.channel))
+                .filter_map(|interferer| first.radio().power_of(interferer, band.spectrum.channel))
                 .fold(f64::MIN, |greatest, power| greatest.max(power.0))),
             gain: Db(settings().map(|settings| settings.greatest_gain().0).fold(0.0, f64::max)),
-            floor: Dbm(settings().map(|settings| settings.noise_floor().0).fold(f64::MAX, f64::min))
+            floor: Dbm(settings().map(|settings| settings.radio().noise_floor().0).fold(f64::MAX, f64::min))
                 - NEGLECTED_BELOW_NOISE,
             sensing: settings().map(|settings| settings.carrier_sense()).max().unwrap_or(Duration::ZERO),
             salt: self.seed.bits(purpose::ROUND, [self.round, number as u64, 0]),

@@ -33,7 +33,7 @@ pub(super) fn noises(interferers: &[Interferer], networks: &[Network], bands: &[
     for (number, interferer) in (0_u32..).zip(interferers) {
         for (air, band) in bands.iter().enumerate() {
             let settings = networks[band.networks[0]].technology.settings();
-            let Some(power) = settings.power_of(interferer, band.spectrum.channel) else { continue };
+            let Some(power) = settings.radio().power_of(interferer, band.spectrum.channel) else { continue };
             let source = StationId(u32::MAX - number);
             let burst = Burst { source, position: interferer.position(), power };
             noises.push(Noise { interferer: interferer.clone(), air, burst, until: SimTime::ZERO, packet: 0 });

@@ -171,10 +171,11 @@ impl<A: Application> Engine<A> {
             let settings = network.technology.settings();
             let audience = if settings.always_receives() { vec![true; roll.len()] } else { hears.clone() };
             let mut berth = |spectrum| {
-                let rules = (0..roll.nodes).map(|node| settings.rule_of(NodeId::from_index(node)));
+                let rules = (0..roll.nodes).map(|node| settings.radio().rule_of(NodeId::from_index(node)));
                 let rules = rules.chain(std::iter::repeat_n(0, roll.robots + roll.sinks));
                 let air = bands::band_of(&bands, spectrum);
-                let first_receiver = scene.airs[air].add_receivers(settings.reception_rules(), rules, &audience);
+                let first_receiver =
+                    scene.airs[air].add_receivers(settings.radio().reception_rules(), rules, &audience);
                 Berth { air, first_receiver }
             };
             let Berth { air, first_receiver } = berth(settings.spectrum());

@@ -16,6 +16,7 @@ mod ledger;
 pub(crate) mod links;
 mod payloads;
 pub(crate) mod programmed;
+pub(crate) mod radio_settings;
 mod radios;
 pub(crate) mod settings;
 pub(crate) mod sleeping;

@@ -55,6 +55,11 @@ impl<R> Radios<R> {
         scene.after(span, self.event(station, event))
     }
 
+    /// A station moves differently from now on.
+    pub(super) fn moves(&self, station: StationId, scene: &mut Scene) {
+        scene.airs[self.air].moves(self.receiver(station), station, &scene.motions[station.index()]);
+    }
+
     /// Brings the receiver of a station in line with why it is deaf now; `known` is what its receiver knows.
     pub(super) fn tune(
         &self,

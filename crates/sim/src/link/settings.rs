@@ -2,19 +2,16 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Db, Dbm, FadingBand};
-use sextant_kernel::{NodeId, Seed, SettingError, StationId};
+use sextant_channel::Db;
+use sextant_kernel::{SettingError, StationId};
 use sextant_mac::RadioStates;
 use sextant_mac::coordinator::Coordinator;
 
 use super::antennas::Antennas;
-use super::capture::FrameFormat;
-use super::clock::Clock;
 use super::coordinator::Coordination;
-use crate::air::ReceptionRules;
+use super::radio_settings::RadioSettings;
 use crate::service::network_id::NetworkId;
 use crate::station::Sink;
-use crate::world::interferer::Interferer;
 use crate::world::layout::PlacedNode;
 
 /// Where the links of a network are: what a technology gets when they are set up.
@@ -113,30 +110,11 @@ impl KnownStations<'_> {
     }
 }
 
-/// What the simulator asks of the settings of a technology. What has a default is right for omnidirectional radios
+/// What the simulator asks of the settings of a technology. What has a default is right for omnidirectional antennas
 /// without a schedule.
 pub(crate) trait LinkSettings {
-    /// Transmit power, without antennas.
-    fn tx_power(&self) -> Dbm;
-
-    /// The greatest transmit power of any station, without antennas.
-    fn greatest_tx_power(&self) -> Dbm {
-        self.tx_power()
-    }
-
-    /// Transmit power of a node, without antennas.
-    fn tx_power_of(&self, _node: NodeId) -> Dbm {
-        self.tx_power()
-    }
-
-    /// Power of a signal from which on a station finds the channel busy: that of a node, or of robots and sinks.
-    fn busy_from(&self, node: Option<NodeId>) -> Dbm;
-
-    /// Minimum power of a frame that can be received.
-    fn sensitivity(&self) -> Dbm;
-
-    /// Least noise in the bandwidth of the receivers.
-    fn noise_floor(&self) -> Dbm;
+    /// The radios of its stations.
+    fn radio(&self) -> &dyn RadioSettings;
 
     /// The part of the spectrum that it uses.
     fn spectrum(&self) -> Spectrum;
@@ -156,21 +134,9 @@ pub(crate) trait LinkSettings {
         false
     }
 
-    /// Where links fade on its radio channel `channel`: the same frequency for all of its band, and that of the channel.
-    fn fading_band(&self, channel: u8) -> FadingBand;
-
     /// Whether networks may share a part of the spectrum; if not, why they do not: what the network has.
     fn unshared(&self) -> Option<&'static str> {
         None
-    }
-
-    /// The rules of its receivers.
-    fn reception_rules(&self) -> Vec<ReceptionRules>;
-
-    /// Number of the rules of a node's receiver among the [`reception_rules`](Self::reception_rules); those of robots and
-    /// sinks are the first ones.
-    fn rule_of(&self, _node: NodeId) -> u16 {
-        0
     }
 
     /// How far back carrier sense looks; zero if radios say when the carrier changes.
@@ -183,23 +149,20 @@ pub(crate) trait LinkSettings {
         false
     }
 
-    /// Power of an interferer in a channel, if there is any.
-    fn power_of(&self, _interferer: &Interferer, _channel: u8) -> Option<Dbm> {
-        None
-    }
-
     /// Refuses settings that do not fit together.
     ///
     /// # Errors
     /// With a key below the network.
-    fn check(&self) -> Result<(), SettingError>;
+    fn check(&self) -> Result<(), SettingError> {
+        self.radio().check()
+    }
 
     /// Refuses frames without room for the addresses.
     ///
     /// # Errors
     /// With the key `mpdu_octets`.
-    fn check_frame(&self, _frame: FrameSize) -> Result<(), SettingError> {
-        Ok(())
+    fn check_frame(&self, frame: FrameSize) -> Result<(), SettingError> {
+        self.radio().check_frame(frame)
     }
 
     /// The antennas; `None` if all are omnidirectional.
@@ -218,11 +181,6 @@ pub(crate) trait LinkSettings {
         Ok(())
     }
 
-    /// The clock of a node.
-    fn clock(&self, _seed: Seed, _network: NetworkId, _node: NodeId) -> Clock {
-        Clock::default()
-    }
-
     /// Whether nodes wait for the beacons of a coordinator, and all other stations send nothing else.
     fn has_coordinator(&self) -> bool {
         false
@@ -238,15 +196,6 @@ pub(crate) trait LinkSettings {
 
     /// The settings before any robot or sink is there: receivers always on, no coordinator.
     fn listen_always(&mut self) {}
-
-    /// How its frames are written into a capture.
-    fn frame_format(&self) -> FrameFormat;
-
-    /// Size of the frame to all that carries a payload of this size (octets).
-    fn frame_octets(&self, payload_octets: u16) -> u16;
-
-    /// Time on air of a frame of this size (octets); `None` if no frame is so long.
-    fn airtime(&self, frame_octets: u16) -> Option<Duration>;
 
     /// Gain of both antennas of a link together where the best sector points along it, in the weaker direction.
     fn link_gain(&self) -> Db {

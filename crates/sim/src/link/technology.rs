@@ -160,20 +160,20 @@ impl Technology {
     /// Transmit power, without antennas; but for groups of nodes.
     #[must_use]
     pub fn tx_power(&self) -> Dbm {
-        self.settings().tx_power()
+        self.settings().radio().tx_power()
     }
 
     /// The frequency whose wavelength is that of fades in space (Hz): the same for all radio channels of a band.
     #[must_use]
     pub fn reference_hz(&self) -> f64 {
         let settings = self.settings();
-        settings.fading_band(settings.spectrum().channel).reference_hz
+        settings.radio().fading_band(settings.spectrum().channel).reference_hz
     }
 
     /// Minimum power of a frame that can be received; but for groups of nodes.
     #[must_use]
     pub fn sensitivity(&self) -> Dbm {
-        self.settings().sensitivity()
+        self.settings().radio().sensitivity()
     }
 
     /// The antennas with sectors, which sweep them; `None` if all antennas are omnidirectional.
@@ -197,31 +197,32 @@ impl Technology {
     /// How its frames are written into a capture.
     #[must_use]
     pub fn frame_format(&self) -> FrameFormat {
-        self.settings().frame_format()
+        self.settings().radio().frame_format()
     }
 
     /// Size of the frame to all that carries a payload of this size (octets).
     #[must_use]
     pub fn frame_octets(&self, payload_octets: u16) -> u16 {
-        self.settings().frame_octets(payload_octets)
+        self.settings().radio().frame_octets(payload_octets)
     }
 
     /// Time on air of a frame of this size (octets); `None` if no frame is so long.
     #[must_use]
     pub fn airtime(&self, frame_octets: u16) -> Option<Duration> {
-        self.settings().airtime(frame_octets)
+        self.settings().radio().airtime(frame_octets)
     }
 
     /// Power at or above which carrier sense finds the channel busy; but for groups of nodes.
     #[must_use]
     pub fn carrier_sense_threshold(&self) -> Dbm {
-        self.settings().busy_from(None)
+        self.settings().radio().busy_from(None)
     }
 
     /// Probability that a robot receives a frame of this size (octets) that arrives with `power`, undisturbed.
     #[must_use]
     pub fn reception_probability(&self, power: Dbm, frame_octets: u16) -> f64 {
-        let (rules, airtime) = (self.settings().reception_rules(), self.settings().airtime(frame_octets));
+        let (rules, airtime) =
+            (self.settings().radio().reception_rules(), self.settings().radio().airtime(frame_octets));
         let airtime = airtime.unwrap_or_default();
         rules.first().map_or(0.0, |rules| rules.reception_alone(power.to_milliwatts(), airtime))
     }
@@ -229,7 +230,7 @@ impl Technology {
     /// Energy to send and to receive a frame of this size (octets); `None` if no frame is so long.
     #[must_use]
     pub fn frame_energy(&self, states: &RadioStates, frame_octets: u16) -> Option<MessageEnergy> {
-        let airtime = self.settings().airtime(frame_octets)?;
+        let airtime = self.settings().radio().airtime(frame_octets)?;
         Some(MessageEnergy::of_airtime(states, self.tx_power(), airtime))
     }
 }

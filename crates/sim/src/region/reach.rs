@@ -39,17 +39,17 @@ impl Reach {
     /// The reach in a network of so many nodes.
     fn of(network: &Network, nodes: usize) -> Self {
         let settings = network.technology.settings();
-        let power = settings.greatest_tx_power() + settings.greatest_gain();
-        let busy_from = (0..nodes).map(|node| settings.busy_from(Some(NodeId::from_index(node))).0);
-        let busy_from = Dbm(busy_from.fold(settings.busy_from(None).0, f64::min));
+        let power = settings.radio().greatest_tx_power() + settings.greatest_gain();
+        let busy_from = (0..nodes).map(|node| settings.radio().busy_from(Some(NodeId::from_index(node))).0);
+        let busy_from = Dbm(busy_from.fold(settings.radio().busy_from(None).0, f64::min));
         // Measured links follow no law of distance.
         let reach_m = |floor| match network.link_trace {
             Some(_) => f64::INFINITY,
             None => network.channel.reach_m(power, floor),
         };
         Self {
-            reception_m: reach_m(settings.sensitivity()),
-            interference_m: reach_m(settings.noise_floor() - NEGLECTED_BELOW_NOISE),
+            reception_m: reach_m(settings.radio().sensitivity()),
+            interference_m: reach_m(settings.radio().noise_floor() - NEGLECTED_BELOW_NOISE),
             carrier_sense_m: reach_m(busy_from),
         }
     }

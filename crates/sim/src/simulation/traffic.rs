@@ -28,7 +28,7 @@ pub(super) fn of_nodes(setup: &Setup, sends: impl Fn(NodeId) -> bool) -> Result<
             let has_it = |node: &NodeId| network.has(*node) && sends(*node);
             let Some(traffic) = Some(node).filter(has_it).and_then(|node| network.traffic.of(node)) else { continue };
             let to = stations.destination(id, traffic, node)?;
-            let clock = network.technology.settings().clock(setup.seed, id, node);
+            let clock = network.technology.settings().radio().clock(setup.seed, id, node);
             sources.push(Source::new(id, shared(traffic), to).with_clock(clock));
         }
     }

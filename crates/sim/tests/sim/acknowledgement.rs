@@ -149,7 +149,7 @@ fn an_acknowledgement_has_no_address_so_that_only_its_sequence_number_tells_for_
     let places = [0.0, 0.5, -1.0].map(|x_m| Position::new(x_m, 0.0, 0.0));
     let capture = ReceptionConfig::SinrThreshold(ThresholdConfig { threshold_db: 3.0 });
     let mut link = network::link(2.0, network::prompt());
-    network::ieee802154(&mut link).reception = capture.try_into().expect("a good threshold");
+    network::receive_by(&mut link, capture.try_into().expect("a good threshold"));
     let mut confused = 0;
     for seed in 0..1000 {
         let sender = |payload| Scripted::listener().and_sends(Duration::ZERO, to(0), payload);

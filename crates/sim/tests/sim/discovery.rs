@@ -21,7 +21,7 @@ fn setup(places: &[Position], sigma_db: f64, obstacles: Vec<Obstacle>, seed: u64
     };
     let setup = network::setup(places, -50.0, channel, TrafficConfig::Query(query), seed);
     let reception = ReceptionModel::try_from(ReceptionConfig::default()).expect("good settings");
-    let setup = network::with(setup, |network| network::ieee802154(network).reception = reception);
+    let setup = network::with(setup, |network| network::receive_by(network, reception));
     Setup { world: World { obstacles: ObstacleField::new(obstacles), ..setup.world }, ..setup }
 }
 

@@ -8,8 +8,8 @@ use sextant_channel::{ChannelConfig, Environment, HeardAtStop, Position, Stop};
 use sextant_kernel::SimTime;
 use sextant_sim::{
     AllSimulated, DeathsConfig, FaultsConfig, NetworkId, Observer, OnceConfig, PeriodicConfig, PoissonConfig,
-    Progress, Radio, RadioConfig, Reach, ReceptionModel, SaturatedConfig, Setup, SimulatedPart, SimulatedRegion,
-    Simulation, Sink, Survey, Team, TrafficConfig, Unobserved,
+    Progress, RadioConfig, Reach, ReceptionModel, SaturatedConfig, Setup, SimulatedPart, SimulatedRegion, Simulation,
+    Sink, Survey, Team, TrafficConfig, Unobserved,
 };
 
 use crate::network;
@@ -41,9 +41,8 @@ fn setup(places: &[Position], stops: Vec<Position>, traffic: TrafficConfig, seed
         ..ChannelConfig::default()
     };
     let setup = network::setup(places, -50.0, channel, traffic, seed);
-    let setup = network::with(setup, |network| {
-        network::ieee802154(network).reception = ReceptionModel::SinrThreshold { least: 2.0 }
-    });
+    let setup =
+        network::with(setup, |network| network::receive_by(network, ReceptionModel::SinrThreshold { least: 2.0 }));
     Setup { robots: vec![network::tour(stops, 0.25, Duration::from_secs(1))], ..setup }
 }
 
@@ -84,7 +83,8 @@ fn clocks_that_drift_change_nothing() {
     let setup = |seed| {
         let radio = RadioConfig { clock_ppm: 40.0, ..network::radio(-50.0) };
         network::with(two_fields(periodic(), seed), |network| {
-            network::ieee802154(network).radio = Radio::try_from(radio).expect("a good radio");
+            network::ieee802154(network).radio =
+                network::radios(radio).with_reception(ReceptionModel::SinrThreshold { least: 2.0 });
         })
     };
     assert_eq!(heard(&simulate(setup(5), LISTENERS)), heard(&simulate(setup(5), SimulatedRegion::All)));

@@ -52,9 +52,8 @@ fn received(listen: Duration) -> Received {
     let shadowing = ShadowingConfig { sigma_db: Some(0.0), correlation: CorrelationConfig::PerPacket };
     let channel = ChannelConfig { shadowing: Some(shadowing), max_range_m: Some(4.0), ..ChannelConfig::default() };
     let setup = network::setup(&nodes, -40.0, channel, traffic, 3);
-    let setup = network::with(setup, |network| {
-        network::ieee802154(network).reception = ReceptionModel::SinrThreshold { least: 2.0 }
-    });
+    let setup =
+        network::with(setup, |network| network::receive_by(network, ReceptionModel::SinrThreshold { least: 2.0 }));
     let sink = |(i, &position): (usize, &Position)| Sink { name: format!("sink{i}"), position, networks: None };
     let mut robot = network::tour(places.clone(), 0.0, listen);
     robot.body.speed_m_per_s = 1e6;

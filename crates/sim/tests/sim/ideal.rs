@@ -99,7 +99,7 @@ fn shadowed(correlation: CorrelationConfig) -> Network {
     network.channel = channel.try_into().expect("good settings");
     let mac = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
     ieee802154(&mut network).mac = Mac::CsmaUnslotted(mac.try_into().expect("good settings"));
-    ieee802154(&mut network).radio = sextant_sim::Radio::try_from(network::radio(-40.0)).expect("good settings");
+    ieee802154(&mut network).radio = network::radios(network::radio(-40.0));
     network
 }
 

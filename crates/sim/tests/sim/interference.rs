@@ -5,8 +5,8 @@ use std::time::Duration;
 use sextant_channel::{ChannelConfig, LogDistanceConfig, PathLossConfig, Position};
 use sextant_kernel::Seed;
 use sextant_sim::{
-    InterfererConfig, NodesOfGroup, Packets, PoissonConfig, Radio, RadioConfig, RadioGroupConfig, Setup, Simulation,
-    Sink, Survey, TrafficConfig, Unobserved,
+    InterfererConfig, NodesOfGroup, Packets, PoissonConfig, Radio, RadioConfig, RadioGroupConfig, ReceptionModel,
+    Setup, Simulation, Sink, Survey, TrafficConfig, Unobserved,
 };
 
 use crate::network;
@@ -116,7 +116,7 @@ fn a_group_of_nodes_with_less_power_is_not_heard_and_costs_less() {
     };
     let config = RadioConfig { groups: vec![group], ..network::radio(0.0) };
     let radio = Radio::new(&config, &setup.world.nodes).expect("good settings");
-    network::ieee802154(&mut setup.networks[0]).radio = radio;
+    network::ieee802154(&mut setup.networks[0]).radio = radio.with_reception(ReceptionModel::Overlap);
     let grouped = run(setup);
     let received =
         |survey: &Survey| survey.networks[0].packets[..3].iter().map(|packets| packets.received).collect::<Vec<_>>();

@@ -115,7 +115,7 @@ fn mesh(reception: ReceptionModel, seed: u64, observer: &mut impl Observer) -> E
     let csma = CsmaConfig { rx_on_when_idle: true, queue_frames: 2, ..CsmaConfig::default() };
     let writers = (0..places.len()).map(writer).collect();
     let mut link = network::link(RANGE_M, csma);
-    network::ieee802154(&mut link).reception = reception;
+    network::receive_by(&mut link, reception);
     network::run_watched(network::engine(&places, link, seed), writers, observer)
 }
 

@@ -98,8 +98,7 @@ pub(crate) fn setup(
         name: None,
         channel: channel.try_into().expect("good settings"),
         technology: Technology::Ieee802154(Ieee802154 {
-            radio: Radio::try_from(radio(tx_power_dbm)).expect("good settings"),
-            reception: ReceptionModel::Overlap,
+            radio: radios(radio(tx_power_dbm)),
             mac: Mac::CsmaUnslotted(CsmaSettings::default()),
         }),
         radio_states: RadioStates::cc2420(),
@@ -136,6 +135,17 @@ pub(crate) fn ieee802154(link: &mut Network) -> &mut Ieee802154 {
     link.technology.ieee802154_mut().expect("a network of IEEE 802.15.4")
 }
 
+/// Radios at which two signals that overlap destroy each other.
+pub(crate) fn radios(config: RadioConfig) -> Radio {
+    Radio::try_from(config).expect("good settings").with_reception(ReceptionModel::Overlap)
+}
+
+/// Frames are received by this rule.
+pub(crate) fn receive_by(link: &mut Network, rule: ReceptionModel) {
+    let links = ieee802154(link);
+    links.radio = links.radio.clone().with_reception(rule);
+}
+
 /// Number of packets over all outcomes; must equal the number offered.
 pub(crate) fn ended(packets: &Packets) -> u64 {
     let Packets { lost_channel_access, lost_queue, pending, received, .. } = packets;
@@ -163,8 +173,7 @@ pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> Network {
         name: None,
         channel: channel.try_into().expect("good settings"),
         technology: Technology::Ieee802154(Ieee802154 {
-            radio: Radio::try_from(radio(0.0)).expect("good settings"),
-            reception: ReceptionModel::Overlap,
+            radio: radios(radio(0.0)),
             mac: Mac::CsmaUnslotted(csma.try_into().expect("good settings")),
         }),
         radio_states: RadioStates::cc2420(),

@@ -7,8 +7,8 @@ use sextant_kernel::StationId;
 use sextant_mac::csma::CsmaConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
 use sextant_sim::{
-    Application, Delivery, Destination, FrameOutcome, MacConfig, NetworkId, Packets, Payload, Port, Radio,
-    RadioConfig, RobotBody, SendOutcome, SendReport, Setup, Sink, Timer,
+    Application, Delivery, Destination, FrameOutcome, MacConfig, NetworkId, Packets, Payload, Port, RadioConfig,
+    RobotBody, SendOutcome, SendReport, Setup, Sink, Timer,
 };
 
 use crate::network::{self, Ended};
@@ -24,7 +24,7 @@ fn two_networks(places: &[Position], range_m: f64, csma: CsmaConfig, channels: [
     let on = |channel| {
         let mut link = link.clone();
         let config = RadioConfig { channel: Some(channel), ..network::radio(0.0) };
-        network::ieee802154(&mut link).radio = Radio::try_from(config).expect("a channel of the band");
+        network::ieee802154(&mut link).radio = network::radios(config);
         link
     };
     Setup { networks: channels.map(on).into(), ..network::engine(places, link.clone(), seed) }

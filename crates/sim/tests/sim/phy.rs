@@ -18,7 +18,7 @@ fn setup(phy: Phy, reception: ReceptionModel) -> Setup {
     let radio = Radio::try_from(RadioConfig { phy, ..network::radio(0.0) }).expect("good settings");
     let mut link = network::link(10.0, network::prompt());
     let settings = network::ieee802154(&mut link);
-    (settings.radio, settings.reception) = (radio, reception);
+    settings.radio = radio.with_reception(reception);
     network::engine(&network::grid(2, 1), link, 1)
 }
 

@@ -14,8 +14,8 @@ use sextant_kernel::SimTime;
 use sextant_mac::csma::CsmaConfig;
 use sextant_mac::program::{ProgramConfig, ProgramSettings};
 use sextant_sim::{
-    Application, Destination, Network, NetworkId, Port, Programmed, Radio, RadioError, RadioEvent, RadioFrame,
-    RadioPort, ReceptionModel, Setup, Technology, Timer,
+    Application, Destination, Network, NetworkId, Port, Programmed, RadioError, RadioEvent, RadioFrame, RadioPort,
+    Setup, Technology, Timer,
 };
 
 use crate::network;
@@ -24,9 +24,9 @@ const NETWORK: NetworkId = NetworkId(0);
 
 /// A network in which stations within 10 m of each other hear each other, and programs command the radios.
 fn link(config: ProgramConfig) -> Network {
-    let radio = Radio::try_from(network::radio(0.0)).expect("good settings");
+    let radio = network::radios(network::radio(0.0));
     let program = ProgramSettings::new(config, radio.phy(), radio.channel()).expect("good settings");
-    let technology = Technology::Programmed(Programmed { radio, reception: ReceptionModel::Overlap, program });
+    let technology = Technology::Programmed(Programmed { radio, program });
     Network { technology, ..network::link(10.0, CsmaConfig::default()) }
 }
 

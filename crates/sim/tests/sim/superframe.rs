@@ -278,7 +278,7 @@ fn every_packet_is_counted_once_and_the_same_seed_gives_the_same_survey() {
             node.position = Position::new((i % 6) as f64, (i / 6) as f64, 0.0);
         }
         setup.networks[0].channel = setup.networks[0].channel.within_m(3.0);
-        network::ieee802154(&mut setup.networks[0]).reception = ReceptionModel::SinrThreshold { least: 2.0 };
+        network::receive_by(&mut setup.networks[0], ReceptionModel::SinrThreshold { least: 2.0 });
         let places = (0..6).map(|i| Position::new(f64::from(i), 2.5, 0.0)).collect();
         setup.robots = vec![robot(places, Duration::from_secs(1))];
         run(setup).0

@@ -7,8 +7,8 @@ use sextant_channel::{
 };
 use sextant_kernel::{Files, NodeId, SimTime};
 use sextant_sim::{
-    Ending, FrameOnAir, NetworkId, Observer, OnceConfig, PeriodicConfig, Progress, Radio, ReceptionModel, Robot,
-    Setup, Simulation, Survey, TrafficConfig, Unobserved,
+    Ending, FrameOnAir, NetworkId, Observer, OnceConfig, PeriodicConfig, Progress, ReceptionModel, Robot, Setup,
+    Simulation, Survey, TrafficConfig, Unobserved,
 };
 
 use crate::network;
@@ -32,9 +32,8 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
         to: None,
     });
     let setup = network::setup(places, -50.0, channel, traffic, seed);
-    let setup = network::with(setup, |network| {
-        network::ieee802154(network).reception = ReceptionModel::SinrThreshold { least: 2.0 }
-    });
+    let setup =
+        network::with(setup, |network| network::receive_by(network, ReceptionModel::SinrThreshold { least: 2.0 }));
     Setup { robots: vec![robot], ..setup }
 }
 
@@ -54,8 +53,7 @@ fn every_packet_is_counted_once() {
     for model in [ReceptionModel::Overlap, ReceptionModel::SinrThreshold { least: 2.0 }, ReceptionModel::Ber] {
         let stops = (0..12).map(|i| Position::new(f64::from(i), 0.5 * f64::from(i), 0.0)).collect();
         let robot = tour(stops, Duration::from_secs(1));
-        let setup =
-            network::with(setup(&field_of(12), robot, 5), |network| network::ieee802154(network).reception = model);
+        let setup = network::with(setup(&field_of(12), robot, 5), |network| network::receive_by(network, model));
         let survey = Simulation::new(setup).unwrap().run(&mut Unobserved);
         let p = survey.packets;
         assert_eq!(network::ended(&p), p.offered, "{p:?}");
@@ -268,7 +266,7 @@ fn a_reception_counts_the_packets_received_and_those_sent_from_the_first_to_the_
     let places = (0..4).map(|i| Position::new(2.0 * f64::from(i), 1.0, 0.0)).collect();
     let mut setup = setup(&field_of(3), tour(places, listen), 9);
     // Shadowing takes about one packet in six at the longest distances.
-    network::ieee802154(&mut setup.networks[0]).radio = Radio::try_from(network::radio(-65.0)).unwrap();
+    network::ieee802154(&mut setup.networks[0]).radio = network::radios(network::radio(-65.0));
     let mut air = Air::default();
     let survey = Simulation::new(setup).unwrap().run(&mut air);
     assert_eq!(survey.packets.lost_channel_access, 0, "each sequence number was on air");

@@ -7,12 +7,9 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, SystemTime};
 
-use sextant::mapping::{self, ComputedMap, Input};
-use sextant::scenario::{MapSettings, RecordedScenario};
-use sextant::summary::Stopwatch;
+use sextant::mapping::{ComputedMap, Input};
 use sextant_channel::Position;
 use sextant_kernel::text::counted;
-use sextant_recording::SCENARIO_ATTACHMENT;
 use sextant_report::Report;
 
 use super::Arguments;
@@ -88,25 +85,16 @@ impl LogStory {
 
     /// The report of the log as it is, and what is new in it.
     fn mapped(&self) -> Result<(Document, Places), Failure> {
-        let start = Stopwatch::start();
         let Arguments { log, network, algorithm, profile, overrides, .. } = &self.arguments;
         let network = network.as_deref();
         let mut input = Input::read(log, network, &self.arguments.reading.options())?;
-        let name = format!("{SCENARIO_ATTACHMENT} of {}", log.display());
-        let scenario = input.scenario.as_deref();
-        let scenario = scenario.map(|text| RecordedScenario { name: &name, text, files: &input.files });
-        let settings = MapSettings::new(scenario, *algorithm, profile.as_deref(), network, &overrides.set)?;
+        let settings = input.map_settings(*algorithm, profile.as_deref(), network, &overrides.set)?;
         self.arguments.know(&mut input, &settings)?;
-        let drawn = mapping::drawn(&input)?;
         let watcher = Watcher::new(&self.interrupt, true);
-        let (mut summary, maps) = mapping::map(&mut input, &settings, None, start, &watcher)?;
-        if summary.interrupted {
-            return Err(Failure::Interrupted);
-        }
-        summary.notes.iter_mut().for_each(|note| *note = with_flags(note));
+        let mapped = Report::of_log(&super::title(log), &mut input, &settings, with_flags, &watcher)?;
+        let (report, maps) = mapped.ok_or(Failure::Interrupted)?;
         let places = maps.first().map(|map| places(&input, map)).unwrap_or_default();
         let news = news(input.log().stops().len(), &self.places, &places);
-        let report = Report::of_log(&super::title(&self.arguments.log), &input, &drawn, &maps, &summary);
         Ok((Document { text: report.to_json(), news: Some(news) }, places))
     }
 }

@@ -25,12 +25,11 @@ use crate::terminal::{Watcher, stdout};
 use sextant::NumberRange;
 use sextant::mapping::tiles::{self, KeptTiles, TileCount, TileFolders, Tiling};
 use sextant::mapping::{self, Input};
-use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
+use sextant::scenario::{AlgorithmName, MapSettings};
 use sextant::summary::Stopwatch;
 use sextant_figure::Figure;
 use sextant_kernel::text::counted;
 use sextant_logs::{self as robot_log, FieldNames, Names};
-use sextant_recording::SCENARIO_ATTACHMENT;
 use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::output::{open_folder, write_file};
 use sextant_study::campaign::slurm::submit_map;
@@ -192,11 +191,9 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
             .map(|(input, survey)| (input, Some(survey)))?,
         None => (Input::read(&arguments.log, network, &options)?, None),
     };
-    let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.log.display());
-    let scenario = input.scenario.as_deref().map(|text| RecordedScenario { name: &name, text, files: &input.files });
     let set = &arguments.overrides.set;
     let settings =
-        |set: &[String]| MapSettings::new(scenario, arguments.algorithm, arguments.profile.as_deref(), network, set);
+        |set: &[String]| input.map_settings(arguments.algorithm, arguments.profile.as_deref(), network, set);
     let mut settings_of_maps = settings(set)?;
     if arguments.stitch {
         if input.log().robot_count() < 2 {

@@ -2,10 +2,8 @@
 
 use std::io;
 
-use sextant::mapping::{self, Input};
-use sextant::scenario::{MapSettings, RecordedScenario};
-use sextant::summary::Stopwatch;
-use sextant_recording::{RecordingSoFar, SCENARIO_ATTACHMENT};
+use sextant::mapping::Input;
+use sextant_recording::RecordingSoFar;
 use sextant_report::{Report, ReportError};
 use tempfile::TempDir;
 
@@ -51,18 +49,14 @@ impl RunStory {
 
     /// The maps of the stops so far, as those of the whole survey will be made; none if no map can be made yet.
     fn mapped(&self, path: &std::path::Path) -> Result<Option<Report>, Failure> {
-        let start = Stopwatch::start();
         let mut input = Input::read(path, None, &sextant_logs::ReadOptions::default())?;
         if input.log().stops().is_empty() {
             return Ok(None);
         }
-        let scenario = input.scenario.as_deref();
-        let scenario = scenario.map(|text| RecordedScenario { name: SCENARIO_ATTACHMENT, text, files: &input.files });
-        let settings = MapSettings::new(scenario, None, None, None, &[])?;
-        let drawn = mapping::drawn(&input)?;
+        let settings = input.map_settings(None, None, None, &[])?;
         let watcher = Watcher::new(&self.interrupt, true);
-        let (summary, maps) = mapping::map(&mut input, &settings, None, start, &watcher)?;
-        Ok((!summary.interrupted).then(|| Report::of_log("run.mcap", &input, &drawn, &maps, &summary)))
+        let mapped = Report::of_log("run.mcap", &mut input, &settings, str::to_owned, &watcher)?;
+        Ok(mapped.map(|(report, _)| report))
     }
 }
 

@@ -295,8 +295,7 @@ impl NetworkLinks for Links {
     }
 
     fn moves(&self, station: StationId, scene: &mut Scene) {
-        let motion = &scene.motions[station.index()];
-        scene.airs[self.radios.air].moves(self.radios.receiver(station), station, motion);
+        self.radios.moves(station, scene);
     }
 
     fn packets(&self) -> &[Packets] {

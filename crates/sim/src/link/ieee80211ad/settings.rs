@@ -13,6 +13,7 @@ use crate::link;
 use crate::link::antennas::Antennas;
 use crate::link::capture::FrameFormat;
 use crate::link::config::{LinkConfig, LinkError, MacConfig};
+use crate::link::radio_settings::RadioSettings;
 use crate::link::settings::{LinkSettings, Spectrum};
 use crate::world::layout::PlacedNode;
 
@@ -84,7 +85,7 @@ impl Ieee80211ad {
     }
 }
 
-impl LinkSettings for Ieee80211ad {
+impl RadioSettings for Ieee80211ad {
     fn tx_power(&self) -> Dbm {
         self.radio.tx_power()
     }
@@ -101,17 +102,9 @@ impl LinkSettings for Ieee80211ad {
         self.radio.noise_floor()
     }
 
-    fn spectrum(&self) -> Spectrum {
-        Spectrum { band: "60 GHz", channel: self.radio.channel() }
-    }
-
     fn fading_band(&self, _channel: u8) -> FadingBand {
         // Between channels 2 and 3.
         FadingBand { reference_hz: 61.56e9, center_hz: self.radio.carrier_hz() }
-    }
-
-    fn unshared(&self) -> Option<&'static str> {
-        Some("sector sweeps")
     }
 
     fn reception_rules(&self) -> Vec<ReceptionRules> {
@@ -131,17 +124,8 @@ impl LinkSettings for Ieee80211ad {
         }]
     }
 
-    fn always_receives(&self) -> bool {
-        // Sweeps are for all stations, whatever their applications.
-        true
-    }
-
     fn check(&self) -> Result<(), SettingError> {
         link::refuse_bit_errors(self.reception, "sector sweeps")
-    }
-
-    fn antennas(&self) -> Option<&Antennas> {
-        Some(&self.antennas)
     }
 
     fn frame_format(&self) -> FrameFormat {
@@ -154,5 +138,28 @@ impl LinkSettings for Ieee80211ad {
 
     fn airtime(&self, frame_octets: u16) -> Option<Duration> {
         Some(control_airtime(frame_octets))
+    }
+}
+
+impl LinkSettings for Ieee80211ad {
+    fn radio(&self) -> &dyn RadioSettings {
+        self
+    }
+
+    fn spectrum(&self) -> Spectrum {
+        Spectrum { band: "60 GHz", channel: self.radio.channel() }
+    }
+
+    fn unshared(&self) -> Option<&'static str> {
+        Some("sector sweeps")
+    }
+
+    fn always_receives(&self) -> bool {
+        // Sweeps are for all stations, whatever their applications.
+        true
+    }
+
+    fn antennas(&self) -> Option<&Antennas> {
+        Some(&self.antennas)
     }
 }

@@ -1,9 +1,10 @@
-//! The radios of the stations: transmit power, sensitivity, threshold of carrier sense, noise, clock.
+//! The radios of the stations: transmit power, sensitivity, threshold of carrier sense, noise, clock, what is received.
 
 use sextant_channel::{Db, Dbm};
 use sextant_kernel::{NodeId, Seed, SettingError};
 use sextant_mac::{Phy, oqpsk};
 
+use crate::air::{ReceptionConfig, ReceptionModel};
 use crate::link::clock::Clock;
 use crate::link::config::{LinkConfig, LinkError, RadioConfig, RadioGroupConfig};
 use crate::purpose;
@@ -26,6 +27,8 @@ pub struct Radio {
     groups: Vec<Levels>,
     /// Number of the group of each node; empty if there are no groups.
     group_of: Vec<Option<u16>>,
+    /// The rule that decides whether a frame is received.
+    reception: ReceptionModel,
 }
 
 /// What the radios of a group have in common.
@@ -71,7 +74,7 @@ impl TryFrom<&RadioConfig> for Levels {
     }
 }
 
-/// The radios without the groups of nodes: [`Radio::new`] knows these.
+/// The radios without the groups of nodes, which [`Radio::new`] knows, and with the default rule of reception.
 impl TryFrom<RadioConfig> for Radio {
     type Error = SettingError;
 
@@ -82,7 +85,8 @@ impl TryFrom<RadioConfig> for Radio {
             let allowed = format!("{} to {} with this `phy`", channels.start(), channels.end());
             return Err(SettingError::new("channel", channel, allowed));
         }
-        Ok(Self { phy, channel, levels: Levels::try_from(&config)?, groups: Vec::new(), group_of: Vec::new() })
+        let (levels, reception) = (Levels::try_from(&config)?, ReceptionConfig::default().try_into()?);
+        Ok(Self { phy, channel, levels, groups: Vec::new(), group_of: Vec::new(), reception })
     }
 }
 
@@ -93,11 +97,14 @@ impl Radio {
         nodes: Option<&[PlacedNode]>,
         errors: &mut Vec<LinkError>,
     ) -> Option<Self> {
-        match (config.radio, nodes) {
+        let radio = match (config.radio, nodes) {
             (Some(radio), Some(nodes)) => LinkError::take("radio", Self::new(radio, nodes), errors),
             (Some(radio), None) => LinkError::take("radio", Self::try_from(radio.clone()), errors),
             (None, _) => LinkError::missing("radio", errors),
-        }
+        };
+        let reception = ReceptionModel::try_from(config.reception.copied().unwrap_or_default());
+        let reception = LinkError::take("reception", reception, errors);
+        Some(Self { reception: reception?, ..radio? })
     }
 
     /// The radios with the groups of `nodes`.
@@ -134,6 +141,18 @@ impl Radio {
         members.into_iter().for_each(|node| self.group_of[node] = Some(number));
         self.groups.push(levels);
         Ok(())
+    }
+
+    /// The same radios with this rule that decides whether a frame is received.
+    #[must_use]
+    pub fn with_reception(self, reception: ReceptionModel) -> Self {
+        Self { reception, ..self }
+    }
+
+    /// The rule that decides whether a frame is received.
+    #[must_use]
+    pub fn reception(&self) -> ReceptionModel {
+        self.reception
     }
 
     /// The physical layer.

@@ -1,15 +1,21 @@
 //! What the radios are on the air: their part of the spectrum, the rules of their receivers, their captures.
 
+use std::time::Duration;
+
 use sextant_channel::{Db, Dbm, FadingBand};
-use sextant_kernel::SettingError;
+use sextant_kernel::{NodeId, Seed, SettingError};
 use sextant_mac::{Band, Phy, oqpsk};
 
 use super::Radio;
+use super::addressing::{check_frame, frame_octets};
 use super::radio::Levels;
-use crate::air::{ReceptionModel, ReceptionRules};
+use crate::air::ReceptionRules;
 use crate::link;
 use crate::link::capture::FrameFormat;
-use crate::link::settings::Spectrum;
+use crate::link::clock::Clock;
+use crate::link::radio_settings::RadioSettings;
+use crate::link::settings::{FrameSize, Spectrum};
+use crate::service::network_id::NetworkId;
 use crate::world::interferer::Interferer;
 
 /// Minimum ratio of signal to interference and noise at which a radio locks on to a frame.
@@ -25,9 +31,34 @@ impl Radio {
         };
         Spectrum { band, channel }
     }
+}
 
-    /// Where links fade on a channel.
-    pub(in crate::link) fn fading_band(&self, channel: u8) -> FadingBand {
+impl RadioSettings for Radio {
+    fn tx_power(&self) -> Dbm {
+        self.tx_power()
+    }
+
+    fn greatest_tx_power(&self) -> Dbm {
+        self.greatest_tx_power()
+    }
+
+    fn tx_power_of(&self, node: NodeId) -> Dbm {
+        self.levels(node).tx_power
+    }
+
+    fn busy_from(&self, node: Option<NodeId>) -> Dbm {
+        node.map_or(self.common_levels(), |node| self.levels(node)).cca_threshold
+    }
+
+    fn sensitivity(&self) -> Dbm {
+        self.sensitivity()
+    }
+
+    fn noise_floor(&self) -> Dbm {
+        self.least_noise_floor()
+    }
+
+    fn fading_band(&self, channel: u8) -> FadingBand {
         let reference_hz = match self.phy().band() {
             Band::Mhz868 => 868.3e6,
             Band::Mhz915 => 915e6,
@@ -36,9 +67,8 @@ impl Radio {
         FadingBand { reference_hz, center_hz: 1e6 * self.phy().center_mhz(channel) }
     }
 
-    /// The rules of the receivers of all groups.
-    pub(in crate::link) fn reception_rules(&self, model: ReceptionModel) -> Vec<ReceptionRules> {
-        let phy = self.phy();
+    fn reception_rules(&self) -> Vec<ReceptionRules> {
+        let (phy, model) = (self.phy(), self.reception());
         let rules = |levels: &Levels| ReceptionRules {
             model,
             sensitivity: levels.sensitivity.to_milliwatts(),
@@ -52,22 +82,39 @@ impl Radio {
         self.all_levels().map(rules).collect()
     }
 
-    /// Power of an interferer in a channel, if there is any.
-    pub(in crate::link) fn power_of(&self, interferer: &Interferer, channel: u8) -> Option<Dbm> {
+    fn rule_of(&self, node: NodeId) -> u16 {
+        self.level_of(node)
+    }
+
+    fn power_of(&self, interferer: &Interferer, channel: u8) -> Option<Dbm> {
         let phy = self.phy();
         interferer.power_in(phy.center_mhz(channel), phy.bandwidth_mhz())
     }
 
-    /// Refuses bit errors where their rate is not known.
-    pub(in crate::link) fn check_reception(&self, reception: ReceptionModel) -> Result<(), SettingError> {
+    fn clock(&self, seed: Seed, network: NetworkId, node: NodeId) -> Clock {
+        self.clock(seed, network, node)
+    }
+
+    fn check(&self) -> Result<(), SettingError> {
         match self.phy() {
             Phy::Oqpsk2450 => Ok(()),
-            phy => link::refuse_bit_errors(reception, &format!("a radio with `phy = \"{}\"`", phy.name())),
+            phy => link::refuse_bit_errors(self.reception(), &format!("a radio with `phy = \"{}\"`", phy.name())),
         }
     }
 
-    /// How frames are written into a capture.
-    pub(in crate::link) fn frame_format(&self) -> FrameFormat {
+    fn check_frame(&self, frame: FrameSize) -> Result<(), SettingError> {
+        check_frame(frame)
+    }
+
+    fn frame_format(&self) -> FrameFormat {
         FrameFormat::Tap { page: self.phy().page(), channel: self.channel(), sensitivity: self.sensitivity() }
+    }
+
+    fn frame_octets(&self, payload_octets: u16) -> u16 {
+        frame_octets(payload_octets)
+    }
+
+    fn airtime(&self, frame_octets: u16) -> Option<Duration> {
+        Some(self.phy().airtime(u8::try_from(frame_octets).ok()?))
     }
 }

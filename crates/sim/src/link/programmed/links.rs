@@ -311,9 +311,7 @@ impl NetworkLinks for Links {
     }
 
     fn moves(&self, station: StationId, scene: &mut Scene) {
-        let motion = &scene.motions[station.index()];
-        let radios = &self.radios[self.stacks[station.index()].channel];
-        scene.airs[radios.air].moves(radios.receiver(station), station, motion);
+        self.radios[self.stacks[station.index()].channel].moves(station, scene);
     }
 
     fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {

@@ -2,16 +2,13 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Dbm, FadingBand};
-use sextant_kernel::{Files, NodeId, SettingError};
+use sextant_kernel::{Files, SettingError};
 use sextant_mac::program::ProgramSettings;
 
-use crate::air::{ReceptionModel, ReceptionRules};
-use crate::link::capture::FrameFormat;
 use crate::link::config::{LinkConfig, LinkError, MacConfig};
-use crate::link::ieee802154::{Radio, check_frame, frame_octets};
-use crate::link::settings::{FrameSize, LinkSettings, Spectrum};
-use crate::world::interferer::Interferer;
+use crate::link::ieee802154::Radio;
+use crate::link::radio_settings::RadioSettings;
+use crate::link::settings::{LinkSettings, Spectrum};
 use crate::world::layout::PlacedNode;
 
 /// The longest look at the channel (symbols).
@@ -22,8 +19,6 @@ const LONGEST_ASSESSMENT_SYMBOLS: u64 = 128;
 pub struct Programmed {
     /// The radios.
     pub radio: Radio,
-    /// The rule that decides whether a frame is received.
-    pub reception: ReceptionModel,
     /// Channels, and how long they take to wake up.
     pub program: ProgramSettings,
 }
@@ -38,13 +33,11 @@ impl Programmed {
         let MacConfig::Program(program) = config.mac else { unreachable!("the channel access chose the technology") };
         let mut errors = Vec::new();
         let radio = Radio::read(config, nodes, &mut errors);
-        let reception = ReceptionModel::try_from(config.reception.copied().unwrap_or_default());
-        let reception = LinkError::take("reception", reception, &mut errors);
-        let (Some(radio), Some(reception)) = (radio, reception) else { return Err(errors) };
+        let Some(radio) = radio else { return Err(errors) };
         let program = ProgramSettings::new(program.clone(), radio.phy(), radio.channel());
         let program = program.map_err(|error| error.within("program"));
         let Some(program) = LinkError::take("mac", program, &mut errors) else { return Err(errors) };
-        let settings = Self { radio, reception, program };
+        let settings = Self { radio, program };
         settings.check_clocks().map_err(|error| vec![LinkError::Invalid { table: "radio", error }])?;
         Ok(settings)
     }
@@ -65,28 +58,8 @@ impl Programmed {
 }
 
 impl LinkSettings for Programmed {
-    fn tx_power(&self) -> Dbm {
-        self.radio.tx_power()
-    }
-
-    fn greatest_tx_power(&self) -> Dbm {
-        self.radio.greatest_tx_power()
-    }
-
-    fn tx_power_of(&self, node: NodeId) -> Dbm {
-        self.radio.levels(node).tx_power
-    }
-
-    fn busy_from(&self, node: Option<NodeId>) -> Dbm {
-        node.map_or(self.radio.common_levels(), |node| self.radio.levels(node)).cca_threshold
-    }
-
-    fn sensitivity(&self) -> Dbm {
-        self.radio.sensitivity()
-    }
-
-    fn noise_floor(&self) -> Dbm {
-        self.radio.least_noise_floor()
+    fn radio(&self) -> &dyn RadioSettings {
+        &self.radio
     }
 
     fn spectrum(&self) -> Spectrum {
@@ -101,18 +74,6 @@ impl LinkSettings for Programmed {
         true
     }
 
-    fn fading_band(&self, channel: u8) -> FadingBand {
-        self.radio.fading_band(channel)
-    }
-
-    fn reception_rules(&self) -> Vec<ReceptionRules> {
-        self.radio.reception_rules(self.reception)
-    }
-
-    fn rule_of(&self, node: NodeId) -> u16 {
-        self.radio.level_of(node)
-    }
-
     fn carrier_sense(&self) -> Duration {
         self.longest_assessment()
     }
@@ -122,28 +83,8 @@ impl LinkSettings for Programmed {
         true
     }
 
-    fn power_of(&self, interferer: &Interferer, channel: u8) -> Option<Dbm> {
-        self.radio.power_of(interferer, channel)
-    }
-
     fn check(&self) -> Result<(), SettingError> {
-        self.radio.check_reception(self.reception)?;
+        self.radio.check()?;
         self.check_clocks().map_err(|error| error.within("radio"))
-    }
-
-    fn check_frame(&self, frame: FrameSize) -> Result<(), SettingError> {
-        check_frame(frame)
-    }
-
-    fn frame_format(&self) -> FrameFormat {
-        self.radio.frame_format()
-    }
-
-    fn frame_octets(&self, payload_octets: u16) -> u16 {
-        frame_octets(payload_octets)
-    }
-
-    fn airtime(&self, frame_octets: u16) -> Option<Duration> {
-        Some(self.radio.phy().airtime(u8::try_from(frame_octets).ok()?))
     }
 }

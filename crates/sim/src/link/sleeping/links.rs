@@ -250,8 +250,7 @@ impl NetworkLinks for Links {
     }
 
     fn moves(&self, station: StationId, scene: &mut Scene) {
-        let motion = &scene.motions[station.index()];
-        scene.airs[self.radios.air].moves(self.radios.receiver(station), station, motion);
+        self.radios.moves(station, scene);
     }
 
     fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {

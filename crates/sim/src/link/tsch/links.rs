@@ -306,10 +306,7 @@ impl NetworkLinks for Links {
     }
 
     fn moves(&self, station: StationId, scene: &mut Scene) {
-        let motion = &scene.motions[station.index()];
-        for radios in &self.radios {
-            scene.airs[radios.air].moves(radios.receiver(station), station, motion);
-        }
+        self.radios.iter().for_each(|radios| radios.moves(station, scene));
     }
 
     fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {

@@ -67,7 +67,7 @@ impl<'a> Star<'a> {
         let [sink] = &config.sinks[..] else { return None };
         let has_walls = !world.obstacles.obstacles().is_empty();
         let others = !config.robots.is_empty() || has_groups || is_disturbed || has_walls;
-        if others || links.reception != ReceptionModel::Overlap || network.members.is_some() {
+        if others || links.radio.reception() != ReceptionModel::Overlap || network.members.is_some() {
             return None;
         }
         let radio = &links.radio;
