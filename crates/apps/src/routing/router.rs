@@ -131,9 +131,7 @@ impl Router {
     /// Does what follows from something that the tree learned.
     fn react(&mut self, reaction: Reaction, port: &mut Port<'_>) {
         if reaction.has_changed_parent {
-            let (parent, etx) = (self.way.parent(), self.way.parent_etx());
-            self.record.parents.push(ParentChange { time: port.now(), parent, etx });
-            port.follow(NetworkId::default(), parent);
+            self.follow_parent(port);
         }
         if reaction.is_inconsistent {
             self.hasten_beacons(port);
@@ -141,6 +139,14 @@ impl Router {
         if reaction.has_changed_parent {
             self.pump(port);
         }
+    }
+
+    /// The station has another parent, or none: notes it, and tells its link. Returns it.
+    pub(super) fn follow_parent(&mut self, port: &mut Port<'_>) -> Option<StationId> {
+        let (parent, etx) = (self.way.parent(), self.way.parent_etx());
+        self.record.parents.push(ParentChange { time: port.now(), parent, etx });
+        port.follow(NetworkId::default(), parent);
+        parent
     }
 
     /// The next beacon is sent soon.

@@ -116,3 +116,20 @@ impl Quarters {
         (0..4).filter_map(gain).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::Position;
+
+    use super::*;
+    use crate::doctor::tests::{log_of, node};
+
+    #[test]
+    fn a_law_explains_strengths_in_a_field_much_larger_than_its_ranges_too() {
+        // Nodes are heard over about 16 m; the field is 320 m wide.
+        let place = |i: u32| Position::new(5.0 * f64::from(i % 64), 5.0 * f64::from(i / 64), 0.0);
+        let places: Vec<Position> = (0..64 * 39).map(place).collect();
+        let law = DistanceLaw::of(&log_of(&places, |number, _| node(number) * 16.0)).unwrap();
+        assert!(law.gain > 0.1 && law.gain > 3.0 * law.gain_error, "{} ± {}", law.gain, law.gain_error);
+    }
+}

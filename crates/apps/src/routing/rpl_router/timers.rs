@@ -6,7 +6,6 @@ use sextant_kernel::StationId;
 use sextant_mac::routing::rpl::{Action, Dao, Downward, LinkOutcome, Message};
 use sextant_sim::{NetworkId, Port, SendOutcome, SendReport, Timer};
 
-use crate::routing::record::ParentChange;
 use crate::routing::router::Router;
 use crate::routing::rpl::{DIO, RplStation};
 use crate::routing::way::Way;
@@ -141,10 +140,8 @@ impl Router {
 
     /// The station has another parent, or none, than `before`.
     fn note_parent(&mut self, before: Option<StationId>, port: &mut Port<'_>) {
-        let (parent, etx) = (self.way.parent(), self.way.parent_etx());
-        self.record.parents.push(ParentChange { time: port.now(), parent, etx });
+        let parent = self.follow_parent(port);
         let own = port.station();
-        port.follow(NetworkId::default(), parent);
         if let Some(parent) = parent {
             port.take_time_from(NetworkId::default(), parent);
         }
