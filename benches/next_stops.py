@@ -15,6 +15,7 @@ import json
 import math
 import random
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -273,6 +274,7 @@ def main():
                     error, lost = trial.run("rule", stops)
                     errors.setdefault(rule, []).append(error)
                     unmapped.setdefault(rule, []).append(lost)
+            print(name, "seed", seed, *(f"{rule} {of[-1]:.3f}" for rule, of in errors.items()), file=sys.stderr, flush=True)
         mean = {rule: sum(of) / len(of) for rule, of in errors.items()}
         gain = lambda other: "%.1f ± %.1f %%" % tuple(100 * v for v in interval([1 - b / a for a, b in zip(errors[other], errors["next"])]))
         lost = "/".join(f"{sum(of) / len(of):.1f}" for of in unmapped.values())

@@ -230,7 +230,7 @@ impl<'a> Ground<'a> {
             }
             for (direction, to, _) in self.square.moves(from) {
                 if free[from] && free[to] && self.is_clear(self.place(from), self.place(to)) {
-                    passable[from] |= 1 << direction;
+                    passable[from] |= 1_u8 << direction;
                 }
             }
         }
@@ -266,7 +266,7 @@ impl Graph for Ways<'_> {
     fn neighbours(&self, vertex: usize) -> impl Iterator<Item = (usize, u64)> {
         let passable = self.ground.passable.get(vertex).copied().unwrap_or(u8::MAX);
         let moves = self.ground.square.moves(vertex);
-        moves.filter(move |(direction, ..)| passable & (1 << direction) != 0).map(|(_, to, step)| (to, step))
+        moves.filter(move |(direction, ..)| passable & (1_u8 << *direction) != 0).map(|(_, to, step)| (to, step))
     }
 
     fn is_passable(&self, _: usize, _: usize) -> bool {

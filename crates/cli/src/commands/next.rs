@@ -93,8 +93,8 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let files = input.files.clone();
     let text = input.scenario.clone();
     let scenario = text.as_deref().map(|text| RecordedScenario { name: &name, text, files: &files });
-    let usual = || if arguments.profile.is_some() { "ml-tm" } else { "auto" }.parse().ok();
-    let algorithm = arguments.algorithm.or_else(usual);
+    let usual = if arguments.profile.is_some() { "ml-tm" } else { "auto" };
+    let algorithm = arguments.algorithm.or_else(|| usual.parse().ok());
     let settings = MapSettings::new(scenario, algorithm, arguments.profile.as_deref(), network, &[])?;
     let area = arguments.area.as_deref().map(|text| mapping::read_area(text, input.plane.as_ref())).transpose()?;
     floorplan::lay(arguments.floorplan.as_deref(), &mut input)?;

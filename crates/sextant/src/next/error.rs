@@ -30,7 +30,7 @@ pub enum NextError {
         allowed: &'static str,
     },
     /// The robot is not in the log.
-    #[error("the robot `{found}` is not in the log; allowed: {}", choices(.known))]
+    #[error("the robot `{found}` is not in the log; allowed: {}", choices(known))]
     Robot {
         /// Its name.
         found: String,
@@ -44,7 +44,7 @@ pub enum NextError {
         found: usize,
     },
     /// Receivers that stand.
-    #[error("nobody drives in this log: {} without a way", if *.robots == 1 { "it has one receiver".to_owned() } else { format!("it has {robots} receivers") })]
+    #[error("nobody drives in this log: {} without a way", if *robots == 1 { "it has one receiver".to_owned() } else { format!("it has {robots} receivers") })]
     NobodyDrives {
         /// Receivers of the log.
         robots: usize,

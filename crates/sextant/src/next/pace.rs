@@ -86,7 +86,8 @@ fn fit(legs: &[[f64; 2]]) -> Option<(f64, f64)> {
     let spread = square - way * way / count;
     let slowness = (product - way * time / count) / spread;
     let listen_s = (time - slowness * way) / count;
-    let is_told = spread > 1e-3 * square && slowness > 0.0 && listen_s >= 0.0;
+    // What is left by rounding is no listening.
+    let is_told = spread > 1e-3 * square && slowness > 0.0 && listen_s * count > 1e-6 * time;
     Some(if is_told { (1.0 / slowness, listen_s) } else { (way / time, 0.0) })
 }
 
