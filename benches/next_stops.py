@@ -4,7 +4,7 @@
 next_stops.py SEXTANT [--seeds N] [--scene NAME] [--way METRES]
 
 A robot surveys a part of a scene by lanes. Then it drives on over a way of the same length by each rule, and listens every 2.5 m
-whatever the rule is. All of it is simulated, mapped by `auto` and compared with the true places. A node that was never heard counts with
+whatever the rule is. All of it is simulated, mapped and compared with the true places. A node that was never heard counts with
 its distance from the middle of the scene. Prints a table: the mean error after each rule, and what `next` gains over lanes, seed by seed,
 with intervals of 95 % by Student's law. Needs no package.
 """
@@ -179,8 +179,8 @@ def stops_along(scene, start, corners, way):
 
 
 class Trial:
-    def __init__(self, program, folder, scene, seed):
-        self.program, self.folder, self.scene, self.seed = program, Path(folder), scene, seed
+    def __init__(self, program, folder, scene, seed, algorithm):
+        self.program, self.folder, self.scene, self.seed, self.algorithm = program, Path(folder), scene, seed, algorithm
         self.base = [scene.first[0]] + stops_along(scene, scene.first[0], scene.first, 1e9)
 
     def sextant(self, *words):
@@ -200,13 +200,13 @@ class Trial:
             "[reception.sinr_threshold]\nthreshold_db = 3.0\n"
             f"[[robots]]\nname = \"r\"\nstart_m = {stops[0]}\nspeed_m_per_s = 0.5\nlisten_s = 3.2\nradius_m = {RADIUS}\n"
             f"[robots.controller.waypoints]\nplaces_m = {stops}\n"
-            "[[maps]]\nalgorithm.auto = {}\n"
+            "[[maps]]\n[maps.algorithm.packet_centroid]\n"
         )
 
     def run(self, name, stops):
         (self.folder / f"{name}.toml").write_text(self.scenario(stops))
         self.sextant("run", f"{name}.toml", "--out", f"{name}.mcap", "--quiet", "--force")
-        self.sextant("map", f"{name}.mcap", "--algorithm", "auto", "--out", f"{name}.csv", "--quiet", "--force", "--summary", f"{name}.json")
+        self.sextant("map", f"{name}.mcap", "--algorithm", self.algorithm, "--out", f"{name}.csv", "--quiet", "--force", "--summary", f"{name}.json")
         rows = (self.folder / f"{name}.csv").read_text().splitlines()[1:]
         places = {row.split(",")[0]: [float(x) for x in row.split(",")[1:3]] for row in rows}
         middle = [0.5 * self.scene.size[0], 0.5 * self.scene.size[1]]
@@ -215,7 +215,7 @@ class Trial:
 
     def next(self, recording, way, start):
         x, y = self.scene.size
-        words = ["next", recording, "--area", f"0.4,0.4,{x - 0.4},{y - 0.4}", "--way", way, "--stops", 60, "--format", "json", "--quiet"]
+        words = ["next", recording, "--algorithm", self.algorithm, "--area", f"0.4,0.4,{x - 0.4},{y - 0.4}", "--way", way, "--stops", 60, "--format", "json", "--quiet"]
         if self.scene.walls:
             words += ["--floorplan", "walls.toml", "--radius", 0.4]
         found = json.loads(self.sextant(*words))
@@ -260,6 +260,7 @@ def main():
     parser.add_argument("--scene", action="append", choices=sorted(SCENES))
     parser.add_argument("--way", type=float)
     parser.add_argument("--parts", type=int, default=2, help="how often `next` is asked on the way")
+    parser.add_argument("--algorithm", default="auto", help="maps are made, and `next` is asked, by this one")
     arguments = parser.parse_args()
     program = str(Path(arguments.program).resolve())
     print(f"{'scene':10} {'way m':>6} {'before m':>9} {'lanes m':>9} {'random m':>9} {'next m':>9} {'gain over lanes':>22} {'over random':>20} {'unmapped':>14}", flush=True)
@@ -269,7 +270,7 @@ def main():
             scene = SCENES[name](random.Random(f"{name} {seed}"))
             way = arguments.way or scene.way
             with tempfile.TemporaryDirectory() as folder:
-                trial = Trial(program, folder, scene, seed)
+                trial = Trial(program, folder, scene, seed, arguments.algorithm)
                 for rule, stops in trial.rules(way, arguments.parts):
                     error, lost = trial.run("rule", stops)
                     errors.setdefault(rule, []).append(error)
