@@ -36,6 +36,30 @@ pub(crate) struct Path {
 /// A path of least cost from `start` to a goal; `None` if there is no path. Among vertices of equal cost, the one with
 /// the lower number is visited first.
 pub(crate) fn shortest(graph: &impl Graph, start: usize) -> Option<Path> {
+    let Reached { cost, before, goal } = reach(graph, start);
+    let vertex = goal?;
+    let step_back = |&vertex: &usize| Some(before[vertex]).filter(|&vertex| vertex != usize::MAX);
+    let mut vertices: Vec<_> = std::iter::successors(Some(vertex), step_back).collect();
+    vertices.reverse();
+    Some(Path { vertices, cost: cost[vertex] })
+}
+
+/// The least cost from `start` to each vertex of a graph without goals; `None` where there is no path.
+pub(crate) fn costs(graph: &impl Graph, start: usize) -> Vec<Option<u64>> {
+    reach(graph, start).cost.into_iter().map(|cost| Some(cost).filter(|&cost| cost != UNKNOWN)).collect()
+}
+
+/// What a search reached.
+struct Reached {
+    /// The least cost of each vertex that was visited.
+    cost: Vec<u64>,
+    /// The vertex before each of them.
+    before: Vec<usize>,
+    /// The goal that was found first.
+    goal: Option<usize>,
+}
+
+fn reach(graph: &impl Graph, start: usize) -> Reached {
     let mut cost = vec![UNKNOWN; graph.vertices()];
     let mut before = vec![usize::MAX; cost.len()];
     let mut open = BinaryHeap::new();
@@ -46,10 +70,7 @@ pub(crate) fn shortest(graph: &impl Graph, start: usize) -> Option<Path> {
             continue;
         }
         if graph.is_goal(vertex) {
-            let step_back = |&vertex: &usize| Some(before[vertex]).filter(|&vertex| vertex != usize::MAX);
-            let mut vertices: Vec<_> = std::iter::successors(Some(vertex), step_back).collect();
-            vertices.reverse();
-            return Some(Path { vertices, cost: spent });
+            return Reached { cost, before, goal: Some(vertex) };
         }
         for (neighbour, step) in graph.neighbours(vertex) {
             let total = spent + step;
@@ -60,7 +81,7 @@ pub(crate) fn shortest(graph: &impl Graph, start: usize) -> Option<Path> {
             }
         }
     }
-    None
+    Reached { cost, before, goal: None }
 }
 
 /// The vertices of a square lattice, numbered row by row.
@@ -73,6 +94,11 @@ pub(crate) struct SquareLattice {
 impl SquareLattice {
     /// The up to eight neighbours of a vertex, and the costs of the steps.
     pub(crate) fn neighbours(self, vertex: usize) -> impl Iterator<Item = (usize, u64)> {
+        self.moves(vertex).map(|(_, neighbour, step)| (neighbour, step))
+    }
+
+    /// The same, with the number of the direction of each, 0 to 7.
+    pub(crate) fn moves(self, vertex: usize) -> impl Iterator<Item = (u8, usize, u64)> {
         const MOVES: [(isize, isize, u64); 8] = [
             (1, 0, STEP),
             (0, 1, STEP),
@@ -84,10 +110,10 @@ impl SquareLattice {
             (1, -1, DIAGONAL),
         ];
         let (column, row) = self.column_and_row(vertex);
-        MOVES.into_iter().filter_map(move |(east, north, step)| {
+        (0..).zip(MOVES).filter_map(move |(direction, (east, north, step))| {
             let column = column.checked_add_signed(east).filter(|&column| column < self.columns)?;
             let row = row.checked_add_signed(north).filter(|&row| row < self.rows)?;
-            Some((row * self.columns + column, step))
+            Some((direction, row * self.columns + column, step))
         })
     }
 

@@ -5,7 +5,7 @@
 //! Goes in: a [`ControllerConfig`] and the [`Surroundings`] of a robot. Comes out: a controller that drives the robot
 //! through the simulation. Two controllers need no map: [`AutomatedS`], which turns where it meets an obstacle or
 //! hears nothing, in the plane or in layers, and [`RandomWalk`]. The others follow a path that is planned before the
-//! start: [`SPath`], [`Spiral`], [`Hilbert`] and [`Waypoints`].
+//! start: [`SPath`], [`Spiral`], [`Hilbert`] and [`Waypoints`]. After a survey, [`next_stops`] says where to listen next.
 //!
 //! Robots of one scenario do not block each other, do not disturb each other's radio, and do not exchange what they
 //! heard. Each follows its own path or stays in its own area.
@@ -39,6 +39,7 @@ mod itinerary;
 mod mission;
 mod missions;
 pub mod navigation;
+pub mod next_stops;
 mod octets;
 mod partition;
 mod planned_path;

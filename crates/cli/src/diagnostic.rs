@@ -11,6 +11,7 @@ use sextant::antenna::{BookError, ConvertError};
 use sextant::export::ExportError;
 use sextant::floorplan::FloorPlanError;
 use sextant::mapping::MapLogError;
+use sextant::next::NextError;
 use sextant::run::RunError;
 use sextant::scenario::{ScenarioError, ScenarioErrors};
 use sextant_kernel::Interrupted;
@@ -145,6 +146,9 @@ impl From<FloorPlanError> for Failure {
             FloorPlanError::NoScale { .. } => {
                 Some("divide a known length by its pixels: --scale 0.02 is 2 cm a pixel")
             }
+            FloorPlanError::NoUnit { .. } => {
+                Some("measure a door: --unit mm if it is about 900 wide, --unit m if it is 0.9")
+            }
             FloorPlanError::NoWalls { .. } => Some("walls are dark; what is thicker than --thickest is no wall"),
             _ => None,
         };
@@ -199,6 +203,16 @@ impl From<MapLogError> for Failure {
             MapLogError::Settings(errors) => errors.into(),
             MapLogError::Recording(error) => error.into(),
             error => Self::of(&error, None, error.is_system_error()),
+        }
+    }
+}
+
+impl From<NextError> for Failure {
+    fn from(error: NextError) -> Self {
+        match error {
+            NextError::Interrupted(_) => Self::Interrupted,
+            NextError::Map(error) => error.into(),
+            error => Self::of(&error, error.advice(), error.is_system_error()),
         }
     }
 }

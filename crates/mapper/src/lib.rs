@@ -47,6 +47,7 @@ mod link_model;
 mod log_facts;
 mod metrics;
 mod numerics;
+mod outlook;
 mod own_place;
 mod parts;
 mod pattern;
@@ -108,6 +109,7 @@ pub use metrics::{
     sector_displacement, sector_of, topology_preservation_error,
 };
 pub use numerics::{convex_hull, never_rising};
+pub use outlook::{Outlook, OutlookError, StopGain};
 pub use own_place::{
     AnchorSilence, Bearing, BearingTable, DirectionRule, HeardAnchor, HeardSector, OrientationMethod, OwnEstimate,
     OwnPlace, OwnPlaceConfig, PlaceModel, RingOrientation, SectorBearing, UnorientedRing,

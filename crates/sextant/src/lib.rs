@@ -32,6 +32,7 @@
 //! - [`Forecast`]: what follows from a scenario before it runs.
 //! - [`explain_link`]: why a station hears another one, or not.
 //! - [`floorplan`]: walls of a scenario from an image, a map of ROS or GeoJSON.
+//! - [`next`]: where a robot listens next, so that the map of its log becomes better.
 //! - [`export`](export()): the tables of a recording as files.
 //!
 //! # What is in the crates below
@@ -66,6 +67,7 @@ pub mod forecast;
 pub mod link;
 pub mod mapping;
 mod measure;
+pub mod next;
 pub mod run;
 pub mod summary;
 mod threads;

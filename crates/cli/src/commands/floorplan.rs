@@ -3,8 +3,8 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
-use sextant::floorplan::{self, FloorPlanOptions};
+use clap::{Args, ValueEnum};
+use sextant::floorplan::{self, FloorPlanOptions, LengthUnit};
 use sextant::mapping::Input;
 use sextant_kernel::text::counted;
 use sextant_recording::admission::OutputKind;
@@ -17,8 +17,8 @@ use crate::terminal::{say, stdout};
 /// Arguments of `sextant floorplan`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// The floor plan: an image in which walls are dark (.png, .pgm), a map of ROS (map.yaml beside its image), or GeoJSON (lines, and
-    /// the borders of areas)
+    /// The floor plan: an image in which walls are dark (.png, .pgm), a map of ROS (map.yaml beside its image), GeoJSON (lines, and
+    /// the borders of areas), or a drawing in DXF (lines, polylines, arcs, circles, and blocks of them)
     #[arg(value_name = "PLAN")]
     pub(crate) plan: PathBuf,
     /// Where the walls are written: a scenario takes them with `extends`; `-` prints them
@@ -27,16 +27,22 @@ pub(crate) struct Arguments {
     /// Length of a pixel of an image (m) [default: that of a map of ROS]
     #[arg(long, value_name = "METRES")]
     pub(crate) scale: Option<f64>,
-    /// Where the lower left corner of the image, or zero of GeoJSON, is: X,Y (m) [default: that of a map of ROS, or 0,0]
+    /// Where the lower left corner of the image, or zero of GeoJSON or DXF, is: X,Y (m) [default: that of a map of ROS, or 0,0]
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
     pub(crate) origin: Vec<f64>,
+    /// Unit of lengths of a drawing in DXF [default: what the drawing says]
+    #[arg(long, value_enum, value_name = "UNIT")]
+    pub(crate) unit: Option<Unit>,
+    /// Layers of a drawing in DXF whose lines are walls: NAME,.. [default: all that are visible]
+    #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
+    pub(crate) layers: Vec<String>,
     /// Material of the walls, if the plan does not say it
     #[arg(long, value_name = "NAME", default_value = "brick")]
     pub(crate) material: String,
     /// Height of the walls (m), if the plan does not say it
     #[arg(long, value_name = "METRES", default_value_t = FloorPlanOptions::default().height_m)]
     pub(crate) height: f64,
-    /// Thickness of the walls of GeoJSON that do not say their own (m). In an image it is measured
+    /// Thickness of the walls of GeoJSON that do not say their own, and of DXF (m). In an image it is measured
     #[arg(long, value_name = "METRES", default_value_t = FloorPlanOptions::default().thickness_m)]
     pub(crate) thickness: f64,
     /// What is thicker in an image is no wall but a block (m)
@@ -45,6 +51,42 @@ pub(crate) struct Arguments {
     /// What may be replaced.
     #[command(flatten)]
     pub(crate) replacing: Replacing,
+}
+
+/// A unit of lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Unit {
+    /// Millimetres
+    Mm,
+    /// Centimetres
+    Cm,
+    /// Decimetres
+    Dm,
+    /// Metres
+    M,
+    /// Kilometres
+    Km,
+    /// Inches
+    In,
+    /// Feet
+    Ft,
+    /// Yards
+    Yd,
+}
+
+impl Unit {
+    fn length(self) -> LengthUnit {
+        match self {
+            Self::Mm => LengthUnit::Millimetre,
+            Self::Cm => LengthUnit::Centimetre,
+            Self::Dm => LengthUnit::Decimetre,
+            Self::M => LengthUnit::Metre,
+            Self::Km => LengthUnit::Kilometre,
+            Self::In => LengthUnit::Inch,
+            Self::Ft => LengthUnit::Foot,
+            Self::Yd => LengthUnit::Yard,
+        }
+    }
 }
 
 /// Puts the walls of a plan under the maps of a log.
@@ -77,6 +119,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let options = FloorPlanOptions {
         metres_per_pixel: arguments.scale,
         origin_m,
+        unit: arguments.unit.map(Unit::length),
+        layers: arguments.layers.iter().map(|layer| layer.trim().to_owned()).collect(),
         material: arguments.material.clone(),
         height_m: arguments.height,
         thickness_m: arguments.thickness,

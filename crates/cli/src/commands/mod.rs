@@ -14,6 +14,7 @@ mod inspect;
 mod live;
 mod man;
 mod map;
+mod next;
 mod options;
 mod outputs;
 mod path_flags;
@@ -60,6 +61,8 @@ pub(crate) enum Command {
     Run(run::Arguments),
     /// Map the nodes from a recording of `run` or from the log of a real robot
     Map(Box<map::Arguments>),
+    /// Say where a robot should listen next, so that the map of its log becomes better
+    Next(Box<next::Arguments>),
     /// Run a scenario with many settings and seeds, and write one table
     Sweep(Box<sweep::Arguments>),
     /// Reproduce the tables and figures of the thesis, beside the published values
@@ -120,6 +123,7 @@ fn execute(command: &Command, invocation: &Invocation) -> Result<(), Failure> {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments, &interrupt),
         Command::Map(arguments) => map::execute(arguments, invocation, &interrupt),
+        Command::Next(arguments) => next::execute(arguments, &interrupt),
         Command::Sweep(arguments) if campaign::is_asked_for(arguments) => {
             campaign::execute(arguments, invocation, &interrupt)
         }

@@ -18,13 +18,14 @@ pub(super) fn root() -> PathBuf {
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
-const ROOMS: [&str; 11] = [
+const ROOMS: [&str; 12] = [
     "run",
     "export",
     "forecast",
     "link",
     "antenna",
     "floorplan",
+    "next",
     "mapping",
     "measure",
     "summary",

@@ -72,6 +72,11 @@ fn plans_that_cannot_be_read_say_why() {
     fs::write(path.join("room.pgm"), room()).unwrap();
     fs::write(path.join("white.pgm"), "P2 2 2 255 255 255 255 255").unwrap();
     fs::write(path.join("room.bmp"), "BM").unwrap();
+    let line = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\nwalls\n10\n0\n20\n0\n11\n4000\n21\n0\n0\nENDSEC\n0\nEOF\n";
+    fs::write(path.join("hall.dxf"), line).unwrap();
+    let drawn = floorplan(path, &["hall.dxf", "--unit", "mm", "--layers", "walls", "--out", "-"]);
+    let text = String::from_utf8_lossy(&drawn.stdout);
+    assert!(drawn.status.success() && text.contains("[[world.walls]]") && text.contains("4.0"), "{text}");
     for (words, problem) in [
         (&["room.pgm"][..], "--scale 0.02 is 2 cm a pixel"),
         (&["room.pgm", "--scale", "0"], "option `scale` is 0; allowed: a number of metres above 0"),
@@ -80,6 +85,8 @@ fn plans_that_cannot_be_read_say_why() {
         (&["white.pgm", "--scale", "0.05"], "has no walls"),
         (&["room.bmp"], "is not a floor plan that can be read; allowed: an image (.png, .pgm)"),
         (&["none.png", "--scale", "0.05"], "cannot read `none.png`"),
+        (&["hall.dxf"], "does not say the unit of its lengths ($INSUNITS): option `unit` says it"),
+        (&["hall.dxf", "--unit", "mm", "--layers", "roof"], "option `layers` is roof; allowed: layers with lines: walls"),
     ] {
         let found = error(&floorplan(path, words));
         let found = found.split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "");

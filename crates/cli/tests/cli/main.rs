@@ -43,6 +43,7 @@ mod metrics_page;
 mod moving;
 mod named_files;
 mod network_pictures;
+mod next;
 mod odometry;
 mod outcomes;
 mod outdoor_paths;

@@ -27,24 +27,29 @@ pub struct Estimate {
 }
 
 /// The nodes of a Gauss-Hermite rule along an axis, in standard deviations, and their weights.
-const POINTS: [(f64, f64); 3] =
+pub(crate) const POINTS: [(f64, f64); 3] =
     [(-1.732_050_807_568_877_2, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732_050_807_568_877_2, 1.0 / 6.0)];
+
+/// Points that stand for a Gaussian with this mean (m) and covariance (m²), with their weights: along each axis of its ellipsoid
+/// those of `rule`, in standard deviations.
+pub(crate) fn points(mean: Position, covariance: &[[f64; 3]; 3], rule: &[(f64, f64)]) -> Vec<(Position, f64)> {
+    let flat = nalgebra::Matrix3::from_fn(|row, column| covariance[row][column]).symmetric_eigen();
+    let axis = |k: usize| flat.eigenvectors.column(k) * flat.eigenvalues[k].max(0.0).sqrt();
+    let mut points = vec![(mean, 1.0)];
+    for axis in [axis(0), axis(1), axis(2)].iter().filter(|axis| axis.norm() > 1e-9) {
+        let spread = |&(place, weight): &(Position, f64)| {
+            let along = Position::new(axis[0], axis[1], axis[2]);
+            rule.iter().map(move |&(deviations, share)| (place + along * deviations, weight * share))
+        };
+        points = points.iter().flat_map(spread).collect();
+    }
+    points
+}
 
 impl Estimate {
     /// Points that stand for the posterior, with their weights: the place alone without a covariance.
     pub(crate) fn points(&self) -> Vec<(Position, f64)> {
-        let covariance = self.covariance.unwrap_or_default();
-        let flat = nalgebra::Matrix3::from_fn(|row, column| covariance[row][column]).symmetric_eigen();
-        let axis = |k: usize| flat.eigenvectors.column(k) * flat.eigenvalues[k].max(0.0).sqrt();
-        let mut points = vec![(self.position, 1.0)];
-        for axis in [axis(0), axis(1), axis(2)].iter().filter(|axis| axis.norm() > 1e-9) {
-            let spread = |&(place, weight): &(Position, f64)| {
-                let along = Position::new(axis[0], axis[1], axis[2]);
-                POINTS.map(|(deviations, share)| (place + along * deviations, weight * share))
-            };
-            points = points.iter().flat_map(spread).collect();
-        }
-        points
+        points(self.position, &self.covariance.unwrap_or_default(), &POINTS)
     }
 
     /// The estimate from places with probabilities that sum to 1, which stand for cells, their mean (m), and the likeliest place

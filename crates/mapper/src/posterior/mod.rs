@@ -21,6 +21,7 @@ pub(crate) use cell::Cell;
 pub use concern::Concern;
 pub(crate) use covariance::covariance;
 pub use estimate::Estimate;
+pub(crate) use estimate::{POINTS, points};
 pub use estimate_kind::{EstimateKind, TieRule};
 pub(crate) use local::{LocalPosterior, local_posterior};
 pub(crate) use node_evidence::NodeEvidence;

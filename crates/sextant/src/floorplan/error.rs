@@ -7,7 +7,7 @@ use std::path::PathBuf;
 pub enum FloorPlanError {
     /// Its form is not known.
     #[error(
-        "`{}` is not a floor plan that can be read; allowed: an image (.png, .pgm), a map of ROS (map.yaml), GeoJSON (.geojson, .json) or walls of a scenario (.toml)",
+        "`{}` is not a floor plan that can be read; allowed: an image (.png, .pgm), a map of ROS (map.yaml), GeoJSON (.geojson, .json), a drawing (.dxf) or walls of a scenario (.toml)",
         path.display()
     )]
     Form {
@@ -17,6 +17,12 @@ pub enum FloorPlanError {
     /// An image without a scale.
     #[error("`{}` is an image: how long is a pixel? Option `scale` says it in metres", path.display())]
     NoScale {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A drawing without a unit.
+    #[error("`{}` does not say the unit of its lengths ($INSUNITS): option `unit` says it", path.display())]
+    NoUnit {
         /// The file.
         path: PathBuf,
     },

@@ -1,6 +1,7 @@
-//! Floor plans: walls for a scenario from an image, from a map of a robot, or from GeoJSON.
+//! Floor plans: walls for a scenario from an image, from a map of a robot, from GeoJSON, or from a drawing in DXF.
 
 mod blobs;
+mod dxf;
 mod error;
 mod geojson;
 mod graph;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Material, Obstacle, ObstacleConfig, ObstacleField, WallConfig};
 use sextant_kernel::{Files, SettingError};
 
+pub use dxf::LengthUnit;
 pub use error::FloorPlanError;
 use occupancy::Occupancy;
 
@@ -25,13 +27,17 @@ use occupancy::Occupancy;
 pub struct FloorPlanOptions {
     /// Length of a pixel (m); that of the map of a robot if absent.
     pub metres_per_pixel: Option<f64>,
-    /// Where the lower left corner of an image is (m); that of the map of a robot, or zero, if absent.
+    /// Where the lower left corner of an image, or zero of GeoJSON or DXF, is (m); that of the map of a robot, or zero, if absent.
     pub origin_m: Option<[f64; 2]>,
+    /// Unit of lengths of a drawing in DXF; what it says if absent.
+    pub unit: Option<LengthUnit>,
+    /// Layers of a drawing in DXF whose lines are walls, by name; all that are visible if empty.
+    pub layers: Vec<String>,
     /// Material of the walls that do not say their own.
     pub material: String,
     /// Height of such walls (m).
     pub height_m: f64,
-    /// Thickness of such walls in GeoJSON (m). In an image it is measured.
+    /// Thickness of such walls in GeoJSON and DXF (m). In an image it is measured.
     pub thickness_m: f64,
     /// What is thicker is no wall but a block (m).
     pub thickest_m: f64,
@@ -42,6 +48,8 @@ impl Default for FloorPlanOptions {
         Self {
             metres_per_pixel: None,
             origin_m: None,
+            unit: None,
+            layers: Vec::new(),
             material: "brick".to_owned(),
             height_m: sextant_channel::USUAL_HEIGHT_M,
             thickness_m: sextant_channel::USUAL_THICKNESS_M,
@@ -61,8 +69,8 @@ pub struct FloorPlan {
     pub notes: Vec<String>,
 }
 
-/// Reads the floor plan `path`: an image (PNG, PGM) in which walls are dark, a map of a robot (`map.yaml` of ROS beside its image), or
-/// GeoJSON with lines and areas; or walls and obstacles of a scenario, as [`FloorPlan::to_toml`] writes them.
+/// Reads the floor plan `path`: an image (PNG, PGM) in which walls are dark, a map of a robot (`map.yaml` of ROS beside its image), GeoJSON
+/// with lines and areas, or a drawing (DXF) with lines, polylines, arcs and circles; or walls and obstacles of a scenario, as [`FloorPlan::to_toml`] writes them.
 ///
 /// # Errors
 /// If the file cannot be read, an option is missing or invalid, or there are no walls.
@@ -85,6 +93,7 @@ pub fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorP
             traced::plan(&occupancy, options)
         }
         "json" | "geojson" => geojson::read(path, options)?,
+        "dxf" => dxf::read(path, options)?,
         "toml" => of_tables(path)?,
         _ => return Err(FloorPlanError::Form { path: path.to_owned() }),
     };

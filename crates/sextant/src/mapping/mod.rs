@@ -22,7 +22,7 @@ pub use input::Input;
 pub(crate) use logs::MapLogs;
 pub use map_log::{LogMap, map_log};
 pub use pipeline::{ComputedMap, map, map_files};
-pub use prior::place_prior;
+pub use prior::{place_prior, read_area};
 pub use tiles_error::TilesError;
 pub use tracks::{TrackJob, tracks};
 

@@ -23,7 +23,7 @@ pub fn place_prior(
     if area.is_none() && near_stops_m.is_none() {
         return Ok(None);
     }
-    let area = area.map(|text| read(text, plane)).transpose()?;
+    let area = area.map(|text| read_area(text, plane)).transpose()?;
     let refused = |error: SettingError| MapLogError::Prior {
         what: NEAR_STOPS,
         found: error.found().to_owned(),
@@ -39,8 +39,12 @@ pub fn place_prior(
 const AREA: &str = "area";
 const NEAR_STOPS: &str = "distance to the stops";
 
-/// The area in four numbers or in a file.
-fn read(text: &str, plane: Option<&LocalPlane>) -> Result<Area, MapLogError> {
+/// The area in four numbers `x0,y0,x1,y1` or in a file with the corners of a polygon. `plane` is that of the log, if its places are by
+/// latitude and longitude.
+///
+/// # Errors
+/// If the numbers are no area, or the file cannot be read.
+pub fn read_area(text: &str, plane: Option<&LocalPlane>) -> Result<Area, MapLogError> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     let refused = |found: String| MapLogError::Prior {
         what: AREA,
