@@ -16,7 +16,7 @@ use crate::navigation::NavigationMap;
 
 pub use goal::{MissionGoal, SoughtField};
 pub use outcome::{MissionArrival, MissionOutcome};
-pub use place::{MissionPlace, MissionRobots};
+pub use place::{MissionLinks, MissionMedium, MissionPlace, MissionRobots};
 pub use team::MissionTeam;
 
 /// The settings of a mission, as written in a scenario.
@@ -26,6 +26,11 @@ pub trait MissionSettings {
 
     /// Its name in tables.
     fn name(&self) -> &'static str;
+
+    /// Over which links it works: those that carry messages, unless a mission says otherwise.
+    fn links(&self) -> MissionLinks {
+        MissionLinks::Messages
+    }
 
     /// Refuses a world that has nothing for the mission, or no node that could sense it.
     ///
