@@ -59,8 +59,8 @@ pub use controller::ControllerConfig;
 pub use expected_way::ExpectedWay;
 pub use hilbert::{Hilbert, HilbertConfig};
 pub use mission::{
-    Mission, MissionArrival, MissionGoal, MissionLinks, MissionMedium, MissionOutcome, MissionPlace, MissionRobots,
-    MissionSettings, MissionTeam, SoughtField,
+    LinkRecord, Mission, MissionArrival, MissionGoal, MissionLinks, MissionMedium, MissionOutcome, MissionPlace,
+    MissionRobots, MissionSettings, MissionTeam, SoughtField,
 };
 pub use missions::{AlgorithmConfig, MapSourceConfig, MissionConfig};
 pub use octets::MessageError;

@@ -6,10 +6,9 @@ use sextant_kernel::SettingError;
 use sextant_sim::{ReadySimulation, Setup, Simulation};
 
 use super::config::BeamTrackingConfig;
-use super::record::BeamRecord;
 use super::settings::BeamTracking;
 use crate::mission::{
-    Mission, MissionGoal, MissionLinks, MissionOutcome, MissionPlace, MissionSettings, MissionTeam,
+    LinkRecord, Mission, MissionGoal, MissionLinks, MissionOutcome, MissionPlace, MissionSettings, MissionTeam,
 };
 use crate::navigation::NavigationMap;
 
@@ -50,7 +49,7 @@ impl Mission for BeamTracking {
         let simulation = Simulation::with(setup, self.stations(map, team))?;
         Ok(simulation.ready(|own| {
             let records = own.robots.into_iter().filter_map(super::BeamStation::into_record);
-            let links = records.fold(BeamRecord::default(), |sum, record| sum.with(&record));
+            let links = records.fold(LinkRecord::default(), |sum, record| sum.with(&record));
             MissionOutcome { links: Some(links), ..MissionOutcome::default() }
         }))
     }

@@ -14,14 +14,12 @@ mod config;
 mod link;
 mod mission;
 mod prediction;
-mod record;
 mod robot;
 mod settings;
 mod station;
 mod training;
 
 pub use config::{BeamTrackingConfig, OnFallConfig, PredictedConfig, RetrainConfig};
-pub use record::BeamRecord;
 pub use robot::BeamRobot;
 pub use settings::BeamTracking;
 pub use station::BeamStation;

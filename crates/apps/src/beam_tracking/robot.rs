@@ -11,9 +11,9 @@ use sextant_sim::{Application, DriveEnd, Driving, NetworkId, Port, SectorPowers,
 
 use super::link::{HeldLink, ideal_bits};
 use super::prediction::{predict, sectors_towards};
-use super::record::BeamRecord;
 use super::settings::BeamTracking;
 use super::training::{Found, Search, search, try_near};
+use crate::mission::LinkRecord;
 use crate::navigation::NavigationMap;
 
 /// The powers of a link are taken anew at least this often.
@@ -45,7 +45,7 @@ pub struct BeamRobot {
     step: Duration,
     /// Whether the last data was acknowledged, and at which ratio.
     heard: Option<Db>,
-    record: BeamRecord,
+    record: LinkRecord,
 }
 
 impl BeamRobot {
@@ -66,13 +66,13 @@ impl BeamRobot {
             left: Duration::ZERO,
             step: Duration::ZERO,
             heard: None,
-            record: BeamRecord::default(),
+            record: LinkRecord::default(),
         }
     }
 
     /// What became of its links.
     #[must_use]
-    pub fn into_record(self) -> BeamRecord {
+    pub fn into_record(self) -> LinkRecord {
         self.record
     }
 

@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use sextant_sim::{Application, Applications, DriveEnd, Port, Timer};
 
-use super::record::BeamRecord;
 use super::robot::BeamRobot;
 use super::settings::BeamTracking;
-use crate::mission::MissionTeam;
+use crate::mission::{LinkRecord, MissionTeam};
 use crate::navigation::NavigationMap;
 
 /// The application of a station.
@@ -38,7 +37,7 @@ impl BeamTracking {
 impl BeamStation {
     /// What it leaves behind.
     #[must_use]
-    pub fn into_record(self) -> Option<BeamRecord> {
+    pub fn into_record(self) -> Option<LinkRecord> {
         match self {
             Self::Robot(robot) => Some(robot.into_record()),
             Self::Still => None,

@@ -2,6 +2,7 @@
 //! `mission.rs` that says what this port asks, and a line in [`AlgorithmConfig`](crate::AlgorithmConfig).
 
 mod goal;
+mod link_record;
 mod outcome;
 mod place;
 mod team;
@@ -15,6 +16,7 @@ use sextant_sim::{ReadySimulation, Setup};
 use crate::navigation::NavigationMap;
 
 pub use goal::{MissionGoal, SoughtField};
+pub use link_record::LinkRecord;
 pub use outcome::{MissionArrival, MissionOutcome};
 pub use place::{MissionLinks, MissionMedium, MissionPlace, MissionRobots};
 pub use team::MissionTeam;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use sextant_kernel::SimTime;
 
-use crate::beam_tracking::BeamRecord;
+use super::link_record::LinkRecord;
 
 /// What the stations of a mission leave behind. What truly happened is seen by observers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,7 +18,7 @@ pub struct MissionOutcome {
     /// Arrivals of robots where they wanted to be, in the order of their robots.
     pub arrivals: Vec<MissionArrival>,
     /// What became of the links that robots kept, if they did.
-    pub links: Option<BeamRecord>,
+    pub links: Option<LinkRecord>,
 }
 
 /// A robot believed to be where it wanted to be.

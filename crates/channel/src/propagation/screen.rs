@@ -174,8 +174,8 @@ mod tests {
 
     #[test]
     fn who_stands_behind_an_end_takes_nothing_and_a_way_overhead_little() {
-        assert_eq!(between([0.0, 0.0, 1.0], [10.0, 0.0, 1.0], [-1.0, 0.0, 0.0]), 0.0);
-        assert_eq!(between([0.0, 0.0, 1.0], [10.0, 0.0, 1.0], [11.0, 0.0, 0.0]), 0.0);
+        assert!(between([0.0, 0.0, 1.0], [10.0, 0.0, 1.0], [-1.0, 0.0, 0.0]).abs() < 1e-12);
+        assert!(between([0.0, 0.0, 1.0], [10.0, 0.0, 1.0], [11.0, 0.0, 0.0]).abs() < 1e-12);
         assert!(between([0.0, 0.0, 3.0], [10.0, 0.0, 3.0], [5.0, 0.0, 0.0]) < 0.3);
         // A way that rises is shaded where it passes low.
         let rising = |x: f64| between([0.0, 0.0, 0.5], [10.0, 0.0, 4.5], [x, 0.0, 0.0]);

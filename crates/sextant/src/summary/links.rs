@@ -1,7 +1,7 @@
 //! What became of the links that robots kept.
 
 use serde::Serialize;
-use sextant_apps::beam_tracking::BeamRecord;
+use sextant_apps::LinkRecord;
 
 /// What became of the links that robots kept while they drove. Shares are of all beacon intervals, unless said otherwise.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -36,8 +36,8 @@ pub struct LinkSummary {
     pub by_mcs: Vec<f64>,
 }
 
-impl From<&BeamRecord> for LinkSummary {
-    fn from(record: &BeamRecord) -> Self {
+impl From<&LinkRecord> for LinkSummary {
+    fn from(record: &LinkRecord) -> Self {
         let time_s = record.time.as_secs_f64();
         let data_s = (record.time - record.training).as_secs_f64();
         let share = |part_s: f64, whole_s: f64| if whole_s > 0.0 { part_s / whole_s } else { 0.0 };

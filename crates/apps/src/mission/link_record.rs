@@ -6,7 +6,7 @@ use sextant_mac::dmg::data::Mcs;
 
 /// What became of the links of robots: sums over all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BeamRecord {
+pub struct LinkRecord {
     /// Time of all beacon intervals.
     pub time: Duration,
     /// Of it, beacons, slots for answers and refinements.
@@ -41,7 +41,7 @@ pub struct BeamRecord {
     pub loss_s: f64,
 }
 
-impl BeamRecord {
+impl LinkRecord {
     /// Both together.
     #[must_use]
     pub fn with(mut self, other: &Self) -> Self {
