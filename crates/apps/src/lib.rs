@@ -1,6 +1,6 @@
 //! What robots and nodes do in a network, on top of the simulator: controllers of robots, maps that are computed in
 //! the nodes ([`distributed`]), routing over several hops ([`routing`]), and missions on such maps ([`Mission`]). These share [`navigation`]: robots search targets
-//! ([`target_search`]) or seek the source of a field ([`source_seeking`]).
+//! ([`target_search`]), seek the source of a field ([`source_seeking`]), or keep a link while they drive ([`beam_tracking`]).
 //!
 //! Goes in: a [`ControllerConfig`] and the [`Surroundings`] of a robot. Comes out: a controller that drives the robot
 //! through the simulation. Two controllers need no map: [`AutomatedS`], which turns where it meets an obstacle or
@@ -30,6 +30,7 @@
 mod a_star;
 mod area;
 mod automated_s;
+pub mod beam_tracking;
 mod controller;
 pub mod distributed;
 mod expected_way;
@@ -59,8 +60,8 @@ pub use controller::ControllerConfig;
 pub use expected_way::ExpectedWay;
 pub use hilbert::{Hilbert, HilbertConfig};
 pub use mission::{
-    Mission, MissionArrival, MissionGoal, MissionOutcome, MissionPlace, MissionRobots, MissionSettings, MissionTeam,
-    SoughtField,
+    LinkRecord, Mission, MissionArrival, MissionGoal, MissionLinks, MissionMedium, MissionOutcome, MissionPlace,
+    MissionRobots, MissionSettings, MissionTeam, SoughtField,
 };
 pub use missions::{AlgorithmConfig, MapSourceConfig, MissionConfig};
 pub use octets::MessageError;

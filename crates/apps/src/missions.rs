@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::beam_tracking::BeamTrackingConfig;
 use crate::mission::MissionSettings;
 use crate::source_seeking::{GradientConfig, LevelSetConfig};
 use crate::target_search::{DetarskConfig, PGConfig};
@@ -63,6 +64,8 @@ pub enum AlgorithmConfig {
     LevelSet(LevelSetConfig),
     /// Seeking of the source of a field up the gradient of the readings around the robot.
     Gradient(GradientConfig),
+    /// A link of IEEE 802.11ad that a robot keeps while it drives: when are beams trained, and what does a map save?
+    BeamTracking(BeamTrackingConfig),
 }
 
 impl AlgorithmConfig {
@@ -74,6 +77,7 @@ impl AlgorithmConfig {
             Self::PG(settings) => settings,
             Self::LevelSet(settings) => settings,
             Self::Gradient(settings) => settings,
+            Self::BeamTracking(settings) => settings,
         }
     }
 }

@@ -93,6 +93,7 @@ pub use propagation::material::{Material, MaterialName};
 pub use propagation::path_budget::{ObstacleLoss, PathBudget};
 pub use propagation::path_loss::{CloseInConfig, DistanceLoss, LogDistance, LogDistanceConfig, PathLossConfig};
 pub use propagation::reflection::{Polarisation, Ray, ReflectionsConfig, angles_rad};
+pub use propagation::screen::{Screen, ScreenConfig};
 pub use propagation::shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
 pub use ranging::device::{IdealExchangeConfig, RangeExchangeConfig, RangeTry, RangingDevice, RangingDeviceConfig};
 pub use ranging::law::{PreparedRangeErrorLaw, RangeErrorDensity, RangeErrorLaw, RangeErrorShares};

@@ -169,6 +169,7 @@ impl From<ConvertError> for Failure {
             ConvertError::UnknownOrigin { name, .. } => {
                 format!("angles from the zenith: --zenith; from the horizontal plane: --elevation '{name}'")
             }
+            ConvertError::UnknownTurning => "--azimuths clockwise, or --azimuths counterclockwise".to_owned(),
             ConvertError::SeveralGains { .. } => "the one to take: --gain NAME".to_owned(),
             ConvertError::Invalid { .. } => {
                 "angles from the zenith: --zenith; a sector that is the listening pattern: --quasi-omni ID".to_owned()

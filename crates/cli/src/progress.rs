@@ -52,6 +52,7 @@ fn of_simulation(start: &SimulationStart<'_>) -> (&'static str, u64, Shown) {
         let name = match application.goal() {
             MissionGoal::Targets => "searching",
             MissionGoal::Field(_) => "seeking",
+            MissionGoal::Link => "keeping a link",
             MissionGoal::Other => "working",
         };
         return (name, application.duration.as_secs(), Shown::Seconds);

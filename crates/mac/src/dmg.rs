@@ -7,6 +7,9 @@
 //! announce a station, or carry a payload to all stations in DMG Beacon frames; no one answers it. With feedback, an
 //! initiator may ask for the SNRs of all its sectors, which a responder then reports in a BRP frame.
 //!
+//! A link that is kept while a robot moves has its own parts: [`retraining`] says when its beam is trained, [`interval`] how much
+//! of a beacon interval that takes, and [`data`] what data frames bring in the rest.
+//!
 //! Goes in: events with their instants, and the frames that were decoded, with their SINR. Comes out: commands to a
 //! [`Radio`], and reports. A machine owns no octets: the radio gets each frame as a [`SweepFrame`], which writes itself.
 //!
@@ -18,11 +21,14 @@
 mod address;
 mod alarm;
 mod backoff;
+pub mod data;
 mod edca;
 mod frame;
 mod initiator;
+pub mod interval;
 mod port;
 mod responder;
+pub mod retraining;
 #[cfg(test)]
 mod script;
 mod sector;

@@ -154,7 +154,7 @@ pub use region::{MANY_NODES, Reach, SimulatedRegion};
 pub use service::delays::{DelayCount, Delays};
 pub use service::delivery::{Delivery, DriveEnd};
 pub use service::estimate::Estimate;
-pub use service::ideal::IdealReception;
+pub use service::ideal::{IdealReception, SectorPair, SectorPowers};
 pub use service::network_id::NetworkId;
 pub use service::outcome::{Deafness, FrameOutcome};
 pub use service::packet_trace::{AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace};

@@ -72,6 +72,11 @@ impl Scene {
         u32::try_from(((bits >> 32) * (u64::from(max_inclusive) + 1)) >> 32).expect("below 2^32")
     }
 
+    /// A body without a radio moves like this from now on; without a motion it is gone.
+    pub(crate) fn body_moves(&mut self, body: usize, motion: Option<Motion>) {
+        self.airs.iter_mut().for_each(|air| air.body_moves(body, motion));
+    }
+
     /// Where the robots are now.
     pub(crate) fn robots(&self) -> impl Iterator<Item = Position> {
         (0..self.roll.robots).map(|robot| self.place(self.roll.robot(robot)))

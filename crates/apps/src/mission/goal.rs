@@ -9,6 +9,8 @@ pub enum MissionGoal {
     Targets,
     /// A place in a field.
     Field(SoughtField),
+    /// A link that robots keep: it is over when their way is.
+    Link,
     /// Neither: it is scored by nothing but what its stations count.
     Other,
 }
@@ -33,12 +35,18 @@ impl MissionGoal {
         matches!(self, Self::Targets)
     }
 
+    /// Whether its robots keep a link.
+    #[must_use]
+    pub fn is_link(&self) -> bool {
+        matches!(self, Self::Link)
+    }
+
     /// The place in a field that it seeks, if it does.
     #[must_use]
     pub fn field(&self) -> Option<SoughtField> {
         match self {
             Self::Field(sought) => Some(*sought),
-            Self::Targets | Self::Other => None,
+            Self::Targets | Self::Link | Self::Other => None,
         }
     }
 }

@@ -2,6 +2,7 @@
 //! `mission.rs` that says what this port asks, and a line in [`AlgorithmConfig`](crate::AlgorithmConfig).
 
 mod goal;
+mod link_record;
 mod outcome;
 mod place;
 mod team;
@@ -15,8 +16,9 @@ use sextant_sim::{ReadySimulation, Setup};
 use crate::navigation::NavigationMap;
 
 pub use goal::{MissionGoal, SoughtField};
+pub use link_record::LinkRecord;
 pub use outcome::{MissionArrival, MissionOutcome};
-pub use place::{MissionPlace, MissionRobots};
+pub use place::{MissionLinks, MissionMedium, MissionPlace, MissionRobots};
 pub use team::MissionTeam;
 
 /// The settings of a mission, as written in a scenario.
@@ -26,6 +28,11 @@ pub trait MissionSettings {
 
     /// Its name in tables.
     fn name(&self) -> &'static str;
+
+    /// Over which links it works: those that carry messages, unless a mission says otherwise.
+    fn links(&self) -> MissionLinks {
+        MissionLinks::Messages
+    }
 
     /// Refuses a world that has nothing for the mission, or no node that could sense it.
     ///

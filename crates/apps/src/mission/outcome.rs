@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use sextant_kernel::SimTime;
 
+use super::link_record::LinkRecord;
+
 /// What the stations of a mission leave behind. What truly happened is seen by observers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MissionOutcome {
@@ -15,6 +17,8 @@ pub struct MissionOutcome {
     pub octets: u64,
     /// Arrivals of robots where they wanted to be, in the order of their robots.
     pub arrivals: Vec<MissionArrival>,
+    /// What became of the links that robots kept, if they did.
+    pub links: Option<LinkRecord>,
 }
 
 /// A robot believed to be where it wanted to be.

@@ -17,8 +17,19 @@ pub struct MissionTeam<'a> {
     pub targets: usize,
     /// The network over which they exchange messages.
     pub network: NetworkId,
-    /// Its radios.
-    pub radio: &'a Radio,
+    /// Its radios, if they exchange messages.
+    pub radio: Option<&'a Radio>,
     /// When the mission ends at the latest.
     pub duration: Duration,
+}
+
+impl<'a> MissionTeam<'a> {
+    /// The radios of a network that carries messages.
+    ///
+    /// # Panics
+    /// If the mission works over other links.
+    #[must_use]
+    pub fn messages(&self) -> &'a Radio {
+        self.radio.expect("a mission with messages is refused over other links")
+    }
 }

@@ -88,7 +88,7 @@ fn check_sensed(algorithm: &str, place: &MissionPlace<'_>) -> Result<(), Setting
 /// The mission, if its field and the radios allow it.
 fn checked(seek: SourceSeeking, place: &MissionPlace<'_>) -> Result<Arc<dyn Mission>, SettingError> {
     check_level(&seek, &place.world.fields)?;
-    check_weights(&seek, place.radio.tx_power())?;
+    check_weights(&seek, place.radio().tx_power())?;
     Ok(Arc::new(seek))
 }
 

@@ -27,7 +27,8 @@ impl SourceSeeking {
     /// The applications of all stations, which know `map`.
     #[must_use]
     pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: MissionTeam<'_>) -> Applications<SeekStation> {
-        let MissionTeam { nodes, robots, sinks, network, radio, targets: _, duration: _ } = team;
+        let MissionTeam { nodes, robots, sinks, network, .. } = team;
+        let radio = team.messages();
         let node = |node: usize| {
             let node = SeekNode::new(network, map.place(NodeId::from_index(node)), radio.tx_power());
             SeekStation::Node(Box::new(node))

@@ -64,7 +64,7 @@ impl MissionSettings for PGConfig {
     }
 
     fn check(&self, place: &MissionPlace<'_>) -> Result<Arc<dyn Mission>, SettingError> {
-        Ok(Arc::new(TargetSearch::pseudo_gradient(self, place.radio)?))
+        Ok(Arc::new(TargetSearch::pseudo_gradient(self, place.radio())?))
     }
 }
 

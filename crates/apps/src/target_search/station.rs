@@ -46,7 +46,8 @@ impl TargetSearch {
         map: &Arc<NavigationMap>,
         team: MissionTeam<'_>,
     ) -> Applications<SearchStation> {
-        let MissionTeam { nodes, robots, sinks, targets, network, radio, duration } = team;
+        let MissionTeam { nodes, robots, sinks, targets, network, duration, .. } = team;
+        let radio = team.messages();
         let node = |node: usize| {
             let place = map.place(NodeId::from_index(node));
             let node = SearchNode::new(Arc::clone(self), network, place, radio.tx_power());

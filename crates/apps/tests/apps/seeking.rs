@@ -167,7 +167,7 @@ impl Scene {
             sinks: 0,
             targets: 0,
             network: NetworkId(0),
-            radio: &network.technology.ieee802154().expect("a radio of this technology").radio,
+            radio: Some(&network.technology.ieee802154().expect("a radio of this technology").radio),
             duration,
         };
         let own = Arc::new(settings(&fields)).stations(&Arc::new(map), team);

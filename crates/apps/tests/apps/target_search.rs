@@ -164,7 +164,7 @@ impl Scene {
                 sinks: 1,
                 targets: world.targets.len(),
                 network: NetworkId(0),
-                radio: &radio,
+                radio: Some(&radio),
                 duration,
             },
         );

@@ -109,7 +109,8 @@ impl Scatterers {
         let loss = around.law.path_loss().loss(length_m) + bounce_loss + obstacles;
         let (departure, arrival) = (direction(a, place), direction(b, place));
         let phase_rad = wrapped(self.phase_rad(length_m) + turn_rad);
-        Some(Ray { loss, departure, arrival, length_m, phase_rad, bounces: 1, is_diffracted: false })
+        let turns = [place; 2];
+        Some(Ray { loss, departure, arrival, length_m, phase_rad, bounces: 1, is_diffracted: false, turns })
     }
 
     /// The way from `a` to `b` by two faces, if there is one; `image` is that of `a` in the first one.
@@ -135,7 +136,8 @@ impl Scatterers {
         let loss = around.law.path_loss().loss(length_m) + bounce_loss + crossed;
         let (departure, arrival) = (direction(a, place), direction(b, last));
         let phase_rad = wrapped(self.phase_rad(length_m) + turn_rad);
-        Some(Ray { loss, departure, arrival, length_m, phase_rad, bounces: 2, is_diffracted: false })
+        let turns = [place, last];
+        Some(Ray { loss, departure, arrival, length_m, phase_rad, bounces: 2, is_diffracted: false, turns })
     }
 
     /// The way round an obstacle on one side, if there is one: the loss of a knife edge beside that of the straight line.
@@ -151,7 +153,8 @@ impl Scatterers {
         let (departure, arrival) = (direction(a, first), direction(b, last));
         // Deep in the shadow the field of an edge lags by an eighth of a turn.
         let phase_rad = wrapped(self.phase_rad(length_m) - FRAC_PI_4);
-        Some(Ray { loss, departure, arrival, length_m, phase_rad, bounces: 0, is_diffracted: true })
+        let turns = [first, last];
+        Some(Ray { loss, departure, arrival, length_m, phase_rad, bounces: 0, is_diffracted: true, turns })
     }
 
     /// Loss by reflections in the directions of the legs before them and the last leg, and by how much they turn the phase
@@ -203,7 +206,7 @@ impl Scatterers {
 pub(crate) fn straight(loss: Db, a: Position, b: Position, carrier_ghz: Option<f64>) -> Ray {
     let (departure, arrival, length_m) = (direction(a, b), direction(b, a), a.distance_m(b));
     let phase_rad = phase_rad(length_m, carrier_ghz.unwrap_or(DEFAULT_CARRIER_GHZ));
-    Ray { loss, departure, arrival, length_m, phase_rad, bounces: 0, is_diffracted: false }
+    Ray { loss, departure, arrival, length_m, phase_rad, bounces: 0, is_diffracted: false, turns: [a, b] }
 }
 
 /// Phase after a way at a carrier (rad).

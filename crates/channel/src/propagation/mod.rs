@@ -13,4 +13,5 @@ pub(crate) mod material;
 pub(crate) mod path_budget;
 pub(crate) mod path_loss;
 pub(crate) mod reflection;
+pub(crate) mod screen;
 pub(crate) mod shadowing;

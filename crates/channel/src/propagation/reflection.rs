@@ -162,13 +162,22 @@ pub struct Ray {
     pub bounces: u8,
     /// Whether it bends round an edge.
     pub is_diffracted: bool,
+    /// The first and the last place where it turns (m); the two ends of a straight way.
+    pub turns: [Position; 2],
 }
 
 impl Ray {
     /// The same way in the other direction.
     #[must_use]
     pub fn reversed(self) -> Self {
-        Self { departure: self.arrival, arrival: self.departure, ..self }
+        let [first, last] = self.turns;
+        Self { departure: self.arrival, arrival: self.departure, turns: [last, first], ..self }
+    }
+
+    /// The straight pieces of the way from one end to the other, each with its two ends (m).
+    pub fn legs(&self, from: Position, to: Position) -> impl Iterator<Item = [Position; 2]> {
+        let [first, last] = self.turns;
+        [[from, first], [first, last], [last, to]].into_iter().filter(|[a, b]| a.distance_m(*b) > 0.0)
     }
 
     /// How long a signal takes on it (s).

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
-use sextant::antenna::{AngleUnit, AntennaCoverage, ArrayOrder, GainUnit, SourceNames, convert, read_book};
+use sextant::antenna::{AngleUnit, AntennaCoverage, ArrayOrder, GainUnit, SourceNames, Turning, convert, read_book};
 use sextant::scenario::Scenario;
 use sextant_channel::Antenna;
 use sextant_figure::of_antenna;
@@ -78,8 +78,9 @@ pub(crate) enum Owner {
 /// Arguments of `sextant antenna convert`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ConvertArguments {
-    /// A MATLAB file of version 5 to 7.2 (.mat), or a table with a row for each sector and direction, a column for each
-    /// sector, or one pattern (.csv, .tsv, .txt, .ffe)
+    /// A MATLAB file of version 5 to 7.2 (.mat), a table with a row for each sector and direction, a column for each sector,
+    /// or one pattern (.csv, .tsv, .txt, .ffe), a code book of ns-3 in numbers (.txt), or a pattern of MSI and Planet (.msi,
+    /// .pln)
     #[arg(value_name = "IN")]
     pub(crate) source: PathBuf,
     /// The code book
@@ -116,9 +117,30 @@ pub(crate) struct ConvertArguments {
     /// lengths tell]
     #[arg(long, value_name = "AXES")]
     pub(crate) order: Option<ArrayOrder>,
+    /// Which way azimuths turn, seen from above, in a pattern of MSI and Planet that is not the same on both sides
+    #[arg(long, value_enum)]
+    pub(crate) azimuths: Option<Azimuths>,
     /// What may be replaced.
     #[command(flatten)]
     pub(crate) replacing: Replacing,
+}
+
+/// Which way azimuths turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Azimuths {
+    /// To the right, as on a compass
+    Clockwise,
+    /// To the left
+    Counterclockwise,
+}
+
+impl From<Azimuths> for Turning {
+    fn from(azimuths: Azimuths) -> Self {
+        match azimuths {
+            Azimuths::Clockwise => Self::Clockwise,
+            Azimuths::Counterclockwise => Self::Counterclockwise,
+        }
+    }
 }
 
 /// The unit of measured gains.
@@ -235,6 +257,7 @@ fn convert_file(arguments: &ConvertArguments) -> Result<(), Failure> {
             (false, false) => None,
         },
         order: arguments.order,
+        turning: arguments.azimuths.map(Turning::from),
     };
     let book = convert(source, &names, arguments.unit.map(GainUnit::from))?;
     book.notes.iter().for_each(|note| warn(note));

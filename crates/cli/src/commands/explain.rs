@@ -144,6 +144,7 @@ fn measures(path: &str) -> Vec<Measure> {
         by_nodes: name(),
         applications: name(),
         searches: name(),
+        keep_links: name(),
         has_routing: true,
         has_way_down: true,
         has_rpl: true,

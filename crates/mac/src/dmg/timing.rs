@@ -67,7 +67,7 @@ pub const fn control_airtime(octets: u16) -> Duration {
 }
 
 /// Time of so many chips.
-const fn chips(count: u64) -> Duration {
+pub(crate) const fn chips(count: u64) -> Duration {
     Duration::from_nanos((count * 1_000_000_000 + CHIPS_PER_S / 2) / CHIPS_PER_S)
 }
 

@@ -5,5 +5,5 @@ mod convert;
 mod coverage;
 
 pub use book_file::{BookError, read_book};
-pub use convert::{AngleUnit, ArrayOrder, ConvertError, ConvertedBook, GainUnit, SourceNames, convert};
+pub use convert::{AngleUnit, ArrayOrder, ConvertError, ConvertedBook, GainUnit, SourceNames, Turning, convert};
 pub use coverage::{AntennaCoverage, PatternSummary};

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::gathering::EnergySummary;
+use super::links::LinkSummary;
 use super::map::ErrorSummary;
 use super::sensing::SensorErrorCounts;
 use sextant_kernel::text::{counted, listed};
@@ -14,7 +15,7 @@ use sextant_kernel::text::{counted, listed};
 pub struct MissionSummary {
     /// Its name in tables and recordings.
     pub name: String,
-    /// Its algorithm: `detarsk`, `p-g`, `level-set` or `gradient`.
+    /// Its algorithm: `detarsk`, `p-g`, `level-set`, `gradient` or `beam-tracking`.
     pub algorithm: &'static str,
     /// Name of the map that it was given: `physical`, the name of a map of the scenario, or that of a file.
     pub map: String,
@@ -83,6 +84,9 @@ pub struct MissionSummary {
     /// works with is the exact one: readings that differ from the field can take it there sooner.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law_minimum_s: Option<f64>,
+    /// What became of the links that its robots kept. Absent if they keep none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub link: Option<LinkSummary>,
     /// How often each kind of step was taken, by name: what the filters, the predictions and the controllers did.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub steps: BTreeMap<&'static str, u64>,

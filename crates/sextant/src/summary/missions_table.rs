@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::links::LinkSummary;
 use super::missions::{ArrivalSummary, MissionSummary, MissionTarget};
 use super::sensing::SensorErrorCounts;
 use crate::columns::{Align, columns};
@@ -78,12 +79,38 @@ fn details(mission: &MissionSummary, out: &mut impl Write) -> io::Result<()> {
     if let Some(SensorErrorCounts { missed_detections, false_detections }) = mission.sensor_errors {
         writeln!(out, "{name}: sensors: {missed_detections} missed and {false_detections} false detections")?;
     }
+    if let Some(link) = &mission.link {
+        write_link(name, link, out)?;
+    }
     let kinds: Vec<String> =
         mission.messages.kinds.iter().map(|(kind, count)| format!("{count} {}", kind.replace('_', " "))).collect();
     if !kinds.is_empty() {
         writeln!(out, "{name}: messages: {}", kinds.join(", "))?;
     }
     Ok(())
+}
+
+/// The link that its robots kept, and how near it came to the best one.
+fn write_link(name: &str, link: &LinkSummary, out: &mut impl Write) -> io::Result<()> {
+    let giga = |bit_per_s: f64| bit_per_s * 1e-9;
+    writeln!(
+        out,
+        "{name}: {:.3} Gbit/s of {:.3} with the best sectors at any time; outage {:.2} % of {:.2} %",
+        giga(link.throughput_bit_per_s),
+        giga(link.ideal_throughput_bit_per_s),
+        100.0 * link.outage,
+        100.0 * link.ideal_outage
+    )?;
+    let loss =
+        link.snr_loss_db.map_or_else(String::new, |loss_db| format!("; {loss_db:.2} dB below the best sectors"));
+    writeln!(
+        out,
+        "{name}: training took {:.2} % of the time: {} with all sectors, {} round a predicted one, {} handovers{loss}",
+        100.0 * link.overhead,
+        link.searches,
+        link.near_trainings,
+        link.handovers
+    )
 }
 
 /// What became of a target.

@@ -8,6 +8,7 @@ mod distributed;
 mod distributed_table;
 mod gathering;
 mod judgement;
+mod links;
 mod log_counts;
 mod mac;
 mod mac_table;
@@ -34,6 +35,7 @@ pub use gathering::{
     DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RoundSummary, SectorReportsSummary,
 };
 pub use judgement::{Judgement, JudgementLevel};
+pub use links::LinkSummary;
 pub(crate) use log_counts::LogCounts;
 pub use mac::{
     DelayBin, DelaySummary, MacSummary, NamedTraffic, NegotiatedSummary, SinkSummary, SleepSummary, SlotSummary,

@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "oracles may be those of the C library")]
 
 mod batteries;
+mod beams;
 mod disasters;
 mod examples;
 mod fading;

@@ -1,5 +1,7 @@
 //! The power of signals between stations: what does not change from packet to packet is worked out once.
 
+mod sectors;
+
 use std::ops::Range;
 
 use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position, Traced};
@@ -10,9 +12,13 @@ use super::items::LinkItems;
 use super::listener::Listener;
 use super::mounts::Mounts;
 use super::receiver_id::ReceiverId;
+use super::screens::Screens;
 use super::signal::{Aim, Emission, Signal};
 use super::ways::{End, Ways};
+use sectors::left_over;
+
 use crate::station::{Motion, Pose};
+pub(crate) use sectors::SectorCounts;
 
 /// Number of links that are remembered: a power of two.
 const LINKS: usize = 1 << 20;
@@ -211,6 +217,11 @@ impl Budget {
         self.changes.as_deref()
     }
 
+    /// The bodies that hide links, if any does.
+    pub(super) fn screens_mut(&mut self) -> Option<&mut Screens> {
+        self.changes.as_mut()?.screens_mut()
+    }
+
     /// Whether the power between the sender of a signal and a station is the same for all its signals: both stand, and the
     /// sender keeps its transmit power.
     pub(super) fn stays(&self, signal: &Signal, station: StationId) -> bool {
@@ -313,7 +324,7 @@ impl Budget {
     #[inline]
     pub(super) fn milliwatts(&mut self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Milliwatts {
         let power = match &mut self.changes {
-            Some(changes) => power + changes.gain(signal, listener),
+            Some(changes) => power + changes.gain(signal, listener) - self.hidden(signal, listener),
             None => power,
         };
         if !self.has_antennas() {
@@ -382,7 +393,8 @@ impl Budget {
     /// Gains of the transmitter and of the listener over all ways of a signal: the mean of the gains in their directions,
     /// each with the share of the power that its way carries. What the listener adds is its gain.
     fn gains_over_ways(&mut self, signal: &Signal, listener: &Listener<Position>) -> (Db, Db) {
-        let Self { channel, mounts, ways, .. } = self;
+        let Self { channel, mounts, ways, changes, .. } = self;
+        let screens = changes.as_ref().and_then(|changes| changes.screens());
         let from = End { station: signal.source, place: signal.position };
         let rays = ways.between(channel, from, End { station: listener.station, place: listener.place });
         let listens_alike = mounts.listens_alike(listener.receiver);
@@ -391,6 +403,7 @@ impl Budget {
             let share = (Db(0.0) - ray.loss).to_factor();
             let aim = if ray.departure.length_m() > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };
             all += share;
+            let share = share * left_over(screens, ray, signal, listener);
             let sent = share * mounts.transmit_gain(signal.sender, aim, ray.departure).to_factor();
             with_gain += sent;
             if !listens_alike {

@@ -1,4 +1,5 @@
-//! What changes links in time and over fractions of a wavelength: fading, bursts of loss, and links as they were measured.
+//! What changes links in time and over fractions of a wavelength: fading, bursts of loss, bodies in the way, and links as they
+//! were measured.
 
 use sextant_channel::{
     Bursts, ChannelLaw, Db, Dbm, Fading, FadingBand, FadingEnd, LinkState, LinkTrace, Position, Traced,
@@ -6,6 +7,7 @@ use sextant_channel::{
 use sextant_kernel::{Seed, SimTime, StationId};
 
 use super::listener::Listener;
+use super::screens::Screens;
 use super::signal::Signal;
 
 /// What changes the links of one band.
@@ -13,26 +15,40 @@ pub(crate) struct Changes {
     fading: Option<Fading>,
     bursts: Option<Bursts>,
     trace: Option<LinkTrace>,
+    screens: Option<Screens>,
     /// Number of stations; other sources are noise, which no trace knows.
     stations: usize,
 }
 
 /// The links that change: those between so many stations, with draws from a seed.
-#[derive(Clone, Copy, Debug)]
 pub(crate) struct Links {
     /// That of all bands.
     pub(crate) seed: Seed,
     pub(crate) stations: usize,
+    /// The links as they were measured, ...
+    pub(crate) trace: Option<LinkTrace>,
+    /// ... and the bodies that hide them.
+    pub(crate) screens: Option<Screens>,
 }
 
 impl Changes {
     /// What changes the links of a radio channel; `None` if nothing does.
-    pub(crate) fn of(law: &ChannelLaw, band: FadingBand, trace: Option<LinkTrace>, links: Links) -> Option<Self> {
-        let Links { seed, stations } = links;
+    pub(crate) fn of(law: &ChannelLaw, band: FadingBand, links: Links) -> Option<Self> {
+        let Links { seed, stations, trace, screens } = links;
         let fading = law.fading().map(|&law| Fading::new(law, band, seed));
         let bursts = law.bursts().map(|&law| Bursts::new(law, seed));
-        let changes = fading.is_some() || bursts.is_some() || trace.is_some();
-        changes.then_some(Self { fading, bursts, trace, stations })
+        let changes = fading.is_some() || bursts.is_some() || trace.is_some() || screens.is_some();
+        changes.then_some(Self { fading, bursts, trace, screens, stations })
+    }
+
+    /// The bodies that hide links, if any does.
+    pub(super) fn screens(&self) -> Option<&Screens> {
+        self.screens.as_ref()
+    }
+
+    /// The same, to move them.
+    pub(super) fn screens_mut(&mut self) -> Option<&mut Screens> {
+        self.screens.as_mut()
     }
 
     /// Whether links are as they were measured.

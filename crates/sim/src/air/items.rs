@@ -5,8 +5,9 @@ use sextant_kernel::SimTime;
 
 use super::listener::Listener;
 use super::receiver_id::ReceiverId;
-use super::signal::{Emission, Signal};
-use super::{Air, Interface, ReceptionRules};
+use super::signal::{Aim, Emission, Signal};
+use super::{Air, Interface, ReceptionRules, SectorCounts};
+use crate::service::ideal::SectorPowers;
 
 /// What the power of a link consists of.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,21 @@ impl Air {
         let Interface { receiver, station } = to.radio;
         let power = self.medium.power_at(&signal, &Listener { receiver, station, place: to.place })?;
         (power >= self.rules(receiver).least_power()).then_some(power)
+    }
+
+    /// The powers of frames from one radio to another that begin `now`, with each sector of the two; `None` beyond the radius of
+    /// communication.
+    pub(crate) fn sector_powers(
+        &mut self,
+        now: SimTime,
+        power: Dbm,
+        [from, to]: [PlacedRadio; 2],
+        counts: SectorCounts,
+    ) -> Option<SectorPowers> {
+        let emission = Emission { power, aim: Aim::Omnidirectional };
+        let signal = Signal { draw: self.draw_at(now), start: now, end: now, ..self.trial(emission, from) };
+        let Interface { receiver, station } = to.radio;
+        self.medium.sector_powers(&signal, &Listener { receiver, station, place: to.place }, counts)
     }
 
     /// Whether the power of one radio at another is the same for all frames, as long as both stand: nothing moves or changes.

@@ -8,7 +8,7 @@ use sextant_channel::{Dbm, Milliwatts, Position};
 use sextant_kernel::{SimTime, StationId};
 
 use super::ReceptionRules;
-use super::budget::Budget;
+use super::budget::{Budget, SectorCounts};
 use super::carrier::{Carrier, Enough, energy_in, overlap_ns};
 use super::cells::Cells;
 use super::changes::Changes;
@@ -17,9 +17,11 @@ use super::items::LinkItems;
 use super::listener::Listener;
 use super::mounts::Mounts;
 use super::receiver_id::ReceiverId;
+use super::screens::Screens;
 use super::sense::Sense;
 use super::signal::Signal;
 use super::surroundings::{AllSurroundings, Surroundings};
+use crate::service::ideal::SectorPowers;
 use crate::station::Motion;
 
 /// So many signals are looked at one by one: that is faster than to look for those near a place.
@@ -83,6 +85,21 @@ impl Medium {
     /// The antennas, to mount more of them before the first signal, or to turn them.
     pub(crate) fn mounts_mut(&mut self) -> &mut Mounts {
         self.budget.mounts_mut()
+    }
+
+    /// The bodies that hide links, if any does.
+    pub(crate) fn screens_mut(&mut self) -> Option<&mut Screens> {
+        self.budget.screens_mut()
+    }
+
+    /// The powers of a signal at a listener with each sector of the two; `None` beyond the radius of communication.
+    pub(crate) fn sector_powers(
+        &mut self,
+        signal: &Signal,
+        listener: &Listener<Position>,
+        counts: SectorCounts,
+    ) -> Option<SectorPowers> {
+        self.budget.sector_powers(signal, listener, counts)
     }
 
     /// These nodes move, in their order.

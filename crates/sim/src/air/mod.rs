@@ -20,6 +20,7 @@ mod receiver;
 mod receiver_id;
 mod reception_model;
 mod reception_rules;
+mod screens;
 mod sense;
 mod signal;
 mod surroundings;
@@ -42,6 +43,7 @@ use medium::Medium;
 use reached::Reached;
 use receiver::Receiver;
 
+pub(crate) use budget::SectorCounts;
 pub(crate) use changes::{Changes, Links as ChangingLinks};
 pub(crate) use interface::Interface;
 pub(crate) use items::{LinkItems, PlacedRadio};
@@ -50,6 +52,7 @@ pub(crate) use noise::Burst;
 pub(crate) use receiver_id::ReceiverId;
 pub use reception_model::{ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub(crate) use reception_rules::{CarrierThresholds, ReceptionRules};
+pub(crate) use screens::Screens;
 pub(crate) use sense::Sense;
 pub(crate) use signal::{Aim, Emission};
 pub(crate) use transmission::{Arrival, Asked, Transmission};
@@ -260,6 +263,13 @@ impl Air {
     /// The station of a radio, which listens or not, has this heading now (rad).
     pub(crate) fn turn(&mut self, receiver: ReceiverId, heading_rad: f64) {
         self.medium.mounts_mut().turn(receiver, heading_rad);
+    }
+
+    /// The body with this number, if it hides links, moves like this from now on; without a motion it is gone.
+    pub(crate) fn body_moves(&mut self, body: usize, motion: Option<Motion>) {
+        if let Some(screens) = self.medium.screens_mut() {
+            screens.moves(body, motion);
+        }
     }
 
     /// Says which radios stand for good, and where: those of all stations that never drive. Called before the start.

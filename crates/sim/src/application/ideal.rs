@@ -3,7 +3,7 @@
 use sextant_kernel::NodeId;
 
 use super::Port;
-use crate::service::ideal::IdealReception;
+use crate::service::ideal::{IdealReception, SectorPowers};
 use crate::service::network_id::NetworkId;
 use crate::service::sensed::FieldId;
 
@@ -31,6 +31,21 @@ impl Port<'_> {
         };
         let nodes = (0..self.model.world.nodes.len()).map(NodeId::from_index);
         nodes.filter(|&node| self.station != node.into()).filter_map(receive).collect()
+    }
+
+    /// The powers of frames from the station to a node that begin now, with each sector of the two: those that sweeps meet, with
+    /// shadowing, reflections, fading and bodies in the way. `None` if one of the two is not in the network or dead, if they
+    /// are beyond the radius of communication, or if an antenna has no sectors. Nobody notices anything.
+    ///
+    /// The time is proportional to the product of the numbers of sectors.
+    ///
+    /// # Panics
+    /// If there is no such network.
+    #[must_use]
+    pub fn sector_powers(&mut self, network: NetworkId, node: NodeId) -> Option<SectorPowers> {
+        let (links, scene) = (&self.model.networks[network.index()], &mut self.model.scene);
+        let (own, peer) = (links.transmitter(self.station)?, links.transmitter(node.into())?);
+        own.sector_powers(&peer, scene)
     }
 
     /// The latest sample of a field that a node has taken, with its offset and its noise, in the unit of the field. `None`

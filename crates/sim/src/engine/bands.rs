@@ -5,12 +5,13 @@ use std::time::Duration;
 use sextant_channel::{Channel, Db, Dbm};
 use sextant_kernel::{Seed, SettingError};
 
-use crate::air::{AirSettings, Changes, ChangingLinks};
+use crate::air::{AirSettings, Changes, ChangingLinks, Screens};
 use crate::link::settings::Spectrum;
 use crate::network::Network;
 use crate::purpose;
 use crate::station::Roll;
 use crate::world::World;
+use crate::world::target::Target;
 
 /// Signals this far below the noise may be neglected.
 pub(crate) const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
@@ -114,8 +115,11 @@ impl Bands<'_> {
                 .fold(f64::MIN, f64::max);
             trace.of(&self.roll, Dbm(needed) + SURELY_RECEIVED)
         });
-        let links = ChangingLinks { seed: self.channel_seed, stations: self.roll.len() };
-        Changes::of(&network.channel, settings.radio().fading_band(band.spectrum.channel), trace, links)
+        let fading_band = settings.radio().fading_band(band.spectrum.channel);
+        let carrier_ghz = network.channel.carrier_ghz().unwrap_or(fading_band.center_hz * 1e-9);
+        let screens = Screens::new(self.world.targets.iter().map(Target::screen), carrier_ghz);
+        let links = ChangingLinks { seed: self.channel_seed, stations: self.roll.len(), trace, screens };
+        Changes::of(&network.channel, fading_band, links)
     }
 
     /// The air of the band number `number`, which some of `networks` share.

@@ -172,7 +172,8 @@ impl Antennas {
     }
 
     /// The sectors of one sweep of a robot or a sink, by DMG antenna.
-    pub(super) fn robot_layout(&self) -> SectorLayout {
+    #[must_use]
+    pub fn robot_layout(&self) -> SectorLayout {
         self.robot_layout
     }
 

@@ -2,8 +2,9 @@
 
 use sextant_channel::Dbm;
 
-use crate::air::{Aim, Emission, Interface, PlacedRadio};
+use crate::air::{Aim, Emission, Interface, PlacedRadio, SectorCounts};
 use crate::scene::Scene;
+use crate::service::ideal::SectorPowers;
 
 /// The radio of a station in a network.
 #[derive(Clone, Copy, Debug)]
@@ -34,5 +35,18 @@ impl Transmitter {
             }
         };
         best.map(|power| power.to_dbm())
+    }
+
+    /// The powers of frames to `peer`, in the same air, that begin now, with each sector of the two. `None` beyond the radius
+    /// of communication, or if an antenna has no sectors.
+    pub(crate) fn sector_powers(&self, peer: &Self, scene: &mut Scene) -> Option<SectorPowers> {
+        let counts = SectorCounts { own: self.sectors?, peer: peer.sectors? };
+        let radios = [self.radio, peer.radio];
+        let ends = radios.map(|radio| PlacedRadio { radio, place: scene.place(radio.station) });
+        let air = &mut scene.airs[self.air];
+        for Interface { receiver, station } in radios {
+            air.turn(receiver, scene.motions[station.index()].pose_at(scene.now).heading_rad);
+        }
+        air.sector_powers(scene.now, self.tx_power, ends, counts)
     }
 }

@@ -4,8 +4,7 @@ use sextant_kernel::StationId;
 
 use super::Model;
 use crate::event::Event;
-use crate::station::{Motion, Pose, Trip};
-use crate::world::target::Leg;
+use crate::station::Motion;
 
 impl Model {
     /// The nodes that move set out.
@@ -27,19 +26,7 @@ impl Model {
             self.move_as(station, Motion::standing(place));
             return;
         };
-        self.move_as(station, motion_of(&leg));
+        self.move_as(station, leg.motion());
         self.scene.at(leg.end, Event::NodeTurned(station));
     }
-}
-
-/// The motion along a leg.
-fn motion_of(leg: &Leg) -> Motion {
-    let &Leg { from, to, start, end } = leg;
-    let length_m = from.distance_m(to);
-    if length_m <= 0.0 {
-        return Motion::standing(from);
-    }
-    let speed_m_per_s = length_m / (end - start).as_secs_f64();
-    let from = Pose { position: from, heading_rad: 0.0 };
-    Motion::Driving(Trip { end, ..Trip::straight(from, to, start, speed_m_per_s) })
 }

@@ -143,8 +143,9 @@ impl Sensing {
 
     /// Schedules the first events.
     pub(crate) fn begin(&self, scene: &mut Scene) {
-        for target in self.target_ids() {
+        for (target, tracked) in self.target_ids().zip(&self.targets) {
             scene.at(SimTime::ZERO, Event::TargetTurned(target));
+            scene.body_moves(target.index(), Some(tracked.leg.motion()));
         }
         if let Some(detectors) = &self.detectors {
             for &node in detectors.alarms.keys() {
@@ -178,6 +179,7 @@ impl Sensing {
             None if tracked.course.leaves() => return Some(Turned::Gone(self.vanish(target, scene))),
             None => tracked.leg = Leg::standing(here, scene.now),
         }
+        scene.body_moves(target.index(), Some(tracked.leg.motion()));
         if let Some(detectors) = &self.detectors {
             self.near.clear();
             self.near.extend(tracked.stays.iter().map(|stay| stay.node));
@@ -192,6 +194,7 @@ impl Sensing {
     pub(crate) fn vanish(&mut self, target: TargetId, scene: &mut Scene) -> Position {
         let tracked = &mut self.targets[target.index()];
         tracked.is_gone = true;
+        scene.body_moves(target.index(), None);
         for node in tracked.detected.truly() {
             scene.at(scene.now, Event::TargetLeft(StationId(node.0), target));
         }

@@ -202,7 +202,7 @@ fn the_sensors_of_a_dead_node_are_silent() {
     // The target passes both nodes at 5 s, and is within 1 m of each for 2 s.
     let places_m = vec![Position::new(-4.0, 0.0, 0.0), Position::new(9.0, 0.0, 0.0)];
     let motion = WaypointsConfig { places_m, speed_m_per_s: 1.0, at_end: AtEnd::Stay };
-    let target = TargetConfig { name: "t".into(), motion: TargetMotionConfig::Waypoints(motion) };
+    let target = TargetConfig { name: "t".into(), motion: TargetMotionConfig::Waypoints(motion), screen: None };
     let sensors = SensorsConfig { targets: Some(TargetSensorConfig::perfect(1.0)), fields: None };
     let nodes = nodes(2);
     let world = World {

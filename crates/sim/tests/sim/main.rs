@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "oracles may be those of the C library")]
 
 mod acknowledgement;
+mod beams;
 mod broadcasts;
 mod code_books;
 mod discovery;

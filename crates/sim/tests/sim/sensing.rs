@@ -70,7 +70,7 @@ pub(crate) fn way(places: &[[f64; 3]], speed_m_per_s: f64, at_end: AtEnd) -> Tar
 /// Targets called `t0`, `t1`, ... among `obstacles`.
 pub(crate) fn targets(motions: &[TargetMotionConfig], obstacles: &ObstacleField) -> Vec<Target> {
     let target = |(i, motion): (usize, &TargetMotionConfig)| {
-        TargetConfig { name: format!("t{i}"), motion: motion.clone() }
+        TargetConfig { name: format!("t{i}"), motion: motion.clone(), screen: None }
             .build(i as u64, obstacles, Seed(1))
             .expect("good settings")
     };

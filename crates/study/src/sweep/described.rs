@@ -73,6 +73,7 @@ pub fn described_columns(plan: Option<&Sweep>) -> Vec<DescribedColumn> {
                 by_nodes: name(),
                 applications: name(),
                 searches: name(),
+                keep_links: name(),
                 has_routing: true,
                 has_way_down: true,
                 has_rpl: true,

@@ -52,6 +52,7 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
     let by_nodes: Vec<String> = scenario.distributed().map(|map| map.name.clone()).into_iter().collect();
     let maps = scenario.maps().iter().map(|named| named.name.clone());
     let searches = scenario.missions().iter().filter(|application| application.goal().is_targets());
+    let keep_links = scenario.missions().iter().filter(|application| application.goal().is_link());
     let routing = scenario.config().routing.as_ref();
     Ok(CellFacts {
         survey: scenario.survey_identity(),
@@ -70,6 +71,7 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
             has_sleep: scenario.networks().first().is_some_and(|network| network.technology.sleeping().is_some()),
             applications: scenario.missions().iter().map(|application| application.name.clone()).collect(),
             searches: searches.map(|application| application.name.clone()).collect(),
+            keep_links: keep_links.map(|application| application.name.clone()).collect(),
         },
         text: Sha256::digest(scenario.text()).into(),
         files: scenario.named_files().to_vec(),

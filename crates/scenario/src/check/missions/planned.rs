@@ -3,15 +3,17 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use sextant_apps::{MapSourceConfig, Mission, MissionConfig, MissionGoal, MissionPlace, MissionRobots};
+use sextant_apps::{
+    MapSourceConfig, Mission, MissionConfig, MissionGoal, MissionLinks, MissionMedium, MissionPlace, MissionRobots,
+};
 use sextant_channel::Position;
 use sextant_kernel::text::counted;
 use sextant_kernel::{Files, SettingError};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup, Technology};
 
-use super::check_all_nodes;
 use super::distributed::NodeMapJob;
+use super::{check_all_nodes, outside};
 use crate::check::errors::Errors;
 use crate::check::maps::{MapJob, check_name};
 use crate::check::networks::Networks;
@@ -98,7 +100,8 @@ pub(crate) fn check_missions(around: &Surroundings<'_>, errors: &mut Errors) -> 
         let are_known = around.bodies.len() == around.config.robots.len();
         let robots = if are_known { errors.take(&table, around.robots(written)) } else { None };
         let network = errors.take(&table, around.networks.number("network", written.network.as_deref()));
-        let network = network.filter(|&network| around.check_network(network, &table, errors));
+        let links = written.algorithm.settings().links();
+        let network = network.filter(|&network| around.check_network(network, links, &table, errors));
         let duration =
             SettingError::in_range("duration_s", written.duration_s, 1e-3, 1e7).map(Duration::from_secs_f64);
         let duration = errors.take(&table, duration);
@@ -227,24 +230,34 @@ impl Surroundings<'_> {
         Ok(robots)
     }
 
-    /// What a mission in a network that has been checked sees of the scenario; `None` if its radios are others than those of
-    /// IEEE 802.15.4.
+    /// What a mission in a network that has been checked sees of the scenario; `None` if its links carry neither messages nor
+    /// have sectors.
     fn place(&self, network: NetworkId) -> Option<MissionPlace<'_>> {
         let Setup { world, sinks, networks, .. } = self.setup;
         let is_in = |sink: &sextant_sim::Sink| sink.is_in(network);
+        let technology = &networks[network.index()].technology;
+        let medium = match technology {
+            Technology::Ieee80211ad(links) => MissionMedium::Sectors(links, technology.antennas()?),
+            Technology::Ieee802154(_) | Technology::Programmed(_) | Technology::Tsch(_) | Technology::Sleeping(_) => {
+                MissionMedium::Messages(&technology.ieee802154()?.radio)
+            }
+        };
         Some(MissionPlace {
             world,
             targets: &self.config.world.targets,
             sensors: &self.config.sensors,
             has_sink: sinks.iter().any(is_in),
-            radio: &networks[network.index()].technology.ieee802154()?.radio,
+            medium,
         })
     }
 
     /// Refuses networks in which nodes and robots cannot exchange messages. Returns whether it is a good one.
-    fn check_network(&self, network: NetworkId, table: &str, errors: &mut Errors) -> bool {
+    fn check_network(&self, network: NetworkId, links: MissionLinks, table: &str, errors: &mut Errors) -> bool {
         let before = errors.found.len();
         let busy: &Network = &self.setup.networks[network.index()];
+        if links == MissionLinks::Sectors {
+            return self.check_sectors(busy, table, errors);
+        }
         if busy.technology.ieee802154().is_none() {
             let with = match &busy.technology {
                 Technology::Programmed(_) => "`mac.program`",
@@ -261,5 +274,19 @@ impl Surroundings<'_> {
         }
         check_all_nodes(busy, self.networks.tables(network), self.nodes().len(), table, errors);
         errors.found.len() == before
+    }
+
+    /// Refuses a network whose antennas have no sectors. Returns whether it is a good one.
+    fn check_sectors(&self, network: &Network, table: &str, errors: &mut Errors) -> bool {
+        let found = match &network.technology {
+            Technology::Ieee80211ad(_) if outside(network, self.nodes().len()) == 0 => return true,
+            Technology::Ieee80211ad(_) => "one without some of the nodes",
+            Technology::Ieee802154(_) | Technology::Programmed(_) | Technology::Tsch(_) | Technology::Sleeping(_) => {
+                "one without sector sweeps"
+            }
+        };
+        let allowed = "a network of all nodes with `mac.sector_sweep`, whose beams follow";
+        errors.refuse(&SettingError::new("network", found, allowed).within(table));
+        false
     }
 }

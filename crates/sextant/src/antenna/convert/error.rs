@@ -93,6 +93,12 @@ pub enum ConvertError {
         /// Their values.
         found: String,
     },
+    /// Nothing says which way azimuths turn.
+    #[error(
+        "the horizontal cut is not the same on both sides, and nothing says which way its azimuths turn; allowed: one of the two, \
+         given, clockwise or counterclockwise seen from above"
+    )]
+    UnknownTurning,
     /// Several columns or variables may be the gains.
     #[error("several columns may be the gains: `{}`; allowed: the name of one of them", .found.join("`, `"))]
     SeveralGains {

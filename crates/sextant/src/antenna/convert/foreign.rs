@@ -17,19 +17,10 @@ pub(super) fn seen(path: &Path, octets: &[u8]) -> Option<String> {
         return Some(seen_of(path));
     }
     let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let begins = |word: &str| lines().take(40).any(|line| line.to_lowercase().starts_with(word));
     let numbers = |line: &str| {
         let words: Vec<&str> = line.split_whitespace().collect();
         words.iter().all(|word| word.parse::<f64>().is_ok()).then_some(words.len())
     };
-    if begins("horizontal 360") || begins("horizontal\t360") || begins("vertical 360") {
-        return Some(
-            "a pattern in the format of MSI and Planet (.msi, .pln): a horizontal and a vertical cut with the loss in dB below \
-             the gain, and azimuths that some programs count clockwise; write the horizontal cut as a table with the columns \
-             azimuth_deg and gain_dbi, counterclockwise: the gain less the loss"
-                .to_owned(),
-        );
-    }
     if text.contains("- RADIATION PATTERNS -") {
         return Some(
             "an output of NEC; write the columns THETA, PHI and TOTAL of its radiation pattern as a table with the header \

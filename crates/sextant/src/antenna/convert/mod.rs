@@ -4,10 +4,14 @@ mod angles;
 mod arrays;
 mod book;
 mod error;
+#[cfg(test)]
+mod files_tests;
 mod foreign;
 mod gain_unit;
 mod mat;
 mod names;
+mod ns3;
+mod planet;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -19,14 +23,14 @@ use sextant_kernel::{LARGEST_FILE, read_at_most};
 pub use book::ConvertedBook;
 pub use error::ConvertError;
 pub use gain_unit::GainUnit;
-pub use names::{AngleUnit, ArrayOrder, SourceNames};
+pub use names::{AngleUnit, ArrayOrder, SourceNames, Turning};
 
 use angles::AngleNames;
 use book::Rows;
 
 /// Reads the measurement in the file `path` and makes a code book of it: a MATLAB file (`.mat`, version 5 to 7.2) with
-/// vectors and an array of gains, or a table (`.csv`, `.tsv`, `.txt`) with a row for each sector and direction, with a
-/// column for each sector, or of one pattern.
+/// vectors and an array of gains, a table (`.csv`, `.tsv`, `.txt`) with a row for each sector and direction, with a
+/// column for each sector, or of one pattern, a code book of ns-3 in numbers, or a pattern of MSI and Planet (`.msi`, `.pln`).
 ///
 /// What the angles are measured in and from, and the unit of the gains, must follow from their names or be given. Azimuths are turned into −180 to 180 degrees. Several gains of one direction become their mean in decibels. Gaps stay
 /// gaps.
@@ -42,7 +46,14 @@ pub fn convert(path: &Path, names: &SourceNames, unit: Option<GainUnit>) -> Resu
         if let Some(seen) = foreign::seen(path, &octets) {
             return Err(ConvertError::Foreign { path: path.to_owned(), seen });
         }
-        table::rows(&String::from_utf8_lossy(&octets), names)?
+        let text = String::from_utf8_lossy(&octets);
+        if planet::is_pattern(&text) {
+            planet::rows(&text, names)?
+        } else if ns3::is_book(&text) {
+            ns3::rows(&text)?
+        } else {
+            table::rows(&text, names)?
+        }
     };
     source.book(names, unit)
 }

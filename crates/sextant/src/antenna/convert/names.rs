@@ -23,6 +23,17 @@ pub struct SourceNames {
     pub angles: Option<AngleUnit>,
     /// The axes of an array of gains, where their lengths do not tell them.
     pub order: Option<ArrayOrder>,
+    /// Which way azimuths turn in a format that does not say.
+    pub turning: Option<Turning>,
+}
+
+/// Which way azimuths turn, seen from above.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turning {
+    /// To the right, as on a compass.
+    Clockwise,
+    /// To the left, as in code books.
+    Counterclockwise,
 }
 
 /// A unit of angles.

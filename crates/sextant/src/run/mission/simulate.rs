@@ -27,9 +27,7 @@ pub(super) fn prepared(
     let networks: Vec<Network> = networks.collect();
     let known = NavigationMap::new(map.places.clone(), map.frame).map(Arc::new);
     let known = known.expect("a map with fewer than three places is refused before");
-    let radio = networks[mission.network.index()].technology.ieee802154();
-    let radio = &radio.expect("the check of the scenario refuses applications over other technologies").radio;
-    let radio = radio.clone();
+    let radio = networks[mission.network.index()].technology.ieee802154().map(|links| links.radio.clone());
     let own = |body: &RobotBody| Robot { body: body.clone(), task: RobotTask::Own };
     let robots = bodies.iter().map(own).collect();
     let team = MissionTeam {
@@ -38,7 +36,7 @@ pub(super) fn prepared(
         sinks: whole.sinks.len(),
         targets: whole.world.targets.len(),
         network: mission.network,
-        radio: &radio,
+        radio: radio.as_ref(),
         duration: mission.duration,
     };
     let setup = Setup { networks, robots, duration: Some(mission.duration), ..whole };

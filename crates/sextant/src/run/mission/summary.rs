@@ -13,7 +13,9 @@ use super::maps::WorkingMap;
 use super::score::{self, Scored};
 use crate::run::outcome::sensor_errors;
 use crate::run::witness::Witness;
-use crate::summary::{ArrivalSummary, EnergySummary, MissionMessages, MissionRobot, MissionSummary, MissionTarget};
+use crate::summary::{
+    ArrivalSummary, EnergySummary, LinkSummary, MissionMessages, MissionRobot, MissionSummary, MissionTarget,
+};
 
 /// The summary of `mission`, from what its stations did and what truly happened.
 pub(super) fn sum_up(
@@ -54,6 +56,7 @@ pub(super) fn sum_up(
             kinds: outcome.messages,
             octets: Some(outcome.octets),
         },
+        link: outcome.links.as_ref().map(LinkSummary::from),
         steps: outcome.steps,
         energy_j: EnergySummary { tx: energy.tx_j, rx: energy.rx_j, idle: energy.idle_j + energy.sleep_j },
         ..MissionSummary::default()
@@ -66,7 +69,7 @@ pub(super) fn sum_up(
             MissionSummary { course, ..summary }
         }
         MissionGoal::Field(sought) => of_seeking(scenario, sought, summary, &outcome.arrivals, witness),
-        MissionGoal::Other => summary,
+        MissionGoal::Link | MissionGoal::Other => summary,
     }
 }
 

@@ -41,6 +41,9 @@ pub struct Subjects {
     pub applications: Vec<String>,
     /// Names of those that search targets.
     pub searches: Vec<String>,
+    /// Names of those whose robots keep a link.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub keep_links: Vec<String>,
     /// Whether packets go over several hops.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub has_routing: bool,
@@ -75,6 +78,7 @@ impl Subjects {
             by_nodes,
             applications,
             searches,
+            keep_links,
             has_routing,
             has_way_down,
             has_rpl,
@@ -97,6 +101,7 @@ impl Subjects {
             (by_nodes, &others.by_nodes),
             (applications, &others.applications),
             (searches, &others.searches),
+            (keep_links, &others.keep_links),
         ] {
             for name in names {
                 if !list.contains(name) {
@@ -195,7 +200,7 @@ impl Measure {
             return Some(Self { of: Of::Run, known });
         }
         match column.strip_prefix("applications.") {
-            Some(rest) => named(rest, Of::Mission, || known::of_mission(true)),
+            Some(rest) => named(rest, Of::Mission, || known::of_mission(true, true)),
             None => {
                 let known = known::of_map(true).find(|known| known.path == column)?;
                 Some(Self { of: Of::Map(map.to_owned()), known })
@@ -223,7 +228,7 @@ impl FromStr for Measure {
         };
         let found = match path.split_once('.') {
             Some(("maps", rest)) => named(rest, Of::Map, || known::of_map(true)),
-            Some(("applications", rest)) => named(rest, Of::Mission, || known::of_mission(true)),
+            Some(("applications", rest)) => named(rest, Of::Mission, || known::of_mission(true, true)),
             _ => of_run(),
         };
         found.ok_or_else(|| UnknownMeasure(path.to_owned()))
@@ -256,6 +261,7 @@ pub fn all(subjects: &Subjects) -> Vec<Measure> {
         by_nodes,
         applications,
         searches,
+        keep_links,
         has_routing,
         has_way_down,
         has_rpl,
@@ -285,7 +291,7 @@ pub fn all(subjects: &Subjects) -> Vec<Measure> {
         measures.extend(numbers.map(|number| measure(Of::Map(map.clone()), number)));
     }
     for name in applications {
-        let numbers = known::of_mission(searches.contains(name));
+        let numbers = known::of_mission(searches.contains(name), keep_links.contains(name));
         measures.extend(numbers.map(|number| measure(Of::Mission(name.clone()), number)));
     }
     measures
@@ -368,6 +374,7 @@ mod tests {
             by_nodes: names(&["tpm"]),
             applications: names(&["detarsk", "p-g", "gradient"]),
             searches: names(&["detarsk", "p-g"]),
+            keep_links: names(&["gradient"]),
             has_routing: true,
             has_way_down: true,
             has_rpl: true,

@@ -31,6 +31,8 @@ pub enum Unit {
     Watt,
     /// Bits per second.
     BitPerSecond,
+    /// Decibels.
+    Decibel,
 }
 
 impl Unit {
@@ -52,6 +54,7 @@ impl Unit {
             Self::Ampere => "amperes",
             Self::Watt => "watts",
             Self::BitPerSecond => "bits per second",
+            Self::Decibel => "decibels",
         }
     }
 
@@ -71,6 +74,7 @@ impl Unit {
             Self::Ampere => "A",
             Self::Watt => "W",
             Self::BitPerSecond => "bit/s",
+            Self::Decibel => "dB",
         }
     }
 
@@ -91,7 +95,8 @@ impl Unit {
             | Self::Plain
             | Self::Metre
             | Self::Day
-            | Self::Degree => return self.for_people(),
+            | Self::Degree
+            | Self::Decibel => return self.for_people(),
         };
         // Zero has no size; it is printed in the first unit.
         let fits = steps.iter().find(|(step, _)| size.abs() >= *step);
@@ -110,6 +115,7 @@ impl Unit {
             Self::Second => (1.0, "s"),
             Self::Day => (1.0, "d"),
             Self::Degree => (1.0, "°"),
+            Self::Decibel => (1.0, "dB"),
             Self::Joule => (1000.0, "mJ"),
             Self::Ampere => (1e6, "µA"),
             Self::Watt => (1e6, "µW"),

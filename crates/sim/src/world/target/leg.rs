@@ -3,7 +3,7 @@
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
-use crate::station::time_of;
+use crate::station::{Motion, Pose, Trip, time_of};
 
 /// A straight piece of the way of a target, at constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +27,18 @@ impl Leg {
     /// A target that stands at `place` from `start` on.
     pub(crate) fn standing(place: Position, start: SimTime) -> Self {
         Self { from: place, to: place, start, end: start }
+    }
+
+    /// The motion along it.
+    pub(crate) fn motion(&self) -> Motion {
+        let &Self { from, to, start, end } = self;
+        let length_m = from.distance_m(to);
+        if length_m <= 0.0 {
+            return Motion::standing(from);
+        }
+        let speed_m_per_s = length_m / (end - start).as_secs_f64();
+        let from = Pose { position: from, heading_rad: 0.0 };
+        Motion::Driving(Trip { end, ..Trip::straight(from, to, start, speed_m_per_s) })
     }
 
     /// The place at `time`: that of the start before it, that of the end after it.

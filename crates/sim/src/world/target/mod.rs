@@ -14,7 +14,7 @@ mod waypoints;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use sextant_channel::{ObstacleField, Position};
+use sextant_channel::{ObstacleField, Position, Screen, ScreenConfig};
 use sextant_kernel::{Seed, SettingError, SimTime};
 
 use super::layout::{PlacedNode, Region};
@@ -40,6 +40,9 @@ pub struct TargetConfig {
     pub name: String,
     /// How it moves.
     pub motion: TargetMotionConfig,
+    /// What it takes of links that pass it: it hides them like an upright screen. Nothing if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub screen: Option<ScreenConfig>,
 }
 
 /// How a target moves, as written in a scenario.
@@ -63,6 +66,7 @@ pub struct Target {
     name: String,
     number: u64,
     motion: TargetMotion,
+    screen: Option<Screen>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -115,7 +119,8 @@ impl TargetConfig {
                 config.build(obstacles).map(TargetMotion::Evade).map_err(|error| error.within("motion.evade"))?
             }
         };
-        Ok(Target { name: self.name.clone(), number, motion })
+        let screen = self.screen.map(Screen::try_from).transpose().map_err(|error| error.within("screen"))?;
+        Ok(Target { name: self.name.clone(), number, motion, screen })
     }
 
     /// Refuses places that are so far from all `nodes` that they must be a mistake.
@@ -154,6 +159,12 @@ impl Target {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// What it takes of links that pass it, if it does.
+    #[must_use]
+    pub fn screen(&self) -> Option<Screen> {
+        self.screen
     }
 
     /// Where it starts (m).

@@ -192,7 +192,7 @@ fn invalid_evasions_are_refused_with_their_key() {
     let obstacles = ObstacleField::new(vec![block([10.0, 10.0, 0.0], [4.0; 3])]);
     let key = |config: EvadeConfig| {
         let motion = TargetMotionConfig::Evade(config);
-        let target = sextant_sim::TargetConfig { name: "t".into(), motion };
+        let target = sextant_sim::TargetConfig { name: "t".into(), motion, screen: None };
         target.build(0, &obstacles, Seed(1)).unwrap_err().key
     };
     let good = evade([1.0, 1.0, 0.0], square());

@@ -41,7 +41,7 @@ fn thesis() -> WanderConfig {
 }
 
 fn target(visit: &WanderConfig) -> TargetConfig {
-    TargetConfig { name: "visitor".into(), motion: TargetMotionConfig::Wander(visit.clone()) }
+    TargetConfig { name: "visitor".into(), motion: TargetMotionConfig::Wander(visit.clone()), screen: None }
 }
 
 fn legs(visit: &WanderConfig, obstacles: &ObstacleField, seed: u64) -> Vec<Leg> {
@@ -191,7 +191,8 @@ fn impossible_visits_are_refused_with_their_key() {
     assert_eq!(error.key, "motion.wander.duration_s");
     assert!(error.found().contains("no way of 120 m"), "{error}");
     let alone = way(&[[0.0; 3]], 1.0, AtEnd::Leave);
-    let alone = TargetConfig { name: "t".into(), motion: alone }.build(0, &obstacles, Seed(1)).unwrap_err();
+    let alone =
+        TargetConfig { name: "t".into(), motion: alone, screen: None }.build(0, &obstacles, Seed(1)).unwrap_err();
     assert_eq!(alone.key, "motion.waypoints.at_end");
 }
 
@@ -212,7 +213,7 @@ fn a_target_far_from_all_nodes_is_refused() {
             nodes: NodesConfig::Explicit(nodes.clone()),
             obstacles: Vec::new(),
             walls: Vec::new(),
-            targets: vec![TargetConfig { name: "t".into(), motion }],
+            targets: vec![TargetConfig { name: "t".into(), motion, screen: None }],
             fields: Vec::new(),
         };
         config

@@ -132,7 +132,7 @@ fn the_same_seed_gives_the_same_way_and_other_targets_do_not_change_it() {
 fn invalid_targets_are_rejected_with_their_key() {
     let obstacles = ObstacleField::new(vec![block([10.0, 10.0, 0.0], [4.0; 3])]);
     let refused = |motion: TargetMotionConfig| {
-        TargetConfig { name: "intruder".into(), motion }.build(0, &obstacles, Seed(1)).unwrap_err().key
+        TargetConfig { name: "intruder".into(), motion, screen: None }.build(0, &obstacles, Seed(1)).unwrap_err().key
     };
     let way = |places: &[[f64; 3]], speed| way(places, speed, AtEnd::Loop);
     let of_walk = |walk| refused(TargetMotionConfig::RandomWalk(walk));
@@ -153,6 +153,6 @@ fn invalid_targets_are_rejected_with_their_key() {
     assert_eq!(of_walk(RandomWalkConfig { straight, ..good.clone() }), "motion.random_walk.straight.mean_m");
     let turn = TurnConfig::NormalDeg(f64::NAN);
     assert_eq!(of_walk(RandomWalkConfig { turn, ..good }), "motion.random_walk.turn.normal_deg");
-    let named = |name: &str| TargetConfig { name: name.into(), motion: way(&[[0.0; 3]], 1.0) };
+    let named = |name: &str| TargetConfig { name: name.into(), motion: way(&[[0.0; 3]], 1.0), screen: None };
     assert_eq!(named("a b").build(0, &obstacles, Seed(1)).unwrap_err().key, "name");
 }

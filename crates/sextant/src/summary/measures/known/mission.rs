@@ -2,9 +2,9 @@
 
 use std::sync::LazyLock;
 
-use super::{Count, Joule, KnownMeasure, Made, Metre, Second, known};
+use super::{Count, Joule, KnownMeasure, Made, Metre, Second, Share, known};
 use crate::summary::SEARCH_INSTANTS_S;
-use crate::summary::Unit::{Outcome, PerSecond, Plain};
+use crate::summary::Unit::{BitPerSecond, Decibel, Outcome, PerSecond, Plain};
 
 /// Of any application.
 pub(super) const MISSION: &[KnownMeasure<'static>] = &[
@@ -36,6 +36,21 @@ pub(super) const MISSION: &[KnownMeasure<'static>] = &[
     known("energy_j.total", Joule, "energy of nodes"),
     known("energy_j.tx", Joule, "energy of nodes for transmitting"),
     known("energy_j.rx", Joule, "energy of nodes for receiving"),
+];
+
+/// Of robots that keep a link.
+pub(super) const LINK: &[KnownMeasure<'static>] = &[
+    known("link.throughput_bit_per_s", BitPerSecond, "payload over the link that robots keep"),
+    known("link.ideal_throughput_bit_per_s", BitPerSecond, "the same with the best sectors at any time"),
+    known("link.outage", Share, "outage: share of the data time without a scheme that is received"),
+    known("link.ideal_outage", Share, "the same with the best sectors at any time"),
+    known("link.overhead", Share, "share of the time that trainings of beams take"),
+    known("link.snr_loss_db", Decibel, "mean loss of the link against the best sectors"),
+    known("link.frames_lost", Share, "share of the data frames that were not received"),
+    known("link.searches", Count, "trainings with all sectors"),
+    known("link.near_trainings", Count, "trainings with the sectors round a predicted one"),
+    known("link.failed_trainings", Count, "trainings that left a robot without a link"),
+    known("link.handovers", Count, "links that went on to another node"),
 ];
 
 /// Of a search for targets: its course, at each of the instants.

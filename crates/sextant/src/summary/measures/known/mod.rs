@@ -36,9 +36,11 @@ pub(super) fn of_map(is_by_nodes: bool) -> impl Iterator<Item = KnownMeasure<'st
     all(map::MAP, &map::DISTRIBUTIONS).chain(all(work, scattering))
 }
 
-/// All of an application that may be a search for targets.
-pub(super) fn of_mission(is_search: bool) -> impl Iterator<Item = KnownMeasure<'static>> {
+/// All of an application that may be a search for targets, or keep a link.
+pub(super) fn of_mission(is_search: bool, keeps_link: bool) -> impl Iterator<Item = KnownMeasure<'static>> {
+    let link = if keeps_link { mission::LINK } else { Default::default() };
     all(mission::MISSION, if is_search { mission::COURSE.as_slice() } else { Default::default() })
+        .chain(all(link, &[]))
 }
 
 /// All of a run in which nodes may compute a map.
@@ -106,7 +108,7 @@ mod tests {
 
     #[test]
     fn each_number_has_a_name_of_its_own_that_fits_on_an_axis() {
-        for numbers in [of_any_run().collect::<Vec<_>>(), of_map(true).collect(), of_mission(true).collect()] {
+        for numbers in [of_any_run().collect::<Vec<_>>(), of_map(true).collect(), of_mission(true, true).collect()] {
             let mut names = Vec::new();
             for KnownMeasure { path, meaning, .. } in numbers {
                 let name = meaning.split(':').next().unwrap_or_default();

@@ -1,0 +1,143 @@
+//! Patterns in the format of MSI and Planet (`.msi`, `.pln`): a gain, and the losses below it in a horizontal and a vertical
+//! cut.
+
+use super::book::{Owner, Rows, TableRow};
+use super::gain_unit::GainUnit;
+use super::names::{SourceNames, Turning};
+use super::{ConvertError, Source};
+
+/// A dipole has this gain over an isotropic antenna (dB).
+const DIPOLE_DBI: f64 = 2.15;
+/// Cuts whose two sides differ by less are symmetric (dB).
+const SAME_DB: f64 = 0.05;
+
+/// Whether a text is such a pattern.
+pub(super) fn is_pattern(text: &str) -> bool {
+    let begins =
+        |line: &str| line.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case("horizontal"));
+    text.lines().map(str::trim).filter(|line| !line.is_empty()).take(60).any(begins)
+}
+
+/// A cut: angles (degrees) and losses (dB).
+type Cut = Vec<(f64, f64)>;
+
+/// What a file says.
+#[derive(Default)]
+struct Pattern {
+    /// The words after `GAIN`.
+    gain: Option<String>,
+    horizontal: Cut,
+    vertical: Cut,
+}
+
+fn invalid(place: String, found: String, allowed: &str) -> ConvertError {
+    ConvertError::Invalid { place, found, allowed: allowed.to_owned() }
+}
+
+impl Pattern {
+    fn read(text: &str) -> Result<Self, ConvertError> {
+        let mut pattern = Self::default();
+        let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
+        while let Some((number, line)) = lines.next() {
+            let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+            let word = word.to_ascii_uppercase();
+            if word == "GAIN" {
+                pattern.gain = Some(rest.trim().to_owned());
+            } else if word == "HORIZONTAL" || word == "VERTICAL" {
+                let count = rest.trim().parse::<usize>().ok().filter(|count| (1..=3600).contains(count));
+                let place = || format!("line {number}");
+                let allowed = "the number of its angles, 1 to 3600";
+                let count = count.ok_or_else(|| invalid(place(), format!("`{line}`"), allowed))?;
+                let cut = lines.by_ref().take(count).map(|(number, line)| row(number, line));
+                let cut = cut.collect::<Result<Cut, ConvertError>>()?;
+                if cut.len() < count {
+                    return Err(invalid(
+                        place(),
+                        format!("{} of {count} angles", cut.len()),
+                        "a line for each angle",
+                    ));
+                }
+                if word == "HORIZONTAL" { pattern.horizontal = cut } else { pattern.vertical = cut }
+            }
+        }
+        Ok(pattern)
+    }
+
+    /// The gain (dBi), and what was taken for it.
+    fn gain_dbi(&self) -> Result<(f64, &'static str), ConvertError> {
+        let missing = || ConvertError::Missing {
+            what: "gain",
+            found: "no line `GAIN`".to_owned(),
+            allowed: "a line like `GAIN 15.5 dBi`".to_owned(),
+        };
+        let text = self.gain.as_deref().ok_or_else(missing)?;
+        let lower = text.to_ascii_lowercase();
+        let (value, over, note) = if let Some(value) = lower.strip_suffix("dbi") {
+            (value, 0.0, "dBi")
+        } else if let Some(value) = lower.strip_suffix("dbd") {
+            (value, DIPOLE_DBI, "dBd: 2.15 dB were added")
+        } else {
+            (lower.as_str(), DIPOLE_DBI, "dBd, as the format says of gains without a unit: 2.15 dB were added")
+        };
+        let value: f64 = value.trim().parse().map_err(|_| {
+            invalid("the line `GAIN`".to_owned(), format!("`{text}`"), "a number, and `dBi` or `dBd`")
+        })?;
+        Ok((value + over, note))
+    }
+}
+
+/// An angle and a loss.
+fn row(number: usize, line: &str) -> Result<(f64, f64), ConvertError> {
+    let fields: Vec<f64> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
+    match fields[..] {
+        // Some programs write losses with a sign.
+        [angle, loss] => Ok((angle, loss.abs())),
+        _ => Err(invalid(format!("line {number}"), format!("`{line}`"), "an angle and a loss in dB")),
+    }
+}
+
+/// Whether a cut is the same on both sides of its angle 0.
+fn is_symmetric(cut: &Cut) -> bool {
+    let at = |angle: f64| {
+        let apart = |known: f64| (known - angle).rem_euclid(360.0).min((angle - known).rem_euclid(360.0));
+        cut.iter().find(|(known, _)| apart(*known) < 1e-6).map(|(_, loss)| *loss)
+    };
+    cut.iter().all(|&(angle, loss)| at(-angle).is_none_or(|other| (other - loss).abs() < SAME_DB))
+}
+
+/// Width of the part of a cut round its least loss that is at most 3 dB below it (degrees); `None` if all of it is.
+fn half_power_deg(cut: &Cut) -> Option<f64> {
+    let least = cut.iter().map(|(_, loss)| *loss).fold(f64::INFINITY, f64::min);
+    let strong = cut.iter().filter(|(_, loss)| *loss <= least + 3.0).count();
+    (strong < cut.len()).then(|| 360.0 * strong as f64 / cut.len() as f64)
+}
+
+/// The horizontal cut of a pattern, as sector 0.
+///
+/// # Errors
+/// If something is missing or no number, or nothing says which way azimuths turn and that matters.
+pub(super) fn rows(text: &str, names: &SourceNames) -> Result<Source, ConvertError> {
+    let pattern = Pattern::read(text)?;
+    let (gain_dbi, unit) = pattern.gain_dbi()?;
+    let turning = match names.turning {
+        Some(turning) => turning,
+        None if is_symmetric(&pattern.horizontal) => Turning::Counterclockwise,
+        None => return Err(ConvertError::UnknownTurning),
+    };
+    let row = |&(angle, loss): &(f64, f64)| {
+        let azimuth_deg = if turning == Turning::Clockwise { -angle } else { angle };
+        TableRow { owner: Owner::Sector(0), azimuth_deg, elevation_deg: 0.0, gain: gain_dbi - loss }
+    };
+    let rows = pattern.horizontal.iter().map(row).collect();
+    let mut notes = vec![
+        format!("a pattern of MSI and Planet: the gain is in {unit}; losses of the horizontal cut are below it"),
+        "the horizontal cut is sector 0, a planar cut at elevation 0".to_owned(),
+    ];
+    if let Some(width_deg) = half_power_deg(&pattern.vertical) {
+        notes.push(format!(
+            "the vertical cut is not in the code book: its half-power width is {width_deg:.1} degrees, `vertical_width_deg` in a \
+             scenario"
+        ));
+    }
+    Ok(Source { rows: Rows(rows), named_unit: Some(GainUnit::Dbi), gains: "gain".to_owned(), notes })
+}
