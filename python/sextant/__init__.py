@@ -11,6 +11,7 @@ sextant.Run('survey': 36 of 36 nodes heard, 2 maps)
 - :class:`Run` is what came of it: its summary, what was heard, and its maps.
 - :func:`sweep` runs a scenario with many settings and seeds.
 - :func:`map_log` maps what your own robots heard, from data frames; :func:`read` reads their files.
+- :func:`track` works out the way of a tag among receivers at known places.
 - :func:`localise` places nodes by a matrix of the distances between them.
 - :class:`Controller` drives a robot by what it hears; :class:`Application` is a program of a node, a robot or a sink,
   and :class:`RadioProgram` one that commands its radio.
@@ -50,6 +51,7 @@ from ._native import (
 from ._radio import RadioProgram, Wait, wait
 from ._scenario import Run, Scenario
 from ._sweep import sweep
+from ._track import Tracks, track
 
 __all__ = [
     "Announcement",
@@ -80,6 +82,7 @@ __all__ = [
     "SweepAnswer",
     "Table",
     "TimerKey",
+    "Tracks",
     "Wait",
     "__version__",
     "algorithms",
@@ -88,5 +91,6 @@ __all__ = [
     "read",
     "sweep",
     "table",
+    "track",
     "wait",
 ]

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal, overload
 
 from . import _native
 from ._frames import Like
 from ._map import Map
 from ._native import Table
 from ._progress import Progress, shown
+from ._track import Tracks
+from ._track import track as _track
 
 
 class Log:
@@ -216,6 +218,7 @@ def _of_tables(stops: Any, receptions: Any, contacts: Any, ranges: Any, options:
     return Log(stops, receptions, contacts=contacts, ranges=ranges, **options)
 
 
+@overload
 def map_log(
     stops: Any,
     receptions: Any = None,
@@ -223,6 +226,7 @@ def map_log(
     algorithm: str = "auto",
     contacts: Any = None,
     ranges: Any = None,
+    track: Literal[False] = False,
     profile: str | None = None,
     area: str | tuple[float, float, float, float] | None = None,
     near_stops: float | None = None,
@@ -231,16 +235,57 @@ def map_log(
     progress: bool | Progress = False,
     threads: int | None = None,
     **options: Any,
-) -> Map:
+) -> Map: ...
+
+
+@overload
+def map_log(
+    stops: Any = None,
+    receptions: Any = None,
+    *,
+    track: Literal[True],
+    known: Any,
+    ranges: Any = None,
+    tags: Any = None,
+    antenna_height: float | None = None,
+    side: tuple[float, float] | None = None,
+    path_error: str | None = None,
+    truth: Any = None,
+    progress: bool | Progress = False,
+    threads: int | None = None,
+    **options: Any,
+) -> Tracks: ...
+
+
+def map_log(
+    stops: Any = None,
+    receptions: Any = None,
+    *,
+    algorithm: str = "auto",
+    contacts: Any = None,
+    ranges: Any = None,
+    track: bool = False,
+    profile: str | None = None,
+    area: str | tuple[float, float, float, float] | None = None,
+    near_stops: float | None = None,
+    truth: Any = None,
+    settings: Mapping[str, Any] | None = None,
+    progress: bool | Progress = False,
+    threads: int | None = None,
+    **options: Any,
+) -> Map | Tracks:
     """Work out where the nodes are, from your own tables.
 
     It is ``Log(stops, receptions, contacts=contacts, ranges=ranges, **options).map(algorithm, ..)``: see :class:`Log` and :meth:`Log.map` for the
     parameters. The same log gives the same map as ``sextant map``, to the last bit.
 
+    With ``track=True`` it is ``track(ranges, known, packets=receptions, odometry=stops, ..)``: see :func:`track`. Of stops with a
+    column ``stop``, the robot is the tag, and where it was is not looked at.
+
     Returns
     -------
-    Map
-        Its ``places`` are a data frame of the library of `stops`.
+    Map or Tracks
+        ``places`` of a map, or ``track`` of tracks, are a data frame of the library of the first table.
 
     Examples
     --------
@@ -253,6 +298,14 @@ def map_log(
     >>> places["node"]
     ['lamp']
     """
+    if track:
+        of_maps = {"profile": profile, "area": area, "near_stops": near_stops, "settings": settings, "contacts": contacts}
+        for name, value in of_maps.items():
+            if value is not None:
+                raise TypeError(f"`{name}` is for maps, and this is a track: leave it out")
+        if algorithm != "auto":
+            raise TypeError("`algorithm` is for maps, and this is a track: leave it out")
+        return _track(ranges, packets=receptions, odometry=stops, truth=truth, progress=progress, threads=threads, **options)
     log = Log(stops, receptions, contacts=contacts, ranges=ranges, **options)
     return log.map(
         algorithm,

@@ -160,6 +160,15 @@ class Map:
     def figures(self) -> list[tuple[str, str]]: ...
 
 @final
+class Tracks:
+    @property
+    def track(self) -> Table: ...
+    @property
+    def summary(self) -> list[dict[str, Any]]: ...
+    @property
+    def notes(self) -> list[str]: ...
+
+@final
 class Pose:
     """Where a station is (m) and where it looks (rad, counterclockwise from the x axis)."""
 
@@ -515,6 +524,7 @@ def log_of_tables(
     places: object, heard: object | None, contacts: object | None, ranges: object | None, options: dict[str, Any]
 ) -> Log: ...
 def algorithms() -> list[tuple[str, str]]: ...
+def track(tagged: dict[str, Any], options: dict[str, Any], progress: object | None) -> Tracks: ...
 def sweep(
     swept: str | Scenario,
     settings: dict[str, Any],

@@ -45,7 +45,7 @@ pub(crate) fn truth(
 }
 
 /// A table of Arrow as the library reads tables.
-fn memory_table<'a>(name: &str, batch: &'a RecordBatch) -> Result<MemoryTable<'a>, RobotLogError> {
+pub(crate) fn memory_table<'a>(name: &str, batch: &'a RecordBatch) -> Result<MemoryTable<'a>, RobotLogError> {
     let fields = batch.schema_ref().fields().iter().zip(batch.columns());
     MemoryTable::new(name, fields.map(|(field, array)| (field.name().clone(), column(array))).collect())
 }

@@ -98,6 +98,6 @@ pub use propagation::shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, 
 pub use ranging::device::{IdealExchangeConfig, RangeExchangeConfig, RangeTry, RangingDevice, RangingDeviceConfig};
 pub use ranging::law::{PreparedRangeErrorLaw, RangeErrorDensity, RangeErrorLaw, RangeErrorShares};
 pub use reception::{
-    Contact, Drive, HeardAtStop, LogError, NetworkLog, NetworkLogs, RangeSample, Reception, ReceptionLog,
+    Contact, Drive, HeardAtStop, LogError, Mounting, NetworkLog, NetworkLogs, RangeSample, Reception, ReceptionLog,
     ReceptionLogBuilder, Receptions, ReceptionsIter, SectorReport, SectorSnr, Stop, StopLog,
 };

@@ -49,7 +49,10 @@ pub use log::names::Names;
 pub use log::part_name::is_part_of_log;
 pub use log::row_log::{RowLog, TakeRow};
 pub use log::source::{Source, examine, gather_tables, inspect_capture, read, read_tables, refuse_options};
-pub use log::tag_ranges::{TagRanges, read_tag_ranges, read_true_path};
+pub use log::tags::readings::{
+    TagReadings, TagTables, has_tag_readings, read_tag_readings, read_tag_tables, read_true_path,
+    read_true_path_table,
+};
 pub use log::writing::write;
 pub use options::bag_options::{BagClock, BagOptions};
 pub use options::field_names::FieldNames;

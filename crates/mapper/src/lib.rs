@@ -91,8 +91,9 @@ pub use grid_ml::{
     Fit, Fitted, FittedMlTm, JointConfig, JointMlTm, JointNetworkConfig, MlTm, MlTmConfig, MmTm, NetworkFits,
 };
 pub use joint_path::{
-    EstimatedPath, HeldOut, OnEstimatedPath, PathError, PathErrorConfig, PathFit, PathPose, PathRanges, PathUse,
-    TagRange, Track, TrackFit, TrackPose, TrackSettings, estimate_path, track,
+    EstimatedPath, HeldOut, OnEstimatedPath, OnRobot, PathError, PathErrorConfig, PathFit, PathPose, PathRanges,
+    PathUse, TagReading, TagValue, Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackSettings,
+    TrackStrengthLaw, estimate_path, track,
 };
 pub use knowledge::{FrameKnowledge, Knowledge, KnowledgeKind};
 pub use lattice::Lattice;

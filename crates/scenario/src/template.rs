@@ -13,6 +13,8 @@ pub struct Template {
     pub summary: &'static str,
     /// Its files: one, or several that belong into a folder.
     pub files: &'static [TemplateFile],
+    /// Commands of `sextant` for the folder: `{}` is its path, and `{NAME}` that of a file in it.
+    commands: &'static [&'static str],
 }
 
 /// A file of a template.
@@ -34,6 +36,7 @@ macro_rules! scenario {
                 name: concat!($name, ".toml"),
                 text: include_str!(concat!("../templates/", $name, ".toml")),
             }],
+            commands: &[],
         }
     };
 }
@@ -64,6 +67,19 @@ const TEMPLATES: &[Template] = &[
             TemplateFile { name: "receptions.csv", text: include_str!("../templates/log/receptions.csv") },
             TemplateFile { name: "nodes.csv", text: include_str!("../templates/log/nodes.csv") },
         ],
+        commands: &["map {}", "map {} --truth {nodes.csv}", "inspect {}"],
+    },
+    Template {
+        name: "track",
+        summary: "a folder with ranges between a tag that moves and receivers, to track at once, and their scenario",
+        files: &[
+            TemplateFile { name: "README.txt", text: include_str!("../templates/track/README.txt") },
+            TemplateFile { name: "ranges.csv", text: include_str!("../templates/track/ranges.csv") },
+            TemplateFile { name: "receivers.csv", text: include_str!("../templates/track/receivers.csv") },
+            TemplateFile { name: "true-path.csv", text: include_str!("../templates/track/true-path.csv") },
+            TemplateFile { name: "track.toml", text: include_str!("../templates/track/track.toml") },
+        ],
+        commands: &["map {} --track --known {receivers.csv} --truth {true-path.csv}"],
     },
 ];
 
@@ -87,6 +103,21 @@ impl Template {
             [scenario] => Some(*scenario),
             _ => None,
         }
+    }
+
+    /// What to go on with after its files were written into `folder`: commands, one a line.
+    #[must_use]
+    pub fn commands_at(&self, folder: &Path) -> Vec<String> {
+        let with_paths = |command: &&str| {
+            let words =
+                command.split(' ').map(|word| match word.strip_prefix('{').and_then(|word| word.strip_suffix('}')) {
+                    Some("") => shell::path(folder),
+                    Some(file) => shell::path(&folder.join(file)),
+                    None => word.to_owned(),
+                });
+            words.fold("sextant".to_owned(), |line, word| line + " " + &word)
+        };
+        self.commands.iter().map(with_paths).collect()
     }
 }
 
@@ -132,5 +163,9 @@ mod tests {
         }
         assert!(Template::named("log").unwrap().scenario().is_none());
         assert_eq!(Template::named("nothing"), None);
+        let commands = Template::named("track").unwrap().commands_at(Path::new("my track"));
+        let command =
+            "sextant map 'my track' --track --known 'my track/receivers.csv' --truth 'my track/true-path.csv'";
+        assert_eq!(commands, [command]);
     }
 }

@@ -5,6 +5,15 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 use super::{LogError, Stop};
 use crate::geometry::position::Position;
 
+/// An antenna on a robot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mounting {
+    /// Its number on the robot.
+    pub antenna: u32,
+    /// From the place of the robot to the antenna (m), in the frame of places: the heading of the robot is in it.
+    pub arm: Position,
+}
+
 /// A distance to a node that a robot measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeSample {
@@ -14,8 +23,10 @@ pub struct RangeSample {
     pub robot: RobotId,
     /// When it was measured.
     pub time: SimTime,
-    /// Where the robot was then (m).
+    /// Where it was measured (m): the place of the antenna.
     pub position: Position,
+    /// Where the antenna is on the robot; the default if the path is that of the antenna.
+    pub mounting: Mounting,
     /// How fast it drove then, by axis (m/s); zero at a stop.
     pub velocity: Position,
     /// The distance that was measured (m). A device may report a negative one: it is the true distance and an error.
@@ -37,7 +48,8 @@ impl RangeSamples {
         for sample in &samples {
             let name = names.get(sample.node.index());
             let name = name.ok_or(LogError::UnknownNode { node: sample.node.0, nodes: names.len() })?;
-            let is_place = sample.position.is_within_reason() && sample.velocity.is_within_reason();
+            let vectors = [sample.position, sample.velocity, sample.mounting.arm];
+            let is_place = vectors.iter().all(|vector| vector.is_within_reason());
             let is_range = sample.range_m.abs() <= Self::LONGEST_M;
             if !is_place || !is_range {
                 return Err(LogError::RangeNotFinite { node: name.clone(), range_m: sample.range_m });
@@ -78,9 +90,11 @@ impl RangeSamples {
         let moved = |sample: &RangeSample| {
             let (position, turn_rad) = place(sample.robot, sample.time, sample.position);
             let (sin, cos) = libm::sincos(turn_rad);
-            let Position { x_m, y_m, z_m } = sample.velocity;
-            let velocity = Position::new(cos * x_m - sin * y_m, sin * x_m + cos * y_m, z_m);
-            RangeSample { position, velocity, ..*sample }
+            let turned = |Position { x_m, y_m, z_m }: Position| {
+                Position::new(cos * x_m - sin * y_m, sin * x_m + cos * y_m, z_m)
+            };
+            let mounting = Mounting { arm: turned(sample.mounting.arm), ..sample.mounting };
+            RangeSample { position, velocity: turned(sample.velocity), mounting, ..*sample }
         };
         Self { samples: self.samples.iter().map(moved).collect() }
     }

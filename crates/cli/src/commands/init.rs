@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     /// Which one
     #[arg(value_name = "TEMPLATE", default_value = "survey", value_parser = PossibleValuesParser::new(Template::all().iter().map(|template| template.name)))]
     pub(crate) template: String,
-    /// Where it is written; `-` prints a scenario [default: TEMPLATE.toml, or the folder `log`]. An existing file is never
+    /// Where it is written; `-` prints a scenario [default: TEMPLATE.toml, or a folder `log` or `track`]. An existing file is never
     /// overwritten
     #[arg(long, value_name = "PATH")]
     pub(crate) out: Option<PathBuf>,
@@ -75,13 +75,9 @@ fn write_folder(template: &Template, path: &Path) -> Result<(), Failure> {
     for file in template.files {
         write_file(&path.join(file.name), file.text.as_bytes())?;
     }
-    let (shown, folder, truth) = (path.display(), shell::path(path), shell::path(&path.join("nodes.csv")));
+    let (shown, commands) = (path.display(), template.commands_at(path).join("\n  "));
     let names: Vec<&str> = template.files.iter().map(|file| file.name).collect();
-    writeln!(
-        stdout(),
-        "wrote {shown}: {}\n\nGo on with:\n  sextant map {folder}\n  sextant map {folder} --truth {truth}\n  sextant inspect {folder}",
-        names.join(", ")
-    )?;
+    writeln!(stdout(), "wrote {shown}: {}\n\nGo on with:\n  {commands}", names.join(", "))?;
     Ok(())
 }
 

@@ -232,6 +232,35 @@ fn the_log_is_mapped_at_once_and_is_what_its_readme_says() {
 }
 
 #[test]
+fn the_tag_is_tracked_by_the_one_command_that_is_told_and_its_files_are_those_of_its_scenario() {
+    let folder = folder();
+    let told = sextant(folder.path(), &["init", "track"]).success();
+    let told = text(&told.get_output().stdout);
+    let command = told.lines().find_map(|line| line.trim().strip_prefix("sextant ")).expect("a command");
+    let words: Vec<&str> = command.split(' ').chain(["--summary", "track.json", "--quiet"]).collect();
+    sextant(folder.path(), &words).success();
+    let track = summary(&folder.path().join("track.json"))["tracks"][0].clone();
+    let number = |key: &str| track[key].as_f64().expect("a number");
+    assert!(number("position_rmse_m") < 0.3 && number("in_region_95") > 0.85, "{track}");
+    assert_eq!((&track["receivers"], &track["is_among_receivers"]), (&Value::from(6), &Value::from(true)));
+
+    let scenario = Scenario::load(folder.path().join("track/track.toml")).expect("a good scenario");
+    let run = sextant::run(&scenario, &mut (), &Unwatched).expect("it runs");
+    let log = run.survey().expect("a robot surveys").logs.first();
+    let written = std::fs::read_to_string(folder.path().join("track/ranges.csv")).expect("a file of the template");
+    let mut simulated: Vec<(String, String)> = (log.ranges().iter())
+        .map(|range| (log.names()[range.node.index()].clone(), format!("{:.3}", range.range_m)))
+        .collect();
+    let mut of_file: Vec<(String, String)> = (written.lines().skip(1))
+        .map(|row| row.split(',').collect::<Vec<_>>())
+        .map(|row| (row[1].to_owned(), format!("{:.3}", row[2].parse::<f64>().expect("a number"))))
+        .collect();
+    simulated.sort_unstable();
+    of_file.sort_unstable();
+    assert_eq!(of_file, simulated);
+}
+
+#[test]
 fn a_scenario_is_printed_or_named_and_its_commands_name_its_file() {
     let folder = folder();
     let printed = sextant(folder.path(), &["init", "mac", "--out", "-"]).success();

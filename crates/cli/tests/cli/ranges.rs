@@ -153,7 +153,7 @@ fn a_tag_is_tracked_among_receivers() {
     assert!(refused.contains("--known"), "{refused}");
     std::fs::write(log.path().join("other.csv"), "node,x_m,y_m\nX,4,5\n").unwrap();
     let refused = refusal(&run(&log, &["--track", "--known", "other.csv"]));
-    assert!(refused.contains("no range of a receiver with a known place"), "{refused}");
+    assert!(refused.contains("no strength of a receiver with a known place"), "{refused}");
 }
 
 #[test]
@@ -209,6 +209,111 @@ fn simulated_ranges_give_the_same_map_from_the_recording_and_from_its_tables() {
     assert!((length_m - 140.0).abs() < 6.0, "{length_m}");
 }
 
+/// The path of a robot through lanes with its heading (degrees), and ranges from two antennas on it: 1.5 m ahead, and 1 m to the left
+/// and behind.
+fn drive_with_antennas() -> [String; 3] {
+    let arms = [("front", [1.5, 0.0]), ("back", [-0.5, 1.0])];
+    let mut path = "t_s,x_m,y_m,heading_deg\n".to_owned();
+    let mut ranges = "t_s,tag,node,range_m\n".to_owned();
+    let mut tags = "tag,x_m,y_m\n".to_owned();
+    arms.iter().for_each(|(tag, [x, y])| writeln!(tags, "{tag},{x},{y}").unwrap());
+    let (mut place, mut step) = ([0.0_f64, 0.0], 0_usize);
+    for lane in 0..5 {
+        let along = if lane % 2 == 0 { 0.0 } else { 180.0 };
+        for heading_deg in std::iter::repeat_n(along, 28).chain(std::iter::repeat_n(90.0, 6)) {
+            let (sin, cos) = f64::to_radians(heading_deg).sin_cos();
+            place = [place[0] + 0.5 * cos, place[1] + 0.5 * sin];
+            step += 1;
+            let t_s = 0.5 * step as f64;
+            writeln!(path, "{t_s},{},{},{heading_deg}", place[0], place[1]).unwrap();
+            let (tag, [x, y]) = arms[step % 2];
+            let antenna = [place[0] + cos * x - sin * y, place[1] + sin * x + cos * y];
+            for (node, at) in PLACES {
+                let distance_m = f64::hypot(at[0] - antenna[0], at[1] - antenna[1]);
+                writeln!(ranges, "{t_s},{tag},{node},{:.4}", distance_m + 0.05 * noise(step)).unwrap();
+            }
+        }
+    }
+    [path, ranges, tags]
+}
+
+#[test]
+fn ranges_were_measured_where_the_antennas_are_on_the_robot() {
+    let [path, ranges, tags] = drive_with_antennas();
+    let error = |output: &Output| json(output)["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();
+    let arguments = ["--truth", "nodes.csv", "--algorithm", "range-ml", "--format", "json"];
+    let log = folder(&[("path.csv", &path), ("ranges.csv", &ranges), ("tags.csv", &tags), ("nodes.csv", NODES)]);
+    let with_arms_m = error(&run(&log, &arguments));
+    let bare = folder(&[("path.csv", &path), ("ranges.csv", &ranges), ("nodes.csv", NODES)]);
+    let without_m = error(&run(&bare, &arguments));
+    assert!(with_arms_m < 0.03 && without_m > 4.0 * with_arms_m, "{with_arms_m} {without_m}");
+    // The robot is tracked by the same, in the frame of the nodes, from odometry in a frame of its own.
+    let odometry: String = std::iter::once("t_s,x_m,y_m,heading_deg\n".to_owned())
+        .chain(path.lines().skip(1).map(|row| {
+            let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+            format!("{},{},{},{}\n", cells[0], -cells[2], cells[1], cells[3] + 90.0)
+        }))
+        .collect();
+    let truth: String = path.lines().map(|row| row.rsplit_once(',').unwrap().0.to_owned() + "\n").collect();
+    let parts = [("odometry.csv", &*odometry), ("ranges.csv", &*ranges), ("tags.csv", &*tags)];
+    let tracked = folder(&[&parts[..], &[("nodes.csv", NODES), ("truth.csv", &truth)]].concat());
+    let words = ["--track", "--known", "nodes.csv", "--truth", "truth.csv", "--format", "json"];
+    let track = json(&run(&tracked, &words))["tracks"][0].clone();
+    assert!(track["position_rmse_m"].as_f64().unwrap() < 0.15, "{track}");
+    assert_eq!(track["tag"], "robot");
+    assert!(track["odometry_scale"].is_number() && track.get("acceleration_m2_per_s3").is_none(), "{track}");
+
+    let refused = |file: &str, text: &str, problem: &str| {
+        std::fs::write(log.path().join(file), text).unwrap();
+        let refused = refusal(&run(&log, &arguments));
+        assert!(refused.contains(problem), "{refused}");
+    };
+    refused("tags.csv", "tag,x_m,y_m\nfront,1,0\nfront,2,0\n", "each tag once");
+    refused("tags.csv", "tag,x_m,y_m\nfront,1,0\nside,2,0\n", "a tag of tags.csv: front, side");
+    refused("tags.csv", "tag,x_m,y_m\nfront,1,far\n", "tags.csv");
+    std::fs::write(log.path().join("tags.csv"), &tags).unwrap();
+    refused("path.csv", &path.replace("heading_deg", "speed"), "column `heading_rad` is missing");
+    std::fs::remove_file(tracked.path().join("odometry.csv")).unwrap();
+    let refused = refusal(&run(&tracked, &words));
+    assert!(refused.contains("tags.csv") && refused.contains("beside odometry.csv"), "{refused}");
+}
+
+#[test]
+fn strengths_track_a_tag_and_a_side_is_for_receivers_on_a_line() {
+    let mut packets = "t_s,receiver,node,rssi_dbm\n".to_owned();
+    let mut truth = "t_s,x_m,y_m\n".to_owned();
+    for step in 0..120_usize {
+        let t_s = 0.5 * step as f64;
+        let place = [6.0 + 5.0 * (0.1 * t_s).cos(), 7.0 + 3.0 * (0.1 * t_s).sin()];
+        writeln!(truth, "{t_s},{},{}", place[0], place[1]).unwrap();
+        for (number, (node, at)) in PLACES.iter().enumerate() {
+            let distance_m = f64::hypot(at[0] - place[0], at[1] - place[1]);
+            let rssi_dbm = -42.0 - 24.0 * distance_m.log10() + 10.0 * noise(4 * step + number);
+            writeln!(packets, "{t_s},{node},badge,{rssi_dbm:.1}").unwrap();
+        }
+    }
+    let log = folder(&[("packets.csv", &packets), ("nodes.csv", NODES), ("truth.csv", &truth)]);
+    let words = ["--track", "--known", "nodes.csv", "--truth", "truth.csv", "--format", "json"];
+    let track = json(&run(&log, &words))["tracks"][0].clone();
+    assert_eq!((&track["tag"], &track["ranges"]), (&Value::from("badge"), &Value::from(0)));
+    assert!(track["position_rmse_m"].as_f64().unwrap() < 1.0 && track.get("noise_m").is_none(), "{track}");
+    assert_eq!(json(&run(&log, &[&words[..], &["--reciprocal"]].concat()))["tracks"][0], track);
+    for (more, problem) in [
+        (&["--side", "1,2"][..], "straight line"),
+        (&["--side", "left"], "two numbers of metres, X,Y"),
+        (&["--transmitter", "other"], "no range and no strength"),
+        (&["--stop-every", "1m"], "is for logs of packets and a path"),
+    ] {
+        let output = run(&log, &[&words[..], more].concat());
+        let told = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(!output.status.success() && told.contains(problem), "{told}");
+    }
+    let row = "node,x_m,y_m\nA,0,0\nB,8,0\nC,16,0\nD,24,0\n";
+    std::fs::write(log.path().join("row.csv"), row).unwrap();
+    let told = run(&log, &["--track", "--known", "row.csv"]);
+    assert!(String::from_utf8_lossy(&told.stdout).contains("mirror image"), "{told:?}");
+}
+
 #[test]
 fn a_run_whose_robot_measured_nothing_is_recorded_and_says_that_it_has_no_map() {
     let folder = tempfile::tempdir().unwrap();
@@ -237,12 +342,12 @@ fn ranges_that_cannot_be_are_refused_where_they_are_written() {
     assert!(refused(&["ranging.noise_m=-1"]).contains("`ranging.noise_m` is -1; allowed: a number from 0 to 1000"));
     assert!(refused(&["ranging.exchange={ideal={interval_s=0}}"]).contains("ranging.exchange.ideal.interval_s"));
     assert!(refused(&["ranging.bias=1"]).contains("did you mean `bias_m`?"));
-    // A recording without ranges has no track.
+    // Nothing of a recording is of a receiver at a known place.
     sextant().args(["init", "survey"]).current_dir(folder.path()).output().unwrap();
     sextant().args(["run", "survey.toml", "--quiet"]).current_dir(folder.path()).output().unwrap();
     std::fs::write(folder.path().join("known.csv"), NODES).unwrap();
     let words = ["map", "survey.mcap", "--track", "--known", "known.csv"];
     let output = sextant().args(words).current_dir(folder.path()).output().unwrap();
     let problem = String::from_utf8_lossy(&output.stderr);
-    assert!(!output.status.success() && problem.contains("[ranging]"), "{problem}");
+    assert!(!output.status.success() && problem.contains("no strength to a node with a known place"), "{problem}");
 }

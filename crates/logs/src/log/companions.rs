@@ -5,14 +5,17 @@ use std::path::{Path, PathBuf};
 use sextant_channel::{Contact, ReceptionLog, SectorReport, SectorTable};
 use sextant_recording::RobotNames;
 
-use super::file_names::{ANTENNA, CONTACTS, SECTOR_SNRS, SECTORS};
+use super::file_names::{ANTENNA, CONTACTS, SECTOR_SNRS, SECTORS, TAGS};
 use super::layout;
 use crate::csv::table_source::TableSource;
 use crate::csv::written::Written;
 use crate::error::log_part::{LogPart, RowAddress};
 use crate::error::robot_log_error::RobotLogError;
 use crate::options::form_options::FormOptions;
+use crate::path::headings::PathHeadings;
 use crate::place::local_plane::LocalPlane;
+use crate::ranges::dwm1001;
+use crate::ranges::levers::{Levers, TagPlaces};
 use crate::ranges::range_table::{self, ReadRanges, Whereabouts};
 use crate::stops::antenna_file;
 use crate::stops::sector_snrs::{self, KnownParts};
@@ -35,6 +38,8 @@ pub(crate) struct Companions<'a> {
     pub(crate) sector_snrs: Option<TableSource<'a>>,
     /// Distances to nodes that were measured.
     pub(crate) ranges: Option<TableSource<'a>>,
+    /// Where the tags that measured them are on a robot.
+    pub(crate) tags: Option<TableSource<'a>>,
     /// The zone of times that do not say theirs.
     pub(crate) time_zone: Option<TimeZone>,
 }
@@ -50,13 +55,23 @@ impl Companions<'_> {
             antenna: file(ANTENNA),
             sector_snrs: file(SECTOR_SNRS).map(TableSource::from),
             ranges: layout::ranges_of(folder).map(TableSource::from),
+            tags: file(TAGS).map(TableSource::from),
             time_zone,
         }
     }
 
     /// None of a log.
     pub(crate) const fn none(log: LogPart) -> Self {
-        Self { log, contacts: None, sectors: None, antenna: None, sector_snrs: None, ranges: None, time_zone: None }
+        Self {
+            log,
+            contacts: None,
+            sectors: None,
+            antenna: None,
+            sector_snrs: None,
+            ranges: None,
+            tags: None,
+            time_zone: None,
+        }
     }
 
     /// The contacts. The places of the log are in `plane`.
@@ -116,16 +131,37 @@ impl Companions<'_> {
         log.map_err(|why| RobotLogError::Log { part: self.log.clone(), why })
     }
 
-    /// The ranges, of which those to nodes in `known` have their numbers; none if the log has no table of them.
+    /// The ranges, of which those to nodes in `known` have their numbers; none if the log has no table of them. `path` is the table with
+    /// the paths of the robots, if it is one: it has their headings, which places of tags need.
     pub(crate) fn ranges(
         &self,
         form: &FormOptions,
         whereabouts: Whereabouts<'_>,
+        path: Option<TableSource<'_>>,
         known: &[String],
         notes: &mut Vec<String>,
     ) -> Result<Option<ReadRanges>, RobotLogError> {
+        let levers = match (&self.tags, &self.ranges, path) {
+            (Some(tags), Some(_), Some(path)) => {
+                let tags = TagPlaces::read(tags.clone(), notes)?;
+                Some(Levers { tags, headings: PathHeadings::read(path, &Written::of_places(form))? })
+            }
+            (Some(tags), Some(_), None) => {
+                let problem = "it says where tags are on a robot, but the log has no path with its headings; allowed: beside path.csv or \
+                               odometry.csv with the column heading_rad or heading_deg";
+                return Err(wrong(tags.part(), problem.to_owned()));
+            }
+            (_, None, _) | (None, _, _) => None,
+        };
         let read = |ranges: &TableSource<'_>| {
-            range_table::read(ranges.clone(), &Written::of_ranges(form), whereabouts, known, notes)
+            let levers = levers.as_ref();
+            match ranges {
+                TableSource::File(file) if dwm1001::is_output(file) => {
+                    let table = dwm1001::read(file, form.time_zone)?;
+                    range_table::read((&table).into(), &Written::default(), levers, whereabouts, known, notes)
+                }
+                _ => range_table::read(ranges.clone(), &Written::of_ranges(form), levers, whereabouts, known, notes),
+            }
         };
         self.ranges.as_ref().map(read).transpose()
     }

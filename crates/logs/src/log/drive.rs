@@ -82,7 +82,8 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
             file_names::ODOMETRY
         ));
     }
-    gather(paths, &companions, options, notes, |known, roles, gatherer, notes| {
+    let table = (path.kind == PathKind::Csv).then(|| TableSource::from(path.file.as_path()));
+    gather(paths, table, &companions, options, notes, |known, roles, gatherer, notes| {
         if let Some(ranges) = &bag_ranges {
             ranges.gather_ranges(clock, gatherer)?;
         }
@@ -119,18 +120,19 @@ pub(crate) fn read_tables(
     let mut notes = Vec::new();
     let name = path.part().name();
     let written = Written::of_places(&options.form);
-    let paths = path_file::read(path, &written, options.repair.skip_no_fix, &mut notes)?;
-    gather(paths, companions, options, notes, |known, roles, gatherer, notes| {
+    let paths = path_file::read(path.clone(), &written, options.repair.skip_no_fix, &mut notes)?;
+    gather(paths, Some(path), companions, options, notes, |known, roles, gatherer, notes| {
         let Some(packets) = packets else { return Ok(()) };
         let written = Written::of_packets(&options.form);
         packet_table::read(packets, &written, Robots { names: known, path: &name }, roles, gatherer, notes)
     })
 }
 
-/// The log of robots that drove these paths. `hear` gives the gatherer the packets that they heard; it gets the names of the
+/// The log of robots that drove these paths, which may be from a `table`. `hear` gives the gatherer the packets that they heard; it gets the names of the
 /// robots with a path, if they have names.
 fn gather(
     paths: Paths,
+    table: Option<TableSource<'_>>,
     companions: &Companions<'_>,
     options: &ReadOptions,
     mut notes: Vec<String>,
@@ -147,7 +149,7 @@ fn gather(
     roles.tell(&mut notes)?;
     let ranges = {
         let whereabouts = Whereabouts::Paths { paths: &gatherer.paths(), robots: known };
-        companions.ranges(&options.form, whereabouts, gatherer.nodes(), &mut notes)?
+        companions.ranges(&options.form, whereabouts, table, gatherer.nodes(), &mut notes)?
     };
     if let Some(ranges) = ranges {
         gatherer.take_ranges(ranges);

@@ -11,6 +11,8 @@ pub(crate) const PACKETS: &str = "packets.csv";
 pub(crate) const PATH: &str = "path.csv";
 /// A path that drifts.
 pub(crate) const ODOMETRY: &str = "odometry.csv";
+/// Where tags are on a robot.
+pub(crate) const TAGS: &str = "tags.csv";
 
 /// The true places of nodes, and other names of them: for scores only.
 pub(crate) const NODES: &str = "nodes.csv";

@@ -42,6 +42,8 @@ pub(crate) enum Form {
     Wide,
     /// A path and packets.
     Drive(PathKind, PacketKind),
+    /// What was measured between tags and receivers at known places.
+    Tags,
 }
 
 impl Form {
@@ -63,6 +65,7 @@ impl fmt::Display for Form {
             Self::StopFiles => return f.write_str("a folder with a file a stop"),
             Self::Stops => return f.write_str("a folder with stops"),
             Self::Wide => return f.write_str("a table with a column a node"),
+            Self::Tags => return f.write_str("a log of tags"),
             Self::Drive(PathKind::Bag, PacketKind::Bag) => return f.write_str("a ROS bag"),
             Self::Drive(path, packets) => (path, packets),
         };
@@ -88,6 +91,7 @@ impl fmt::Display for Form {
 enum Use {
     RobotLog,
     Drive,
+    Parts,
     Wide,
     BagPath,
     BagPackets,
@@ -105,7 +109,9 @@ impl Use {
     fn is_for(self, form: Form) -> bool {
         match (self, form) {
             (Self::RobotLog, form) => !matches!(form, Form::Recording | Form::Mcap),
-            (Self::Drive, Form::Drive(..)) | (Self::Wide, Form::Wide | Form::StopFiles) => true,
+            (Self::Parts | Self::Ranges | Self::CsvTimes | Self::CsvPlaces, Form::Tags) => true,
+            (Self::PacketFields | Self::Lora, Form::Tags) => true,
+            (Self::Drive | Self::Parts, Form::Drive(..)) | (Self::Wide, Form::Wide | Form::StopFiles) => true,
             (Self::BagPath, Form::Drive(path, _)) => path == PathKind::Bag,
             (Self::BagPackets, Form::Drive(_, packets)) => packets == PacketKind::Bag,
             (Self::Bag, Form::Drive(path, packets)) => path == PathKind::Bag || packets == PacketKind::Bag,
@@ -128,7 +134,7 @@ impl Use {
     const fn meant(self) -> &'static str {
         match self {
             Self::RobotLog => "logs of robots",
-            Self::Drive => "logs of packets and a path",
+            Self::Drive | Self::Parts => "logs of packets and a path",
             Self::Wide => "tables with a row a stop and a column a node",
             Self::BagPath | Self::BagPackets | Self::Bag => "ROS bags",
             Self::Captures => "captures of sniffers",
@@ -151,8 +157,8 @@ pub(crate) fn refuse(part: &LogPart, form: Form, options: &ReadOptions) -> Resul
         ("packet_delay", repair.packet_delay != PacketDelay::default(), Use::Drive),
         ("skip_no_fix", repair.skip_no_fix, Use::RobotLog),
         ("rssi_missing", !repair.rssi_missing.is_empty(), Use::RobotLog),
-        ("path", of_form.path.is_some(), Use::Drive),
-        ("packets", of_form.packets.is_some(), Use::Drive),
+        ("path", of_form.path.is_some(), Use::Parts),
+        ("packets", of_form.packets.is_some(), Use::Parts),
         ("pose_topic", bag.pose_topic.is_some(), Use::BagPath),
         ("child_frame", bag.child_frame.is_some(), Use::BagPath),
         ("fixed_frame", bag.fixed_frame.is_some(), Use::BagPath),
@@ -168,7 +174,7 @@ pub(crate) fn refuse(part: &LogPart, form: Form, options: &ReadOptions) -> Resul
         ("missing", !of_form.missing.is_empty(), Use::Wide),
         ("node_columns", !of_form.node_columns.is_empty(), Use::Wide),
         ("reciprocal", of_form.reciprocal, Use::RobotLog),
-        ("transmitter", of_form.transmitter.is_some(), Use::Drive),
+        ("transmitter", of_form.transmitter.is_some(), Use::Parts),
         ("noise_floor", of_form.noise_floor.is_some(), Use::RobotLog),
         ("lora", of_form.lora, Use::Lora),
         ("range_fields", of_form.range_fields.is_some(), Use::Ranges),

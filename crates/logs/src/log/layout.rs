@@ -9,6 +9,7 @@ use super::stop_files::StopFiles;
 use crate::bag;
 use crate::error::robot_log_error::RobotLogError;
 use crate::options::form_options::FormOptions;
+use crate::ranges::dwm1001;
 use crate::sniffer;
 
 /// The parts of a log.
@@ -229,6 +230,7 @@ impl Holding {
                     | file_names::SECTORS
                     | file_names::SECTOR_SNRS
                     | file_names::NODES
+                    | file_names::TAGS
                     | file_names::NAMES,
                     _,
                 ) => {}
@@ -237,6 +239,7 @@ impl Holding {
                 (_, Some("tum")) => holding.paths.push(PathPart { kind: PathKind::Tum, file }),
                 (_, Some("csv" | "tsv")) if are_ranges(&file) => holding.ranges = Some(file),
                 (_, Some("csv" | "tsv")) => holding.tables.push(file),
+                (_, Some("txt" | "log")) if dwm1001::is_output(&file) => holding.ranges = Some(file),
                 _ if sniffer::is_capture(&file) => captures.push(file),
                 _ => holding.others.push(name),
             }

@@ -13,5 +13,5 @@ pub(crate) mod row_log;
 pub(crate) mod source;
 mod stop_files;
 mod stop_log;
-pub(crate) mod tag_ranges;
+pub(crate) mod tags;
 pub(crate) mod writing;

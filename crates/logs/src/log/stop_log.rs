@@ -69,7 +69,7 @@ pub(crate) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
     let contacts = companions.contacts(plane, &mut robots, &mut notes)?;
     let places = std::mem::take(&mut stops.stops);
     let whereabouts = Whereabouts::Stops { stops: &places, ids: &stops.ids };
-    let ranges = companions.ranges(&options.form, whereabouts, &names, &mut notes)?;
+    let ranges = companions.ranges(&options.form, whereabouts, None, &names, &mut notes)?;
     let samples = ranges.map(|ranges| {
         names.extend(ranges.strangers);
         ranges.samples

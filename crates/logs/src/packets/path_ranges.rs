@@ -1,6 +1,6 @@
 //! Ranges that came one by one, on the paths of robots.
 
-use sextant_channel::RangeSample;
+use sextant_channel::{Mounting, RangeSample};
 use sextant_kernel::text::counted;
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
@@ -28,7 +28,15 @@ impl PathRanges {
         match path.at(time) {
             Some(position) => {
                 let velocity = path.velocity_m_per_s(time);
-                self.samples.push(RangeSample { node, robot, time, position, velocity, range_m });
+                self.samples.push(RangeSample {
+                    node,
+                    robot,
+                    time,
+                    position,
+                    mounting: Mounting::default(),
+                    velocity,
+                    range_m,
+                });
             }
             None => self.outside += 1,
         }

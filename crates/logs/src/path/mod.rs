@@ -3,6 +3,7 @@
 pub(crate) mod estimated;
 mod fix;
 pub(crate) mod gpx;
+pub(crate) mod headings;
 pub(crate) mod nmea;
 pub(crate) mod path_file;
 pub(crate) mod paths;

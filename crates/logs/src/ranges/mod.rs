@@ -1,4 +1,6 @@
 //! Measured ranges.
 
+pub(crate) mod dwm1001;
+pub(crate) mod levers;
 pub(crate) mod range_table;
 pub(crate) mod units;

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use sextant_channel::{Position, RangeSample, ReceptionLog, Stop};
+use sextant_channel::{Mounting, Position, RangeSample, ReceptionLog, Stop};
 use sextant_kernel::text::counted;
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
+use super::levers::Levers;
 use super::units;
 use crate::csv::header::{KnownColumns, Others};
 use crate::csv::output::Output;
@@ -63,15 +64,18 @@ struct Placing<'a> {
     own: Option<[Column; 6]>,
 }
 
-/// Reads the ranges in a table, as it is `written`, to nodes of which those in `known` have numbers already.
+/// Reads the ranges in a table, as it is `written`, to nodes of which those in `known` have numbers already. Of tags on robots, each was
+/// measured where its tag was.
 pub(crate) fn read(
     source: TableSource<'_>,
     written: &Written,
+    levers: Option<&Levers>,
     whereabouts: Whereabouts<'_>,
     known: &[String],
     notes: &mut Vec<String>,
 ) -> Result<ReadRanges, RobotLogError> {
-    let optional = [&instant::COLUMNS[..], &["stop", "robot"], &OWN_PLACE, &RANGES.map(|(name, _)| name)].concat();
+    let optional =
+        [&instant::COLUMNS[..], &["stop", "robot", "tag"], &OWN_PLACE, &RANGES.map(|(name, _)| name)].concat();
     let columns =
         KnownColumns { required: &["node"], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, columns)?;
@@ -79,6 +83,10 @@ pub(crate) fn read(
     let name = table.name();
     let (range, unit) = range_column(&table)?;
     let node = table.column("node");
+    let tag = table.column("tag");
+    if let Some(levers) = levers {
+        levers.tags.check(&table, tag)?;
+    }
     let placing = Placing::of(whereabouts, &table, written, notes)?;
     let mut numbers: BTreeMap<String, NodeId> =
         known.iter().enumerate().map(|(number, name)| (name.clone(), NodeId::from_index(number))).collect();
@@ -107,7 +115,12 @@ pub(crate) fn read(
         if node == next {
             read.strangers.push(name.into_owned());
         }
-        read.samples.push(RangeSample { node, robot, time, position, velocity, range_m });
+        let mounting = match levers {
+            Some(levers) => levers.of(row, tag, placing.robot_name(robot), time)?,
+            None => Mounting::default(),
+        };
+        let position = position + mounting.arm;
+        read.samples.push(RangeSample { node, robot, time, position, mounting, velocity, range_m });
         Ok(())
     })?;
     let nodes = read.samples.iter().map(|sample| sample.node).collect::<std::collections::BTreeSet<_>>().len();
@@ -146,7 +159,7 @@ pub(crate) fn read(
 pub(crate) fn write(path: &std::path::Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
     let mut output = Output::new(&WRITTEN);
     for (stop, sample) in log.stops_of_ranges().into_iter().zip(log.ranges()) {
-        let &RangeSample { node, time, position, velocity, range_m, robot: _ } = sample;
+        let &RangeSample { node, time, position, velocity, range_m, robot: _, mounting: _ } = sample;
         output.text(&stop.to_string()).instant(time).text(&log.names()[node.index()]).number(range_m);
         output.position(position).position(velocity).end();
     }
@@ -247,6 +260,14 @@ impl<'a> Placing<'a> {
             )));
         }
         Ok(Self { whereabouts, stop, time, robot, own })
+    }
+
+    /// The name of a robot on a path; empty if it has none.
+    fn robot_name(&self, robot: RobotId) -> &str {
+        match self.whereabouts {
+            Whereabouts::Paths { robots, .. } => robots.get(robot.index()).map_or("", String::as_str),
+            Whereabouts::Stops { .. } => "",
+        }
     }
 
     /// Where the robot was when it measured the range of a row; `None` if that is not known.
@@ -366,6 +387,7 @@ mod tests {
         let folder = folder_of([("stops.csv", stops), ("receptions.csv", receptions)]);
         let log = read(folder.path(), &ReadOptions::default()).unwrap().log;
         let sample = |node, robot, nanos, x_m| RangeSample {
+            mounting: Mounting::default(),
             node: NodeId(node),
             robot: RobotId(robot),
             time: SimTime::from_nanos(nanos),

@@ -27,13 +27,14 @@ pub(crate) fn note(name: &str, samples: &[RangeSample]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_channel::Position;
+    use sextant_channel::{Mounting, Position};
     use sextant_kernel::{NodeId, RobotId, SimTime};
 
     #[test]
     fn ranges_in_another_unit_are_told() {
         let samples = |factor: f64| -> Vec<RangeSample> {
             let sample = |at: u32| RangeSample {
+                mounting: Mounting::default(),
                 node: NodeId(0),
                 robot: RobotId(0),
                 time: SimTime::ZERO,

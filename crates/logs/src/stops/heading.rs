@@ -2,9 +2,7 @@
 
 use crate::csv::table::{Column, Table, TableRow};
 use crate::error::robot_log_error::RobotLogError;
-
-/// The columns of a heading that a file may have: radians and degrees.
-pub(crate) const COLUMNS: [&str; 2] = ["heading_rad", "heading_deg"];
+use crate::path::headings::COLUMNS;
 
 /// The column with the headings: of all rows, or of none.
 pub(crate) struct Headings {

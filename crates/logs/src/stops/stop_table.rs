@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use sextant_channel::{Contact, Stop};
 use sextant_kernel::SimTime;
 
-use super::heading::{self, Headings};
+use super::heading::Headings;
 use crate::csv::header::{KnownColumns, Others};
 use crate::csv::table::Table;
 use crate::csv::table_source::TableSource;
@@ -13,6 +13,7 @@ use crate::csv::times::Times;
 use crate::csv::written::Written;
 use crate::error::robot_log_error::RobotLogError;
 use crate::packets::sending::MOST_SENT;
+use crate::path::headings;
 use crate::place::local_plane::LocalPlane;
 use crate::place::place_columns::{COLUMNS, Frame, Places};
 use crate::place::without_fix::{is_origin, places_of, without_fix_m};
@@ -52,7 +53,7 @@ pub(crate) fn read(
     robots: &mut RobotNames,
     notes: &mut Vec<String>,
 ) -> Result<Stops, RobotLogError> {
-    let optional = [&COLUMNS[..], &instant::COLUMNS, &heading::COLUMNS, &["robot", "sent"]].concat();
+    let optional = [&COLUMNS[..], &instant::COLUMNS, &headings::COLUMNS, &["robot", "sent"]].concat();
     let known =
         KnownColumns { required: &["stop"], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;

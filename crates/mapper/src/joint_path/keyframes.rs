@@ -25,7 +25,7 @@ pub(super) struct Keyframe {
 pub(super) struct Keyframes {
     pub(super) frames: Vec<Keyframe>,
     pub(super) legs: Vec<Leg>,
-    /// Ranges from each pose: those to one node count once.
+    /// Ranges from each pose: those of one antenna to one node count once.
     pub(super) ranges: Vec<PoseRange>,
 }
 
@@ -35,19 +35,19 @@ impl Keyframes {
         let mut samples: Vec<&RangeSample> = log.ranges().iter().collect();
         samples.sort_by_key(|sample| (sample.robot, sample.time));
         let mut found = Self::default();
-        let mut open: BTreeMap<usize, Vec<&RangeSample>> = BTreeMap::new();
+        let mut open: BTreeMap<(usize, u32), Vec<&RangeSample>> = BTreeMap::new();
         for sample in samples {
-            let is_near = found.frames.last().is_some_and(|last| {
-                last.robot == sample.robot && last.position.distance_m(sample.position) < APART_M
-            });
+            let position = sample.position - sample.mounting.arm;
+            let is_near = found
+                .frames
+                .last()
+                .is_some_and(|last| last.robot == sample.robot && last.position.distance_m(position) < APART_M);
             if !is_near {
                 found.close(&mut open, heights_m);
-                let Keyframe { robot, time, position } =
-                    Keyframe { robot: sample.robot, time: sample.time, position: sample.position };
-                found.frames.push(Keyframe { robot, time, position });
+                found.frames.push(Keyframe { robot: sample.robot, time: sample.time, position });
             }
             if let Some(node) = nodes[sample.node.index()] {
-                open.entry(node).or_default().push(sample);
+                open.entry((node, sample.mounting.antenna)).or_default().push(sample);
             }
         }
         found.close(&mut open, heights_m);
@@ -58,8 +58,8 @@ impl Keyframes {
     }
 
     /// Adds the ranges from the last pose.
-    fn close(&mut self, open: &mut BTreeMap<usize, Vec<&RangeSample>>, heights_m: &[f64]) {
-        for (node, samples) in std::mem::take(open) {
+    fn close(&mut self, open: &mut BTreeMap<(usize, u32), Vec<&RangeSample>>, heights_m: &[f64]) {
+        for ((node, _), samples) in std::mem::take(open) {
             let pose = self.frames.len() - 1;
             let count = samples.len() as f64;
             let place = samples.iter().fold(Position::ORIGIN, |sum, sample| sum + sample.position) * (1.0 / count);

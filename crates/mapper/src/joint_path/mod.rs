@@ -13,7 +13,6 @@ mod packet_problem;
 mod reception_curve;
 mod report;
 mod track;
-mod track_problem;
 
 use std::str::FromStr;
 
@@ -21,7 +20,10 @@ pub use drive::{EstimatedPath, PathPose};
 pub use held_out::estimate_path;
 pub use on_path::{OnEstimatedPath, PathErrorConfig, PathUse};
 pub use report::{HeldOut, PathFit, PathRanges};
-pub use track::{TagRange, Track, TrackFit, TrackPose, TrackSettings, track};
+pub use track::{
+    OnRobot, TagReading, TagValue, Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackSettings,
+    TrackStrengthLaw, track,
+};
 
 /// How wrong odometry is: standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]

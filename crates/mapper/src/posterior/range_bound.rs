@@ -110,7 +110,7 @@ fn mean_length(variances: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_channel::{RangingDeviceConfig, Stop};
+    use sextant_channel::{Mounting, RangingDeviceConfig, Stop};
     use sextant_kernel::{Purpose, RobotId, Seed, SimTime};
 
     #[test]
@@ -133,6 +133,7 @@ mod tests {
         let bound = |config: RangingDeviceConfig, corners: &[(f64, f64)]| {
             let device = RangingDevice::try_from(config).unwrap();
             let sample = |(number, &(x_m, y_m)): (usize, &(f64, f64))| RangeSample {
+                mounting: Mounting::default(),
                 node: NodeId(0),
                 robot: RobotId(0),
                 time: SimTime::from_nanos(number as u64),

@@ -36,7 +36,10 @@ impl RangeGroups {
         let mut all = Self { nodes: Vec::new(), groups: Vec::new(), first: vec![0] };
         for node in (0..log.node_count()).map(NodeId::from_index) {
             let before = all.groups.len();
-            all.groups.extend(runs(log.ranges_to(node)).map(group));
+            // Each antenna has runs of its own.
+            let mut samples = log.ranges_to(node).to_vec();
+            samples.sort_by_key(|sample| sample.mounting.antenna);
+            all.groups.extend(runs(&samples).map(group));
             if all.groups.len() - before < least {
                 all.groups.truncate(before);
             } else {
@@ -75,7 +78,8 @@ impl RangeGroups {
 fn is_near(first: &RangeSample, other: &RangeSample) -> bool {
     let drives = first.velocity != Position::ORIGIN || other.velocity != Position::ORIGIN;
     let apart_m = first.position.distance_m(other.position);
-    first.robot == other.robot && (apart_m <= 0.0 || drives && apart_m <= LENGTH_M)
+    let is_one = first.robot == other.robot && first.mounting.antenna == other.mounting.antenna;
+    is_one && (apart_m <= 0.0 || drives && apart_m <= LENGTH_M)
 }
 
 fn group(samples: &[RangeSample]) -> RangeGroup {
@@ -105,14 +109,22 @@ fn runs(samples: &[RangeSample]) -> impl Iterator<Item = &[RangeSample]> {
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::Stop;
+    use sextant_channel::{Mounting, Stop};
     use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
 
     fn sample(node: u32, x_m: f64, speed: f64, range_m: f64) -> RangeSample {
         let (position, velocity) = (Position::new(x_m, 0.0, 0.0), Position::new(speed, 0.0, 0.0));
-        RangeSample { node: NodeId(node), robot: RobotId(0), time: SimTime::ZERO, position, velocity, range_m }
+        RangeSample {
+            node: NodeId(node),
+            robot: RobotId(0),
+            time: SimTime::ZERO,
+            position,
+            mounting: Mounting::default(),
+            velocity,
+            range_m,
+        }
     }
 
     #[test]

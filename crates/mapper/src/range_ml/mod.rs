@@ -199,7 +199,7 @@ impl EstimatorSettings for RangeMlConfig {
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{Position, RangeSample, Stop};
+    use sextant_channel::{Mounting, Position, RangeSample, Stop};
     use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 
     use super::*;
@@ -236,7 +236,15 @@ mod tests {
                     let range_m = (1.0 + errors.scale) * distance_m + errors.bias_m + noise + late + wild;
                     let time = SimTime::from_nanos(crate::numerics::whole((time_s + along_m) * 1e9) as u64);
                     let node = NodeId::from_index(node);
-                    samples.push(RangeSample { node, robot: RobotId(0), time, position, velocity, range_m });
+                    samples.push(RangeSample {
+                        node,
+                        robot: RobotId(0),
+                        time,
+                        position,
+                        mounting: Mounting::default(),
+                        velocity,
+                        range_m,
+                    });
                 }
             }
             time_s += length_m;

@@ -2,7 +2,7 @@
 
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
-use sextant_channel::{Position, RangeSample};
+use sextant_channel::{Mounting, Position, RangeSample};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::descriptor::{self, Declaration};
@@ -45,7 +45,7 @@ pub(crate) struct RangeMessage {
 impl RangeMessage {
     /// The range `sample`, which belongs to the stop with this number.
     pub(crate) fn new(stop: u32, sample: &RangeSample) -> Self {
-        let &RangeSample { node, time, position, velocity, range_m, robot: _ } = sample;
+        let &RangeSample { node, time, position, velocity, range_m, robot: _, mounting: _ } = sample;
         Self {
             stop,
             time_ns: time.as_nanos(),
@@ -63,6 +63,7 @@ impl RangeMessage {
     /// The range, which was measured by `robot`.
     pub(crate) fn sample(&self, robot: RobotId) -> RangeSample {
         RangeSample {
+            mounting: Mounting::default(),
             node: NodeId(self.node),
             robot,
             time: SimTime::from_nanos(self.time_ns),
@@ -89,6 +90,7 @@ mod tests {
     #[test]
     fn a_range_is_read_back_equal() {
         let sample = RangeSample {
+            mounting: Mounting::default(),
             node: NodeId(7),
             robot: RobotId(2),
             time: SimTime::from_nanos(12_345),

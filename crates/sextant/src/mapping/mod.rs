@@ -24,6 +24,6 @@ pub use map_log::{LogMap, map_log};
 pub use pipeline::{ComputedMap, map, map_files};
 pub use prior::{place_prior, read_area};
 pub use tiles_error::TilesError;
-pub use tracks::{TrackJob, tracks};
+pub use tracks::{TrackJob, TrackSource, tracks};
 
 pub use crate::measure::Dimensions;

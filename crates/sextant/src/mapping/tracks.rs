@@ -1,12 +1,12 @@
 //! The pipeline of `map --track`: the tracks of moving tags among receivers at known places.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use sextant_channel::Position;
 use sextant_kernel::{SimTime, Watch};
-use sextant_logs::{self as robot_log, FormOptions, TagRanges, TrueNodes, read_tag_ranges, read_true_path};
-use sextant_mapper::{PositionError, Track, TrackSettings, track};
+use sextant_logs::{self as robot_log, ReadOptions, RobotLog, Source, TagReadings, TagTables};
+use sextant_mapper::{PositionError, Track, TrackMotion, TrackSettings, track};
 use sextant_recording as recording;
 
 use super::error::MapLogError;
@@ -15,42 +15,69 @@ use crate::summary::{ErrorSummary, Stopwatch, Summary, Timing, TrackSummary, pea
 /// What a track is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackJob<'a> {
-    /// The folder with `ranges.csv`, such a file, or a recording whose robots are the tags.
-    pub log: &'a Path,
-    /// Where receivers are, by name.
-    pub known: &'a TrueNodes,
+    /// What was measured.
+    pub source: TrackSource<'a>,
+    /// Where receivers are, by name (m).
+    pub known: &'a BTreeMap<String, Position>,
     /// How the log is written.
-    pub form: &'a FormOptions,
-    /// Height of the tags (m), if it is known.
-    pub height_m: Option<f64>,
-    /// The file with the true path, to compare with.
-    pub truth: Option<&'a Path>,
+    pub options: &'a ReadOptions,
+    /// What is known of the tags.
+    pub settings: TrackSettings,
+    /// The true path, to compare with.
+    pub truth: Option<&'a robot_log::Path>,
+}
+
+/// Where the readings of tags are.
+#[derive(Clone, Copy, Debug)]
+pub enum TrackSource<'a> {
+    /// A folder with `ranges.csv` or `packets.csv`, such a file, or the log or a recording of robots that stopped: each robot is a tag.
+    File(&'a Path),
+    /// Tables in memory.
+    Tables(&'a TagTables<'a>),
+    /// The log of robots that stopped, which was read.
+    Log(&'a RobotLog),
+}
+
+impl TrackSource<'_> {
+    fn readings(self, known: &BTreeMap<String, Position>, options: &ReadOptions) -> Result<TagReadings, MapLogError> {
+        let path = match self {
+            Self::Tables(tables) => return Ok(robot_log::read_tag_tables(tables, known, options)?),
+            Self::Log(log) => return Ok(TagReadings::of_log(Path::new("the log"), &log.log, known)?),
+            Self::File(path) => path,
+        };
+        let is_tables = matches!(Source::of(path), None | Some(Source::Tables));
+        let is_recording = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"));
+        if is_recording && Source::of(path).is_none() {
+            robot_log::refuse_options(path, options)?;
+            let run = recording::read_log(path)?;
+            return Ok(TagReadings::of_log(path, run.log(), known)?);
+        }
+        if is_tables && robot_log::has_tag_readings(path) {
+            return Ok(robot_log::read_tag_readings(path, known, options)?);
+        }
+        let read = robot_log::read(path, options)?;
+        let mut found = TagReadings::of_log(path, &read.log, known)?;
+        found.notes.splice(0..0, read.notes);
+        Ok(found)
+    }
 }
 
 /// The tracks of all tags in a log, with the results.
 ///
 /// # Errors
-/// If the log or the true path cannot be read, a tag has too few ranges, or `watch` ends the work.
+/// If the log cannot be read, a tag has too few readings, or `watch` ends the work.
 pub fn tracks(
     job: &TrackJob<'_>,
     start: Stopwatch,
     watch: &dyn Watch,
 ) -> Result<(Summary, Vec<(String, Track)>), MapLogError> {
-    let is_recording = job.log.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"));
-    let ranges = if is_recording {
-        let run = recording::read_log(job.log)?;
-        TagRanges::of_log(job.log, run.log(), &job.known.places)?
-    } else {
-        read_tag_ranges(job.log, &job.known.places, job.form)?
-    };
-    let mut notes = ranges.notes;
-    let truth = job.truth.map(|path| read_true_path(path, job.form, &mut notes)).transpose()?;
-    let receivers: Vec<Position> = job.known.places.values().copied().collect();
+    let TagReadings { tags, notes } = job.source.readings(job.known, job.options)?;
+    let receivers: Vec<Position> = job.known.values().copied().collect();
     let (mut tracks, mut summaries) = (Vec::new(), Vec::new());
-    for (tag, ranges) in ranges.tags {
-        let found = track(&receivers, &ranges, TrackSettings { height_m: job.height_m }, watch)?;
-        let heard: BTreeSet<usize> = ranges.iter().map(|range| range.receiver).collect();
-        summaries.push(summary(&tag, &found, heard.len(), truth.as_ref()));
+    for (tag, readings) in tags {
+        let found = track(&receivers, &readings, job.settings, watch)?;
+        let heard: BTreeSet<usize> = readings.iter().map(|reading| reading.receiver).collect();
+        summaries.push(summary(&tag, &found, heard.len(), job.truth));
         tracks.push((tag, found));
     }
     let timing = Timing { wall_s: start.elapsed_s(), peak_rss_bytes: peak_rss_bytes(), ..Timing::default() };
@@ -74,21 +101,34 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
     }
     let count = errors_m.len() as f64;
     let squares: f64 = errors_m.iter().map(|error| error * error).sum();
+    let fit = &track.fit;
+    let (acceleration, odometry) = match fit.motion {
+        TrackMotion::Free { acceleration } => (Some(acceleration), None),
+        TrackMotion::Driven { scale, drift_rad_per_m } => (None, Some((scale, drift_rad_per_m))),
+    };
     TrackSummary {
         tag: tag.to_owned(),
         poses: poses.len(),
-        ranges: track.fit.ranges,
+        ranges: fit.ranges,
+        strengths: fit.strengths,
         receivers,
         duration_s: poses.first().zip(poses.last()).map_or(0.0, |(first, last)| span(first.time, last.time)),
         length_m: poses.windows(2).map(|pair| pair[0].position.distance_m(pair[1].position)).sum(),
-        height_m: track.fit.height_m,
-        is_among_receivers: track.fit.is_among_receivers,
-        range_bias_m: track.fit.bias_m,
-        range_scale: track.fit.scale,
-        noise_m: track.fit.errors.noise_m(),
-        worth: track.fit.worth,
-        acceleration_m2_per_s3: track.fit.acceleration,
-        settled: track.fit.settled,
+        height_m: fit.height_m,
+        is_among_receivers: fit.is_among_receivers,
+        may_be_mirrored: fit.may_be_mirrored,
+        range_bias_m: fit.of_ranges.map(|law| law.bias_m),
+        range_scale: fit.of_ranges.map(|law| law.scale),
+        noise_m: fit.of_ranges.map(|law| law.errors.noise_m()),
+        worth: fit.of_ranges.map(|law| law.worth),
+        at_1_m_dbm: fit.of_strengths.map(|law| law.at_1_m_dbm),
+        path_loss_exponent: fit.of_strengths.map(|law| law.exponent),
+        strength_error_db: fit.of_strengths.map(|law| law.width_db),
+        strength_worth: fit.of_strengths.map(|law| law.worth),
+        acceleration_m2_per_s3: acceleration,
+        odometry_scale: odometry.map(|(scale, _)| scale),
+        odometry_drift_rad_per_m: odometry.map(|(_, drift)| drift),
+        settled: fit.settled,
         position_rmse_m: (count > 0.0).then(|| (squares / count).sqrt()),
         in_region_95: (count > 0.0).then(|| held / count),
         position_error_m: PositionError::of(&errors_m).map(ErrorSummary::from),

@@ -15,7 +15,9 @@ pub struct TrackSummary {
     pub poses: usize,
     /// Ranges that were used.
     pub ranges: usize,
-    /// Receivers at known places of which it has ranges.
+    /// Strengths that were used.
+    pub strengths: usize,
+    /// Receivers at known places of which it has any.
     pub receivers: usize,
     /// From the first to the last pose (s).
     pub duration_s: f64,
@@ -25,16 +27,41 @@ pub struct TrackSummary {
     pub height_m: f64,
     /// Whether most of the track is among the receivers: only then biases and scale of ranges are estimated freely.
     pub is_among_receivers: bool,
-    /// By how much all ranges are too long (m).
-    pub range_bias_m: f64,
+    /// Whether the receivers are on a line, and nothing says on which side of it the tag is.
+    pub may_be_mirrored: bool,
+    /// By how much all ranges are too long (m), if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range_bias_m: Option<f64>,
     /// The share by which all ranges are too long.
-    pub range_scale: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range_scale: Option<f64>,
     /// Standard deviation of the noise of ranges (m).
-    pub noise_m: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_m: Option<f64>,
     /// How many independent ranges one is worth, at most 1.
-    pub worth: f64,
-    /// Power spectral density of the acceleration (m²/s³).
-    pub acceleration_m2_per_s3: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worth: Option<f64>,
+    /// The strength at a metre (dBm), if there are strengths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_1_m_dbm: Option<f64>,
+    /// The exponent of the path loss.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_loss_exponent: Option<f64>,
+    /// The width of the law of errors of strengths (dB).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength_error_db: Option<f64>,
+    /// How many independent strengths one is worth, at most 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength_worth: Option<f64>,
+    /// Power spectral density of the acceleration (m²/s³), without odometry.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub acceleration_m2_per_s3: Option<f64>,
+    /// The share by which the way is longer than odometry has it, if there is odometry.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub odometry_scale: Option<f64>,
+    /// How much the frame of odometry turns (rad/m).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub odometry_drift_rad_per_m: Option<f64>,
     /// Whether the search ended by itself.
     pub settled: bool,
     /// Distances between the track and the true path in the plane (m), if that is known.
@@ -51,24 +78,43 @@ pub struct TrackSummary {
 /// Writes the tracks for people.
 pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result<()> {
     for track in tracks {
-        writeln!(
+        write!(
             out,
-            "{}: {} poses over {:.0} s and {:.0} m from {} ranges of {} receivers; noise {:.2} m, ranges {:.2} m and {:.1} % too long",
-            track.tag,
-            track.poses,
-            track.duration_s,
-            track.length_m,
-            track.ranges,
-            track.receivers,
-            track.noise_m,
-            track.range_bias_m,
-            // Without a sign of zero.
-            (1000.0 * track.range_scale).round() / 10.0 + 0.0,
+            "{}: {} poses over {:.0} s and {:.0} m from ",
+            track.tag, track.poses, track.duration_s, track.length_m
         )?;
-        if !track.is_among_receivers {
+        let counts = [(track.ranges, "ranges"), (track.strengths, "strengths")];
+        let counts: Vec<String> = counts
+            .into_iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, noun)| format!("{count} {noun}"))
+            .collect();
+        write!(out, "{} of {} receivers", counts.join(" and "), track.receivers)?;
+        if let (Some(noise_m), Some(bias_m), Some(scale)) = (track.noise_m, track.range_bias_m, track.range_scale) {
+            // Without a sign of zero.
+            let longer = (1000.0 * scale).round() / 10.0 + 0.0;
+            write!(out, "; noise {noise_m:.2} m, ranges {bias_m:.2} m and {longer:.1} % too long")?;
+        }
+        if let (Some(at_1_m_dbm), Some(exponent), Some(error_db)) =
+            (track.at_1_m_dbm, track.path_loss_exponent, track.strength_error_db)
+        {
+            write!(out, "; strengths {at_1_m_dbm:.0} dBm at 1 m, exponent {exponent:.1}, errors {error_db:.1} dB")?;
+        }
+        if let (Some(scale), Some(drift)) = (track.odometry_scale, track.odometry_drift_rad_per_m) {
+            write!(out, "; odometry {:.1} % short, drift {drift:.4} rad/m", 100.0 * scale)?;
+        }
+        writeln!(out)?;
+        if !track.is_among_receivers && track.ranges > 0 {
             writeln!(
                 out,
                 "{}: most of the track is beside the receivers, where a bias of ranges moves all of it: ranges are taken as calibrated",
+                track.tag
+            )?;
+        }
+        if track.may_be_mirrored {
+            writeln!(
+                out,
+                "{}: the receivers are on a line, so the mirror image of the track is as good; a side says which it is",
                 track.tag
             )?;
         }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelLaw, ObstacleField, Position, RangeSample, RangeTry, RangingDevice};
+use sextant_channel::{ChannelLaw, Mounting, ObstacleField, Position, RangeSample, RangeTry, RangingDevice};
 use sextant_kernel::{NodeId, SimTime, StationId};
 
 use super::Model;
@@ -57,6 +57,6 @@ impl Model {
         let length_m = |step: Position| step.distance_m(Position::ORIGIN);
         let step = if length_m(ahead) >= length_m(behind) { ahead } else { behind };
         let velocity = step * (1e9 / STEP_NS as f64);
-        Some(RangeSample { node, robot, time, position, velocity, range_m })
+        Some(RangeSample { node, robot, time, position, mounting: Mounting::default(), velocity, range_m })
     }
 }

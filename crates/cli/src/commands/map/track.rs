@@ -4,13 +4,15 @@ use std::path::Path;
 
 use super::Arguments;
 use crate::commands::outputs::{admit, keep_logs};
+use crate::commands::path_flags::Side;
 use crate::commands::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
-use sextant::mapping::{TrackJob, tracks};
+use sextant::mapping::{TrackJob, TrackSource, tracks};
 use sextant::summary::Stopwatch;
-use sextant_logs::{read_truth, write_tracks};
+use sextant_logs::{read_true_path, read_truth, write_tracks};
+use sextant_mapper::TrackSettings;
 use sextant_recording::admission::OutputKind;
 
 pub(super) fn execute(arguments: &Arguments, known: &Path, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -34,12 +36,18 @@ pub(super) fn execute(arguments: &Arguments, known: &Path, interrupt: &Interrupt
             "leave it out, and it is estimated where receivers have heights",
         ));
     }
+    let path = &arguments.path;
+    let truth = arguments.truth.as_deref().map(|truth| read_true_path(truth, &options, &mut notes)).transpose()?;
     let job = TrackJob {
-        log: &arguments.log,
-        known: &known,
-        form: &options.form,
-        height_m,
-        truth: arguments.truth.as_deref(),
+        source: TrackSource::File(&arguments.log),
+        known: &known.places,
+        options: &options,
+        settings: TrackSettings {
+            height_m,
+            side: path.side.map(|Side(place)| place),
+            odometry: path.path_error.unwrap_or_default(),
+        },
+        truth: truth.as_ref(),
     };
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);

@@ -122,7 +122,7 @@ by_ranges!(
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{RangeSample, ReceptionLog, Stop};
+    use sextant_channel::{Mounting, RangeSample, ReceptionLog, Stop};
     use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
@@ -135,6 +135,7 @@ mod tests {
             Position::new(x_m, y_m, 0.4 + up_m * f64::from(i % 3))
         };
         let sample = |i: u32| RangeSample {
+            mounting: Mounting::default(),
             node: NodeId(0),
             robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i)),

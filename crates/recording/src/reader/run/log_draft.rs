@@ -120,7 +120,7 @@ mod tests {
     use std::path::Path;
 
     use sextant_channel::{
-        ListenerAntennaConfig, Position, RangeSample, ReceptionLog, SectorGains, SectorReport, SectorTable,
+        ListenerAntennaConfig, Mounting, Position, RangeSample, ReceptionLog, SectorGains, SectorReport, SectorTable,
     };
     use sextant_kernel::{Files, RobotId, SimTime, Unwatched};
 
@@ -183,6 +183,7 @@ mod tests {
     fn ranges_are_read_back_equal_with_those_of_a_stop_that_is_cut_left_out() {
         let folder = tempfile::tempdir().unwrap();
         let range = |i: u32| RangeSample {
+            mounting: Mounting::default(),
             node: NodeId(i % 3),
             robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i) * 130_000_000),

@@ -1,0 +1,329 @@
+//! The way of a moving tag among receivers whose places are known.
+
+mod driven;
+mod epochs;
+mod motion;
+mod problem;
+mod reading;
+mod regions;
+mod report;
+mod side;
+mod start;
+mod strengths;
+
+use nalgebra::{DVector, Vector4};
+use sextant_channel::{Position, RangeErrorLaw};
+use sextant_kernel::{SimTime, Watch};
+
+use super::PathError;
+use super::climb::{Top, climb};
+use super::odometry::{FACTORS, Odometry};
+use crate::error::MapError;
+use crate::numerics::median;
+use crate::range_ml::error_law;
+use epochs::Epochs;
+use motion::{FreeMotion, Motion};
+use problem::{Border, Calibration, TrackPoint, TrackProblem, path_loss};
+pub use reading::{OnRobot, TagReading, TagValue};
+use regions::{by_place, is_among};
+pub use report::{Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
+use side::Line;
+use strengths::{EXPONENT, StrengthErrors};
+
+/// Most steps of a climb, and the gain that ends it.
+const STEPS: u32 = 60;
+const LEAST_GAIN: f64 = 1e-3;
+/// The noise of ranges in turn (m), and the width of the law of strengths (dB).
+const NOISES: [(f64, f64); 2] = [(3.0, 12.0), (1.0, 7.0)];
+/// Power spectral densities of the acceleration that are tried (m²/s³): from a trolley to a runner.
+const ACCELERATIONS: [f64; 4] = [0.01, 0.05, 0.25, 1.25];
+/// Clocks of ranges and of whoever uses the track differ by about that (s).
+const CLOCK_S: f64 = 0.15;
+/// What is known of the calibration where the tag is among the receivers, and where it is beside them: there a bias moves the whole
+/// track, and nothing tells it.
+const AMONG: Calibration = Calibration { bias_m: 3.0, scale: 0.05, receiver_bias_m: 0.2 };
+const BESIDE: Calibration = Calibration { bias_m: 0.05, scale: 0.003, receiver_bias_m: 0.03 };
+/// How well the first pose of odometry is known in the frame of the receivers (m, rad).
+const FIRST: [f64; 2] = [300.0, 6.0];
+
+/// What is known of a tag.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TrackSettings {
+    /// Its height (m). If absent, it is estimated where the receivers have different heights, and is theirs otherwise.
+    pub height_m: Option<f64>,
+    /// A place (m) on that side of a line of receivers on which it is.
+    pub side: Option<[f64; 2]>,
+    /// How wrong odometry is, where there is some.
+    pub odometry: PathError,
+}
+
+/// The track of a tag from `readings` between it and `receivers` at known places (m), in the plane: ranges, or strengths, or both.
+///
+/// Without odometry, the tag moves with an acceleration that is white noise, whose strength the marginal likelihood chooses. With
+/// odometry, the robot that carries it moves as that says, but for scale, drift and noise. Track, law of ranges, law of strengths and
+/// height are one problem. The law of errors of ranges is that of [`RangeErrorLaw`], and strengths fall with the logarithm of the
+/// distance, with errors of Student's law. Each is raised to one over its autocorrelation time.
+///
+/// # Errors
+/// If there are fewer than three receivers, too few readings, a side is given of receivers that are not on a line, some readings have
+/// odometry and others have not, or `watch` ends the work.
+pub fn track(
+    receivers: &[Position],
+    readings: &[TagReading],
+    settings: TrackSettings,
+    watch: &dyn Watch,
+) -> Result<Track, MapError> {
+    let heard: Vec<Position> = (0..receivers.len())
+        .filter(|&receiver| readings.iter().any(|reading| reading.receiver == receiver))
+        .map(|receiver| receivers[receiver])
+        .collect();
+    let line = Line::of(&heard, settings.side);
+    if settings.side.is_some() && line.is_none() {
+        return Err(MapError::Missing {
+            algorithm: "track",
+            what: "receivers on a straight line for a side of it",
+            remedy: "the receivers that were heard are not on a line, so that they tell the side: leave out `side`",
+        });
+    }
+    let is_driven = readings.iter().any(|reading| reading.on_robot.is_some());
+    if is_driven && readings.iter().any(|reading| reading.on_robot.is_none()) {
+        return Err(MapError::Missing {
+            algorithm: "track",
+            what: "odometry for all readings",
+            remedy: "leave out the readings from outside of the path",
+        });
+    }
+    let missing = MapError::Missing {
+        algorithm: "track",
+        what: "ranges to three receivers with known places within two seconds, or strengths",
+        remedy: "`ranges.csv` has the ranges, `packets.csv` the strengths, each with its time, and `--known` the places",
+    };
+    let epochs = Epochs::of(readings);
+    let levels = receivers.iter().map(|receiver| receiver.z_m);
+    let low = levels.clone().fold(f64::INFINITY, f64::min);
+    let high = levels.fold(f64::NEG_INFINITY, f64::max);
+    let height_m = match settings.height_m {
+        Some(height_m) => [height_m, 1e-4],
+        None => [0.5 * (low + high), if high - low > 1e-3 { 1.0 } else { 1e-4 }],
+    };
+    if heard.len() < if is_driven { 2 } else { 3 } {
+        return Err(missing);
+    }
+    let start = match epochs.start(receivers, height_m[0], line.as_ref()) {
+        Some(start) => start,
+        None if is_driven && epochs.times_s.len() >= 3 => epochs.around_middle(&heard),
+        None => return Err(missing),
+    };
+    let has_strengths = readings.iter().any(|reading| matches!(reading.value, TagValue::Strength(_)));
+    let is_among = is_among(receivers, &start);
+    let border = Border { receivers: receivers.len(), is_driven, has_strengths };
+    let (steps_s, legs) = (epochs.steps_s(), epochs.legs());
+    let firsts: Vec<(usize, [f64; 2])> =
+        epochs.believed.first().map(|first| (0, [first.x_m, first.y_m])).into_iter().collect();
+    let motions: Vec<Motion<'_>> = if is_driven {
+        let driven = |error: PathError| {
+            Motion::Driven(Odometry {
+                legs: &legs,
+                error,
+                firsts: &firsts,
+                first_deviation: FIRST,
+                scale: border.odometry_scale(),
+                drift: border.odometry_drift(),
+            })
+        };
+        FACTORS.map(|factor| driven(settings.odometry.times(factor))).to_vec()
+    } else {
+        ACCELERATIONS.map(|acceleration| Motion::Free(FreeMotion { steps_s: &steps_s, acceleration })).to_vec()
+    };
+    let mut problem = TrackProblem {
+        receivers,
+        readings: &epochs.readings,
+        motion: if is_driven { motions[motions.len() - 1] } else { motions[1] },
+        border,
+        law: RangeErrorLaw::of([0.0; 4]),
+        worth: 1.0,
+        strengths: StrengthErrors { width_db: NOISES[0].1, worth: 1.0 },
+        calibration: if is_among { AMONG } else { BESIDE },
+        height_m,
+    };
+    let states: Vec<Vec<Vector4<f64>>> = if is_driven {
+        epochs.aligned(&start, line.as_ref())
+    } else {
+        vec![start.iter().map(|&[x, y]| Vector4::new(x, y, 0.0, 0.0)).collect()]
+    };
+    let mut best: Option<Top<TrackPoint>> = None;
+    for states in states {
+        let mut point = TrackPoint { border: first_border(&problem, height_m[0]), states };
+        take_power(&problem, &mut point);
+        let mut top = None;
+        for (noise_m, width_db) in NOISES {
+            problem.law = error_law::noisy(noise_m);
+            problem.strengths = StrengthErrors { width_db, worth: 1.0 };
+            let found = climb(&problem, point, STEPS, LEAST_GAIN, watch)?;
+            point = found.point.clone();
+            top = Some(found);
+        }
+        let found = top.expect("there are noises");
+        let is_there = line.filter(|_| settings.side.is_some()).is_none_or(|line| is_on_side(&line, &found.point));
+        if is_there && best.as_ref().is_none_or(|best| found.value > best.value) {
+            best = Some(found);
+        }
+    }
+    let Some(best) = best else { return Err(missing) };
+    let mut point = best.point;
+    let mut top = None;
+    for _ in 0..2 {
+        take_laws(&mut problem, &point);
+        let found = chosen(&mut problem, &motions, &point, watch)?;
+        point = found.point.clone();
+        top = Some(found);
+    }
+    let top = top.expect("there were rounds");
+    let may_be_mirrored = line.is_some() && settings.side.is_none() && !is_driven;
+    Ok(tracked(&epochs, &problem, &top, is_among, may_be_mirrored))
+}
+
+/// Whether most of a track is on the side of a line that is wanted.
+fn is_on_side(line: &Line, point: &TrackPoint) -> bool {
+    point.states.iter().map(|state| line.across_m([state[0], state[1]])).sum::<f64>() >= 0.0
+}
+
+/// What is taken of the laws before anything is known.
+fn first_border(problem: &TrackProblem<'_>, height_m: f64) -> DVector<f64> {
+    let at = problem.border;
+    let mut border = DVector::zeros(at.width());
+    border[at.height()] = height_m;
+    if at.has_strengths {
+        border[at.exponent()] = EXPONENT[0];
+    }
+    border
+}
+
+/// Takes the power that suits the strengths at a point.
+fn take_power(problem: &TrackProblem<'_>, point: &mut TrackPoint) {
+    let at = problem.border;
+    if !at.has_strengths {
+        return;
+    }
+    let of = |reading: &epochs::EpochReading| {
+        reading.value + EXPONENT[0] * path_loss(problem.sight(reading, point).distance_m)
+    };
+    let mut powers: Vec<f64> = problem.readings.iter().filter(|reading| reading.is_strength).map(of).collect();
+    point.border[at.power()] = median(&mut powers);
+}
+
+/// Takes the laws of the errors at a point, and how similar neighbouring ones are.
+fn take_laws(problem: &mut TrackProblem<'_>, point: &TrackPoint) {
+    let receivers = problem.receivers.len();
+    let errors = problem.errors(point, false);
+    if !errors.is_empty() {
+        problem.law = error_law::of_errors(&errors.iter().map(|&(_, error_m)| error_m).collect::<Vec<_>>());
+        problem.worth = error_law::worth(receivers, errors.into_iter());
+    }
+    let errors = problem.errors(point, true);
+    if !errors.is_empty() {
+        let all: Vec<f64> = errors.iter().map(|&(_, error_db)| error_db).collect();
+        problem.strengths = StrengthErrors::of_errors(&all, error_law::worth(receivers, errors.into_iter()));
+    }
+}
+
+/// The climb with the motion that the marginal likelihood prefers, which the problem takes.
+fn chosen<'a>(
+    problem: &mut TrackProblem<'a>,
+    motions: &[Motion<'a>],
+    start: &TrackPoint,
+    watch: &dyn Watch,
+) -> Result<Top<TrackPoint>, MapError> {
+    let mut best: Option<(f64, Motion<'a>, Top<TrackPoint>)> = None;
+    for &motion in motions {
+        let tried = TrackProblem { motion, ..problem.clone() };
+        let top = climb(&tried, start.clone(), STEPS, LEAST_GAIN, watch)?;
+        let log_evidence = match &top.curvature {
+            Some(curvature) => top.value + motion.log_widths() - 0.5 * curvature.log_determinant,
+            None => f64::NEG_INFINITY,
+        };
+        if best.as_ref().is_none_or(|(best, ..)| log_evidence > *best) {
+            best = Some((log_evidence, motion, top));
+        }
+    }
+    let (_, motion, top) = best.expect("there are motions");
+    problem.motion = motion;
+    Ok(top)
+}
+
+fn tracked(
+    epochs: &Epochs,
+    problem: &TrackProblem<'_>,
+    top: &Top<TrackPoint>,
+    is_among_receivers: bool,
+    may_be_mirrored: bool,
+) -> Track {
+    let covariances = top.curvature.as_ref().map(|curvature| curvature.covariances().0);
+    let by_place = by_place(problem, &top.point);
+    let (border, at) = (&top.point.border, problem.border);
+    let height_m = border[at.height()];
+    let velocities = velocities(epochs, problem, &top.point);
+    let pose = |(at, (state, &time)): (usize, (&Vector4<f64>, &SimTime))| TrackPose {
+        time,
+        position: Position::new(state[0], state[1], height_m),
+        covariance: covariances.as_ref().map_or([[0.0; 2]; 2], |states| {
+            let (velocity, state, more) = (velocities[at], &states[at], by_place[at]);
+            let by_clock = |row: usize, column: usize| CLOCK_S * CLOCK_S * velocity[row] * velocity[column];
+            let entry =
+                |row: usize, column: usize| state[(row, column)] + more[(row, column)] + by_clock(row, column);
+            [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]
+        }),
+        velocity_m_per_s: velocities[at],
+    };
+    let strengths = epochs.readings.iter().filter(|reading| reading.is_strength).count();
+    let ranges = epochs.readings.len() - strengths;
+    let of_ranges = TrackRangeLaw {
+        bias_m: border[at.bias()],
+        scale: border[at.scale()],
+        errors: problem.law,
+        worth: problem.worth,
+    };
+    let of_strengths = at.has_strengths.then(|| TrackStrengthLaw {
+        at_1_m_dbm: border[at.power()] - border[at.exponent()] * path_loss(1.0),
+        exponent: border[at.exponent()],
+        width_db: problem.strengths.width_db,
+        worth: problem.strengths.worth,
+    });
+    Track {
+        poses: top.point.states.iter().zip(&epochs.times).enumerate().map(pose).collect(),
+        fit: TrackFit {
+            ranges,
+            strengths,
+            is_among_receivers,
+            may_be_mirrored,
+            height_m,
+            of_ranges: (ranges > 0).then_some(of_ranges),
+            of_strengths,
+            motion: match problem.motion {
+                Motion::Free(FreeMotion { acceleration, .. }) => TrackMotion::Free { acceleration },
+                Motion::Driven(_) => TrackMotion::Driven {
+                    scale: border[at.odometry_scale()],
+                    drift_rad_per_m: border[at.odometry_drift()],
+                },
+            },
+            settled: top.settled && covariances.is_some(),
+        },
+    }
+}
+
+/// The velocity at each time (m/s): with odometry, that between the poses before and after.
+fn velocities(epochs: &Epochs, problem: &TrackProblem<'_>, point: &TrackPoint) -> Vec<[f64; 2]> {
+    let states = &point.states;
+    let between = |at: usize| {
+        let (before, after) = (at.saturating_sub(1), (at + 1).min(states.len() - 1));
+        let span_s = (epochs.times_s[after] - epochs.times_s[before]).max(1e-3);
+        [0, 1].map(|axis| (states[after][axis] - states[before][axis]) / span_s)
+    };
+    match problem.motion {
+        Motion::Free(_) => states.iter().map(|state| [state[2], state[3]]).collect(),
+        Motion::Driven(_) => (0..states.len()).map(between).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,93 @@
+//! The track of a tag, and what was learned with it.
+
+use sextant_channel::{Position, RangeErrorLaw};
+use sextant_kernel::SimTime;
+
+/// Where a tag was at a time: with odometry the robot that carries it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackPose {
+    /// When.
+    pub time: SimTime,
+    /// Where (m).
+    pub position: Position,
+    /// Covariance of x and y (m²). It holds errors of ranges that stay the same for a while, and a clock that is wrong by 0.15 s.
+    pub covariance: [[f64; 2]; 2],
+    /// Velocity along x and y (m/s).
+    pub velocity_m_per_s: [f64; 2],
+}
+
+/// The track of a tag.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Its poses, in the order of time.
+    pub poses: Vec<TrackPose>,
+    /// What was learned with it.
+    pub fit: TrackFit,
+}
+
+/// What was learned of ranges, strengths and motion with a track.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackFit {
+    /// Number of ranges that were used: of those of one receiver in a quarter of a second, the median.
+    pub ranges: usize,
+    /// Number of strengths that were used, alike.
+    pub strengths: usize,
+    /// Whether the tag was among the receivers, so that biases and scale could be estimated.
+    pub is_among_receivers: bool,
+    /// Whether the receivers are on a line, and nothing says on which side of it the tag is: then the mirror image of the track is as
+    /// good.
+    pub may_be_mirrored: bool,
+    /// The height of the tag (m).
+    pub height_m: f64,
+    /// The law of ranges, if there are any.
+    pub of_ranges: Option<TrackRangeLaw>,
+    /// The law of strengths, if there are any.
+    pub of_strengths: Option<TrackStrengthLaw>,
+    /// How it moved.
+    pub motion: TrackMotion,
+    /// Whether the search ended by itself.
+    pub settled: bool,
+}
+
+/// What was learned of ranges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackRangeLaw {
+    /// By how much all ranges are too long (m).
+    pub bias_m: f64,
+    /// The share by which all ranges are too long.
+    pub scale: f64,
+    /// The law of their errors.
+    pub errors: RangeErrorLaw,
+    /// How many independent ranges one is worth.
+    pub worth: f64,
+}
+
+/// What was learned of strengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackStrengthLaw {
+    /// The strength at a metre (dBm).
+    pub at_1_m_dbm: f64,
+    /// The exponent of the path loss.
+    pub exponent: f64,
+    /// The width of the law of errors (dB).
+    pub width_db: f64,
+    /// How many independent strengths one is worth.
+    pub worth: f64,
+}
+
+/// How a tag moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TrackMotion {
+    /// Freely.
+    Free {
+        /// Power spectral density of its acceleration (m²/s³).
+        acceleration: f64,
+    },
+    /// As odometry says, but for its errors.
+    Driven {
+        /// The share by which the way is longer than odometry has it.
+        scale: f64,
+        /// How much odometry's frame turns (rad/m).
+        drift_rad_per_m: f64,
+    },
+}

@@ -1,0 +1,129 @@
+//! Where the search for a track begins: places from ranges of one moment, or weighted centroids by strengths.
+
+use sextant_channel::Position;
+
+use super::epochs::{EpochReading, Epochs};
+use super::side::Line;
+use crate::comparators::lateration::{Range, refine};
+use crate::numerics::median;
+
+/// Places come from readings within this time before and after (s).
+const WINDOW_S: f64 = 1.0;
+/// By how much the weight of a receiver falls with its strength, as a share of the amplitude.
+const AMPLITUDE: f64 = 1.0;
+
+impl Epochs {
+    /// A place for each epoch from the readings around it, on the wanted side of a line of receivers; `None` if no moment has ranges
+    /// to three receivers, and there are no strengths.
+    pub(super) fn start(&self, receivers: &[Position], height_m: f64, line: Option<&Line>) -> Option<Vec<[f64; 2]>> {
+        let middle =
+            receivers.iter().fold(Position::ORIGIN, |sum, &place| sum + place) * (1.0 / receivers.len() as f64);
+        let of_ranges = self.places_by_ranges(receivers, middle, height_m, line);
+        let known = if of_ranges.is_empty() { self.places_by_strengths(receivers) } else { of_ranges };
+        if known.is_empty() {
+            return None;
+        }
+        let at = |time_s: f64| {
+            let after = known.partition_point(|&(known_s, _)| known_s < time_s);
+            match (after.checked_sub(1).map(|before| known[before]), known.get(after)) {
+                (Some((before_s, before)), Some(&(after_s, place))) if after_s > before_s => {
+                    let share = (time_s - before_s) / (after_s - before_s);
+                    [0, 1].map(|axis| before[axis] + share * (place[axis] - before[axis]))
+                }
+                (_, Some(&(_, place))) | (Some((_, place)), None) => place,
+                (None, None) => [middle.x_m, middle.y_m],
+            }
+        };
+        Some(self.times_s.iter().map(|&time_s| at(time_s)).collect())
+    }
+
+    /// The readings around each epoch.
+    fn around(&self) -> impl Iterator<Item = (f64, &[EpochReading])> {
+        let (mut from, mut to) = (0, 0);
+        let time_of = |reading: &EpochReading| self.times_s[reading.epoch];
+        self.times_s.iter().map(move |&time_s| {
+            while from < self.readings.len() && time_of(&self.readings[from]) < time_s - WINDOW_S {
+                from += 1;
+            }
+            while to < self.readings.len() && time_of(&self.readings[to]) <= time_s + WINDOW_S {
+                to += 1;
+            }
+            (time_s, &self.readings[from..to])
+        })
+    }
+
+    /// The values of each receiver among some readings.
+    fn by_receiver(near: &[EpochReading], receivers: usize, of_strengths: bool) -> Vec<Vec<f64>> {
+        let mut found: Vec<Vec<f64>> = vec![Vec::new(); receivers];
+        let readings = near.iter().filter(|reading| reading.is_strength == of_strengths);
+        readings.for_each(|reading| found[reading.receiver].push(reading.value));
+        found
+    }
+
+    fn places_by_ranges(
+        &self,
+        receivers: &[Position],
+        middle: Position,
+        height_m: f64,
+        line: Option<&Line>,
+    ) -> Vec<(f64, [f64; 2])> {
+        let mut last = middle;
+        let mut known: Vec<(f64, [f64; 2])> = Vec::new();
+        for (time_s, near) in self.around() {
+            let mut by_receiver = Self::by_receiver(near, receivers.len(), false);
+            let flat: Vec<Range> = by_receiver
+                .iter_mut()
+                .zip(receivers)
+                .filter(|(ranges, _)| !ranges.is_empty())
+                .map(|(ranges, receiver)| {
+                    let up_m = receiver.z_m - height_m;
+                    Range::new(*receiver, (median(ranges).powi(2) - up_m * up_m).max(0.0).sqrt())
+                })
+                .collect();
+            if flat.len() < 3 {
+                continue;
+            }
+            let usual_m = median(&mut flat.iter().map(|range| range.distance_m).collect::<Vec<_>>());
+            let around = [[1.0, 0.2], [-0.2, 1.0], [-1.0, -0.2], [0.2, -1.0]]
+                .map(|[x, y]| middle + Position::new(x * usual_m, y * usual_m, 0.0));
+            let misfit = |place: &Position| -> f64 {
+                flat.iter()
+                    .map(|range| {
+                        let apart = *place - range.anchor;
+                        (libm::hypot(apart.x_m, apart.y_m) - range.distance_m).abs()
+                    })
+                    .sum()
+            };
+            // A place near the last one is preferred where two fit alike.
+            let starts = std::iter::once(last).chain(around).chain([middle + Position::new(0.01, 0.02, 0.0)]);
+            let found = starts.map(|start| refine(start, &flat, 2));
+            let cost =
+                |place: &Position| misfit(place) + 0.05 * libm::hypot(place.x_m - last.x_m, place.y_m - last.y_m);
+            let Some(best) = found.min_by(|a, b| cost(a).total_cmp(&cost(b))) else { continue };
+            let [x_m, y_m] = line.map_or([best.x_m, best.y_m], |line| line.on_side([best.x_m, best.y_m]));
+            last = Position::new(x_m, y_m, best.z_m);
+            known.push((time_s, [x_m, y_m]));
+        }
+        known
+    }
+
+    /// Centroids of the receivers, weighted by the amplitude with which each was received.
+    fn places_by_strengths(&self, receivers: &[Position]) -> Vec<(f64, [f64; 2])> {
+        let mut known = Vec::new();
+        for (time_s, near) in self.around() {
+            let by_receiver = Self::by_receiver(near, receivers.len(), true);
+            let (mut sum, mut place) = (0.0, [0.0; 2]);
+            for (strengths, receiver) in by_receiver.iter().zip(receivers).filter(|(all, _)| !all.is_empty()) {
+                let mean_dbm = strengths.iter().sum::<f64>() / strengths.len() as f64;
+                let weight = libm::exp(AMPLITUDE * mean_dbm * std::f64::consts::LN_10 / 20.0);
+                sum += weight;
+                place[0] += weight * receiver.x_m;
+                place[1] += weight * receiver.y_m;
+            }
+            if sum > 0.0 {
+                known.push((time_s, place.map(|along| along / sum)));
+            }
+        }
+        known
+    }
+}
