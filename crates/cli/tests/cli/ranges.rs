@@ -301,7 +301,7 @@ fn strengths_track_a_tag_and_a_side_is_for_receivers_on_a_line() {
     for (more, problem) in [
         (&["--side", "1,2"][..], "straight line"),
         (&["--side", "left"], "two numbers of metres, X,Y"),
-        (&["--transmitter", "other"], "no range and no strength"),
+        (&["--reciprocal", "--transmitter", "other"], "no range and no strength"),
         (&["--stop-every", "1m"], "is for logs of packets and a path"),
     ] {
         let output = run(&log, &[&words[..], more].concat());

@@ -101,7 +101,9 @@ pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result
             write!(out, "; strengths {at_1_m_dbm:.0} dBm at 1 m, exponent {exponent:.1}, errors {error_db:.1} dB")?;
         }
         if let (Some(scale), Some(drift)) = (track.odometry_scale, track.odometry_drift_rad_per_m) {
-            write!(out, "; odometry {:.1} % short, drift {drift:.4} rad/m", 100.0 * scale)?;
+            let rounded = |value: f64, digits: f64| (value * digits).round() / digits + 0.0;
+            let (short, drift) = (rounded(100.0 * scale, 10.0), rounded(drift, 1e4));
+            write!(out, "; odometry {short:.1} % short, drift {drift:.4} rad/m")?;
         }
         writeln!(out)?;
         if !track.is_among_receivers && track.ranges > 0 {

@@ -82,7 +82,7 @@ pub fn track(
         return Err(MapError::Missing {
             algorithm: "track",
             what: "receivers on a straight line for a side of it",
-            remedy: "the receivers that were heard are not on a line, so that they tell the side: leave out `side`",
+            remedy: "the receivers that were heard are not on a line, so that they tell the side themselves",
         });
     }
     let is_driven = readings.iter().any(|reading| reading.on_robot.is_some());
