@@ -165,7 +165,8 @@ impl Gains {
         let left_m = budget.way_m - tour.length_m();
         let mut order = Vec::new();
         let mut is_beyond_way = false;
-        for (place, gain) in self.gains.iter().enumerate().filter(|(_, gain)| brings(gain)) {
+        let is_new = |place: usize| !tour.places().contains(&place);
+        for (place, gain) in self.gains.iter().enumerate().filter(|(place, gain)| brings(gain) && is_new(*place)) {
             let way_m = tour.detour_m(place);
             if way_m > left_m {
                 is_beyond_way = true;

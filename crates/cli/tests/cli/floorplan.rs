@@ -86,7 +86,10 @@ fn plans_that_cannot_be_read_say_why() {
         (&["room.bmp"], "is not a floor plan that can be read; allowed: an image (.png, .pgm)"),
         (&["none.png", "--scale", "0.05"], "cannot read `none.png`"),
         (&["hall.dxf"], "does not say the unit of its lengths ($INSUNITS): option `unit` says it"),
-        (&["hall.dxf", "--unit", "mm", "--layers", "roof"], "option `layers` is roof; allowed: layers with lines: walls"),
+        (
+            &["hall.dxf", "--unit", "mm", "--layers", "roof"],
+            "option `layers` is roof; allowed: layers with lines: walls",
+        ),
     ] {
         let found = error(&floorplan(path, words));
         let found = found.split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "");
