@@ -108,3 +108,24 @@ fn a_refinement_costs_its_time_and_leaves_no_weaker_link() {
     let refinement = 3e-6 + frame(304.0, 2.0) + 4992.0 / 1.76e9 + 40e-6 + frame(368.0, 3.0) + 40e-6;
     is_near((with.overhead - without.overhead) * 102.4e-3, refinement, "refinement");
 }
+
+#[test]
+fn what_cannot_be_trained_is_refused_at_its_key() {
+    let scenario = creeping(2.0, "predicted = {}", "");
+    let refused = |key: &str, value: f64| {
+        let key = format!("applications.0.algorithm.beam_tracking.{key}");
+        scenario.with(&key, value).expect_err("a refusal").to_string()
+    };
+    // 32 beacons and 8 slots take 3.15 ms.
+    for (key, value, allowed) in [
+        ("beacon_interval_ms", 5.0, "at least 6.298"),
+        ("beacon_interval_ms", 2000.0, "1 to 1000"),
+        ("retrain.predicted.margin_db", -1.0, "0 to 100"),
+    ] {
+        let problem = refused(key, value);
+        assert!(problem.contains(key) && problem.contains(allowed), "{problem}");
+    }
+    let many = scenario.with("applications.0.algorithm.beam_tracking.retrain.predicted.sectors", 33);
+    let problem = many.expect_err("a refusal").to_string();
+    assert!(problem.contains("1 to 32, the sectors of a robot"), "{problem}");
+}

@@ -10,7 +10,7 @@ use sextant_sim::{
     Timer, World,
 };
 
-use crate::broadcasts::{EIGHT, link};
+use crate::broadcasts::link;
 use crate::network;
 use crate::scripted::NETWORK;
 
@@ -35,6 +35,10 @@ impl Application for Looker {
         port.after(Duration::from_secs(1), Timer(0));
     }
 }
+
+/// Eight sectors of both ends.
+const EIGHT: &str = "nodes.sectors = { azimuth_sectors = 8, boresight_gain_dbi = 25.0 }\n\
+                     robots.sectors = { azimuth_sectors = 8, boresight_gain_dbi = 25.0 }\nnode_headings = 'aligned'";
 
 const NODE: Position = Position::new(0.0, 0.0, 1.0);
 const ROBOT: Position = Position::new(5.0, 2.0, 1.0);
