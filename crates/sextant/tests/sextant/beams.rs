@@ -114,7 +114,7 @@ fn what_cannot_be_trained_is_refused_at_its_key() {
     let scenario = creeping(2.0, "predicted = {}", "");
     let refused = |key: &str, value: f64| {
         let key = format!("applications.0.algorithm.beam_tracking.{key}");
-        scenario.with(&key, value).expect_err("a refusal").to_string()
+        scenario.with(&key, value).err().expect("a refusal").to_string()
     };
     // 32 beacons and 8 slots take 3.15 ms.
     for (key, value, allowed) in [
@@ -126,6 +126,6 @@ fn what_cannot_be_trained_is_refused_at_its_key() {
         assert!(problem.contains(key) && problem.contains(allowed), "{problem}");
     }
     let many = scenario.with("applications.0.algorithm.beam_tracking.retrain.predicted.sectors", 33);
-    let problem = many.expect_err("a refusal").to_string();
+    let problem = many.err().expect("a refusal").to_string();
     assert!(problem.contains("1 to 32, the sectors of a robot"), "{problem}");
 }
