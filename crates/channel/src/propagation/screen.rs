@@ -54,6 +54,9 @@ impl TryFrom<ScreenConfig> for Screen {
     }
 }
 
+/// Places this near are the same (m).
+const SAME_PLACE_M: f64 = 1e-9;
+
 /// A way of a signal as a screen sees it: straight, with the legs before and after it unfolded.
 struct Unfolded {
     /// Horizontal lengths before and after the screen (m).
@@ -67,29 +70,35 @@ struct Unfolded {
 
 impl Screen {
     /// Loss of one way of a signal between two places by a screen at `place`, at a carrier (GHz). The screen counts on each
-    /// leg of the way that passes it.
+    /// leg of the way that passes it, and once where the way turns.
     #[must_use]
     pub fn loss(&self, place: Position, ray: &Ray, [from, to]: [Position; 2], carrier_ghz: f64) -> Db {
         let level = |[a, b]: [Position; 2]| libm::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
         let all_m: f64 = ray.legs(from, to).map(level).sum();
-        let (mut gone_m, mut loss) = (0.0, Db(0.0));
+        let (mut gone_m, mut loss, mut at_turn) = (0.0, Db(0.0), Db(0.0));
         for [a, b] in ray.legs(from, to) {
             let leg_m = level([a, b]);
             if leg_m > 0.0 {
                 let (x, y) = ((b.x_m - a.x_m) / leg_m, (b.y_m - a.y_m) / leg_m);
                 let (to_x, to_y) = (place.x_m - a.x_m, place.y_m - a.y_m);
                 let (along_m, aside_m) = (x * to_x + y * to_y, x * to_y - y * to_x);
-                if along_m > 0.0 && along_m < leg_m {
-                    let slope = (b.z_m - a.z_m) / leg_m;
-                    let before_m = gone_m + along_m;
-                    let height_m = a.z_m + slope * along_m;
-                    let way = Unfolded { before_m, after_m: all_m - before_m, height_m, slope };
-                    loss = loss + self.across(aside_m, place.z_m, &way, carrier_ghz);
+                let slope = (b.z_m - a.z_m) / leg_m;
+                let before_m = gone_m + along_m;
+                let height_m = a.z_m + slope * along_m;
+                let way = Unfolded { before_m, after_m: all_m - before_m, height_m, slope };
+                let is_between = before_m > SAME_PLACE_M && before_m < all_m - SAME_PLACE_M;
+                if is_between && along_m >= -SAME_PLACE_M && along_m <= leg_m + SAME_PLACE_M {
+                    let here = self.across(aside_m, place.z_m, &way, carrier_ghz);
+                    if along_m.abs() <= SAME_PLACE_M || (along_m - leg_m).abs() <= SAME_PLACE_M {
+                        at_turn = Db(at_turn.0.max(here.0));
+                    } else {
+                        loss = loss + here;
+                    }
                 }
             }
             gone_m += leg_m;
         }
-        loss
+        loss + at_turn
     }
 
     /// `L = -20 log10(1 - (F_h1 + F_h2)(F_w1 + F_w2))`, `F = atan(±π/2 sqrt(π/λ (D1 + D2 - r))) / π` for each edge, with the
@@ -191,6 +200,9 @@ mod tests {
         let found = person().loss(Position::new(2.0, 1.5, 0.0), &bounced, [from, to], GHZ).0;
         let expected = between([0.0, 0.0, 1.0], [10.0, 0.0, 1.0], [2.5, 0.0, 0.0]);
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        // At the mirror it counts once.
+        let there = person().loss(Position::new(4.0, 3.0, 0.0), &bounced, [from, to], GHZ).0;
+        assert!((there - between([0.0, 0.0, 1.0], [10.0, 0.0, 1.0], [5.0, 0.0, 0.0])).abs() < 1e-9, "{there}");
         // Whoever stands on the straight line does not shade it.
         assert!(person().loss(Position::new(4.0, 0.0, 0.0), &bounced, [from, to], GHZ).0 < 0.03);
     }
