@@ -160,7 +160,6 @@ fn of_les(text: &str) -> Result<Distances<'_>, (usize, &str)> {
 mod tests {
     use sextant_channel::Position;
 
-    use super::*;
     use crate::test_kit::folder_of;
     use crate::{ReadOptions, read_tag_readings};
 

@@ -379,7 +379,7 @@ mod tests {
 
     #[test]
     fn ranges_with_places_of_their_own_are_read_back_equal() {
-        use sextant_channel::{Position, RangeSample};
+        use sextant_channel::{Mounting, Position, RangeSample};
         use sextant_kernel::{NodeId, RobotId, SimTime};
 
         let stops = "stop,t_s,x_m,y_m,robot\nA,0,0,0,r\nB,10,4,0,r\nC,5,1,1,s\n";

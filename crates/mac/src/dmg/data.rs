@@ -189,7 +189,8 @@ mod tests {
         assert_eq!(Mcs(1).airtime(32), Duration::from_nanos(chips * 1000 / 1760 + 1));
         // 1000 octets with MCS 12: 8000 bits in codewords of 504 are 16, 10752 coded bits in blocks of 1792 are six.
         let chips = 3328 + 1024 + 6 * 512 + 64;
-        assert_eq!(Mcs(12).airtime(1000).as_nanos(), (f64::from(chips) / 1.76).round() as u128);
+        // 7488 chips of 1.76 GHz are 4254.5 ns.
+        assert_eq!((chips, Mcs(12).airtime(1000)), (7488, Duration::from_nanos(4255)));
     }
 
     #[test]

@@ -84,7 +84,7 @@ impl NodeOutlook {
 
 /// Points about the mean that stand for a covariance.
 fn about_mean(covariance: &Matrix3<f64>) -> Vec<(Position, f64)> {
-    let rule: &[(f64, f64)] = if covariance[(2, 2)] > FLAT_M2 { &*SPATIAL_RULE } else { &*PLANAR_RULE };
+    let rule: &[(f64, f64)] = if covariance[(2, 2)] > FLAT_M2 { &SPATIAL_RULE } else { &PLANAR_RULE };
     points(Position::ORIGIN, &rows(covariance), rule)
 }
 

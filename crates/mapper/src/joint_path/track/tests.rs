@@ -35,12 +35,11 @@ fn at(pose: &TrackPose, truth: impl Fn(f64) -> [f64; 2]) -> Position {
 
 /// Ranges with noise (m) to the receivers in turn, every tenth of a second.
 fn ranges(receivers: &[Position], count: u64, noise_m: f64, truth: impl Fn(f64) -> [f64; 2]) -> Vec<TagReading> {
-    let range = |number: u64| {
-        let receiver = (number % receivers.len() as u64) as usize;
+    let range = |(number, receiver): (u64, usize)| {
         let distance_m = place(truth(0.1 * number as f64)).distance_m(receivers[receiver]);
         TagReading::range(receiver, tenths(number), distance_m + noise_m * normal([number, 7]))
     };
-    (0..count).map(range).collect()
+    (0..count).zip((0..receivers.len()).cycle()).map(range).collect()
 }
 
 #[test]
