@@ -119,17 +119,24 @@ impl Quarters {
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::Position;
+    use sextant_channel::{Position, Reception};
 
     use super::*;
-    use crate::doctor::tests::{log_of, node};
+    use crate::doctor::tests::{changed, draw, log_of, node};
 
     #[test]
     fn a_law_explains_strengths_in_a_field_much_larger_than_its_ranges_too() {
         // Nodes are heard over about 16 m; the field is 320 m wide.
         let place = |i: u32| Position::new(5.0 * f64::from(i % 64), 5.0 * f64::from(i / 64), 0.0);
         let places: Vec<Position> = (0..64 * 39).map(place).collect();
-        let law = DistanceLaw::of(&log_of(&places, |number, _| node(number) * 16.0)).unwrap();
+        let log = log_of(&places, |number, _| node(number) * 16.0);
+        // Strengths that differ from the law by 2 dB, at each stop by itself.
+        let level = |row: Reception| {
+            let far_m = (node(row.node.0) * 16.0).distance_m(places[row.stop as usize]).max(0.3);
+            -45.0 - 25.0 * libm::log10(far_m) + 2.0 * draw(9, [row.node.0.into(), row.stop.into()])
+        };
+        let lawful = |row: Reception| Reception { rssi_dbm: row.rssi_dbm.map(|_| level(row)), ..row };
+        let law = DistanceLaw::of(&changed(&log, |stop| stop, lawful)).unwrap();
         assert!(law.gain > 0.1 && law.gain > 3.0 * law.gain_error, "{} ± {}", law.gain, law.gain_error);
     }
 }

@@ -18,7 +18,6 @@ use super::ways::{End, Ways};
 use sectors::left_over;
 
 use crate::station::{Motion, Pose};
-pub(crate) use sectors::SectorCounts;
 
 /// Number of links that are remembered: a power of two.
 const LINKS: usize = 1 << 20;

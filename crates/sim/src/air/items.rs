@@ -6,8 +6,8 @@ use sextant_kernel::SimTime;
 use super::listener::Listener;
 use super::receiver_id::ReceiverId;
 use super::signal::{Aim, Emission, Signal};
-use super::{Air, Interface, ReceptionRules, SectorCounts};
-use crate::service::ideal::SectorPowers;
+use super::{Air, Interface, ReceptionRules};
+use crate::service::ideal::{SectorCounts, SectorPowers};
 
 /// What the power of a link consists of.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use sextant_channel::{Dbm, Milliwatts, Position};
 use sextant_kernel::{SimTime, StationId};
 
 use super::ReceptionRules;
-use super::budget::{Budget, SectorCounts};
+use super::budget::Budget;
 use super::carrier::{Carrier, Enough, energy_in, overlap_ns};
 use super::cells::Cells;
 use super::changes::Changes;
@@ -21,7 +21,7 @@ use super::screens::Screens;
 use super::sense::Sense;
 use super::signal::Signal;
 use super::surroundings::{AllSurroundings, Surroundings};
-use crate::service::ideal::SectorPowers;
+use crate::service::ideal::{SectorCounts, SectorPowers};
 use crate::station::Motion;
 
 /// So many signals are looked at one by one: that is faster than to look for those near a place.

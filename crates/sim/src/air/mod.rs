@@ -43,7 +43,6 @@ use medium::Medium;
 use reached::Reached;
 use receiver::Receiver;
 
-pub(crate) use budget::SectorCounts;
 pub(crate) use changes::{Changes, Links as ChangingLinks};
 pub(crate) use interface::Interface;
 pub(crate) use items::{LinkItems, PlacedRadio};

@@ -3,14 +3,24 @@
 use std::time::Duration;
 
 use sextant_channel::{Dbm, FadingBand};
-use sextant_kernel::{NodeId, Seed, SettingError};
+use sextant_kernel::{NodeId, Seed, SettingError, StationId};
 
 use super::capture::FrameFormat;
 use super::clock::Clock;
-use super::settings::FrameSize;
 use crate::air::ReceptionRules;
 use crate::service::network_id::NetworkId;
 use crate::world::interferer::Interferer;
+
+/// A frame of a network that a station wants to send.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameSize {
+    pub(crate) network: NetworkId,
+    pub(crate) from: StationId,
+    /// The whole frame (octets).
+    pub(crate) mpdu_octets: u8,
+    /// Whether it goes to one station, which acknowledges it.
+    pub(crate) acknowledged: bool,
+}
 
 /// What the simulator asks of the radios of a network. What has a default is right for radios that are all alike.
 pub(crate) trait RadioSettings {

@@ -9,7 +9,7 @@ use sextant_mac::coordinator::Coordinator;
 
 use super::antennas::Antennas;
 use super::coordinator::Coordination;
-use super::radio_settings::RadioSettings;
+use super::radio_settings::{FrameSize, RadioSettings};
 use crate::service::network_id::NetworkId;
 use crate::station::Sink;
 use crate::world::layout::PlacedNode;
@@ -52,17 +52,6 @@ pub(crate) struct Spectrum {
     pub(crate) band: &'static str,
     /// Number of the channel in the band.
     pub(crate) channel: u8,
-}
-
-/// A frame of a network that a station wants to send.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FrameSize {
-    pub(crate) network: NetworkId,
-    pub(crate) from: StationId,
-    /// The whole frame (octets).
-    pub(crate) mpdu_octets: u8,
-    /// Whether it goes to one station, which acknowledges it.
-    pub(crate) acknowledged: bool,
 }
 
 /// The stations of a network, for settings that name them.

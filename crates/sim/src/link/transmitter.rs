@@ -2,9 +2,9 @@
 
 use sextant_channel::Dbm;
 
-use crate::air::{Aim, Emission, Interface, PlacedRadio, SectorCounts};
+use crate::air::{Aim, Emission, Interface, PlacedRadio};
 use crate::scene::Scene;
-use crate::service::ideal::SectorPowers;
+use crate::service::ideal::{SectorCounts, SectorPowers};
 
 /// The radio of a station in a network.
 #[derive(Clone, Copy, Debug)]

@@ -15,6 +15,13 @@ pub struct IdealReception {
     pub rssi: Dbm,
 }
 
+/// Sectors of the two ends of a link.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SectorCounts {
+    pub(crate) own: u8,
+    pub(crate) peer: u8,
+}
+
 /// The powers of a link for all sectors of both ends, of frames that begin now: see
 /// [`Port::sector_powers`](crate::Port::sector_powers).
 #[derive(Clone, Debug, PartialEq)]

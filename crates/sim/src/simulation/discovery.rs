@@ -13,7 +13,7 @@ use crate::applications::hello::{Announcer, HeardHellos, Hello, Says};
 use crate::applications::source::Source;
 use crate::applications::traffic::{PeriodicConfig, Traffic, TrafficConfig};
 use crate::engine::{Ended, Engine, Extras};
-use crate::link::settings::FrameSize;
+use crate::link::radio_settings::FrameSize;
 use crate::observer::{Observer, Progress};
 use crate::purpose;
 use crate::service::network_id::NetworkId;

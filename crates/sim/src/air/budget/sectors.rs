@@ -7,14 +7,7 @@ use crate::air::listener::Listener;
 use crate::air::receiver_id::ReceiverId;
 use crate::air::screens::Screens;
 use crate::air::signal::{Aim, Signal};
-use crate::service::ideal::SectorPowers;
-
-/// Sectors of the two ends of a link.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SectorCounts {
-    pub(crate) own: u8,
-    pub(crate) peer: u8,
-}
+use crate::service::ideal::{SectorCounts, SectorPowers};
 
 impl Budget {
     /// Loss of a signal at a listener by bodies in its ways. Antennas with sectors weigh the ways by their gains, which

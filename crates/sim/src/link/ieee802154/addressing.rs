@@ -3,7 +3,7 @@
 use sextant_kernel::{Seed, SettingError, StationId};
 use sextant_mac::frame::DataFrame;
 
-use crate::link::settings::FrameSize;
+use crate::link::radio_settings::FrameSize;
 use crate::purpose;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Payload, SendError};

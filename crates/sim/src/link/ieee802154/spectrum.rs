@@ -13,8 +13,8 @@ use crate::air::ReceptionRules;
 use crate::link;
 use crate::link::capture::FrameFormat;
 use crate::link::clock::Clock;
-use crate::link::radio_settings::RadioSettings;
-use crate::link::settings::{FrameSize, Spectrum};
+use crate::link::radio_settings::{FrameSize, RadioSettings};
+use crate::link::settings::Spectrum;
 use crate::service::network_id::NetworkId;
 use crate::world::interferer::Interferer;
 

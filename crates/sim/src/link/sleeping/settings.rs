@@ -8,8 +8,8 @@ use sextant_mac::sleep::SleepSettings;
 
 use crate::link::config::{LinkConfig, LinkError, MacConfig};
 use crate::link::ieee802154::{Radio, check_frame};
-use crate::link::radio_settings::RadioSettings;
-use crate::link::settings::{FrameSize, KnownStations, LinkSettings, Spectrum};
+use crate::link::radio_settings::{FrameSize, RadioSettings};
+use crate::link::settings::{KnownStations, LinkSettings, Spectrum};
 use crate::world::layout::PlacedNode;
 use sextant_kernel::StationId;
 

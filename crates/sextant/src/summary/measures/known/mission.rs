@@ -41,9 +41,9 @@ pub(super) const MISSION: &[KnownMeasure<'static>] = &[
 /// Of robots that keep a link.
 pub(super) const LINK: &[KnownMeasure<'static>] = &[
     known("link.throughput_bit_per_s", BitPerSecond, "payload over the link that robots keep"),
-    known("link.ideal_throughput_bit_per_s", BitPerSecond, "the same with the best sectors at any time"),
+    known("link.ideal_throughput_bit_per_s", BitPerSecond, "payload with the best sectors at any time"),
     known("link.outage", Share, "outage: share of the data time without a scheme that is received"),
-    known("link.ideal_outage", Share, "the same with the best sectors at any time"),
+    known("link.ideal_outage", Share, "outage with the best sectors at any time"),
     known("link.overhead", Share, "share of the time that trainings of beams take"),
     known("link.snr_loss_db", Decibel, "mean loss of the link against the best sectors"),
     known("link.frames_lost", Share, "share of the data frames that were not received"),
