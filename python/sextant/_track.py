@@ -132,7 +132,7 @@ def track(
     >>> ranges = [((3.0 + 0.1 * t - x) ** 2 + (2.0 - y) ** 2) ** 0.5 for t, (x, y) in zip(times, places)]
     >>> found = sextant.track({"t_s": times, "node": names, "range_m": ranges}, corners)
     >>> found
-    sextant.Tracks(tag: 60 poses)
+    sextant.Tracks(tag: 40 poses)
     >>> abs(found.track["x_m"][0] - 3.0) < 0.1
     True
     """
