@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use sextant::mapping::{self, Input};
 use sextant::next::{NextSettings, next_stops};
-use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
-use sextant_recording::SCENARIO_ATTACHMENT;
+use sextant::scenario::AlgorithmName;
 use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::output::write_file;
 
@@ -89,13 +88,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     admit(&outputs, Some(arguments.work))?;
     let network = arguments.network.as_deref();
     let mut input = Input::read(&arguments.log, network, &arguments.reading.options())?;
-    let name = format!("{SCENARIO_ATTACHMENT} of {}", arguments.log.display());
-    let files = input.files.clone();
-    let text = input.scenario.clone();
-    let scenario = text.as_deref().map(|text| RecordedScenario { name: &name, text, files: &files });
     let usual = if arguments.profile.is_some() { "ml-tm" } else { "auto" };
     let algorithm = arguments.algorithm.or_else(|| usual.parse().ok());
-    let settings = MapSettings::new(scenario, algorithm, arguments.profile.as_deref(), network, &[])?;
+    let settings = input.map_settings(algorithm, arguments.profile.as_deref(), network, &[])?;
     let area = arguments.area.as_deref().map(|text| mapping::read_area(text, input.plane.as_ref())).transpose()?;
     floorplan::lay(arguments.floorplan.as_deref(), &mut input)?;
     let next = NextSettings {

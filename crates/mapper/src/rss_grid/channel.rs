@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch, Work};
 
-use super::distance_bins::{BINS, DistanceBins};
+use super::distance_bins::{BINS, DISTANCE_BINS, DistanceBins};
 use super::evidence::{HeardByStops, LEAST_M, StrengthEvidence, below};
 use super::fitted_channel::FittedChannel;
 use super::silent_field::SilentField;
@@ -77,7 +77,7 @@ impl RegressionSums {
 
     /// Adds a node whose place has these probabilities, of a log with these stops.
     fn take(&mut self, links: &HeardByStops, stops: &[Position], places: &[(Position, f64)], reference_m: f64) {
-        let bins = DistanceBins::new();
+        let bins = &*DISTANCE_BINS;
         for &(place, weight) in places {
             for &stop in stops {
                 self.silent[bins.of(place, stop)] += weight;

@@ -1,5 +1,7 @@
 //! Bins of the logarithm of distance, found without a logarithm.
 
+use std::sync::LazyLock;
+
 use sextant_channel::Position;
 
 use super::evidence::LEAST_M;
@@ -10,6 +12,9 @@ pub(super) const BINS: usize = 240;
 /// Cells of the table over one octave of the squared distance: a cell holds at most one border of bins.
 const CELL_BITS: u32 = 7;
 
+/// The bins, which are the same for all logs.
+pub(super) static DISTANCE_BINS: LazyLock<DistanceBins> = LazyLock::new(DistanceBins::new);
+
 /// The bins of distances from [`LEAST_M`] on. What is nearer is in the first one, what is farther than all in the last one.
 pub(super) struct DistanceBins {
     /// The bin in which each cell begins.
@@ -19,7 +24,7 @@ pub(super) struct DistanceBins {
 }
 
 impl DistanceBins {
-    pub(super) fn new() -> Self {
+    fn new() -> Self {
         let end = |bin: usize| LEAST_M * LEAST_M * libm::pow(10.0, 2.0 * (bin + 1) as f64 / PER_DECADE);
         let ends: Vec<f64> = (0..BINS - 1).map(end).collect();
         let last = ends.last().copied().unwrap_or(LEAST_M);
