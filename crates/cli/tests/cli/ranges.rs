@@ -161,7 +161,7 @@ fn a_scenario_says_that_a_map_is_on_the_estimated_path() {
     let scenario = super::program::scenario("ml-tm/odometry-drift.toml");
     let run = |more: &[&str]| {
         let drift = "robots.0.odometry.heading_drift_rad_per_m=0.01";
-        let set = ["--set", drift, "--set", "world.nodes.random.count=50", "--format", "json", "--quiet"];
+        let set = ["--set", drift, "--set", "world.nodes.random.count=25", "--format", "json", "--quiet"];
         sextant().arg("run").arg(&scenario).args(set).args(more).output().unwrap()
     };
     let mean = |output: &Output| json(output)["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();

@@ -216,7 +216,7 @@ fn what_is_on_air_is_in_the_log_and_in_the_summary() {
 
 #[test]
 fn run_recording_and_tables_give_one_map_that_uses_the_reports() {
-    let ran = Ran::mapped(&["world.nodes.random.count=10"]);
+    let ran = Ran::mapped(&["world.nodes.random.count=8"]);
     let map = |log: &str, out: &str, more: &[&str]| {
         let json = format!("{out}.json");
         ran.succeeds(&[&["map", log, "--quiet", "--out", out, "--summary", &json], more].concat());

@@ -141,7 +141,7 @@ impl Tpm {
         let what = || format!("the hops of {} nodes to {} others", part.len(), landmarks.len());
         check_table(Self::NAME, what, [graph.node_count(), landmarks.len()], 24)?;
         let hops = graph.hops_from_each(landmarks.iter().copied(), Self::NAME, watch)?;
-        debug_assert!(part.iter().all(|&node| hops.iter().all(|hops| hops[node] != UNREACHED)));
+        assert!(part.iter().all(|&node| hops.iter().all(|hops| hops[node] != UNREACHED)));
         let matrix = |nodes: &[usize]| {
             DMatrix::from_fn(nodes.len(), landmarks.len(), |row, column| f64::from(hops[column][nodes[row]]))
         };

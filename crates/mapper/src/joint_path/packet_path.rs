@@ -334,7 +334,7 @@ impl<'a> Search<'a> {
         let scale = &mut self.point.border[self.odometry.scale];
         let larger = 1.0 + *scale;
         *scale = 0.0;
-        debug_assert_eq!(first, 0);
+        assert_eq!(first, 0);
         for pose in &mut self.point.poses {
             (pose[0], pose[1]) = (x + (pose[0] - x) / larger, y + (pose[1] - y) / larger);
         }

@@ -245,7 +245,7 @@ impl KnownLink {
 #[expect(clippy::cast_possible_truncation, reason = "nobody sends 2^31 packets at a stop")]
 fn at_least_one(q: f64, packets: f64) -> f64 {
     let few = packets as i32;
-    debug_assert!(few >= 0, "a number of packets");
+    assert!(few >= 0, "a number of packets");
     let more = packets - f64::from(few);
     let none = |n: i32| if n == 1 { 1.0 - q } else { libm::pow(1.0 - q, f64::from(n)) };
     if more > 0.0 { 1.0 - (1.0 - more) * none(few) - more * none(few + 1) } else { 1.0 - none(few) }

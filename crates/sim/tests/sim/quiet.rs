@@ -33,7 +33,7 @@ fn star(nodes: usize, traffic: TrafficConfig, csma: CsmaConfig, clock_ppm: f64) 
     setup.sinks = vec![Sink { name: "sink".into(), position: Position::ORIGIN, networks: None }];
     setup.duration = Some(Duration::from_secs(4));
     let link = network::ieee802154(&mut setup.networks[0]);
-    link.radio = RadioConfig { clock_ppm, ..network::radio(0.0) }.try_into().expect("good settings");
+    link.radio = network::radios(RadioConfig { clock_ppm, ..network::radio(0.0) });
     link.mac = sextant_sim::Mac::CsmaUnslotted(csma.try_into().expect("good settings"));
     setup
 }

@@ -89,7 +89,7 @@ fn star(nodes: usize, duration_s: u64, start_spread_s: f64, clock_ppm: f64, seed
     let mut setup = network::setup(&network::cluster(nodes), 0.0, ChannelConfig::default(), traffic, seed);
     setup.sinks = vec![Sink { name: "sink".into(), position: Position::new(0.0, 0.0, 0.0), networks: None }];
     setup.duration = Some(Duration::from_secs(duration_s));
-    let radio = RadioConfig { clock_ppm, ..network::radio(0.0) }.try_into().expect("good settings");
+    let radio = network::radios(RadioConfig { clock_ppm, ..network::radio(0.0) });
     network::ieee802154(&mut setup.networks[0]).radio = radio;
     setup
 }

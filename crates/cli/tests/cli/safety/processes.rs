@@ -19,7 +19,7 @@ fn start(bench: &Bench, seed: u32) -> Child {
 fn of_two_runs_with_one_output_each_is_whole_or_is_told() {
     let bench = Bench::new();
     let (mut told, mut wrote) = (0, 0);
-    for pair in 0..6 {
+    for pair in 0..3 {
         let children = [start(&bench, 2 * pair), start(&bench, 2 * pair + 1)];
         for child in children {
             let output = child.wait_with_output().unwrap();
@@ -38,8 +38,8 @@ fn of_two_runs_with_one_output_each_is_whole_or_is_told() {
         assert!(inspected.status.success() && !text.contains("broken"), "{text}");
         assert!(serde_json::from_slice::<serde_json::Value>(&bench.read("a.json")).is_ok());
     }
-    assert_eq!(told + wrote, 12);
-    assert!(wrote >= 6, "one of each pair at least");
+    assert_eq!(told + wrote, 6);
+    assert!(wrote >= 3, "one of each pair at least");
     let left = std::fs::read_dir(bench.folder()).unwrap().map(|file| file.unwrap().file_name());
     let left: Vec<_> = left.filter(|name| name.to_string_lossy().contains(".part")).collect();
     assert!(left.is_empty(), "{left:?}");

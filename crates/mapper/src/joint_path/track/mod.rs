@@ -2,6 +2,7 @@
 
 mod driven;
 mod epochs;
+mod exponent;
 mod motion;
 mod problem;
 mod reading;
@@ -143,6 +144,7 @@ pub fn track(
         law: RangeErrorLaw::of([0.0; 4]),
         worth: 1.0,
         strengths: StrengthErrors { width_db: NOISES[0].1, worth: 1.0 },
+        exponent: EXPONENT,
         calibration: if is_among { AMONG } else { BESIDE },
         height_m,
     };
@@ -169,16 +171,14 @@ pub fn track(
             best = Some(found);
         }
     }
-    let Some(best) = best else { return Err(missing) };
-    let mut point = best.point;
-    let mut top = None;
+    let Some(mut top) = best else { return Err(missing) };
     for _ in 0..2 {
-        take_laws(&mut problem, &point);
-        let found = chosen(&mut problem, &motions, &point, watch)?;
-        point = found.point.clone();
-        top = Some(found);
+        take_laws(&mut problem, &top.point);
+        top = chosen(&mut problem, &motions, &top.point, watch)?;
+        if has_strengths {
+            top = exponent::most_likely(&problem, top, watch)?;
+        }
     }
-    let top = top.expect("there were rounds");
     let may_be_mirrored = line.is_some() && settings.side.is_none() && !is_driven;
     Ok(tracked(&epochs, &problem, &top, is_among, may_be_mirrored))
 }
@@ -238,10 +238,7 @@ fn chosen<'a>(
     for &motion in motions {
         let tried = TrackProblem { motion, ..problem.clone() };
         let top = climb(&tried, start.clone(), STEPS, LEAST_GAIN, watch)?;
-        let log_evidence = match &top.curvature {
-            Some(curvature) => top.value + motion.log_widths() - 0.5 * curvature.log_determinant,
-            None => f64::NEG_INFINITY,
-        };
+        let log_evidence = motion.log_widths() + log_evidence(&top);
         if best.as_ref().is_none_or(|(best, ..)| log_evidence > *best) {
             best = Some((log_evidence, motion, top));
         }
@@ -249,6 +246,11 @@ fn chosen<'a>(
     let (_, motion, top) = best.expect("there are motions");
     problem.motion = motion;
     Ok(top)
+}
+
+/// The logarithm of the marginal likelihood (Laplace), but for what does not depend on the laws.
+fn log_evidence(top: &Top<TrackPoint>) -> f64 {
+    top.curvature.as_ref().map_or(f64::NEG_INFINITY, |curvature| top.value - 0.5 * curvature.log_determinant)
 }
 
 fn tracked(
@@ -275,6 +277,10 @@ fn tracked(
         }),
         velocity_m_per_s: velocities[at],
     };
+    let poses: Vec<TrackPose> = top.point.states.iter().zip(&epochs.times).enumerate().map(pose).collect();
+    let extent_m = problem.receivers.iter().map(|place| place.distance_m(problem.receivers[0])).fold(0.0, f64::max);
+    let is_told =
+        covariances.is_some() && 2 * poses.iter().filter(|pose| pose.spread_m() < extent_m).count() > poses.len();
     let strengths = epochs.readings.iter().filter(|reading| reading.is_strength).count();
     let ranges = epochs.readings.len() - strengths;
     let of_ranges = TrackRangeLaw {
@@ -290,7 +296,7 @@ fn tracked(
         worth: problem.strengths.worth,
     });
     Track {
-        poses: top.point.states.iter().zip(&epochs.times).enumerate().map(pose).collect(),
+        poses,
         fit: TrackFit {
             ranges,
             strengths,
@@ -306,7 +312,7 @@ fn tracked(
                     drift_rad_per_m: border[at.odometry_drift()],
                 },
             },
-            settled: top.settled && covariances.is_some(),
+            settled: top.settled && is_told,
         },
     }
 }

@@ -5,7 +5,7 @@ use sextant_channel::{Position, RangeErrorLaw};
 
 use super::epochs::EpochReading;
 use super::motion::Motion;
-use super::strengths::{EXPONENT, NEAREST_M, POWER_DBM, RECEIVER_DB, StrengthErrors};
+use super::strengths::{NEAREST_M, POWER_DBM, RECEIVER_DB, StrengthErrors};
 use crate::joint_path::chain::{ChainStep, ChainSystem};
 use crate::joint_path::climb::Hill;
 
@@ -84,6 +84,8 @@ pub(super) struct TrackProblem<'a> {
     pub(super) law: RangeErrorLaw,
     pub(super) worth: f64,
     pub(super) strengths: StrengthErrors,
+    /// What is known of the exponent of the law of strengths: its mean and standard deviation.
+    pub(super) exponent: [f64; 2],
     pub(super) calibration: Calibration,
     /// The height of the tag that is most likely, and its standard deviation (m).
     pub(super) height_m: [f64; 2],
@@ -95,6 +97,15 @@ pub(super) struct Sight {
     pub(super) apart: [f64; 3],
     pub(super) distance_m: f64,
     by_rest: [[f64; 2]; 2],
+}
+
+impl Sight {
+    /// How an error grows with the state, if it grows by `nearer` times the distance with a shorter distance.
+    fn by_state(&self, nearer: f64) -> Vector4<f64> {
+        let [x, y] = [nearer * self.apart[0], nearer * self.apart[1]];
+        let [[x_by_third, x_by_fourth], [y_by_third, y_by_fourth]] = self.by_rest;
+        Vector4::new(x, y, x * x_by_third + y * y_by_third, x * x_by_fourth + y * y_by_fourth)
+    }
 }
 
 impl TrackProblem<'_> {
@@ -144,7 +155,7 @@ impl TrackProblem<'_> {
             (border.scale(), 0.0, scale),
             (border.height(), height_m, deviation_m),
         ]);
-        let of_law = [(border.power(), POWER_DBM), (border.exponent(), EXPONENT)];
+        let of_law = [(border.power(), POWER_DBM), (border.exponent(), self.exponent)];
         let of_law = of_law.map(|(entry, [mean, deviation])| (entry, mean, deviation));
         let of_offsets = (0..border.receivers).map(move |receiver| (border.offset(receiver), 0.0, RECEIVER_DB));
         of_ranges.chain(of_law.into_iter().chain(of_offsets).filter(move |_| border.has_strengths))
@@ -182,15 +193,8 @@ impl Hill for TrackProblem<'_> {
             let sight = self.sight(reading, at);
             let error = self.error(reading, &sight, &at.border);
             let (apart, distance_m) = (sight.apart, sight.distance_m);
-            // How the error grows with a shorter distance, over the distance.
-            let of_state = |nearer: f64| {
-                let [x, y] = [nearer * apart[0], nearer * apart[1]];
-                let [[x_by_third, x_by_fourth], [y_by_third, y_by_fourth]] = sight.by_rest;
-                Vector4::new(x, y, x * x_by_third + y * y_by_third, x * x_by_fourth + y * y_by_fourth)
-            };
             if reading.is_strength {
-                let nearest = distance_m * distance_m + NEAREST_M * NEAREST_M;
-                let nearer = -10.0 * at.border[border.exponent()] / (std::f64::consts::LN_10 * nearest);
+                let nearer = -self.db_per_m(distance_m, at) / distance_m;
                 let by_border = [
                     (border.power(), -1.0),
                     (border.offset(reading.receiver), -1.0),
@@ -201,7 +205,7 @@ impl Hill for TrackProblem<'_> {
                     self.strengths.worth * self.strengths.stiffness(error),
                     self.strengths.worth * self.strengths.by_error(error),
                 );
-                system.add(reading.epoch, of_state(nearer), None, &by_border, weight, slope);
+                system.add(reading.epoch, sight.by_state(nearer), None, &by_border, weight, slope);
                 continue;
             }
             let density = law.density(error);
@@ -213,7 +217,7 @@ impl Hill for TrackProblem<'_> {
                 (border.height(), longer * apart[2]),
             ];
             let (weight, slope) = (self.worth * density.stiffness, self.worth * density.by_error);
-            system.add(reading.epoch, of_state(longer), None, &by_border, weight, slope);
+            system.add(reading.epoch, sight.by_state(longer), None, &by_border, weight, slope);
         }
         self.motion.add(&mut system, &at.states, &at.border);
         for (entry, mean, deviation) in self.priors() {

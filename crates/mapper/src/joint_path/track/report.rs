@@ -16,6 +16,15 @@ pub struct TrackPose {
     pub velocity_m_per_s: [f64; 2],
 }
 
+impl TrackPose {
+    /// The standard deviation in the direction in which the place is known worst (m).
+    #[must_use]
+    pub fn spread_m(&self) -> f64 {
+        let [[xx, xy], [_, yy]] = self.covariance;
+        (0.5 * (xx + yy) + libm::hypot(0.5 * (xx - yy), xy)).sqrt()
+    }
+}
+
 /// The track of a tag.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
@@ -45,7 +54,7 @@ pub struct TrackFit {
     pub of_strengths: Option<TrackStrengthLaw>,
     /// How it moved.
     pub motion: TrackMotion,
-    /// Whether the search ended by itself.
+    /// Whether the search ended by itself, and tells most places better than that they are about the receivers.
     pub settled: bool,
 }
 

@@ -12,6 +12,8 @@ pub(super) struct Line {
     through: [f64; 2],
     /// Of length one, to that side.
     across: [f64; 2],
+    /// From the first receiver to the last (m).
+    length_m: f64,
 }
 
 impl Line {
@@ -28,7 +30,7 @@ impl Line {
         let eigen = spread.symmetric_eigen();
         let along = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into_owned();
         let through = [middle.x_m, middle.y_m];
-        let mut line = Self { through, across: [-along[1], along[0]] };
+        let mut line = Self { through, across: [-along[1], along[0]], length_m: 0.0 };
         let of = |place: &Position| along[0] * (place.x_m - through[0]) + along[1] * (place.y_m - through[1]);
         let (low, high) = receivers
             .iter()
@@ -38,6 +40,7 @@ impl Line {
         if high - low <= 0.0 || off_m > NEAR * (high - low) {
             return None;
         }
+        line.length_m = high - low;
         let is_other_side = match side {
             Some(side) => line.across_m(side) < 0.0,
             None => of(first) > 0.0,
@@ -51,6 +54,11 @@ impl Line {
     /// How far a place is from the line (m), above 0 on the side of the tag.
     pub(super) fn across_m(&self, [x, y]: [f64; 2]) -> f64 {
         self.across[0] * (x - self.through[0]) + self.across[1] * (y - self.through[1])
+    }
+
+    /// The place, moved to the side of the tag by a share of the length of the line.
+    pub(super) fn beside(&self, place: [f64; 2], share: f64) -> [f64; 2] {
+        [0, 1].map(|axis| place[axis] + share * self.length_m * self.across[axis])
     }
 
     /// The place, or its mirror image if that is on the side of the tag.
@@ -78,6 +86,7 @@ mod tests {
         assert!(near(line.on_side([1.0, 5.0]), [5.0, 1.0]) && near(line.on_side([5.0, 1.0]), [5.0, 1.0]));
         let other = Line::of(&row, None).unwrap();
         assert!(near(other.on_side([5.0, 1.0]), [1.0, 5.0]), "left of the way from the first receiver");
+        assert!(near(line.beside([4.0, 4.0], 0.25), [6.0, 2.0]));
         assert!(Line::of(&[row[0], row[1], place([8.0, 2.0])], None).is_none());
         assert!(Line::of(&[row[0], row[0]], None).is_none());
     }

@@ -11,6 +11,9 @@ use crate::numerics::median;
 const WINDOW_S: f64 = 1.0;
 /// By how much the weight of a receiver falls with its strength, as a share of the amplitude.
 const AMPLITUDE: f64 = 1.0;
+/// Centroids of receivers on a line are on it, where nothing tells the way to either side: the search begins so far beside it, as a share
+/// of its length.
+const BESIDE_LINE: f64 = 0.2;
 
 impl Epochs {
     /// A place for each epoch from the readings around it, on the wanted side of a line of receivers; `None` if no moment has ranges
@@ -19,7 +22,7 @@ impl Epochs {
         let middle =
             receivers.iter().fold(Position::ORIGIN, |sum, &place| sum + place) * (1.0 / receivers.len() as f64);
         let of_ranges = self.places_by_ranges(receivers, middle, height_m, line);
-        let known = if of_ranges.is_empty() { self.places_by_strengths(receivers) } else { of_ranges };
+        let known = if of_ranges.is_empty() { self.places_by_strengths(receivers, line) } else { of_ranges };
         if known.is_empty() {
             return None;
         }
@@ -107,8 +110,8 @@ impl Epochs {
         known
     }
 
-    /// Centroids of the receivers, weighted by the amplitude with which each was received.
-    fn places_by_strengths(&self, receivers: &[Position]) -> Vec<(f64, [f64; 2])> {
+    /// Centroids of the receivers, weighted by the amplitude with which each was received, beside the line if they are on one.
+    fn places_by_strengths(&self, receivers: &[Position], line: Option<&Line>) -> Vec<(f64, [f64; 2])> {
         let mut known = Vec::new();
         for (time_s, near) in self.around() {
             let by_receiver = Self::by_receiver(near, receivers.len(), true);
@@ -121,7 +124,8 @@ impl Epochs {
                 place[1] += weight * receiver.y_m;
             }
             if sum > 0.0 {
-                known.push((time_s, place.map(|along| along / sum)));
+                let centroid = place.map(|along| along / sum);
+                known.push((time_s, line.map_or(centroid, |line| line.beside(centroid, BESIDE_LINE))));
             }
         }
         known

@@ -99,6 +99,27 @@ fn strengths_track_a_tag_better_than_the_strongest_receiver_and_their_centroid()
 }
 
 #[test]
+fn strengths_of_receivers_on_a_line_track_a_tag_beside_it() {
+    let receivers = [[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [12.0, 0.0]].map(place);
+    let truth = |second: f64| [2.0 + 0.1 * second, 4.0 + libm::sin(0.1 * second)];
+    let strength = |number: u64, receiver: usize| {
+        let distance_m = place(truth(0.5 * number as f64)).distance_m(receivers[receiver]);
+        -40.0 - 25.0 * libm::log10(distance_m) + 2.0 * normal([number, 40 + receiver as u64])
+    };
+    let all: Vec<TagReading> = (0..160)
+        .flat_map(|number| (0..receivers.len()).map(move |receiver| (number, receiver)))
+        .map(|(number, receiver)| TagReading::strength(receiver, tenths(5 * number), strength(number, receiver)))
+        .collect();
+    for (side, sign) in [([6.0, 1.0], 1.0), ([6.0, -1.0], -1.0)] {
+        let settings = TrackSettings { side: Some(side), ..TrackSettings::default() };
+        let found = track(&receivers, &all, settings, &Unwatched).unwrap();
+        let error_m = error_m(&found, |second| [truth(second)[0], sign * truth(second)[1]]);
+        assert!(found.fit.settled && error_m < 2.0, "{error_m} {:?}", found.fit);
+        assert!(found.poses.iter().all(|pose| sign * pose.position.y_m > 0.5 && pose.spread_m() < 6.0));
+    }
+}
+
+#[test]
 fn a_side_chooses_between_a_track_and_its_mirror_image() {
     let receivers = [[0.0, 0.0], [5.0, 0.0], [10.0, 0.0]].map(place);
     let truth = |second: f64| [1.0 + 0.2 * second, 4.0 + libm::sin(0.3 * second)];
