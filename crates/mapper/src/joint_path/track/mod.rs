@@ -4,6 +4,7 @@ mod driven;
 mod epochs;
 mod exponent;
 mod motion;
+mod outcome;
 mod problem;
 mod reading;
 mod regions;
@@ -14,7 +15,7 @@ mod strengths;
 
 use nalgebra::{DVector, Vector4};
 use sextant_channel::{Position, RangeErrorLaw};
-use sextant_kernel::{SimTime, Watch};
+use sextant_kernel::Watch;
 
 use super::PathError;
 use super::climb::{Top, climb};
@@ -24,9 +25,10 @@ use crate::numerics::median;
 use crate::range_ml::error_law;
 use epochs::Epochs;
 use motion::{FreeMotion, Motion};
+use outcome::tracked;
 use problem::{Border, Calibration, TrackPoint, TrackProblem, path_loss};
 pub use reading::{OnRobot, TagReading, TagValue};
-use regions::{by_place, is_among};
+use regions::is_among;
 pub use report::{Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
 use side::Line;
 use strengths::{EXPONENT, StrengthErrors};
@@ -38,8 +40,6 @@ const LEAST_GAIN: f64 = 1e-3;
 const NOISES: [(f64, f64); 2] = [(3.0, 12.0), (1.0, 7.0)];
 /// Power spectral densities of the acceleration that are tried (m²/s³): from a trolley to a runner.
 const ACCELERATIONS: [f64; 4] = [0.01, 0.05, 0.25, 1.25];
-/// Clocks of ranges and of whoever uses the track differ by about that (s).
-const CLOCK_S: f64 = 0.15;
 /// What is known of the calibration where the tag is among the receivers, and where it is beside them: there a bias moves the whole
 /// track, and nothing tells it.
 const AMONG: Calibration = Calibration { bias_m: 3.0, scale: 0.05, receiver_bias_m: 0.2 };
@@ -100,13 +100,7 @@ pub fn track(
         remedy: "`ranges.csv` has the ranges, `packets.csv` the strengths, each with its time, and `--known` the places",
     };
     let epochs = Epochs::of(readings);
-    let levels = receivers.iter().map(|receiver| receiver.z_m);
-    let low = levels.clone().fold(f64::INFINITY, f64::min);
-    let high = levels.fold(f64::NEG_INFINITY, f64::max);
-    let height_m = match settings.height_m {
-        Some(height_m) => [height_m, 1e-4],
-        None => [0.5 * (low + high), if high - low > 1e-3 { 1.0 } else { 1e-4 }],
-    };
+    let height_m = height_m(receivers, settings.height_m);
     if heard.len() < if is_driven { 2 } else { 3 } {
         return Err(missing);
     }
@@ -153,24 +147,8 @@ pub fn track(
     } else {
         vec![start.iter().map(|&[x, y]| Vector4::new(x, y, 0.0, 0.0)).collect()]
     };
-    let mut best: Option<Top<TrackPoint>> = None;
-    for states in states {
-        let mut point = TrackPoint { border: first_border(&problem, height_m[0]), states };
-        take_power(&problem, &mut point);
-        let mut top = None;
-        for (noise_m, width_db) in NOISES {
-            problem.law = error_law::noisy(noise_m);
-            problem.strengths = StrengthErrors { width_db, worth: 1.0 };
-            let found = climb(&problem, point, STEPS, LEAST_GAIN, watch)?;
-            point = found.point.clone();
-            top = Some(found);
-        }
-        let found = top.expect("there are noises");
-        let is_there = line.filter(|_| settings.side.is_some()).is_none_or(|line| is_on_side(&line, &found.point));
-        if is_there && best.as_ref().is_none_or(|best| found.value > best.value) {
-            best = Some(found);
-        }
-    }
+    let side = line.filter(|_| settings.side.is_some());
+    let best = first_top(&mut problem, states, side.as_ref(), watch)?;
     let Some(mut top) = best else { return Err(missing) };
     for _ in 0..2 {
         take_laws(&mut problem, &top.point);
@@ -183,16 +161,55 @@ pub fn track(
     Ok(tracked(&epochs, &problem, &top, is_among, may_be_mirrored))
 }
 
+/// What is known of the height of the tag: its mean and standard deviation (m).
+fn height_m(receivers: &[Position], given_m: Option<f64>) -> [f64; 2] {
+    let levels = receivers.iter().map(|receiver| receiver.z_m);
+    let low = levels.clone().fold(f64::INFINITY, f64::min);
+    let high = levels.fold(f64::NEG_INFINITY, f64::max);
+    match given_m {
+        Some(height_m) => [height_m, 1e-4],
+        None => [0.5 * (low + high), if high - low > 1e-3 { 1.0 } else { 1e-4 }],
+    }
+}
+
+/// The highest top from these starts on that side, by laws of much noise and then of less.
+fn first_top(
+    problem: &mut TrackProblem<'_>,
+    starts: Vec<Vec<Vector4<f64>>>,
+    side: Option<&Line>,
+    watch: &dyn Watch,
+) -> Result<Option<Top<TrackPoint>>, MapError> {
+    let mut best: Option<Top<TrackPoint>> = None;
+    for states in starts {
+        let mut point = TrackPoint { border: first_border(problem), states };
+        take_power(problem, &mut point);
+        let mut top = None;
+        for (noise_m, width_db) in NOISES {
+            problem.law = error_law::noisy(noise_m);
+            problem.strengths = StrengthErrors { width_db, worth: 1.0 };
+            let found = climb(problem, point, STEPS, LEAST_GAIN, watch)?;
+            point = found.point.clone();
+            top = Some(found);
+        }
+        let found = top.expect("there are noises");
+        let is_there = side.is_none_or(|side| is_on_side(side, &found.point));
+        if is_there && best.as_ref().is_none_or(|best| found.value > best.value) {
+            best = Some(found);
+        }
+    }
+    Ok(best)
+}
+
 /// Whether most of a track is on the side of a line that is wanted.
 fn is_on_side(line: &Line, point: &TrackPoint) -> bool {
     point.states.iter().map(|state| line.across_m([state[0], state[1]])).sum::<f64>() >= 0.0
 }
 
 /// What is taken of the laws before anything is known.
-fn first_border(problem: &TrackProblem<'_>, height_m: f64) -> DVector<f64> {
+fn first_border(problem: &TrackProblem<'_>) -> DVector<f64> {
     let at = problem.border;
     let mut border = DVector::zeros(at.width());
-    border[at.height()] = height_m;
+    border[at.height()] = problem.height_m[0];
     if at.has_strengths {
         border[at.exponent()] = EXPONENT[0];
     }
@@ -251,84 +268,6 @@ fn chosen<'a>(
 /// The logarithm of the marginal likelihood (Laplace), but for what does not depend on the laws.
 fn log_evidence(top: &Top<TrackPoint>) -> f64 {
     top.curvature.as_ref().map_or(f64::NEG_INFINITY, |curvature| top.value - 0.5 * curvature.log_determinant)
-}
-
-fn tracked(
-    epochs: &Epochs,
-    problem: &TrackProblem<'_>,
-    top: &Top<TrackPoint>,
-    is_among_receivers: bool,
-    may_be_mirrored: bool,
-) -> Track {
-    let covariances = top.curvature.as_ref().map(|curvature| curvature.covariances().0);
-    let by_place = by_place(problem, &top.point);
-    let (border, at) = (&top.point.border, problem.border);
-    let height_m = border[at.height()];
-    let velocities = velocities(epochs, problem, &top.point);
-    let pose = |(at, (state, &time)): (usize, (&Vector4<f64>, &SimTime))| TrackPose {
-        time,
-        position: Position::new(state[0], state[1], height_m),
-        covariance: covariances.as_ref().map_or([[0.0; 2]; 2], |states| {
-            let (velocity, state, more) = (velocities[at], &states[at], by_place[at]);
-            let by_clock = |row: usize, column: usize| CLOCK_S * CLOCK_S * velocity[row] * velocity[column];
-            let entry =
-                |row: usize, column: usize| state[(row, column)] + more[(row, column)] + by_clock(row, column);
-            [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]
-        }),
-        velocity_m_per_s: velocities[at],
-    };
-    let poses: Vec<TrackPose> = top.point.states.iter().zip(&epochs.times).enumerate().map(pose).collect();
-    let extent_m = problem.receivers.iter().map(|place| place.distance_m(problem.receivers[0])).fold(0.0, f64::max);
-    let is_told =
-        covariances.is_some() && 2 * poses.iter().filter(|pose| pose.spread_m() < extent_m).count() > poses.len();
-    let strengths = epochs.readings.iter().filter(|reading| reading.is_strength).count();
-    let ranges = epochs.readings.len() - strengths;
-    let of_ranges = TrackRangeLaw {
-        bias_m: border[at.bias()],
-        scale: border[at.scale()],
-        errors: problem.law,
-        worth: problem.worth,
-    };
-    let of_strengths = at.has_strengths.then(|| TrackStrengthLaw {
-        at_1_m_dbm: border[at.power()] - border[at.exponent()] * path_loss(1.0),
-        exponent: border[at.exponent()],
-        width_db: problem.strengths.width_db,
-        worth: problem.strengths.worth,
-    });
-    Track {
-        poses,
-        fit: TrackFit {
-            ranges,
-            strengths,
-            is_among_receivers,
-            may_be_mirrored,
-            height_m,
-            of_ranges: (ranges > 0).then_some(of_ranges),
-            of_strengths,
-            motion: match problem.motion {
-                Motion::Free(FreeMotion { acceleration, .. }) => TrackMotion::Free { acceleration },
-                Motion::Driven(_) => TrackMotion::Driven {
-                    scale: border[at.odometry_scale()],
-                    drift_rad_per_m: border[at.odometry_drift()],
-                },
-            },
-            settled: top.settled && is_told,
-        },
-    }
-}
-
-/// The velocity at each time (m/s): with odometry, that between the poses before and after.
-fn velocities(epochs: &Epochs, problem: &TrackProblem<'_>, point: &TrackPoint) -> Vec<[f64; 2]> {
-    let states = &point.states;
-    let between = |at: usize| {
-        let (before, after) = (at.saturating_sub(1), (at + 1).min(states.len() - 1));
-        let span_s = (epochs.times_s[after] - epochs.times_s[before]).max(1e-3);
-        [0, 1].map(|axis| (states[after][axis] - states[before][axis]) / span_s)
-    };
-    match problem.motion {
-        Motion::Free(_) => states.iter().map(|state| [state[2], state[3]]).collect(),
-        Motion::Driven(_) => (0..states.len()).map(between).collect(),
-    }
 }
 
 #[cfg(test)]

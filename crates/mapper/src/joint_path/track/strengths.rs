@@ -20,7 +20,7 @@ const USUAL_WORTH: f64 = 20.0;
 /// What is known of the law of a receiver before a log is seen: means and standard deviations. Power at a metre (dBm), exponent,
 /// and how receivers differ (dB).
 pub(super) const POWER_DBM: [f64; 2] = [-40.0, 40.0];
-pub(super) const EXPONENT: [f64; 2] = [2.3, 0.5];
+pub(super) const EXPONENT: [f64; 2] = [2.3, 0.35];
 pub(super) const RECEIVER_DB: f64 = 1.5;
 /// Nearer than this, strengths rise no more (m).
 pub(super) const NEAREST_M: f64 = 0.5;

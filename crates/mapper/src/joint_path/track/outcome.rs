@@ -1,0 +1,94 @@
+//! The track at the top of its problem.
+
+use nalgebra::Vector4;
+use sextant_channel::Position;
+use sextant_kernel::SimTime;
+
+use super::epochs::Epochs;
+use super::motion::{FreeMotion, Motion};
+use super::problem::{TrackPoint, TrackProblem, path_loss};
+use super::regions::by_place;
+use super::report::{Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
+use crate::joint_path::climb::Top;
+
+/// Clocks of ranges and of whoever uses the track differ by about that (s).
+const CLOCK_S: f64 = 0.15;
+
+/// The track at a top.
+pub(super) fn tracked(
+    epochs: &Epochs,
+    problem: &TrackProblem<'_>,
+    top: &Top<TrackPoint>,
+    is_among_receivers: bool,
+    may_be_mirrored: bool,
+) -> Track {
+    let covariances = top.curvature.as_ref().map(|curvature| curvature.covariances().0);
+    let by_place = by_place(problem, &top.point);
+    let (border, at) = (&top.point.border, problem.border);
+    let height_m = border[at.height()];
+    let velocities = velocities(epochs, problem, &top.point);
+    let pose = |(at, (state, &time)): (usize, (&Vector4<f64>, &SimTime))| TrackPose {
+        time,
+        position: Position::new(state[0], state[1], height_m),
+        covariance: covariances.as_ref().map_or([[0.0; 2]; 2], |states| {
+            let (velocity, state, more) = (velocities[at], &states[at], by_place[at]);
+            let by_clock = |row: usize, column: usize| CLOCK_S * CLOCK_S * velocity[row] * velocity[column];
+            let entry =
+                |row: usize, column: usize| state[(row, column)] + more[(row, column)] + by_clock(row, column);
+            [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]
+        }),
+        velocity_m_per_s: velocities[at],
+    };
+    let poses: Vec<TrackPose> = top.point.states.iter().zip(&epochs.times).enumerate().map(pose).collect();
+    let extent_m = problem.receivers.iter().map(|place| place.distance_m(problem.receivers[0])).fold(0.0, f64::max);
+    let is_told =
+        covariances.is_some() && 2 * poses.iter().filter(|pose| pose.spread_m() < extent_m).count() > poses.len();
+    let strengths = epochs.readings.iter().filter(|reading| reading.is_strength).count();
+    let ranges = epochs.readings.len() - strengths;
+    let of_ranges = TrackRangeLaw {
+        bias_m: border[at.bias()],
+        scale: border[at.scale()],
+        errors: problem.law,
+        worth: problem.worth,
+    };
+    let of_strengths = at.has_strengths.then(|| TrackStrengthLaw {
+        at_1_m_dbm: border[at.power()] - border[at.exponent()] * path_loss(1.0),
+        exponent: border[at.exponent()],
+        width_db: problem.strengths.width_db,
+        worth: problem.strengths.worth,
+    });
+    Track {
+        poses,
+        fit: TrackFit {
+            ranges,
+            strengths,
+            is_among_receivers,
+            may_be_mirrored,
+            height_m,
+            of_ranges: (ranges > 0).then_some(of_ranges),
+            of_strengths,
+            motion: match problem.motion {
+                Motion::Free(FreeMotion { acceleration, .. }) => TrackMotion::Free { acceleration },
+                Motion::Driven(_) => TrackMotion::Driven {
+                    scale: border[at.odometry_scale()],
+                    drift_rad_per_m: border[at.odometry_drift()],
+                },
+            },
+            settled: top.settled && is_told,
+        },
+    }
+}
+
+/// The velocity at each time (m/s): with odometry, that between the poses before and after.
+fn velocities(epochs: &Epochs, problem: &TrackProblem<'_>, point: &TrackPoint) -> Vec<[f64; 2]> {
+    let states = &point.states;
+    let between = |at: usize| {
+        let (before, after) = (at.saturating_sub(1), (at + 1).min(states.len() - 1));
+        let span_s = (epochs.times_s[after] - epochs.times_s[before]).max(1e-3);
+        [0, 1].map(|axis| (states[after][axis] - states[before][axis]) / span_s)
+    };
+    match problem.motion {
+        Motion::Free(_) => states.iter().map(|state| [state[2], state[3]]).collect(),
+        Motion::Driven(_) => (0..states.len()).map(between).collect(),
+    }
+}
