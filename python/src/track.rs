@@ -116,10 +116,10 @@ impl Tracks {
     /// The poses of all tags, as the columns of the file of a track.
     #[getter]
     fn track(&self) -> PyResult<Table> {
-        let of_tag =
-            |(tag, track): &'_ (String, Track)| track.poses.iter().map(|pose| (tag.clone(), *pose)).collect();
-        let poses: Vec<(String, TrackPose)> = self.tracks.iter().flat_map::<Vec<_>, _>(of_tag).collect();
-        let poses = || poses.iter();
+        // Columns are made of iterators that know their length.
+        let all = self.tracks.iter().flat_map(|(tag, track)| track.poses.iter().map(move |pose| (tag, pose)));
+        let all: Vec<(&String, &TrackPose)> = all.collect();
+        let poses = || all.iter().copied();
         let numbers = |of: fn(&TrackPose) -> f64| poses().map(move |(_, pose)| of(pose));
         Columns::default()
             .numbers("t_s", poses().map(|(_, pose)| seconds(pose.time)))
