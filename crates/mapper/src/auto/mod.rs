@@ -62,8 +62,9 @@ impl Default for AutoConfig {
 /// The stops are cut into a few folds of neighbours. Each estimator maps some of the nodes without the stops of one fold,
 /// then without those of the next. Its score is how probable it finds what was heard at the stops that were left out: packets,
 /// and their strengths where the log has them. The self-calibrated map and the fitted grid take packets as independent: one of
-/// them maps the log if it predicts as well as the link model does, the first of them unless the second is better by two
-/// standard errors. One that is far behind after a fold is not tried on the next. Their regions are enlarged until they explain how far their maps from parts of the stops differ. The places
+/// them maps the log if it predicts as well as the link model does, the first of them unless the second is better by two standard
+/// errors. Where the log has strengths, it must predict these better from its places. One that is far behind after a fold is not
+/// tried on the next. Their regions are enlarged until they explain how far their maps from parts of the stops differ. The places
 /// of the link model are joined with other [`Opinions`], which know no law of radio. A log with too few stops or nodes for folds
 /// is mapped by the link model. Where the log knows the measured gains of the sectors in which nodes were heard, a map by these
 /// is another estimator of independent packets, and the first one. Nodes whose distances were measured are placed by these
@@ -135,6 +136,8 @@ struct Trials {
     predicted: Vec<Predicted>,
     /// The maps without them of each candidate that has regions of its own that nobody checked.
     parts: Vec<Vec<TopologyMap>>,
+    /// Whether the log has strengths.
+    has_strengths: bool,
     gain: GainOfLaw,
 }
 
@@ -188,12 +191,15 @@ impl Auto {
                 self.predict(&fold, &candidates, &mut trials, watch)?;
             }
         }
-        let Trials { predicted, parts, gain } = trials;
+        let as_good = as_good(&candidates, &trials.predicted);
+        let strengths_agree = as_good.is_none_or(|number| trials.strengths_agree(number));
+        let Trials { predicted, parts, gain, .. } = trials;
         let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
         let mut facts = ChoiceFacts {
             knows_places: prior.is_some(),
             compared: !predicted.is_empty(),
-            as_good: as_good(&candidates, &predicted),
+            as_good,
+            strengths_agree,
             settles: true,
         };
         let own_share = if prior.is_some() { 1.0 } else { OpinionConstants::LEARNT.own_share_at(gain.mean()) };
@@ -236,7 +242,8 @@ impl Auto {
         watch: &dyn Watch,
     ) -> Result<(), MapError> {
         let (of_links, law) = self.link_model.map(&fold.rest, None, watch)?;
-        let Trials { predicted, parts, gain } = trials;
+        let Trials { predicted, parts, has_strengths, gain } = trials;
+        *has_strengths |= law.is_some_and(|law| law.receiver.is_some());
         for (number, candidate) in candidates.iter().enumerate() {
             match candidate {
                 Candidate::LinkModel(_) => {
@@ -255,6 +262,13 @@ impl Auto {
             }
         }
         Ok(())
+    }
+}
+
+impl Trials {
+    /// Whether strengths, if there are any, speak for the places of an estimator of independent packets, which does not use them.
+    fn strengths_agree(&self, number: usize) -> bool {
+        !self.has_strengths || score::strengths_confirm(&self.predicted[number], &self.predicted[LINKS])
     }
 }
 

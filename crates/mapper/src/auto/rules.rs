@@ -7,6 +7,8 @@ pub enum ChoiceReason {
     KnownPlaces,
     /// The log has too few stops or nodes to leave some out: the link model maps it.
     TooLittle,
+    /// Strengths do not speak for the places of the one of independent packets that predicts as well.
+    Strengths,
     /// The one of independent packets that predicts as well as the link model does not settle on the log.
     Unsettled,
     /// It takes packets as independent of each other, and predicts what was left out as well as the link model, or better.
@@ -24,6 +26,8 @@ pub(super) struct ChoiceFacts {
     pub(super) compared: bool,
     /// The number of the most trusted estimator of independent packets, if it predicts as well as the link model does.
     pub(super) as_good: Option<usize>,
+    /// Whether strengths, if the log has any, speak for its places.
+    pub(super) strengths_agree: bool,
     /// Whether it settles on the log, as far as it was tried.
     pub(super) settles: bool,
 }
@@ -47,7 +51,7 @@ struct Rule {
 const LINK_MODEL: fn(&ChoiceFacts) -> Option<usize> = |_| None;
 
 /// The rules, from the first to the last.
-const RULES: [Rule; 5] = [
+const RULES: [Rule; 6] = [
     Rule {
         reason: ChoiceReason::KnownPlaces,
         holds: |facts| facts.knows_places,
@@ -63,6 +67,14 @@ const RULES: [Rule; 5] = [
         condition: "no stops can be left out",
         choice: "link model",
         because: "the log has too few stops or nodes to compare estimators",
+    },
+    Rule {
+        reason: ChoiceReason::Strengths,
+        holds: |facts| facts.as_good.is_some() && !facts.strengths_agree,
+        takes: LINK_MODEL,
+        condition: "an estimator of independent packets predicts as well, but strengths do not speak for its places",
+        choice: "link model",
+        because: "an estimator of independent packets predicts the stops left out as well, but strengths do not speak for its places",
     },
     Rule {
         reason: ChoiceReason::Unsettled,
@@ -109,12 +121,20 @@ mod tests {
 
     #[test]
     fn the_first_rule_that_holds_decides() {
-        let facts = |knows_places, compared, as_good| ChoiceFacts { knows_places, compared, as_good, settles: true };
+        let facts = |knows_places, compared, as_good| ChoiceFacts {
+            knows_places,
+            compared,
+            as_good,
+            strengths_agree: true,
+            settles: true,
+        };
+        let contradicted = ChoiceFacts { strengths_agree: false, ..facts(false, true, Some(2)) };
         let unsettled = ChoiceFacts { settles: false, ..facts(false, true, Some(2)) };
         for (facts, expected) in [
             (facts(true, true, Some(2)), (0, ChoiceReason::KnownPlaces)),
             (facts(false, false, None), (0, ChoiceReason::TooLittle)),
             (facts(false, true, Some(2)), (2, ChoiceReason::IndependentPackets)),
+            (contradicted, (0, ChoiceReason::Strengths)),
             (unsettled, (0, ChoiceReason::Unsettled)),
             (facts(false, true, None), (0, ChoiceReason::DependentPackets)),
         ] {

@@ -18,9 +18,25 @@ pub struct Score {
 #[derive(Clone, Debug)]
 pub(super) struct Predicted {
     nodes: usize,
-    /// For each fold and node the sum of the logarithms of the probabilities, and their number.
-    folds: Vec<Vec<(f64, usize)>>,
+    /// For each fold and node.
+    folds: Vec<Vec<PairSums>>,
 }
+
+/// Sums over the pairs of a node.
+#[derive(Clone, Copy, Debug, Default)]
+struct PairSums {
+    pairs: usize,
+    /// Of the logarithms of the probabilities of all that was heard.
+    log_all: f64,
+    /// Of the logarithms of the densities of strengths alone.
+    log_strengths: f64,
+}
+
+/// Which of what was heard is compared.
+type Compared = fn(&PairSums) -> f64;
+
+const ALL: Compared = |sums| sums.log_all;
+const STRENGTHS: Compared = |sums| sums.log_strengths;
 
 /// Each number of packets has at least this probability, shared by all numbers: an estimator that is sure of what does not
 /// happen is wrong, but not infinitely so.
@@ -36,29 +52,32 @@ impl Predicted {
 
     /// What follows is of another fold.
     pub(super) fn begin_fold(&mut self) {
-        self.folds.push(vec![(0.0, 0); self.nodes]);
+        self.folds.push(vec![PairSums::default(); self.nodes]);
     }
 
     /// Takes the `probability` of what was heard of `node` when `sent` packets were sent, and the `density` of its strength
     /// (1/dB), if it has one.
     pub(super) fn take(&mut self, node: usize, probability: f64, sent: u32, density: Option<f64>) {
         let probability = (1.0 - SURPRISE) * probability + SURPRISE / (f64::from(sent) + 1.0);
-        let (sum, pairs) = &mut self.folds.last_mut().expect("a fold was begun")[node];
-        *sum += libm::log(probability) + density.map_or(0.0, ln_density);
-        *pairs += 1;
+        let sums = &mut self.folds.last_mut().expect("a fold was begun")[node];
+        let log_strength = density.map_or(0.0, ln_density);
+        sums.log_all += libm::log(probability) + log_strength;
+        sums.log_strengths += log_strength;
+        sums.pairs += 1;
     }
 
     fn pairs(&self, folds: usize) -> usize {
-        self.folds[..folds].iter().flatten().map(|&(_, pairs)| pairs).sum()
+        self.folds[..folds].iter().flatten().map(|sums| sums.pairs).sum()
     }
 
     /// The sum of a node over the first folds.
-    fn of_node(&self, node: usize, folds: usize) -> f64 {
-        self.folds[..folds].iter().map(|fold| fold[node].0).sum()
+    fn of_node(&self, node: usize, folds: usize, compared: Compared) -> f64 {
+        self.folds[..folds].iter().map(|fold| compared(&fold[node])).sum()
     }
 
-    fn mean(&self, folds: usize) -> f64 {
-        (0..self.nodes).map(|node| self.of_node(node, folds)).sum::<f64>() / self.pairs(folds).max(1) as f64
+    fn mean(&self, folds: usize, compared: Compared) -> f64 {
+        let sum: f64 = (0..self.nodes).map(|node| self.of_node(node, folds, compared)).sum();
+        sum / self.pairs(folds).max(1) as f64
     }
 }
 
@@ -68,9 +87,9 @@ fn common_folds(own: &Predicted, other: &Predicted) -> usize {
 }
 
 /// How much more probable one estimator finds what was left out than another one does (nats a pair).
-fn gain(own: &Predicted, over: &Predicted) -> f64 {
+fn gain(own: &Predicted, over: &Predicted, compared: Compared) -> f64 {
     let folds = common_folds(own, over);
-    own.mean(folds) - over.mean(folds)
+    own.mean(folds, compared) - over.mean(folds, compared)
 }
 
 /// An estimator that is behind by so many standard errors, and by so many nats a pair, is not tried further.
@@ -79,7 +98,7 @@ const HOPELESS_NATS: f64 = 0.2;
 
 /// Whether an estimator is so far behind that of links that other folds would not bring it back.
 pub(super) fn is_hopeless(own: &Predicted, links: &Predicted) -> bool {
-    -gain(own, links) > (HOPELESS_ERRORS * error(own, links)).max(HOPELESS_NATS)
+    -gain(own, links, ALL) > (HOPELESS_ERRORS * error(own, links, ALL)).max(HOPELESS_NATS)
 }
 
 /// The logarithm of the `density` of a strength (1/dB). One that nobody expected costs a bounded amount.
@@ -89,21 +108,22 @@ pub(super) fn ln_density(density: f64) -> f64 {
 
 /// The scores of estimators with these names.
 pub(super) fn scores(names: impl Iterator<Item = &'static str>, predicted: &[Predicted]) -> Vec<Score> {
-    let is_higher = |a: usize, b: usize| gain(&predicted[a], &predicted[b]) > 0.0;
+    let is_higher = |a: usize, b: usize| gain(&predicted[a], &predicted[b], ALL) > 0.0;
     let highest = (0..predicted.len()).reduce(|best, next| if is_higher(next, best) { next } else { best });
     let highest = highest.unwrap_or(0);
     let score = |(estimator, own): (&'static str, &Predicted)| {
-        let error = error(own, &predicted[highest]);
+        let error = error(own, &predicted[highest], ALL);
         let folds = own.folds.len();
-        Score { estimator, log_probability: own.mean(folds), error, pairs: own.pairs(folds) }
+        Score { estimator, log_probability: own.mean(folds, ALL), error, pairs: own.pairs(folds) }
     };
     names.zip(predicted).map(score).collect()
 }
 
 /// Standard error of the difference of two means. Nodes are independent of each other; their pairs are not.
-fn error(own: &Predicted, other: &Predicted) -> f64 {
+fn error(own: &Predicted, other: &Predicted, compared: Compared) -> f64 {
     let folds = common_folds(own, other);
-    let differences = || (0..own.nodes).map(|node| own.of_node(node, folds) - other.of_node(node, folds));
+    let of_node = |predicted: &Predicted, node: usize| predicted.of_node(node, folds, compared);
+    let differences = || (0..own.nodes).map(|node| of_node(own, node) - of_node(other, node));
     let mean = differences().sum::<f64>() / own.nodes.max(1) as f64;
     let squares: f64 = differences().map(|difference| (difference - mean) * (difference - mean)).sum();
     squares.sqrt() / own.pairs(folds).max(1) as f64
@@ -115,12 +135,21 @@ fn error(own: &Predicted, other: &Predicted) -> f64 {
 /// Estimators of independent packets are taken if they predict as well as the link model does, within a standard error: where
 /// packets are independent, they place nodes better than it; where they are not, they are refuted.
 pub(super) fn as_good(predicted: &[Predicted], links: usize, independent: &[usize]) -> Option<usize> {
-    let gain = |number: usize, over: usize| gain(&predicted[number], &predicted[over]);
-    let is_surely_better =
-        |number: usize, over: usize| gain(number, over) > 2.0 * error(&predicted[number], &predicted[over]);
+    let is_surely_better = |number: usize, over: usize| {
+        let (own, over) = (&predicted[number], &predicted[over]);
+        gain(own, over, ALL) > 2.0 * error(own, over, ALL)
+    };
     let trusted =
         independent.iter().copied().reduce(|best, next| if is_surely_better(next, best) { next } else { best });
-    trusted.filter(|&number| gain(number, links) >= -error(&predicted[number], &predicted[links]))
+    let is_as_good = |own: &Predicted| gain(own, &predicted[links], ALL) >= -error(own, &predicted[links], ALL);
+    trusted.filter(|&number| is_as_good(&predicted[number]))
+}
+
+/// Whether an estimator that does not use strengths predicts them better than the link model, which does, by more than a standard
+/// error. What it says of them comes from its places alone, so they are a witness of these. A curve that knows how far packets go
+/// may predict packets well and place nodes wrongly.
+pub(super) fn strengths_confirm(own: &Predicted, links: &Predicted) -> bool {
+    gain(own, links, STRENGTHS) > error(own, links, STRENGTHS)
 }
 
 #[cfg(test)]
@@ -152,6 +181,24 @@ mod tests {
     }
 
     #[test]
+    fn who_predicts_packets_better_may_explain_strengths_worse() {
+        let of = |probability: f64, densities: [f64; 4]| {
+            let mut predicted = Predicted::new(4);
+            predicted.begin_fold();
+            for (node, density) in densities.into_iter().enumerate() {
+                predicted.take(node, probability, 1, Some(density));
+            }
+            predicted
+        };
+        let links = of(0.5, [0.1, 0.11, 0.12, 0.1]);
+        let curve = of(0.9, [0.06, 0.07, 0.07, 0.06]);
+        assert_eq!(as_good(&[links.clone(), curve.clone()], 0, &[1]), Some(1), "all that was heard");
+        assert!(!strengths_confirm(&curve, &links));
+        assert!(!strengths_confirm(&of(0.9, [0.1, 0.12, 0.11, 0.1]), &links), "they are no better predicted");
+        assert!(strengths_confirm(&of(0.9, [0.2, 0.21, 0.22, 0.2]), &links));
+    }
+
+    #[test]
     fn an_estimator_that_is_far_behind_is_hopeless_and_is_compared_over_the_folds_that_it_has() {
         let links = predicted(&[0.5, 0.51, 0.5, 0.52]);
         let near = predicted(&[0.45, 0.47, 0.46, 0.45]);
@@ -163,7 +210,7 @@ mod tests {
         let mut links = links;
         links.begin_fold();
         (0..4).for_each(|node| links.take(node, 0.01, 1, None));
-        assert!(links.mean(2) < far.mean(1));
+        assert!(links.mean(2, ALL) < far.mean(1, ALL));
         let told = scores(["far", "links"].into_iter(), &[far.clone(), links.clone()]);
         assert_eq!((told[0].pairs, told[1].pairs, told[1].error), (4, 8, 0.0));
         assert_eq!(as_good(&[links, far], 0, &[1]), None);
@@ -172,6 +219,6 @@ mod tests {
     #[test]
     fn a_prediction_that_never_comes_true_costs_a_bounded_amount() {
         let sure = predicted(&[0.0]);
-        assert!((sure.mean(1) - libm::log(SURPRISE / 2.0)).abs() < 1e-12);
+        assert!((sure.mean(1, ALL) - libm::log(SURPRISE / 2.0)).abs() < 1e-12);
     }
 }

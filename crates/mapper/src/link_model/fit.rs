@@ -23,6 +23,38 @@ const ROUNDS: [u32; 3] = [8, 6, 6];
 const SURELY: f64 = 1.5;
 /// The evidence must grow by this much for each node, or the search has ended.
 const GAIN: f64 = 1e-2;
+/// How much more evidence a law of fewer parameters must have to be believed (nats).
+const SIMPLER: f64 = 5.0;
+
+/// The laws among which one is sought.
+#[derive(Clone, Copy, Debug)]
+enum LawFamily {
+    /// Laws of real links: nodes have offsets, slopes and directions of their own, and places share shadowing. A margin has so
+    /// many decibels, if the log has strengths.
+    Real { fading_db: Option<f64> },
+    /// Nodes have nothing of their own.
+    AlikeNodes,
+    /// Laws of textbooks: nodes have nothing of their own, and the shadowing of each link is independent.
+    Independent,
+}
+
+impl LawFamily {
+    /// The numbers of the parameters that are free.
+    fn parameters(self) -> &'static [usize] {
+        match self {
+            Self::Real { .. } => &[0, 1, 2, 3, 4, 5, 6, 7],
+            Self::AlikeNodes => &[0, 1, 2, 4],
+            Self::Independent => &[0, 1, 2],
+        }
+    }
+
+    fn log_prior(self, law: &Law) -> f64 {
+        match self {
+            Self::Real { fading_db } => law.log_prior(fading_db),
+            Self::AlikeNodes | Self::Independent => 0.0,
+        }
+    }
+}
 
 /// The law that was found, and whether it settled.
 #[derive(Clone, Debug)]
@@ -74,10 +106,11 @@ pub(super) fn find(
         })
         .collect();
     let fading_db = hearing.receiver.map(|receiver| receiver.fading_db);
+    let family = LawFamily::Real { fading_db };
     let law = start(&thinned, &samples);
     let mut found = FoundLaw { law, placing: law, outages: usual, rounds: 0, settled: false };
     for pass in 0..WORK {
-        climb(&samples, &mut found, fading_db, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
+        climb(&samples, &mut found, family, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
         let law = found.law;
         let told: Vec<(ExpectedMargins, Vec<NodeAndPlace>)> = samples
             .par_iter()
@@ -101,14 +134,43 @@ pub(super) fn find(
         });
         watch.advance(1);
     }
+    if let Some(simple) = simple_law(&samples, &found, watch)? {
+        return Ok(simple);
+    }
     found.placing = match fading_db {
         Some(fading_db) if own_share < 1.0 => {
             let shrunk = found.law.shrunk(own_share, fading_db, median_link_m(&thinned));
-            levelled(&samples, shrunk, fading_db)
+            levelled(&samples, shrunk, family)
         }
         _ => found.law,
     };
     Ok(found)
+}
+
+/// The law of highest evidence among those of fewer parameters, if it has surely more than the law that was `found`. Real links
+/// have what it lacks, and their logs refute it; where it holds, it places nodes better.
+fn simple_law(
+    samples: &[NodeSample<'_>],
+    found: &FoundLaw,
+    watch: &dyn Watch,
+) -> Result<Option<FoundLaw>, Interrupted> {
+    let evidence = |law: &Law| {
+        let sums = sums(samples, |NodeSample { evidence, grid }, _| evidence.sums(law, grid));
+        score(samples, &sums, law, LawFamily::Independent)
+    };
+    let mut most = evidence(&found.law) + SIMPLER;
+    let mut simplest = None;
+    let alike = found.law.of_alike_nodes();
+    for (family, law) in [(LawFamily::AlikeNodes, alike), (LawFamily::Independent, Law { shared: 0.0, ..alike })] {
+        let mut simple = FoundLaw { law, ..found.clone() };
+        climb(samples, &mut simple, family, &[0, 1, 2], watch)?;
+        simple.placing = simple.law;
+        let evidence = evidence(&simple.law);
+        if evidence > most {
+            (most, simplest) = (evidence, Some(simple));
+        }
+    }
+    Ok(simplest)
 }
 
 /// The median distance from a node's middle to the places that heard it (m).
@@ -124,13 +186,13 @@ fn median_link_m(links: &PlaceLinks) -> f64 {
 }
 
 /// The law with the margin of highest evidence.
-fn levelled(samples: &[NodeSample<'_>], mut law: Law, fading_db: f64) -> Law {
+fn levelled(samples: &[NodeSample<'_>], mut law: Law, family: LawFamily) -> Law {
     let sums = sums(samples, |NodeSample { evidence, grid }, _| evidence.sums(&law, grid));
-    let mut best = score(samples, &sums, &law, Some(fading_db));
+    let mut best = score(samples, &sums, &law, family);
     for step in LEVELS {
         for sign in [1.0, -1.0] {
             while let Some(moved) = law.moved(MARGIN, sign * step) {
-                let score = score(samples, &sums, &moved, Some(fading_db));
+                let score = score(samples, &sums, &moved, family);
                 if score <= best {
                     break;
                 }
@@ -192,20 +254,21 @@ fn start(links: &PlaceLinks, samples: &[NodeSample<'_>]) -> Law {
 fn climb(
     samples: &[NodeSample<'_>],
     found: &mut FoundLaw,
-    fading_db: Option<f64>,
+    family: LawFamily,
     scales: &[usize],
     watch: &dyn Watch,
 ) -> Result<(), Interrupted> {
     let mut sums = sums(samples, |NodeSample { evidence, grid }, _| evidence.sums(&found.law, grid));
-    let mut best = score(samples, &sums, &found.law, fading_db);
+    let mut best = score(samples, &sums, &found.law, family);
     let least = GAIN * samples.len() as f64;
     found.settled = false;
     let mut courses = [ParameterCourse::default(); PARAMETERS];
+    let parameters = family.parameters();
     for &scale in scales {
         let step = STEPS[scale];
         for _ in 0..ROUNDS[scale] {
             let before = best;
-            for (number, course) in courses.iter_mut().enumerate() {
+            for (&number, course) in parameters.iter().zip(&mut courses) {
                 let mut losses = [None; 2];
                 for (trial, sign) in [course.sign(), -course.sign()].into_iter().enumerate() {
                     watch.check()?;
@@ -218,7 +281,7 @@ fn climb(
                             evidence.sums_under(&law, grid, &sums[number])
                         })
                     });
-                    let score = score(samples, moved.as_ref().unwrap_or(&sums), &law, fading_db);
+                    let score = score(samples, moved.as_ref().unwrap_or(&sums), &law, family);
                     if score > best {
                         (best, found.law) = (score, law);
                         sums = moved.unwrap_or(sums);
@@ -274,11 +337,11 @@ fn sums(samples: &[NodeSample<'_>], of: impl Fn(&NodeSample<'_>, usize) -> Margi
 }
 
 /// Logarithm of the evidence of all samples, with the `sums` of each, and of the prior density of the law.
-fn score(samples: &[NodeSample<'_>], sums: &[MarginSums], law: &Law, fading_db: Option<f64>) -> f64 {
+fn score(samples: &[NodeSample<'_>], sums: &[MarginSums], law: &Law, family: LawFamily) -> f64 {
     let evidences: Vec<f64> = samples
         .par_iter()
         .zip(sums)
         .map_init(Vec::new, |scratch, (NodeSample { grid, .. }, sums)| log_evidence(law, grid, sums, scratch))
         .collect();
-    evidences.iter().sum::<f64>() + samples.len() as f64 * 0.5 * law.log_prior(fading_db)
+    evidences.iter().sum::<f64>() + samples.len() as f64 * 0.5 * family.log_prior(law)
 }

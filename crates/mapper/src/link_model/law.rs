@@ -43,6 +43,16 @@ impl Law {
         (s * s + g * g + 2.0 * c * c).sqrt()
     }
 
+    /// The law with the same spread in which nodes have nothing of their own.
+    pub(super) fn of_alike_nodes(&self) -> Self {
+        Self { shadowing: self.spread(), offset: 0.0, direction: 0.0, slope_spread: 0.0, ..*self }
+    }
+
+    /// Whether links share nothing but the distance.
+    pub(super) fn has_independent_links(&self) -> bool {
+        self.shared == 0.0 && self.offset == 0.0
+    }
+
     /// Standard deviation of the slopes of nodes.
     pub(super) fn slope_deviation(&self) -> f64 {
         self.slope * self.slope_spread

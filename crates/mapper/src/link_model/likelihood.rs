@@ -288,7 +288,7 @@ fn predictions(
     let mut deviations = Vec::with_capacity(sites.len());
     let each = arrangement.neighbours.iter().enumerate().map(|(position, neighbours)| {
         let site = at(position);
-        let count = neighbours.at.len();
+        let count = if law.has_independent_links() { 0 } else { neighbours.at.len() };
         let (own, rest) = correlations.split_at(neighbours.distances_m.len());
         correlations = rest;
         let (to, mut between) = own.split_at(count);
@@ -333,7 +333,7 @@ fn predictions(
         };
         let mut margin = site.margin - level;
         let mut share = 1.0;
-        for (slot, &neighbour) in neighbours.at.iter().enumerate() {
+        for (slot, &neighbour) in neighbours.at.iter().take(count).enumerate() {
             prediction.at[slot] = u32::try_from(neighbour).expect("a node has few links");
             margin -= exact[slot] * (at(neighbour).margin - level);
             share -= exact[slot];

@@ -116,13 +116,13 @@ impl Finding for LinkFit {
             }
         }
         let end = if self.settled { "settled" } else { "did not settle" };
-        let _ = write!(
-            text,
-            ", {:.0} % of the shadowing shared over {:.1} m, {end} in {}",
-            100.0 * law.shared,
-            law.correlation_m,
-            counted(self.rounds as usize, "round")
-        );
+        let _ = match law.has_independent_links() {
+            true => write!(text, ", each link by itself"),
+            false => {
+                write!(text, ", {:.0} % of the shadowing shared over {:.1} m", 100.0 * law.shared, law.correlation_m)
+            }
+        };
+        let _ = write!(text, ", {end} in {}", counted(self.rounds as usize, "round"));
         let why = match (self.settled, law.is_at_bound()) {
             (true, _) => None,
             (false, true) => Some(Unconverged::AtBound),
