@@ -21,7 +21,11 @@ from pathlib import Path
 
 STEP = 2.5
 RADIUS = 0.2
-T95 = {5: 2.571, 9: 2.262, 11: 2.201, 15: 2.131, 19: 2.093, 29: 2.045}
+# Student's law at 95 % with 1 to 30 degrees of freedom.
+T95 = [
+    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131,
+    2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042,
+]
 
 
 class Scene:
@@ -248,9 +252,13 @@ class Trial:
 
 
 def interval(values):
-    mean = sum(values) / len(values)
-    deviation = math.sqrt(sum((v - mean) ** 2 for v in values) / max(1, len(values) - 1))
-    return mean, T95.get(len(values) - 1, 2.0) * deviation / math.sqrt(len(values))
+    """The mean, and half of its interval: not a number for one value."""
+    mean, freedom = sum(values) / len(values), len(values) - 1
+    if freedom == 0:
+        return mean, math.nan
+    deviation = math.sqrt(sum((v - mean) ** 2 for v in values) / freedom)
+    t95 = T95[freedom - 1] if freedom <= len(T95) else 1.96 + 2.5 / freedom
+    return mean, t95 * deviation / math.sqrt(len(values))
 
 
 def main():

@@ -140,6 +140,12 @@ impl From<BookError> for Failure {
     }
 }
 
+/// Whether a floor plan is a picture in which walls are dark, by its name.
+fn is_picture(path: &Path) -> bool {
+    let ends_with = |known: &&str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(known));
+    ["png", "pgm", "yaml", "yml"].iter().any(ends_with)
+}
+
 impl From<FloorPlanError> for Failure {
     fn from(error: FloorPlanError) -> Self {
         let help = match &error {
@@ -149,7 +155,9 @@ impl From<FloorPlanError> for Failure {
             FloorPlanError::NoUnit { .. } => {
                 Some("measure a door: --unit mm if it is about 900 wide, --unit m if it is 0.9")
             }
-            FloorPlanError::NoWalls { .. } => Some("walls are dark; what is thicker than --thickest is no wall"),
+            FloorPlanError::NoWalls { path, .. } if is_picture(path) => {
+                Some("walls are dark; what is thicker than --thickest is no wall")
+            }
             _ => None,
         };
         Self::of(&error, help, matches!(error, FloorPlanError::Read { .. }))
@@ -174,7 +182,10 @@ impl From<ConvertError> for Failure {
             ConvertError::Invalid { .. } => {
                 "angles from the zenith: --zenith; a sector that is the listening pattern: --quasi-omni ID".to_owned()
             }
-            ConvertError::Unreadable { .. } | ConvertError::Foreign { .. } | ConvertError::Mat(_) => {
+            ConvertError::Unreadable { .. }
+            | ConvertError::Foreign { .. }
+            | ConvertError::Mat(_)
+            | ConvertError::Option { .. } => {
                 return Self::of(&error, None, false);
             }
         };

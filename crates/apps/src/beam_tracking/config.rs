@@ -32,7 +32,8 @@ fn is_hundred_tu(ms: &f64) -> bool {
     ms.to_bits() == hundred_tu().to_bits()
 }
 
-/// When a beam is trained, as written in a scenario. Without a link it is trained in each beacon interval.
+/// When a beam is trained, as written in a scenario. If the last training found no node, the next beacon
+/// interval has one again.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]

@@ -18,7 +18,7 @@ use crate::navigation::NavigationMap;
 
 /// The powers of a link are taken anew at least this often.
 const STEP: Duration = Duration::from_millis(10);
-/// A node that a search passed over is not predicted for so many beacon intervals.
+/// A node that a training passed over is not predicted in so many of the next beacon intervals.
 const AVOIDED_INTERVALS: u64 = 10;
 
 const INTERVAL: Timer = Timer(0);
@@ -33,13 +33,14 @@ pub struct BeamRobot {
     nodes: usize,
     machine: Retraining,
     link: Option<HeldLink>,
-    /// A node that was not the best although it is near, and the beacon interval until which it is avoided.
+    /// A node that was not the best although it is near, and the last beacon interval in which it is avoided.
     avoided: Option<(NodeId, u64)>,
     /// Beacon intervals so far.
     intervals: u64,
     /// Places of the way that were reached.
     reached: usize,
-    is_there: bool,
+    /// Whether it drives no more: it is at the last place, or something is in its way.
+    is_over: bool,
     /// Data time that is left of the beacon interval, and the length of its steps.
     left: Duration,
     step: Duration,
@@ -62,11 +63,11 @@ impl BeamRobot {
             avoided: None,
             intervals: 0,
             reached: 0,
-            is_there: false,
+            is_over: false,
             left: Duration::ZERO,
             step: Duration::ZERO,
             heard: None,
-            record: LinkRecord::default(),
+            record: LinkRecord { robots: 1, ..LinkRecord::default() },
         }
     }
 
@@ -82,10 +83,15 @@ impl BeamRobot {
             match port.drive(place) {
                 Driving::UnderWay => return,
                 Driving::Over(DriveEnd::Arrived) => self.reached += 1,
-                Driving::Over(DriveEnd::Blocked(_)) => break,
+                Driving::Over(DriveEnd::Blocked(_)) => {
+                    self.is_over = true;
+                    return;
+                }
             }
         }
-        self.is_there = true;
+        self.is_over = true;
+        self.record.arrived = 1;
+        self.record.last_arrival = port.now();
     }
 
     /// The powers of the links to all nodes now.
@@ -106,7 +112,7 @@ impl BeamRobot {
         }
         self.intervals += 1;
         let (pose, intervals, avoided) = (port.pose(), self.intervals, self.avoided);
-        let avoids = |node| avoided.is_some_and(|(known, until)| known == node && intervals < until);
+        let avoids = |node| is_avoided(avoided, node, intervals);
         let serving = self.link.map(|link| link.node);
         let prediction = predict(&self.mission, &self.map, pose, serving, avoids);
         let training = self.machine.begin(prediction);
@@ -142,7 +148,7 @@ impl BeamRobot {
             }
         }
         let spent = self.mission.training_time(training);
-        self.record.time += self.mission.interval;
+        self.record.time += spent;
         self.record.training += spent;
         self.account_ideal(&powers, spent);
         self.left = self.mission.interval - spent;
@@ -169,6 +175,7 @@ impl BeamRobot {
     /// Sends data until the powers are taken anew.
     fn send_data(&mut self, port: &mut Port<'_>) {
         let span = if self.left < self.step * 2 { self.left } else { self.step };
+        self.record.time += span;
         let powers = self.powers(port);
         let best = self.account_ideal(&powers, span);
         let snr = self.link.and_then(|link| self.snr_of(link, &powers));
@@ -205,6 +212,11 @@ impl BeamRobot {
     }
 }
 
+/// Whether `node` is avoided in this beacon interval.
+fn is_avoided(avoided: Option<(NodeId, u64)>, node: NodeId, interval: u64) -> bool {
+    avoided.is_some_and(|(known, until)| known == node && interval <= until)
+}
+
 impl Application for BeamRobot {
     fn has_task(&self) -> bool {
         true
@@ -218,7 +230,7 @@ impl Application for BeamRobot {
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
         if timer == DATA {
             self.send_data(port);
-        } else if self.is_there {
+        } else if self.is_over {
             port.finish();
         } else {
             self.begin_interval(port);
@@ -231,7 +243,20 @@ impl Application for BeamRobot {
                 self.reached += 1;
                 self.go_on(port);
             }
-            DriveEnd::Blocked(_) => self.is_there = true,
+            DriveEnd::Blocked(_) => self.is_over = true,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_is_avoided_in_ten_beacon_intervals_after_its_training() {
+        let avoided = Some((NodeId(1), 3 + AVOIDED_INTERVALS));
+        let intervals: Vec<u64> = (4..30).filter(|&interval| is_avoided(avoided, NodeId(1), interval)).collect();
+        assert_eq!(intervals, (4..=13).collect::<Vec<_>>());
+        assert!(!is_avoided(avoided, NodeId(2), 4) && !is_avoided(None, NodeId(1), 4));
     }
 }

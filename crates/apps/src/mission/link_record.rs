@@ -2,12 +2,19 @@
 
 use std::time::Duration;
 
+use sextant_kernel::SimTime;
 use sextant_mac::dmg::data::Mcs;
 
 /// What became of the links of robots: sums over all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LinkRecord {
-    /// Time of all beacon intervals.
+    /// The robots.
+    pub robots: u64,
+    /// Of these, those that got to the end of their way; ...
+    pub arrived: u64,
+    /// ... and when the last of them did.
+    pub last_arrival: SimTime,
+    /// Time of all beacon intervals, as far as the run has them.
     pub time: Duration,
     /// Of it, beacons, slots for answers and refinements.
     pub training: Duration,
@@ -45,6 +52,9 @@ impl LinkRecord {
     /// Both together.
     #[must_use]
     pub fn with(mut self, other: &Self) -> Self {
+        self.robots += other.robots;
+        self.arrived += other.arrived;
+        self.last_arrival = self.last_arrival.max(other.last_arrival);
         self.time += other.time;
         self.training += other.training;
         self.outage += other.outage;

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use sextant::floorplan::{self, FloorPlanOptions, LengthUnit};
+use sextant::floorplan::{self, FloorPlanError, FloorPlanOptions, LengthUnit};
 use sextant::mapping::Input;
 use sextant_kernel::text::counted;
 use sextant_recording::admission::OutputKind;
@@ -95,11 +95,24 @@ impl Unit {
 /// If the plan cannot be read, or a wall is invalid.
 pub(super) fn lay(plan: Option<&Path>, input: &mut Input) -> Result<(), Failure> {
     let Some(plan) = plan else { return Ok(()) };
-    let read = floorplan::read(plan, &FloorPlanOptions::default())?;
+    let read = floorplan::read(plan, &FloorPlanOptions::default()).map_err(unlaid)?;
     let wrong = |why| Failure::bad_input(format!("`{}`: {why}", plan.display()));
     input.floor = Some(read.obstacles().map_err(wrong)?);
     input.notes.extend(read.notes.iter().map(|note| format!("{}: {note}", plan.display())));
     Ok(())
+}
+
+/// Why a plan is not laid under a map. What it does not say, only `sextant floorplan` can be told.
+fn unlaid(error: FloorPlanError) -> Failure {
+    let (path, flag) = match &error {
+        FloorPlanError::NoScale { path } => (path, "--scale 0.05"),
+        FloorPlanError::NoUnit { path } => (path, "--unit mm"),
+        _ => return error.into(),
+    };
+    let plan = path.display();
+    let help =
+        format!("convert it first: sextant floorplan {plan} {flag} --out walls.toml, then --floorplan walls.toml");
+    Failure::bad_input_with_help(error.to_string(), help)
 }
 
 /// Tells what the user should know.

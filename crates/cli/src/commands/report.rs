@@ -45,7 +45,7 @@ pub(crate) struct Arguments {
     /// The columns of the file of true positions, if they have other names, as for `map`
     #[arg(long, value_name = "FIELDS", requires = "truth", value_parser = FieldNames::parse_truth)]
     pub(crate) truth_fields: Option<FieldNames>,
-    /// Walls under the map of a log, as for `map`
+    /// Walls under the map of a log: a map of ROS, GeoJSON, DXF or walls.toml, as for `map`
     #[arg(long, value_name = "PLAN")]
     pub(crate) floorplan: Option<PathBuf>,
     /// What may be replaced.

@@ -95,6 +95,10 @@ fn plans_that_cannot_be_read_say_why() {
         let found = found.split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "");
         assert!(found.contains(problem), "{words:?}: {found}");
     }
+    // A drawing has no dark walls.
+    fs::write(path.join("empty.dxf"), "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n").unwrap();
+    let found = error(&floorplan(path, &["empty.dxf", "--unit", "m"]));
+    assert!(found.contains("has no walls") && !found.contains("--thickest"), "{found}");
     // What people changed is not replaced.
     fs::write(path.join("walls.toml"), "# mine\n").unwrap();
     assert!(error(&floorplan(path, &["room.pgm", "--scale", "0.05"])).contains("walls.toml"));

@@ -91,11 +91,13 @@ fn what_is_missing_is_told() {
     fs::write(path.join("silent/receptions.csv"), "node,stop,received,sent\nn0,s0,0,5\n").unwrap();
     write_log(&path.join("fixed"), 2);
     fs::write(path.join("fixed/stops.csv"), "stop,t_s,x_m,y_m,z_m,robot\ns0,0,0,0,0,a\ns1,0,9,0,0,b\n").unwrap();
+    fs::write(path.join("hall.dxf"), "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n").unwrap();
     for (words, problem) in [
         (&["log", "--area", "900,900,910,910", "--algorithm", "link-model"][..], "no node can be heard in the area"),
         (&["log", "--area", "5,5,1,1"], "allowed: four numbers x0,y0,x1,y1"),
         (&["log", "--stops", "0"], "the number of stops is 0; allowed: 1 and more"),
         (&["log", "--speed", "0"], "the speed (m/s) is 0; allowed: a number above 0"),
+        (&["log", "--floorplan", "hall.dxf"], "convert it first: sextant floorplan hall.dxf --unit mm"),
         (&["log", "--robot", "bob"], "the robot `bob` is not in the log"),
         (&["log", "--algorithm", "packet-centroid"], "gives places without their covariance"),
         (&["one"], "the log has 1 stop; at least 2"),

@@ -58,7 +58,8 @@ impl Retraining {
         Self { rule, since: 0, best: None, last: None, trained_for: None, must_search: false }
     }
 
-    /// What the beacon interval that starts now begins with, if this is predicted. Without a link, each rule trains.
+    /// What the beacon interval that starts now begins with, if this is predicted. If the last training found no
+    /// node, each rule trains.
     pub fn begin(&mut self, prediction: Option<Prediction>) -> Training {
         self.since += 1;
         let training =

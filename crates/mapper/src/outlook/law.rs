@@ -124,6 +124,11 @@ impl StopLaw {
         }
     }
 
+    /// Probability that a stop hears nothing over a distance.
+    pub(super) fn silence(&self, distance_m: f64) -> f64 {
+        (1.0 - self.probability(distance_m)).powi(self.packets.cast_signed())
+    }
+
     /// The share of what a stop hears that is new, if the nearest other stop is this far away: the shadowing of neighbouring
     /// places is the same up to exp(−d / l) (Gudmundson 1991).
     pub(super) fn new_share(&self, nearest_stop_m: f64) -> f64 {

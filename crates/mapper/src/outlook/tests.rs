@@ -96,3 +96,21 @@ fn a_node_that_was_never_heard_is_found_or_not() {
     // Now it is at one of two corners with the distance √8, with half the probability.
     is_near(outlook.mean_error_m(), 0.5 * 2.0_f64.sqrt(), 1e-9);
 }
+
+#[test]
+fn the_silence_of_the_log_counts_as_that_of_a_new_stop() {
+    // Two packets of which each arrives with one half: after silence the near place has a quarter of its weight.
+    let mut law = StopLaw::of_curve(10.0, None, |distance_m| if distance_m < 1.0 { 0.5 } else { 0.0 });
+    law.packets = 2;
+    let places = [at(0.0, 0.0), at(9.0, 0.0)];
+    let outlook = |stop| {
+        let unheard = UnheardNodes::new(1, &places, &[stop], &law);
+        Outlook { nodes: Vec::new(), unheard, ..outlook(law.clone(), [1.0, 1.0]) }
+    };
+    let silent = outlook(at(0.0, 0.0));
+    is_near(silent.mean_error_m(), 9.0 * (0.2_f64 * 0.8).sqrt(), 1e-9);
+    let mut new = outlook(at(99.0, 0.0));
+    new.take(at(0.0, 0.0));
+    // It is silent with the probability 5 / 8, and the node is found otherwise.
+    is_near(new.mean_error_m(), 0.625 * silent.mean_error_m(), 1e-9);
+}

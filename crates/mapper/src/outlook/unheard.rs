@@ -35,7 +35,7 @@ impl UnheardNodes {
             return None;
         }
         let silence = |place: &Position| {
-            let missed = stops.iter().map(|stop| 1.0 - law.probability(stop.distance_m(*place)));
+            let missed = stops.iter().map(|stop| law.silence(stop.distance_m(*place)));
             (*place, missed.product::<f64>())
         };
         let mut places: Vec<(Position, f64)> = open.iter().map(silence).collect();
@@ -73,7 +73,7 @@ impl UnheardNodes {
         self.chance *= silence;
         self.error_m = silent_m;
         let missed = |&(at, weight): &(Position, f64)| {
-            let missed = (1.0 - law.probability(at.distance_m(place))).powi(law.packets.cast_signed());
+            let missed = law.silence(at.distance_m(place));
             (at, if silence > 0.0 { weight * missed / silence } else { weight })
         };
         self.places = self.places.iter().map(missed).collect();

@@ -32,6 +32,7 @@ function charts(application) {
 
 function outcome(summary) {
   const done = summary.captured ?? summary.arrived;
+  if (summary.link) return done ? `All robots arrived after ${withUnit(summary.time_s, "s")}.` : "Not all robots arrived at the end of their way.";
   const what = summary.captured !== undefined ? "All targets were captured" : "A robot arrived";
   if (done) return `${what} after ${withUnit(summary.time_s, "s")}.`;
   return summary.captured !== undefined ? "Not all targets were captured." : "No robot arrived.";

@@ -73,10 +73,11 @@ pub struct FloorPlan {
 /// with lines and areas, or a drawing (DXF) with lines, polylines, arcs and circles; or walls and obstacles of a scenario, as [`FloorPlan::to_toml`] writes them.
 ///
 /// # Errors
-/// If the file cannot be read, an option is missing or invalid, or there are no walls.
+/// If the file cannot be read, an option is missing, invalid or without effect, or there are no walls.
 pub fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorPlanError> {
     check(options)?;
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_lowercase();
+    check_effects(options, &extension)?;
     let plan = match extension.as_str() {
         "png" | "pgm" => {
             let pixel_m =
@@ -142,6 +143,38 @@ fn check(options: &FloorPlanOptions) -> Result<(), FloorPlanError> {
     }
 }
 
+/// Refuses options without effect on a plan whose name ends so. Those of walls have an effect if they are not the usual ones.
+fn check_effects(options: &FloorPlanOptions, extension: &str) -> Result<(), FloorPlanError> {
+    let is_image = ["png", "pgm", "yaml", "yml"].contains(&extension);
+    let is_dxf = extension == "dxf";
+    let is_drawn = is_dxf || ["json", "geojson"].contains(&extension);
+    let is_any = is_image || is_drawn;
+    // Of other names, it is told that they are no plans.
+    if !is_any && extension != "toml" {
+        return Ok(());
+    }
+    let usual = FloorPlanOptions::default();
+    let is_given = |length_m: f64, usual_m: f64| length_m.to_bits() != usual_m.to_bits();
+    let (images, dxf, drawn) = ("an image or a map of a robot", "a drawing in DXF", "GeoJSON or a drawing in DXF");
+    let any = "a plan that is not yet walls of a scenario";
+    let without = [
+        ("scale", options.metres_per_pixel.is_some(), is_image, images),
+        ("thickest", is_given(options.thickest_m, usual.thickest_m), is_image, images),
+        ("unit", options.unit.is_some(), is_dxf, dxf),
+        ("layers", !options.layers.is_empty(), is_dxf, dxf),
+        ("thickness", is_given(options.thickness_m, usual.thickness_m), is_drawn, drawn),
+        ("height", is_given(options.height_m, usual.height_m), is_any, any),
+        ("material", options.material != usual.material, is_any, any),
+        ("origin", options.origin_m.is_some(), is_any, any),
+    ];
+    match without.into_iter().find(|&(_, is_given, has_effect, _)| is_given && !has_effect) {
+        Some((option, .., of)) => {
+            Err(FloorPlanError::Option { option, found: "given".to_owned(), allowed: format!("only with {of}") })
+        }
+        None => Ok(()),
+    }
+}
+
 impl FloorPlan {
     /// The plan as tables of a scenario, which others can extend. `source` is named in its head.
     ///
@@ -198,4 +231,41 @@ impl FloorPlan {
 /// A length (m) to the millimetre, without a sign of zero.
 fn to_mm(length_m: f64) -> f64 {
     (length_m * 1000.0).round() / 1000.0 + 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_without_effect_are_refused() {
+        let usual = FloorPlanOptions::default;
+        let scaled = FloorPlanOptions { metres_per_pixel: Some(0.05), ..usual() };
+        let in_mm = FloorPlanOptions { unit: Some(LengthUnit::Millimetre), ..usual() };
+        let of_layers = FloorPlanOptions { layers: vec!["walls".to_owned()], ..usual() };
+        let moved = FloorPlanOptions { origin_m: Some([1.0, 2.0]), ..usual() };
+        let high = FloorPlanOptions { height_m: 9.0, ..usual() };
+        let thick = FloorPlanOptions { thickness_m: 0.3, ..usual() };
+        let of_glass = FloorPlanOptions { material: "glass".to_owned(), ..usual() };
+        let problem = |options: &FloorPlanOptions, extension: &str| {
+            check_effects(options, extension).err().map_or_else(String::new, |error| error.to_string())
+        };
+        for (options, option, without, with) in [
+            (&scaled, "scale", &["dxf", "geojson", "json", "toml"][..], &["png", "pgm", "yaml"][..]),
+            (&in_mm, "unit", &["png", "yml", "geojson", "toml"], &["dxf"]),
+            (&of_layers, "layers", &["png", "geojson", "toml"], &["dxf"]),
+            (&thick, "thickness", &["png", "yaml", "toml"], &["dxf", "geojson"]),
+            (&moved, "origin", &["toml"], &["png", "yaml", "geojson", "dxf"]),
+            (&high, "height", &["toml"], &["png", "yaml", "geojson", "dxf"]),
+            (&of_glass, "material", &["toml"], &["png", "yaml", "geojson", "dxf"]),
+        ] {
+            for extension in without {
+                let found = problem(options, extension);
+                let expected = format!("option `{option}` is given; allowed: only with");
+                assert!(found.starts_with(&expected), "{extension}: {found}");
+            }
+            assert!(with.iter().all(|extension| problem(options, extension).is_empty()), "{option}");
+        }
+        assert!(problem(&usual(), "toml").is_empty());
+    }
 }

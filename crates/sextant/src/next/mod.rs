@@ -8,7 +8,7 @@ mod pace;
 mod region;
 mod report;
 
-use sextant_channel::{Bounds, ObstacleField, Position};
+use sextant_channel::{Bounds, ObstacleField, Position, Stop};
 use sextant_kernel::text::counted;
 use sextant_kernel::{RobotId, Watch};
 use sextant_logs::LocalPlane;
@@ -53,8 +53,12 @@ impl Default for NextSettings {
 /// Places to stop at are so many to a reach, and at most so many in all.
 const TO_A_REACH: f64 = 8.0;
 const MOST_PLACES: f64 = 4000.0;
-/// Nodes that were never heard may be at so many places at most.
-const MOST_OPEN: usize = 400;
+/// Beyond this share of the reach between neighbouring places, stops that would hear a node are missed.
+const FAR_APART: f64 = 0.25;
+/// Nodes that were never heard may be at about so many places at most.
+const MOST_OPEN: f64 = 400.0;
+/// The golden ratio less 1: its multiples, without their whole parts, are spread evenly over 0 to 1.
+const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// Maps the log of `input` by the first map of `settings`, and says where to listen next. A floor plan of `input` is kept to.
 ///
@@ -81,18 +85,19 @@ pub fn next_stops(
     let region = Region::new(next.area.as_ref(), log.stops(), reach_m, input.floor.as_ref(), &mut notes);
     let is_inside = |place: Position| region.contains(place);
     let (start, start_time) = robot.last;
-    let bounds = region.bounds(start.z_m);
-    let terrain = Terrain {
-        bounds,
-        is_inside: &is_inside,
-        obstacles,
-        radius_m: next.radius_m,
-        step_m: step_m(bounds, reach_m),
-    };
+    let mut bounds = region.bounds(start.z_m);
+    if computed.map.unmapped() == 0 && region.away_m(log.stops()) <= 2.0 * reach_m {
+        bounds = near_stops(bounds, log.stops(), reach_m);
+    }
+    let step_m = step_m(bounds, reach_m);
+    if step_m > FAR_APART * reach_m {
+        notes.push(format!(
+            "the area is large: places are sought only every {step_m:.1} m, and nodes are heard within {reach_m:.1} m; give a smaller area"
+        ));
+    }
+    let terrain = Terrain { bounds, is_inside: &is_inside, obstacles, radius_m: next.radius_m, step_m };
     let ground = Ground::new(terrain, start, watch)?;
-    let every = ground.places().len().div_ceil(MOST_OPEN);
-    let open: Vec<Position> = ground.places().iter().copied().step_by(every).collect();
-    let outlook = outlook(&open)?;
+    let outlook = outlook(&open_places(ground.places()))?;
     let pace = Pace::new(log, robot.id, next, &mut notes);
     let budget = StopBudget {
         stops: next.stops,
@@ -103,9 +108,10 @@ pub fn next_stops(
     };
     let plan = plan(&outlook, &ground, &budget, watch)?;
     if plan.stops.is_empty() && plan.end == PlanEnd::NothingMore && next.area.is_some() {
+        let away_m = region.away_m(log.stops());
         let hears = |place: &Position| outlook.gain(*place).in_reach_m > 0.0;
-        if !ground.places().iter().any(hears) {
-            return Err(NextError::AreaOutOfReach { away_m: region.away_m(log.stops()), reach_m });
+        if away_m > reach_m && !ground.places().iter().any(hears) {
+            return Err(NextError::AreaOutOfReach { away_m, reach_m });
         }
     }
     if outlook.unheard_count() > 0 {
@@ -143,9 +149,7 @@ fn robot(input: &Input, next: &NextSettings) -> Result<Driver, NextError> {
             .map(|stop| stop.robot)
             .ok_or(NextError::FewStops { found: 0 })?,
     };
-    let mut own = stops.iter().filter(|stop| stop.robot == id);
-    let first = own.next().ok_or(NextError::FewStops { found: 0 })?;
-    let last = own.clone().max_by_key(|stop| stop.time).unwrap_or(first);
+    let last = last_stop(stops, id).ok_or(NextError::FewStops { found: 0 })?;
     if stops.len() < 2 {
         return Err(NextError::FewStops { found: stops.len() });
     }
@@ -155,6 +159,29 @@ fn robot(input: &Input, next: &NextSettings) -> Result<Driver, NextError> {
     }
     let name = log.robot_name(id).into_owned();
     Ok(Driver { id, name, last: (last.position, last.time) })
+}
+
+/// Where a robot listened last, in whatever order the stops are listed.
+fn last_stop(stops: &[Stop], robot: RobotId) -> Option<&Stop> {
+    stops.iter().filter(|stop| stop.robot == robot).max_by_key(|stop| stop.time)
+}
+
+/// The part of a box in which nodes that were heard at `stops` can be heard: they are within the reach of a stop, and heard within the
+/// reach. All of the box if it has no such part.
+fn near_stops(bounds: Bounds, stops: &[Stop], reach_m: f64) -> Bounds {
+    let Some(near) = Bounds::of(stops.iter().map(|stop| stop.position)) else { return bounds };
+    let near = near.grown(2.0 * reach_m);
+    let (mut min, mut max) = (bounds.min, bounds.max);
+    (min.x_m, min.y_m) = (min.x_m.max(near.min.x_m), min.y_m.max(near.min.y_m));
+    (max.x_m, max.y_m) = (max.x_m.min(near.max.x_m), max.y_m.min(near.max.y_m));
+    if min.x_m <= max.x_m && min.y_m <= max.y_m { Bounds { min, max } } else { bounds }
+}
+
+/// The places at which nodes that were never heard may be. A fixed stride over the rows of places would take few of their columns.
+fn open_places(places: &[Position]) -> Vec<Position> {
+    let share = MOST_OPEN / places.len() as f64;
+    let is_open = |number: usize| (number as f64 * GOLDEN).fract() < share;
+    places.iter().enumerate().filter(|(number, _)| is_open(*number)).map(|(_, place)| *place).collect()
 }
 
 /// Distance of neighbouring places to stop at (m).
@@ -191,4 +218,50 @@ impl NextSettings {
 fn on_earth(plane: Option<&LocalPlane>, place: Position) -> Option<[f64; 2]> {
     let place = plane?.to_geodetic(place).rounded();
     Some([place.lat_deg, place.lon_deg])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use sextant_kernel::SimTime;
+
+    use super::*;
+
+    fn stop(robot: u32, time_s: u64, x_m: f64) -> Stop {
+        let time = SimTime::from_secs(time_s);
+        Stop { robot: RobotId(robot), time, position: Position::new(x_m, 0.0, 0.0), heading_rad: None }
+    }
+
+    #[test]
+    fn a_robot_listened_last_at_the_stop_with_the_latest_time_wherever_it_is_listed() {
+        let stops = [stop(0, 30, 3.0), stop(1, 50, 5.0), stop(0, 10, 1.0), stop(0, 20, 2.0)];
+        assert_eq!(last_stop(&stops, RobotId(0)), Some(&stops[0]));
+        assert_eq!(last_stop(&stops, RobotId(1)), Some(&stops[1]));
+        assert_eq!(last_stop(&stops, RobotId(2)), None);
+    }
+
+    #[test]
+    fn places_are_sought_only_where_nodes_that_were_heard_can_be_heard() {
+        let at = |x_m: f64, y_m: f64| Position::new(x_m, y_m, 0.0);
+        let stops = [stop(0, 0, 0.0), stop(0, 10, 20.0)];
+        let large = Bounds { min: at(-5.0, -9000.0), max: at(9000.0, 9000.0) };
+        assert_eq!(near_stops(large, &stops, 10.0), Bounds { min: at(-5.0, -20.0), max: at(40.0, 20.0) });
+        // A lattice over all of it would be coarser than the reach.
+        assert!(step_m(large, 10.0) > 100.0 && step_m(near_stops(large, &stops, 10.0), 10.0) < 2.0);
+        let far = Bounds { min: at(900.0, 900.0), max: at(910.0, 910.0) };
+        assert_eq!(near_stops(far, &stops, 10.0), far);
+    }
+
+    #[test]
+    fn nodes_that_were_never_heard_may_be_in_each_row_and_column() {
+        // 2000 places: each fifth one would be in ten of the fifty columns.
+        let place = |number: u32| Position::new(f64::from(number % 50), f64::from(number / 50), 0.0);
+        let open = open_places(&(0..2000).map(place).collect::<Vec<_>>());
+        let different =
+            |of: fn(&Position) -> f64| open.iter().map(|place| of(place).to_bits()).collect::<BTreeSet<_>>().len();
+        assert!((395..=405).contains(&open.len()), "{}", open.len());
+        assert_eq!((different(|place| place.x_m), different(|place| place.y_m)), (50, 40));
+        assert_eq!(open_places(&open[..100]).len(), 100);
+    }
 }

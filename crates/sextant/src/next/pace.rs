@@ -1,5 +1,7 @@
 //! How fast a robot drives and how long it listens, as its log tells.
 
+use std::fmt;
+
 use serde::Serialize;
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::RobotId;
@@ -20,11 +22,13 @@ pub struct Pace {
     pub listen_s: f64,
     /// Usual way from one stop to the next (m).
     pub spacing_m: f64,
-    /// What tells it.
-    pub from: PaceSource,
+    /// What tells the speed.
+    pub speed_from: PaceSource,
+    /// What tells the time of listening.
+    pub listen_from: PaceSource,
 }
 
-/// What tells how fast a robot is.
+/// What tells how fast a robot is, or how long it listens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PaceSource {
@@ -39,7 +43,8 @@ pub enum PaceSource {
 impl Pace {
     /// The pace of a robot of `log`: as the settings say, otherwise as the times of its stops tell.
     pub(super) fn new(log: &ReceptionLog, robot: RobotId, next: &NextSettings, notes: &mut Vec<String>) -> Self {
-        let stops: Vec<&Stop> = log.stops().iter().filter(|stop| stop.robot == robot).collect();
+        let mut stops: Vec<&Stop> = log.stops().iter().filter(|stop| stop.robot == robot).collect();
+        stops.sort_by_key(|stop| stop.time);
         let leg = |pair: &[&Stop]| {
             let time_s = pair[1].time.saturating_since(pair[0].time).as_secs_f64();
             [pair[0].position.distance_m(pair[1].position), time_s]
@@ -49,27 +54,68 @@ impl Pace {
         let usual_s = median(legs.iter().map(|[_, time_s]| *time_s)).unwrap_or(0.0);
         let usual: Vec<[f64; 2]> =
             legs.into_iter().filter(|[_, time_s]| *time_s > 0.0 && *time_s <= PAUSE * usual_s).collect();
-        let told = if next.speed_m_per_s.is_some() && next.listen_s.is_some() { None } else { fit(&usual) };
-        let (speed_m_per_s, listen_s) = told.unwrap_or((ASSUMED_M_PER_S, 0.0));
-        let from = match (next.speed_m_per_s, told) {
-            (Some(_), _) => PaceSource::Settings,
-            (None, Some(_)) => PaceSource::Log,
-            (None, None) => {
-                notes.push(format!("the times of the stops tell no speed: it is taken as {ASSUMED_M_PER_S} m/s"));
-                PaceSource::Assumed
-            }
-        };
-        Self {
-            speed_m_per_s: next.speed_m_per_s.unwrap_or(speed_m_per_s),
-            listen_s: next.listen_s.unwrap_or(listen_s),
-            spacing_m,
-            from,
+        let (given_speed, given_listen) = (next.speed_m_per_s, next.listen_s);
+        let (told_speed, told_listen) = tell(&usual, given_speed, given_listen);
+        let (speed_m_per_s, speed_from) = source(given_speed, told_speed, ASSUMED_M_PER_S);
+        let (listen_s, listen_from) = source(given_listen, told_listen, 0.0);
+        if speed_from == PaceSource::Assumed {
+            let beside = given_listen.map_or(String::new(), |listen_s| format!(" beside {listen_s} s of listening"));
+            notes.push(format!("the times of the stops tell no speed{beside}: it is taken as {ASSUMED_M_PER_S} m/s"));
+        } else if listen_from == PaceSource::Assumed {
+            notes.push("the times of the stops tell no time of listening: it is taken as 0 s".to_owned());
         }
+        Self { speed_m_per_s, listen_s, spacing_m, speed_from, listen_from }
     }
 
     /// What a stop costs, however near it is to the way (s): listening, or the usual way between two stops.
     pub(super) fn least_s(&self) -> f64 {
         self.listen_s.max(self.spacing_m / self.speed_m_per_s)
+    }
+}
+
+impl fmt::Display for Pace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { speed_m_per_s, listen_s, speed_from, listen_from, .. } = self;
+        if speed_from == listen_from {
+            return write!(f, "{speed_m_per_s:.2} m/s and {listen_s:.1} s of listening, {}", speed_from.words());
+        }
+        let (speed, listen) = (speed_from.words(), listen_from.words());
+        write!(f, "{speed_m_per_s:.2} m/s ({speed}) and {listen_s:.1} s of listening ({listen})")
+    }
+}
+
+impl PaceSource {
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Settings => "as given",
+            Self::Log => "as in the log",
+            Self::Assumed => "as assumed",
+        }
+    }
+}
+
+/// The value that is given, or told, or assumed, and which of them it is.
+fn source(given: Option<f64>, told: Option<f64>, assumed: f64) -> (f64, PaceSource) {
+    match (given, told) {
+        (Some(given), _) => (given, PaceSource::Settings),
+        (None, Some(told)) => (told, PaceSource::Log),
+        (None, None) => (assumed, PaceSource::Assumed),
+    }
+}
+
+/// What legs of ways and times tell of the speed and the time of listening. If one of them is given, the other one is what makes
+/// their whole time.
+fn tell(legs: &[[f64; 2]], speed_m_per_s: Option<f64>, listen_s: Option<f64>) -> (Option<f64>, Option<f64>) {
+    let count = legs.len() as f64;
+    let (way, time) = legs.iter().fold((0.0, 0.0), |(way, time), leg| (way + leg[0], time + leg[1]));
+    match (speed_m_per_s, listen_s) {
+        (None, None) => fit(legs).unzip(),
+        (None, Some(listen_s)) => {
+            let driving = time - count * listen_s;
+            ((way > 0.0 && driving > 0.0).then(|| way / driving), None)
+        }
+        (Some(speed), None) => (None, (time > 0.0).then(|| ((time - way / speed) / count).max(0.0))),
+        (Some(_), Some(_)) => (None, None),
     }
 }
 
@@ -99,6 +145,9 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use sextant_channel::Position;
+    use sextant_kernel::SimTime;
+
     use super::*;
 
     #[test]
@@ -106,6 +155,41 @@ mod tests {
         // 0.5 m/s and 6 s of listening.
         let (speed_m_per_s, listen_s) = fit(&[[2.0, 10.0], [2.0, 10.0], [5.0, 16.0], [2.0, 10.0]]).unwrap();
         assert!((speed_m_per_s - 0.5).abs() < 1e-9 && (listen_s - 6.0).abs() < 1e-9, "{speed_m_per_s} {listen_s}");
+    }
+
+    #[test]
+    fn what_is_not_given_makes_the_whole_time_of_the_log() {
+        // 1 m/s and 8 s of listening: legs of one length do not tell them apart, but either tells the other.
+        let legs = [[2.0, 10.0], [2.0, 10.0]];
+        assert_eq!(tell(&legs, None, Some(8.0)), (Some(1.0), None));
+        assert_eq!(tell(&legs, Some(1.0), None), (None, Some(8.0)));
+        // No time is left.
+        assert_eq!(tell(&legs, None, Some(10.0)), (None, None));
+        assert_eq!(tell(&legs, Some(0.1), None), (None, Some(0.0)));
+        assert_eq!(tell(&[], Some(0.1), None), (None, None));
+    }
+
+    #[test]
+    fn the_pace_follows_the_times_of_the_stops_and_says_what_tells_it() {
+        let stop = |time_s: u64, x_m: f64| Stop {
+            robot: RobotId(0),
+            time: SimTime::from_secs(time_s),
+            position: Position::new(x_m, 0.0, 0.0),
+            heading_rad: None,
+        };
+        // The last row is the first stop.
+        let stops = vec![stop(10, 2.0), stop(20, 4.0), stop(30, 6.0), stop(0, 0.0)];
+        let log = ReceptionLog::new(vec!["n".to_owned()], stops, Vec::new(), Vec::new()).unwrap();
+        let mut notes = Vec::new();
+        let mut pace = |listen_s| {
+            let next = NextSettings { listen_s, ..NextSettings::default() };
+            Pace::new(&log, RobotId(0), &next, &mut notes)
+        };
+        let (all, listening) = (pace(None), pace(Some(8.0)));
+        assert!((all.spacing_m - 2.0).abs() < 1e-12, "{}", all.spacing_m);
+        assert_eq!(all.to_string(), "0.20 m/s and 0.0 s of listening, as in the log");
+        assert_eq!(listening.to_string(), "1.00 m/s (as in the log) and 8.0 s of listening (as given)");
+        assert!(notes.is_empty(), "{notes:?}");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use sextant_kernel::text::counted;
 use sextant_mapper::Outlook;
 
 use super::on_earth;
-use super::pace::{Pace, PaceSource};
+use super::pace::Pace;
 use crate::mapping::{ComputedMap, Input};
 
 /// Of the nodes that gain at a stop, a table names at most so many.
@@ -163,12 +163,6 @@ fn to_mm(value: f64) -> f64 {
 
 impl fmt::Display for NextStops {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Pace { speed_m_per_s, listen_s, from, .. } = self.pace;
-        let told = match from {
-            PaceSource::Settings => "as given",
-            PaceSource::Log => "as in the log",
-            PaceSource::Assumed => "as assumed",
-        };
         let never =
             if self.never_heard > 0 { format!(", {} of them never heard", self.never_heard) } else { String::new() };
         writeln!(
@@ -178,7 +172,7 @@ impl fmt::Display for NextStops {
             counted(self.nodes, "node"),
             self.error_m
         )?;
-        writeln!(f, "robot      {}: {speed_m_per_s:.2} m/s and {listen_s:.1} s of listening, {told}", self.robot)?;
+        writeln!(f, "robot      {}: {}", self.robot, self.pace)?;
         if !self.stops.is_empty() {
             writeln!(
                 f,

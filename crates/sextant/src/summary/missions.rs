@@ -26,11 +26,12 @@ pub struct MissionSummary {
     /// Whether all targets were captured. Absent if it seeks the source of a field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub captured: Option<bool>,
-    /// Whether a robot arrived at the level or the source that it seeks. Absent if it searches targets.
+    /// Whether a robot arrived at the level or the source that it seeks, or each robot that keeps a link at the end of its way. Absent
+    /// if it searches targets.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arrived: Option<bool>,
-    /// When the last target was captured, or the first robot arrived for the first time (s). Absent if that did not
-    /// happen.
+    /// When the last target was captured, the first robot arrived for the first time, or the last robot that keeps a link was at the end
+    /// of its way (s). Absent if that did not happen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
     /// Simulated time (s).

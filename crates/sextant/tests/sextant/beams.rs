@@ -1,6 +1,6 @@
 //! Links that robots keep while they drive, end to end, against counts by hand.
 
-use sextant::summary::LinkSummary;
+use sextant::summary::{LinkSummary, MissionSummary};
 use sextant::{Scenario, Unwatched};
 
 /// A robot that creeps from the origin along x beside three nodes, in free space; `rule` is that of its training.
@@ -42,9 +42,13 @@ retrain.{rule}
     Scenario::load(&path).expect("a scenario")
 }
 
-fn link(scenario: &Scenario) -> LinkSummary {
+fn mission(scenario: &Scenario) -> MissionSummary {
     let done = sextant::run(scenario, &mut (), &Unwatched).expect("a run");
-    done.summary().applications[0].link.clone().expect("a link")
+    done.summary().applications[0].clone()
+}
+
+fn link(scenario: &Scenario) -> LinkSummary {
+    mission(scenario).link.expect("a link")
 }
 
 fn is_near(found: f64, expected: f64, what: &str) {
@@ -109,6 +113,22 @@ fn a_refinement_costs_its_time_and_leaves_no_weaker_link() {
     let frame = |bits: f64, words: f64| (7552.0 + (88.0 + bits + 168.0 * (1.0 + words)) * 32.0) / 1.76e9;
     let refinement = 3e-6 + frame(304.0, 2.0) + 4992.0 / 1.76e9 + 40e-6 + frame(368.0, 3.0) + 40e-6;
     is_near((with.overhead - without.overhead) * 102.4e-3, refinement, "refinement");
+}
+
+#[test]
+fn a_mission_says_whether_its_robot_got_to_the_end_of_its_way() {
+    let scenario = creeping(2.0, "every = 1", "");
+    let whole = mission(&scenario);
+    assert_eq!(whole.arrived, Some(true));
+    // 4 m at 2 m/s.
+    assert!(whole.time_s.is_some_and(|time_s| (time_s - 2.0).abs() < 1e-6), "{:?}", whole.time_s);
+    // The run ends in the second beacon interval, of which half has data: shares are of what was, not of the whole interval.
+    let cut = mission(&scenario.with("applications.0.duration_s", 0.15).expect("a scenario"));
+    assert_eq!((cut.arrived, cut.time_s), (Some(false), None));
+    let link = cut.link.expect("a link");
+    assert!((link.by_mcs.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{:?}", link.by_mcs);
+    let whole = whole.link.expect("a link");
+    assert!(link.throughput_bit_per_s > 0.98 * whole.throughput_bit_per_s, "{}", link.throughput_bit_per_s);
 }
 
 #[test]

@@ -82,8 +82,8 @@ pub(crate) struct Arguments {
     /// exp(-d / METRES). Only for algorithms that use it
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     pub(crate) near_stops: Option<f64>,
-    /// Walls under the map: a map of ROS (map.yaml), GeoJSON, or what `sextant floorplan` wrote (walls.toml), in the frame of the log.
-    /// Figures show them, and maps that know obstacles know these
+    /// Walls under the map: a map of ROS (map.yaml), GeoJSON, DXF, or what `sextant floorplan` wrote (walls.toml), in the frame of the
+    /// log. Figures show them, and maps that know obstacles know these
     #[arg(long, value_name = "PLAN")]
     pub(crate) floorplan: Option<PathBuf>,
     /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern. The concern is why a

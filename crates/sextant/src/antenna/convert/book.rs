@@ -112,8 +112,9 @@ impl Rows {
             if row.gain.is_nan() {
                 continue;
             }
-            if unit == GainUnit::Linear && row.gain < 0.0 {
-                let (found, allowed) = (format!("a factor of {}", row.gain), "factors of 0 or more".to_owned());
+            if !unit.has(row.gain) {
+                let what = if unit == GainUnit::Linear { "factor" } else { "gain" };
+                let (found, allowed) = (format!("a {what} of {}", row.gain), unit.allowed().to_owned());
                 return Err(ConvertError::Invalid { place: place(), found, allowed });
             }
             let value = if unit == GainUnit::Linear { 10.0 * libm::log10(row.gain.max(1e-20)) } else { row.gain };
@@ -127,6 +128,15 @@ impl Rows {
         }
         let mut owners: Vec<Owner> = cells.keys().map(|&(owner, ..)| owner).collect();
         owners.dedup();
+        let sectors = owners.iter().filter(|owner| matches!(owner, Owner::Sector(_))).count();
+        if sectors == 0 {
+            let allowed = "a gain of at least one sector, besides the listening pattern".to_owned();
+            return Err(ConvertError::Invalid {
+                place: "the gains".to_owned(),
+                found: "no sector".to_owned(),
+                allowed,
+            });
+        }
         let mut places: Vec<(Angle, Angle)> =
             cells.keys().map(|&(_, azimuth, elevation)| (azimuth, elevation)).collect();
         places.sort_unstable();
@@ -143,7 +153,6 @@ impl Rows {
             writeln!(text, "{name},{},{},{}", degrees(azimuth), degrees(elevation), rounded(mean))
                 .expect("a string grows");
         }
-        let sectors = owners.iter().filter(|owner| matches!(owner, Owner::Sector(_))).count();
         Ok(ConvertedBook { text, sectors, directions: places.len(), gaps, unit, notes })
     }
 }

@@ -52,6 +52,16 @@ pub enum ConvertError {
         /// What is allowed.
         allowed: String,
     },
+    /// An option does not fit the format.
+    #[error("option `{option}` is {found}; allowed: {allowed}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// What was found.
+        found: &'static str,
+        /// What is allowed.
+        allowed: &'static str,
+    },
     /// Nothing says the unit of the gains.
     #[error(
         "the unit of the gains `{name}` is not known: found {found}; allowed: a given unit, `linear`, `db` or `dbi`"

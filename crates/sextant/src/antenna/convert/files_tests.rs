@@ -65,6 +65,14 @@ fn code_books_of_ns3_have_their_sectors_at_their_azimuths_in_the_unit_that_is_gi
     let turned = read("book.txt", &ns3("1\n1\n1\n1", 30, |factor| factor), &none, Some(GainUnit::Linear)).unwrap();
     assert!(is_near(peak_of(&turned, "3"), (10.0, 200.0)));
     assert!(turned.notes.iter().any(|note| note.contains("30 degrees")), "{:?}", turned.notes);
+    // ns-3 turns by whole degrees.
+    for (from, to, words) in [("\n30\n", "\n30.5\n", Some("turned by 30 degrees")), ("\n0\n", "\n0.5\n", None)] {
+        let orientation = if words.is_some() { 30 } else { 0 };
+        let text = ns3("1\n1\n1\n1", orientation, |factor| factor).replacen(from, to, 1);
+        let notes = read("book.txt", &text, &none, Some(GainUnit::Linear)).unwrap().notes.join("\n");
+        assert_eq!(notes.contains("turned by"), words.is_some(), "{notes}");
+        assert!(words.is_none_or(|words| notes.contains(words)), "{notes}");
+    }
     // Nothing in the file says the unit, and a book has one antenna.
     let problem = read("book.txt", &ns3("1\n1\n1\n1", 0, |factor| factor), &none, None).unwrap_err();
     assert!(problem.contains("the unit of the gains `directivity` is not known"), "{problem}");
@@ -118,6 +126,13 @@ fn flaws_of_such_files_say_what_was_found_and_what_is_allowed() {
     for (text, words) in [
         (good.replace("GAIN 12 dBi\n", ""), "no gain: found no line `GAIN`"),
         (good.replace("GAIN 12 dBi", "GAIN much dBi"), "the line `GAIN`: `much dBi`; allowed: a number"),
+        (good.replace("GAIN 12 dBi", "GAIN nan dBi"), "the line `GAIN`: `nan dBi`; allowed: a number"),
+        (good.replace("GAIN 12 dBi", "GAIN inf"), "the line `GAIN`: `inf`; allowed: a number"),
+        (good.replace("\n7 0.70\n", "\n7 inf\n"), "line 14: `7 inf`; allowed: an angle and a loss in dB"),
+        (
+            good.replace("HORIZONTAL 360", "HORIZONTAL 359"),
+            "line 366: `359 0.10`, more angles than `HORIZONTAL 359` says; allowed: the number of angles",
+        ),
         (
             good.replace("HORIZONTAL 360", "HORIZONTAL many"),
             "line 6: `HORIZONTAL many`; allowed: the number of its angles",
@@ -127,4 +142,53 @@ fn flaws_of_such_files_say_what_was_found_and_what_is_allowed() {
         let problem = read("a.msi", &text, &SourceNames::default(), None).unwrap_err();
         assert!(problem.contains(words), "{problem}");
     }
+}
+
+#[test]
+fn a_pattern_with_its_vertical_cut_first_is_the_same() {
+    let text = planet("GAIN 12 dBi", |angle| f64::from(angle.min(360 - angle)) / 10.0);
+    let (head, cuts) = text.split_once("HORIZONTAL").expect("a horizontal cut");
+    let (horizontal, vertical) = cuts.split_once("VERTICAL").expect("a vertical cut");
+    let turned = format!("{head}VERTICAL{vertical}HORIZONTAL{horizontal}");
+    let [text, turned] = [text, turned].map(|text| read("a.msi", &text, &SourceNames::default(), None).unwrap());
+    assert_eq!(text, turned);
+}
+
+#[test]
+fn what_its_reader_would_refuse_is_not_written() {
+    let none = SourceNames::default();
+    let linear = Some(GainUnit::Linear);
+    let problem = read("book.txt", &ns3("1\n1", 0, |_| f64::INFINITY), &none, linear).unwrap_err();
+    assert!(problem.contains("value 1: a factor of inf; allowed: factors from 0 to 1e10"), "{problem}");
+    let problem = read("a.csv", "azimuth,gain_dbi\n0,1\n90,300\n", &none, None).unwrap_err();
+    assert!(problem.contains("value 2: a gain of 300; allowed: -200 to 200 dB"), "{problem}");
+    let omni = SourceNames { quasi_omni: Some(0), ..SourceNames::default() };
+    let problem = read("a.csv", "azimuth,gain_dbi\n0,1\n90,3\n", &omni, None).unwrap_err();
+    assert!(problem.contains("the gains: no sector; allowed: a gain of at least one sector"), "{problem}");
+}
+
+#[test]
+fn options_that_have_no_effect_are_refused() {
+    let pattern = planet("GAIN 12 dBi", |angle| f64::from(angle.min(360 - angle)) / 10.0);
+    let book = ns3("1\n1", 0, |factor| factor);
+    let table = "azimuth,gain_dbi\n0,1\n90,2\n".to_owned();
+    let none = SourceNames::default;
+    let turned = SourceNames { turning: Some(Turning::Clockwise), ..none() };
+    let ordered = SourceNames { order: "sector,azimuth,elevation".parse().ok(), ..none() };
+    let named = SourceNames { gain: Some("loss".to_owned()), ..none() };
+    let in_radians = SourceNames { angles: Some(AngleUnit::Radians), ..none() };
+    let (dbi, linear) = (Some(GainUnit::Dbi), Some(GainUnit::Linear));
+    for (text, names, unit, words) in [
+        (&table, &turned, None, "option `azimuths` is given; allowed: only with a pattern of MSI and Planet"),
+        (&book, &turned, linear, "option `azimuths` is given"),
+        (&table, &ordered, None, "option `order` is given; allowed: only with a MATLAB file"),
+        (&pattern, &ordered, None, "option `order` is given"),
+        (&pattern, &named, None, "option `gain` is given; allowed: only with a table or a MATLAB file"),
+        (&book, &in_radians, linear, "option `radians` is given"),
+        (&pattern, &none(), linear, "option `unit` is linear; allowed: `dbi`"),
+    ] {
+        let problem = read("a.txt", text, names, unit).unwrap_err();
+        assert!(problem.contains(words), "{problem}");
+    }
+    assert!(read("a.txt", &pattern, &turned, dbi).is_ok());
 }

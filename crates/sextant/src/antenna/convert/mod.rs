@@ -27,6 +27,7 @@ pub use names::{AngleUnit, ArrayOrder, SourceNames, Turning};
 
 use angles::AngleNames;
 use book::Rows;
+use names::Format;
 
 /// Reads the measurement in the file `path` and makes a code book of it: a MATLAB file (`.mat`, version 5 to 7.2) with
 /// vectors and an array of gains, a table (`.csv`, `.tsv`, `.txt`) with a row for each sector and direction, with a
@@ -36,11 +37,12 @@ use book::Rows;
 /// gaps.
 ///
 /// # Errors
-/// If the file cannot be read, or it does not say what is needed; the message names what it has.
+/// If the file cannot be read, it does not say what is needed, or an option has no effect; the message names what it has.
 pub fn convert(path: &Path, names: &SourceNames, unit: Option<GainUnit>) -> Result<ConvertedBook, ConvertError> {
     let octets = read_at_most(path, LARGEST_FILE)
         .map_err(|cause| ConvertError::Unreadable { path: path.to_owned(), cause: cause.to_string() })?;
     let source = if octets.starts_with(b"MATLAB") {
+        names.check(Format::Matlab)?;
         arrays::rows(&mat::read(&octets)?, names)?
     } else {
         if let Some(seen) = foreign::seen(path, &octets) {
@@ -48,10 +50,17 @@ pub fn convert(path: &Path, names: &SourceNames, unit: Option<GainUnit>) -> Resu
         }
         let text = String::from_utf8_lossy(&octets);
         if planet::is_pattern(&text) {
+            names.check(Format::Planet)?;
+            if let Some(unit) = unit.filter(|unit| *unit != GainUnit::Dbi) {
+                let allowed = "`dbi`, or nothing: such a pattern says its unit";
+                return Err(ConvertError::Option { option: "unit", found: unit.word(), allowed });
+            }
             planet::rows(&text, names)?
         } else if ns3::is_book(&text) {
+            names.check(Format::Ns3)?;
             ns3::rows(&text)?
         } else {
+            names.check(Format::Table)?;
             table::rows(&text, names)?
         }
     };

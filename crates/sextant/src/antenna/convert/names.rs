@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use super::ConvertError;
 use super::gain_unit::GainUnit;
 
 /// What a measurement calls its columns or variables, where the usual names do not fit, and what its names do not say.
@@ -25,6 +26,44 @@ pub struct SourceNames {
     pub order: Option<ArrayOrder>,
     /// Which way azimuths turn in a format that does not say.
     pub turning: Option<Turning>,
+}
+
+impl SourceNames {
+    /// Refuses options that have no effect on a format.
+    ///
+    /// # Errors
+    /// If one of them is given.
+    pub(super) fn check(&self, format: Format) -> Result<(), ConvertError> {
+        let (tables, arrays) = ("only with a table or a MATLAB file", "only with a MATLAB file");
+        let has_names = matches!(format, Format::Matlab | Format::Table);
+        let given = [
+            ("sector", self.sector.is_some(), has_names, tables),
+            ("azimuth", self.azimuth.is_some(), has_names, tables),
+            ("elevation", self.elevation.is_some(), has_names, tables),
+            ("gain", self.gain.is_some(), has_names, tables),
+            ("zenith", self.from_zenith, has_names, tables),
+            (self.angles.map_or("degrees", AngleUnit::word), self.angles.is_some(), has_names, tables),
+            ("order", self.order.is_some(), format == Format::Matlab, arrays),
+            ("azimuths", self.turning.is_some(), format == Format::Planet, "only with a pattern of MSI and Planet"),
+        ];
+        match given.into_iter().find(|&(_, is_given, has_effect, _)| is_given && !has_effect) {
+            Some((option, .., allowed)) => Err(ConvertError::Option { option, found: "given", allowed }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The format of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    /// Variables and arrays of a MATLAB file.
+    Matlab,
+    /// A table with named columns.
+    Table,
+    /// A code book of ns-3 in numbers.
+    Ns3,
+    /// A pattern of MSI and Planet.
+    Planet,
 }
 
 /// Which way azimuths turn, seen from above.

@@ -108,8 +108,9 @@ pub(super) fn rows(text: &str) -> Result<Source, ConvertError> {
             .to_owned(),
         "types and usages of sectors are not used: each sector is swept".to_owned(),
     ];
-    if orientation_deg.abs() > 0.0 {
-        notes.push(format!("the antenna is turned by {orientation_deg} degrees to lower azimuths, as ns-3 does"));
+    let turned_deg = orientation_deg.floor();
+    if turned_deg.abs() > 0.0 {
+        notes.push(format!("the antenna is turned by {turned_deg} degrees to lower azimuths, as ns-3 does"));
     }
     Ok(Source { rows: Rows(rows), named_unit: None, gains: "directivity".to_owned(), notes })
 }

@@ -13,8 +13,12 @@ const SAME_DB: f64 = 0.05;
 
 /// Whether a text is such a pattern.
 pub(super) fn is_pattern(text: &str) -> bool {
-    let begins =
-        |line: &str| line.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case("horizontal"));
+    let begins = |line: &str| {
+        let mut words = line.split_whitespace();
+        let word = words.next().unwrap_or_default();
+        let has_count = words.next().is_some_and(|count| count.parse::<usize>().is_ok());
+        word.eq_ignore_ascii_case("horizontal") || word.eq_ignore_ascii_case("vertical") && has_count
+    };
     text.lines().map(str::trim).filter(|line| !line.is_empty()).take(60).any(begins)
 }
 
@@ -37,6 +41,8 @@ fn invalid(place: String, found: String, allowed: &str) -> ConvertError {
 impl Pattern {
     fn read(text: &str) -> Result<Self, ConvertError> {
         let mut pattern = Self::default();
+        // The line of the last cut.
+        let mut cut_line = None;
         let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
         while let Some((number, line)) = lines.next() {
             let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
@@ -57,7 +63,15 @@ impl Pattern {
                         "a line for each angle",
                     ));
                 }
-                if word == "HORIZONTAL" { pattern.horizontal = cut } else { pattern.vertical = cut }
+                if word == "HORIZONTAL" {
+                    pattern.horizontal = cut
+                } else {
+                    pattern.vertical = cut
+                }
+                cut_line = Some(line);
+            } else if let Some(cut_line) = cut_line.filter(|_| !numbers(line).is_empty()) {
+                let found = format!("`{line}`, more angles than `{cut_line}` says");
+                return Err(invalid(format!("line {number}"), found, "the number of angles before them"));
             }
         }
         Ok(pattern)
@@ -79,17 +93,23 @@ impl Pattern {
         } else {
             (lower.as_str(), DIPOLE_DBI, "dBd, as the format says of gains without a unit: 2.15 dB were added")
         };
-        let value: f64 = value.trim().parse().map_err(|_| {
+        let value = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
+        let value = value.ok_or_else(|| {
             invalid("the line `GAIN`".to_owned(), format!("`{text}`"), "a number, and `dBi` or `dBd`")
         })?;
         Ok((value + over, note))
     }
 }
 
+/// The finite numbers with which a line begins.
+fn numbers(line: &str) -> Vec<f64> {
+    let number = |word: &str| word.parse().ok().filter(|number: &f64| number.is_finite());
+    line.split_whitespace().map_while(number).collect()
+}
+
 /// An angle and a loss.
 fn row(number: usize, line: &str) -> Result<(f64, f64), ConvertError> {
-    let fields: Vec<f64> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
-    match fields[..] {
+    match numbers(line)[..] {
         // Some programs write losses with a sign.
         [angle, loss] => Ok((angle, loss.abs())),
         _ => Err(invalid(format!("line {number}"), format!("`{line}`"), "an angle and a loss in dB")),
@@ -105,11 +125,28 @@ fn is_symmetric(cut: &Cut) -> bool {
     cut.iter().all(|&(angle, loss)| at(-angle).is_none_or(|other| (other - loss).abs() < SAME_DB))
 }
 
-/// Width of the part of a cut round its least loss that is at most 3 dB below it (degrees); `None` if all of it is.
+/// Width of the part of a cut round its least loss that is at most 3 dB below it (degrees); `None` if the cut does not have both ends
+/// of it.
 fn half_power_deg(cut: &Cut) -> Option<f64> {
-    let least = cut.iter().map(|(_, loss)| *loss).fold(f64::INFINITY, f64::min);
-    let strong = cut.iter().filter(|(_, loss)| *loss <= least + 3.0).count();
-    (strong < cut.len()).then(|| 360.0 * strong as f64 / cut.len() as f64)
+    let mut cut = cut.clone();
+    cut.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let span_deg = cut.last()?.0 - cut.first()?.0;
+    let step_deg = span_deg / (cut.len() - 1).max(1) as f64;
+    if span_deg + 1.5 * step_deg >= 360.0 {
+        // Once around, it begins and ends at its weakest angle: no beam is cut there.
+        if span_deg >= 360.0 {
+            cut.pop();
+        }
+        let weakest = (0..cut.len()).max_by(|&a, &b| cut[a].1.total_cmp(&cut[b].1))?;
+        cut[..weakest].iter_mut().for_each(|(angle, _)| *angle += 360.0);
+        cut.rotate_left(weakest);
+        cut.push((cut[0].0 + 360.0, cut[0].1));
+    }
+    let strongest = (0..cut.len()).min_by(|&a, &b| cut[a].1.total_cmp(&cut[b].1))?;
+    let is_weak = |(_, loss): &(f64, f64)| *loss > cut[strongest].1 + 3.0;
+    let before = cut[..strongest].iter().rposition(is_weak)?;
+    let after = strongest + cut[strongest..].iter().position(is_weak)?;
+    Some(cut[after - 1].0 - cut[before + 1].0 + step_deg)
 }
 
 /// The horizontal cut of a pattern, as sector 0.
@@ -140,4 +177,34 @@ pub(super) fn rows(text: &str, names: &SourceNames) -> Result<Source, ConvertErr
         ));
     }
     Ok(Source { rows: Rows(rows), named_unit: Some(GainUnit::Dbi), gains: "gain".to_owned(), notes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cut with a beam of 11 degrees at each of these angles, the first of which is the strongest.
+    fn cut(angles: impl Iterator<Item = i32>, beams: &[i32]) -> Cut {
+        let loss = |angle: i32| {
+            let apart = |beam: i32| (angle - beam).rem_euclid(360).min((beam - angle).rem_euclid(360));
+            let at = beams.iter().position(|&beam| apart(beam) <= 5);
+            at.map_or(20.0, |at| if at == 0 { 0.0 } else { 1.0 })
+        };
+        angles.map(|angle| (f64::from(angle), loss(angle))).collect()
+    }
+
+    #[test]
+    fn a_half_power_width_is_that_of_the_strongest_beam_alone() {
+        let width = |cut: &Cut| half_power_deg(cut).map(|width_deg| (width_deg * 10.0).round() / 10.0);
+        // Once around, with the end of the beam beyond the last angle, and a second beam behind.
+        assert_eq!(width(&cut(0..360, &[0, 180])), Some(11.0));
+        assert_eq!(width(&cut(-180..=180, &[180, 0])), Some(11.0));
+        // Half around.
+        assert_eq!(width(&cut(-90..=90, &[0])), Some(11.0));
+        assert_eq!(width(&cut((-90..=90).rev(), &[30, -30])), Some(11.0));
+        // One end is not there, or there is none.
+        assert_eq!(width(&cut(0..=90, &[0])), None);
+        assert_eq!(width(&vec![(0.0, 1.0), (90.0, 1.0), (180.0, 1.5), (270.0, 1.0)]), None);
+        assert_eq!((width(&vec![(0.0, 1.0)]), width(&Vec::new())), (None, None));
+    }
 }

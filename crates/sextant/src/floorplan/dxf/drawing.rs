@@ -13,6 +13,8 @@ pub(super) struct Drawing {
     pub(super) unit: i64,
     /// Layers that are frozen or off.
     pub(super) hidden: Vec<String>,
+    /// Those that are frozen: what is inserted on them is hidden, whatever its own layers are.
+    pub(super) frozen: Vec<String>,
     /// Blocks by name.
     pub(super) blocks: BTreeMap<String, Block>,
     /// What is drawn.
@@ -84,7 +86,7 @@ pub(super) fn drawing(pairs: &[Pair<'_>]) -> Result<Drawing, String> {
         sections += 1;
         match name.value {
             "HEADER" => drawing.unit = unit(section)?,
-            "TABLES" => drawing.hidden = hidden(section)?,
+            "TABLES" => drawing.read_layers(section)?,
             "BLOCKS" => drawing.read_blocks(section)?,
             "ENTITIES" => drawing.entities = read_all(&records(section), &mut drawing.unread)?,
             _ => {}
@@ -127,26 +129,44 @@ fn name(record: Record<'_, '_>, code: i32) -> String {
     of(record, code).map_or_else(|| "0".to_owned(), |pair| pair.value.to_owned())
 }
 
-/// Layers that are frozen (flag 1), or off (negative colour).
-fn hidden(tables: &[Pair<'_>]) -> Result<Vec<String>, String> {
-    let mut hidden = Vec::new();
-    for record in records(tables).into_iter().filter(|record| record[0].value == "LAYER") {
-        if whole(record, 70, 0)? & 1 != 0 || whole(record, 62, 7)? < 0 {
-            hidden.push(name(record, 2));
-        }
-    }
-    Ok(hidden)
+/// Whether two names of layers are the same: they do not differ by their case.
+pub(super) fn is_same_layer(a: &str, b: &str) -> bool {
+    a.to_lowercase() == b.to_lowercase()
 }
 
 impl Drawing {
+    /// Reads which layers are frozen (flag 1), or off (negative colour).
+    fn read_layers(&mut self, tables: &[Pair<'_>]) -> Result<(), String> {
+        for record in records(tables).into_iter().filter(|record| record[0].value == "LAYER") {
+            let is_frozen = whole(record, 70, 0)? & 1 != 0;
+            if is_frozen {
+                self.frozen.push(name(record, 2));
+            }
+            if is_frozen || whole(record, 62, 7)? < 0 {
+                self.hidden.push(name(record, 2));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a layer is frozen.
+    pub(super) fn is_frozen(&self, layer: &str) -> bool {
+        self.frozen.iter().any(|frozen| is_same_layer(frozen, layer))
+    }
+
+    /// Reads the blocks that the drawing has itself.
     fn read_blocks(&mut self, section: &[Pair<'_>]) -> Result<(), String> {
+        /// A block that stands for another drawing, or is laid over this one.
+        const EXTERNAL: i64 = 4 | 8;
         let records = records(section);
         let mut rest = records.as_slice();
         while let Some(begin) = rest.iter().position(|record| record[0].value == "BLOCK") {
             let body = &rest[begin + 1..];
             let end = body.iter().position(|record| record[0].value == "ENDBLK").unwrap_or(body.len());
-            let entities = read_all(&body[..end], &mut self.unread)?;
-            self.blocks.insert(name(rest[begin], 2), Block { base: point(rest[begin], 10)?, entities });
+            if whole(rest[begin], 70, 0)? & EXTERNAL == 0 {
+                let entities = read_all(&body[..end], &mut self.unread)?;
+                self.blocks.insert(name(rest[begin], 2), Block { base: point(rest[begin], 10)?, entities });
+            }
             rest = &body[end..];
         }
         Ok(())
@@ -168,6 +188,10 @@ fn read_all(records: &[Record<'_, '_>], unread: &mut BTreeMap<String, usize>) ->
         };
         if whole(record, 67, 0)? != 0 {
             leave_out("entity of paper space");
+            continue;
+        }
+        if whole(record, 60, 0)? == 1 {
+            leave_out("invisible entity");
             continue;
         }
         let kind = match what {

@@ -17,6 +17,8 @@ const MOST_CORNERS: usize = 1_000_000;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FloorLine {
     pub(super) layer: String,
+    /// The frozen layer on which its block was inserted, if it was on one.
+    pub(super) frozen: Option<String>,
     pub(super) points: Vec<[f64; 2]>,
 }
 
@@ -26,7 +28,7 @@ pub(super) fn lines(
     unit_m: f64,
     missing: &mut BTreeMap<String, usize>,
 ) -> Result<Vec<FloorLine>, String> {
-    let mut drawn = Drawn { drawing, lines: Vec::new(), corners: 0, missing };
+    let mut drawn = Drawn { drawing, lines: Vec::new(), frozen: None, corners: 0, missing };
     drawn.draw(&drawing.entities, &Place::scaled(unit_m), None, 0)?;
     Ok(drawn.lines)
 }
@@ -65,6 +67,8 @@ impl Place {
 struct Drawn<'a> {
     drawing: &'a Drawing,
     lines: Vec<FloorLine>,
+    /// The frozen layer on which what is drawn now is inserted.
+    frozen: Option<String>,
     corners: usize,
     missing: &'a mut BTreeMap<String, usize>,
 }
@@ -76,7 +80,7 @@ impl Drawn<'_> {
             let layer = outer.filter(|_| layer == "0").unwrap_or(layer);
             match kind {
                 Kind::Line { corners, is_closed } => {
-                    self.add(layer, place, polyline(corners, *is_closed, place.scale()))?
+                    self.add(layer, place, polyline(corners, *is_closed, place.scale())?)?
                 }
                 Kind::Arc { center, radius, from_deg, to_deg, is_mirrored } => {
                     let turn = (to_deg - from_deg).to_radians();
@@ -84,7 +88,7 @@ impl Drawn<'_> {
                     let turn = if turn > 0.0 { turn.min(TAU) } else { turn.rem_euclid(TAU) };
                     let from = from_deg.to_radians();
                     let mut points = vec![on_circle(*center, *radius, from)];
-                    arc_to(&mut points, *center, *radius, [from, turn], place.scale());
+                    arc_to(&mut points, *center, *radius, [from, turn], place.scale())?;
                     let flip = if *is_mirrored { -1.0 } else { 1.0 };
                     self.add(layer, place, points.into_iter().map(|[x, y]| [flip * x, y]).collect())?;
                 }
@@ -106,6 +110,10 @@ impl Drawn<'_> {
                 insert.block
             ));
         }
+        let before = self.frozen.clone();
+        if before.is_none() && drawing.is_frozen(layer) {
+            self.frozen = Some(layer.to_owned());
+        }
         let (sin, cos) = libm::sincos(insert.turn_deg.to_radians());
         let flip = if insert.is_mirrored { -1.0 } else { 1.0 };
         let turn = |[x, y]: [f64; 2]| [flip * (cos * x - sin * y), sin * x + cos * y];
@@ -121,6 +129,7 @@ impl Drawn<'_> {
                 self.draw(&block.entities, &place.of(&inner.of(&back)), Some(layer), depth + 1)?;
             }
         }
+        self.frozen = before;
         Ok(())
     }
 
@@ -129,7 +138,7 @@ impl Drawn<'_> {
         let mut points: Vec<[f64; 2]> = points.into_iter().map(|point| place.apply(point)).collect();
         points.dedup_by(|a, b| libm::hypot(a[0] - b[0], a[1] - b[1]) < 1e-3);
         if points.len() > 1 {
-            self.lines.push(FloorLine { layer: layer.to_owned(), points });
+            self.lines.push(FloorLine { layer: layer.to_owned(), frozen: self.frozen.clone(), points });
         }
         Ok(())
     }
@@ -152,21 +161,32 @@ fn on_circle([x, y]: [f64; 2], radius: f64, angle: f64) -> [f64; 2] {
 
 /// Adds the points of an arc that begins at the angle `from` and turns by `turn` (rad), without its first one. Lengths are multiplied
 /// by `scale` afterwards.
-fn arc_to(points: &mut Vec<[f64; 2]>, center: [f64; 2], radius: f64, [from, turn]: [f64; 2], scale: f64) {
+fn arc_to(
+    points: &mut Vec<[f64; 2]>,
+    center: [f64; 2],
+    radius: f64,
+    [from, turn]: [f64; 2],
+    scale: f64,
+) -> Result<(), String> {
     // A chord over the angle a is r (1 − cos(a / 2)) off.
     let off = (OFF_M / (radius.abs() * scale).max(OFF_M)).min(1.0);
     let most = (2.0 * libm::acos(1.0 - off)).min(MOST_TURN);
     let parts = (turn.abs() / most).ceil().max(1.0);
+    if !radius.is_finite() || points.len() as f64 + parts > MOST_CORNERS as f64 {
+        let radius_m = radius.abs() * scale;
+        return Err(format!("an arc has a radius of {radius_m:.3e} m: more than {MOST_CORNERS} corners"));
+    }
     let mut part = 1.0;
     while part <= parts {
         points.push(on_circle(center, radius, from + turn * part / parts));
         part += 1.0;
     }
+    Ok(())
 }
 
 /// The points of a line with bulges.
-fn polyline(corners: &[([f64; 2], f64)], is_closed: bool, scale: f64) -> Vec<[f64; 2]> {
-    let Some(&(first, _)) = corners.first() else { return Vec::new() };
+fn polyline(corners: &[([f64; 2], f64)], is_closed: bool, scale: f64) -> Result<Vec<[f64; 2]>, String> {
+    let Some(&(first, _)) = corners.first() else { return Ok(Vec::new()) };
     let mut points = vec![first];
     let ends = corners.iter().skip(1).map(|(end, _)| *end).chain(is_closed.then_some(first));
     for (&(from, bulge), to) in corners.iter().zip(ends) {
@@ -178,10 +198,10 @@ fn polyline(corners: &[([f64; 2], f64)], is_closed: bool, scale: f64) -> Vec<[f6
             let center = [0.5 * (from[0] + to[0]) - left * way[1], 0.5 * (from[1] + to[1]) + left * way[0]];
             let angle = libm::atan2(from[1] - center[1], from[0] - center[0]);
             let radius = libm::hypot(from[0] - center[0], from[1] - center[1]);
-            arc_to(&mut points, center, radius, [angle, 4.0 * libm::atan(bulge)], scale);
+            arc_to(&mut points, center, radius, [angle, 4.0 * libm::atan(bulge)], scale)?;
             points.pop();
         }
         points.push(to);
     }
-    points
+    Ok(points)
 }

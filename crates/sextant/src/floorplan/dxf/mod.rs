@@ -13,7 +13,7 @@ use sextant_kernel::text::{choices, counted, listed};
 
 use super::error::FloorPlanError;
 use super::{FloorPlan, FloorPlanOptions, to_mm};
-use drawing::drawing;
+use drawing::{drawing, is_same_layer};
 use lines::{FloorLine, lines};
 pub use unit::LengthUnit;
 
@@ -50,7 +50,7 @@ pub(super) fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan,
     plan.notes.push(format!("lengths are in {}, {from}", unit.name()));
     let [x_m, y_m] = options.origin_m.unwrap_or_default();
     let mut farthest_m = 0.0_f64;
-    for (number, FloorLine { layer, points }) in lines.into_iter().enumerate() {
+    for (number, FloorLine { layer, points, .. }) in lines.into_iter().enumerate() {
         let points_m: Vec<[f64; 2]> = points.iter().map(|[x, y]| [to_mm(x_m + x), to_mm(y_m + y)]).collect();
         farthest_m = points_m.iter().flatten().map(|length_m| length_m.abs()).fold(farthest_m, f64::max);
         let wall = WallConfig {
@@ -67,7 +67,7 @@ pub(super) fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan,
         };
         match wall.obstacles() {
             Ok(_) => plan.walls.push(wall),
-            Err(why) => plan.notes.push(format!("line {number} is left out: {why}")),
+            Err(why) => plan.notes.push(format!("wall {} is left out: {why}", number + 1)),
         }
     }
     if farthest_m > FARTHEST_M {
@@ -91,9 +91,7 @@ fn chosen(
 ) -> Result<Vec<FloorLine>, FloorPlanError> {
     let known: BTreeSet<String> = lines.iter().map(|line| line.layer.clone()).collect();
     let known: Vec<String> = known.into_iter().collect();
-    // Names of layers do not differ by their case.
-    let is_same = |a: &str, b: &str| a.to_lowercase() == b.to_lowercase();
-    let unknown = options.layers.iter().find(|layer| !known.iter().any(|known| is_same(known, layer)));
+    let unknown = options.layers.iter().find(|layer| !known.iter().any(|known| is_same_layer(known, layer)));
     if let Some(unknown) = unknown {
         return Err(FloorPlanError::Option {
             option: "layers",
@@ -102,10 +100,18 @@ fn chosen(
         });
     }
     let is_wanted = |layer: &str| match options.layers.as_slice() {
-        [] => !hidden.iter().any(|hidden| is_same(hidden, layer)),
-        layers => layers.iter().any(|wanted| is_same(wanted, layer)),
+        [] => !hidden.iter().any(|hidden| is_same_layer(hidden, layer)),
+        layers => layers.iter().any(|wanted| is_same_layer(wanted, layer)),
     };
-    let (wanted, others): (Vec<String>, Vec<String>) = known.into_iter().partition(|layer| is_wanted(layer));
+    // What is inserted on a frozen layer is hidden, unless layers are chosen.
+    let frozen = |line: &FloorLine| line.frozen.clone().filter(|_| options.layers.is_empty());
+    let inserted: BTreeSet<String> = lines.iter().filter_map(frozen).collect();
+    let lines: Vec<FloorLine> = lines.into_iter().filter(|line| frozen(line).is_none()).collect();
+    let drawn: BTreeSet<String> = lines.iter().map(|line| line.layer.clone()).collect();
+    let (wanted, mut others): (Vec<String>, Vec<String>) = drawn.into_iter().partition(|layer| is_wanted(layer));
+    others.extend(inserted);
+    others.sort();
+    others.dedup();
     if options.layers.is_empty() && wanted.len() > 1 {
         notes.push(format!(
             "all lines of {} are walls: {}; option `layers` chooses",

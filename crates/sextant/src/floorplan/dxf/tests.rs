@@ -124,6 +124,34 @@ fn blocks_are_drawn_where_they_are_inserted() {
 }
 
 #[test]
+fn what_a_drawing_does_not_show_is_no_wall() {
+    let sections = [
+        ("HEADER", "9 $INSUNITS, 70 6"),
+        ("TABLES", "0 TABLE, 2 LAYER, 0 LAYER, 2 ice, 70 1, 62 7, 0 LAYER, 2 dark, 70 0, 62 -7, 0 ENDTAB"),
+        (
+            "BLOCKS",
+            "0 BLOCK, 2 stub, 10 0, 20 0, 0 LINE, 8 walls, 10 0, 20 0, 11 2, 21 0, 0 ENDBLK,\
+             0 BLOCK, 2 other, 70 4, 10 0, 20 0, 1 other.dwg, 0 ENDBLK",
+        ),
+        (
+            "ENTITIES",
+            "0 INSERT, 8 Ice, 2 stub, 10 0, 20 0, 0 INSERT, 8 dark, 2 stub, 10 0, 20 5, 0 INSERT, 8 walls, 2 other, 10 0, 20 0,\
+             0 LINE, 8 walls, 60 1, 10 0, 20 0, 11 9, 21 9",
+        ),
+    ];
+    // What is inserted on a layer that is off keeps its own layer; on a frozen layer nothing is seen.
+    let visible = plan(&sections);
+    assert_eq!(visible.walls.len(), 1);
+    is_near(&visible.walls[0].points_m, &[[0.0, 5.0], [2.0, 5.0]]);
+    let notes = visible.notes.join("\n");
+    for part in ["lines that are hidden: Ice", "1 `other`", "1 invisible entity"] {
+        assert!(notes.contains(part), "{notes}");
+    }
+    let options = FloorPlanOptions { layers: vec!["walls".to_owned()], ..FloorPlanOptions::default() };
+    assert_eq!(read_text(drawn(&sections).as_bytes(), &options).unwrap().walls.len(), 2);
+}
+
+#[test]
 fn layers_and_units_are_chosen() {
     let lines = "0 LINE, 8 Walls, 10 0, 20 0, 11 10, 21 0, 0 LINE, 8 doors, 10 0, 20 0, 11 0, 21 1";
     let text = drawn(&[("ENTITIES", lines)]);
@@ -155,7 +183,11 @@ fn what_is_wrong_with_a_drawing_is_told() {
         ("BLOCKS", "0 BLOCK, 2 a, 10 0, 20 0, 0 LINE, 10 0, 20 0, 11 5, 21 5, 0 ENDBLK"),
         ("ENTITIES", "0 INSERT, 8 0, 2 a, 10 0, 20 0, 70 900000, 71 900000, 44 1, 45 1"),
     ]);
+    let arc = drawn(&[IN_MM, ("ENTITIES", "0 ARC, 8 0, 10 0, 20 0, 40 1e300, 50 0, 51 90")]);
+    let bulge = drawn(&[IN_MM, ("ENTITIES", "0 LWPOLYLINE, 8 0, 10 0, 20 0, 42 1, 10 1e300, 20 0")]);
     for (text, problem) in [
+        (arc.into_bytes(), "an arc has a radius of 1.000e297 m: more than 1000000 corners"),
+        (bulge.into_bytes(), "an arc has a radius of 5.000e296 m: more than 1000000 corners"),
         (b"AutoCAD Binary DXF\r\n\x1a\0".to_vec(), "it is a binary DXF; allowed: a DXF in text"),
         (drawn(&[("ENTITIES", "0 LINE, 8 0, 10 0, 20 0, 11 1, 21 0")]).into_bytes(), "does not say the unit"),
         (b"hello\nworld\n".to_vec(), "line 1 is no group code"),

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_apps::{MissionArrival, MissionGoal, MissionOutcome, SoughtField};
+use sextant_apps::{LinkRecord, MissionArrival, MissionGoal, MissionOutcome, SoughtField};
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::Way;
@@ -69,7 +69,8 @@ pub(super) fn sum_up(
             MissionSummary { course, ..summary }
         }
         MissionGoal::Field(sought) => of_seeking(scenario, sought, summary, &outcome.arrivals, witness),
-        MissionGoal::Link | MissionGoal::Other => summary,
+        MissionGoal::Link => of_link(summary, outcome.links.as_ref()),
+        MissionGoal::Other => summary,
     }
 }
 
@@ -117,6 +118,12 @@ fn of_search(summary: MissionSummary, targets: Vec<MissionTarget>) -> MissionSum
         targets,
         ..summary
     }
+}
+
+fn of_link(summary: MissionSummary, links: Option<&LinkRecord>) -> MissionSummary {
+    let arrival = |links: &LinkRecord| (links.arrived == links.robots).then(|| links.last_arrival.as_secs_f64());
+    let time_s = links.and_then(arrival);
+    MissionSummary { arrived: Some(time_s.is_some()), time_s, ..summary }
 }
 
 fn of_seeking(

@@ -104,8 +104,10 @@ pub(super) fn of_mission(application: &MissionSummary) -> Derived {
     let captured = application.targets.iter().filter(|target| target.captured_s.is_some()).count();
     add("captures", application.captured.map(|_| count(captured)));
     let arrivals = &application.arrivals;
-    add("arrivals", application.arrived.map(|_| count(arrivals.len())));
-    add("arrived_twice", application.arrived.map(|_| f64::from(u8::from(arrivals.len() > 1))));
+    // Robots that keep a link arrive once, at the end of their way.
+    let seeks = application.arrived.filter(|_| application.link.is_none());
+    add("arrivals", seeks.map(|_| count(arrivals.len())));
+    add("arrived_twice", seeks.map(|_| f64::from(u8::from(arrivals.len() > 1))));
     add("second_arrival_s", arrivals.get(1).map(|arrival| arrival.time_s));
     // The smallest true value of the field at an arrival.
     add("least_arrival_value", arrivals.iter().map(|arrival| arrival.value).min_by(f64::total_cmp));

@@ -9,8 +9,8 @@ use crate::summary::Unit::{BitPerSecond, Decibel, Outcome, PerSecond, Plain};
 /// Of any application.
 pub(super) const MISSION: &[KnownMeasure<'static>] = &[
     known("captured", Outcome, "share of runs that captured all targets"),
-    known("arrived", Outcome, "share of runs that arrived at the level or the source"),
-    known("time_s", Second, "time to the last capture or the first arrival"),
+    known("arrived", Outcome, "share of runs that arrived: at the level, the source or the end of the way"),
+    known("time_s", Second, "time to the last capture, the first arrival or the end of the way"),
     known("sim_time_s", Second, "simulated time of the application"),
     known("captures", Count, "targets captured"),
     known("map_error_m", Metre, "mean error of the map of the application"),
