@@ -111,7 +111,7 @@ fn a_node_that_sleeps_between_packets_draws_what_sleeping_takes() {
 
 /// A node that hears no sink keeps its packets, and dies with them.
 #[test]
-fn packets_that_wait_in_a_node_whose_battery_is_empty_are_lost() {
+fn packets_over_several_hops_that_wait_in_an_empty_node_are_not_pending() {
     let rest = format!(
         "duration_s = 200.0\nmac.csma_unslotted.rx_on_when_idle = true\n{PERIODIC}\nbattery.capacity_j = 5.64\n\
          routing.tree.collection = {{}}\n"
