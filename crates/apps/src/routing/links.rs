@@ -37,6 +37,12 @@ impl UsableLinks {
         Ok(Self { from })
     }
 
+    /// No links among so many stations.
+    #[cfg(test)]
+    pub(super) fn none(stations: usize) -> Self {
+        Self { from: vec![Vec::new(); stations] }
+    }
+
     /// Number of stations.
     #[must_use]
     pub fn stations(&self) -> usize {

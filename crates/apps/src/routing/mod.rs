@@ -9,6 +9,8 @@
 //! became of each packet, from where it was offered to where it goes, and of the tree.
 
 mod config;
+mod counts;
+mod deliveries;
 mod downward;
 mod links;
 mod outbox;
@@ -28,8 +30,10 @@ pub use config::{
     CollectionConfig, FragmentsConfig, GivenTreeConfig, RoutedTo, RoutingConfig, ShortestTreeConfig, TreeConfig,
     TreeMetric,
 };
+pub use counts::{Counts, RplCounts};
+pub use deliveries::Deliveries;
 pub use links::UsableLinks;
-pub use record::{Counts, Deliveries, ParentChange, RoutedStation, RoutingRecord, RplCounts};
+pub use record::{ParentChange, RoutedStation, RoutingRecord};
 pub use router::Router;
 pub use rpl::{MrhofConfig, ObjectiveConfig, Of0Config, RankErrors, RplConfig, RplMode, StepOfRankConfig};
 pub use settings::Routing;

@@ -14,7 +14,7 @@ pub(super) struct Outgoing {
     pub(super) heading: Heading,
     /// Size of its payload with the header of the packet (octets); more if the header needs more.
     pub(super) octets: usize,
-    /// How often it was given to the MAC again.
+    /// How often it was sent again.
     pub(super) resends: u8,
     /// What of it was sent, if it goes in fragments.
     pub(super) pieces: Pieces,
@@ -171,6 +171,11 @@ impl Outbox {
         again
     }
 
+    /// The first packet waits until the MAC has room for it: it was not sent.
+    pub(super) fn wait(&mut self) {
+        self.is_pausing = true;
+    }
+
     /// The pause is over.
     pub(super) fn resume(&mut self) {
         self.is_pausing = false;
@@ -178,5 +183,24 @@ impl Outbox {
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &Outgoing> {
         self.waiting.iter()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_packet_that_waits_for_the_mac_has_no_try_less() {
+        let data = Data { origin: StationId(0), number: 0, hops: 0, cost: None, parent: None, target: None };
+        let mut outbox = Outbox::default();
+        assert!(outbox.add(Outgoing::new(data, Heading::Up, 50), 1));
+        for _ in 0..3 {
+            outbox.wait();
+            assert!(outbox.first().is_none());
+            outbox.resume();
+            assert_eq!(outbox.first().map(|first| first.resends), Some(0));
+        }
+        assert!(outbox.pause(1) && !outbox.pause(1), "one try more");
     }
 }

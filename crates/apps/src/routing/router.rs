@@ -1,6 +1,5 @@
 //! What a station does with packets that go over several hops.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use sextant_kernel::{EventKey, SimTime, StationId};
@@ -10,8 +9,10 @@ use sextant_mac::routing::{Beacon, Data, HOP_LIMIT, Packet, Reaction, Repeat, Se
 use sextant_sim::{Application, Delivery, Destination, NetworkId, Payload, Port, SendOutcome, SendReport, Timer};
 
 use super::config::RoutedTo;
+use super::counts::Counts;
+use super::deliveries::Arrival;
 use super::outbox::{Heading, Outbox, Outgoing};
-use super::record::{Arrival, Counts, ParentChange, StationRecord};
+use super::record::{ParentChange, StationRecord};
 use super::settings::{MAC_OCTETS, Routing};
 use super::source::Source;
 use super::way::Way;
@@ -37,8 +38,6 @@ pub struct Router {
     pub(super) seen_down: Seen,
     /// The ways down, in a root.
     pub(super) routes: SourceRoutes,
-    /// The greatest number of an arrived packet of each origin.
-    latest: BTreeMap<StationId, u32>,
     /// Random numbers drawn so far.
     draws: u64,
     beacon_due: Option<EventKey>,
@@ -67,7 +66,6 @@ impl Router {
             seen: Seen::default(),
             seen_down: Seen::default(),
             routes: SourceRoutes::default(),
-            latest: BTreeMap::new(),
             draws: 0,
             beacon_due: None,
             octets: Vec::new(),
@@ -224,24 +222,7 @@ impl Router {
 
     /// A packet is where it should be.
     pub(super) fn arrive(&mut self, origin: StationId, number: u16, hops: u8, port: &Port<'_>) {
-        let latest = self.latest.get(&origin).copied();
-        let number = whole_number(number, latest);
-        let greatest = latest.map_or(number, |latest| latest.max(number));
-        self.latest.insert(origin, greatest);
         self.record.arrived.push(Arrival { origin, number, hops, time: port.now() });
-    }
-}
-
-/// The number whose last 16 bits are `number` that is nearest to `latest`.
-fn whole_number(number: u16, latest: Option<u32>) -> u32 {
-    let Some(latest) = latest else { return number.into() };
-    let bytes = latest.to_le_bytes();
-    let ahead = number.wrapping_sub(u16::from_le_bytes([bytes[0], bytes[1]]));
-    if ahead < 1 << 15 {
-        latest.wrapping_add(ahead.into())
-    } else {
-        // Older than the latest one, but not than the first.
-        latest.checked_sub(u32::from(ahead.wrapping_neg())).unwrap_or(number.into())
     }
 }
 
@@ -308,26 +289,6 @@ impl Application for Router {
         if let Way::Built { tree, .. } = &mut self.way {
             let reaction = tree.sent(to, transmissions, u32::from(is_through));
             self.react(reaction, port);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_of_packets_go_round_and_are_made_whole_again() {
-        for (number, latest, whole) in [
-            (7, None, 7),
-            (8, Some(7), 8),
-            (5, Some(7), 5),
-            (0, Some(65_535), 65_536),
-            (65_535, Some(65_536), 65_535),
-            (2, Some(3 * 65_536 + 1), 3 * 65_536 + 2),
-            (65_530, Some(3), 65_530),
-        ] {
-            assert_eq!(whole_number(number, latest), whole, "{number} after {latest:?}");
         }
     }
 }

@@ -68,7 +68,7 @@ impl Router {
                     counts.rpl.dao_ack += u64::from(kind == Kind::DaoAck);
                 });
             }
-            Err(SendError::QueueFull(_)) => self.try_again(port),
+            Err(SendError::QueueFull(_)) => self.wait_for_mac(port),
             Err(_) => self.give_up(port),
         }
     }
@@ -106,11 +106,21 @@ impl Router {
     pub(super) fn try_again(&mut self, port: &mut Port<'_>) {
         let is_tried_again = self.outbox.front().is_some_and(Outgoing::is_tried_again);
         if is_tried_again && self.outbox.pause(self.routing.resends) {
-            let pause_ms = PAUSE_MS + PAUSE_SPREAD_MS * self.uniform(port);
-            port.after(Duration::from_secs_f64(pause_ms / 1e3), RESEND);
+            self.resume_later(port);
         } else {
             self.give_up(port);
         }
+    }
+
+    /// The MAC had no room for the first packet: it was not sent, so this is no try.
+    fn wait_for_mac(&mut self, port: &mut Port<'_>) {
+        self.outbox.wait();
+        self.resume_later(port);
+    }
+
+    fn resume_later(&mut self, port: &mut Port<'_>) {
+        let pause_ms = PAUSE_MS + PAUSE_SPREAD_MS * self.uniform(port);
+        port.after(Duration::from_secs_f64(pause_ms / 1e3), RESEND);
     }
 
     pub(super) fn give_up(&mut self, port: &mut Port<'_>) {

@@ -43,16 +43,15 @@ impl Routing {
             .map(|station| router(station, source(NodeId(station.0))))
             .collect();
         let sinks = roots.iter().map(|&root| router(root, None)).collect();
-        let mut dead = vec![false; setup.world.nodes.len()];
-        let end = setup.duration.map(|duration| SimTime::ZERO + duration);
-        for death in setup.faults.deaths().iter().filter(|death| end.is_none_or(|end| death.time <= end)) {
-            dead[death.node.index()] = true;
-        }
-        let context = Context { roots: roots.clone(), counted_from, to: self.to, dead };
+        let mut context =
+            Context { roots: roots.clone(), counted_from, to: self.to, dead: vec![false; setup.world.nodes.len()] };
         let applications = Applications { nodes, robots: Vec::new(), sinks };
         let simulation = Simulation::with(setup, applications)?.without(left_out)?;
         let links = Arc::clone(&self.links);
-        Ok(simulation.ready(move |own| {
+        Ok(simulation.ready_with_survey(move |survey, own| {
+            for death in &survey.deaths {
+                context.dead[death.node.index()] = true;
+            }
             let left = own.nodes.into_iter().chain(own.sinks).map(Router::into_record).collect();
             RoutingRecord::of(left, &links, &context)
         }))

@@ -12,7 +12,7 @@ const STEADY: f64 = 0.1;
 const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
 impl Warnings<'_> {
-    /// Frames that last longer than their link stays as it is, and measured links without robots.
+    /// Frames that last longer than their link stays as it is, measured links without robots, and those of nodes that move.
     pub(super) fn changes(&mut self, reach: &Reach<'_>) {
         let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
         self.fast_fading(reach, &table);
@@ -25,6 +25,12 @@ impl Warnings<'_> {
             self.warn(
                 format!("{table}link_trace.others"),
                 "measured links have no rows for robots, so that they hear nothing; use `others = \"law\"`",
+            );
+        }
+        if reach.is_measured() && !self.setup.world.motions.is_empty() {
+            self.warn(
+                "world.motions",
+                "links with rows in `link_trace` do not depend on the places of nodes that move",
             );
         }
     }

@@ -108,7 +108,7 @@ impl Warnings<'_> {
         }
     }
 
-    /// Slotframes that hop over a part of the channels alone.
+    /// Slotframes that hop over a part of the channels alone, and clocks that nothing sets again.
     fn slotframes(&mut self, reach: &Reach<'_>) {
         let Technology::Tsch(links) = &reach.network.technology else { return };
         let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
@@ -124,6 +124,12 @@ impl Warnings<'_> {
                     ),
                 );
             }
+        }
+        if links.radio.has_drift() && links.tsch.beacon_interval.is_none() {
+            self.warn(
+                format!("{table}mac.tsch.beacons"),
+                "absent, and clocks drift: without beacons, a node that loses the network never finds it again",
+            );
         }
     }
 

@@ -90,7 +90,9 @@ fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Optio
         transmit: counts.of(SlotKind::Transmit),
         receive_acknowledge: counts.of(SlotKind::ReceiveAcknowledge),
         receive: counts.of(SlotKind::Receive),
-        mean_current_a: mean(&mut nodes.iter().map(|used| current_a(used))).unwrap_or(0.0),
+        // No charge was published for a scan.
+        mean_current_a: mean(&mut nodes.iter().map(|used| current_a(used)))
+            .filter(|_| nodes.iter().all(|used| used.scanned.is_zero())),
         joined: nodes.iter().filter(|used| used.is_member).count(),
         lost: nodes.iter().map(|used| used.lost).sum(),
         join_s: mean(&mut nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64()))),

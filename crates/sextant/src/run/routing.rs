@@ -61,7 +61,7 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
         }),
         parent_changes: changes as u64,
         parent_changes_per_node_h: if node_hours > 0.0 { changes as f64 / node_hours } else { 0.0 },
-        without_way: nodes.iter().filter(|node| node.depth.is_none()).count(),
+        without_way: nodes.iter().filter(|node| !node.is_dead && !node.has_way).count(),
         depth: nodes.iter().filter_map(|node| node.depth).max().unwrap_or(0),
         by_depth: by_depth(nodes, energy, &simulated.survey.batteries),
         nodes: by_node(scenario, record, energy),

@@ -59,8 +59,10 @@ pub struct SlotSummary {
     pub receive_acknowledge: u64,
     /// Slots in which a node received a frame, or a part of one, without an acknowledgement of its own.
     pub receive: u64,
-    /// Mean current of a node (A), if each slot took the published charge of its kind and all others nothing.
-    pub mean_current_a: f64,
+    /// Mean current of a node (A), if each slot took the published charge of its kind and all others nothing. Absent if a node
+    /// scanned for the network.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_current_a: Option<f64>,
     /// Nodes that are in the network at the end.
     pub joined: usize,
     /// How often nodes lost the network, because their clocks were not corrected for too long.

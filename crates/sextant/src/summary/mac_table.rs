@@ -120,7 +120,9 @@ fn slot_rows(slots: &SlotSummary) -> Vec<(&'static str, String, &'static str)> {
     ] {
         rows.push((name, count.to_string(), note));
     }
-    rows.push(("mean current", format!("{:.1}", 1e6 * slots.mean_current_a), "uA, by published charges of slots"));
+    let of_slots =
+        |current_a: f64| ("mean current", format!("{:.1}", 1e6 * current_a), "uA, by published charges of slots");
+    rows.extend(slots.mean_current_a.map(of_slots));
     rows.push(("nodes in the network", slots.joined.to_string(), "at the end"));
     if let Some(cells) = &slots.negotiated {
         rows.push(("negotiated cells", format!("{:.3}", cells.mean_cells), "of a node, on average"));

@@ -68,7 +68,7 @@ pub struct RoutingSummary {
     pub parent_changes: u64,
     /// The same per node and hour.
     pub parent_changes_per_node_h: f64,
-    /// Nodes without a way to a sink at the end.
+    /// Living nodes without a way over living ones to a sink at the end.
     pub without_way: usize,
     /// Most hops of a node along the parents at the end.
     pub depth: u32,

@@ -109,6 +109,34 @@ fn a_node_that_sleeps_between_packets_draws_what_sleeping_takes() {
     assert!(battery(&idle).nodes[0].lifetime_d.expect("a load") < 0.25 * node.lifetime_d.expect("a load"));
 }
 
+/// A node that hears no sink keeps its packets, and dies with them.
+#[test]
+fn packets_over_several_hops_that_wait_in_an_empty_node_are_not_pending() {
+    let rest = format!(
+        "duration_s = 200.0\nmac.csma_unslotted.rx_on_when_idle = true\n{PERIODIC}\nbattery.capacity_j = 5.64\n\
+         routing.tree.collection = {{}}\n"
+    );
+    let found = summary(&star(&[10_000.0], &rest));
+    let routing = found.routing.as_ref().expect("routing");
+    assert_eq!((battery(&found).depleted, routing.pending, routing.delivery), (1, 0, Some(0.0)));
+}
+
+/// What draws until a death in the warm-up is known: the node has a power and a lifetime.
+#[test]
+fn a_node_that_dies_in_the_warm_up_has_the_power_of_its_life() {
+    let rest = format!(
+        "duration_s = 200.0\nwarm_up_s = 100.0\nmac.csma_unslotted.rx_on_when_idle = true\n{PERIODIC}\n\
+         battery.capacity_j = 100.0\nfaults.deaths = {{ names = [\"n1\"], from_s = 50.0, to_s = 50.0 }}\n"
+    );
+    let scenario = star(&[1.0, 2.0], &rest);
+    let found = summary(&scenario);
+    assert!(battery(&found).lifetime_d.is_some(), "{found:?}");
+    assert_close(battery(&found).nodes[1].mean_power_w, 0.0564, 1e-4, "power of one that died by a fault");
+    let small = summary(&scenario.with("battery.capacity_j", 2.82).expect("a capacity"));
+    let node = &battery(&small).nodes[0];
+    assert_close(node.mean_power_w * node.depleted_s.expect("it is empty"), 2.82, FRAME_J, "energy");
+}
+
 /// Energy spent up to the death is the capacity, whatever the channel access: within a frame.
 #[test]
 fn what_a_node_spent_until_its_death_is_its_capacity() {

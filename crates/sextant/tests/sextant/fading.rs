@@ -168,6 +168,12 @@ rate_per_s = 1.0
     let [forth, back] = link.directions.expect("measured");
     assert_eq!(forth.received_dbm, Some(-60.0));
     assert_eq!((back.received_dbm, back.reception.probability), (None, 0.0));
+    let motions = "[{ nodes.names = [\"d\"], motion.waypoints = { places_m = [[1.0, 1.0], [2.0, 1.0]], speed_m_per_s = 1.0 } }]";
+    let moving = scenario.with("world.motions", motions).expect("a motion");
+    let is_warned = |scenario: &Scenario| {
+        sextant::forecast::warnings(scenario).iter().any(|warning| warning.key == "world.motions")
+    };
+    assert!(is_warned(&moving) && !is_warned(&scenario), "links with rows do not move");
     let others = scenario.with("link_trace.others", "\"law\"").expect("a setting");
     let run = sextant::run(&others, &mut (), &Unwatched).expect("a run");
     let near = run.survey().expect("a simulation").networks[0].packets[3];

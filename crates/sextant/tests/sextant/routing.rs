@@ -142,6 +142,27 @@ fn resends_bring_more_packets_and_their_copies_are_dropped() {
     assert!((copies - expected).abs() < 0.05 * expected, "{copies}, not {expected}");
 }
 
+/// A packet that finds its MAC busy with a beacon waits: it was not sent, so that this is no try. That ends, whatever the load.
+#[test]
+fn a_packet_that_finds_its_mac_busy_is_not_given_up() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rest = "[routing]\nresends = 0\ntree.collection = { beacon_max_s = 1.0 }\n";
+    let found = routing(&chain(folder.path(), 1, 1.0, 1.0, rest));
+    assert!(found.beacons > 4000 && found.given_up == 0, "{found:?}");
+    assert_eq!(found.delivery, Some(1.0));
+    let set = [
+        "sweep={}",
+        "duration_s=60.0",
+        "warm_up_s=0.0",
+        "routing.resends=0",
+        "mac.tsch.queue_frames=1",
+        "traffic={ saturated = {} }",
+    ]
+    .map(str::to_owned);
+    let busy = routing(&shipped("tsch/msf-tree.toml").with_all(&set, None).expect("a scenario"));
+    assert!(busy.offered > 0, "{busy:?}");
+}
+
 /// Direct 0.4 in each direction, two hops of 0.9: 1/0.16 = 6.25 transmissions against 2/0.81 = 2.47.
 #[test]
 fn the_shortest_way_has_fewest_hops_or_fewest_transmissions() {

@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use sextant::Scenario;
 use sextant::summary::RoutingSummary;
+use sextant::{Scenario, Unwatched};
 
 use crate::programs::shipped;
 use crate::routing::{chain, network, routing};
@@ -261,6 +261,24 @@ fn a_dense_network_registers_and_comes_to_rest() {
     let rpl = found.rpl.expect("a tree of RPL");
     assert!(nearly_all(found.delivered, found.offered) && found.without_way == 0, "{:?}", found.delivery);
     assert!(rpl.dao < 3 * 300 * 5 && rpl.most_routes == 300, "{rpl:?}");
+}
+
+/// The MAC of a saturated node has no room for DIOs: those that it refuses are not counted.
+#[test]
+fn messages_that_the_mac_refuses_are_not_counted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rest = "[routing]\nresends = 0\ntree.rpl = { mode = \"none\", dio_min_s = 0.1, dio_doublings = 0 }\n";
+    let set = ["duration_s=60.0", "traffic={ saturated = { mpdu_octets = 50 } }"].map(str::to_owned);
+    let scenario = chain(folder.path(), 1, 1.0, 1.0, rest).with_all(&set, None).expect("a scenario");
+    let run = sextant::run(&scenario, &mut (), &Unwatched).expect("a run");
+    let packets = &run.survey().expect("a simulation").networks[0].packets;
+    let refused: u64 = packets.iter().map(|packets| packets.lost_queue).sum();
+    let taken = packets.iter().map(|packets| packets.offered).sum::<u64>() - refused;
+    let found = run.summary().routing.clone().expect("routing");
+    let rpl = found.rpl.as_ref().expect("a tree of RPL");
+    let counted = found.delivered + rpl.dio + rpl.unicast_dio + rpl.dis;
+    // One packet may be under way at the end.
+    assert!(refused > 100 && taken.abs_diff(counted) <= 1, "{refused} refused, {taken} taken: {found:?}");
 }
 
 #[test]

@@ -102,9 +102,9 @@ impl Bank {
         store.supply.battery.left_j(&store.charge)
     }
 
-    /// The meters of the radios begin anew: batteries were settled.
+    /// The meters of the radios begin anew: batteries were settled. Those of nodes that have died keep what they gave.
     pub(crate) fn restart(&mut self, now: SimTime) {
-        for store in &mut self.0 {
+        for store in self.0.iter_mut().filter(|store| store.died.is_none()) {
             (store.metered_j, store.used_j, store.used_from) = (0.0, 0.0, now);
         }
     }

@@ -11,7 +11,7 @@ pub struct BatteryRecord {
     pub capacity_j: f64,
     /// What is left (J). What the kinetic model has bound counts.
     pub left_j: f64,
-    /// Energy that radios and load took since the start, or the end of the warm-up (J).
+    /// Energy that radios and load took since the start, or the end of the warm-up if the node lived then (J).
     pub used_j: f64,
     /// In this time: until the node died, or the end.
     pub used_for: Duration,
@@ -22,7 +22,7 @@ pub struct BatteryRecord {
 }
 
 impl BatteryRecord {
-    /// Mean power of radios and load since the start, or the end of the warm-up (W).
+    /// Mean power of radios and load in that time (W).
     #[must_use]
     pub fn mean_power_w(&self) -> f64 {
         let span_s = self.used_for.as_secs_f64();

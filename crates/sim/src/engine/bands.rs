@@ -113,7 +113,7 @@ impl Bands<'_> {
                 .iter()
                 .map(|rules| rules.least_power().to_dbm().0)
                 .fold(f64::MIN, f64::max);
-            trace.of(&self.roll, Dbm(needed) + SURELY_RECEIVED)
+            trace.of(&self.roll, band.spectrum.channel, Dbm(needed) + SURELY_RECEIVED)
         });
         let fading_band = settings.radio().fading_band(band.spectrum.channel);
         let carrier_ghz = network.channel.carrier_ghz().unwrap_or(fading_band.center_hz * 1e-9);

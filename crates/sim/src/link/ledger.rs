@@ -28,6 +28,8 @@ pub(super) struct Ledger {
     members: Option<Vec<bool>>,
     /// When the battery of each station was empty, if it was; empty as long as none was.
     depleted: Vec<Option<SimTime>>,
+    /// When each station died, if it did; empty as long as none did.
+    died: Vec<Option<SimTime>>,
     /// Energy model of the radios.
     pub(super) radio_states: RadioStates,
 }
@@ -44,6 +46,7 @@ impl Ledger {
             counted_from: SimTime::ZERO,
             members: placement.members.clone(),
             depleted: Vec::new(),
+            died: Vec::new(),
             radio_states: placement.radio_states.clone(),
         }
     }
@@ -64,6 +67,18 @@ impl Ledger {
     #[inline]
     pub(super) fn depleted(&self, station: StationId) -> Option<SimTime> {
         self.depleted.get(station.index()).copied().flatten()
+    }
+
+    /// A station dies. It may be told again, when the frame that was on air has ended.
+    pub(super) fn die(&mut self, station: StationId, now: SimTime) {
+        self.died.resize(self.packets.len(), None);
+        self.died[station.index()].get_or_insert(now);
+    }
+
+    /// When a station died, if it did: its use of the radio counts until then.
+    #[inline]
+    pub(super) fn died(&self, station: StationId) -> Option<SimTime> {
+        self.died.get(station.index()).copied().flatten()
     }
 
     /// Notes which frames of a station were due.

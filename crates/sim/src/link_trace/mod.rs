@@ -51,8 +51,8 @@ pub struct TraceStations<'a> {
     pub nodes: &'a [PlacedNode],
     /// The names of the sinks.
     pub sinks: &'a [&'a str],
-    /// The radio channel of the network: rows of other channels are left out.
-    pub channel: Option<u8>,
+    /// The radio channels of the network: rows of others are left out. If there are several, a row counts on its channel alone.
+    pub channels: &'a [u8],
 }
 
 /// A station that a trace names, by its number among its kind.
@@ -68,6 +68,8 @@ struct TraceRow {
     since: SimTime,
     from: TraceEnd,
     to: TraceEnd,
+    /// The only radio channel on which it counts, if the network has several.
+    channel: Option<u8>,
     link: TracedLink,
 }
 
@@ -75,7 +77,7 @@ impl LinkTraceConfig {
     /// Reads the file, whose path is among `files`.
     ///
     /// # Errors
-    /// If it cannot be read, has no row for the channel, or a row is invalid. The key is `file`.
+    /// If it cannot be read, has rows of channels but none of one of the network, or a row is invalid. The key is `file`.
     pub fn read(&self, stations: &TraceStations<'_>, files: &Files) -> Result<NetworkTrace, SettingError> {
         let path = files.path(&self.file);
         let text = files.read_text(&self.file).map_err(|error| {
@@ -105,8 +107,8 @@ impl NetworkTrace {
         self.others == OtherLinks::Law
     }
 
-    /// The trace among the stations of `roll`. Links with a share of frames that arrive have at least the strength `least`.
-    pub(crate) fn of(&self, roll: &Roll, least: Dbm) -> LinkTrace {
+    /// The trace on a radio channel among the stations of `roll`. Links with a share of frames that arrive have at least the strength `least`.
+    pub(crate) fn of(&self, roll: &Roll, channel: u8, least: Dbm) -> LinkTrace {
         let station = |end: TraceEnd| match end {
             TraceEnd::Node(node) => (node < roll.nodes).then(|| StationId::from_index(node)),
             TraceEnd::Sink(sink) => {
@@ -114,7 +116,7 @@ impl NetworkTrace {
             }
         };
         let mut trace = LinkTrace::new(self.others, least);
-        for row in &self.rows {
+        for row in self.rows.iter().filter(|row| row.channel.is_none_or(|own| own == channel)) {
             if let (Some(from), Some(to)) = (station(row.from), station(row.to)) {
                 trace.add(from, to, row.since, row.link);
             }

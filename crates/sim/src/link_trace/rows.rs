@@ -87,13 +87,15 @@ pub(super) fn read(text: &str, file: &str, stations: &TraceStations<'_>) -> Resu
             let name = header.get(column).unwrap_or_default();
             format!("`{}` in the column `{name}`", shortened(cell(column)))
         };
+        let mut only_on = None;
         if let Some(column) = columns.channel {
             let allowed = "the number of a radio channel";
             let channel: u8 = cell(column).parse().map_err(|_| refuse(line, in_column(column), allowed))?;
             channels.insert(channel);
-            if stations.channel.is_some_and(|wanted| wanted != channel) {
+            if !stations.channels.is_empty() && !stations.channels.contains(&channel) {
                 continue;
             }
+            only_on = Some(channel).filter(|_| stations.channels.len() > 1);
         }
         let end = |column: usize| {
             let name = of_cell(cell(column));
@@ -130,24 +132,25 @@ pub(super) fn read(text: &str, file: &str, stations: &TraceStations<'_>) -> Resu
         if strength.is_none() && share.is_none() {
             return Err(refuse(line, "neither a strength nor a share".to_owned(), OWN));
         }
-        rows.push((since_s, from, to, TracedLink { strength: strength.map(Dbm), share }));
+        let link = TracedLink { strength: strength.map(Dbm), share };
+        rows.push((since_s, TraceRow { since: SimTime::ZERO, from, to, channel: only_on, link }));
     }
-    if rows.is_empty() {
-        let found = match stations.channel.filter(|_| !channels.is_empty()) {
-            Some(channel) => {
-                let others: Vec<String> = channels.iter().map(u8::to_string).collect();
-                format!("`{file}`, with rows of the channels {}, and none of channel {channel}", listed(&others))
-            }
-            None => format!("`{file}`, without any rows"),
-        };
-        return Err(SettingError::new("file", found, "at least one row of the radio channel of the network"));
+    let allowed = "at least one row of each radio channel of the network";
+    if rows.is_empty() && channels.is_empty() {
+        return Err(SettingError::new("file", format!("`{file}`, without any rows"), allowed));
+    }
+    let missing = stations.channels.iter().find(|wanted| !channels.contains(*wanted));
+    if let Some(channel) = missing.filter(|_| !channels.is_empty()) {
+        let others: Vec<String> = channels.iter().map(u8::to_string).collect();
+        let found = format!("`{file}`, with rows of the channels {}, and none of channel {channel}", listed(&others));
+        return Err(SettingError::new("file", found, allowed));
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Dates count from the first row of the file that is used.
     let start_s = if columns.is_dated { rows[0].0 } else { 0.0 };
-    let row = |(since_s, from, to, link): (f64, TraceEnd, TraceEnd, TracedLink)| {
+    let row = |(since_s, row): (f64, TraceRow)| {
         let since = SimTime::ZERO + Duration::from_secs_f64((since_s - start_s).min(LATEST_S));
-        TraceRow { since, from, to, link }
+        TraceRow { since, ..row }
     };
     Ok(rows.into_iter().map(row).collect())
 }
@@ -177,9 +180,10 @@ mod tests {
     use super::*;
     use crate::world::layout::PlacedNode;
 
-    fn parsed(text: &str, channel: Option<u8>) -> Result<Vec<TraceRow>, String> {
+    fn parsed(text: &str, channels: &[u8]) -> Result<Vec<TraceRow>, String> {
         let node = |name: &str| PlacedNode { name: name.into(), position: Position::ORIGIN };
-        let stations = TraceStations { nodes: &[node("a"), node("b")], sinks: &["gateway"], channel };
+        let nodes = [node("a"), node("b")];
+        let stations = TraceStations { nodes: &nodes, sinks: &["gateway"], channels };
         read(text, "links.csv", &stations).map_err(|error| error.found().to_owned())
     }
 
@@ -190,9 +194,9 @@ mod tests {
     #[test]
     fn rows_are_sorted_by_time_and_may_have_a_share_or_a_strength() {
         let text = "t_s,from,to,prr,rssi_dbm\n20,a,gateway,0.5,\n0,gateway,a,,-81.5\n# later\n10,a,b,1,-60\n";
-        let rows = parsed(text, Some(15)).unwrap();
+        let rows = parsed(text, &[15]).unwrap();
         let link = |strength: Option<f64>, share| TracedLink { strength: strength.map(Dbm), share };
-        let row = |t_s, from, to, link| TraceRow { since: at(t_s), from, to, link };
+        let row = |t_s, from, to, link| TraceRow { since: at(t_s), from, to, channel: None, link };
         let (a, b, gateway) = (TraceEnd::Node(0), TraceEnd::Node(1), TraceEnd::Sink(0));
         assert_eq!(rows[0], row(0.0, gateway, a, link(Some(-81.5), None)));
         assert_eq!(rows[1], row(10.0, a, b, link(Some(-60.0), Some(1.0))));
@@ -206,20 +210,24 @@ mod tests {
                     2017-12-31 23:59:58,a,b,11,-71.5,0.93,100\n\
                     2018-01-01 00:00:03.5,a,b,11,-72,0.4,100\n\
                     2018-01-01 00:00:01,b,a,20,,0,100\n";
-        let rows = parsed(text, Some(11)).unwrap();
+        let rows = parsed(text, &[11]).unwrap();
         assert_eq!(rows.iter().map(|row| row.since).collect::<Vec<_>>(), [at(0.0), at(5.5)]);
         assert_eq!(rows[1].link, TracedLink { strength: Some(Dbm(-72.0)), share: Some(0.4) });
-        assert_eq!(parsed(text, None).unwrap().len(), 3);
+        assert_eq!(rows[0].channel, None);
+        assert_eq!(parsed(text, &[]).unwrap().len(), 3);
+        let hopping = parsed(text, &[20, 11]).unwrap();
+        assert_eq!(hopping.iter().map(|row| row.channel).collect::<Vec<_>>(), [Some(11), Some(20), Some(11)]);
+        assert!(parsed(text, &[20, 11, 12]).unwrap_err().ends_with("and none of channel 12"));
         assert_eq!(
-            parsed(text, Some(26)).unwrap_err(),
+            parsed(text, &[26]).unwrap_err(),
             "`links.csv`, with rows of the channels 11, 20, and none of channel 26"
         );
         assert_eq!(
-            parsed(&text.replace("0.4", "93"), Some(11)).unwrap_err(),
+            parsed(&text.replace("0.4", "93"), &[11]).unwrap_err(),
             "`links.csv`, line 4: `93` in the column `pdr`"
         );
         assert_eq!(
-            parsed(&text.replace("2018-01-01 00:00:03.5", "1.1.2018"), Some(11)).unwrap_err(),
+            parsed(&text.replace("2018-01-01 00:00:03.5", "1.1.2018"), &[11]).unwrap_err(),
             "`links.csv`, line 4: `1.1.2018` in the column `datetime`"
         );
         // A leap year.
@@ -230,7 +238,7 @@ mod tests {
 
     #[test]
     fn an_error_names_its_line() {
-        let found = |rows: &str| parsed(&format!("t_s,from,to,prr\n{rows}"), None).unwrap_err();
+        let found = |rows: &str| parsed(&format!("t_s,from,to,prr\n{rows}"), &[]).unwrap_err();
         assert_eq!(found("0,a,c,1\n"), "`links.csv`, line 2: `c` in the column `to`");
         assert_eq!(found("0,a,a,1\n"), "`links.csv`, line 2: `a` twice");
         assert_eq!(found("0,a,b,1.5\n"), "`links.csv`, line 2: `1.5` in the column `prr`");
@@ -238,9 +246,9 @@ mod tests {
         assert_eq!(found("0,a,b,\n"), "`links.csv`, line 2: neither a strength nor a share");
         assert_eq!(found(""), "`links.csv`, without any rows");
         assert_eq!(
-            parsed("t_s,from,to\n", None).unwrap_err(),
+            parsed("t_s,from,to\n", &[]).unwrap_err(),
             "`links.csv`, line 1: neither a column `prr` nor `rssi_dbm`"
         );
-        assert_eq!(parsed("t_s,from,to,pdr\n", None).unwrap_err(), "`links.csv`, line 1: column `pdr`");
+        assert_eq!(parsed("t_s,from,to,pdr\n", &[]).unwrap_err(), "`links.csv`, line 1: column `pdr`");
     }
 }

@@ -13,6 +13,8 @@ pub struct SlotUse {
     pub on: Duration,
     /// How long that was counted.
     pub span: Duration,
+    /// How much of it was a scan for a network: no slot has it.
+    pub scanned: Duration,
     /// How often it lost the network: its clock was not corrected for too long.
     pub lost: u64,
     /// How long after the start it joined for the first time; `None` if it was in the network from the start, or never.

@@ -71,7 +71,7 @@ impl<R> ReadySimulation<'_, R> {
     }
 }
 
-impl<N: Application, R, F: FnOnce(Applications<N>) -> R> Steps<R> for Recorded<N, F> {
+impl<N: Application, R, F: FnOnce(&Survey, Applications<N>) -> R> Steps<R> for Recorded<N, F> {
     fn until(&mut self, time: SimTime, observer: &mut dyn Observer) {
         self.simulation.until(time, observer);
     }
@@ -86,7 +86,8 @@ impl<N: Application, R, F: FnOnce(Applications<N>) -> R> Steps<R> for Recorded<N
 
     fn run(self: Box<Self>, observer: &mut dyn Observer) -> (Survey, R) {
         let (survey, own) = self.simulation.run_told(observer);
-        (survey, (self.record)(own))
+        let record = (self.record)(&survey, own);
+        (survey, record)
     }
 }
 
@@ -128,6 +129,17 @@ impl Steps<()> for TeamOrOne {
 impl<N: Application> Simulation<N> {
     /// The same, ready to run, without its type. What is left of the own applications goes through `record`.
     pub fn ready<'a, R>(self, record: impl FnOnce(Applications<N>) -> R + 'a) -> ReadySimulation<'a, R>
+    where
+        N: 'a,
+    {
+        self.ready_with_survey(|_, own| record(own))
+    }
+
+    /// The same; `record` sees also what the simulation found.
+    pub fn ready_with_survey<'a, R>(
+        self,
+        record: impl FnOnce(&Survey, Applications<N>) -> R + 'a,
+    ) -> ReadySimulation<'a, R>
     where
         N: 'a,
     {

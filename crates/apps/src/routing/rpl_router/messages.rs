@@ -11,6 +11,7 @@ use sextant_mac::routing::rpl::{
 use sextant_sim::{Destination, NetworkId, Payload, Port};
 
 use super::timers::{DAO, DAO_AGAIN, DIS, PROBE};
+use crate::routing::counts::Counts;
 use crate::routing::outbox::{Heading, Outgoing};
 use crate::routing::router::Router;
 use crate::routing::rpl::DIO;
@@ -19,11 +20,13 @@ use crate::routing::rpl::DIO;
 const REFRESH_BEFORE: Duration = Duration::from_secs(60);
 
 impl Router {
-    /// Gives a message to the MAC at once: to one neighbour, or to all. One that finds the queue of the MAC full is lost.
-    fn broadcast(&mut self, message: &Message, port: &mut Port<'_>) {
+    /// Gives a message to all to the MAC at once, and counts it. One that finds the queue of the MAC full is lost, and not counted.
+    fn broadcast(&mut self, message: &Message, port: &mut Port<'_>, add: impl FnOnce(&mut Counts)) {
         let Some(configuration) = self.rpl().map(|station| station.plan.configuration) else { return };
         local_octets(message, None, &configuration, &mut self.octets);
-        let _ = port.send(NetworkId::default(), Destination::All, Payload::Octets(&self.octets));
+        if port.send(NetworkId::default(), Destination::All, Payload::Octets(&self.octets)).is_ok() {
+            self.count(port, add);
+        }
     }
 
     pub(super) fn send_dio(&mut self, port: &mut Port<'_>) {
@@ -37,13 +40,10 @@ impl Router {
         let due = station.trickle.next(uniform);
         station.set(DIO, due.saturating_since(port.now()), port);
         match dio {
-            Some(dio) => {
-                self.broadcast(&Message::Dio(dio), port);
-                self.count(port, |counts| {
-                    counts.beacons += 1;
-                    counts.rpl.dio += 1;
-                });
-            }
+            Some(dio) => self.broadcast(&Message::Dio(dio), port, |counts| {
+                counts.beacons += 1;
+                counts.rpl.dio += 1;
+            }),
             None => self.count(port, |counts| counts.rpl.left_out += 1),
         }
     }
@@ -52,8 +52,7 @@ impl Router {
         let Some(station) = self.rpl() else { return };
         let interval = station.plan.dis_interval;
         if !station.dodag.is_root() && station.dodag.parent().is_none() {
-            self.broadcast(&Message::Dis, port);
-            self.count(port, |counts| counts.rpl.dis += 1);
+            self.broadcast(&Message::Dis, port, |counts| counts.rpl.dis += 1);
             self.set_around(DIS, interval, port);
         }
     }
@@ -79,8 +78,8 @@ impl Router {
         let sent = port.send(NetworkId::default(), Destination::Station(to), Payload::Octets(&self.octets));
         if let (Ok(frame), Some(station)) = (sent, self.rpl()) {
             station.under_way.push((frame, to));
+            self.count(port, |counts| counts.rpl.unicast_dio += 1);
         }
-        self.count(port, |counts| counts.rpl.unicast_dio += 1);
     }
 
     pub(super) fn send_new_dao(&mut self, port: &mut Port<'_>) {

@@ -2,6 +2,7 @@
 
 use sextant_channel::{ChannelConfig, ChannelLaw, RangingDevice, RangingDeviceConfig};
 use sextant_kernel::{Files, SettingError};
+use sextant_mac::tsch::Hopping;
 use sextant_mac::{EnergyConfig, Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
@@ -146,9 +147,19 @@ impl<'a> NetworkTables<'a> {
             return None;
         }
         let sinks: Vec<&str> = config.sinks.iter().map(|sink| sink.name.as_str()).collect();
-        let channel = self.radio.value.map(|radio| radio.channel.unwrap_or(*radio.phy.channels().start()));
-        let stations = TraceStations { nodes: nodes?, sinks: &sinks, channel };
+        let stations = TraceStations { nodes: nodes?, sinks: &sinks, channels: &self.channels() };
         errors.take(&self.link_trace.key, trace.read(&stations, files))
+    }
+
+    /// The radio channels of its stations, if the radio is known.
+    fn channels(&self) -> Vec<u8> {
+        match (self.radio.value, self.mac.value) {
+            (None, _) => Vec::new(),
+            (Some(radio), MacConfig::Tsch(tsch)) => {
+                tsch.hopping.clone().unwrap_or_else(|| Hopping::usual(radio.phy).channels().to_vec())
+            }
+            (Some(radio), _) => vec![radio.channel.unwrap_or(*radio.phy.channels().start())],
+        }
     }
 
     /// The technology of its links.

@@ -1,5 +1,7 @@
 //! Single cells: contention in shared ones, retries and waiting times in dedicated ones, listening in empty ones.
 
+use sextant::Scenario;
+
 use super::{assert_close, mac, network};
 
 /// Nodes with one frame each for a shared cell: delivery, transmissions of a node, and cells until delivery on average. The rows
@@ -93,8 +95,12 @@ fn idle_stations_have_the_duty_cycle_of_their_schedule() {
         let expected = 0.22 / f64::from(slots);
         assert_close(found.duty_cycle, expected, 1e-5, "nodes");
         assert_close(found.sink_duty_cycle.expect("a sink"), expected, 1e-5, "sink");
-        assert_close(1e6 * found.mean_current_a, 2460.0 / f64::from(slots), 0.2, "current");
+        assert_close(1e6 * found.mean_current_a.expect("no scan"), 2460.0 / f64::from(slots), 0.2, "current");
         assert_eq!((found.receive, found.transmit, found.transmit_acknowledged), (0, 0, 0));
+        // The time of a node ends with its death.
+        let death = "{ deaths = { names = [\"n0\"], from_s = 5000.0, to_s = 5000.0 } }";
+        let dead = network(folder.path(), 3, None, &rest).with("faults", death).expect("a death");
+        assert_close(mac(&dead).slots.expect("slots").duty_cycle, expected, 1e-5, "nodes, one of which dies");
     }
     let rest = format!("{silent}orchestra = {{}}");
     let found = mac(&network(folder.path(), 3, None, &rest)).slots.expect("slots");
@@ -122,4 +128,21 @@ mac.tsch.schedule.orchestra = {{ unicast = \"{unicast}\", unicast_slotframe = 17
     assert_close(by_sender.all.delivered as f64 / 10.0, slotframes, 0.01 * slotframes, "frames of a node");
     let by_receiver = mac(&network(folder.path(), 10, None, &rest("receiver_based")));
     assert!(by_receiver.all.retries > 1000, "{}", by_receiver.all.retries);
+}
+
+/// One of two channels brings no frames, and the cell comes on both in turn: every other packet is lost.
+#[test]
+fn rows_of_measured_links_count_on_their_own_channel() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rest = "duration_s = 2000.0
+traffic.periodic = { mpdu_octets = 50, interval_s = 1.0, jitter = 0.5, acknowledged = true }
+mac.tsch = { hopping = [11, 12], max_retries = 0, schedule.minimal.slotframe = 7 }";
+    let links = [("n0", "sink", 1.0), ("sink", "n0", 1.0)];
+    let prr = |scenario: &Scenario| mac(scenario).all.prr.expect("packets");
+    assert!(prr(&network(folder.path(), 1, Some(&links), rest)) > 0.999);
+    let rows = "t_s,from,to,channel,prr\n0,n0,sink,11,1\n0,sink,n0,11,1\n0,n0,sink,12,0\n";
+    std::fs::write(folder.path().join("links.csv"), rows).expect("a file");
+    let half = Scenario::load(folder.path().join("scenario.toml")).expect("a scenario");
+    // Five standard errors of 2000 packets.
+    assert_close(prr(&half), 0.5, 0.056, "share of packets");
 }

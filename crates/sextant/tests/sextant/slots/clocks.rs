@@ -31,8 +31,22 @@ fn keep_alive_frames_within_the_guard_time_keep_a_node_in_the_network() {
     let late = mac(&drifting(folder.path(), 31.0, 3600.0)).slots.expect("slots");
     assert_eq!((late.lost, late.joined, late.transmit_acknowledged), (1, 0, 0));
     assert!(late.transmit_unacknowledged > 0, "{late:?}");
+    // No charge was published for a scan.
+    assert!(kept.mean_current_a.is_some() && late.mean_current_a.is_none(), "{late:?}");
     // In a network without beacons nobody comes back: it listens for ever, and the radio is on.
     assert_close(late.duty_cycle, (3600.0 - 120.0) / 3600.0, 0.01, "duty cycle");
+}
+
+#[test]
+fn clocks_that_drift_without_beacons_are_a_warning() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = drifting(folder.path(), 20.0, 3600.0);
+    let is_warned = |scenario: &Scenario| {
+        sextant::forecast::warnings(scenario).iter().any(|warning| warning.key == "mac.tsch.beacons")
+    };
+    assert!(is_warned(&scenario));
+    assert!(!is_warned(&scenario.with("mac.tsch.beacons.interval_s", 16.5).expect("beacons")));
+    assert!(!is_warned(&scenario.with("radio.groups", "[]").expect("exact clocks")));
 }
 
 #[test]
@@ -114,8 +128,12 @@ synchronisation.joining = \"by_scan\"
     assert_eq!((slots.joined, slots.lost), (2, 0), "{slots:?}");
     // With a clock so fast that it is lost between two corrections, a node scans and joins again.
     let fast = scenario.with("radio.clock_ppm", 1000.0).expect("a clock");
-    let slots =
-        mac(&fast.with("mac.tsch.synchronisation.keep_alive_s", 30.0).expect("a period")).slots.expect("slots");
+    let fast = fast.with("mac.tsch.synchronisation.keep_alive_s", 30.0).expect("a period");
+    let slots = mac(&fast).slots.expect("slots");
     assert!(slots.lost > 2, "{slots:?}");
     assert!(slots.duty_cycle > 0.05, "{slots:?}");
+    // One that was in from the start comes back, and has not joined.
+    let at_start = fast.with("mac.tsch.synchronisation.joining", "at_start").expect("a setting");
+    let slots = mac(&at_start).slots.expect("slots");
+    assert!(slots.lost > 0 && slots.join_s.is_none(), "{slots:?}");
 }

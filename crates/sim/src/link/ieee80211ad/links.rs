@@ -305,8 +305,9 @@ impl NetworkLinks for Links {
     fn finish(mut self, now: SimTime) -> Books {
         let mut radios = Vec::with_capacity(self.stacks.len());
         for (i, stack) in self.stacks.iter_mut().enumerate() {
-            let state = stack.radio.state;
-            stack.radio.meter.enter(state, now);
+            if self.ledger.died(StationId::from_index(i)).is_none() {
+                stack.radio.meter.enter(stack.radio.state, now);
+            }
             let (meter, tx_power) = (stack.radio.meter, self.radios.power());
             let rests_in = sextant_mac::RadioState::Receive;
             radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
@@ -356,6 +357,7 @@ impl NetworkLinks for Links {
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {
+        self.ledger.die(station, scene.now);
         self.turn_off(station, scene);
     }
 

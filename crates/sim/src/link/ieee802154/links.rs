@@ -261,7 +261,7 @@ impl NetworkLinks for Links {
         let mut radios = Vec::with_capacity(self.stacks.len());
         for (i, stack) in self.stacks.iter_mut().enumerate() {
             let station = StationId::from_index(i);
-            if self.ledger.depleted(station).is_none() {
+            if self.ledger.died(station).is_none() {
                 stack.meter.enter(stack.state(), now);
             }
             let rests_in = if i < self.nodes { self.rests_in } else { RadioState::Receive };
@@ -342,6 +342,7 @@ impl NetworkLinks for Links {
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {
+        self.ledger.die(station, scene.now);
         self.turn_off(station, scene);
     }
 

@@ -226,7 +226,7 @@ impl Radio {
 
     /// Whether a clock may drift.
     #[must_use]
-    pub(crate) fn has_drift(&self) -> bool {
+    pub fn has_drift(&self) -> bool {
         let ppm = |levels: &Levels| match levels.clock {
             Rate::UpTo(ppm) | Rate::FastBy(ppm) => ppm,
         };

@@ -283,6 +283,7 @@ impl NetworkLinks for Links {
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {
+        self.ledger.die(station, scene.now);
         let stack = &mut self.stacks[station.index()];
         if stack.on_air.is_some() || stack.is_dead {
             return;
@@ -331,7 +332,7 @@ impl NetworkLinks for Links {
         for i in 0..self.stacks.len() {
             self.count_open(StationId::from_index(i));
             let stack = &mut self.stacks[i];
-            if self.ledger.depleted(StationId::from_index(i)).is_none() {
+            if self.ledger.died(StationId::from_index(i)).is_none() {
                 stack.meter_until(now);
             }
             radios.push(RadioUse {

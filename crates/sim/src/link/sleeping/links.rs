@@ -241,6 +241,7 @@ impl NetworkLinks for Links {
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {
+        self.ledger.die(station, scene.now);
         self.turn_off(station, scene);
     }
 
@@ -274,7 +275,7 @@ impl NetworkLinks for Links {
             self.count_idle(station, now);
             let stack = &mut self.stacks[i];
             let is_there = stack.is_there;
-            let (meter, used) = stack.usage.close(self.ledger.depleted(station).unwrap_or(now));
+            let (meter, used) = stack.usage.close(self.ledger.died(station).unwrap_or(now));
             let rests_in = match stack.sleeper.rest() {
                 Rest::Asleep => RadioState::Sleep,
                 Rest::Listening => RadioState::Receive,

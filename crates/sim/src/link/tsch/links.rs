@@ -298,6 +298,7 @@ impl NetworkLinks for Links {
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {
+        self.ledger.die(station, scene.now);
         self.turn_off(station, scene);
     }
 
@@ -333,7 +334,7 @@ impl NetworkLinks for Links {
             stack.usage.slots.is_member = stack.is_joined();
             let until = stack.clock.next_from(now);
             stack.usage.slots.msf = stack.msf.as_mut().map(|msf| msf.used(until));
-            let (meter, used) = stack.usage.close(self.ledger.depleted(station).unwrap_or(now));
+            let (meter, used) = stack.usage.close(self.ledger.died(station).unwrap_or(now));
             let (tx_power, rests_in) = (stack.tx_power, RadioState::Sleep);
             radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
             slots.push(used);

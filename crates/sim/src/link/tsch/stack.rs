@@ -241,7 +241,9 @@ impl Usage {
     pub(super) fn count_scan(&mut self, now: SimTime) -> bool {
         let since = self.scans_since.take();
         if let Some(since) = since {
-            self.receiving += now.saturating_since(since.max(self.since));
+            let span = now.saturating_since(since.max(self.since));
+            self.receiving += span;
+            self.slots.scanned += span;
         }
         since.is_some()
     }

@@ -176,7 +176,29 @@ impl NodeCourse {
             }
             Legs::RandomWaypoint(wanderer) => wanderer.next_leg(self.place, self.time),
         };
+        let leg = leg.that_takes_time();
         (self.place, self.time) = (leg.to, leg.end);
         Some(leg)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_leg_of_a_node_ends_after_its_start() {
+        let tiny = RandomWaypointConfig {
+            min_m: [0.0; 2],
+            max_m: [1e-9; 2],
+            speed_m_per_s: [1e3; 2],
+            pause_s: 0.0,
+            height_m: 0.0,
+        };
+        let mut course = NodeMotion { node: NodeId(0), way: NodeWay::RandomWaypoint(tiny) }.course(Seed(1));
+        for _ in 0..100 {
+            let leg = course.next_leg().expect("it wanders for ever");
+            assert!(leg.end > leg.start, "{leg:?}");
+        }
     }
 }

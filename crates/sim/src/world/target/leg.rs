@@ -1,9 +1,14 @@
 //! A straight piece of the way of a target.
 
+use std::time::Duration;
+
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
 use crate::station::{Motion, Pose, Trip, time_of};
+
+/// The shortest time of a leg: that of the clock of a simulation.
+const SHORTEST: Duration = Duration::from_nanos(1);
 
 /// A straight piece of the way of a target, at constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +26,12 @@ pub struct Leg {
 impl Leg {
     pub(super) fn new(from: Position, to: Position, start: SimTime, speed_m_per_s: f64) -> Self {
         let end = start + time_of(from.distance_m(to), speed_m_per_s);
-        Self { from, to, start, end }
+        Self { from, to, start, end }.that_takes_time()
+    }
+
+    /// The same, but it takes at least the shortest time: legs that take none would never end.
+    pub(crate) fn that_takes_time(self) -> Self {
+        Self { end: self.end.max(self.start + SHORTEST), ..self }
     }
 
     /// A target that stands at `place` from `start` on.
@@ -49,5 +59,18 @@ impl Leg {
         }
         let share = time.saturating_since(self.start).as_secs_f64() / (self.end - self.start).as_secs_f64();
         self.from + (self.to - self.from) * share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leg_takes_time_however_short_it_is() {
+        let (here, start) = (Position::ORIGIN, SimTime::from_nanos(7));
+        let end = |length_m: f64| Leg::new(here, Position::new(length_m, 0.0, 0.0), start, 1e3).end;
+        assert_eq!((end(1e-9), end(1e-300)), (SimTime::from_nanos(8), SimTime::from_nanos(8)));
+        assert_eq!(end(5e-6), SimTime::from_nanos(12));
     }
 }

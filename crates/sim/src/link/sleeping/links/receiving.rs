@@ -1,7 +1,7 @@
 //! Receiving: what a frame that ends means to those that have received it.
 
 use sextant_kernel::StationId;
-use sextant_mac::sleep::{MeantFor, Sent};
+use sextant_mac::sleep::{Form, MeantFor, Sent};
 
 use super::Links;
 use super::frames::NodeFrame;
@@ -82,8 +82,12 @@ impl Links {
     /// An acknowledgement of `from` ends at a station, which may wait for it.
     fn hear_acknowledgement(&mut self, station: StationId, from: StationId, frame: &NodeFrame, scene: &mut Scene) {
         let packet = self.stacks[station.index()].waiting.front();
-        let is_awaited =
-            packet.is_some_and(|packet| packet.to == Destination::Station(from) && packet.sequence == frame.sequence);
+        // Only the acknowledgement of CSL that tells when its sender listens next carries a destination.
+        let names_receiver = self.settings.form == Form::Csl && !self.is_always_on(from);
+        let is_for_this = !names_receiver || frame.to == Destination::Station(station);
+        let is_awaited = is_for_this
+            && packet
+                .is_some_and(|packet| packet.to == Destination::Station(from) && packet.sequence == frame.sequence);
         if !is_awaited {
             return;
         }

@@ -202,7 +202,10 @@ impl Links {
         let schedule = self.plan.schedule(&self.settings, station, Some(from));
         let stack = &mut self.stacks[station.index()];
         stack.usage.count_scan(scene.now);
-        stack.usage.slots.joined_after.get_or_insert(scene.now - SimTime::ZERO);
+        // One that was in from the start and comes back has not joined.
+        if stack.usage.slots.lost == 0 {
+            stack.usage.slots.joined_after.get_or_insert(scene.now - SimTime::ZERO);
+        }
         stack.membership = Membership::Joined;
         stack.time_source = Some(from);
         stack.join_metric = metric;
