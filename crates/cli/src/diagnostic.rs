@@ -310,7 +310,14 @@ impl From<RobotLogError> for Failure {
 
 impl From<OutputRefusal> for Failure {
     fn from(refusal: OutputRefusal) -> Self {
-        Self::of(&refusal, refusal.advice(), false)
+        let advice = match &refusal {
+            OutputRefusal::Foreign { .. } | OutputRefusal::Exists { .. } => {
+                Some("choose another name, or replace it with --force")
+            }
+            OutputRefusal::Folder { .. } => Some("choose another folder, or write into this one with --force"),
+            other => other.advice(),
+        };
+        Self::of(&refusal, advice, false)
     }
 }
 

@@ -65,6 +65,11 @@ impl TableRow<'_> {
         number.map(Some).ok_or_else(|| self.wrong(column, "a finite number"))
     }
 
+    /// A finite number that was measured; `None` if the cell is empty or NaN.
+    pub(crate) fn measured(&self, column: Column) -> Result<Option<f64>, RobotLogError> {
+        if self.is_blank(column) { Ok(None) } else { self.finite(column) }
+    }
+
     /// Whether the cell is empty or NaN.
     pub(crate) fn is_blank(&self, column: Column) -> bool {
         self.number(column).is_none_or(|number| number.is_some_and(f64::is_nan))

@@ -16,7 +16,7 @@ use crate::time::time_zone::TimeZone;
 /// How a file is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct CsvStyle {
-    /// Octets before the first line: a byte order mark.
+    /// Octets before the first line of cells: a byte order mark, and a line `sep=;`.
     pub(crate) skipped: u64,
     /// Whether a comma in a number is its decimal mark, because another character separates cells.
     pub(crate) decimal_comma: bool,
@@ -56,9 +56,11 @@ impl CsvFile {
         if let Some(form) = FileForm::of(start) {
             return Err(RobotLogError::Foreign { path: path.to_owned(), told: form.told(path) });
         }
-        let skipped = if start.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        let mark = if start.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        let stated = stated_separator(&start[mark..]);
+        let skipped = mark + stated.map_or(0, |(_, length)| length);
         let text = &start[skipped..];
-        let delimiter = delimiter(text);
+        let delimiter = stated.map_or_else(|| delimiter(text), |(separator, _)| separator);
         let has_blanks = delimiter == blanks::SEPARATOR || has_blanks(text, delimiter);
         let style = CsvStyle { skipped: skipped as u64, decimal_comma: delimiter != b',', has_blanks };
         input.consume(skipped);
@@ -95,6 +97,16 @@ impl CsvFile {
             |name: &&String| name.parse::<f64>().is_ok() || instant::parse_date(name, Some(TimeZone::UTC)).is_some();
         let values = self.names.iter().filter(is_value).count();
         (values > 0 && 2 * values >= self.names.len()).then(|| self.names.join(","))
+    }
+}
+
+/// The character between the cells as a first line `sep=;` states it, as spreadsheets write it, and the octets of that line.
+fn stated_separator(text: &[u8]) -> Option<(u8, usize)> {
+    let length = text.iter().position(|&octet| octet == b'\n')? + 1;
+    match text[..length].trim_ascii_end() {
+        [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', separator @ (b',' | b';')] => Some((*separator, length)),
+        b"sep=" if text[4] == b'\t' => Some((b'\t', length)),
+        _ => None,
     }
 }
 
@@ -140,4 +152,26 @@ fn first_line(text: &[u8]) -> &[u8] {
         !quoted && matches!(octet, b'\r' | b'\n')
     });
     &text[start..end.map_or(text.len(), |end| start + end)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_first_line_may_state_the_separator() {
+        assert_eq!(stated_separator(b"sep=;\r\nx;y\n"), Some((b';', 7)));
+        assert_eq!(stated_separator(b"SEP=,\nx,y\n"), Some((b',', 6)));
+        assert_eq!(stated_separator(b"sep=\t\nx\ty\n"), Some((b'\t', 6)));
+        for text in ["sep=;", "sep=x\n", "sep\n", "step;x_m\n", "sep=;1\n"] {
+            assert_eq!(stated_separator(text.as_bytes()), None, "{text:?}");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("stops.csv");
+        std::fs::write(&file, "sep=;\nstop;x_m\nA;0,5\n").unwrap();
+        let mut csv = CsvFile::open(&file, Heading::Named).unwrap().unwrap();
+        let mut row = StringRecord::new();
+        assert!(csv.style.decimal_comma && csv.read(&mut row).unwrap());
+        assert_eq!((csv.names.join("|").as_str(), row), ("stop|x_m", StringRecord::from(vec!["A", "0,5"])));
+    }
 }

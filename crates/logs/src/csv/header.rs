@@ -67,6 +67,11 @@ impl Header {
             let is_known = known.contains(&name.as_str());
             if !is_known {
                 let asked = written[at].as_str();
+                if let Some((meant, unit, remedy)) = in_other_unit(name, &likely) {
+                    return Err(format!(
+                        "column `{asked}` is in {unit}, and places need metres; {remedy} and name it `{meant}`"
+                    ));
+                }
                 let (near, more) = match others {
                     Others::Ignored => (nearest(name, &likely), ""),
                     Others::Read => {
@@ -146,10 +151,36 @@ pub(crate) const fn must_have(part: &LogPart) -> &'static str {
     }
 }
 
+/// Ends of the names of places in other units than metres, the units, and what makes metres of them.
+const OTHER_UNITS: [(&str, &str, &str); 6] = [
+    ("_mm", "millimetres", "divide it by 1000"),
+    ("_cm", "centimetres", "divide it by 100"),
+    ("_ft", "feet", "multiply it by 0.3048"),
+    ("_feet", "feet", "multiply it by 0.3048"),
+    ("_in", "inches", "multiply it by 0.0254"),
+    ("_km", "kilometres", "multiply it by 1000"),
+];
+
+/// The column of places among `absent` that `name` is in another unit, with that unit and what makes metres of it.
+fn in_other_unit<'a>(name: &str, absent: &[&'a str]) -> Option<(&'a str, &'static str, &'static str)> {
+    let name = name.to_lowercase();
+    OTHER_UNITS.iter().find_map(|(end, unit, remedy)| {
+        let axis = name.strip_suffix(end).filter(|axis| ["x", "y", "z", "alt"].contains(axis))?;
+        let meant = absent.iter().copied().find(|known| known.strip_suffix("_m") == Some(axis))?;
+        Some((meant, *unit, *remedy))
+    })
+}
+
+/// Names that programs give to strengths.
+const STRENGTHS: [&str; 6] = ["signal", "signal_strength", "rss", "level", "power_dbm", "dbm"];
+
 /// The name among `absent` that `name` was probably meant to be: it differs in at most two letters (one, if either name has
-/// fewer than four), or `name` is its beginning.
+/// fewer than four), `name` is its beginning, or programs give it to strengths.
 fn nearest<'a>(name: &str, absent: &[&'a str]) -> Option<&'a str> {
     let name = name.to_lowercase();
+    if STRENGTHS.contains(&name.as_str()) && absent.contains(&"rssi_dbm") {
+        return Some("rssi_dbm");
+    }
     let distance = |candidate: &&str| strsim::damerau_levenshtein(&name, candidate);
     let is_near = |candidate: &&str| {
         let allowed = if name.len().min(candidate.len()) < 4 { 1 } else { 2 };
@@ -183,4 +214,49 @@ fn look_alike<'a>(name: &str, absent: &[&'a str]) -> Option<&'a str> {
         meant == Some(*candidate) || name.len() >= 3 && strsim::damerau_levenshtein(&name, candidate) <= 1
     };
     absent.iter().copied().find(is_near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The problem of a header with these columns.
+    fn problem(columns: &str, required: &[&'static str], optional: &[&'static str], others: Others) -> String {
+        let names = FieldNames::of_places(None);
+        let known = KnownColumns { required, optional, names: &names, others };
+        let found = Header::new(columns.split(','), known, &LogPart::File("stops.csv".into()));
+        found.map_or_else(|problem| problem, |_| String::new())
+    }
+
+    #[test]
+    fn places_in_other_units_are_refused_without_a_hint_that_reads_them_as_metres() {
+        const PLACES: [&str; 5] = ["x_m", "y_m", "z_m", "lat", "lon"];
+        for (columns, told) in [
+            (
+                "stop,x_mm,y_mm",
+                "column `x_mm` is in millimetres, and places need metres; divide it by 1000 and name it `x_m`",
+            ),
+            (
+                "stop,X_cm,Y_cm",
+                "column `X_cm` is in centimetres, and places need metres; divide it by 100 and name it `x_m`",
+            ),
+            (
+                "stop,x_m,y_ft",
+                "column `y_ft` is in feet, and places need metres; multiply it by 0.3048 and name it `y_m`",
+            ),
+            ("stop,x_m,x_mm,y_m", ""),
+        ] {
+            assert_eq!(problem(columns, &["stop"], &PLACES, Others::Ignored), told);
+            assert_eq!(problem(columns, &["stop"], &PLACES, Others::Read), told);
+        }
+    }
+
+    #[test]
+    fn usual_names_of_strengths_are_asked_about() {
+        for name in STRENGTHS {
+            let found = problem(&format!("t_s,node,{name}"), &["node"], &["t_s", "rssi_dbm"], Others::Ignored);
+            assert!(found.contains(&format!("`{name}`; did you mean `rssi_dbm`?")), "{found}");
+        }
+        assert_eq!(problem("t_s,node,rssi_dbm,level", &["node"], &["t_s", "rssi_dbm"], Others::Ignored), "");
+    }
 }

@@ -7,6 +7,17 @@ use super::levels::Levels;
 pub(super) fn finding(levels: &Levels) -> Option<Finding> {
     let odd = levels.impossible();
     let total = levels.total();
+    if levels.are_linear() {
+        return Some(Finding {
+            check: "impossible-strengths",
+            odd: format!(
+                "all {total} signal strengths are 0 or more, and some are nearly 0: they seem to be powers, not dBm"
+            ),
+            cost: "distances from strengths are wrong".to_owned(),
+            remedy: "convert `rssi_dbm` to dBm: ten times the decimal logarithm of the power in milliwatts"
+                .to_owned(),
+        });
+    }
     let count: u64 = odd.iter().map(|(_, count)| count).sum();
     let &(usual_dbm, usual) = odd.iter().max_by_key(|(_, count)| *count)?;
     if 2 * count > total && odd.len() > 1 {
@@ -33,7 +44,11 @@ pub(super) fn finding(levels: &Levels) -> Option<Finding> {
         ),
         cost: "these packets count as if they were heard with that strength, and pull nodes to their stops"
             .to_owned(),
-        remedy: format!("`rssi_missing={usual_dbm}` counts them as packets without a strength"),
+        remedy: if levels.are_cells() {
+            format!("`missing={usual_dbm}` counts these cells as nodes that were not heard")
+        } else {
+            format!("`rssi_missing={usual_dbm}` counts them as packets without a strength")
+        },
     })
 }
 
@@ -58,6 +73,26 @@ mod tests {
         }
         let found = finding(&levels(good().chain([127.0, 127.0, 3.5]))).unwrap();
         assert!(found.odd.contains("2 of 203") && found.odd.contains("1 others are 0 dBm or more"), "{found}");
+    }
+
+    #[test]
+    fn zeros_in_the_cells_of_a_wide_table_are_silence() {
+        let mut cells = Levels::of_cells();
+        (0..200_u8).for_each(|i| cells.take(if i < 60 { 0.0 } else { -90.0 + f64::from(i % 40) }));
+        let found = finding(&cells).unwrap();
+        assert!(found.remedy.starts_with("`missing=0` counts these cells"), "{found}");
+    }
+
+    #[test]
+    fn linear_power_is_not_dbm() {
+        let power = |i: u8| libm::pow(10.0, -4.0 - 0.1 * f64::from(i % 40));
+        let found = finding(&levels((0..100).map(power))).unwrap();
+        assert!(
+            found.odd.starts_with("all 100 signal strengths are 0 or more") && found.remedy.contains("milliwatts"),
+            "{found}"
+        );
+        let found = finding(&levels((0..100).map(power).chain([-50.0]))).unwrap();
+        assert!(found.remedy.starts_with("`rssi_missing=0`"), "{found}");
     }
 
     #[test]

@@ -10,6 +10,9 @@ const LEAST_DBM: f64 = -150.0;
 /// Strengths from [`LEAST_DBM`] to below 0 dBm, which nearly all are, in hundredths of a decibel.
 const USUAL: usize = 15_000;
 
+/// No strength in dBm is above 0 and below this.
+const FAINT: f64 = 0.005;
+
 /// A strength (dBm), ordered.
 #[derive(Clone, Copy, Debug)]
 struct Level(f64);
@@ -43,12 +46,27 @@ pub(crate) struct Levels {
     /// Number of different strengths that are counted.
     distinct: usize,
     total: u64,
+    /// Number of those above 0 that are nearly 0: of powers in milliwatts, nearly all are.
+    faint: u64,
+    /// Whether they are the cells of a wide table, in which a node has no other sign that it was not heard.
+    of_cells: bool,
 }
 
 impl Levels {
+    /// None yet, of the cells of a wide table.
+    pub(crate) fn of_cells() -> Self {
+        Self { of_cells: true, ..Self::default() }
+    }
+
+    /// Whether they are the cells of a wide table.
+    pub(super) const fn are_cells(&self) -> bool {
+        self.of_cells
+    }
+
     /// Takes a strength (dBm).
     pub(crate) fn take(&mut self, rssi_dbm: f64) {
         self.total += 1;
+        self.faint += u64::from(rssi_dbm > 0.0 && rssi_dbm < FAINT);
         // Adding 0 makes -0 a 0.
         let hundredths = (rssi_dbm * 100.0).round() + 0.0;
         let has_room = self.distinct < MOST;
@@ -76,6 +94,12 @@ impl Levels {
     /// Number of strengths.
     pub(super) fn total(&self) -> u64 {
         self.total
+    }
+
+    /// Whether they seem to be powers and not their logarithms: none is below 0, and some are nearly 0.
+    pub(super) fn are_linear(&self) -> bool {
+        let is_negative = self.others.first_key_value().is_some_and(|(lowest, _)| lowest.0 < 0.0);
+        self.faint > 0 && self.usual.is_empty() && !is_negative
     }
 
     /// The strengths that a radio may report, from the weakest, with how often they occur.

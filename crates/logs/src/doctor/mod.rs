@@ -21,6 +21,7 @@ mod no_distance;
 mod node_fit;
 mod node_strengths;
 mod origin;
+mod outlying;
 mod pile;
 #[cfg(test)]
 mod rivals;
@@ -65,7 +66,8 @@ pub(super) fn of_stops(log: &ReceptionLog, plane: Option<&LocalPlane>) -> Vec<Fi
 }
 
 fn of_survey(survey: &Survey<'_>) -> Vec<Finding> {
-    origin::finding(survey).or_else(|| motion::finding(survey)).into_iter().collect()
+    let places = origin::finding(survey).or_else(|| outlying::finding(survey));
+    places.or_else(|| motion::finding(survey)).into_iter().collect()
 }
 
 /// What is odd of the strengths that were measured.
@@ -86,7 +88,7 @@ pub(super) fn told_apart(mut findings: Vec<Finding>) -> Vec<Finding> {
 /// whose places or times are known to be wrong, because that would be why.
 pub(super) fn of_log(log: &ReceptionLog, known: &[Finding]) -> Vec<Finding> {
     let is_known = |checks: &[&str]| known.iter().any(|finding| checks.contains(&finding.check));
-    let places = !is_known(&["no-fix", "speed", "impossible-strengths"]);
+    let places = !is_known(&["no-fix", "outlying-stops", "speed", "impossible-strengths"]);
     let times = !is_known(&["clock-offset"]);
     let extent = places.then(|| extent::finding(log)).flatten();
     let law = (places && times && extent.is_none()).then(|| DistanceLaw::of(log)).flatten();

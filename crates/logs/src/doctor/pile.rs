@@ -30,6 +30,19 @@ impl Pile {
         Self::at_first(levels.possible().into_iter(), levels.total(), least_share)
     }
 
+    /// The lowest strength, if it occurs at least so often and at least once in so many, and is farther below the next ones than
+    /// `apart_db` and than these are from each other.
+    pub(super) fn apart_at_lowest(levels: &Levels, [least, one_in]: [u64; 2], apart_db: f64) -> Option<Self> {
+        let (total, possible) = (levels.total(), levels.possible());
+        let (&(level_dbm, count), next) = possible.split_first()?;
+        let next = next.get(..NEXT)?;
+        let gap_db = next[0].0 - level_dbm;
+        let is_apart = gap_db > apart_db.max(next[NEXT - 1].0 - next[0].0);
+        let most = next.iter().map(|(_, count)| *count).max()?;
+        let is_pile = count >= least && one_in * count >= total;
+        (is_pile && is_apart).then(|| Self { level_dbm, count, total, times: count / most.max(1) })
+    }
+
     fn at_first(mut from_end: impl Iterator<Item = (f64, u64)>, total: u64, least_share: f64) -> Option<Self> {
         let (level_dbm, count) = from_end.next()?;
         let next: Vec<u64> = from_end.take(NEXT).map(|(_, count)| count).collect();

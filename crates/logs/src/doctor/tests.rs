@@ -130,6 +130,18 @@ fn places_in_other_units_than_metres_are_found() {
 }
 
 #[test]
+fn a_stop_far_from_all_others_is_found_and_nothing_else() {
+    let far = Position::new(-9999.0, -9999.0, 0.0);
+    let second = lanes()[1];
+    let log = changed(
+        &good(),
+        |stop| if stop.position == second { Stop { position: far, ..stop } } else { stop },
+        |row| row,
+    );
+    assert_eq!(checks(&log), ["outlying-stops"]);
+}
+
+#[test]
 fn losses_at_every_strength_are_found() {
     // A receiver that listens 40 % of the time.
     let lossy = |row: Reception| Reception {

@@ -208,8 +208,9 @@ pub enum RobotLogError {
     /// No packet was heard while the place of the robot is known.
     #[error(
         "none of the {count} packets was heard while the place of the robot is known: the packets are from {} s to {} s, \
-         the path is from {} s to {} s; both need times of the same clock",
-        instant::format(.packets.0), instant::format(.packets.1), instant::format(.path.0), instant::format(.path.1)
+         the path is from {} s to {} s; both need times of the same clock{}",
+        instant::format(.packets.0), instant::format(.packets.1), instant::format(.path.0), instant::format(.path.1),
+        taken_off(*.delay_s)
     )]
     NotCovered {
         /// Number of packets.
@@ -218,6 +219,8 @@ pub enum RobotLogError {
         packets: (SimTime, SimTime),
         /// Times of the first and the last pose.
         path: (SimTime, SimTime),
+        /// What was taken off the times of the packets (s).
+        delay_s: f64,
     },
     /// A file does not hold an area.
     #[error("`{}`: {why}", .path.display())]
@@ -320,5 +323,29 @@ impl RobotLogError {
 impl From<McapFileError> for RobotLogError {
     fn from(error: McapFileError) -> Self {
         BagError::from(error).into()
+    }
+}
+
+/// What was taken off the times of packets (s), for an error; nothing if nothing was.
+fn taken_off(delay_s: f64) -> String {
+    if delay_s.abs() > 0.0 {
+        format!("; option `packet_delay` takes {delay_s} s off the times of the packets")
+    } else {
+        String::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packets_beyond_the_path_tell_what_was_taken_off_their_times() {
+        let of = |delay_s| {
+            let span = (SimTime::ZERO, SimTime::ZERO);
+            RobotLogError::NotCovered { count: 3, packets: span, path: span, delay_s }.to_string()
+        };
+        assert!(of(0.0).ends_with("both need times of the same clock"), "{}", of(0.0));
+        assert!(of(1000.0).ends_with("; option `packet_delay` takes 1000 s off the times of the packets"));
     }
 }

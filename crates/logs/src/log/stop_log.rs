@@ -59,6 +59,7 @@ pub(crate) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
         return Err(RobotLogError::NoStops { part: companions.log });
     }
     let mut rssi = RssiCheck::new(options);
+    let listens = receptions.is_some();
     let receptions::Receptions { name, mut names, receptions, left_out, reports } = match receptions {
         Some(receptions) => receptions::read(receptions, &stops, &options.form, &mut rssi, &mut notes)?,
         None => receptions::Receptions::none(),
@@ -74,6 +75,9 @@ pub(crate) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
         names.extend(ranges.strangers);
         ranges.samples
     });
+    if listens && names.is_empty() && left_out == 0 {
+        return Err(RobotLogError::NoPackets);
+    }
     let log = receptions.build(names, places, contacts).and_then(|log| log.with_robots(robots.into_vec()));
     let log = log.and_then(|log| log.with_ranges(samples.unwrap_or_default()));
     let log = log.map_err(|why| RobotLogError::Log { part: companions.log.clone(), why })?;

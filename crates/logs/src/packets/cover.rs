@@ -39,10 +39,11 @@ impl Cover {
         self.span.is_none()
     }
 
-    /// Checks that there are packets on `paths`, and notes those that are not.
+    /// Checks that there are packets on `paths`, and notes those that are not. `delay_s` was taken off their times (s).
     pub(crate) fn check<'a>(
         &self,
         paths: impl Iterator<Item = &'a Path> + Clone,
+        delay_s: f64,
         notes: &mut Vec<String>,
     ) -> Result<(), RobotLogError> {
         let Some(packets) = self.span else {
@@ -51,7 +52,7 @@ impl Cover {
         let Self { all, before, after, in_gaps, back, farthest_back, .. } = *self;
         let path = span(paths.clone());
         if before + after + in_gaps == all {
-            return Err(RobotLogError::NotCovered { count: all, packets, path });
+            return Err(RobotLogError::NotCovered { count: all, packets, path, delay_s });
         }
         if before + after > 0 {
             notes.push(format!(

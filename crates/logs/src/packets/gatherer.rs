@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use sextant_channel::{Contact, Reception, ReceptionLogBuilder, Stop};
+use sextant_kernel::text::counted;
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::cover::{self, Cover};
@@ -163,7 +164,8 @@ impl Gatherer {
             StopRule::Time(span) => format!(", one each {} s", span.as_secs_f64()),
             StopRule::Automatic => String::new(),
         };
-        self.notes.push(format!("{whose} is cut into {stops} stops{each} (option `stop_every` sets it)"));
+        let stops = counted(stops, "stop");
+        self.notes.push(format!("{whose} is cut into {stops}{each} (option `stop_every` sets it)"));
         if path.late() > 0 {
             let late = path.late();
             self.notes.push(format!("{whose} has {late} poses that are late by at most 1 s; they were put in order"));
@@ -305,7 +307,7 @@ impl Gatherer {
             return Err(RobotLogError::NoRanges { name: "the log".to_owned(), problem });
         }
         if self.ranges.is_empty() || !self.cover.is_empty() {
-            self.cover.check(self.tracks.iter().map(|track| &track.path), &mut self.notes)?;
+            self.cover.check(self.tracks.iter().map(|track| &track.path), self.delay_s, &mut self.notes)?;
         }
         self.strengths.finish(&mut self.notes)?;
         self.notes.extend(self.rssi.note());

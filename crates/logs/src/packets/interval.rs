@@ -5,10 +5,13 @@ use std::time::Duration;
 
 use sextant_kernel::SimTime;
 
-/// The gaps between the packets of a node that were heard one after the other. Memory does not grow with packets.
+/// The gaps between the packets of a node that were heard one after the other, in whatever order they come. Memory does not grow
+/// with packets: the times of [`AT_ONCE`] packets at once are put in order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gaps {
     latest: Option<SimTime>,
+    /// Times whose gaps are not counted yet (ns).
+    times: Vec<u64>,
     bins: BTreeMap<u16, Bin>,
 }
 
@@ -28,6 +31,9 @@ impl Bin {
 /// Shorter gaps are between copies of one packet.
 const SHORTEST_NS: u64 = 1_000_000;
 
+/// So many packets are put in order at once.
+const AT_ONCE: usize = 1024;
+
 /// The interval of a node with fewer gaps is not estimated from them.
 const FEWEST_GAPS: u64 = 5;
 
@@ -35,18 +41,31 @@ impl Gaps {
     /// Notes that a packet was heard at a time. Returns how much earlier that is than the latest one.
     pub(crate) fn heard(&mut self, time: SimTime) -> Duration {
         let latest = self.latest.unwrap_or(time);
-        let gap_ns = time.as_nanos().saturating_sub(latest.as_nanos());
         self.latest = Some(latest.max(time));
-        if gap_ns >= SHORTEST_NS {
-            let bin = self.bins.entry(bin_of(gap_ns)).or_default();
-            bin.count += 1;
-            bin.sum_ns += u128::from(gap_ns);
+        self.times.push(time.as_nanos());
+        if self.times.len() == AT_ONCE {
+            self.count();
         }
         latest.saturating_since(time)
     }
 
+    /// Counts the gaps between the times that are kept. The last of them stays for the gap to the next.
+    fn count(&mut self) {
+        self.times.sort_unstable();
+        for pair in self.times.windows(2) {
+            let gap_ns = pair[1] - pair[0];
+            if gap_ns >= SHORTEST_NS {
+                let bin = self.bins.entry(bin_of(gap_ns)).or_default();
+                bin.count += 1;
+                bin.sum_ns += u128::from(gap_ns);
+            }
+        }
+        self.times.drain(..self.times.len().saturating_sub(1));
+    }
+
     /// Adds the gaps that another robot heard.
-    pub(crate) fn add(&mut self, other: Self) {
+    pub(crate) fn add(&mut self, mut other: Self) {
+        other.count();
         for (width, bin) in other.bins {
             let own = self.bins.entry(width).or_default();
             own.count += bin.count;
@@ -132,4 +151,28 @@ pub(crate) fn intervals(gaps: &[Gaps]) -> Intervals {
     let common = agree.then_some(median);
     let told = CommonInterval { nodes: known.len(), shortest, median, longest };
     Intervals { of: of.into_iter().map(|own| own.or(common)).collect(), told: Some(told) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The interval of a node that was heard at these times (s), in this order.
+    fn told(times_s: impl Iterator<Item = u64>) -> Option<Duration> {
+        let (mut heard, mut all) = (Gaps::default(), Gaps::default());
+        times_s.for_each(|time_s| {
+            heard.heard(SimTime::from_nanos(time_s * 1_000_000_000));
+        });
+        all.add(heard);
+        all.interval()
+    }
+
+    #[test]
+    fn the_interval_does_not_depend_on_the_order_of_rows() {
+        let six = Some(Duration::from_secs(6));
+        assert_eq!(told((0..102).map(|packet| 6 * packet)), six);
+        assert_eq!(told((0..102).rev().map(|packet| 6 * packet)), six, "the newest first");
+        assert_eq!(told((0..102).map(|packet| 6 * (packet * 37 % 102))), six, "mixed");
+        assert_eq!(told((0..10_000).rev().map(|packet| 6 * packet)), six, "more than are put in order at once");
+    }
 }

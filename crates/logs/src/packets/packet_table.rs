@@ -47,6 +47,13 @@ pub(crate) fn read<'a>(
     let [node, mover] = [required, ends[0]].map(|name| table.column(name));
     let [rssi, snr, sector] = ["rssi_dbm", "snr_db", "sector"].map(|name| table.column(name));
     let range = optional_range_column(&table)?;
+    if snr.exists() && !rssi.exists() && !sector.exists() {
+        notes.push(format!(
+            "{}: without strengths (rssi_dbm), signal-to-noise ratios (snr_db) are not used: the map is made of which packets \
+             were heard",
+            table.name()
+        ));
+    }
     robots.check(&table, mover, roles)?;
     table.rows(|row| {
         let robot = match roles {
@@ -55,16 +62,15 @@ pub(crate) fn read<'a>(
         };
         let Some(robot) = robot else { return Ok(()) };
         let range_m = match range {
-            Some((column, _)) if row.is_blank(column) => None,
-            Some((column, unit)) => row.finite(column)?.map(|range| range / unit),
+            Some((column, unit)) => row.measured(column)?.map(|range| range / unit),
             None => None,
         };
         gatherer.take(Packet {
             time: row.instant(time)?,
             robot,
             node: &row.node(node)?,
-            rssi_dbm: row.finite(rssi)?,
-            snr_db: row.finite(snr)?,
+            rssi_dbm: row.measured(rssi)?,
+            snr_db: row.measured(snr)?,
             sector: row.sector(sector)?,
             range_m,
         })

@@ -25,6 +25,11 @@ impl RssiCheck {
         Self { missing, floor, ..Self::default() }
     }
 
+    /// The same of the cells of a wide table.
+    pub(crate) fn of_cells(options: &ReadOptions) -> Self {
+        Self { levels: Levels::of_cells(), ..Self::new(options) }
+    }
+
     /// The strength, if it was measured (dBm).
     pub(crate) fn take(&mut self, rssi_dbm: Option<f64>) -> Option<f64> {
         let level = rssi_dbm?;

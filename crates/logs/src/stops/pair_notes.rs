@@ -1,5 +1,7 @@
 //! What the user should know of how `receptions.csv` was read.
 
+use sextant_kernel::text::counted;
+
 use crate::packets::gatherer::MOST_SILENT_PAIRS;
 
 /// What the rows of the file are.
@@ -42,6 +44,8 @@ pub(crate) struct PairNotes {
     pub(crate) zeros: usize,
     /// Whether the file of stops states the packets sent.
     pub(crate) is_stated: bool,
+    /// Stops at which more packets of a node were received than the file of stops states as sent.
+    pub(crate) exceeded: usize,
     /// Whether no packet of a pair that was heard counts as lost, because nothing states the packets sent and the pairs have
     /// strengths.
     pub(crate) is_lossless: bool,
@@ -50,7 +54,7 @@ pub(crate) struct PairNotes {
 impl PairNotes {
     /// Adds the notes to `notes`.
     pub(crate) fn tell(&self, PartNames { stops, receptions }: PartNames<'_>, notes: &mut Vec<String>) {
-        let Self { unstated, repeated, silent_pairs, absent, zeros, .. } = *self;
+        let Self { unstated, repeated, silent_pairs, absent, zeros, exceeded, .. } = *self;
         let usual = match self.listing {
             _ if self.is_stated => &format!("`sent` of {stops}"),
             Listing::Reports => "the most reports of a node at the stop",
@@ -81,6 +85,13 @@ impl PairNotes {
             notes.push(format!(
                 "{receptions}: {repeated} rows repeat a pair of node and stop; their packets were added up, and levels \
                  averaged over packets"
+            ));
+        }
+        if exceeded > 0 {
+            let (at, has) = (counted(exceeded, "stop"), if exceeded == 1 { "has" } else { "have" });
+            notes.push(format!(
+                "{at} of {stops} {has} a `sent` below the packets of {receptions} that were received there of some node: for such \
+                 a node it counts as that many, with no loss; is `sent` of another span of time?"
             ));
         }
         if unstated > 0 {

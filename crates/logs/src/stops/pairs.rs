@@ -361,6 +361,9 @@ impl Seen {
                 self.most.iter().map(|&most| most.max(1)).collect()
             }
         };
+        // A row that states what was sent is checked as it is read.
+        let exceeded =
+            at_stop.iter().zip(&self.most).filter(|(sent, most)| sent.is_some_and(|sent| sent < **most)).count();
         let usual: Vec<u32> = at_stop.iter().zip(usual).map(|(stated, usual)| stated.unwrap_or(usual)).collect();
         let absent_at = |stop: usize| nodes - self.pairs[stop];
         let silent_pairs: usize = (0..usual.len()).filter(|&stop| usual[stop] != 1).map(&absent_at).sum();
@@ -376,6 +379,7 @@ impl Seen {
             absent,
             zeros,
             is_stated,
+            exceeded: if listing == Listing::ReceivedOfSent { 0 } else { exceeded },
             is_lossless,
         }
         .tell(parts, notes);

@@ -107,7 +107,7 @@ pub(crate) fn read(
     let mut reading = Reading {
         nodes,
         missing: if form.missing.is_empty() { &empty } else { &form.missing },
-        rssi: RssiCheck::new(options),
+        rssi: RssiCheck::of_cells(options),
         strengths: Strengths::of(form),
         stops: Vec::new(),
         scans: Vec::new(),

@@ -137,7 +137,7 @@ pub(super) fn by_ranges(
     const ALGORITHM: &str = "estimate-path";
     let missing = MapError::Missing {
         algorithm: ALGORITHM,
-        what: "measured ranges to two nodes or more",
+        what: "measured ranges to two nodes or more that agree on places",
         remedy: "they stand in `ranges.csv` beside the path, each with its time",
     };
     let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");

@@ -339,6 +339,23 @@ mod tests {
     }
 
     #[test]
+    fn ranges_in_another_unit_place_no_node_reliably() {
+        // Nanoseconds there and back.
+        let errors = Errors { scale: 5.67, noise_m: 0.1, ..Errors::default() };
+        let (map, fit) = map(&log(&nodes(), &loops()[..4], errors));
+        let fit = fit.unwrap();
+        let of_nodes = map.estimates.iter().flatten();
+        assert!(
+            of_nodes.clone().count() == 4 && of_nodes.clone().all(|node| node.concern == Some(Concern::Unsettled))
+        );
+        let lines = crate::learned::Finding::lines(&fit, "a", &map);
+        assert!(
+            lines.iter().any(|line| line.text.contains("fit no place of their nodes: are they metres?")),
+            "{fit:?}"
+        );
+    }
+
+    #[test]
     fn settings_beyond_their_limits_are_refused() {
         for (config, key) in [
             (RangeMlConfig { scale_error: 0.6, ..RangeMlConfig::default() }, "scale_error"),

@@ -43,6 +43,13 @@ pub struct RangeFit {
     pub settled: bool,
 }
 
+impl RangeFit {
+    /// Whether most ranges fit no place: then places and law say nothing.
+    pub(super) fn is_mostly_wild(&self) -> bool {
+        self.errors.shares().wild > 0.5
+    }
+}
+
 #[cfg(feature = "config")]
 /// The law of measured ranges.
 #[derive(serde::Serialize)]
@@ -129,6 +136,14 @@ impl Finding for RangeFit {
             let _ = write!(text, ", {:.2} ± {:.2} s late (corrected)", self.delay_s, 2.0 * self.delay_deviation_s);
         }
         let mut lines = vec![Line { section: Section::Laws, text }];
+        if self.is_mostly_wild() {
+            let text = format!(
+                "{name}: warning: {:.0} % of the ranges fit no place of their nodes: are they metres? A metre is 3.28 feet or 100 \
+                 centimetres, and light takes 3.34 ns for it, 6.67 ns there and back",
+                100.0 * shares.wild
+            );
+            lines.push(Line { section: Section::Warnings, text });
+        }
         if !self.settled
             && let Some(why) = Unconverged::of(self.settled, map)
         {

@@ -180,9 +180,6 @@ impl Search<'_> {
         let best = best(trials).expect("there is a trial");
         let by_direction = variance_over_directions(&self.problem, &best.fitted.point);
         let settled = trials.iter().all(|trial| trial.fitted.settled || trial.weight < 1e-3);
-        let estimates = (self.problem.groups.nodes.iter().enumerate())
-            .map(|(number, &node)| (node, self.estimate(number, trials, by_direction, settled)))
-            .collect();
         let point = &best.fitted.point;
         let deviations = best.fitted.curvature.deviations();
         let law: RangeErrorLaw = point.errors();
@@ -203,10 +200,14 @@ impl Search<'_> {
             by_direction_m: by_direction.sqrt(),
             settled,
         };
+        let is_sure = settled && !fit.is_mostly_wild();
+        let estimates = (self.problem.groups.nodes.iter().enumerate())
+            .map(|(number, &node)| (node, self.estimate(number, trials, by_direction, is_sure)))
+            .collect();
         Solution { estimates, fit }
     }
 
-    fn estimate(&self, number: usize, trials: &[Trial], by_direction: f64, settled: bool) -> Estimate {
+    fn estimate(&self, number: usize, trials: &[Trial], by_direction: f64, is_sure: bool) -> Estimate {
         let place = |trial: &Trial| trial.fitted.point.nodes[number].fixed_rows::<3>(0).into_owned();
         let mean: Vector3<f64> = trials.iter().map(|trial| place(trial) * trial.weight).sum();
         let mut covariance = Matrix3::zeros();
@@ -239,7 +240,7 @@ impl Search<'_> {
         let groups = self.problem.groups.of_node(number);
         let usual_m = median(&mut groups.iter().map(|group| group.range_m.abs()).collect::<Vec<_>>());
         let widest = covariance.fixed_view::<2, 2>(0, 0).into_owned().symmetric_eigenvalues().max().max(0.0).sqrt();
-        let concern = if !settled {
+        let concern = if !is_sure {
             Some(Concern::Unsettled)
         } else if other_share >= LEAST_SHARE {
             Some(Concern::TwoPlaces)

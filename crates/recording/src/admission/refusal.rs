@@ -66,9 +66,9 @@ impl OutputRefusal {
             Self::Input { .. } => Some("name another file"),
             Self::Place { .. } => Some("name a file in a folder that exists and may be written"),
             Self::Shared { .. } => None,
-            Self::Foreign { .. } | Self::Exists { .. } => Some("choose another name, or replace it with --force"),
+            Self::Foreign { .. } | Self::Exists { .. } => Some("choose another name, or let it be replaced"),
             Self::Busy { .. } => Some("wait for its end, or name another file"),
-            Self::Folder { .. } => Some("choose another folder, or write into this one with --force"),
+            Self::Folder { .. } => Some("choose another folder, or let this one be written into"),
         }
     }
 }

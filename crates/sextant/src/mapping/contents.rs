@@ -110,7 +110,8 @@ impl Contents {
             heard: nodes.filter(|&node| log.of(node).iter().any(|row| row.received > 0)).count(),
             robots: log.robot_count(),
             stops: log.stops().len(),
-            path_length_m: log.drives().map(|drive| drive.length_m()).sum(),
+            // Adding 0 makes the -0 of a sum of nothing a 0.
+            path_length_m: log.drives().map(|drive| drive.length_m()).sum::<f64>() + 0.0,
             duration_s: span.filter(|span_s| *span_s > 0.0),
             packets_received: receptions.iter().map(|row| u64::from(row.received)).sum(),
             packets_sent: receptions.iter().map(|row| u64::from(row.sent)).sum(),

@@ -5,6 +5,7 @@ use sextant_mapper::EstimatorFindings;
 
 use crate::measure::axes;
 use crate::summary::LogCounts;
+use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 use sextant_logs::doctor;
 
@@ -25,6 +26,7 @@ pub(super) fn of_log(log: &ReceptionLog, counts: &LogCounts) -> Vec<String> {
             listed(&unheard)
         ));
     }
+    notes.extend(other_names(log));
     // A pair that is absent is one packet that was missed.
     let pairs = counts.heard(log.node_count()) * log.stops().len() as u64;
     let sent = pairs - counts.listed_of_heard + counts.sent_of_heard;
@@ -39,6 +41,48 @@ pub(super) fn of_log(log: &ReceptionLog, counts: &LogCounts) -> Vec<String> {
     notes
 }
 
+/// A note if nodes were heard and ranges were measured, but to no node that was heard.
+fn other_names(log: &ReceptionLog) -> Option<String> {
+    let is_heard = |node: NodeId| log.of(node).iter().any(|entry| entry.received > 0);
+    let nodes = || (0..log.node_count()).map(NodeId::from_index);
+    let name = |node: NodeId| log.names()[node.index()].as_str();
+    let ranged: Vec<NodeId> = nodes().filter(|node| !log.ranges_to(*node).is_empty()).collect();
+    let heard: Vec<&str> = nodes().filter(|node| is_heard(*node)).map(name).collect();
+    if ranged.is_empty() || heard.is_empty() || ranged.iter().any(|node| is_heard(*node)) {
+        return None;
+    }
+    let ranged: Vec<&str> = ranged.into_iter().map(name).collect();
+    Some(format!(
+        "no node with ranges is one that was heard: ranges are to {}, and heard were {}. If they are the same nodes, give them \
+         the same names",
+        listed(&ranged),
+        listed(&heard)
+    ))
+}
+
+/// A note on nodes with ranges that have no place on the map, which has its nodes at `places`.
+fn without_place(log: &ReceptionLog, places: &[Option<Position>]) -> Option<String> {
+    /// Places of ranges that a node needs, where they are at one height and where not.
+    const NEEDED: [usize; 2] = [3, 4];
+    let nodes = (0..log.node_count()).map(NodeId::from_index);
+    let ranged: Vec<NodeId> = nodes.filter(|node| !log.ranges_to(*node).is_empty()).collect();
+    let is_lost = |node: &&NodeId| places.get(node.index()).is_some_and(Option::is_none);
+    let lost: Vec<&str> = ranged.iter().filter(is_lost).map(|node| log.names()[node.index()].as_str()).collect();
+    let heights = || log.ranges().iter().map(|sample| sample.position.z_m);
+    let span_m = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
+    let needed = NEEDED[usize::from(span_m > 1e-3)];
+    (!lost.is_empty()).then(|| {
+        format!(
+            "{} of {} with ranges {} no place: {}. A place takes ranges from at least {needed} stops, or places half a metre apart, \
+             and ranges that agree",
+            lost.len(),
+            counted(ranged.len(), "node"),
+            if lost.len() == 1 { "has" } else { "have" },
+            listed(&lost)
+        )
+    })
+}
+
 /// The notes on a map of `log`: what is odd in its law and places, and in how it differs from the true places of the nodes.
 ///
 /// The map has its nodes at `places`, and what was estimated with it is `learned`.
@@ -49,13 +93,14 @@ pub(super) fn of_map(
     truth: Option<&[Option<Position>]>,
 ) -> Vec<String> {
     let axes = truth.and_then(|truth| axes(truth, places));
-    doctor::of_map(log, places, learned).into_iter().chain(axes).map(|finding| finding.to_string()).collect()
+    let findings = doctor::of_map(log, places, learned).into_iter().chain(axes);
+    findings.map(|finding| finding.to_string()).chain(without_place(log, places)).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{Position, Reception, Stop};
-    use sextant_kernel::{NodeId, RobotId, SimTime};
+    use sextant_channel::{Mounting, Position, RangeSample, Reception, Stop};
+    use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
 
@@ -86,6 +131,45 @@ mod tests {
     fn nodes_that_were_never_heard_are_named() {
         let notes = notes(4, &[(1, 0, 3, 5), (2, 1, 0, 5), (3, 2, 0, 0)]);
         assert_eq!(notes, ["3 of 4 nodes were never heard by a robot: n0, n2, n3"]);
+    }
+
+    /// A log of one stop with nodes `a` and `b`: `a` was heard, and there is a range to the node with this number.
+    fn ranged(node: u32) -> ReceptionLog {
+        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+        let (sector, rssi_dbm, snr_db) = (None, None, None);
+        let heard = Reception { node: NodeId(0), stop: 0, received: 1, sent: 1, sector, rssi_dbm, snr_db };
+        let sample = RangeSample {
+            node: NodeId(node),
+            robot: RobotId(0),
+            time: SimTime::ZERO,
+            position: Position::ORIGIN,
+            mounting: Mounting::default(),
+            velocity: Position::ORIGIN,
+            range_m: 4.0,
+        };
+        let names = ["a", "b"].map(str::to_owned).to_vec();
+        let log = ReceptionLog::new(names, vec![stop], vec![heard], Vec::new()).unwrap();
+        log.with_ranges(vec![sample]).unwrap()
+    }
+
+    #[test]
+    fn nodes_with_ranges_and_no_place_are_named_with_what_they_need() {
+        let told = without_place(&ranged(1), &[None, None]).unwrap();
+        assert!(
+            told.starts_with("1 of 1 node with ranges has no place: b. A place takes ranges from at least 3"),
+            "{told}"
+        );
+        assert_eq!(without_place(&ranged(1), &[None, Some(Position::ORIGIN)]), None);
+    }
+
+    #[test]
+    fn ranges_to_nodes_that_were_never_heard_ask_for_their_names() {
+        assert_eq!(other_names(&ranged(0)), None);
+        let told = other_names(&ranged(1)).unwrap();
+        assert!(
+            told.starts_with("no node with ranges is one that was heard: ranges are to b, and heard were a."),
+            "{told}"
+        );
     }
 
     #[test]

@@ -90,7 +90,7 @@ pub enum TilesError {
     Changed,
     /// Maps of several networks are asked for.
     #[error(
-        "the map `{map}` is of network `{network}`: tiles are those of one network; choose one with `--network {network}`"
+        "the map `{map}` is of network `{network}`: tiles are those of one network; choose one with `network={network}`"
     )]
     Networks {
         /// The map.

@@ -71,7 +71,7 @@ pub fn tracks(
     start: Stopwatch,
     watch: &dyn Watch,
 ) -> Result<(Summary, Vec<(String, Track)>), MapLogError> {
-    let TagReadings { tags, notes } = job.source.readings(job.known, job.options)?;
+    let TagReadings { tags, mut notes } = job.source.readings(job.known, job.options)?;
     let receivers: Vec<Position> = job.known.values().copied().collect();
     let (mut tracks, mut summaries) = (Vec::new(), Vec::new());
     for (tag, readings) in tags {
@@ -80,8 +80,27 @@ pub fn tracks(
         summaries.push(summary(&tag, &found, heard.len(), job.truth));
         tracks.push((tag, found));
     }
+    notes.extend(job.truth.and_then(|truth| apart(truth, &tracks)));
     let timing = Timing { wall_s: start.elapsed_s(), peak_rss_bytes: peak_rss_bytes(), ..Timing::default() };
     Ok((Summary { notes, tracks: summaries, timing: Some(timing), ..Summary::default() }, tracks))
+}
+
+/// A note if no pose of a track is from the time of the true path, so that nothing can be compared.
+fn apart(truth: &robot_log::Path, tracks: &[(String, Track)]) -> Option<String> {
+    let times = || tracks.iter().flat_map(|(_, track)| &track.poses).map(|pose| pose.time);
+    let (first, last) = (times().min()?, times().max()?);
+    let seconds = |time: SimTime| time.saturating_since(SimTime::ZERO).as_secs_f64();
+    let (from, to) = truth.span();
+    (!times().any(|time| truth.at(time).is_some())).then(|| {
+        format!(
+            "the true path is not compared: it is from {:.1} s to {:.1} s, and the tracks are from {:.1} s to {:.1} s; both need \
+             times of one clock",
+            seconds(from),
+            seconds(to),
+            seconds(first),
+            seconds(last)
+        )
+    })
 }
 
 fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log::Path>) -> TrackSummary {
@@ -132,5 +151,46 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
         position_rmse_m: (count > 0.0).then(|| (squares / count).sqrt()),
         in_region_95: (count > 0.0).then(|| held / count),
         position_error_m: PositionError::of(&errors_m).map(ErrorSummary::from),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_kernel::Unwatched;
+    use sextant_logs::Pose;
+    use sextant_mapper::TagReading;
+
+    use super::*;
+
+    fn at(second: u64) -> SimTime {
+        SimTime::from_nanos(second * 1_000_000_000)
+    }
+
+    /// The notes on a tag that drives from 0 s to 19 s, with a true path that begins at a time (s).
+    fn notes(truth_from: u64) -> Vec<String> {
+        let receivers = [Position::new(0.0, 0.0, 0.0), Position::new(10.0, 0.0, 0.0), Position::new(0.0, 8.0, 0.0)];
+        let reading = |second: u64| {
+            let place = Position::new(1.0 + 0.3 * second as f64, 3.0, 0.0);
+            let of = |(number, receiver): (usize, &Position)| {
+                let error_m = 0.05 * libm::sin((7 * second + 3 * number as u64) as f64);
+                TagReading::range(number, at(second), receiver.distance_m(place) + error_m)
+            };
+            receivers.iter().enumerate().map(of).collect::<Vec<_>>()
+        };
+        let readings: Vec<TagReading> = (0..20).flat_map(reading).collect();
+        let found = track(&receivers, &readings, TrackSettings::default(), &Unwatched).unwrap();
+        let pose = |second| Pose { time: at(second), position: receivers[0] };
+        let truth = robot_log::Path::new(vec![pose(truth_from), pose(truth_from + 30)]).unwrap();
+        apart(&truth, &[("tag".to_owned(), found)]).into_iter().collect()
+    }
+
+    #[test]
+    fn a_true_path_of_another_time_is_told() {
+        assert_eq!(notes(0), Vec::<String>::new());
+        let found = notes(1000);
+        assert!(
+            found[0].contains("it is from 1000.0 s to 1030.0 s, and the tracks are from 0.0 s to 19.0 s"),
+            "{found:?}"
+        );
     }
 }

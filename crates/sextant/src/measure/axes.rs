@@ -8,6 +8,11 @@ use sextant_logs::doctor::Finding;
 /// An alignment that explains the errors leaves at most this share of them, of at least so many nodes.
 const EXPLAINED: f64 = 0.4;
 const LEAST: usize = 5;
+/// The errors that it leaves are at most this share of the spread of the true places: a poor map is not excused by its axes.
+const MOST_LEFT: f64 = 0.15;
+/// Origins differ if the middles are at least so far apart (m), and so many times as far as the errors that are left.
+const APART_M: f64 = 1.0;
+const APART: f64 = 5.0;
 /// Units that are mistaken for metres, and what a metre is in them.
 const UNITS: [(f64, &str); 4] =
     [(100.0, "centimetres"), (1000.0, "millimetres"), (1.0 / 0.3048, "feet"), (1e-3, "kilometres")];
@@ -38,12 +43,13 @@ pub(crate) fn axes(truth: &[Option<Position>], places: &[Option<Position>]) -> O
         Ok(kept) if mirrors(best) => after_m < EXPLAINED * error_m(&|place| kept.apply(place)),
         _ => true,
     };
-    if after_m > EXPLAINED * before_m || !is_needed(&best) {
+    if after_m > EXPLAINED * before_m || after_m > MOST_LEFT * spread_m(&pairs) || !is_needed(&best) {
         return None;
     }
     let apart = pairs.iter().fold(Position::ORIGIN, |sum, &(place, truth)| sum + (truth - place));
     let apart_m = apart.length_m() / pairs.len() as f64;
-    let (what, remedy) = described(&best, apart_m)?;
+    let is_moved = apart_m >= APART_M.max(APART * after_m);
+    let (what, remedy) = described(&best, is_moved.then_some(apart_m))?;
     Some(Finding {
         check: "axes",
         odd: format!(
@@ -56,14 +62,23 @@ pub(crate) fn axes(truth: &[Option<Position>], places: &[Option<Position>]) -> O
     })
 }
 
+/// The median distance of true places from their middle (m); the true place is the second of a pair.
+fn spread_m(pairs: &[(Position, Position)]) -> f64 {
+    let sum = pairs.iter().fold(Position::ORIGIN, |sum, &(_, truth)| sum + truth);
+    let middle = sum * (1.0 / pairs.len() as f64);
+    let mut away: Vec<f64> = pairs.iter().map(|(_, truth)| truth.distance_m(middle)).collect();
+    away.sort_by(f64::total_cmp);
+    away[away.len() / 2]
+}
+
 fn mirrors(similarity: &Similarity) -> bool {
     let [[a, b, _], [c, d, _], _] = similarity.rotation;
     a * d - b * c < 0.0
 }
 
 /// What a similarity from the map to the truth does, and what undoes it; `None` if it is none that a mistake makes. Their
-/// middles are `apart_m` from each other.
-fn described(similarity: &Similarity, apart_m: f64) -> Option<(String, String)> {
+/// middles are `apart_m` from each other, if that is another origin.
+fn described(similarity: &Similarity, apart_m: Option<f64>) -> Option<(String, String)> {
     let [[xx, xy, _], [yx, yy, _], _] = similarity.rotation;
     let is_along = |cosine: f64| cosine.abs() >= ALONG;
     let axes = if is_along(xx) && is_along(yy) {
@@ -104,9 +119,8 @@ fn described(similarity: &Similarity, apart_m: f64) -> Option<(String, String)> 
                 format!("multiply the true positions by {}", rounded(1.0 / in_a_metre)),
             )),
             _ if (0.5..=2.0).contains(&scale) => None,
-            _ => {
-                Some((format!("the true positions are {scale:.3} times as large"), "give both in metres".to_owned()))
-            }
+            // No unit: the map is wrong.
+            _ => return None,
         }
     };
     match (axes, units) {
@@ -117,9 +131,9 @@ fn described(similarity: &Similarity, apart_m: f64) -> Option<(String, String)> 
         (None, Some((unit, factor))) => Some((unit, factor)),
         // A map that is shrunk towards its middle is a poor one.
         (None, None) if !is_near(scale, 1.0) => None,
-        (None, None) => {
-            Some((format!("their origins are {apart_m:.0} m apart"), remedy_of("give both from one origin")))
-        }
+        (None, None) => apart_m.map(|apart_m| {
+            (format!("their origins are {apart_m:.0} m apart"), remedy_of("give both from one origin"))
+        }),
     }
 }
 
@@ -174,6 +188,24 @@ mod tests {
         assert!(both.odd.contains("x and y are swapped, and the log seems to be in centimetres"), "{both}");
         let shifted = told(|at| at + Position::new(40.0, 30.0, 0.0)).unwrap();
         assert!(shifted.odd.contains("their origins are 50 m apart"), "{shifted}");
+    }
+
+    #[test]
+    fn origins_are_told_only_if_they_are_clearly_apart() {
+        assert_eq!(told(|at| at + Position::new(0.6, 0.6, 0.0)), None, "less than a metre");
+        assert!(told(|at| at + Position::new(3.0, 3.0, 0.0)).is_some());
+    }
+
+    #[test]
+    fn a_scale_of_no_unit_and_large_errors_are_the_map() {
+        let middle = Position::new(10.0, 6.0, 0.0);
+        assert_eq!(told(|at| (at - middle) * 6.5), None, "no unit");
+        // Reversed, with errors of 3 m: strengths without their sign.
+        let reversed = |at: Position| {
+            let angle = 12.9 * at.x_m + 78.2 * at.y_m;
+            (middle - at) * 1.1 + middle + Position::new(5.0 * libm::sin(angle), 5.0 * libm::cos(1.7 * angle), 0.0)
+        };
+        assert_eq!(told(reversed), None, "reversed");
     }
 
     #[test]

@@ -146,7 +146,7 @@ fn places_of_another_kind_are_errors_that_say_so() {
 fn read(stops: &str) -> Result<Vec<String>, String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("stops.csv"), stops).unwrap();
-    std::fs::write(folder.path().join("receptions.csv"), "node,stop,received\n").unwrap();
+    std::fs::write(folder.path().join("receptions.csv"), "node,stop,received\nlamp,A,0\n").unwrap();
     let log = robot_log::read(folder.path(), &ReadOptions::default());
     log.map(|log| log.notes).map_err(|error| error.to_string())
 }
@@ -191,7 +191,7 @@ fn heights_are_above_the_first_stop_or_as_given() {
     let heights = |stops: &str| {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("stops.csv"), stops).unwrap();
-        std::fs::write(folder.path().join("receptions.csv"), "node,stop,received\n").unwrap();
+        std::fs::write(folder.path().join("receptions.csv"), "node,stop,received\nlamp,A,0\n").unwrap();
         let log = robot_log::read(folder.path(), &ReadOptions::default()).unwrap().log;
         log.stops().iter().map(|stop| stop.position.z_m).collect::<Vec<_>>()
     };

@@ -75,6 +75,27 @@ fn a_column_that_looks_like_an_absent_one_is_an_error() {
 }
 
 #[test]
+fn a_header_alone_is_no_log() {
+    assert_eq!(refusal(STOPS, "node,stop,received\n"), "the log has no packets");
+    assert!(try_read(STOPS, "node,stop,received\nlamp,A,0\n").is_ok());
+}
+
+#[test]
+fn packets_beyond_those_that_the_stops_state_as_sent_are_told() {
+    let stops = "stop,t_s,x_m,y_m,sent\nA,0,0,0,2\nB,1,1,0,2\n";
+    let rows = |at_a: usize| format!("node,stop,rssi_dbm\nlamp,B,-60\n{}", "lamp,A,-50\n".repeat(at_a));
+    let is_told = |log: &robot_log::RobotLog| {
+        log.notes
+            .iter()
+            .any(|note| note.starts_with("1 stop of stops.csv has a `sent` below the packets of receptions.csv"))
+    };
+    let log = read(stops, &rows(3));
+    assert_eq!(counts(&log.log, 0), [(3, 3), (1, 2)]);
+    assert!(is_told(&log), "{:?}", log.notes);
+    assert!(!is_told(&read(stops, &rows(2))));
+}
+
+#[test]
 fn semicolons_and_tabs_separate_cells_and_leave_the_comma_for_decimals() {
     let expected =
         read("stop,t_s,x_m,y_m\nA,0.25,1.5,-2\nB,1,1,0\n", "node,stop,received,sent,rssi_dbm\n\"a;b\",A,2,5,-70.5\n");

@@ -220,6 +220,9 @@ impl<'a> ReadingTables<'a> {
         if !repair.rssi_missing.is_empty() {
             self.notes.extend(self.check.note());
         }
+        let told = ["impossible-strengths", "silence-as-strength"];
+        let findings = self.check.findings().into_iter().filter(|finding| told.contains(&finding.check));
+        self.notes.extend(findings.map(|finding| finding.to_string()));
         Ok(())
     }
 }

@@ -97,7 +97,7 @@ pub fn track(
     let missing = MapError::Missing {
         algorithm: "track",
         what: "ranges to three receivers with known places within two seconds, or strengths",
-        remedy: "`ranges.csv` has the ranges, `packets.csv` the strengths, each with its time, and `--known` the places",
+        remedy: "`ranges.csv` has the ranges, `packets.csv` the strengths, each with its time, and option `known` the places",
     };
     let epochs = Epochs::of(readings);
     let height_m = height_m(receivers, settings.height_m);
