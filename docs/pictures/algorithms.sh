@@ -30,7 +30,7 @@ keep() {
 
 simulate "$scenarios/planar.toml"
 keep planar/network network
-for name in ml-tm channel known-obstacles tpm smacof rss-ml rss-grid rssi-triangle-centroid least-squares dv-hop; do
+for name in ml-tm tpm smacof rss-ml rss-grid rssi-triangle-centroid least-squares dv-hop; do
     keep "planar/map-$name" "$name"
 done
 keep planar/likelihood-ml-tm-n70 ml-tm-likelihood
@@ -45,7 +45,6 @@ keep walls-self-calibrated/curve-self-calibrated self-calibrated-curve
 simulate "$scenarios/linked.toml"
 map linked link-model
 keep linked-link-model/map-link-model link-model
-keep linked-link-model/residuals-link-model link-model-residuals
 map linked packet-centroid
 keep linked-packet-centroid/map-packet-centroid packet-centroid
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
+use std::sync::LazyLock;
 
 use tempfile::TempDir;
 
@@ -161,6 +162,10 @@ fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<String, Sweep> {
     plans
 }
 
+/// The plans in full size, and invented runs of them in which each value is one.
+static PLANS: LazyLock<BTreeMap<String, Sweep>> = LazyLock::new(|| plans(&TempDir::new().unwrap(), false));
+static ONES: LazyLock<Runs> = LazyLock::new(|| made_up(&PLANS, |_, _, _| Some(1.0)));
+
 /// Everything that an experiment reads, with its description.
 fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
     let of_lines =
@@ -184,16 +189,17 @@ fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
 fn made_up(plans: &BTreeMap<String, Sweep>, value: impl Fn(&str, usize, &Measure) -> Option<f64>) -> Runs {
     let mut runs = Runs::new(std::path::PathBuf::new(), RunCounts::Each(RUNS), None);
     for (scenario, plan) in plans {
-        let row = |cell: usize, replicate: u32| {
-            let scatter = 1.0 + 1e-6 * f64::from(replicate);
-            let values = plan.measures().iter().map(|measure| Some(scatter * value(scenario, cell, measure)?));
-            RunRow { cell, replicate, outcome: Ok(values.collect()) }
-        };
-        let rows = (0..plan.cells().len()).flat_map(|cell| (0..plan.runs()).map(move |replicate| (cell, replicate)));
-        runs.insert(
-            Variant::shipped(scenario),
-            (plan.clone(), rows.map(|(cell, replicate)| row(cell, replicate)).collect()),
-        );
+        let mut rows = Vec::new();
+        for cell in 0..plan.cells().len() {
+            let values: Vec<Option<f64>> =
+                plan.measures().iter().map(|measure| value(scenario, cell, measure)).collect();
+            rows.extend((0..plan.runs()).map(|replicate| {
+                let scatter = 1.0 + 1e-6 * f64::from(replicate);
+                let outcome = Ok(values.iter().map(|value| Some(scatter * (*value)?)).collect());
+                RunRow { cell, replicate, outcome }
+            }));
+        }
+        runs.insert(Variant::shipped(scenario), (plan.clone(), rows));
     }
     runs
 }
@@ -232,28 +238,25 @@ fn times_are_those_of_scenarios_that_are_run_and_published_numbers_have_a_verdic
     for (scenario, run_s) in Costs::measured().all() {
         assert!(scenarios.contains(&scenario) && run_s > 0.0, "{scenario}: {run_s} s");
     }
-    let runs = made_up(&plans(&TempDir::new().unwrap(), false), |_, _, _| Some(1.0));
-    for line in experiments.iter().flat_map(|experiment| experiment.lines(&runs)) {
+    for line in experiments.iter().flat_map(|experiment| experiment.lines(&ONES)) {
         assert_eq!(line.verdict().is_some(), line.published.is_some(), "{}: {:?}", line.what, line.published);
     }
 }
 
 #[test]
 fn everything_that_an_experiment_reads_exists_in_its_scenario() {
-    let plans = plans(&TempDir::new().unwrap(), false);
-    let runs = made_up(&plans, |_, _, _| Some(1.0));
     for experiment in experiments() {
         for (what, term) in terms(&experiment) {
             let column = term.measure.column();
-            let columns = plans[&term.variant.scenario].columns();
+            let columns = PLANS[&term.variant.scenario].columns();
             assert!(columns.iter().any(|other| other.name == column), "`{what}` reads {column}");
             assert_eq!(
-                runs.values(term).len(),
-                plans[&term.variant.scenario].runs() as usize,
+                ONES.values(term).len(),
+                PLANS[&term.variant.scenario].runs() as usize,
                 "`{what}` reads {column} in {term:?}"
             );
         }
-        for line in experiment.lines(&runs) {
+        for line in experiment.lines(&ONES) {
             assert_ne!(line.ours, Ours::Missing, "{}", line.what);
         }
     }
@@ -349,7 +352,6 @@ fn published_connectivity_errors_are_only_given_for_the_radius_of_communication(
 
 #[test]
 fn every_conclusion_can_hold_or_not() {
-    let plans = plans(&TempDir::new().unwrap(), false);
     for experiment in experiments() {
         for claim in &experiment.claims {
             let terms = claim.check.terms();
@@ -358,7 +360,7 @@ fn every_conclusion_can_hold_or_not() {
                 [Verdict::Holds, Verdict::DoesNotHold].into_iter().find(|verdict| !verdicts.contains(verdict))
             };
             let is_read = |scenario: &str| terms.iter().any(|term| term.variant.scenario == scenario);
-            let read = plans.iter().filter(|(scenario, _)| is_read(scenario));
+            let read = PLANS.iter().filter(|(scenario, _)| is_read(scenario));
             let read: BTreeMap<_, _> = read.map(|(scenario, plan)| (scenario.clone(), plan.clone())).collect();
             // The values of the terms rise, fall or are equal, at several sizes.
             for step in [1.3, 1.0 / 1.3, 1.0, 2.0, 0.5, 100.0] {
@@ -367,14 +369,14 @@ fn every_conclusion_can_hold_or_not() {
                         continue;
                     }
                     let runs = made_up(&read, |scenario, cell, measure| {
+                        let is_of_cell = |term: &Term| {
+                            let values = PLANS[scenario].values(cell);
+                            PLANS[scenario].keys().iter().zip(&values).all(|(key, value)| {
+                                term.settings.iter().any(|(name, wanted)| *name == key.name && wanted == value)
+                            })
+                        };
                         let is_it = |term: &&Term| {
-                            let values = plans[scenario].values(cell);
-                            let keys = plans[scenario].keys().iter();
-                            term.variant.scenario == scenario
-                                && term.measure == *measure
-                                && keys.zip(&values).all(|(key, value)| {
-                                    term.settings.iter().any(|(name, wanted)| *name == key.name && wanted == value)
-                                })
+                            term.variant.scenario == scenario && term.measure == *measure && is_of_cell(term)
                         };
                         let at = terms.iter().position(is_it)?;
                         Some(size * f64::powi(step, i32::try_from(at).unwrap()))
@@ -419,15 +421,16 @@ fn every_picture_shows_what_its_scenario_has() {
 
 #[test]
 fn a_published_value_names_its_source() {
-    let runs = made_up(&plans(&TempDir::new().unwrap(), false), |_, _, _| Some(1.0));
     for experiment in experiments() {
-        for line in experiment.lines(&runs).into_iter().chain(experiment.conclusions(&runs)) {
-            let Some(Published { value, source }) = line.published else { continue };
+        let of_lines = experiment.lines.iter().map(|line| (&line.what, &line.published));
+        let of_claims = experiment.claims.iter().map(|claim| (&claim.text, &claim.published));
+        for (what, published) in of_lines.chain(of_claims) {
+            let Some(Published { value, source }) = published else { continue };
             let (kind, number) = source.split_once(' ').expect("`table 3.6`");
             let chapter = number.split_once('.').map(|(chapter, _)| chapter);
             assert!(["table", "figure", "section"].contains(&kind), "{source}");
             assert!(chapter.is_some_and(|chapter| ["3", "4", "5", "6", "7"].contains(&chapter)), "{source}");
-            assert!(!value.is_empty(), "{}", line.what);
+            assert!(!value.is_empty(), "{what}");
         }
     }
 }

@@ -7,7 +7,9 @@ mod profiles;
 mod reasons;
 mod source;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 pub(super) use guides::guides;
 use modules::Modules;
@@ -64,8 +66,13 @@ const FOLDERS: [&str; 15] = [
 const BY_MODULE_PATH: [&str; 9] =
     ["channel", "sim", "mapper", "recording", "figure", "study", "report", "thesis", "cli"];
 
-fn modules_of(folder: &str) -> Modules {
-    Modules::read(&root().join("crates").join(folder).join("src"))
+/// The modules of the crate in a folder, which all tests read once.
+fn modules_of(folder: &str) -> &'static Modules {
+    static MODULES: LazyLock<BTreeMap<&str, Modules>> = LazyLock::new(|| {
+        let read = |folder: &'static str| (folder, Modules::read(&root().join("crates").join(folder).join("src")));
+        FOLDERS.into_iter().map(read).collect()
+    });
+    &MODULES[folder]
 }
 
 #[test]

@@ -25,13 +25,9 @@ fn a_recording_has_each_battery_and_each_death() {
     let settings =
         ["duration_s=3000", "battery.capacity_mah=1.0", "traffic.poisson.rate_per_s=2", "recording.packets=true"];
     let set = settings.iter().flat_map(|setting| ["--set", setting]);
-    let run = |name: &str| {
-        let mut command = sextant();
-        command.arg("run").arg(scenario("batteries/slots-tree.toml")).args(set.clone()).arg("--quiet");
-        runs(command.arg("--out").arg(path(name)).arg("--summary").arg(path("summary.json")));
-        fs::read(path(name)).expect("a recording")
-    };
-    assert!(run("a.mcap") == run("b.mcap"), "the same scenario and seed, the same bytes");
+    let mut command = sextant();
+    command.arg("run").arg(scenario("batteries/slots-tree.toml")).args(set).arg("--quiet");
+    runs(command.arg("--out").arg(path("a.mcap")).arg("--summary").arg(path("summary.json")));
     let text = fs::read_to_string(path("summary.json")).expect("a summary");
     let summary: Value = serde_json::from_str(&text).expect("JSON");
     runs(sextant().arg("export").arg(path("a.mcap")).arg("--out").arg(path("tables")));

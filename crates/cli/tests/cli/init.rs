@@ -25,18 +25,17 @@ fn text(bytes: &[u8]) -> String {
 
 /// Writes a template, checks it and runs it: the summary.
 fn run(template: &str) -> Value {
-    run_with(template, &[])
+    run_in(folder().path(), template, &[])
 }
 
-/// The same with these words behind the command that runs it.
-fn run_with(template: &str, words: &[&str]) -> Value {
-    let folder = folder();
-    sextant(folder.path(), &["init", template]).success();
+/// The same in a folder of the test, with these words behind the command that runs it.
+fn run_in(folder: &Path, template: &str, words: &[&str]) -> Value {
+    sextant(folder, &["init", template]).success();
     let file = format!("{template}.toml");
-    let checked = sextant(folder.path(), &["check", &file]).success();
+    let checked = sextant(folder, &["check", &file]).success();
     assert_eq!(text(&checked.get_output().stderr), "", "{template}");
-    sextant(folder.path(), &[&["run", &file, "--summary", "summary.json", "--quiet"], words].concat()).success();
-    summary(&folder.path().join("summary.json"))
+    sextant(folder, &[&["run", &file, "--summary", "summary.json", "--quiet"], words].concat()).success();
+    summary(&folder.join("summary.json"))
 }
 
 fn mean_error_m(map: &Value) -> f64 {
@@ -52,13 +51,36 @@ fn the_survey_maps_all_nodes_better_than_a_centroid() {
 }
 
 #[test]
-fn ranges_map_all_nodes_to_a_few_centimetres_and_no_better_than_their_bound() {
-    let summary = run_with("ranges", &["--set", "recording.map_snapshots=0"]);
+fn ranges_map_all_nodes_to_a_few_centimetres_and_the_recording_and_its_tables_give_the_same_map() {
+    let folder = folder();
+    let words = ["--set", "recording.map_snapshots=0", "--out", "run.mcap"];
+    let summary = run_in(folder.path(), "ranges", &words);
     let map = &summary["maps"][0];
     let bound_m = map["posterior_bound_m"].as_f64().expect("a bound");
     assert_eq!((&map["mapped"], &map["coverage_95"]), (&Value::from(16), &Value::from(1.0)));
     assert!(bound_m > 0.005 && mean_error_m(map) > bound_m && mean_error_m(map) < 0.05, "{bound_m}: {map}");
     assert!(summary["gathering"]["ranges"].as_u64().expect("a count") > 5000);
+
+    let printed = |words: &[&str]| -> Value {
+        let printed = sextant(folder.path(), &[words, &["--format", "json"]].concat()).success();
+        serde_json::from_slice(&printed.get_output().stdout).expect("JSON")
+    };
+    sextant(folder.path(), &["export", "run.mcap", "--out", "tables"]).success();
+    let known = "tables/nodes.csv";
+    let from_recording = printed(&["map", "run.mcap", "--algorithm", "range-ml"]);
+    let from_tables = printed(&["map", "tables", "--algorithm", "range-ml", "--truth", known]);
+    let law = |summary: &Value| summary["maps"][0]["range_law"].clone();
+    assert!(law(&summary)["bias_m"].as_f64().is_some_and(|bias_m| (bias_m - 0.3).abs() < 0.1));
+    assert_eq!(law(&summary), law(&from_recording));
+    assert_eq!(law(&summary), law(&from_tables));
+    let errors = |summary: &Value| summary["maps"][0]["position_error_m"].clone();
+    assert_eq!(errors(&from_recording), errors(&from_tables));
+
+    // The track of the robot.
+    let track = printed(&["map", "run.mcap", "--track", "--known", known, "--out", "track.csv"])["tracks"][0].clone();
+    assert_eq!((&track["tag"], &track["receivers"]), (&Value::from("surveyor"), &Value::from(16)));
+    let length_m = track["length_m"].as_f64().expect("a length");
+    assert!((length_m - 140.0).abs() < 6.0, "{length_m}");
 }
 
 #[test]

@@ -130,9 +130,7 @@ fn tiles_of_the_log_of_a_robot_give_the_map_of_one_piece() {
         };
         let whole = map(words);
         assert!(whole.0.lines().count() > 70, "{}", whole.0);
-        for count in ["2", "7"] {
-            assert!(map(&[words, &["--tiles", count]].concat()) == whole, "{log}, {words:?} in {count} tiles");
-        }
+        assert!(map(&[words, &["--tiles", "3"]].concat()) == whole, "{log}, {words:?} in tiles");
     }
 }
 
@@ -215,7 +213,9 @@ fn files(folder: &Path) -> Vec<String> {
 #[test]
 fn tiles_that_are_kept_by_several_processes_give_the_map_of_one() {
     let recorded = Recorded::of("ml-tm/circular.toml");
-    for words in [&["--algorithm", "ml-tm"][..], &["--algorithm", "packet-centroid"]] {
+    // The map of the scenario, and another one.
+    let own: &[&str] = &[];
+    for words in [own, &["--algorithm", "packet-centroid"]] {
         let maps = TempDir::new().expect("there is room");
         let kept = maps.path().to_str().expect("UTF-8");
         let make = |tiles: &str| {

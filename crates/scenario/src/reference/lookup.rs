@@ -2,11 +2,11 @@
 
 use serde_json::Value;
 
-use super::listing::{key_reference, of_choice, of_key, of_view};
+use super::listing::{all_keys, of_choice, of_key, of_view};
 use super::view::View;
 use super::{KeyReference, path, words};
 use crate::document::key_path::{KeyPath, PathStep};
-use crate::schema::schema;
+use crate::schema::parsed;
 
 /// What [`explain`] found.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,11 +51,10 @@ pub enum ExplainError {
 /// # Errors
 /// If no key of a scenario has that name.
 pub fn explain(key: &str) -> Result<Explanation, ExplainError> {
-    let root = schema();
+    let (root, all) = (parsed(), all_keys());
     let steps = steps(key)?;
-    let all = key_reference();
-    if let Some(found) = walk(&root, &steps) {
-        return Ok(found.explanation(&all));
+    if let Some(found) = walk(root, &steps) {
+        return Ok(found.explanation(all));
     }
     let names: Vec<&str> = steps.iter().filter_map(name).collect();
     let mut found: Vec<KeyReference> =
@@ -64,11 +63,11 @@ pub fn explain(key: &str) -> Result<Explanation, ExplainError> {
         found = all.iter().filter(|known| chooses(known, &names)).cloned().collect();
     }
     match found.as_slice() {
-        [] => Err(ExplainError::Unknown { key: key.to_owned(), near: near(&all, &names) }),
+        [] => Err(ExplainError::Unknown { key: key.to_owned(), near: near(all, &names) }),
         [only] => {
             let steps: Vec<PathStep> = path::parts(&only.path).map(|part| PathStep::Key(part.to_owned())).collect();
-            walk(&root, &steps)
-                .map(|found| found.explanation(&all))
+            walk(root, &steps)
+                .map(|found| found.explanation(all))
                 .ok_or_else(|| ExplainError::Unknown { key: key.to_owned(), near: vec![only.path.clone()] })
         }
         _ => Ok(Explanation::Several(found)),

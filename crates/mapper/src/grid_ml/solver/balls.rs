@@ -115,7 +115,7 @@ mod tests {
     const R: f64 = 10.0;
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
 
         #[test]
         fn the_part_of_a_row_is_that_in_double_precision_but_for_the_error(

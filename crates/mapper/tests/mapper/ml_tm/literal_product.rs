@@ -71,7 +71,7 @@ fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn the_plane_has_the_argmax_ties_and_mean_of_the_literal_product(case in case(0.0, 0.5, 1.0..4.0)) {
