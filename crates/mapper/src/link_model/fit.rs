@@ -147,8 +147,8 @@ pub(super) fn find(
     Ok(found)
 }
 
-/// The law of highest evidence among those of fewer parameters, if it has surely more than the law that was `found`. Real links
-/// have what it lacks, and their logs refute it; where it holds, it places nodes better.
+/// The law of highest evidence among those of fewer parameters, if one of independent links has surely more than the law that was
+/// `found`. Real links have what it lacks, and their logs refute it; where it holds, it places nodes better.
 fn simple_law(
     samples: &[NodeSample<'_>],
     found: &FoundLaw,
@@ -158,19 +158,19 @@ fn simple_law(
         let sums = sums(samples, |NodeSample { evidence, grid }, _| evidence.sums(law, grid));
         score(samples, &sums, law, LawFamily::Independent)
     };
-    let mut most = evidence(&found.law) + SIMPLER;
-    let mut simplest = None;
-    let alike = found.law.of_alike_nodes();
-    for (family, law) in [(LawFamily::AlikeNodes, alike), (LawFamily::Independent, Law { shared: 0.0, ..alike })] {
+    let of_family = |family: LawFamily, law: Law| {
         let mut simple = FoundLaw { law, ..found.clone() };
         climb(samples, &mut simple, family, &[0, 1, 2], watch)?;
         simple.placing = simple.law;
-        let evidence = evidence(&simple.law);
-        if evidence > most {
-            (most, simplest) = (evidence, Some(simple));
-        }
+        Ok::<_, Interrupted>((evidence(&simple.law), simple))
+    };
+    let alike = found.law.of_alike_nodes();
+    let (most, independent) = of_family(LawFamily::Independent, Law { shared: 0.0, ..alike })?;
+    if most < evidence(&found.law) + SIMPLER {
+        return Ok(None);
     }
-    Ok(simplest)
+    let (evidence, alike) = of_family(LawFamily::AlikeNodes, alike)?;
+    Ok(Some(if evidence > most { alike } else { independent }))
 }
 
 /// The median distance from a node's middle to the places that heard it (m).
