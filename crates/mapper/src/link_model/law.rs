@@ -48,9 +48,14 @@ impl Law {
         Self { shadowing: self.spread(), offset: 0.0, direction: 0.0, slope_spread: 0.0, ..*self }
     }
 
+    /// Whether nodes have nothing of their own.
+    pub(super) fn has_alike_nodes(&self) -> bool {
+        self.offset == 0.0 && self.direction == 0.0
+    }
+
     /// Whether links share nothing but the distance.
     pub(super) fn has_independent_links(&self) -> bool {
-        self.shared == 0.0 && self.offset == 0.0
+        self.shared == 0.0 && self.has_alike_nodes()
     }
 
     /// Standard deviation of the slopes of nodes.
