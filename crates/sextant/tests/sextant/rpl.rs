@@ -178,8 +178,8 @@ fn a_loop_is_found_by_ranks_and_ends() {
     let rpl = found.rpl.as_ref().expect("a tree of RPL");
     assert!(rpl.rank_errors > 0 && rpl.rank_error_drops == 0, "{rpl:?}");
     assert_eq!(found.without_way, 2, "the two beyond the dead node");
-    // Two nodes ask each 30 s, and packets have stopped going round.
-    assert!(rpl.dis > 100 && found.loops < 200 && found.hop_limit_drops < 5, "{found:?}");
+    // Two nodes ask each 30 s. 4000 packets come after the death, and few of them go round: those that meet the loop while it is new.
+    assert!(rpl.dis > 100 && found.loops < 400 && found.hop_limit_drops < 5, "{found:?}");
 }
 
 /// `n0` reaches the sink by `n1` alone, whose link to the sink is gone for 500 s, so that `n1` takes `n0` as its parent. A packet that
