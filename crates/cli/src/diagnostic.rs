@@ -9,7 +9,7 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, Na
 use sextant::LinkError;
 use sextant::antenna::{BookError, ConvertError};
 use sextant::export::ExportError;
-use sextant::floorplan::FloorPlanError;
+use sextant::floorplan::{self, FloorPlanError};
 use sextant::mapping::MapLogError;
 use sextant::next::NextError;
 use sextant::run::RunError;
@@ -140,12 +140,6 @@ impl From<BookError> for Failure {
     }
 }
 
-/// Whether a floor plan is a picture in which walls are dark, by its name.
-fn is_picture(path: &Path) -> bool {
-    let ends_with = |known: &&str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(known));
-    ["png", "pgm", "yaml", "yml"].iter().any(ends_with)
-}
-
 impl From<FloorPlanError> for Failure {
     fn from(error: FloorPlanError) -> Self {
         let help = match &error {
@@ -155,7 +149,7 @@ impl From<FloorPlanError> for Failure {
             FloorPlanError::NoUnit { .. } => {
                 Some("measure a door: --unit mm if it is about 900 wide, --unit m if it is 0.9")
             }
-            FloorPlanError::NoWalls { path, .. } if is_picture(path) => {
+            FloorPlanError::NoWalls { path, .. } if floorplan::is_traced(path) => {
                 Some("walls are dark; what is thicker than --thickest is no wall")
             }
             _ => None,

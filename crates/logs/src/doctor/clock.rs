@@ -13,7 +13,7 @@ use super::route::Route;
 use super::samples::Samples;
 use super::track::{AtDelay, COVERED, PacketTrack, background, profile};
 use crate::path::robot_path::Path;
-use crate::place::distance::plane_m;
+use crate::place::distance::{extent_m, plane_m};
 
 /// Steps of the search on either side of 0: as many as leave most nodes on the path. Each is divided into so many finer ones
 /// around the best of them.
@@ -101,7 +101,7 @@ impl ClockOffset {
 /// delay in the range of the search is best.
 pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> {
     let speed_m_per_s = usual_speed(paths)?;
-    let extent_m = extent_m(paths);
+    let extent_m = extent_m(paths.iter().flat_map(|path| path.poses()).map(|pose| pose.position));
     let step_s = STEP_M.max(STEP_SHARE * extent_m) / speed_m_per_s;
     let span_s = paths.iter().map(|path| seconds(path.span().1) - seconds(path.span().0)).fold(0.0, f64::max);
     let routes: Vec<Route<'_>> = paths.iter().map(|path| Route::new(path)).collect();
@@ -231,13 +231,4 @@ fn usual_speed(paths: &[&Path]) -> Option<f64> {
         2.0 * passed_s >= total_s
     });
     middle.map(|(speed, _)| *speed)
-}
-
-/// The diagonal of the box around all paths (m).
-fn extent_m(paths: &[&Path]) -> f64 {
-    let places = paths.iter().flat_map(|path| path.poses()).map(|pose| pose.position);
-    let [low, high] = places.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], at| {
-        [[low[0].min(at.x_m), low[1].min(at.y_m)], [high[0].max(at.x_m), high[1].max(at.y_m)]]
-    });
-    libm::hypot(high[0] - low[0], high[1] - low[1])
 }

@@ -67,7 +67,8 @@ impl DistanceLaw {
     }
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+/// The median of values, of which there is one at least: the upper one of two in the middle.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }

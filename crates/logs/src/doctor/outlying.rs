@@ -2,9 +2,10 @@
 
 use sextant_channel::Position;
 
+use super::distance_law::median;
 use super::finding::Finding;
 use super::survey::{Points, Survey};
-use crate::place::distance::plane_m;
+use crate::place::distance::{extent_m, plane_m};
 use crate::place::without_fix::is_origin;
 
 /// Places are far from the others if they are so many times their extent away, and so far (m).
@@ -33,7 +34,7 @@ pub(super) fn finding(survey: &Survey<'_>) -> Option<Finding> {
             stops.len(),
             rounded(first.x_m),
             rounded(first.y_m),
-            extent_m(&others)
+            extent_m(others.iter().copied())
         ),
         cost: "what was heard there counts as heard that far away, and the map reaches that far".to_owned(),
         remedy: "correct these places, or remove the rows if the place is not known".to_owned(),
@@ -49,7 +50,11 @@ struct Outlying {
 impl Outlying {
     fn among(stops: &[Position]) -> Option<Self> {
         let mut places: Vec<Position> = stops.iter().copied().filter(|place| !is_origin(*place)).collect();
-        let middle = Position::new(median(&places, |place| place.x_m)?, median(&places, |place| place.y_m)?, 0.0);
+        if places.is_empty() {
+            return None;
+        }
+        let along = |of: fn(&Position) -> f64| median(places.iter().map(of).collect());
+        let middle = Position::new(along(|place| place.x_m), along(|place| place.y_m), 0.0);
         let away_m = |place: &Position| plane_m(*place, middle);
         let order = |a: &Position, b: &Position| a.x_m.total_cmp(&b.x_m).then(a.y_m.total_cmp(&b.y_m));
         places.sort_by(|a, b| away_m(a).total_cmp(&away_m(b)).then_with(|| order(a, b)));
@@ -58,7 +63,7 @@ impl Outlying {
         let least = places.len().saturating_sub(most).max(LEAST_OTHERS);
         let is_far = |&at: &usize| {
             let gap_m = away_m(&places[at]) - away_m(&places[at - 1]);
-            gap_m > LEAST_M.max(TIMES * extent_m(&places[..at]))
+            gap_m > LEAST_M.max(TIMES * extent_m(places[..at].iter().copied()))
         };
         let first = (least..places.len()).find(is_far)?;
         let far = places.split_off(first);
@@ -73,24 +78,6 @@ fn rounded(value_m: f64) -> f64 {
 
 fn is_same(a: Position, b: Position) -> bool {
     plane_m(a, b) <= 0.0
-}
-
-fn median(places: &[Position], of: impl Fn(&Position) -> f64) -> Option<f64> {
-    let mut values: Vec<f64> = places.iter().map(of).collect();
-    let middle = values.len() / 2;
-    values.sort_by(f64::total_cmp);
-    values.get(middle).copied()
-}
-
-/// The diagonal of the box around places (m).
-fn extent_m(places: &[Position]) -> f64 {
-    let along = |of: fn(&Position) -> f64| {
-        let values = places.iter().map(of);
-        let [low, high] =
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
-        (high - low).max(0.0)
-    };
-    libm::hypot(along(|place| place.x_m), along(|place| place.y_m))
 }
 
 #[cfg(test)]

@@ -154,19 +154,17 @@ fn simple_law(
     found: &FoundLaw,
     watch: &dyn Watch,
 ) -> Result<Option<FoundLaw>, Interrupted> {
-    let evidence = |law: &Law| {
-        let sums = sums(samples, |NodeSample { evidence, grid }, _| evidence.sums(law, grid));
-        score(samples, &sums, law, LawFamily::Independent)
-    };
+    // These families have no prior, so that the score of a law is its evidence.
     let of_family = |family: LawFamily, law: Law| {
         let mut simple = FoundLaw { law, ..found.clone() };
-        climb(samples, &mut simple, family, &[0, 1, 2], watch)?;
+        let evidence = climb(samples, &mut simple, family, &[0, 1, 2], watch)?;
         simple.placing = simple.law;
-        Ok::<_, Interrupted>((evidence(&simple.law), simple))
+        Ok::<_, Interrupted>((evidence, simple))
     };
     let alike = found.law.of_alike_nodes();
     let (most, independent) = of_family(LawFamily::Independent, Law { shared: 0.0, ..alike })?;
-    if most < evidence(&found.law) + SIMPLER {
+    let sums = sums(samples, |NodeSample { evidence, grid }, _| evidence.sums(&found.law, grid));
+    if most < score(samples, &sums, &found.law, LawFamily::Independent) + SIMPLER {
         return Ok(None);
     }
     let (evidence, alike) = of_family(LawFamily::AlikeNodes, alike)?;
@@ -250,14 +248,14 @@ fn start(links: &PlaceLinks, samples: &[NodeSample<'_>]) -> Law {
     }
 }
 
-/// Moves one parameter after the other as long as the evidence grows.
+/// Moves one parameter after the other as long as the evidence grows. Returns the score of the law that it found.
 fn climb(
     samples: &[NodeSample<'_>],
     found: &mut FoundLaw,
     family: LawFamily,
     scales: &[usize],
     watch: &dyn Watch,
-) -> Result<(), Interrupted> {
+) -> Result<f64, Interrupted> {
     let mut sums = sums(samples, |NodeSample { evidence, grid }, _| evidence.sums(&found.law, grid));
     let mut best = score(samples, &sums, &found.law, family);
     let least = GAIN * samples.len() as f64;
@@ -301,7 +299,7 @@ fn climb(
             }
         }
     }
-    Ok(())
+    Ok(best)
 }
 
 /// What the search knows of a parameter.

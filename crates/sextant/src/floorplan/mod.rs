@@ -76,16 +76,16 @@ pub struct FloorPlan {
 /// If the file cannot be read, an option is missing, invalid or without effect, or there are no walls.
 pub fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorPlanError> {
     check(options)?;
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_lowercase();
-    check_effects(options, &extension)?;
-    let plan = match extension.as_str() {
-        "png" | "pgm" => {
+    let form = PlanForm::of(path).ok_or_else(|| FloorPlanError::Form { path: path.to_owned() })?;
+    check_effects(options, form)?;
+    let plan = match form {
+        PlanForm::Image => {
             let pixel_m =
                 options.metres_per_pixel.ok_or_else(|| FloorPlanError::NoScale { path: path.to_owned() })?;
             let picture = image::read(path)?;
             traced::plan(&Occupancy::of_image(&picture, pixel_m, options.origin_m.unwrap_or_default()), options)
         }
-        "yaml" | "yml" => {
+        PlanForm::RobotMap => {
             let map = ros_map::read(path)?;
             let picture = image::read(&map.image)?;
             let mut occupancy = map.occupancy(&picture);
@@ -93,10 +93,9 @@ pub fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorP
             occupancy.origin_m = options.origin_m.unwrap_or(occupancy.origin_m);
             traced::plan(&occupancy, options)
         }
-        "json" | "geojson" => geojson::read(path, options)?,
-        "dxf" => dxf::read(path, options)?,
-        "toml" => of_tables(path)?,
-        _ => return Err(FloorPlanError::Form { path: path.to_owned() }),
+        PlanForm::GeoJson => geojson::read(path, options)?,
+        PlanForm::Drawing => dxf::read(path, options)?,
+        PlanForm::Walls => of_tables(path)?,
     };
     if plan.walls.is_empty() && plan.blocks.is_empty() {
         return Err(FloorPlanError::NoWalls { path: path.to_owned(), notes: plan.notes.join("; ") });
@@ -143,16 +142,46 @@ fn check(options: &FloorPlanOptions) -> Result<(), FloorPlanError> {
     }
 }
 
-/// Refuses options without effect on a plan whose name ends so. Those of walls have an effect if they are not the usual ones.
-fn check_effects(options: &FloorPlanOptions, extension: &str) -> Result<(), FloorPlanError> {
-    let is_image = ["png", "pgm", "yaml", "yml"].contains(&extension);
-    let is_dxf = extension == "dxf";
-    let is_drawn = is_dxf || ["json", "geojson"].contains(&extension);
-    let is_any = is_image || is_drawn;
-    // Of other names, it is told that they are no plans.
-    if !is_any && extension != "toml" {
-        return Ok(());
+/// The form of a floor plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PlanForm {
+    Image,
+    RobotMap,
+    GeoJson,
+    Drawing,
+    Walls,
+}
+
+impl PlanForm {
+    /// That of the file `path`, by its name; `None` if it is no floor plan.
+    fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_lowercase();
+        Some(match extension.as_str() {
+            "png" | "pgm" => Self::Image,
+            "yaml" | "yml" => Self::RobotMap,
+            "json" | "geojson" => Self::GeoJson,
+            "dxf" => Self::Drawing,
+            "toml" => Self::Walls,
+            _ => return None,
+        })
     }
+
+    /// Whether its walls are traced: they are the dark parts of a picture.
+    fn is_traced(self) -> bool {
+        matches!(self, Self::Image | Self::RobotMap)
+    }
+}
+
+/// Whether the walls of the floor plan `path` are the dark parts of a picture, by its name.
+#[must_use]
+pub fn is_traced(path: &Path) -> bool {
+    PlanForm::of(path).is_some_and(PlanForm::is_traced)
+}
+
+/// Refuses options without effect on a plan of this form. Those of walls have an effect if they are not the usual ones.
+fn check_effects(options: &FloorPlanOptions, form: PlanForm) -> Result<(), FloorPlanError> {
+    let (is_image, is_dxf, is_any) = (form.is_traced(), form == PlanForm::Drawing, form != PlanForm::Walls);
+    let is_drawn = is_dxf || form == PlanForm::GeoJson;
     let usual = FloorPlanOptions::default();
     let is_given = |length_m: f64, usual_m: f64| length_m.to_bits() != usual_m.to_bits();
     let (images, dxf, drawn) = ("an image or a map of a robot", "a drawing in DXF", "GeoJSON or a drawing in DXF");
@@ -248,7 +277,8 @@ mod tests {
         let thick = FloorPlanOptions { thickness_m: 0.3, ..usual() };
         let of_glass = FloorPlanOptions { material: "glass".to_owned(), ..usual() };
         let problem = |options: &FloorPlanOptions, extension: &str| {
-            check_effects(options, extension).err().map_or_else(String::new, |error| error.to_string())
+            let form = PlanForm::of(&Path::new("plan").with_extension(extension)).expect("a plan");
+            check_effects(options, form).err().map_or_else(String::new, |error| error.to_string())
         };
         for (options, option, without, with) in [
             (&scaled, "scale", &["dxf", "geojson", "json", "toml"][..], &["png", "pgm", "yaml"][..]),

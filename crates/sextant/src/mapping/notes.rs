@@ -62,15 +62,14 @@ fn other_names(log: &ReceptionLog) -> Option<String> {
 
 /// A note on nodes with ranges that have no place on the map, which has its nodes at `places`.
 fn without_place(log: &ReceptionLog, places: &[Option<Position>]) -> Option<String> {
-    /// Places of ranges that a node needs, where they are at one height and where not.
-    const NEEDED: [usize; 2] = [3, 4];
     let nodes = (0..log.node_count()).map(NodeId::from_index);
     let ranged: Vec<NodeId> = nodes.filter(|node| !log.ranges_to(*node).is_empty()).collect();
     let is_lost = |node: &&NodeId| places.get(node.index()).is_some_and(Option::is_none);
     let lost: Vec<&str> = ranged.iter().filter(is_lost).map(|node| log.names()[node.index()].as_str()).collect();
     let heights = || log.ranges().iter().map(|sample| sample.position.z_m);
     let span_m = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
-    let needed = NEEDED[usize::from(span_m > 1e-3)];
+    // In the plane three circles meet in a point, in space four spheres.
+    let needed = if span_m > 1e-3 { 4 } else { 3 };
     (!lost.is_empty()).then(|| {
         format!(
             "{} of {} with ranges {} no place: {}. A place takes ranges from at least {needed} stops, or places half a metre apart, \

@@ -89,8 +89,7 @@ impl<A: Application> Engine<A> {
             self.model.scene.discounted += 1;
             return;
         }
-        let now = self.model.scene.now;
-        self.model.networks.iter_mut().for_each(|network| network.deplete(station, now));
+        self.model.networks.iter_mut().for_each(|network| network.deplete(station));
         self.model.notes.push(Note::Depleted(NodeId(station.0)));
         self.die(station);
     }

@@ -26,8 +26,8 @@ pub(super) struct Ledger {
     pub(super) counted_from: SimTime,
     /// Whether each station is in the network; `None` if all are.
     members: Option<Vec<bool>>,
-    /// When the battery of each station was empty, if it was; empty as long as none was.
-    depleted: Vec<Option<SimTime>>,
+    /// Whether the battery of each station was empty; empty as long as none was.
+    depleted: Vec<bool>,
     /// When each station died, if it did; empty as long as none did.
     died: Vec<Option<SimTime>>,
     /// Energy model of the radios.
@@ -58,15 +58,15 @@ impl Ledger {
     }
 
     /// The battery of a station is empty.
-    pub(super) fn deplete(&mut self, station: StationId, now: SimTime) {
-        self.depleted.resize(self.packets.len(), None);
-        self.depleted[station.index()] = Some(now);
+    pub(super) fn deplete(&mut self, station: StationId) {
+        self.depleted.resize(self.packets.len(), false);
+        self.depleted[station.index()] = true;
     }
 
-    /// When the battery of a station was empty, if it was.
+    /// Whether the battery of a station was empty.
     #[inline]
-    pub(super) fn depleted(&self, station: StationId) -> Option<SimTime> {
-        self.depleted.get(station.index()).copied().flatten()
+    pub(super) fn is_depleted(&self, station: StationId) -> bool {
+        self.depleted.get(station.index()).copied().unwrap_or(false)
     }
 
     /// A station dies. It may be told again, when the frame that was on air has ended.

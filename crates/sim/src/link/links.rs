@@ -127,7 +127,7 @@ pub(crate) trait NetworkLinks {
     fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64;
 
     /// The battery of a station is empty: called before it dies. Its radio uses nothing any more, and its packets are lost.
-    fn deplete(&mut self, station: StationId, now: SimTime);
+    fn deplete(&mut self, station: StationId);
 
     /// A station dies: its radio is off from now on, or from the end of the frame on air.
     fn die(&mut self, station: StationId, scene: &mut Scene);

@@ -329,8 +329,8 @@ impl Links {
         ask!(self, links => links.metered_j(station, scene))
     }
 
-    pub(crate) fn deplete(&mut self, station: StationId, now: SimTime) {
-        ask!(self, links => links.deplete(station, now));
+    pub(crate) fn deplete(&mut self, station: StationId) {
+        ask!(self, links => links.deplete(station));
     }
 
     pub(crate) fn die(&mut self, station: StationId, scene: &mut Scene) {

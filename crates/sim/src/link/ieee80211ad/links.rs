@@ -352,8 +352,8 @@ impl NetworkLinks for Links {
         meter.spent(&self.ledger.radio_states, self.radios.power()).total_j()
     }
 
-    fn deplete(&mut self, station: StationId, now: SimTime) {
-        self.ledger.deplete(station, now);
+    fn deplete(&mut self, station: StationId) {
+        self.ledger.deplete(station);
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {

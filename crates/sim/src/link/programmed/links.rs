@@ -278,8 +278,8 @@ impl NetworkLinks for Links {
         if self.ledger.has(station) { self.energy_j(station, scene.now) } else { 0.0 }
     }
 
-    fn deplete(&mut self, station: StationId, now: SimTime) {
-        self.ledger.deplete(station, now);
+    fn deplete(&mut self, station: StationId) {
+        self.ledger.deplete(station);
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {
@@ -295,7 +295,7 @@ impl NetworkLinks for Links {
             self.payloads.free(outgoing.payload);
         }
         self.settle(station, scene);
-        if self.ledger.depleted(station).is_some() {
+        if self.ledger.is_depleted(station) {
             self.abandon(station, scene);
         }
     }

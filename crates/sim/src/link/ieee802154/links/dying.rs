@@ -26,7 +26,7 @@ impl Links {
         stack.listening = false;
         stack.leaving = false;
         self.transceiver(station, scene).tune();
-        if self.ledger.depleted(station).is_some() {
+        if self.ledger.is_depleted(station) {
             self.abandon(station, scene);
         }
     }

@@ -35,7 +35,7 @@ impl Links {
 
     /// Counts packets that a station leaves behind.
     fn count_left(&mut self, station: StationId, left: &VecDeque<OpenFrame>) {
-        let is_depleted = self.ledger.depleted(station).is_some();
+        let is_depleted = self.ledger.is_depleted(station);
         for frame in left {
             if frame.offered < self.ledger.counted_from {
                 continue;

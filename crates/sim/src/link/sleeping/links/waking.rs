@@ -151,7 +151,7 @@ impl Links {
             return;
         }
         self.count_idle(station, scene.now);
-        if self.ledger.depleted(station).is_some() {
+        if self.ledger.is_depleted(station) {
             self.abandon(station, scene);
         }
         let stack = &mut self.stacks[station.index()];

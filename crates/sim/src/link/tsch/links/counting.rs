@@ -33,7 +33,7 @@ impl Links {
 
     /// Counts packets that a station leaves behind.
     fn count_left(&mut self, station: StationId, left: &[SlotFrame]) {
-        let is_depleted = self.ledger.depleted(station).is_some();
+        let is_depleted = self.ledger.is_depleted(station);
         for frame in left {
             if frame.kind != FrameKind::Data || frame.offered < self.ledger.counted_from {
                 continue;
