@@ -9,7 +9,7 @@ mod logarithm;
 
 pub use cholesky::{cholesky, cholesky_watched, solve_lower};
 pub use exponential::{exp, exp_each};
-pub use logarithm::{ln, ln_each};
+pub use logarithm::{ln, ln_each, ln_each_single};
 
 /// The logarithm of 2 in two parts. The first has so few digits that a multiple by an exponent is exact.
 const LN_2: [f64; 2] = [f64::from_bits(0x3fe6_2e42_fee0_0000), f64::from_bits(0x3dea_39ef_3579_3c76)];

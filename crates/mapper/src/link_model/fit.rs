@@ -100,7 +100,7 @@ pub(super) fn find(
         .nodes
         .par_iter()
         .map(|node| {
-            let evidence = HeardLinks::new(node, &thinned, window, hearing, &usual);
+            let evidence = HeardLinks::new(node, &thinned, window, (hearing, &usual), true);
             let grid = evidence.grid(window, VERTICES[usize::from(is_spatial)]);
             NodeSample { evidence, grid }
         })

@@ -1,7 +1,7 @@
 //! Distances and directions from possible places of a node to the places of its links.
 
 use sextant_channel::Position;
-use sextant_kernel::maths::ln_each;
+use sextant_kernel::maths::ln_each_single;
 use wide::f32x4;
 
 use super::links::HeardLink;
@@ -36,8 +36,11 @@ pub(super) struct LinkNeighbours {
 }
 
 impl Arrangement {
-    /// The arrangement of `links`, of which there may be a few hundred.
-    pub(super) fn of(links: &[HeardLink], places: &[Position]) -> Self {
+    /// The arrangement of `links`, of which there may be a few hundred. Links that share nothing need no neighbours and no order.
+    pub(super) fn of(links: &[HeardLink], places: &[Position], needs_neighbours: bool) -> Self {
+        if !needs_neighbours {
+            return Self { order: (0..links.len()).collect(), neighbours: vec![LinkNeighbours::default(); links.len()] };
+        }
         let at: Vec<Position> = links.iter().map(|link| places[link.place]).collect();
         let order = farthest_first(&at);
         let mut near: Vec<(f64, usize)> = Vec::new();
@@ -121,10 +124,10 @@ pub(super) struct MeanSquare {
     pub(super) square: f64,
 }
 
-/// The vertices of a block by coordinates, and the least distances from them that count (m).
+/// The vertices of a block by coordinates (m), and the squares of the least distances from them that count (m²).
 struct SeenBlock {
     at: [[f64; BLOCK]; 3],
-    least_m: [f64; BLOCK],
+    least_m2: Lane,
 }
 
 impl SeenBlock {
@@ -132,32 +135,29 @@ impl SeenBlock {
         // What is beyond the end is at the last vertex.
         let last = vertices.len().saturating_sub(1);
         let along = |axis: usize| std::array::from_fn(|lane| <[f64; 3]>::from(vertices[lane.min(last)])[axis]);
-        Self { at: [along(0), along(1), along(2)], least_m: std::array::from_fn(|lane| least_m(lane.min(last))) }
+        let least_m2: [f32; BLOCK] =
+            std::array::from_fn(|lane| single(least_m(lane.min(last)).powi(2)).max(f32::MIN_POSITIVE));
+        Self { at: [along(0), along(1), along(2)], least_m2: Lane::from(least_m2) }
     }
 }
 
-/// The columns of a place at the vertices of a block.
-fn columns(seen: &SeenBlock, place: Position) -> [Lane; COLUMNS] {
-    let mut columns = [[0.0_f32; BLOCK]; COLUMNS];
-    let mut squares = [0.0; BLOCK];
-    for (lane, square) in squares.iter_mut().enumerate() {
-        let [x_m, y_m, z_m] = [0, 1, 2].map(|axis| seen.at[axis][lane]);
-        let way = [place.x_m - x_m, place.y_m - y_m, place.z_m - z_m];
-        let flat_m2 = way[0] * way[0] + way[1] * way[1];
-        let flat_m = flat_m2.sqrt();
-        let is_aside = flat_m > 1e-9;
-        let [cosine, sine] = [way[0], way[1]].map(|along| if is_aside { along / flat_m } else { 0.0 });
-        let least_m = seen.least_m[lane];
-        *square = (flat_m2 + way[2] * way[2]).max(least_m * least_m);
-        columns[1][lane] = single(cosine);
-        columns[2][lane] = single(sine);
-        columns[3][lane] = single(cosine * cosine - sine * sine);
-        columns[4][lane] = single(2.0 * cosine * sine);
-    }
-    ln_each(&mut squares);
-    columns[0] = squares.map(|logarithm| single(0.5 * logarithm));
-    columns.map(Lane::from)
+/// The columns of a place at the vertices of a block, but the logarithm of the distance, and the square of the distance (m²).
+#[inline]
+fn columns(seen: &SeenBlock, place: Position) -> ([Lane; COLUMNS], Lane) {
+    let way = |axis: usize, along: f64| Lane::from(seen.at[axis].map(|vertex| single(along - vertex)));
+    let [x_m, y_m, z_m] = [way(0, place.x_m), way(1, place.y_m), way(2, place.z_m)];
+    let flat_m2 = x_m * x_m + y_m * y_m;
+    // A place right above or below has no direction.
+    let is_aside = flat_m2.simd_gt(Lane::splat(LEAST_ASIDE_M2));
+    let per_m = is_aside.select(Lane::ONE / flat_m2.sqrt(), Lane::ZERO);
+    let [cosine, sine] = [x_m * per_m, y_m * per_m];
+    let square_m2 = (flat_m2 + z_m * z_m).fast_max(seen.least_m2);
+    let twice = cosine + cosine;
+    ([Lane::ZERO, cosine, sine, cosine * cosine - sine * sine, twice * sine], square_m2)
 }
+
+/// Squares of distances that are less have no direction (m²).
+const LEAST_ASIDE_M2: f32 = 1e-18;
 
 /// The columns of all links at all vertices, by blocks of vertices; within a block in the order of an arrangement.
 #[derive(Clone, Debug)]
@@ -170,10 +170,19 @@ impl Columns {
     /// The columns at `vertices`. Distances from each are at least what `least_m` says of its number.
     pub(super) fn new(vertices: &[Position], places: &[Position], least_m: impl Fn(usize) -> f64) -> Self {
         let mut lanes = Vec::with_capacity(vertices.len().div_ceil(BLOCK) * places.len());
+        let mut squares_m2: Vec<f32> = Vec::with_capacity(BLOCK * places.len());
         for (number, block) in vertices.chunks(BLOCK).enumerate() {
             let seen = SeenBlock::of(block, |lane| least_m(number * BLOCK + lane));
+            squares_m2.clear();
+            let first = lanes.len();
             for &place in places {
-                lanes.push(columns(&seen, place));
+                let (columns, square_m2) = columns(&seen, place);
+                squares_m2.extend(square_m2.to_array());
+                lanes.push(columns);
+            }
+            ln_each_single(&mut squares_m2);
+            for ([logarithm, ..], square) in lanes[first..].iter_mut().zip(squares_m2.as_chunks::<BLOCK>().0) {
+                *logarithm = Lane::from(*square) * Lane::HALF;
             }
         }
         Self { lanes, links: places.len() }

@@ -31,12 +31,12 @@ struct Prediction {
     level: f32,
 }
 
-/// The error of a prediction at the vertices of a block.
+/// The error of a prediction at the vertices of a block, of nodes with so many amplitudes.
 #[derive(Clone, Copy)]
-struct ErrorsAtBlock {
+struct ErrorsAtBlock<const COUNT: usize> {
     error: Lane,
     /// What an amplitude of 1 is in it.
-    columns: [Lane; AMPLITUDES],
+    columns: [Lane; COUNT],
     /// What a margin of 1 is in it.
     unit: Lane,
 }
@@ -114,15 +114,8 @@ impl MarginSums {
         columns: &Columns,
     ) -> Self {
         let (predictions, logs) = predictions(law, &correlations.each, arrangement, sites);
-        let slope = single(law.slope);
-        let mut errors = Vec::with_capacity(predictions.len());
-        let blocks = columns.blocks().map(|block| {
-            errors.clear();
-            errors
-                .extend(predictions.iter().zip(block).map(|(prediction, own)| prediction.errors(slope, own, block)));
-            BlockSums::of(&errors)
-        });
-        let blocks = blocks.collect();
+        let sums = if law.direction > 0.0 { BlockSums::of_blocks::<AMPLITUDES> } else { BlockSums::of_blocks::<1> };
+        let blocks = sums(&predictions, single(law.slope), columns);
         let units = predictions.iter().map(|prediction| f64::from(prediction.unit).powi(2)).sum();
         Self { correlations, margin: law.margin, slope: law.slope, logs, units, blocks }
     }
@@ -210,14 +203,26 @@ impl BlockSums {
         WithoutAmplitudes { quadratic, determinant }
     }
 
+    /// The sums at each block of vertices under a law with this slope, of nodes with so many amplitudes.
+    fn of_blocks<const COUNT: usize>(predictions: &[Prediction], slope: f32, columns: &Columns) -> Vec<Self> {
+        let mut errors: Vec<ErrorsAtBlock<COUNT>> = Vec::with_capacity(predictions.len());
+        let blocks = columns.blocks().map(|block| {
+            errors.clear();
+            errors
+                .extend(predictions.iter().zip(block).map(|(prediction, own)| prediction.errors(slope, own, block)));
+            Self::of(&errors)
+        });
+        blocks.collect()
+    }
+
     /// The sums of the errors. Each loop has as many sums as there are registers.
-    fn of(errors: &[ErrorsAtBlock]) -> Self {
-        let (mut among, mut steep) = ([Lane::ZERO; AMONG_DIRECTIONS], [Lane::ZERO; AMPLITUDES]);
+    fn of<const COUNT: usize>(errors: &[ErrorsAtBlock<COUNT>]) -> Self {
+        let (mut among, mut steep) = ([Lane::ZERO; AMONG_DIRECTIONS], [Lane::ZERO; COUNT]);
         let (mut along, mut unit_along) = (steep, steep);
         let (mut squares, mut units) = (Lane::ZERO, Lane::ZERO);
         for ErrorsAtBlock { columns, .. } in errors {
             let mut product = 0;
-            for row in 1..AMPLITUDES {
+            for row in 1..COUNT {
                 for column in 1..=row {
                     among[product] += columns[row] * columns[column];
                     product += 1;
@@ -225,7 +230,7 @@ impl BlockSums {
             }
         }
         for ErrorsAtBlock { error, columns, .. } in errors {
-            for row in 0..AMPLITUDES {
+            for row in 0..COUNT {
                 steep[row] += columns[row] * columns[0];
                 along[row] += columns[row] * *error;
             }
@@ -233,26 +238,32 @@ impl BlockSums {
         for ErrorsAtBlock { error, columns, unit } in errors {
             squares += *error * *error;
             units += *error * *unit;
-            for row in 0..AMPLITUDES {
+            for row in 0..COUNT {
                 unit_along[row] += columns[row] * *unit;
             }
         }
         let mut products = [Lane::ZERO; PRODUCTS];
-        for row in 0..AMPLITUDES {
+        for row in 0..COUNT {
             let first = row * (row + 1) / 2;
             products[first] = steep[row];
             products[first + 1..=first + row].copy_from_slice(&among[first - row..first]);
         }
-        Self { squares, units, along, unit_along, products }
+        let every = |own: [Lane; COUNT]| std::array::from_fn(|row| own.get(row).copied().unwrap_or(Lane::ZERO));
+        Self { squares, units, along: every(along), unit_along: every(unit_along), products }
     }
 }
 
 impl Prediction {
     /// The errors at the vertices of a block, in which the place has the columns `own`, under a law with this slope.
     #[inline]
-    fn errors(&self, slope: f32, own: &[Lane; COLUMNS], block: &[[Lane; COLUMNS]]) -> ErrorsAtBlock {
+    fn errors<const COUNT: usize>(
+        &self,
+        slope: f32,
+        own: &[Lane; COLUMNS],
+        block: &[[Lane; COLUMNS]],
+    ) -> ErrorsAtBlock<COUNT> {
         let precision = Lane::splat(self.precision);
-        let mut columns = own.map(|column| column * precision);
+        let mut columns: [Lane; COUNT] = std::array::from_fn(|column| own[column] * precision);
         for (&at, &weight) in self.at.iter().zip(&self.weights).take(self.neighbours) {
             let weight = Lane::splat(weight);
             for (column, other) in columns.iter_mut().zip(&block[at as usize]) {
@@ -398,7 +409,7 @@ mod tests {
             .collect();
         let site = |i: usize| Site { margin: 1.5 - 0.4 * i as f64, variance: 0.1 + 0.2 * i as f64 };
         let sites: Vec<Site> = (0..at.len()).map(site).collect();
-        let arrangement = Arrangement::of(&links, &places);
+        let arrangement = Arrangement::of(&links, &places, true);
         let vertices: Vec<Position> =
             (0..40).map(|i| Position::new(0.37 * f64::from(i) - 5.0, 0.21 * f64::from(i % 17), 1.0)).collect();
         let ordered: Vec<Position> = arrangement.order.iter().map(|&link| places[link]).collect();
@@ -414,6 +425,12 @@ mod tests {
                 let literal = literal(&law, &places, &sites, *vertex);
                 assert!((found - literal).abs() < 1e-3, "{vertex:?}: {found} instead of {literal}");
             }
+        }
+        let alike = law.of_alike_nodes();
+        MarginSums::of(&alike, &arrangement, &sites, &columns).log_likelihoods(&alike, &mut found);
+        for (vertex, found) in vertices.iter().zip(&found) {
+            let literal = literal(&alike, &places, &sites, *vertex);
+            assert!((found - literal).abs() < 1e-3, "alike nodes, {vertex:?}: {found} instead of {literal}");
         }
         for number in 2..6 {
             let law = law.moved(number, 1.0).unwrap();

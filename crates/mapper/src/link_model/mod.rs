@@ -299,7 +299,8 @@ struct ModelWithLaw<'a> {
 impl ModelWithLaw<'_> {
     /// Where `node` is, and the number of vertices looked at.
     fn locate(&self, node: &NodeLinks) -> (Estimate, u64) {
-        let mut evidence = HeardLinks::new(node, self.links, self.window, self.hearing, self.outages);
+        let heard = (self.hearing, self.outages);
+        let mut evidence = HeardLinks::new(node, self.links, self.window, heard, !self.law.has_independent_links());
         let [coarse, fine] = VERTICES[usize::from(self.is_spatial)];
         let mut scratch = Vec::new();
         let coarse = evidence.grid(self.window, coarse);

@@ -17,8 +17,9 @@ const OF_NODE: f64 = 8.0;
 /// Least and most probable outage.
 const LEAST: f64 = 0.002;
 const MOST: f64 = 0.9;
-/// Rounds of the estimate.
+/// Most rounds of the estimate, and the change relative to which that of a node has settled.
 const ROUNDS: usize = 25;
+const SETTLED: f64 = 1e-4;
 
 /// How probable it is that a link is dead: a receiver that was off, a node without power, a gateway that did not forward.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,7 +82,10 @@ impl Outages {
                 let (dead, weight) = pair.dead(self.at(pair.place, own));
                 sum = (sum.0 + dead, sum.1 + weight);
             }
-            own = (sum.0 / sum.1).min(MOST);
+            let before = std::mem::replace(&mut own, (sum.0 / sum.1).min(MOST));
+            if (own - before).abs() < SETTLED * before {
+                break;
+            }
         }
         pairs.iter().map(|pair| self.at(pair.place, own)).collect()
     }

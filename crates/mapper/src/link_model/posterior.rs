@@ -79,14 +79,15 @@ pub(super) struct GridPosterior {
 }
 
 impl<'a> HeardLinks<'a> {
+    /// Those of `node`, to be weighed by laws whose links share something, or by laws of independent links alone.
     pub(super) fn new(
         node: &'a NodeLinks,
         links: &PlaceLinks,
         window: &LinkWindow<'_>,
-        hearing: &Hearing,
-        outages: &Outages,
+        (hearing, outages): (&Hearing, &Outages),
+        share: bool,
     ) -> Self {
-        let arrangement = Arrangement::of(&node.links, &links.places);
+        let arrangement = Arrangement::of(&node.links, &links.places, share);
         let places = arrangement.order.iter().map(|&link| links.places[node.links[link].place]).collect();
         let own = node.links.iter().map(|link| HeardLink { outage: outages.of_log, ..*link });
         let links: Vec<HeardLink> = own.collect();

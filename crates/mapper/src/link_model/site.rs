@@ -9,7 +9,7 @@ use super::links::HeardLink;
 use super::losses::CountTable;
 pub(super) use super::receiver::Site;
 use super::tables::{LOWEST, MARGINS, STEP, TABLES};
-use crate::numerics::normal::{below, densities, index};
+use crate::numerics::normal::index;
 
 /// Distance of margins beyond the tables, and how far from a prediction they go, in its deviations.
 const BEYOND: f64 = 0.25;
@@ -18,6 +18,11 @@ const FAR: f64 = 5.0;
 const LEAST_SPREAD: f64 = 0.15;
 /// Margins that are so much less probable than the most probable one do not count (nats).
 const NEGLIGIBLE: f64 = 30.0;
+/// Sums over silence take every so many margins of the tables, as far from a prediction, in its deviations.
+const EVERY: usize = 3;
+const WIDTH: f64 = 5.5;
+/// Silence that is less probable is told by margins farther off.
+const LIKELY_ENOUGH: f64 = 1e-3;
 /// Information on a margin that a site has at least.
 const LEAST_PRECISION: f64 = 1e-3;
 
@@ -32,6 +37,12 @@ impl Site {
             return Self { margin, variance: variance + LEAST_SPREAD * LEAST_SPREAD };
         }
         let counts = hearing.counts.table(link);
+        if link.received == 0 {
+            let silent = MarginMoments::of_silence(&counts, predicted, spread).or_dead(link.outage, spread);
+            if silent.total > LIKELY_ENOUGH {
+                return silent.site(predicted, spread);
+            }
+        }
         let strength = hearing.strength(link);
         let evidence = MarginEvidence { link, counts: &counts, strength: strength.as_ref() };
         let precision = 1.0 / (spread * spread);
@@ -69,15 +80,7 @@ impl Site {
         for (margin, log) in beyond.iter().filter(|(_, log)| is_telling(log)) {
             sums.take(exp(log - highest), margin - predicted);
         }
-        let MarginMoments { total, first, second } = sums;
-        let above = first / total;
-        let variance = (second / total - above * above).max(1e-6);
-        let mean = predicted + above;
-        let own = (1.0 / variance - precision).max(LEAST_PRECISION);
-        let margin = (mean / variance - predicted * precision) / own;
-        // A site that says next to nothing may lie anywhere; keep it near.
-        let margin = margin.clamp(predicted.min(mean) - 30.0, predicted.max(mean) + 30.0);
-        Self { margin, variance: 1.0 / own + LEAST_SPREAD * LEAST_SPREAD }
+        sums.site(predicted, spread)
     }
 }
 
@@ -90,6 +93,61 @@ struct MarginMoments {
 }
 
 impl MarginMoments {
+    /// Of the probability that all packets are lost, which is that of the table of silence, with margins normally distributed
+    /// round a prediction: the rule of trapezia, whose weights are a product each of the one before.
+    fn of_silence(silence: &CountTable, predicted: f64, spread: f64) -> Self {
+        let step = EVERY as f64 * STEP;
+        let nearest = ((predicted - LOWEST) / step).round();
+        let reach = (WIDTH * spread / step).ceil();
+        let precision = 1.0 / (spread * spread);
+        let mut above = LOWEST + step * (nearest - reach) - predicted;
+        let mut weight = exp(-0.5 * precision * above * above);
+        let mut growth = exp(-precision * step * (above + 0.5 * step));
+        let slowing = exp(-precision * step * step);
+        let (mut sums, mut total) = (Self::default(), 0.0);
+        let mut take = |lost: f64| {
+            sums.take(weight * lost, above);
+            total += weight;
+            weight *= growth;
+            growth *= slowing;
+            above += step;
+        };
+        // Below the tables every packet is lost, above them none for want of power.
+        let points = index(2.0 * reach) + 1;
+        let before = index((reach - nearest).max(0.0)).min(points);
+        let first = index((nearest - reach).max(0.0));
+        let within = silence.likelihoods.iter().step_by(EVERY).skip(first).take(points - before);
+        (0..before).for_each(|_| take(1.0));
+        let after = points - before - within.len();
+        within.for_each(|&lost| take(lost));
+        (0..after).for_each(|_| take(silence.likelihoods[MARGINS - 1]));
+        Self { total: sums.total / total, first: sums.first / total, second: sums.second / total }
+    }
+
+    /// The same of a link that is dead with a probability, which says nothing of its margin.
+    fn or_dead(self, outage: f64, spread: f64) -> Self {
+        let alive = 1.0 - outage;
+        Self {
+            total: outage + alive * self.total,
+            first: alive * self.first,
+            second: outage * spread * spread + alive * self.second,
+        }
+    }
+
+    /// The site of a margin that has these moments above a prediction, without the prediction.
+    fn site(self, predicted: f64, spread: f64) -> Site {
+        let Self { total, first, second } = self;
+        let precision = 1.0 / (spread * spread);
+        let above = first / total;
+        let variance = (second / total - above * above).max(1e-6);
+        let mean = predicted + above;
+        let own = (1.0 / variance - precision).max(LEAST_PRECISION);
+        let margin = (mean / variance - predicted * precision) / own;
+        // A site that says next to nothing may lie anywhere; keep it near.
+        let margin = margin.clamp(predicted.min(mean) - 30.0, predicted.max(mean) + 30.0);
+        Site { margin, variance: 1.0 / own + LEAST_SPREAD * LEAST_SPREAD }
+    }
+
     fn take(&mut self, share: f64, above: f64) {
         self.total += share;
         self.first += share * above;
@@ -145,19 +203,7 @@ impl MarginEvidence<'_> {
 /// The probability that nothing is heard of `link` if it is not dead, and its margin is normally distributed round a
 /// prediction.
 pub(super) fn silence_of_living(link: &HeardLink, hearing: &Hearing, predicted: f64, spread: f64) -> f64 {
-    const EVERY: usize = 3;
-    let silence = hearing.counts.silence(link);
-    let likelihoods = &silence.likelihoods;
-    let margins: [f64; MARGINS.div_ceil(EVERY)] = std::array::from_fn(|number| TABLES.margin[EVERY * number]);
-    let weights = densities(margins.map(|margin| (margin - predicted) / spread));
-    let total: f64 = weights.iter().sum();
-    let sum: f64 = likelihoods.iter().step_by(EVERY).zip(&weights).map(|(none, weight)| weight * none).sum();
-    // Below the tables every packet is lost, above them none for want of power.
-    let width = EVERY as f64 * STEP / spread;
-    let lower = below((LOWEST - predicted) / spread);
-    let upper = below((predicted - TABLES.margin[MARGINS - 1]) / spread);
-    let most = likelihoods[MARGINS - 1];
-    ((sum * width + lower + upper * most) / (total * width + lower + upper).max(1e-12)).min(1.0)
+    MarginMoments::of_silence(&hearing.counts.silence(link), predicted, spread).total.min(1.0)
 }
 
 #[cfg(test)]
@@ -165,7 +211,7 @@ mod tests {
     use super::super::losses::Losses;
     use super::super::receiver::Receiver;
     use super::*;
-    use crate::numerics::normal::density;
+    use crate::numerics::normal::{below, density};
 
     fn hearing(losses: Losses, receiver: Option<Receiver>) -> Hearing {
         Hearing::without_tables(receiver, losses)
@@ -239,6 +285,39 @@ mod tests {
         let sure = Site::of(&silent, &hearing(Losses::NONE, None), 4.0, 1.0);
         let doubted = Site::of(&HeardLink { outage: 0.3, ..silent }, &hearing(Losses::NONE, None), 4.0, 1.0);
         assert!(doubted.variance > 20.0 * sure.variance, "{doubted:?} {sure:?}");
+    }
+
+    #[test]
+    fn what_silence_says_is_the_integral_over_its_margins() {
+        for (sent, predicted, spread, outage) in
+            [(1, 0.4, 0.3, 0.01), (12, -1.0, 2.5, 0.002), (48, 3.0, 1.0, 0.2), (48, -9.0, 0.7, 0.01), (5, 21.0, 3.0, 0.05)]
+        {
+            let link = HeardLink { outage, ..link(0, sent) };
+            let losses = Losses { lapse: 0.1, scatter: 0.8 };
+            let hearing = hearing(losses, None);
+            let site = Site::of(&link, &hearing, predicted, spread);
+            let (mut sums, mut all, mut lost) = (MarginMoments::default(), 0.0, 0.0);
+            for step in -8000..8000 {
+                let above = 0.001 * f64::from(step) * spread;
+                let weight = density(above / spread);
+                let silence =
+                    losses.arrivals().log_likelihoods(0, sent, &[below((predicted + above).clamp(-8.0, 20.0))])[0].exp();
+                sums.take(weight * (outage + (1.0 - outage) * silence), above);
+                all += weight;
+                lost += weight * silence;
+            }
+            let exact = sums.site(predicted, spread);
+            let precision = 1.0 / (spread * spread);
+            let mean = |site: Site| {
+                let own = 1.0 / (site.variance - LEAST_SPREAD * LEAST_SPREAD);
+                ((own * site.margin + precision * predicted) / (own + precision), own)
+            };
+            let ((found, own), (expected, exact)) = (mean(site), mean(exact));
+            assert!((found - expected).abs() < 2e-3 * spread, "{found} instead of {expected}");
+            assert!((own - exact).abs() < 5e-3 * precision, "{own} instead of {exact}");
+            let silence = silence_of_living(&link, &hearing, predicted, spread);
+            assert!((silence - lost / all).abs() < 1e-3, "{silence} instead of {}", lost / all);
+        }
     }
 
     #[test]
