@@ -1,6 +1,6 @@
 //! The exponential function.
 
-use super::LN_2;
+use super::{LN_2, with_widest_vectors};
 
 /// Below this the result is 0: it would have fewer digits than others.
 const LOWEST: f64 = -708.0;
@@ -39,9 +39,7 @@ pub fn exp(x: f64) -> f64 {
 /// [`exp`] of each number, in its place.
 #[inline]
 pub fn exp_each(values: &mut [f64]) {
-    for value in values {
-        *value = exp(*value);
-    }
+    with_widest_vectors(|| values.iter_mut().for_each(|value| *value = exp(*value)));
 }
 
 #[cfg(test)]

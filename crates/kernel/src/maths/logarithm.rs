@@ -1,6 +1,6 @@
 //! The natural logarithm.
 
-use super::LN_2;
+use super::{LN_2, with_widest_vectors};
 
 /// The bits of the root of one half, without the lower half of them.
 const ROOT_OF_HALF: u64 = 0x3fe6_a09e_0000_0000;
@@ -49,9 +49,7 @@ pub fn ln(x: f64) -> f64 {
 /// [`ln`] of each number, in its place.
 #[inline]
 pub fn ln_each(values: &mut [f64]) {
-    for value in values {
-        *value = ln(*value);
-    }
+    with_widest_vectors(|| values.iter_mut().for_each(|value| *value = ln(*value)));
 }
 
 /// The bits of the root of one half and of 1 in single precision, and the bits of its fraction.
@@ -82,9 +80,7 @@ fn ln_single(x: f32) -> f32 {
 /// positive, finite and not subnormal; of others the result is any number.
 #[inline]
 pub fn ln_each_single(values: &mut [f32]) {
-    for value in values {
-        *value = ln_single(*value);
-    }
+    with_widest_vectors(|| values.iter_mut().for_each(|value| *value = ln_single(*value)));
 }
 
 #[cfg(test)]

@@ -114,8 +114,12 @@ impl MarginSums {
         columns: &Columns,
     ) -> Self {
         let (predictions, logs) = predictions(law, &correlations.each, arrangement, sites);
-        let sums = if law.direction > 0.0 { BlockSums::of_blocks::<AMPLITUDES> } else { BlockSums::of_blocks::<1> };
-        let blocks = sums(&predictions, single(law.slope), columns);
+        let slope = single(law.slope);
+        let blocks = if law.direction > 0.0 {
+            BlockSums::of_blocks::<AMPLITUDES>(&predictions, slope, columns)
+        } else {
+            BlockSums::of_blocks::<1>(&predictions, slope, columns)
+        };
         let units = predictions.iter().map(|prediction| f64::from(prediction.unit).powi(2)).sum();
         Self { correlations, margin: law.margin, slope: law.slope, logs, units, blocks }
     }
