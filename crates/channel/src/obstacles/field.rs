@@ -24,6 +24,14 @@ pub struct Crossing {
     pub passages: usize,
 }
 
+/// Obstacles near a line that touch others.
+#[derive(Debug, Default)]
+struct Together {
+    numbers: Vec<usize>,
+    /// Whether the line is in one of them nowhere.
+    has_missed: bool,
+}
+
 /// All obstacles of a world. Where obstacles overlap, each absorbs as if it were alone: losses add. But walls count once where
 /// they overlap, and a line between obstacles that touch is not free.
 ///
@@ -103,8 +111,8 @@ impl ObstacleField {
     /// Calls `act` with the number of each obstacle that the straight line between two places, which are in order, crosses, and the
     /// length inside it. The result is those that touch others at the line.
     #[inline]
-    fn each_crossed(&self, [from, to]: [Position; 2], mut act: impl FnMut(usize, f64)) -> Vec<usize> {
-        let mut together = Vec::new();
+    fn each_crossed(&self, [from, to]: [Position; 2], mut act: impl FnMut(usize, f64)) -> Together {
+        let mut together = Together::default();
         self.tree.each_along(Span::new(from, to), LEVEL_M, |number| {
             let shape = self.obstacles[number].shape();
             let length_m = shape.length_inside_m(from, to);
@@ -112,15 +120,19 @@ impl ObstacleField {
                 act(number, length_m);
             }
             if self.touches[number] && (length_m > 0.0 || shape.is_near(from, to)) {
-                together.push(number);
+                together.numbers.push(number);
+                together.has_missed |= length_m <= 0.0;
             }
         });
         together
     }
 
     /// What a line meets of obstacles that touch, if it is not what it meets of each alone.
-    fn met_together(&self, together: &[usize], [from, to]: [Position; 2]) -> Option<Vec<Crossing>> {
-        if together.len() < 2 { None } else { together::met(&self.obstacles, together, from, to) }
+    fn met_together(&self, together: &Together, [from, to]: [Position; 2]) -> Option<Vec<Crossing>> {
+        let Together { numbers, has_missed } = together;
+        let are_walls = || numbers.iter().filter(|&&number| self.obstacles[number].wall().is_some()).nth(1).is_some();
+        let may_differ = numbers.len() > 1 && (*has_missed || are_walls());
+        if may_differ { together::met(&self.obstacles, numbers, from, to) } else { None }
     }
 
     /// Replaces `crossings` with those of the straight line from `from` to `to`, by obstacle. A line in the floor of an
@@ -133,7 +145,7 @@ impl ObstacleField {
             crossings.push(Crossing { obstacle, length_m, passages });
         });
         if let Some(met) = self.met_together(&together, line) {
-            crossings.retain(|crossing| !together.contains(&crossing.obstacle));
+            crossings.retain(|crossing| !together.numbers.contains(&crossing.obstacle));
             crossings.extend(met);
         }
         crossings.sort_unstable_by_key(|crossing| crossing.obstacle);
@@ -202,7 +214,7 @@ impl ObstacleField {
             }
         });
         first.or_else(|| {
-            together.retain(|&number| self.obstacles[number].is_solid());
+            together.numbers.retain(|&number| self.obstacles[number].is_solid());
             Some(self.met_together(&together, line)?.first()?.obstacle)
         })
     }

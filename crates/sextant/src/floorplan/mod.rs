@@ -314,7 +314,7 @@ mod tests {
         };
         for (options, option, without, with) in [
             (&scaled, "scale", &["dxf", "geojson", "json", "toml"][..], &["png", "pgm", "yaml"][..]),
-            (&in_mm, "unit", &["png", "yml", "geojson", "toml"], &["dxf"]),
+            (&in_mm, "unit", &["png", "yml", "toml"], &["dxf", "geojson"]),
             (&of_layers, "layers", &["png", "geojson", "toml"], &["dxf"]),
             (&thick, "thickness", &["png", "yaml", "toml"], &["dxf", "geojson"]),
             (&moved, "origin", &["toml"], &["png", "yaml", "geojson", "dxf"]),

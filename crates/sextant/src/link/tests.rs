@@ -51,7 +51,7 @@ fn the_items_of_a_link_name_what_is_in_the_way_and_sum_to_its_power() {
     let walls = "[[world.walls]]\nname = \"corner\"\npoints_m = [[2, -3], [2, 0], [4, 0]]\nmaterial = \"glass\"\nloss_db = 3\n\
                  [[world.walls]]\npoints_m = [[2, -3], [2, 3]]\nloss_db = 7\n";
     for wall in ["absorption_per_m = 1.0", "material = \"brick\"\nloss_db = 4", "loss_db = inf"] {
-        let reflections = "[channel.reflections]\nloss_db = 6\nground_z_m = -1\n[traffic.periodic]";
+        let reflections = "[channel.reflections]\nloss_db = 6\nground_z_m = -40\n[traffic.periodic]";
         let text = WORLD.replace("absorption_per_m = 1.0", wall).replace("[traffic.periodic]", reflections);
         let scenario =
             Scenario::parse(&text.replace("[radio]", &format!("{walls}[radio]"))).expect("a good scenario");

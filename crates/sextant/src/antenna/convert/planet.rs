@@ -258,7 +258,7 @@ mod tests {
         for step in [1, 2] {
             let parabola =
                 (-90..=90).step_by(step).map(|angle| (f64::from(angle), 3.0 * (f64::from(angle) / 3.25).powi(2)));
-            assert!((half_power_deg(&parabola.collect()).unwrap() - 6.5).abs() < 0.2, "{step}");
+            assert!((half_power_deg(&parabola.collect()).unwrap() - 6.5).abs() < 0.35, "{step}");
         }
         // One end is not there, or there is none.
         assert_eq!(width(&cut(0..=90, &[0])), None);
