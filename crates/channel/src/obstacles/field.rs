@@ -72,7 +72,7 @@ impl ObstacleField {
     #[must_use]
     pub fn at_carrier(&self, carrier_ghz: Option<f64>) -> Self {
         let obstacles = self.obstacles.iter().map(|obstacle| obstacle.at_carrier(carrier_ghz)).collect();
-        Self { obstacles, ..self.clone() }
+        Self { obstacles, tree: self.tree.clone(), bounds: self.bounds, touches: self.touches.clone() }
     }
 
     /// Checks that the absorption of each material is known at the carrier (GHz). `key` is where an obstacle is written.

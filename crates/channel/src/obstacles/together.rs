@@ -56,7 +56,7 @@ pub(super) fn met(obstacles: &[Obstacle], numbers: &[usize], from: Position, to:
     let is_shared = share_passages(&members, &mut passages);
     let is_cut = cut_overlaps(&mut members);
     let crossing = |(member, passages): (&Member<'_>, usize)| {
-        let length_m = member.spans.iter().map(|span| span[1] - span[0]).sum();
+        let length_m = member.spans.iter().fold(0.0, |sum, span| sum + (span[1] - span[0]));
         Crossing { obstacle: member.number, length_m, passages }
     };
     let crossings = members.iter().zip(passages).map(crossing);

@@ -108,8 +108,8 @@ impl LinkReport {
         for crossed in &path.obstacles {
             let name = crossed.name.clone().unwrap_or_else(|| format!("obstacle {}", crossed.obstacle));
             let loss = crossed.loss_db.map_or("nothing gets through".to_owned(), |loss_db| gain(-loss_db));
-            let material = crossed.material.map_or(String::new(), |material| format!(" of {material}"));
-            row(f, &format!("{name}{material}, {:.2} m inside", crossed.length_m), same(loss))?;
+            let inside = crossed.material.map_or("inside".to_owned(), |material| format!("of {material}"));
+            row(f, &format!("{name}, {:.2} m {inside}", crossed.length_m), same(loss))?;
         }
         let count = path.reflections_loss_db.as_ref().map_or(0, Vec::len);
         let reflections = sextant_kernel::text::counted(count, "reflection");
