@@ -23,15 +23,15 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// The channel with this `law` among `obstacles`, which absorb as at the carrier of the law; its shadowing is drawn
+    /// The channel with this `law` among `obstacles`, which absorb as at the carrier of the signals; its shadowing is drawn
     /// from `seed`.
     #[must_use]
     pub fn new(law: ChannelLaw, obstacles: ObstacleField, seed: Seed) -> Self {
-        let obstacles = match law.carrier_ghz() {
+        let obstacles = match law.signal_ghz() {
             Some(carrier_ghz) => obstacles.at_carrier(Some(carrier_ghz)),
             None => obstacles,
         };
-        let scatterers = law.reflections().map(|law_of| Scatterers::new(law_of, &obstacles, law.carrier_ghz()));
+        let scatterers = law.reflections().map(|law_of| Scatterers::new(law_of, &obstacles, law.signal_ghz()));
         let scatterers = scatterers.filter(|scatterers| !scatterers.is_empty());
         Self { law, shadowing: Shadowing::new(*law.shadowing(), seed), obstacles, scatterers }
     }
@@ -89,8 +89,7 @@ impl Channel {
             }
             None => {
                 let loss = self.law.path_loss().loss(distance_m) + self.obstacle_loss(a, b);
-                let carrier_ghz = self.law.carrier_ghz();
-                rays.push(straight(loss, a, b, carrier_ghz));
+                rays.push(straight(loss, a, b, self.law.signal_ghz()));
             }
         }
         if !is_forward {

@@ -17,7 +17,7 @@ fn walls(lines: &[&[[f64; 2]]]) -> ObstacleField {
         let text =
             format!("points_m = [{}]\nthickness_m = 0.2\nheight_m = 2.5\nmaterial = \"brick\"", points.join(", "));
         let wall: WallConfig = toml::from_str(&text).unwrap();
-        wall.obstacles().unwrap()
+        wall.obstacles(0).unwrap()
     };
     ObstacleField::new(lines.iter().flat_map(wall).collect())
 }

@@ -52,6 +52,16 @@ impl Bounds {
             && p.z_m <= self.max.z_m
     }
 
+    /// Whether the two boxes have a place in common.
+    #[must_use]
+    pub fn meets(self, other: Self) -> bool {
+        let gap = |low: Position, high: Position| {
+            let gap = low - high;
+            gap.x_m.max(gap.y_m).max(gap.z_m)
+        };
+        gap(self.min, other.max) <= 0.0 && gap(other.min, self.max) <= 0.0
+    }
+
     /// Distance from `p` to the box (m), 0 inside.
     #[must_use]
     pub fn distance_m(self, p: Position) -> f64 {

@@ -38,6 +38,11 @@ impl Tree {
         self.0.leaves(move |node| bounds(node).grown(margin_m).contains(p)).map(|leaf| leaf as usize)
     }
 
+    /// The objects whose boxes meet a box.
+    pub(crate) fn meeting(&self, other: Bounds) -> impl Iterator<Item = usize> + '_ {
+        self.0.leaves(move |node| bounds(node).meets(other)).map(|leaf| leaf as usize)
+    }
+
     /// The smallest `distance_m` of all objects, each at least as far from `p` as its box; infinite without objects.
     pub(crate) fn nearest_m(&self, p: Position, distance_m: impl Fn(usize) -> f64) -> f64 {
         let leaf = |leaf: u32, _| Some(distance_m(leaf as usize));

@@ -3,16 +3,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::geometry::position::Position;
-use crate::geometry::shape::Edge;
+use crate::geometry::shape::{Edge, LEVEL_M};
 use crate::propagation::path_loss::LIGHT_M_PER_S;
-
-/// The vertical edges of an obstacle.
-#[derive(Clone, Debug)]
-pub(crate) struct Corners {
-    /// Its number in the field of obstacles.
-    pub(crate) obstacle: usize,
-    pub(crate) edges: Vec<Edge>,
-}
 
 /// A way round an obstacle. Both places are the same if one edge is enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,45 +25,53 @@ pub(crate) enum Side {
     Right,
 }
 
-impl Corners {
-    /// The shortest way from `a` to `b` round the obstacle on one side; `None` if nothing is in the way on that side, the edges
-    /// are too short, or an end is on one of them.
-    pub(crate) fn detour(&self, a: Position, b: Position, side: Side, carrier_ghz: f64) -> Option<Detour> {
-        let sign = if let Side::Left = side { 1.0 } else { -1.0 };
-        let (first, out_rad) = self.tangent(a, b, sign)?;
-        let (last, in_rad) = self.tangent(b, a, -sign)?;
-        let level = |p: Position, q: Position| libm::hypot(q.x_m - p.x_m, q.y_m - p.y_m);
-        let (before_m, after_m) = (level(a, first.bottom), level(last.bottom, b));
-        let all_m = before_m + level(first.bottom, last.bottom) + after_m;
-        if before_m <= 0.0 || after_m <= 0.0 {
-            return None;
-        }
-        // Unfolded about the edges the way is straight.
-        let on = |edge: Edge, way_m: f64| edge.at(a.z_m + (b.z_m - a.z_m) * way_m / all_m);
-        let (first, last) = (on(first, before_m)?, on(last, all_m - after_m)?);
-        let (rise_out, rise_in) = (libm::tan(out_rad), libm::tan(in_rad));
-        let share = rise_in / (rise_out + rise_in);
-        let aside_m = level(a, b) * share * rise_out;
-        let distance_m = a.distance_m(b);
-        let wavelength_m = LIGHT_M_PER_S / (carrier_ghz * 1e9);
-        let spread = 1.0 / (share * distance_m) + 1.0 / ((1.0 - share) * distance_m);
-        let nu = aside_m * (2.0 / wavelength_m * spread).sqrt();
-        Some(Detour { first, last, nu })
+/// The shortest way from `a` to `b` round what has these edges, on one side; `None` if nothing is in the way on that side, the
+/// edges are too short, or an end is on one of them.
+pub(crate) fn detour(edges: &[Edge], [a, b]: [Position; 2], side: Side, carrier_ghz: f64) -> Option<Detour> {
+    let sign = if let Side::Left = side { 1.0 } else { -1.0 };
+    let (first, out_rad) = tangent(edges, a, b, sign)?;
+    let (last, in_rad) = tangent(edges, b, a, -sign)?;
+    let level = |p: Position, q: Position| libm::hypot(q.x_m - p.x_m, q.y_m - p.y_m);
+    let (before_m, after_m) = (level(a, first.bottom), level(last.bottom, b));
+    let all_m = before_m + level(first.bottom, last.bottom) + after_m;
+    if before_m <= 0.0 || after_m <= 0.0 {
+        return None;
     }
+    // Unfolded about the edges the way is straight.
+    let on = |edge: Edge, way_m: f64| edge.at(a.z_m + (b.z_m - a.z_m) * way_m / all_m);
+    let (first, last) = (on(first, before_m)?, on(last, all_m - after_m)?);
+    let (rise_out, rise_in) = (libm::tan(out_rad), libm::tan(in_rad));
+    let share = rise_in / (rise_out + rise_in);
+    let aside_m = level(a, b) * share * rise_out;
+    let distance_m = a.distance_m(b);
+    let wavelength_m = LIGHT_M_PER_S / (carrier_ghz * 1e9);
+    let spread = 1.0 / (share * distance_m) + 1.0 / ((1.0 - share) * distance_m);
+    let nu = aside_m * (2.0 / wavelength_m * spread).sqrt();
+    Some(Detour { first, last, nu })
+}
 
-    /// The edge that is farthest to one side of the straight line from `a` to `b`, seen from `a` and from above, and its angle
-    /// with that line, if this is between 0 and a quarter of a turn.
-    fn tangent(&self, a: Position, b: Position, sign: f64) -> Option<(Edge, f64)> {
-        let straight = b - a;
-        let angle_rad = |edge: &Edge| {
-            let to = edge.bottom - a;
-            let across = straight.x_m * to.y_m - straight.y_m * to.x_m;
-            sign * libm::atan2(across, straight.x_m * to.x_m + straight.y_m * to.y_m)
-        };
-        let all = self.edges.iter().map(|&edge| (edge, angle_rad(&edge)));
-        let farthest = all.max_by(|one, other| one.1.total_cmp(&other.1))?;
-        (farthest.1 > 0.0 && farthest.1 < FRAC_PI_2).then_some(farthest)
-    }
+/// The edge that is farthest to one side of the straight line from `a` to `b`, seen from `a` and from above, and its angle
+/// with that line, if this is between 0 and a quarter of a turn.
+fn tangent(edges: &[Edge], a: Position, b: Position, sign: f64) -> Option<(Edge, f64)> {
+    let straight = b - a;
+    let angle_rad = |edge: &Edge| {
+        let to = edge.bottom - a;
+        let across = straight.x_m * to.y_m - straight.y_m * to.x_m;
+        sign * libm::atan2(across, straight.x_m * to.x_m + straight.y_m * to.y_m)
+    };
+    let all = edges.iter().map(|&edge| (edge, angle_rad(&edge)));
+    let farthest = all.max_by(|one, other| one.1.total_cmp(&other.1))?;
+    (farthest.1 > 0.0 && farthest.1 < FRAC_PI_2).then_some(farthest)
+}
+
+/// Where the straight line from `a` to `b` passes an edge, if it does.
+pub(crate) fn passed(edge: &Edge, [a, b]: [Position; 2]) -> Option<Position> {
+    let (way, to) = (b - a, edge.bottom - a);
+    let square = way.x_m * way.x_m + way.y_m * way.y_m;
+    let across_m = (way.x_m * to.y_m - way.y_m * to.x_m) / square.sqrt();
+    let share = (way.x_m * to.x_m + way.y_m * to.y_m) / square;
+    let is_passed = across_m.abs() <= LEVEL_M && share > 0.0 && share < 1.0;
+    if is_passed { edge.at(a.z_m + way.z_m * share) } else { None }
 }
 
 /// Loss of a single knife edge beside free space (dB) in the shadow, for ν from 0 on (Recommendation ITU-R P.526-15,
@@ -115,16 +115,16 @@ mod tests {
         }
     }
 
-    fn corners(places: &[[f64; 2]]) -> Corners {
+    fn edges(places: &[[f64; 2]]) -> Vec<Edge> {
         let edge = |&[x, y]: &[f64; 2]| Edge { bottom: Position::new(x, y, 0.0), top: Position::new(x, y, 3.0) };
-        Corners { obstacle: 0, edges: places.iter().map(edge).collect() }
+        places.iter().map(edge).collect()
     }
 
     #[test]
     fn a_way_round_one_edge_is_the_shortest_one() {
-        let edge = corners(&[[0.0, 1.0], [0.0, -4.0]]);
+        let edge = edges(&[[0.0, 1.0], [0.0, -4.0]]);
         let (a, b) = (Position::new(-4.0, 0.0, 1.0), Position::new(2.0, 0.0, 2.0));
-        let Detour { first, last, nu } = edge.detour(a, b, Side::Left, 60.0).unwrap();
+        let Detour { first, last, nu } = detour(&edge, [a, b], Side::Left, 60.0).unwrap();
         let length_m = |z_m: f64| {
             let place = Position::new(0.0, 1.0, z_m);
             a.distance_m(place) + place.distance_m(b)
@@ -132,20 +132,20 @@ mod tests {
         let best = (0..3000).map(|i| f64::from(i) * 1e-3).min_by(|x, y| length_m(*x).total_cmp(&length_m(*y)));
         assert!((first.z_m - best.unwrap()).abs() < 1e-3 && first == last, "{first}");
         // ν² is about four times the detour in wavelengths.
-        let detour = (length_m(first.z_m) - a.distance_m(b)) / (LIGHT_M_PER_S / 60e9);
-        assert!((nu * nu / (4.0 * detour) - 1.0).abs() < 0.1, "{nu} {detour}");
-        let right = edge.detour(a, b, Side::Right, 60.0).unwrap();
+        let longer = (length_m(first.z_m) - a.distance_m(b)) / (LIGHT_M_PER_S / 60e9);
+        assert!((nu * nu / (4.0 * longer) - 1.0).abs() < 0.1, "{nu} {longer}");
+        let right = detour(&edge, [a, b], Side::Right, 60.0).unwrap();
         assert!(right.first.y_m < -3.0 && right.nu > nu);
         // The edge is too short, or not between the two.
-        assert_eq!(edge.detour(a, Position::new(2.0, 0.0, 12.0), Side::Left, 60.0), None);
-        assert_eq!(edge.detour(Position::new(1.0, 0.0, 1.0), b, Side::Left, 60.0), None);
+        assert_eq!(detour(&edge, [a, Position::new(2.0, 0.0, 12.0)], Side::Left, 60.0), None);
+        assert_eq!(detour(&edge, [Position::new(1.0, 0.0, 1.0), b], Side::Left, 60.0), None);
     }
 
     #[test]
     fn a_thick_obstacle_counts_as_a_knife_edge_where_its_tangents_meet() {
-        let block = corners(&[[-1.0, 1.0], [1.0, 1.0], [1.0, -2.0], [-1.0, -2.0]]);
+        let block = edges(&[[-1.0, 1.0], [1.0, 1.0], [1.0, -2.0], [-1.0, -2.0]]);
         let (a, b) = (Position::new(-5.0, 0.0, 1.0), Position::new(5.0, 0.0, 1.0));
-        let Detour { first, last, nu } = block.detour(a, b, Side::Left, 28.0).unwrap();
+        let Detour { first, last, nu } = detour(&block, [a, b], Side::Left, 28.0).unwrap();
         assert_eq!((first, last), (Position::new(-1.0, 1.0, 1.0), Position::new(1.0, 1.0, 1.0)));
         // Each tangent rises by a quarter: they meet at 1.25 m in the middle.
         let wavelength_m = LIGHT_M_PER_S / 28e9;

@@ -8,6 +8,7 @@ use crate::geometry::shape::{LEVEL_M, Sweep};
 use crate::geometry::span::Span;
 use crate::geometry::tree::Tree;
 use crate::obstacles::obstacle::Obstacle;
+use crate::obstacles::together;
 use crate::power::Db;
 use crate::propagation::material::DB_PER_NEPER;
 use crate::propagation::path_budget::ObstacleLoss;
@@ -17,11 +18,22 @@ use crate::propagation::path_budget::ObstacleLoss;
 pub struct Crossing {
     /// Index of the obstacle in its field.
     pub obstacle: usize,
-    /// Length of the line inside it (m), above 0.
+    /// Length of the line inside it (m), above 0; 0 for a piece of a wall that is inside stronger ones.
     pub length_m: f64,
+    /// How often the line pays its fixed loss: once a passage; never if another piece of a wall pays for the passage.
+    pub passages: usize,
 }
 
-/// All obstacles of a world. Where obstacles overlap, each absorbs as if it were alone: losses add.
+/// Obstacles near a line that touch others.
+#[derive(Debug, Default)]
+struct Together {
+    numbers: Vec<usize>,
+    /// Whether the line is in one of them nowhere.
+    has_missed: bool,
+}
+
+/// All obstacles of a world. Where obstacles overlap, each absorbs as if it were alone: losses add. But walls count once where
+/// they overlap, and a line between obstacles that touch is not free.
 ///
 /// The time of a query about a line grows with the number of obstacles near the line, not with the number of all.
 /// Every result for a line is the same, bit for bit, if its two ends are exchanged.
@@ -30,6 +42,8 @@ pub struct ObstacleField {
     obstacles: Vec<Obstacle>,
     tree: Tree,
     bounds: Option<Bounds>,
+    /// Which obstacles may touch others.
+    touches: Vec<bool>,
 }
 
 /// Smallest radius of a ball for [`ObstacleField::clearance_m`] (m).
@@ -47,7 +61,9 @@ impl ObstacleField {
     #[must_use]
     pub fn new(obstacles: Vec<Obstacle>) -> Self {
         let boxes = || obstacles.iter().map(|obstacle| obstacle.shape().bounds());
-        Self { tree: Tree::new(boxes()), bounds: boxes().reduce(Bounds::union), obstacles }
+        let tree = Tree::new(boxes());
+        let touches = boxes().map(|bounds| tree.meeting(bounds.grown(LEVEL_M)).nth(1).is_some()).collect();
+        Self { tree, bounds: boxes().reduce(Bounds::union), obstacles, touches }
     }
 
     /// The same obstacles for links at a carrier (GHz): materials absorb there what their models say. Beyond the
@@ -56,17 +72,17 @@ impl ObstacleField {
     #[must_use]
     pub fn at_carrier(&self, carrier_ghz: Option<f64>) -> Self {
         let obstacles = self.obstacles.iter().map(|obstacle| obstacle.at_carrier(carrier_ghz)).collect();
-        Self { obstacles, tree: self.tree.clone(), bounds: self.bounds }
+        Self { obstacles, tree: self.tree.clone(), bounds: self.bounds, touches: self.touches.clone() }
     }
 
-    /// Checks that the absorption of each material is known at the carrier (GHz).
+    /// Checks that the absorption of each material is known at the carrier (GHz). `key` is where an obstacle is written.
     ///
     /// # Errors
-    /// `obstacles[i].material` if the model of a material does not hold there.
-    pub fn check_carrier(&self, carrier_ghz: f64) -> Result<(), SettingError> {
+    /// The key `material` below that of an obstacle if the model of its material does not hold there.
+    pub fn check_carrier(&self, carrier_ghz: f64, key: impl Fn(usize) -> String) -> Result<(), SettingError> {
         for (i, obstacle) in self.obstacles.iter().enumerate() {
             if let Some(material) = obstacle.material() {
-                material.check_carrier(carrier_ghz).map_err(|error| error.within(format!("obstacles[{i}]")))?;
+                material.check_carrier(carrier_ghz).map_err(|error| error.within(key(i)))?;
             }
         }
         Ok(())
@@ -92,26 +108,52 @@ impl ObstacleField {
         self.obstacles.is_empty()
     }
 
-    /// The obstacles that the straight line between two places crosses, in an unspecified order.
+    /// Calls `act` with the number of each obstacle that the straight line between two places, which are in order, crosses, and the
+    /// length inside it. The result is those that touch others at the line.
     #[inline]
-    fn lengths(&self, from: Position, to: Position) -> impl Iterator<Item = Crossing> + '_ {
-        let (from, to) = ordered(from, to);
-        self.tree.along(Span::new(from, to), LEVEL_M).filter_map(move |obstacle| {
-            let length_m = self.obstacles[obstacle].shape().length_inside_m(from, to);
-            (length_m > 0.0).then_some(Crossing { obstacle, length_m })
-        })
+    fn each_crossed(&self, [from, to]: [Position; 2], mut act: impl FnMut(usize, f64)) -> Together {
+        let mut together = Together::default();
+        self.tree.each_along(Span::new(from, to), LEVEL_M, |number| {
+            let shape = self.obstacles[number].shape();
+            let length_m = shape.length_inside_m(from, to);
+            if length_m > 0.0 {
+                act(number, length_m);
+            }
+            if self.touches[number] && (length_m > 0.0 || shape.is_near(from, to)) {
+                together.numbers.push(number);
+                together.has_missed |= length_m <= 0.0;
+            }
+        });
+        together
+    }
+
+    /// What a line meets of obstacles that touch, if it is not what it meets of each alone.
+    fn met_together(&self, together: &Together, [from, to]: [Position; 2]) -> Option<Vec<Crossing>> {
+        let Together { numbers, has_missed } = together;
+        let are_walls = || numbers.iter().filter(|&&number| self.obstacles[number].wall().is_some()).nth(1).is_some();
+        let may_differ = numbers.len() > 1 && (*has_missed || are_walls());
+        if may_differ { together::met(&self.obstacles, numbers, from, to) } else { None }
     }
 
     /// Replaces `crossings` with those of the straight line from `from` to `to`, by obstacle. A line in the floor of an
     /// obstacle crosses it; one that only touches it, or runs along another face, does not ([`Shape`](crate::Shape)).
     pub fn crossings(&self, from: Position, to: Position, crossings: &mut Vec<Crossing>) {
         crossings.clear();
-        crossings.extend(self.lengths(from, to));
+        let line = ordered(from, to).into();
+        let together = self.each_crossed(line, |obstacle, length_m| {
+            let passages = self.obstacles[obstacle].shape().passages(line[0], line[1]);
+            crossings.push(Crossing { obstacle, length_m, passages });
+        });
+        if let Some(met) = self.met_together(&together, line) {
+            crossings.retain(|crossing| !together.numbers.contains(&crossing.obstacle));
+            crossings.extend(met);
+        }
         crossings.sort_unstable_by_key(|crossing| crossing.obstacle);
     }
 
     /// Loss by absorption along the straight line from `from` to `to`: the sum of `10 α d log10(e)` over the
-    /// obstacles, d the length inside (Lambert-Bouguer law; thesis eq. 3.16), and the fixed losses of those crossed.
+    /// obstacles, d the length inside (Lambert-Bouguer law; thesis eq. 3.16), and the fixed losses of all passages through them. A
+    /// line that begins or ends inside an obstacle passes it.
     #[must_use]
     #[inline]
     pub fn loss(&self, from: Position, to: Position) -> Db {
@@ -119,15 +161,17 @@ impl ObstacleField {
             return Db(0.0);
         }
         let (mut nepers, mut fixed) = (0.0, Db(0.0));
-        let (from, to) = ordered(from, to);
-        self.tree.each_along(Span::new(from, to), LEVEL_M, |number| {
+        let line = ordered(from, to).into();
+        let together = self.each_crossed(line, |number, length_m| {
             let obstacle = &self.obstacles[number];
-            let length_m = obstacle.shape().length_inside_m(from, to);
-            if length_m > 0.0 {
-                nepers += obstacle.absorption_per_m() * length_m;
-                fixed = fixed + obstacle.loss();
+            nepers += obstacle.absorption_per_m() * length_m;
+            if obstacle.loss().0 > 0.0 {
+                fixed = fixed + obstacle.loss_of(obstacle.shape().passages(line[0], line[1]));
             }
         });
+        if self.met_together(&together, line).is_some() {
+            return self.losses(from, to).iter().fold(Db(0.0), |sum, one| sum + one.loss());
+        }
         Db(DB_PER_NEPER * nepers) + fixed
     }
 
@@ -137,10 +181,10 @@ impl ObstacleField {
     pub fn losses(&self, from: Position, to: Position) -> Vec<ObstacleLoss> {
         let mut crossings = Vec::new();
         self.crossings(from, to, &mut crossings);
-        let loss = |&Crossing { obstacle, length_m }: &Crossing| {
+        let loss = |&Crossing { obstacle, length_m, passages }: &Crossing| {
             let crossed = &self.obstacles[obstacle];
             let absorption = Db(DB_PER_NEPER * (crossed.absorption_per_m() * length_m));
-            ObstacleLoss { obstacle, length_m, absorption, fixed: crossed.loss() }
+            ObstacleLoss { obstacle, length_m, absorption, fixed: crossed.loss_of(passages) }
         };
         crossings.iter().map(loss).collect()
     }
@@ -152,11 +196,27 @@ impl ObstacleField {
         self.tree.holding(p, LEVEL_M).filter(|&obstacle| contains(&self.obstacles[obstacle])).min()
     }
 
+    /// The solid obstacles that go on at a place of an edge: those within a millimetre of it, not only from below.
+    pub(crate) fn touching(&self, edge: Position) -> impl Iterator<Item = usize> + '_ {
+        let above = edge + Position::new(0.0, 0.0, 2.0 * LEVEL_M);
+        let touches = move |obstacle: &Obstacle| obstacle.is_solid() && obstacle.shape().distance_m(above) <= LEVEL_M;
+        self.tree.holding(above, LEVEL_M).filter(move |&obstacle| touches(&self.obstacles[obstacle]))
+    }
+
     /// The first solid obstacle that the straight line from `from` to `to` crosses.
     #[must_use]
     pub fn blocking(&self, from: Position, to: Position) -> Option<usize> {
-        let lengths = self.lengths(from, to).map(|crossing| crossing.obstacle);
-        lengths.filter(|&obstacle| self.obstacles[obstacle].is_solid()).min()
+        let line = ordered(from, to).into();
+        let mut first: Option<usize> = None;
+        let mut together = self.each_crossed(line, |number, _| {
+            if self.obstacles[number].is_solid() {
+                first = Some(first.map_or(number, |first| first.min(number)));
+            }
+        });
+        first.or_else(|| {
+            together.numbers.retain(|&number| self.obstacles[number].is_solid());
+            Some(self.met_together(&together, line)?.first()?.obstacle)
+        })
     }
 
     /// The solid obstacles whose boxes are within `margin_m` of a line.

@@ -6,4 +6,5 @@ pub(crate) mod mirror;
 pub(crate) mod obstacle;
 pub(crate) mod rays;
 pub(crate) mod sight;
+mod together;
 pub(crate) mod wall;

@@ -29,8 +29,8 @@ pub struct ObstacleConfig {
     /// Absorption coefficient α of the Lambert-Bouguer law (1/m): 10 α log10(e) = 4.343 α dB per metre.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub absorption_per_m: Option<f64>,
-    /// Loss of a link that crosses the obstacle, however thick it is (dB), beside absorption; `inf` lets nothing
-    /// through.
+    /// Loss of a link for each passage through the obstacle, however thick it is (dB), beside absorption; a link that begins or
+    /// ends in it pays it too. `inf` lets nothing through.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub loss_db: Option<f64>,
     /// Whether it fills its space. In a volume that is not solid, such as vegetation, nodes stand and robots drive, and
@@ -73,6 +73,7 @@ pub struct Obstacle {
     loss: Db,
     is_solid: bool,
     reflection_loss: Option<Db>,
+    wall: Option<usize>,
 }
 
 impl TryFrom<ObstacleConfig> for Obstacle {
@@ -123,6 +124,7 @@ impl Obstacle {
             loss: Db(loss_db),
             is_solid: config.solid,
             reflection_loss,
+            wall: None,
         })
     }
 
@@ -157,6 +159,7 @@ impl Obstacle {
                 loss: Db(0.0),
                 is_solid: config.solid,
                 reflection_loss,
+                wall: None,
             })
         };
         parts.into_iter().map(obstacle).collect()
@@ -176,11 +179,19 @@ impl Obstacle {
         self.material
     }
 
-    /// Loss of a link that crosses it, however thick it is, beside absorption.
+    /// Loss of a link for each passage through it, however thick it is, beside absorption.
     #[must_use]
     #[inline]
     pub fn loss(&self) -> Db {
         self.loss
+    }
+
+    /// Loss of so many passages through it, beside absorption.
+    #[inline]
+    pub(crate) fn loss_of(&self, passages: usize) -> Db {
+        #[expect(clippy::cast_precision_loss, reason = "few passages")]
+        let times = passages as f64;
+        if passages == 0 { Db(0.0) } else { Db(times * self.loss.0) }
     }
 
     /// Whether it fills its space: nothing stands or drives in it, and range sensors see it.
@@ -194,6 +205,17 @@ impl Obstacle {
     #[must_use]
     pub(crate) fn reflection_loss(&self) -> Option<Db> {
         self.reflection_loss
+    }
+
+    /// The same obstacle as a piece of the wall with this number.
+    pub(crate) fn of_wall(self, wall: usize) -> Self {
+        Self { wall: Some(wall), ..self }
+    }
+
+    /// The number of the wall that it is a piece of, if it is one.
+    #[must_use]
+    pub(crate) fn wall(&self) -> Option<usize> {
+        self.wall
     }
 
     /// Its name, if it has one.

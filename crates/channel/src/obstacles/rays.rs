@@ -3,9 +3,11 @@
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use crate::geometry::position::Position;
-use crate::obstacles::edge::{Corners, Detour, Side, knife_edge_loss_db};
-use crate::obstacles::field::ObstacleField;
+use crate::geometry::shape::{Edge, LEVEL_M};
+use crate::obstacles::edge::{Detour, Side, detour, knife_edge_loss_db, passed};
+use crate::obstacles::field::{Crossing, ObstacleField};
 use crate::obstacles::mirror::{DEFAULT_CARRIER_GHZ, Field, Mirror, MirrorSurface, direction};
+use crate::obstacles::obstacle::Obstacle;
 use crate::power::Db;
 use crate::propagation::complex::Complex;
 use crate::propagation::law::ChannelLaw;
@@ -20,8 +22,8 @@ const MOST_LOSS_DB: f64 = 300.0;
 pub(crate) struct Scatterers {
     law: ReflectionLaw,
     mirrors: Vec<Mirror>,
-    /// The edges of solid obstacles, by obstacle.
-    corners: Vec<Corners>,
+    /// The vertical edges of each obstacle that is solid; empty if edges do not count.
+    edges: Vec<Vec<Edge>>,
     carrier_ghz: f64,
 }
 
@@ -49,15 +51,16 @@ impl Scatterers {
     pub(crate) fn new(law: &ReflectionLaw, obstacles: &ObstacleField, carrier_ghz: Option<f64>) -> Self {
         let carrier_ghz = carrier_ghz.unwrap_or(DEFAULT_CARRIER_GHZ);
         let mirrors = if law.order > 0 { law.mirrors(obstacles, carrier_ghz) } else { Vec::new() };
-        let solid = obstacles.obstacles().iter().enumerate().filter(|(_, obstacle)| law.edges && obstacle.is_solid());
-        let corners = solid.map(|(i, obstacle)| Corners { obstacle: i, edges: obstacle.shape().vertical_edges() });
-        let corners = corners.filter(|corners| !corners.edges.is_empty()).collect();
-        Self { law: *law, mirrors, corners, carrier_ghz }
+        let of =
+            |obstacle: &Obstacle| if obstacle.is_solid() { obstacle.shape().vertical_edges() } else { Vec::new() };
+        let edges: Vec<_> = if law.edges { obstacles.obstacles().iter().map(of).collect() } else { Vec::new() };
+        let edges = if edges.iter().all(Vec::is_empty) { Vec::new() } else { edges };
+        Self { law: *law, mirrors, edges, carrier_ghz }
     }
 
     /// Whether there is nothing that bends a way.
     pub(crate) fn is_empty(&self) -> bool {
-        self.mirrors.is_empty() && self.corners.is_empty()
+        self.mirrors.is_empty() && self.edges.is_empty()
     }
 
     /// Number of ways by reflections that are tried for a link.
@@ -81,19 +84,16 @@ impl Scatterers {
                 rays.extend(others.filter_map(|second| self.bounced_twice([first, second], image, [a, b], around)));
             }
         }
-        if !self.corners.is_empty() {
+        if !self.edges.is_empty() {
             let mut crossings = Vec::new();
             around.obstacles.crossings(a, b, &mut crossings);
-            for crossing in crossings {
-                let Ok(place) = self.corners.binary_search_by_key(&crossing.obstacle, |corners| corners.obstacle)
-                else {
-                    continue;
-                };
+            for Crossing { obstacle, .. } in crossings {
                 let sides = [Side::Left, Side::Right].into_iter();
-                rays.extend(sides.filter_map(|side| self.bent(&self.corners[place], side, [a, b], around)));
+                rays.extend(sides.filter_map(|side| self.bent(obstacle, side, [a, b], around)));
             }
         }
         rays[1..].sort_by(|one, other| one.loss.0.total_cmp(&other.loss.0));
+        rays.dedup_by(|one, other| is_same_way(one, other));
         rays.truncate(1 + self.law.most());
     }
 
@@ -140,21 +140,49 @@ impl Scatterers {
         Some(Ray { loss, departure, arrival, length_m, phase_rad, bounces: 2, is_diffracted: false, turns })
     }
 
-    /// The way round an obstacle on one side, if there is one: the loss of a knife edge beside that of the straight line.
-    fn bent(&self, corners: &Corners, side: Side, [a, b]: [Position; 2], around: Surroundings<'_>) -> Option<Ray> {
-        let Detour { first, last, nu } = corners.detour(a, b, side, self.carrier_ghz)?;
+    /// The way on one side round an obstacle and all that it goes on in, if there is one: the loss of a knife edge beside that of
+    /// the straight line. What goes through on the straight line does not bend, so that a link never has more power than in the open.
+    fn bent(&self, obstacle: usize, side: Side, [a, b]: [Position; 2], around: Surroundings<'_>) -> Option<Ray> {
+        let Detour { first, last, nu } = self.free_detour(obstacle, side, [a, b], around.obstacles)?;
+        let through = around.obstacle_loss(a, b);
         let legs = [(a, first), (first, last), (last, b)];
-        if !legs.iter().all(|&(from, to)| around.is_open(from, to)) {
+        if through.0 <= 0.0 || !legs.iter().all(|&(from, to)| around.is_open(from, to)) {
             return None;
         }
         let length_m = legs.iter().map(|&(from, to)| from.distance_m(to)).sum();
         let crossed = legs.iter().fold(Db(0.0), |sum, &(from, to)| sum + around.obstacle_loss(from, to));
-        let loss = around.law.path_loss().loss(a.distance_m(b)) + Db(knife_edge_loss_db(nu)) + crossed;
+        let loss = around.law.path_loss().loss(a.distance_m(b)) + Db(knife_edge_loss_db(nu)) + crossed
+            - Db::from_factor(1.0 - (-through).to_factor());
         let (departure, arrival) = (direction(a, first), direction(b, last));
         // Deep in the shadow the field of an edge lags by an eighth of a turn.
         let phase_rad = wrapped(self.phase_rad(length_m) - FRAC_PI_4);
         let turns = [first, last];
         Some(Ray { loss, departure, arrival, length_m, phase_rad, bounces: 0, is_diffracted: true, turns })
+    }
+
+    /// The way on one side round an obstacle. Where an edge touches another obstacle, it is no free edge: the way leads round both.
+    fn free_detour(&self, obstacle: usize, side: Side, ends: [Position; 2], all: &ObstacleField) -> Option<Detour> {
+        let (mut parts, mut edges) = (vec![obstacle], self.edges[obstacle].clone());
+        // A line through a joint is on both sides of it.
+        let mut places: Vec<Position> = edges.iter().filter_map(|edge| passed(edge, ends)).collect();
+        loop {
+            let found = if places.is_empty() { Some(detour(&edges, ends, side, self.carrier_ghz)?) } else { None };
+            places.extend(found.iter().flat_map(|found| [found.first, found.last]));
+            let known = parts.len();
+            for part in places.drain(..).flat_map(|place| all.touching(place)) {
+                // Round what has no edge, such as a cylinder, there is no way.
+                if self.edges[part].is_empty() {
+                    return None;
+                }
+                if !parts.contains(&part) {
+                    parts.push(part);
+                    edges.extend(&self.edges[part]);
+                }
+            }
+            if found.is_some() && parts.len() == known {
+                return found;
+            }
+        }
     }
 
     /// Loss by reflections in the directions of the legs before them and the last leg, and by how much they turn the phase
@@ -200,6 +228,12 @@ impl Scatterers {
     fn phase_rad(&self, length_m: f64) -> f64 {
         phase_rad(length_m, self.carrier_ghz)
     }
+}
+
+/// Whether two rays are the same way: by an edge of two pieces of a wall, or by their common face.
+fn is_same_way(one: &Ray, other: &Ray) -> bool {
+    let is_same_place = |i: usize| one.turns[i].distance_m(other.turns[i]) < LEVEL_M;
+    one.bounces == other.bounces && one.is_diffracted == other.is_diffracted && is_same_place(0) && is_same_place(1)
 }
 
 /// The straight way at a carrier.

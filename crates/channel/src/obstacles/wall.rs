@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::obstacle::{Obstacle, ObstacleConfig};
-use crate::geometry::shape::{PrismConfig, ShapeConfig};
+use crate::geometry::shape::{LEVEL_M, PrismConfig, ShapeConfig};
 
 /// A wall as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of these and
 /// `loss_db`.
@@ -149,14 +149,33 @@ impl Segment {
     }
 }
 
+/// An opening in its straight part of a wall.
+struct Placed<'a> {
+    segment: usize,
+    /// Where it begins and ends, from the start of the part (m).
+    from_m: f64,
+    to_m: f64,
+    /// From where to where it is above the foot (m).
+    heights_m: [f64; 2],
+    opening: &'a OpeningConfig,
+    /// Its place among those as written.
+    number: usize,
+}
+
+/// Area between corners (m²).
+fn area_m2(corners_m: &[Vector]) -> f64 {
+    let turn = |(a, b): (&Vector, &Vector)| a[0] * b[1] - a[1] * b[0];
+    0.5 * corners_m.iter().zip(corners_m.iter().cycle().skip(1)).map(turn).sum::<f64>().abs()
+}
+
 impl WallConfig {
-    /// The obstacles that the wall consists of: one for each piece between corners and openings, what is below and above openings,
-    /// and what closes them.
+    /// The obstacles that the wall number `number` of a world consists of: one for each piece between corners and openings, what is
+    /// below and above openings, and what closes them. Pieces of one wall that touch are crossed in one passage.
     ///
     /// # Errors
     /// If a number is invalid, the wall has no length, a part is too short for its thickness, or an opening is not within one
     /// straight part, is higher than the wall or overlaps another one.
-    pub fn obstacles(&self) -> Result<Vec<Obstacle>, SettingError> {
+    pub fn obstacles(&self, number: usize) -> Result<Vec<Obstacle>, SettingError> {
         let thickness_m = SettingError::positive("thickness_m", self.thickness_m)?;
         let height_m = SettingError::positive("height_m", self.height_m)?;
         SettingError::finite("bottom_m", self.bottom_m)?;
@@ -165,22 +184,23 @@ impl WallConfig {
         let mut made = Vec::new();
         for (number, segment) in segments.iter().enumerate() {
             let mut from_m = 0.0;
-            for &(_, at_m, opening) in openings.iter().filter(|(of, ..)| *of == number) {
-                let to_m = at_m + opening.width_m;
-                self.add(&mut made, segment.footprint(from_m, at_m, thickness_m), [0.0, height_m], None)?;
-                let footprint = segment.footprint(at_m, to_m, thickness_m);
-                let top_m = opening.top_m.unwrap_or(height_m);
-                self.add(&mut made, footprint.clone(), [0.0, opening.bottom_m], None)?;
-                self.add(&mut made, footprint.clone(), [opening.bottom_m, top_m], Some(opening))?;
-                self.add(&mut made, footprint, [top_m, height_m], None)?;
-                from_m = to_m;
+            for Placed { from_m: at_m, to_m, heights_m: [bottom_m, top_m], opening, .. } in
+                openings.iter().filter(|placed| placed.segment == number)
+            {
+                self.add(&mut made, segment.footprint(from_m, *at_m, thickness_m), [0.0, height_m], None)?;
+                let footprint = segment.footprint(*at_m, *to_m, thickness_m);
+                self.add(&mut made, footprint.clone(), [0.0, *bottom_m], None)?;
+                self.add(&mut made, footprint.clone(), [*bottom_m, *top_m], Some(opening))?;
+                self.add(&mut made, footprint, [*top_m, height_m], None)?;
+                from_m = *to_m;
             }
             self.add(&mut made, segment.footprint(from_m, segment.length_m, thickness_m), [0.0, height_m], None)?;
         }
-        Ok(made)
+        Ok(made.into_iter().map(|piece: Obstacle| piece.of_wall(number)).collect())
     }
 
-    /// Adds a piece between these heights above the foot, of the wall or of what closes an opening; nothing if it has no height.
+    /// Adds a piece between these heights above the foot, of the wall or of what closes an opening; nothing if it has no height or
+    /// no length.
     fn add(
         &self,
         made: &mut Vec<Obstacle>,
@@ -188,7 +208,7 @@ impl WallConfig {
         [from_m, to_m]: [f64; 2],
         opening: Option<&OpeningConfig>,
     ) -> Result<(), SettingError> {
-        if to_m - from_m <= SAME_M {
+        if to_m - from_m <= 0.0 || area_m2(&corners_m) <= SAME_M * self.thickness_m {
             return Ok(());
         }
         let (material, absorption_per_m, loss_db) = match opening {
@@ -288,171 +308,57 @@ impl WallConfig {
         Ok(segments)
     }
 
-    /// The openings in the order of the wall, each with the number of its part and its start there (m).
-    fn placed_openings(
-        &self,
-        segments: &[Segment],
-        height_m: f64,
-    ) -> Result<Vec<(usize, f64, &OpeningConfig)>, SettingError> {
-        let mut placed: Vec<(usize, f64, &OpeningConfig, usize)> = Vec::new();
-        for (i, opening) in self.openings.iter().enumerate() {
-            let within = |error: SettingError| error.within(format!("openings[{i}]"));
+    /// The openings in the order of the wall. What would leave less than a millimetre of wall goes to the end of its part, to the
+    /// next opening, to the foot or to the top.
+    fn placed_openings(&self, segments: &[Segment], height_m: f64) -> Result<Vec<Placed<'_>>, SettingError> {
+        let snapped = |value_m: f64, to_m: f64| if (value_m - to_m).abs() <= LEVEL_M { to_m } else { value_m };
+        let mut placed: Vec<Placed<'_>> = Vec::new();
+        for (number, opening) in self.openings.iter().enumerate() {
+            let within = |error: SettingError| error.within(format!("openings[{number}]"));
             SettingError::not_negative("at_m", opening.at_m).map_err(within)?;
             SettingError::positive("width_m", opening.width_m).map_err(within)?;
-            let top_m = opening.top_m.unwrap_or(height_m);
+            let top_m = snapped(opening.top_m.unwrap_or(height_m), height_m);
             if !(0.0..height_m).contains(&opening.bottom_m) {
                 let allowed = format!("a number from 0 to less than {height_m}, the height of the wall");
                 return Err(within(SettingError::new("bottom_m", opening.bottom_m, allowed)));
             }
-            if !(top_m > opening.bottom_m && top_m <= height_m + SAME_M) {
+            if !(top_m > opening.bottom_m && top_m <= height_m) {
                 let allowed = format!("a number above bottom_m, at most {height_m}, the height of the wall");
                 return Err(within(SettingError::new("top_m", top_m, allowed)));
             }
-            let of = segments.iter().rposition(|segment| segment.at_m <= opening.at_m).unwrap_or(0);
-            let segment = &segments[of];
-            let from_m = opening.at_m - segment.at_m;
-            let [first_m, last_m] = segment.joints_m();
-            let (least_m, most_m) = (first_m, segment.length_m - last_m);
-            if from_m < least_m || from_m + opening.width_m > most_m + SAME_M {
+            let begins = |segment: &Segment| segment.at_m <= opening.at_m + LEVEL_M;
+            let segment = segments.iter().rposition(begins).unwrap_or(0);
+            let part = &segments[segment];
+            let [first_m, last_m] = part.joints_m();
+            let (least_m, most_m) = (first_m, part.length_m - last_m);
+            let from_m = snapped(opening.at_m - part.at_m, least_m);
+            let to_m = snapped(opening.at_m - part.at_m + opening.width_m, most_m);
+            if from_m < least_m || to_m > most_m {
                 let found = format!("{} with width_m = {}", opening.at_m, opening.width_m);
-                let (from, to) = (segment.at_m + least_m, segment.at_m + most_m);
+                let (from, to) = (part.at_m + least_m, part.at_m + most_m);
                 let allowed =
                     format!("an opening within a straight part of the wall: this one is from {from:.3} to {to:.3} m");
                 return Err(within(SettingError::new("at_m", found, allowed)));
             }
-            placed.push((of, from_m, opening, i));
+            let heights_m = [snapped(opening.bottom_m, 0.0), top_m];
+            placed.push(Placed { segment, from_m, to_m, heights_m, opening, number });
         }
-        placed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        for pair in placed.windows(2) {
-            let (before, after) = (&pair[0], &pair[1]);
-            if before.0 == after.0 && before.1 + before.2.width_m > after.1 + SAME_M {
-                let (later, other) = (before.3.max(after.3), before.3.min(after.3));
-                let found = self.openings[later].at_m;
-                let allowed = format!("a place beside openings[{other}]");
-                return Err(SettingError::new(format!("openings[{later}].at_m"), found, allowed));
+        placed.sort_by(|a, b| a.segment.cmp(&b.segment).then(a.from_m.total_cmp(&b.from_m)));
+        for i in 1..placed.len() {
+            let [before, after] = &mut placed[i - 1..=i] else { continue };
+            if before.segment == after.segment {
+                before.to_m = snapped(before.to_m, after.from_m);
+                if before.to_m > after.from_m {
+                    let (later, other) = (before.number.max(after.number), before.number.min(after.number));
+                    let found = self.openings[later].at_m;
+                    let allowed = format!("a place beside openings[{other}]");
+                    return Err(SettingError::new(format!("openings[{later}].at_m"), found, allowed));
+                }
             }
         }
-        Ok(placed.into_iter().map(|(of, from_m, opening, _)| (of, from_m, opening)).collect())
+        Ok(placed)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::position::Position;
-    use crate::obstacles::field::ObstacleField;
-
-    fn wall(points_m: &[Vector], openings: Vec<OpeningConfig>) -> WallConfig {
-        WallConfig {
-            name: Some("wall".into()),
-            points_m: points_m.to_vec(),
-            thickness_m: 0.2,
-            bottom_m: 0.0,
-            height_m: 3.0,
-            material: None,
-            absorption_per_m: Some(1.0),
-            loss_db: None,
-            reflection_loss_db: None,
-            openings,
-        }
-    }
-
-    fn door(at_m: f64, width_m: f64) -> OpeningConfig {
-        OpeningConfig {
-            at_m,
-            width_m,
-            bottom_m: 0.0,
-            top_m: Some(2.0),
-            material: None,
-            absorption_per_m: None,
-            loss_db: None,
-        }
-    }
-
-    fn field(wall: &WallConfig) -> ObstacleField {
-        ObstacleField::new(wall.obstacles().unwrap())
-    }
-
-    /// Length inside the wall (m) of a link between two places.
-    fn inside_m(field: &ObstacleField, from: [f64; 3], to: [f64; 3]) -> f64 {
-        field.loss(Position::from(from), Position::from(to)).0 / (10.0 * std::f64::consts::LOG10_E)
-    }
-
-    #[test]
-    fn a_closed_wall_has_the_area_of_its_ring_and_no_piece_twice() {
-        let corners = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [0.0, 4.0], [0.0, 0.0]];
-        for corners in [corners, [corners[4], corners[3], corners[2], corners[1], corners[0]]] {
-            let field = field(&wall(&corners, Vec::new()));
-            assert_eq!(field.len(), 4);
-            // A link through two sides, one along a side, and one through a corner: each is in the wall once.
-            assert!((inside_m(&field, [-1.0, 2.0, 1.0], [7.0, 2.0, 1.0]) - 0.4).abs() < 1e-9);
-            assert!((inside_m(&field, [-1.0, 0.05, 1.0], [7.0, 0.05, 1.0]) - 6.2).abs() < 1e-9);
-            let diagonal = inside_m(&field, [-1.0, -1.0, 1.0], [3.0, 3.0, 1.0]);
-            assert!((diagonal - 0.2 * 2.0_f64.sqrt()).abs() < 1e-9, "{diagonal}");
-            // At ground level too, and not above.
-            assert!((inside_m(&field, [-1.0, 2.0, 0.0], [1.0, 2.0, 0.0]) - 0.2).abs() < 1e-9);
-            assert!(inside_m(&field, [-1.0, 2.0, 3.1], [7.0, 2.0, 3.1]) < 1e-9);
-        }
-    }
-
-    #[test]
-    fn links_go_through_open_doors_and_below_lintels() {
-        let window = OpeningConfig { bottom_m: 1.0, absorption_per_m: Some(0.5), ..door(4.0, 1.0) };
-        let field = field(&wall(&[[0.0, 0.0], [6.0, 0.0]], vec![window, door(1.0, 0.9)]));
-        // Before, between and after; the lintel; below, in and above the window.
-        assert_eq!(field.len(), 3 + 1 + 3);
-        let across = |x_m: f64, z_m: f64| inside_m(&field, [x_m, -1.0, z_m], [x_m, 1.0, z_m]);
-        for (x_m, z_m, expected_m) in [
-            (0.5, 1.0, 0.2),
-            (1.5, 1.0, 0.0),
-            (1.5, 2.5, 0.2),
-            (1.95, 1.0, 0.2),
-            (4.5, 0.5, 0.2),
-            (4.5, 1.5, 0.1),
-            (4.5, 2.5, 0.2),
-            (6.1, 1.0, 0.0),
-        ] {
-            assert!((across(x_m, z_m) - expected_m).abs() < 1e-9, "{x_m}, {z_m}: {}", across(x_m, z_m));
-        }
-    }
-
-    /// By sampling: no place is in two pieces, and all near the line are in one, also where the wall turns by odd angles.
-    #[test]
-    fn pieces_meet_at_each_turn() {
-        let corners = [[0.0, 0.0], [3.0, 0.4], [4.0, 3.0], [7.0, 2.5], [6.0, 6.0], [1.0, 5.0]];
-        let field = field(&wall(&corners, vec![door(1.0, 1.0)]));
-        let mut covered = 0;
-        for x in 0..240 {
-            for y in 0..200 {
-                let (x_m, y_m) = (-0.5 + 0.0347 * f64::from(x), -0.5 + 0.0353 * f64::from(y));
-                let inside = inside_m(&field, [x_m, y_m, 2.2], [x_m, y_m, 2.3]);
-                assert!(inside < 0.1 + 1e-9, "{x_m}, {y_m}: {inside}");
-                covered += usize::from(inside > 0.05);
-            }
-        }
-        let length_m: f64 =
-            corners.windows(2).map(|pair| f64::hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1])).sum();
-        let area_m2 = covered as f64 * 0.0347 * 0.0353;
-        assert!((area_m2 / (0.2 * length_m) - 1.0).abs() < 0.03, "{area_m2}");
-    }
-
-    #[test]
-    fn impossible_walls_are_refused_where_they_are_written() {
-        let line = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0]];
-        let refused = |wall: WallConfig| wall.obstacles().unwrap_err().to_string();
-        for (wall, part) in [
-            (wall(&line[..1], Vec::new()), "`points_m` is a list of 1"),
-            (wall(&[[0.0, 0.0], [0.0, 0.0]], Vec::new()), "corners 0 and 1 at one place"),
-            (wall(&[[0.0, 0.0], [0.0, 3.0], [0.05, 3.0], [0.05, 0.0]], Vec::new()), "a part 1 of 0.05 m"),
-            (WallConfig { thickness_m: 0.0, ..wall(&line, Vec::new()) }, "`thickness_m` is 0"),
-            (WallConfig { absorption_per_m: None, ..wall(&line, Vec::new()) }, "material"),
-            (wall(&line, vec![door(5.5, 1.0)]), "`openings[0].at_m` is 5.5 with width_m = 1"),
-            (wall(&line, vec![door(1.0, 1.0), door(1.5, 1.0)]), "a place beside openings[0]"),
-            (wall(&line, vec![OpeningConfig { top_m: Some(4.0), ..door(1.0, 1.0) }]), "`openings[0].top_m` is 4"),
-            (wall(&line, vec![OpeningConfig { bottom_m: 3.0, ..door(1.0, 1.0) }]), "`openings[0].bottom_m` is 3"),
-        ] {
-            let found = refused(wall);
-            assert!(found.contains(part), "{found}");
-        }
-    }
-}
+mod tests;

@@ -86,6 +86,7 @@ impl ChannelConfig {
 pub struct ChannelLaw {
     path_loss: LogDistance,
     carrier_ghz: Option<f64>,
+    radios_ghz: Option<f64>,
     shadowing: ShadowingLaw,
     max_range_m: f64,
     reflections: Option<ReflectionLaw>,
@@ -136,6 +137,7 @@ impl TryFrom<ChannelConfig> for ChannelLaw {
         Ok(Self {
             path_loss,
             carrier_ghz,
+            radios_ghz: None,
             shadowing: ShadowingLaw::try_from(shadowing).map_err(|error| error.within("shadowing"))?,
             max_range_m: match config.max_range_m {
                 Some(range_m) => SettingError::positive("max_range_m", range_m)?,
@@ -173,6 +175,19 @@ impl ChannelLaw {
     #[inline]
     pub fn carrier_ghz(&self) -> Option<f64> {
         self.carrier_ghz
+    }
+
+    /// The same law for radios at a carrier (GHz): that of the signals if the channel has none.
+    #[must_use]
+    pub fn for_radios_at(self, carrier_ghz: f64) -> Self {
+        Self { radios_ghz: Some(carrier_ghz), ..self }
+    }
+
+    /// Carrier of the signals (GHz), at which materials absorb and reflect: that of the channel, or else that of the radios.
+    #[must_use]
+    #[inline]
+    pub fn signal_ghz(&self) -> Option<f64> {
+        self.carrier_ghz.or(self.radios_ghz)
     }
 
     /// How links are reflected, if they are.

@@ -26,11 +26,11 @@ pub struct PathBudget {
 pub struct ObstacleLoss {
     /// Index of the obstacle in its field.
     pub obstacle: usize,
-    /// Length of the line inside it (m), above 0.
+    /// Length of the line inside it (m), above 0; 0 for a piece of a wall that is inside stronger ones.
     pub length_m: f64,
     /// Loss by absorption over this length.
     pub absorption: Db,
-    /// Loss that does not depend on the length.
+    /// Loss that does not depend on the length, for all passages.
     pub fixed: Db,
 }
 

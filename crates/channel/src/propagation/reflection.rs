@@ -155,8 +155,8 @@ pub struct Ray {
     pub arrival: Position,
     /// Length (m).
     pub length_m: f64,
-    /// Phase of the field at the receiver, relative to that at the transmitter, at the carrier of the channel (rad), -π to
-    /// π. At 2.45 GHz if the channel has no carrier. A reflection with a loss that is set turns it by π.
+    /// Phase of the field at the receiver, relative to that at the transmitter, at the carrier of the signals (rad), -π to
+    /// π. At 2.45 GHz if that is unknown. A reflection with a loss that is set turns it by π.
     pub phase_rad: f64,
     /// Number of reflections.
     pub bounces: u8,

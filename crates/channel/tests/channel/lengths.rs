@@ -237,7 +237,7 @@ fn town() -> ObstacleField {
 #[test]
 fn a_field_finds_the_same_crossings_as_a_query_of_each_obstacle() {
     let field = town();
-    let mut crossings = vec![Crossing { obstacle: 7, length_m: 1.0 }];
+    let mut crossings = vec![Crossing { obstacle: 7, length_m: 1.0, passages: 1 }];
     let mut total = 0;
     for i in 0..3000 {
         let (from, to) = (random_place(5000 + 2 * i, 22.0), random_place(5001 + 2 * i, 22.0));

@@ -9,6 +9,7 @@ mod code_book;
 mod fading;
 mod floors;
 mod input;
+mod joints;
 mod lengths;
 mod rays;
 mod reflections;

@@ -93,9 +93,14 @@ fn each_channel_sees_the_obstacles_at_its_own_carrier() {
         assert!((loss(text, 0.0, 10.0).0 - expected(alpha)).abs() < 1e-9, "{text}");
         assert!((loss(text, 10.0, 20.0).0 - expected(100.0)).abs() < 1e-9, "{text}");
     }
-    assert_eq!(field.check_carrier(73.0), Ok(()));
+    // A law without a carrier has that of its radios.
+    let of_radios = Channel::new(law("environment = \"suburban\"").for_radios_at(28.0), field.clone(), Seed(1));
+    let alpha = glass.absorption_at_per_m(Some(28.0));
+    assert!((of_radios.obstacle_loss(at(0.0), at(10.0)).0 - expected(alpha)).abs() < 1e-9);
+    let key = |obstacle: usize| format!("obstacles[{obstacle}]");
+    assert_eq!(field.check_carrier(73.0, key), Ok(()));
     let brick =
         self::field(&[wall, "material = \"brick\"\nshape.box = { center_m = [9, 0, 0], size_m = [1, 9, 9] }"]);
-    let error = brick.check_carrier(73.0).expect_err("brick is not known at 73 GHz");
+    let error = brick.check_carrier(73.0, key).expect_err("brick is not known at 73 GHz");
     assert_eq!(error.key, "obstacles[1].material");
 }

@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     /// Where the lower left corner of the image, or zero of GeoJSON or DXF, is: X,Y (m) [default: that of a map of ROS, or 0,0]
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_delimiter = ',', num_args = 1)]
     pub(crate) origin: Vec<f64>,
-    /// Unit of lengths of a drawing in DXF [default: what the drawing says]
+    /// Unit of lengths of a drawing in DXF, or of GeoJSON that is not in degrees [default: what the file says]
     #[arg(long, value_enum, value_name = "UNIT")]
     pub(crate) unit: Option<Unit>,
     /// Layers of a drawing in DXF whose lines are walls: NAME,.. [default: all that are visible]
@@ -45,7 +45,7 @@ pub(crate) struct Arguments {
     /// Thickness of the walls of GeoJSON that do not say their own, and of DXF (m). In an image it is measured
     #[arg(long, value_name = "METRES", default_value_t = FloorPlanOptions::default().thickness_m)]
     pub(crate) thickness: f64,
-    /// What is thicker in an image is no wall but a block (m)
+    /// What is thicker in an image is no wall but a block, and so is a closed line that is no longer and no wider (m)
     #[arg(long, value_name = "METRES", default_value_t = FloorPlanOptions::default().thickest_m)]
     pub(crate) thickest: f64,
     /// What may be replaced.

@@ -175,3 +175,25 @@ fn walls_that_reflect_are_not_said_to_block_nothing_and_those_that_do_not_are() 
         }
     }
 }
+
+#[test]
+fn an_obstacle_before_a_source_of_noise_or_in_the_way_of_a_target_blocks_something() {
+    let folder = folder();
+    let warning = |text: &str| idle(&told(folder.path(), text, &["check", "a.toml"]).2);
+    let aside = world("box = { center_m = [5.0, 20.0, 1.0], size_m = [1.0, 3.0, 2.0] }");
+    assert!(warning(&aside).contains("blocks nothing"), "{}", warning(&aside));
+    let with = |table: &str| warning(&aside.replace("[radio]", &format!("{table}\n[radio]")));
+    let target = |motion: &str| format!("[[world.targets]]\nname = \"thief\"\nmotion.{motion}");
+    for table in [
+        "[[interferers]]\nname = \"oven\"\nposition_m = [5, 30]\npower_dbm = 10\nchannel = 11".to_owned(),
+        target("waypoints = { places_m = [[3, 20], [9, 40]], speed_m_per_s = 1.0 }"),
+        target(
+            "random_walk = { start_m = [5, 12], straight.mean_m = 3.0, region.rectangle = { min_m = [0, 10], max_m = [10, 30] }, speed_m_per_s = 1.0 }",
+        ),
+    ] {
+        assert_eq!(with(&table), "", "{table}");
+    }
+    // Those that are elsewhere change nothing.
+    let elsewhere = target("waypoints = { places_m = [[3, -20]], speed_m_per_s = 1.0 }");
+    assert!(with(&elsewhere).contains("blocks nothing"));
+}

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
 use serde::Serialize;
-use sextant_channel::{Antenna, Position, SectorConfig};
+use sextant_channel::{Antenna, Db, Position, SectorConfig};
 
 use crate::columns::{Align, columns};
 
@@ -12,6 +12,10 @@ use crate::columns::{Align, columns};
 const EQUAL_DB: f64 = 1e-9;
 /// How far below its peak the half-power width ends (dB).
 const HALF_POWER_DB: f64 = 3.010_299_956_639_812;
+
+/// A sector that radiates more than this share of its power has gains that no antenna has: steps of one degree and the formulas of
+/// reference antennas are not that wrong.
+const MOST_RADIATED: f64 = 1.25;
 
 /// One sector of an antenna in numbers. Angles are in the frame of the antenna.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,6 +38,8 @@ pub struct PatternSummary {
     pub wedge_elevation_deg: [f64; 2],
     /// Share of all directions in which it alone is the best.
     pub share_won: f64,
+    /// Share of the power that it radiates into all directions: the efficiency of the antenna. No antenna has more than 1.
+    pub share_radiated: f64,
 }
 
 /// What the sectors of an antenna cover.
@@ -54,6 +60,7 @@ impl AntennaCoverage {
     #[must_use]
     pub fn of(antenna: &Antenna) -> Self {
         let mut shares = vec![0.0; usize::from(antenna.sector_count())];
+        let mut powers = vec![0.0; shares.len()];
         let mut peaks = vec![(f64::NEG_INFINITY, 0, 0); shares.len()];
         let (mut all, mut undecided) = (0.0, 0.0);
         for elevation in -90..=90 {
@@ -64,6 +71,7 @@ impl AntennaCoverage {
                 let (mut best, mut is_equal) = ((0, f64::NEG_INFINITY), false);
                 for sector in 0..antenna.sector_count() {
                     let gain_dbi = antenna.gain(sector, direction).0;
+                    powers[usize::from(sector)] += weight * Db(gain_dbi).to_factor();
                     let peak = &mut peaks[usize::from(sector)];
                     // Of equal ones, as those of a planar cut are, the first.
                     if gain_dbi > peak.0 + EQUAL_DB {
@@ -102,6 +110,7 @@ impl AntennaCoverage {
                 wedge_azimuth_deg: wedge.map_or(full, azimuths),
                 wedge_elevation_deg: wedge.map_or([-90.0, 90.0], elevations),
                 share_won: shares[usize::from(number)] / all,
+                share_radiated: powers[usize::from(number)] / all,
             }
         };
         Self {
@@ -152,7 +161,7 @@ fn width_deg(whole_deg: f64, gain_dbi: impl Fn(f64) -> f64) -> f64 {
 
 impl fmt::Display for AntennaCoverage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let head = ["sector", "peak", "azimuth", "elevation", "width", "height", "wedge", "", "wins"];
+        let head = ["sector", "peak", "azimuth", "elevation", "width", "height", "wedge", "", "wins", "radiates"];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
         let degrees = |deg: f64| format!("{:.0}\u{b0}", deg + 0.0);
         let span = |[from, to]: [f64; 2]| format!("{:.0} to {:.0}\u{b0}", from + 0.0, to + 0.0);
@@ -167,9 +176,10 @@ impl fmt::Display for AntennaCoverage {
                 span(sector.wedge_azimuth_deg),
                 span(sector.wedge_elevation_deg),
                 format!("{:.1} %", 100.0 * sector.share_won),
+                format!("{:.0} %", 100.0 * sector.share_radiated),
             ]
         }));
-        let mut align = [Align::Right; 9];
+        let mut align = [Align::Right; 10];
         align[6] = Align::Left;
         align[7] = Align::Left;
         let mut table = Vec::new();
@@ -181,6 +191,9 @@ impl fmt::Display for AntennaCoverage {
                 "in {:.1} % of all directions several sectors are equally good",
                 100.0 * self.share_undecided
             )?;
+        }
+        if self.sectors.iter().any(|sector| sector.share_radiated > MOST_RADIATED) {
+            writeln!(f, "some gains are too large for their widths: no antenna radiates more power than it gets")?;
         }
         let (gain, measured) = (self.quasi_omni_gain_dbi, if self.quasi_omni_measured { "measured" } else { "even" });
         writeln!(f, "listens with {gain:.1} dBi at most ({measured})")
@@ -217,6 +230,25 @@ mod tests {
         }
         let won = found.sectors.iter().map(|sector| sector.share_won).sum::<f64>();
         assert!((won + found.share_undecided - 1.0).abs() < 1e-9 && won > 0.8, "{won}");
+    }
+
+    #[test]
+    fn the_power_that_a_sector_radiates_is_the_integral_of_its_gain() {
+        let share = |text: &str| coverage(text).sectors[0].share_radiated;
+        // Two gains that radiate all power, whatever their widths, and all directions with the same gain.
+        for beam in ["wedge", "cone"] {
+            let text = format!("sectors = {{ azimuth_sectors = 6, pattern.flat_top = {{ beam = \"{beam}\" }} }}");
+            assert!((share(&text) - 1.0).abs() < 0.02, "{beam}: {}", share(&text));
+        }
+        // 3 dBi in all directions.
+        let half = "code_book = { azimuths_deg = [-180, 0], elevations_deg = [0], sectors = [{ sector = 0, gain_dbi = [[3, 3]] }] }";
+        assert!((share(half) - 10_f64.powf(0.3)).abs() < 1e-9);
+        assert!(coverage(half).to_string().contains("too large for their widths"));
+        // The formulas of reference antennas are near.
+        for pattern in ["ieee802153c = {}", "elliptical = {}", "tr38901 = {}"] {
+            let found = share(&format!("sectors = {{ azimuth_sectors = 8, pattern.{pattern} }}"));
+            assert!((0.6..1.25).contains(&found), "{pattern}: {found}");
+        }
     }
 
     #[test]

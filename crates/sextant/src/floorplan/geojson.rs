@@ -8,7 +8,7 @@ use sextant_channel::WallConfig;
 use sextant_kernel::text::counted;
 
 use super::error::FloorPlanError;
-use super::{FloorPlan, FloorPlanOptions, to_mm};
+use super::{FloorPlan, FloorPlanOptions, LengthUnit, to_mm};
 
 /// Places farther apart than this are not degrees of one building (°).
 const MOST_DEGREES: f64 = 0.5;
@@ -16,8 +16,8 @@ const MOST_DEGREES: f64 = 0.5;
 const DEGREE_M: f64 = 111_131.7;
 
 /// Reads lines (`LineString`, `MultiLineString`) and areas (`Polygon`, `MultiPolygon`). The properties `name`, `thickness_m`,
-/// `height_m`, `bottom_m` and `material` of a feature are those of its walls. Coordinates are longitude and latitude (RFC 7946), or
-/// metres if they are too far apart for that.
+/// `height_m`, `bottom_m` and `material` of a feature are those of its walls. Coordinates are longitude and latitude (RFC 7946),
+/// unless an option, the member `crs` or numbers too large for degrees say that they are lengths.
 pub(super) fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorPlanError> {
     let text = fs::read_to_string(path)
         .map_err(|why| FloorPlanError::Read { path: path.to_owned(), why: why.to_string() })?;
@@ -49,7 +49,7 @@ fn plan(text: &str, options: &FloorPlanOptions) -> Result<FloorPlan, String> {
     if others > 0 {
         plan.notes.push(format!("{} are neither lines nor areas, and are left out", counted(others, "feature")));
     }
-    to_metres(&mut lines, options, &mut plan.notes);
+    plan.notes.push(to_metres(&mut lines, options, &root)?);
     for (number, Line { mut points, properties }) in lines.into_iter().enumerate() {
         points.dedup_by(|a, b| libm::hypot(a[0] - b[0], a[1] - b[1]) < 1e-3);
         let number_of = |key: &str, usual: f64| properties[key].as_f64().unwrap_or(usual);
@@ -66,7 +66,8 @@ fn plan(text: &str, options: &FloorPlanOptions) -> Result<FloorPlan, String> {
             reflection_loss_db: None,
             openings: Vec::new(),
         };
-        match wall.obstacles() {
+        match wall.obstacles(0) {
+            _ if plan.add_pillar(&wall, options) => {}
             Ok(_) => plan.walls.push(wall),
             Err(why) => plan.notes.push(format!("line {number} is left out: {why}")),
         }
@@ -105,25 +106,39 @@ fn take(geometry: &Value, properties: &Value, lines: &mut Vec<Line>, others: &mu
     Ok(())
 }
 
-/// Degrees to metres from their middle, if the places are degrees.
-fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, notes: &mut Vec<String>) {
+/// Turns coordinates into metres, degrees from their middle on, and says what they were.
+fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, root: &Value) -> Result<String, String> {
     let [x_m, y_m] = options.origin_m.unwrap_or_default();
     let points = || lines.iter().flat_map(|line| line.points.iter());
     let low = points().fold([f64::MAX; 2], |low, point| [0, 1].map(|axis| low[axis].min(point[axis])));
     let high = points().fold([f64::MIN; 2], |high, point| [0, 1].map(|axis| high[axis].max(point[axis])));
     let is_on_earth = high[0].abs().max(low[0].abs()) <= 180.0 && high[1].abs().max(low[1].abs()) <= 90.0;
+    // Of GeoJSON before RFC 7946.
+    let system = root["crs"]["properties"]["name"].as_str();
+    let projected = system.filter(|name| !["CRS84", "4326", "4979"].iter().any(|degrees| name.contains(degrees)));
+    let lengths = match (options.unit, projected) {
+        (Some(unit), _) => Some((unit, "as given".to_owned())),
+        (None, Some(system)) => Some((LengthUnit::Metre, format!("by their reference system {system}"))),
+        (None, None) if !is_on_earth => Some((LengthUnit::Metre, "because degrees are not so large".to_owned())),
+        (None, None) => None,
+    };
+    let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
     let [longitude, latitude] = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
-    let is_degrees = is_on_earth && (high[0] - low[0]).max(high[1] - low[1]) < MOST_DEGREES;
-    let (scale, middle) = if is_degrees {
-        notes.push(format!("coordinates are longitude and latitude: zero is at {longitude:.7}, {latitude:.7}"));
-        ([DEGREE_M * libm::cos(latitude.to_radians()), DEGREE_M], [longitude, latitude])
+    let (scale, middle, note) = if let Some((unit, why)) = lengths {
+        ([unit.metres(); 2], [0.0, 0.0], format!("coordinates are {}, {why}", unit.name()))
+    } else if width.max(height) < MOST_DEGREES {
+        let note = format!("coordinates are longitude and latitude: zero is at {longitude:.7}, {latitude:.7}");
+        ([DEGREE_M * libm::cos(latitude.to_radians()), DEGREE_M], [longitude, latitude], note)
     } else {
-        notes.push("coordinates are metres: they are too far apart for degrees of one building".to_owned());
-        ([1.0, 1.0], [0.0, 0.0])
+        return Err(format!(
+            "its coordinates are {width:.3} by {height:.3} degrees (RFC 7946), too large for a building; if they are metres, say so \
+             with option `unit`; otherwise keep the building alone"
+        ));
     };
     for point in lines.iter_mut().flat_map(|line| line.points.iter_mut()) {
         *point = [x_m + (point[0] - middle[0]) * scale[0], y_m + (point[1] - middle[1]) * scale[1]];
     }
+    Ok(note)
 }
 
 #[cfg(test)]
@@ -138,7 +153,11 @@ mod tests {
             {"type": "Feature", "properties": null,
              "geometry": {"type": "Polygon", "coordinates": [[[0, 2], [12, 2], [12, 8], [0, 8], [0, 2]]]}},
             {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [1, 1]}}]}"#;
-        let plan = plan(text, &FloorPlanOptions::default()).unwrap();
+        // Twelve degrees are no building.
+        let why = plan(text, &FloorPlanOptions::default()).unwrap_err();
+        assert!(why.contains("12.000 by 8.000 degrees") && why.contains("`unit`"), "{why}");
+        let in_metres = FloorPlanOptions { unit: Some(LengthUnit::Metre), ..FloorPlanOptions::default() };
+        let plan = plan(text, &in_metres).unwrap();
         assert_eq!(plan.walls.len(), 2);
         assert_eq!(
             (plan.walls[0].name.as_deref(), plan.walls[0].material.as_deref()),
@@ -149,6 +168,23 @@ mod tests {
             plan.notes.iter().any(|note| note.contains("1 feature"))
                 && plan.notes.iter().any(|note| note.contains("metres"))
         );
+    }
+
+    #[test]
+    fn small_closed_shapes_are_pillars_and_a_reference_system_counts() {
+        let text = r#"{"type": "FeatureCollection", "crs": {"properties": {"name": "urn:ogc:def:crs:EPSG::25832"}}, "features": [
+            {"type": "Feature", "properties": {"name": "hall"},
+             "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [9, 0], [9, 8], [0, 8], [0, 0]],
+              [[2, 2], [2.3, 2], [2.3, 2.3], [2, 2.3], [2, 2]]]}},
+            {"type": "Feature", "properties": {"name": "shaft", "material": "metal", "bottom_m": 1, "height_m": 2},
+             "geometry": {"type": "LineString", "coordinates": [[5, 5], [5.1, 5], [5.1, 5.05], [5, 5]]}}]}"#;
+        let plan = plan(text, &FloorPlanOptions::default()).unwrap();
+        assert!(plan.notes.iter().any(|note| note.contains("EPSG::25832")), "{:?}", plan.notes);
+        assert_eq!((plan.walls.len(), plan.blocks.len()), (1, 2), "{plan:?}");
+        let shaft = sextant_channel::Obstacle::try_from(plan.blocks[1].clone()).unwrap();
+        assert_eq!((shaft.name(), shaft.material().map(|material| material.name)), (Some("shaft"), Some("metal")));
+        let bounds = shaft.shape().bounds();
+        assert_eq!((bounds.min, bounds.max), ([5.0, 5.0, 1.0].into(), [5.1, 5.05, 3.0].into()));
     }
 
     #[test]

@@ -15,8 +15,9 @@ mod traced;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Material, Obstacle, ObstacleConfig, ObstacleField, WallConfig};
+use sextant_channel::{Material, Obstacle, ObstacleConfig, ObstacleField, PrismConfig, ShapeConfig, WallConfig};
 use sextant_kernel::{Files, SettingError};
+use sextant_mapper::convex_hull;
 
 pub use dxf::LengthUnit;
 pub use error::FloorPlanError;
@@ -29,7 +30,7 @@ pub struct FloorPlanOptions {
     pub metres_per_pixel: Option<f64>,
     /// Where the lower left corner of an image, or zero of GeoJSON or DXF, is (m); that of the map of a robot, or zero, if absent.
     pub origin_m: Option<[f64; 2]>,
-    /// Unit of lengths of a drawing in DXF; what it says if absent.
+    /// Unit of lengths of a drawing in DXF, or of GeoJSON that is not in degrees; what the file says if absent.
     pub unit: Option<LengthUnit>,
     /// Layers of a drawing in DXF whose lines are walls, by name; all that are visible if empty.
     pub layers: Vec<String>,
@@ -39,7 +40,7 @@ pub struct FloorPlanOptions {
     pub height_m: f64,
     /// Thickness of such walls in GeoJSON and DXF (m). In an image it is measured.
     pub thickness_m: f64,
-    /// What is thicker is no wall but a block (m).
+    /// What is thicker is no wall but a block (m). A closed line that is no longer and no wider is one too.
     pub thickest_m: f64,
 }
 
@@ -188,8 +189,8 @@ fn check_effects(options: &FloorPlanOptions, form: PlanForm) -> Result<(), Floor
     let any = "a plan that is not yet walls of a scenario";
     let without = [
         ("scale", options.metres_per_pixel.is_some(), is_image, images),
-        ("thickest", is_given(options.thickest_m, usual.thickest_m), is_image, images),
-        ("unit", options.unit.is_some(), is_dxf, dxf),
+        ("thickest", is_given(options.thickest_m, usual.thickest_m), is_any, any),
+        ("unit", options.unit.is_some(), is_drawn, drawn),
         ("layers", !options.layers.is_empty(), is_dxf, dxf),
         ("thickness", is_given(options.thickness_m, usual.thickness_m), is_drawn, drawn),
         ("height", is_given(options.height_m, usual.height_m), is_any, any),
@@ -205,6 +206,37 @@ fn check_effects(options: &FloorPlanOptions, form: PlanForm) -> Result<(), Floor
 }
 
 impl FloorPlan {
+    /// Adds a closed line as a block if it goes round a pillar or a shaft; whether it does.
+    fn add_pillar(&mut self, wall: &WallConfig, options: &FloorPlanOptions) -> bool {
+        let points = &wall.points_m;
+        let size_m = |axis: usize| {
+            let of = points.iter().map(|point| point[axis]);
+            of.clone().fold(f64::MIN, f64::max) - of.fold(f64::MAX, f64::min)
+        };
+        let is_closed = points.len() > 3 && points.first() == points.last();
+        if !is_closed || size_m(0).max(size_m(1)) > options.thickest_m {
+            return false;
+        }
+        let block = ObstacleConfig {
+            name: wall.name.clone().or_else(|| Some(format!("block {}", self.blocks.len()))),
+            shape: ShapeConfig::Prism(PrismConfig {
+                corners_m: convex_hull(points.clone()),
+                bottom_m: wall.bottom_m,
+                height_m: wall.height_m,
+            }),
+            material: wall.material.clone(),
+            absorption_per_m: None,
+            loss_db: None,
+            solid: true,
+            reflection_loss_db: None,
+        };
+        let is_solid = Obstacle::try_from(block.clone()).is_ok();
+        if is_solid {
+            self.blocks.push(block);
+        }
+        is_solid
+    }
+
     /// The plan as tables of a scenario, which others can extend. `source` is named in its head.
     ///
     /// # Panics
@@ -241,7 +273,7 @@ impl FloorPlan {
             all.extend(read.map_err(|error| error.within(format!("world.obstacles[{i}]")))?);
         }
         for (i, wall) in self.walls.iter().enumerate() {
-            all.extend(wall.obstacles().map_err(|error| error.within(format!("world.walls[{i}]")))?);
+            all.extend(wall.obstacles(i).map_err(|error| error.within(format!("world.walls[{i}]")))?);
         }
         Ok(ObstacleField::new(all))
     }
@@ -282,7 +314,7 @@ mod tests {
         };
         for (options, option, without, with) in [
             (&scaled, "scale", &["dxf", "geojson", "json", "toml"][..], &["png", "pgm", "yaml"][..]),
-            (&in_mm, "unit", &["png", "yml", "geojson", "toml"], &["dxf"]),
+            (&in_mm, "unit", &["png", "yml", "toml"], &["dxf", "geojson"]),
             (&of_layers, "layers", &["png", "geojson", "toml"], &["dxf"]),
             (&thick, "thickness", &["png", "yaml", "toml"], &["dxf", "geojson"]),
             (&moved, "origin", &["toml"], &["png", "yaml", "geojson", "dxf"]),

@@ -29,7 +29,8 @@ pub(super) fn plan(occupancy: &Occupancy, options: &FloorPlanOptions) -> FloorPl
     let mut walls = mask.clone();
     thick.members().for_each(|cell| walls.cells[cell] = false);
     let mut covered = mask.empty_like();
-    for component in thick.components() {
+    for component in thick.components().into_iter().chain(pillars(&walls, &thick, options.thickest_m / pixel_m)) {
+        component.iter().for_each(|&cell| walls.cells[cell] = false);
         add_block(&component, occupancy, options, &mut plan, &mut covered);
     }
     let depths = walls.depths();
@@ -76,6 +77,20 @@ fn drop_specks(mask: &mut Mask, pixel_m: f64, notes: &mut Vec<String>) {
     if specks > 0 {
         notes.push(format!("left out: {} smaller than {SPECK_M} m", counted(specks, "speck")));
     }
+}
+
+/// The parts that stand alone, are at most so long and wide (cells), and are not clearly longer than wide.
+fn pillars(walls: &Mask, thick: &Mask, most: f64) -> Vec<Vec<usize>> {
+    let is_pillar = |component: &Vec<usize>| {
+        let size = |axis: usize| {
+            let of = component.iter().map(|&cell| walls.place(cell)[axis]);
+            of.clone().fold(f64::MIN, f64::max) - of.fold(f64::MAX, f64::min) + 1.0
+        };
+        let (longer, shorter) = (size(0).max(size(1)), size(0).min(size(1)));
+        let is_alone = !component.iter().any(|&cell| thick.neighbours(cell).next().is_some());
+        is_alone && longer <= most && longer <= 2.0 * shorter
+    };
+    walls.components().into_iter().filter(is_pillar).collect()
 }
 
 /// Adds a thick part as a prism over its convex hull.
@@ -149,7 +164,7 @@ fn made(wall: &WallLine, occupancy: &Occupancy, options: &FloorPlanOptions) -> O
             reflection_loss_db: None,
             openings: Vec::new(),
         };
-        if config.obstacles().is_ok() {
+        if config.obstacles(0).is_ok() {
             return Some((config, line));
         }
         // A part is too short for its thickness: one corner fewer.
@@ -249,8 +264,9 @@ mod tests {
 
     #[test]
     fn pillars_are_blocks_and_dirt_is_left_out() {
-        let plan = read(&floor(200, 120, &[[10, 20, 180, 4], [60, 60, 20, 16], [150, 90, 2, 2]]));
-        assert_eq!((plan.walls.len(), plan.blocks.len()), (1, 1), "{plan:?}");
+        // A large one, a small one, and dirt.
+        let plan = read(&floor(200, 120, &[[10, 20, 180, 4], [60, 60, 20, 16], [100, 60, 6, 6], [150, 90, 2, 2]]));
+        assert_eq!((plan.walls.len(), plan.blocks.len()), (1, 2), "{plan:?}");
         let ShapeConfig::Prism(prism) = &plan.blocks[0].shape else { panic!("a prism") };
         let width = |axis: usize| {
             let of = prism.corners_m.iter().map(|corner| corner[axis]);

@@ -3,7 +3,7 @@
 use sextant_channel::{Bounds, Channel, Obstacle, ObstacleField, Position, Ray, Shape};
 use sextant_kernel::Seed;
 use sextant_scenario::Scenario;
-use sextant_sim::Setup;
+use sextant_sim::{Interferer, Setup, TargetMotionConfig};
 
 use super::network::Reach;
 use super::way::Way;
@@ -16,8 +16,7 @@ const MOST_TRIES: usize = 10_000_000;
 const ROUNDING_DB: f64 = 1e-6;
 
 const NOTHING_TO_DO: &str = "it neither absorbs nor stops robots; give it a `material`";
-pub(super) const APART: &str =
-    "it lies beside, above or below all stations and their links; check its place and size";
+pub(super) const APART: &str = "it lies beside, above or below all stations, targets and interferers and what is between them; check its place and size";
 
 /// Those whom an obstacle may stand in the way of.
 pub(super) struct Audience<'a> {
@@ -39,6 +38,8 @@ impl Audience<'_> {
         let by = Position::new(margin_m, margin_m, radius_m);
         let reached = Bounds { min: stations.min - by, max: stations.max + by };
         let attenuate = self.reaches.iter().any(|reach| reach.law().obstacles_attenuate());
+        // Where a target that walks at random goes is not known before the start.
+        let roam = self.targets().any(|places_m| places_m.is_none());
         let mut tries = MOST_TRIES;
         let mut idle = Vec::new();
         for (i, obstacle) in self.setup.world.obstacles.obstacles().iter().enumerate() {
@@ -46,7 +47,10 @@ impl Audience<'_> {
             let bounds = obstacle.shape().bounds();
             if !absorbs && !obstacle.is_solid() {
                 idle.push((i, NOTHING_TO_DO));
-            } else if is_apart(&bounds, &reached) && !self.may_change_rays(i, &stations.grown(far_m), &mut tries) {
+            } else if !roam
+                && is_apart(&bounds, &reached)
+                && !self.may_change_rays(i, &stations.grown(far_m), &mut tries)
+            {
                 idle.push((i, APART));
             }
         }
@@ -58,13 +62,23 @@ impl Audience<'_> {
         self.planned.len() == self.scenario.bodies().len()
     }
 
-    /// The box around all places of stations that are known.
+    /// The places of each target; `None` if it walks at random.
+    fn targets(&self) -> impl Iterator<Item = Option<&[Position]>> {
+        self.scenario.config().world.targets.iter().map(|target| match &target.motion {
+            TargetMotionConfig::Waypoints(way) => Some(&way.places_m[..]),
+            TargetMotionConfig::RandomWalk(_) | TargetMotionConfig::Wander(_) | TargetMotionConfig::Evade(_) => None,
+        })
+    }
+
+    /// The box around all places that are known of stations, of targets and of sources of noise.
     fn stations(&self) -> Option<Bounds> {
         let places = self.setup.world.nodes.iter().map(|node| node.position);
         let sinks = self.setup.sinks.iter().map(|sink| sink.position);
         let starts = self.scenario.bodies().iter().map(|body| body.start);
         let stops = self.planned.iter().flat_map(|way| way.stops().iter().copied());
-        Bounds::of(places.chain(sinks).chain(starts).chain(stops))
+        let targets = self.targets().flatten().flatten().copied();
+        let noise = self.setup.world.interferers.iter().map(Interferer::position);
+        Bounds::of(places.chain(sinks).chain(starts).chain(stops).chain(targets).chain(noise))
     }
 
     /// Whether an obstacle that no straight link crosses may change the rays of a link: it reflects, or stands in the way of

@@ -16,7 +16,7 @@ pub struct RayReport {
     pub departure_rad: [f64; 2],
     /// Azimuth and elevation in which the second end sees it (rad).
     pub arrival_rad: [f64; 2],
-    /// Phase of the field at the second end, at the carrier of the channel, or 2.45 GHz if it has none (rad).
+    /// Phase of the field at the second end, at the carrier of the channel, or of the radios if it has none (rad).
     pub phase_rad: f64,
     /// Number of reflections.
     pub bounces: u8,

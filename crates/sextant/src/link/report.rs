@@ -84,6 +84,9 @@ pub struct PathReport {
     /// Gain by all reflections together (dB).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reflection_gain_db: Option<f64>,
+    /// Gain of the reflections alone (dB), if nothing gets through on the straight line: it replaces all losses of that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reflections_alone_db: Option<f64>,
 }
 
 /// An obstacle on the way.
@@ -94,9 +97,16 @@ pub struct LossOfObstacle {
     /// Its name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Its material, if it has one by name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<&'static str>,
     /// Length of the line inside it (m).
     pub length_m: f64,
-    /// Loss (dB); `None` if it lets nothing through.
+    /// Loss by absorption over this length (dB).
+    pub absorption_db: f64,
+    /// Loss however thick it is, for all passages (dB); `None` if it lets nothing through.
+    pub fixed_db: Option<f64>,
+    /// The whole loss (dB); `None` if it lets nothing through.
     pub loss_db: Option<f64>,
 }
 
@@ -176,7 +186,10 @@ impl PathReport {
         let crossed = |loss: &sextant_channel::ObstacleLoss| LossOfObstacle {
             obstacle: loss.obstacle,
             name: obstacles.obstacles()[loss.obstacle].name().map(str::to_owned),
+            material: obstacles.obstacles()[loss.obstacle].material().map(|material| material.name),
             length_m: loss.length_m,
+            absorption_db: loss.absorption.0,
+            fixed_db: finite(loss.fixed.0),
             loss_db: finite(loss.loss().0),
         };
         let reflected = reflections.as_ref().filter(|rays| !rays.is_empty());
@@ -190,6 +203,9 @@ impl PathReport {
             obstacle_loss_db: finite(obstacle_loss.0),
             obstacles_attenuate: law.obstacles_attenuate(),
             reflections_loss_db: reflections.as_ref().map(|rays| rays.iter().map(|ray| ray.loss.0).collect()),
+            reflections_alone_db: reflected
+                .filter(|_| obstacle_loss.0.is_infinite())
+                .and_then(|_| finite((path.mean_power(tx) - tx).0)),
             reflection_gain_db: reflected.and_then(|_| finite((path.mean_power(tx) - path.direct_power(tx)).0)),
         }
     }

@@ -108,11 +108,16 @@ impl LinkReport {
         for crossed in &path.obstacles {
             let name = crossed.name.clone().unwrap_or_else(|| format!("obstacle {}", crossed.obstacle));
             let loss = crossed.loss_db.map_or("nothing gets through".to_owned(), |loss_db| gain(-loss_db));
-            row(f, &format!("{name}, {:.2} m inside", crossed.length_m), same(loss))?;
+            let inside = crossed.material.map_or("inside".to_owned(), |material| format!("of {material}"));
+            row(f, &format!("{name}, {:.2} m {inside}", crossed.length_m), same(loss))?;
         }
+        let count = path.reflections_loss_db.as_ref().map_or(0, Vec::len);
+        let reflections = sextant_kernel::text::counted(count, "reflection");
         if let Some(gain_db) = path.reflection_gain_db {
-            let count = path.reflections_loss_db.as_ref().map_or(0, Vec::len);
-            row(f, &sextant_kernel::text::counted(count, "reflection"), same(gain(gain_db)))?;
+            row(f, &reflections, same(gain(gain_db)))?;
+        }
+        if let Some(gain_db) = path.reflections_alone_db {
+            row(f, &format!("instead of all losses: {reflections}"), same(gain(gain_db)))?;
         }
         if let Some(draw_db) = self.shadowing.draw_db {
             row(f, "shadowing of this link", same(gain(draw_db)))?;

@@ -47,6 +47,37 @@ fn near(value: f64, expected: f64) {
 }
 
 #[test]
+fn the_items_of_a_link_name_what_is_in_the_way_and_sum_to_its_power() {
+    let walls = "[[world.walls]]\nname = \"corner\"\npoints_m = [[2, -3], [2, 0], [4, 0]]\nmaterial = \"glass\"\nloss_db = 3\n\
+                 [[world.walls]]\npoints_m = [[2, -3], [2, 3]]\nloss_db = 7\n";
+    for wall in ["absorption_per_m = 1.0", "material = \"brick\"\nloss_db = 4", "loss_db = inf"] {
+        let reflections = "[channel.reflections]\nloss_db = 6\nground_z_m = -40\n[traffic.periodic]";
+        let text = WORLD.replace("absorption_per_m = 1.0", wall).replace("[traffic.periodic]", reflections);
+        let scenario =
+            Scenario::parse(&text.replace("[radio]", &format!("{walls}[radio]"))).expect("a good scenario");
+        let report = explain_link(&scenario, "n0", "n1", None).unwrap();
+        let path = report.path.as_ref().unwrap();
+        let by_obstacles: Option<f64> = path.obstacles.iter().map(|crossed| crossed.loss_db).sum();
+        assert_eq!(by_obstacles.is_none(), path.obstacle_loss_db.is_none());
+        let losses_db = match (by_obstacles, path.reflection_gain_db) {
+            (Some(by_obstacles), Some(gain_db)) => {
+                near(by_obstacles, path.obstacle_loss_db.unwrap());
+                path.reference_loss_db + path.distance_loss_db + by_obstacles - gain_db
+            }
+            _ => -path.reflections_alone_db.unwrap(),
+        };
+        near(report.directions.as_ref().unwrap()[0].received_dbm.unwrap(), -losses_db);
+        let parts =
+            path.obstacles.iter().map(|crossed| crossed.fixed_db.map(|fixed_db| crossed.absorption_db + fixed_db));
+        assert!(parts.eq(path.obstacles.iter().map(|crossed| crossed.loss_db)), "{path:?}");
+        let text = report.to_string();
+        assert!(text.contains("corner, piece 1, 1.92 m of glass"), "{text}");
+        assert_eq!(text.contains("wall, 1.00 m of brick"), wall.contains("brick"), "{text}");
+        assert_eq!(text.contains("instead of all losses"), wall.contains("inf"), "{text}");
+    }
+}
+
+#[test]
 fn a_link_through_a_wall_has_the_power_of_the_closed_form() {
     let report = explain_link(&two(""), "n0", "n1", None).unwrap();
     let path = report.path.as_ref().unwrap();

@@ -150,8 +150,8 @@ impl<A: Application> Engine<A> {
         let Extras { round, channel_seed, mut coordinator } = extras;
         bands::check_links(networks)?;
         dying::check_batteries(&setup)?;
-        for carrier_ghz in networks.iter().filter_map(|network| network.channel.carrier_ghz()) {
-            world.obstacles.check_carrier(carrier_ghz).map_err(|error| error.within("world"))?;
+        for carrier_ghz in networks.iter().filter_map(|network| network.channel.signal_ghz()) {
+            world.check_carrier(carrier_ghz).map_err(|error| error.within("world"))?;
         }
         let bands = bands::bands(networks)?;
         let noises = interference::noises(&world.interferers, networks, &bands);

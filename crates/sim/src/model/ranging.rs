@@ -19,7 +19,7 @@ pub(crate) struct Ranging {
 impl Ranging {
     /// That with a `device` in a world, over a channel of this law.
     pub(crate) fn new(device: RangingDevice, law: &ChannelLaw, world: &World) -> Self {
-        let obstacles = law.obstacles_attenuate().then(|| world.obstacles.at_carrier(law.carrier_ghz()));
+        let obstacles = law.obstacles_attenuate().then(|| world.obstacles.at_carrier(law.signal_ghz()));
         Self { device, obstacles }
     }
 

@@ -142,7 +142,8 @@ impl Interferer {
     }
 
     /// Where it is (m).
-    pub(crate) fn position(&self) -> Position {
+    #[must_use]
+    pub fn position(&self) -> Position {
         self.position
     }
 

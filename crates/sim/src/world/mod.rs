@@ -73,6 +73,21 @@ pub struct World {
     pub interferers: Vec<Interferer>,
 }
 
+impl World {
+    /// Checks that the materials of all obstacles and walls are known at the carrier (GHz).
+    ///
+    /// # Errors
+    /// `obstacles[i].material` or `walls[i].material` if the model of a material does not hold there.
+    pub(crate) fn check_carrier(&self, carrier_ghz: f64) -> Result<(), SettingError> {
+        self.obstacles.check_carrier(carrier_ghz, |obstacle| {
+            match self.walls.iter().position(|pieces| pieces.contains(&obstacle)) {
+                Some(wall) => format!("walls[{wall}]"),
+                None => format!("obstacles[{obstacle}]"),
+            }
+        })
+    }
+}
+
 impl WorldConfig {
     /// The files that it names, and the key of each.
     pub fn files_mut(&mut self) -> impl Iterator<Item = (String, &mut PathBuf)> {
@@ -133,7 +148,7 @@ impl WorldConfig {
         for (i, config) in self.walls.iter().enumerate() {
             let first = all.len();
             let name = config.name.clone().unwrap_or_else(|| format!("wall {i}"));
-            let pieces = WallConfig { name: Some(name), ..config.clone() }.obstacles();
+            let pieces = WallConfig { name: Some(name), ..config.clone() }.obstacles(i);
             all.extend(pieces.map_err(|error| error.within(format!("walls[{i}]")))?);
             walls.push(first..all.len());
         }

@@ -15,11 +15,14 @@ impl Clip {
     /// The whole line.
     pub(crate) const WHOLE: Self = Self { enter: 0.0, leave: 1.0 };
 
+    /// Nothing of the line.
+    pub(crate) const NONE: Self = Self { enter: 1.0, leave: 0.0 };
+
     /// Keeps the part behind a face. `start_m` and `end_m` are the signed distances of the two ends from the
     /// plane of the face, positive outside.
     pub(crate) fn behind(self, start_m: f64, end_m: f64) -> Self {
         if start_m >= -GRAZE_M && end_m >= -GRAZE_M {
-            return Self { enter: 1.0, leave: 0.0 };
+            return Self::NONE;
         }
         let mut clip = self;
         if start_m > 0.0 {
@@ -34,6 +37,11 @@ impl Clip {
     /// Keeps the part between two parameters.
     pub(crate) fn between(self, enter: f64, leave: f64) -> Self {
         Self { enter: self.enter.max(enter), leave: self.leave.min(leave) }
+    }
+
+    /// Where the remaining part begins and ends, if there is one.
+    pub(crate) fn ends(self) -> Option<[f64; 2]> {
+        (self.leave > self.enter).then_some([self.enter, self.leave])
     }
 
     /// Remaining share of the line.

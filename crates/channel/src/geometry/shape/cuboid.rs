@@ -63,17 +63,17 @@ impl Cuboid {
         Position::new(self.cos * d.x_m + self.sin * d.y_m, self.cos * d.y_m - self.sin * d.x_m, d.z_m)
     }
 
-    /// Length of the line inside (m): a clip by the six faces.
-    pub(crate) fn length_inside_m(&self, from: Position, to: Position) -> f64 {
-        let (a, b, h) = (self.local(from), self.local(to), self.half);
-        let clip = Clip::WHOLE
+    /// The part of the line within `margin_m` of the box: a clip by the six faces.
+    pub(crate) fn clip(&self, from: Position, to: Position, margin_m: f64) -> Clip {
+        let (a, b) = (self.local(from), self.local(to));
+        let h = self.half + Position::new(margin_m, margin_m, margin_m);
+        Clip::WHOLE
             .behind(a.x_m - h.x_m, b.x_m - h.x_m)
             .behind(-a.x_m - h.x_m, -b.x_m - h.x_m)
             .behind(a.y_m - h.y_m, b.y_m - h.y_m)
             .behind(-a.y_m - h.y_m, -b.y_m - h.y_m)
             .behind(a.z_m - h.z_m, b.z_m - h.z_m)
-            .behind(-a.z_m - h.z_m, -b.z_m - h.z_m);
-        clip.share() * from.distance_m(to)
+            .behind(-a.z_m - h.z_m, -b.z_m - h.z_m)
     }
 
     /// How far `p` is outside along each axis (m), negative inside.

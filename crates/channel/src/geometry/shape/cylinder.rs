@@ -47,27 +47,27 @@ impl TryFrom<CylinderConfig> for Cylinder {
 const SIDES: u32 = 48;
 
 impl Cylinder {
-    /// Length of the line inside (m): a clip by the two end faces and the chord of the circle.
-    pub(crate) fn length_inside_m(&self, from: Position, to: Position) -> f64 {
+    /// The part of the line within `margin_m` of the cylinder: a clip by the two end faces and the chord of the circle.
+    pub(crate) fn clip(&self, from: Position, to: Position, margin_m: f64) -> Clip {
         let (a, d) = (from - self.base, to - from);
-        let bottom = Clip::WHOLE.behind(-a.z_m, -(a.z_m + d.z_m));
-        let between = bottom.behind(a.z_m - self.height_m, a.z_m + d.z_m - self.height_m);
+        let (radius_m, top_m) = (self.radius_m + margin_m, self.height_m + margin_m);
+        let bottom = Clip::WHOLE.behind(-a.z_m - margin_m, -(a.z_m + d.z_m) - margin_m);
+        let between = bottom.behind(a.z_m - top_m, a.z_m + d.z_m - top_m);
         let square = d.x_m * d.x_m + d.y_m * d.y_m;
-        let clip = if square <= GRAZE_M * GRAZE_M {
-            let inside = libm::hypot(a.x_m, a.y_m) < self.radius_m - GRAZE_M;
-            if inside { between } else { between.between(1.0, 0.0) }
+        if square <= GRAZE_M * GRAZE_M {
+            let inside = libm::hypot(a.x_m, a.y_m) < radius_m - GRAZE_M;
+            if inside { between } else { Clip::NONE }
         } else {
             // The chord is symmetric about the point of the line nearest to the axis.
             let cross = a.x_m * d.y_m - a.y_m * d.x_m;
-            let half_square = self.radius_m * self.radius_m - cross * cross / square;
+            let half_square = radius_m * radius_m - cross * cross / square;
             if half_square <= 0.0 {
-                return 0.0;
+                return Clip::NONE;
             }
             let nearest = -(a.x_m * d.x_m + a.y_m * d.y_m) / square;
             let half = (half_square / square).sqrt();
             between.between(nearest - half, nearest + half)
-        };
-        clip.share() * from.distance_m(to)
+        }
     }
 
     /// How far `p` is outside sideways and in height (m), negative inside.

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use super::clip::GRAZE_M;
+use super::levels::LEVEL_M;
 use super::obj::{self, MaterialFaces};
 use super::surface::Surface;
 use super::triangle::{self, Meeting};
@@ -19,7 +20,7 @@ use crate::geometry::tree::Tree;
 
 /// A closed triangle mesh, as written in a scenario: either a file, or vertices and triangles.
 /// All triangles have the same orientation; those of a cavity have the opposite one. Where parts of the mesh overlap,
-/// they absorb twice, as overlapping obstacles do.
+/// they count once.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -148,6 +149,24 @@ impl Mesh {
         if are_pairs(&mut crossings) { whole_m } else { self.length_by_pieces_m(from, u, length_m) }
     }
 
+    /// The parts of the line inside, from entry to exit (m). Parts with less than a millimetre between them are one.
+    pub(crate) fn spans(&self, from: Position, to: Position) -> Vec<[f64; 2]> {
+        let length_m = from.distance_m(to);
+        if self.length_inside_m(from, to) <= 0.0 {
+            return Vec::new();
+        }
+        let u = (to - from) * (1.0 / length_m);
+        let mut spans = self.pieces(from, u, length_m);
+        spans.dedup_by(|later, earlier| {
+            let is_same = later[0] - earlier[1] <= LEVEL_M;
+            if is_same {
+                earlier[1] = later[1];
+            }
+            is_same
+        });
+        spans
+    }
+
     /// The part of the infinite line that can be near the mesh.
     fn chord(&self, from: Position, u: Position) -> Span {
         let nearest = from + u * (self.bounds.center() - from).dot(u);
@@ -156,6 +175,11 @@ impl Mesh {
     }
 
     fn length_by_pieces_m(&self, from: Position, u: Position, length_m: f64) -> f64 {
+        self.pieces(from, u, length_m).iter().map(|[enter_m, leave_m]| leave_m - enter_m).sum()
+    }
+
+    /// The parts inside between two crossings (m), in order.
+    fn pieces(&self, from: Position, u: Position, length_m: f64) -> Vec<[f64; 2]> {
         let mut cuts = vec![0.0, length_m];
         for index in self.tree.along(self.chord(from, u), GRAZE_M) {
             match triangle::meet(self.surface.triangle(index), from, u) {
@@ -165,18 +189,29 @@ impl Mesh {
         }
         cuts.retain(|at_m| (0.0..=length_m).contains(at_m));
         cuts.sort_by(f64::total_cmp);
-        let pieces = cuts.windows(2).map(|pair| (pair[0], pair[1]));
+        let pieces = cuts.windows(2).map(|pair| [pair[0], pair[1]]);
         pieces
-            .filter(|(enter_m, leave_m)| leave_m - enter_m > GRAZE_M)
-            .filter(|(enter_m, leave_m)| self.is_around(from + u * (0.5 * (enter_m + leave_m))))
-            .map(|(enter_m, leave_m)| leave_m - enter_m)
-            .sum()
+            .filter(|[enter_m, leave_m]| leave_m - enter_m > GRAZE_M)
+            .filter(|[enter_m, leave_m]| self.is_around(from + u * (0.5 * (enter_m + leave_m))))
+            .collect()
     }
 
-    /// Whether the mesh winds around `p`, more than a nanometre from it.
+    /// Whether the mesh winds around `p`. A place on the surface is inside if all places around it are: where two parts touch.
     fn is_around(&self, p: Position) -> bool {
-        let turns = self.surface.corners().map(|corners| triangle::solid_angle(corners, p)).sum::<f64>() / (4.0 * PI);
-        turns >= 0.5 && self.distance_to_surface_m(p) > GRAZE_M
+        /// Far enough from all faces through `p` for exact winding, in a direction along which no face is expected.
+        const ASIDE_M: [f64; 3] = [0.36e-7, 0.48e-7, 0.8e-7];
+        if self.distance_to_surface_m(p) > GRAZE_M {
+            return self.winds_around(p);
+        }
+        let [x_m, y_m, z_m] = ASIDE_M;
+        let signs = [-1.0, 1.0];
+        let mut around =
+            signs.into_iter().flat_map(|x| signs.into_iter().flat_map(move |y| signs.map(|z| [x, y, z])));
+        around.all(|[x, y, z]| self.winds_around(p + Position::new(x * x_m, y * y_m, z * z_m)))
+    }
+
+    fn winds_around(&self, p: Position) -> bool {
+        self.surface.corners().map(|corners| triangle::solid_angle(corners, p)).sum::<f64>() >= 0.5 * 4.0 * PI
     }
 
     fn distance_to_surface_m(&self, p: Position) -> f64 {

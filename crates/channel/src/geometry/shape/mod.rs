@@ -30,6 +30,7 @@ pub use prism::PrismConfig;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::position::Position;
 use crate::geometry::span::Span;
+use clip::Clip;
 use cuboid::Cuboid;
 use cylinder::Cylinder;
 pub(crate) use facet::{Edge, Face, Facet};
@@ -81,6 +82,19 @@ enum Form {
     Cylinder(Cylinder),
     Polytope(Polytope),
     Mesh(Mesh),
+}
+
+impl Form {
+    /// The part of a line within `margin_m`; nothing of a mesh, which is not convex.
+    #[inline]
+    fn clip(&self, from: Position, to: Position, margin_m: f64) -> Clip {
+        match self {
+            Self::Box(cuboid) => cuboid.clip(from, to, margin_m),
+            Self::Cylinder(cylinder) => cylinder.clip(from, to, margin_m),
+            Self::Polytope(polytope) => polytope.clip(from, to, margin_m),
+            Self::Mesh(_) => Clip::NONE,
+        }
+    }
 }
 
 impl Shape {
@@ -177,10 +191,38 @@ impl Shape {
     pub fn length_inside_m(&self, from: Position, to: Position) -> f64 {
         let [from, to] = self.levels.judged([from, to]);
         match &self.form {
-            Form::Box(cuboid) => cuboid.length_inside_m(from, to),
-            Form::Cylinder(cylinder) => cylinder.length_inside_m(from, to),
-            Form::Polytope(polytope) => polytope.length_inside_m(from, to),
             Form::Mesh(mesh) => mesh.length_inside_m(from, to),
+            convex => convex.clip(from, to, 0.0).share() * from.distance_m(to),
+        }
+    }
+
+    /// The parts of the straight line inside, each from its entry to its exit as distances from `from` (m), in order.
+    pub(crate) fn spans(&self, from: Position, to: Position) -> Vec<[f64; 2]> {
+        let [from, to] = self.levels.judged([from, to]);
+        let length_m = from.distance_m(to);
+        match &self.form {
+            Form::Mesh(mesh) => mesh.spans(from, to),
+            convex => {
+                let ends = convex.clip(from, to, 0.0).ends();
+                ends.map(|ends| ends.map(|share| share * length_m)).into_iter().collect()
+            }
+        }
+    }
+
+    /// How often the straight line, which is inside somewhere, passes through.
+    pub(crate) fn passages(&self, from: Position, to: Position) -> usize {
+        match &self.form {
+            Form::Mesh(_) => self.spans(from, to).len(),
+            Form::Box(_) | Form::Cylinder(_) | Form::Polytope(_) => 1,
+        }
+    }
+
+    /// Whether the straight line may come within [`LEVEL_M`](Self::LEVEL_M) of it.
+    pub(crate) fn is_near(&self, from: Position, to: Position) -> bool {
+        let [from, to] = self.levels.judged([from, to]);
+        match &self.form {
+            Form::Mesh(mesh) => mesh.near(Span::new(from, to), LEVEL_M).next().is_some(),
+            convex => convex.clip(from, to, LEVEL_M).share() > 0.0,
         }
     }
 

@@ -31,16 +31,16 @@ impl Polytope {
         Self { planes, surface }
     }
 
-    /// Length of the line inside (m): a clip by each plane.
-    pub(crate) fn length_inside_m(&self, from: Position, to: Position) -> f64 {
+    /// The part of the line within `margin_m` of the solid: a clip by each plane.
+    pub(crate) fn clip(&self, from: Position, to: Position, margin_m: f64) -> Clip {
         let mut clip = Clip::WHOLE;
         for plane in &self.planes {
-            clip = clip.behind(plane.height_m(from), plane.height_m(to));
+            clip = clip.behind(plane.height_m(from) - margin_m, plane.height_m(to) - margin_m);
             if clip.share() <= 0.0 {
-                return 0.0;
+                return Clip::NONE;
             }
         }
-        clip.share() * from.distance_m(to)
+        clip
     }
 
     pub(crate) fn contains(&self, p: Position) -> bool {

@@ -162,7 +162,7 @@ impl CheckedNetwork<'_> {
         if path_loss.gas_db_per_m() > 0.0 {
             profile.gas_db_per_km.get_or_insert(1000.0 * path_loss.gas_db_per_m());
         }
-        profile.carrier_ghz = profile.carrier_ghz.or(channel.carrier_ghz());
+        profile.carrier_ghz = profile.carrier_ghz.or(channel.signal_ghz());
         profile.packets_per_stop.get_or_insert(packets_per_stop.mean);
     }
 }

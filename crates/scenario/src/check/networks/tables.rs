@@ -123,14 +123,14 @@ impl<'a> NetworkTables<'a> {
         table.value.is_some() && (self.name.is_none() || table.is_own)
     }
 
-    /// The law of its channel. An absent loss at the reference distance is that of free space at the carrier of its radios.
+    /// The law of its channel. An absent loss at the reference distance is that of free space at the carrier of its radios, which is that of the
+    /// signals too, unless the channel has its own.
     pub(super) fn law(&self, errors: &mut Errors) -> Option<ChannelLaw> {
         let channel = *self.channel.value;
-        let channel = match self.radio.value {
-            Some(radio) => channel.with_free_space(radio.carrier_ghz(self.mac.value)),
-            None => channel,
-        };
-        errors.take(&self.channel.key, ChannelLaw::try_from(channel))
+        let of_radios = self.radio.value.map(|radio| radio.carrier_ghz(self.mac.value));
+        let channel = of_radios.map_or(channel, |carrier_ghz| channel.with_free_space(carrier_ghz));
+        let law = errors.take(&self.channel.key, ChannelLaw::try_from(channel))?;
+        Some(of_radios.map_or(law, |carrier_ghz| law.for_radios_at(carrier_ghz)))
     }
 
     /// Its links as they were measured, if they are and the nodes are known.

@@ -106,9 +106,19 @@ fn patterns_of_planet_have_their_gain_less_the_loss_and_ask_which_way_azimuths_t
         let (azimuth, greatest) = peak_of(&book, "0");
         assert!(azimuth.abs() < 1e-9 && (greatest - expected).abs() < 1e-4, "{gain}: {azimuth} {greatest}");
         assert!(book.text.contains(&format!("0,90,0,{}\n", expected - 9.0)), "{gain}");
-        // 11 of 360 lines of the vertical cut are within 3 dB.
-        assert!(book.notes.iter().any(|note| note.contains("half-power width is 11.0 degrees")), "{:?}", book.notes);
+        // From 1 dB at 5 degrees to 20 dB at 6, 3 dB below the least loss are at 5.158.
+        assert!(book.notes.iter().any(|note| note.contains("half-power width is 10.3 degrees")), "{:?}", book.notes);
     }
+    // What the head says of widths and tilt is held against the cuts.
+    let text = planet("GAIN 12.0 dBi\nH_WIDTH 60\nV_WIDTH 25", symmetric).replace("0\t1.00", "0\t1.50");
+    let text = text.replace("\n4\t1.00", "\n4\t0.00").replace("TILT ELECTRICAL", "TILT ELECTRICAL 4");
+    let notes = read("a.msi", &text, &none, None).unwrap().notes.join("\n");
+    for words in ["`V_WIDTH` says 25: the cut counts", "strongest at 4 degrees (`TILT ELECTRICAL 4`)"] {
+        assert!(notes.contains(words), "{notes}");
+    }
+    assert!(!notes.contains("H_WIDTH"), "{notes}");
+    let problem = read("a.msi", &planet("GAIN 12.0 dBi\nH_WIDTH wide", symmetric), &none, None).unwrap_err();
+    assert!(problem.contains("`H_WIDTH wide`") && problem.contains("above 0, at most 360"), "{problem}");
     // A beam at 40 degrees, to one side or to the other.
     let aside = |angle: i32| f64::from((angle - 40).rem_euclid(360).min((40 - angle).rem_euclid(360))) / 10.0;
     let text = planet("GAIN 12 dBi", aside);

@@ -28,8 +28,11 @@ type Cut = Vec<(f64, f64)>;
 /// What a file says.
 #[derive(Default)]
 struct Pattern {
-    /// The words after `GAIN`.
+    /// The words after `GAIN` and `TILT`.
     gain: Option<String>,
+    tilt: Option<String>,
+    /// The half-power widths after `H_WIDTH` and `V_WIDTH` (degrees).
+    widths_deg: [Option<f64>; 2],
     horizontal: Cut,
     vertical: Cut,
 }
@@ -49,6 +52,17 @@ impl Pattern {
             let word = word.to_ascii_uppercase();
             if word == "GAIN" {
                 pattern.gain = Some(rest.trim().to_owned());
+            } else if word == "TILT" {
+                pattern.tilt = Some(rest.trim().to_owned()).filter(|words| !words.is_empty());
+            } else if word == "H_WIDTH" || word == "V_WIDTH" {
+                let width_deg = numbers(rest).first().copied();
+                if rest.trim().is_empty() || width_deg.is_some_and(|width_deg| width_deg > 0.0 && width_deg <= 360.0)
+                {
+                    pattern.widths_deg[usize::from(word == "V_WIDTH")] = width_deg;
+                } else {
+                    let allowed = "a width above 0, at most 360 degrees";
+                    return Err(invalid(format!("line {number}"), format!("`{line}`"), allowed));
+                }
             } else if word == "HORIZONTAL" || word == "VERTICAL" {
                 let count = rest.trim().parse::<usize>().ok().filter(|count| (1..=3600).contains(count));
                 let place = || format!("line {number}");
@@ -125,8 +139,8 @@ fn is_symmetric(cut: &Cut) -> bool {
     cut.iter().all(|&(angle, loss)| at(-angle).is_none_or(|other| (other - loss).abs() < SAME_DB))
 }
 
-/// Width of the part of a cut round its least loss that is at most 3 dB below it (degrees); `None` if the cut does not have both ends
-/// of it.
+/// Width of the part of a cut round its least loss that is at most 3 dB below it (degrees), its ends between two angles by a straight
+/// line; `None` if the cut does not have both of them.
 fn half_power_deg(cut: &Cut) -> Option<f64> {
     let mut cut = cut.clone();
     cut.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -143,10 +157,53 @@ fn half_power_deg(cut: &Cut) -> Option<f64> {
         cut.push((cut[0].0 + 360.0, cut[0].1));
     }
     let strongest = (0..cut.len()).min_by(|&a, &b| cut[a].1.total_cmp(&cut[b].1))?;
-    let is_weak = |(_, loss): &(f64, f64)| *loss > cut[strongest].1 + 3.0;
+    let half = cut[strongest].1 + 3.0;
+    let is_weak = |(_, loss): &(f64, f64)| *loss > half;
     let before = cut[..strongest].iter().rposition(is_weak)?;
     let after = strongest + cut[strongest..].iter().position(is_weak)?;
-    Some(cut[after - 1].0 - cut[before + 1].0 + step_deg)
+    let end = |(strong, weak): ((f64, f64), (f64, f64))| {
+        strong.0 + (weak.0 - strong.0) * (half - strong.1) / (weak.1 - strong.1)
+    };
+    Some(end((cut[after - 1], cut[after])) - end((cut[before + 1], cut[before])))
+}
+
+/// The angle of the least loss of a cut, if it is not 0 (degrees, -180 to 180).
+fn tilt_deg(cut: &Cut) -> Option<f64> {
+    let least = cut.iter().map(|(_, loss)| *loss).fold(f64::INFINITY, f64::min);
+    let angles = cut.iter().filter(|(_, loss)| *loss <= least).map(|(angle, _)| {
+        let angle = angle.rem_euclid(360.0);
+        if angle > 180.0 { angle - 360.0 } else { angle }
+    });
+    angles.min_by(|a, b| a.abs().total_cmp(&b.abs())).filter(|angle| *angle != 0.0)
+}
+
+/// What the two cuts say of widths and of the tilt.
+fn notes_of_cuts(pattern: &Pattern) -> Vec<String> {
+    let mut notes = Vec::new();
+    let cuts = [("horizontal", "H_WIDTH", &pattern.horizontal), ("vertical", "V_WIDTH", &pattern.vertical)];
+    for ((name, key, cut), stated) in cuts.into_iter().zip(pattern.widths_deg) {
+        match (half_power_deg(cut), stated) {
+            (Some(found), Some(stated)) if (found - stated).abs() > (0.1 * stated).max(1.0) => notes.push(format!(
+                "the half-power width of the {name} cut is {found:.1} degrees, and `{key}` says {stated}: the cut counts"
+            )),
+            (Some(_), _) | (None, None) => {}
+            (None, Some(stated)) => notes.push(format!("`{key}` says {stated} degrees, and the {name} cut does not show it")),
+        }
+    }
+    if let Some(width_deg) = half_power_deg(&pattern.vertical).or(pattern.widths_deg[1]) {
+        notes.push(format!(
+            "the vertical cut is not in the code book: its half-power width is {width_deg:.1} degrees, `vertical_width_deg` in a \
+             scenario"
+        ));
+    }
+    let says = pattern.tilt.as_ref().map(|words| format!(" (`TILT {words}`)")).unwrap_or_default();
+    if let Some(tilt_deg) = tilt_deg(&pattern.vertical) {
+        notes.push(format!(
+            "the vertical cut is strongest at {tilt_deg} degrees{says}: the sector has that gain at elevation 0; tilt the antenna of \
+             the scenario"
+        ));
+    }
+    notes
 }
 
 /// The horizontal cut of a pattern, as sector 0.
@@ -170,12 +227,7 @@ pub(super) fn rows(text: &str, names: &SourceNames) -> Result<Source, ConvertErr
         format!("a pattern of MSI and Planet: the gain is in {unit}; losses of the horizontal cut are below it"),
         "the horizontal cut is sector 0, a planar cut at elevation 0".to_owned(),
     ];
-    if let Some(width_deg) = half_power_deg(&pattern.vertical) {
-        notes.push(format!(
-            "the vertical cut is not in the code book: its half-power width is {width_deg:.1} degrees, `vertical_width_deg` in a \
-             scenario"
-        ));
-    }
+    notes.extend(notes_of_cuts(&pattern));
     Ok(Source { rows: Rows(rows), named_unit: Some(GainUnit::Dbi), gains: "gain".to_owned(), notes })
 }
 
@@ -197,11 +249,17 @@ mod tests {
     fn a_half_power_width_is_that_of_the_strongest_beam_alone() {
         let width = |cut: &Cut| half_power_deg(cut).map(|width_deg| (width_deg * 10.0).round() / 10.0);
         // Once around, with the end of the beam beyond the last angle, and a second beam behind.
-        assert_eq!(width(&cut(0..360, &[0, 180])), Some(11.0));
-        assert_eq!(width(&cut(-180..=180, &[180, 0])), Some(11.0));
+        assert_eq!(width(&cut(0..360, &[0, 180])), Some(10.3));
+        assert_eq!(width(&cut(-180..=180, &[180, 0])), Some(10.3));
         // Half around.
-        assert_eq!(width(&cut(-90..=90, &[0])), Some(11.0));
-        assert_eq!(width(&cut((-90..=90).rev(), &[30, -30])), Some(11.0));
+        assert_eq!(width(&cut(-90..=90, &[0])), Some(10.3));
+        assert_eq!(width(&cut((-90..=90).rev(), &[30, -30])), Some(10.3));
+        // A parabola with a width of 6.5 degrees, in steps of one and of two.
+        for step in [1, 2] {
+            let parabola =
+                (-90..=90).step_by(step).map(|angle| (f64::from(angle), 3.0 * (f64::from(angle) / 3.25).powi(2)));
+            assert!((half_power_deg(&parabola.collect()).unwrap() - 6.5).abs() < 0.35, "{step}");
+        }
         // One end is not there, or there is none.
         assert_eq!(width(&cut(0..=90, &[0])), None);
         assert_eq!(width(&vec![(0.0, 1.0), (90.0, 1.0), (180.0, 1.5), (270.0, 1.0)]), None);

@@ -65,7 +65,8 @@ pub(super) fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan,
             reflection_loss_db: None,
             openings: Vec::new(),
         };
-        match wall.obstacles() {
+        match wall.obstacles(0) {
+            _ if plan.add_pillar(&wall, options) => {}
             Ok(_) => plan.walls.push(wall),
             Err(why) => plan.notes.push(format!("wall {} is left out: {why}", number + 1)),
         }
