@@ -95,6 +95,9 @@ pub(crate) fn sweep(
             ColumnKind::Integer => {
                 made.optional_whole(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok())))
             }
+            ColumnKind::Unsigned => {
+                made.optional_unsigned(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok())))
+            }
             ColumnKind::Real => {
                 made.optional_numbers(&column.name, cells().map(|cell| cell.and_then(|cell| cell.parse().ok())))
             }

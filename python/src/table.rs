@@ -8,6 +8,7 @@ use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::types::{Float64Type, Int64Type, UInt64Type};
 use arrow_array::{
     Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator, StringArray,
+    UInt64Array,
 };
 use arrow_schema::{DataType, Field, Schema};
 use numpy::ToPyArray;
@@ -71,6 +72,10 @@ impl Columns {
 
     pub(crate) fn optional_whole(self, name: &str, values: impl IntoIterator<Item = Option<i64>>) -> Self {
         self.add(name, Arc::new(values.into_iter().collect::<Int64Array>()))
+    }
+
+    pub(crate) fn optional_unsigned(self, name: &str, values: impl IntoIterator<Item = Option<u64>>) -> Self {
+        self.add(name, Arc::new(values.into_iter().collect::<UInt64Array>()))
     }
 
     pub(crate) fn flags(self, name: &str, values: impl IntoIterator<Item = bool>) -> Self {
@@ -151,6 +156,9 @@ impl Table {
             }
             DataType::Float64 => Ok(array.as_primitive::<Float64Type>().values().to_pyarray(py).into_any()),
             DataType::Int64 => Ok(array.as_primitive::<Int64Type>().values().to_pyarray(py).into_any()),
+            DataType::UInt64 if !with_gaps => {
+                Ok(array.as_primitive::<UInt64Type>().values().to_pyarray(py).into_any())
+            }
             DataType::Boolean if !with_gaps => {
                 Ok(array.as_boolean().values().iter().collect::<Vec<_>>().to_pyarray(py).into_any())
             }

@@ -78,7 +78,7 @@ pub enum RecordingError {
         seen: String,
     },
     /// The file is damaged or incomplete.
-    #[error("`{}` is broken at byte {at_byte}, after {messages} messages: {why}; `sextant recover` copies everything before", .path.display())]
+    #[error("`{}` is broken at byte {at_byte}, after {messages} messages: {why}; `sextant recover` copies all that can be read", .path.display())]
     Broken {
         /// The file.
         path: PathBuf,

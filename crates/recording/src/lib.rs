@@ -1,7 +1,7 @@
 //! Recordings: MCAP files of runs, for viewers, mappers and people.
 //!
 //! A [`FileRecorder`] writes the events of a run to a file. Foxglove and Rerun can draw the file, [`read_log`] reads the
-//! reception log from it, [`inspect`] lists its contents, and [`recover`] copies what is readable after a crash.
+//! reception log from it, [`inspect`] lists its contents, and [`recover`] copies what is readable of a broken one.
 //! Topics, types and units are described in `docs/recording.md`.
 //!
 //! ```
@@ -47,6 +47,7 @@ pub use error::RecordingError;
 pub use foxglove::Schema;
 pub use foxglove::messages::log::Level;
 pub use link_quality::link_quality;
+pub use mcap_file::salvage::Gap;
 pub use mcap_file::{Damage, DamageKind};
 pub use messages::names::{FILES_ATTACHMENTS, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
 pub use messages::phase::{Phase, SURVEY};

@@ -1,5 +1,7 @@
 //! Reads an MCAP file from start to end, up to the first damage, with one chunk in memory.
 
+pub(crate) mod salvage;
+
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -205,24 +207,7 @@ impl Chunks {
         if saved != 0 && saved != calculated {
             return Ok(Err(McapError::BadChunkCrc { saved, calculated }));
         }
-        let mut rest: &[u8] = &records;
-        while let Some((&opcode, tail)) = rest.split_first() {
-            let Some((&length, tail)) = tail.split_first_chunk() else { return Ok(Err(McapError::UnexpectedEoc)) };
-            let length = usize::try_from(u64::from_le_bytes(length)).ok();
-            let Some((record, tail)) = length.and_then(|length| tail.split_at_checked(length)) else {
-                return Ok(Err(McapError::UnexpectedEoc));
-            };
-            rest = tail;
-            match parse_record(opcode, record) {
-                Ok(record) => {
-                    if let Err(why) = show(opcode, record)? {
-                        return Ok(Err(why));
-                    }
-                }
-                Err(why) => return Ok(Err(why)),
-            }
-        }
-        Ok(Ok(()))
+        each_record(&records, show)
     }
 
     fn decompressed<E>(&mut self, data: &[u8], show: &mut dyn FnMut(u8, Record<'_>) -> Shown<E>) -> Shown<E> {
@@ -251,6 +236,27 @@ impl Chunks {
         }
         Ok(Ok(()))
     }
+}
+
+/// Calls `show` with each of the records that follow one another in `rest`.
+fn each_record<E>(mut rest: &[u8], show: &mut dyn FnMut(u8, Record<'_>) -> Shown<E>) -> Shown<E> {
+    while let Some((&opcode, tail)) = rest.split_first() {
+        let Some((&length, tail)) = tail.split_first_chunk() else { return Ok(Err(McapError::UnexpectedEoc)) };
+        let length = usize::try_from(u64::from_le_bytes(length)).ok();
+        let Some((record, tail)) = length.and_then(|length| tail.split_at_checked(length)) else {
+            return Ok(Err(McapError::UnexpectedEoc));
+        };
+        rest = tail;
+        match parse_record(opcode, record) {
+            Ok(record) => {
+                if let Err(why) = show(opcode, record)? {
+                    return Ok(Err(why));
+                }
+            }
+            Err(why) => return Ok(Err(why)),
+        }
+    }
+    Ok(Ok(()))
 }
 
 /// The state of the reading.

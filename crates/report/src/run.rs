@@ -51,10 +51,7 @@ impl Report {
         report.origin.scenario = said("scenario");
         report.origin.seed = said("seed");
         report.origin.version = said("version");
-        if run.cut_stops > 0 {
-            let note = "The recording is incomplete: its last stop is ignored, because receptions may be missing.";
-            report.notes.push(note.to_owned());
-        }
+        report.notes.extend(run.concern().map(|concern| format!("{}.", concern.replacen('t', "T", 1))));
         if let Some(text) = run.attachment(SCENARIO_ATTACHMENT) {
             report.scenario = Some(String::from_utf8_lossy(&text.data).into_owned());
         }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
-use sextant_study::sweep::{FinishedTable, students_t_975};
+use sextant_study::sweep::{FinishedTable, exact_number, students_t_975};
 
 use super::column::Column;
 use super::error::ReportError;
@@ -67,7 +67,7 @@ impl SweepValues {
     }
 
     fn of(cells: &[&str]) -> Self {
-        let numbers: Vec<Option<f64>> = cells.iter().map(|cell| cell.parse().ok()).collect();
+        let numbers: Vec<Option<f64>> = cells.iter().map(|cell| exact_number(cell)).collect();
         let are_numbers = cells.iter().zip(&numbers).all(|(cell, number)| cell.is_empty() || number.is_some());
         if are_numbers {
             return Self::Numbers(Column::F64(numbers.into_iter().map(|cell| cell.unwrap_or(f64::NAN)).collect()));

@@ -166,7 +166,9 @@ impl ScenarioError {
         Self::new(format!("{place}: this is not valid TOML")).help(advice)
     }
 
-    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
+    /// The same with what to do about it.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }

@@ -27,8 +27,6 @@ use super::diagnosis;
 use super::document::Document;
 use super::error::ScenarioErrors;
 use super::file::ScenarioFile;
-use super::replaced::check_given;
-use super::survey_identity::SurveyIdentity;
 
 /// A scenario that has been read and checked.
 #[derive(Clone)]
@@ -78,8 +76,7 @@ impl Scenario {
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn load_with(path: impl AsRef<Path>, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
-        check_given(set, "seed", seed)?;
-        ScenarioFile::read(path)?.scenario(set, seed)
+        ScenarioFile::read(path)?.given(set, seed)
     }
 
     /// Reads a scenario from its text, and checks it. Files that it names are relative to the working folder.
@@ -96,8 +93,7 @@ impl Scenario {
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn parse_with(text: &str, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
-        check_given(set, "seed", seed)?;
-        ScenarioFile::of_text(text)?.scenario(set, seed)
+        ScenarioFile::of_text(text)?.given(set, seed)
     }
 
     /// The same scenario with other settings `set` (each `path.to.key=value`), and with `seed` if it is given.
@@ -409,12 +405,6 @@ impl Scenario {
     #[must_use]
     pub fn setup(&self) -> Setup {
         self.parts.setup.clone()
-    }
-
-    /// Identifies the scenarios with the same surveys.
-    #[must_use]
-    pub fn survey_identity(&self) -> SurveyIdentity {
-        SurveyIdentity::of(&self.config)
     }
 
     /// A short description: `496 nodes, 3 obstacles, 1 robot, 1 map`.

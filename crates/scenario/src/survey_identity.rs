@@ -18,6 +18,7 @@ use super::config::ScenarioConfig;
 use super::config::network::NetworkConfig;
 use super::config::simulation::SimulationConfig;
 use super::config::team::TeamConfig;
+use super::loaded::Scenario;
 
 /// A hash of all settings that a survey depends on, except the seed. Scenarios with the same hash have the same survey for
 /// each seed. Files are hashed by name, not by content.
@@ -129,14 +130,32 @@ impl SurveyIdentity {
             faults,
             distributed: distributed_mapping.as_ref().map(|mapping| (mapping, anchors)),
         };
-        let json = serde_json::to_vec(&settings)
-            .expect("all paths are texts now, and so were all other settings when they were read");
-        Self(Sha256::digest(json).into())
+        Self(hash(&settings))
     }
 }
 
+impl Scenario {
+    /// Identifies the scenarios with the same surveys.
+    #[must_use]
+    pub fn survey_identity(&self) -> SurveyIdentity {
+        SurveyIdentity::of(self.config())
+    }
+
+    /// Identifies the scenarios with the same settings, however they are written. The seed is one of them.
+    #[must_use]
+    pub fn settings_identity(&self) -> [u8; 32] {
+        hash(&with_paths_as_text(self.config()))
+    }
+}
+
+fn hash(settings: &impl Serialize) -> [u8; 32] {
+    let json = serde_json::to_vec(settings)
+        .expect("all paths are texts now, and so were all other settings when they were read");
+    Sha256::digest(json).into()
+}
+
 /// The same settings. In paths that are no Unicode, because folders may have any name, other octets are escaped.
-fn with_paths_as_text(config: &ScenarioConfig) -> ScenarioConfig {
+pub(super) fn with_paths_as_text(config: &ScenarioConfig) -> ScenarioConfig {
     let mut config = config.clone();
     for (_, path) in config.files_mut() {
         if path.to_str().is_none() {
@@ -152,7 +171,6 @@ mod tests {
 
     use serde_json::{Value, json};
 
-    use super::super::Scenario;
     use super::*;
 
     /// Tables that a survey does not depend on; on the anchors it does if the nodes compute a map.

@@ -87,16 +87,16 @@ fn check(path: &Path, arguments: &Arguments) -> Result<Valid, Vec<Report>> {
         found
     })?;
     scenario.check_grids().map_err(|errors| reports(&errors))?;
-    let cells = match scenario.config().sweep {
-        None => None,
-        Some(_) => Some(Sweep::read_replacing(path, set).map_err(|errors| reports(&errors))?.cells().len()),
-    };
+    let sweep = scenario.config().sweep.as_ref().map(|_| Sweep::read_replacing(path, set)).transpose();
+    let sweep = sweep.map_err(|errors| reports(&errors))?;
+    let left_out = sweep.as_ref().map_or_else(|| scenario.file().left_out(set), Sweep::left_out);
+    let left_out = left_out.map_err(|errors| reports(&errors))?;
     Ok(Valid {
         file: path.to_string_lossy().into_owned(),
         name: scenario.name().to_owned(),
         outline: scenario.outline(),
-        cells,
-        warnings: warnings(&scenario).iter().map(ToString::to_string).collect(),
+        cells: sweep.map(|sweep| sweep.cells().len()),
+        warnings: left_out.into_iter().chain(warnings(&scenario).iter().map(ToString::to_string)).collect(),
         forecast: arguments.verbose.then(|| Forecast::of(&scenario)),
     })
 }

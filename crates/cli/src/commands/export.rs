@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use sextant::columns::{Align, columns};
 use sextant::export::{ExportFormat, ExportedTable, FailedFile, export};
-use sextant_kernel::text::counted;
+use sextant_kernel::text::{counted, listed};
 use sextant_recording::admission::{Replace, admit_folder};
 
 use crate::diagnostic::Failure;
@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     /// The format of the tables
     #[arg(long, value_enum, default_value_t)]
     pub(crate) format: TablesFormat,
-    /// Write into a folder that has files; those with other names stay
+    /// Write into a folder that has files; those with other names stay, and are named
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -67,6 +67,10 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     }
     for FailedFile { name, why } in &exported.failed {
         warn(&format!("the file `{}` of the recording cannot be written: {why}", name.escape_debug()));
+    }
+    if !exported.stayed.is_empty() {
+        let names: Vec<_> = exported.stayed.iter().map(|file| file.display().to_string()).collect();
+        warn(&format!("these files were there before and are not of this recording: {}", listed(&names)));
     }
     if !exported.left_out.is_empty() {
         let topics: Vec<_> = exported.left_out.iter().map(String::as_str).collect();

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::with_flags;
 use crate::diagnostic::Failure;
-use crate::terminal::{Stdout, say, stdout};
+use crate::terminal::{Stdout, say, stdout, warn};
 use sextant::MOST_THREADS;
 use sextant::scenario::{Scenario, ScenarioErrors};
 use sextant::summary::{self, Summary};
@@ -173,6 +173,8 @@ pub(crate) struct ScenarioSource {
 impl ScenarioSource {
     /// Reads and checks the scenario.
     pub(super) fn load(&self) -> Result<Scenario, ScenarioErrors> {
-        Scenario::load_with(&self.scenario, &self.overrides.set, self.seed)
+        let scenario = Scenario::load_with(&self.scenario, &self.overrides.set, self.seed)?;
+        scenario.file().left_out(&self.overrides.set)?.iter().for_each(|left_out| warn(left_out));
+        Ok(scenario)
     }
 }

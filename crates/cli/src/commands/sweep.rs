@@ -17,8 +17,9 @@ use super::outputs::{keep_logs, reads_sweep};
 use super::plan_flags::PlanFlags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{Watcher, stdout};
+use crate::terminal::{Watcher, stdout, warn};
 use existing::Start;
+use sextant::scenario::ScenarioErrors;
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{OutputKind, Outputs, Replace};
 use sextant_study::sweep::{
@@ -83,6 +84,13 @@ impl Arguments {
         };
         self.out.clone().unwrap_or_else(default)
     }
+
+    /// The sweep of `scenario`. Warns of what its settings leave out.
+    pub(super) fn sweep(&self, scenario: &Path) -> Result<Sweep, ScenarioErrors> {
+        let sweep = Sweep::read(scenario, &self.overrides.set, self.seed, self.runs)?;
+        sweep.left_out()?.iter().for_each(|left_out| warn(left_out));
+        Ok(sweep)
+    }
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -92,7 +100,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     };
     let out = arguments.table();
     TableFormat::of(&out)?;
-    let plan = Sweep::read(scenario, &arguments.overrides.set, arguments.seed, arguments.runs)?;
+    let plan = arguments.sweep(scenario)?;
     if arguments.columns {
         return Ok(column_list::print(Some(&plan), arguments.printing)?);
     }

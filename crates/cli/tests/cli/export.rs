@@ -59,7 +59,10 @@ fn a_folder_with_files_is_refused_unless_forced() {
     assert_eq!(refused.status.code(), Some(2));
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(said.contains("has files") && said.contains("--force"), "{said}");
-    assert!(export(&path("run.mcap"), &path("tables"), &["--force"]).status.success());
+    let forced = export(&path("run.mcap"), &path("tables"), &["--force"]);
+    let said = String::from_utf8_lossy(&forced.stderr).into_owned();
+    assert!(forced.status.success() && said.contains("were there before") && said.contains("mine.txt"), "{said}");
+    assert!(!said.contains("stops.csv"), "{said}");
     assert_eq!(fs::read_to_string(path("tables/mine.txt")).expect("it stays"), "mine");
     let parts = fs::read_dir(path("tables")).expect("a folder").flatten();
     assert!(parts.map(|file| file.file_name()).all(|name| !name.to_string_lossy().ends_with(".part")));
@@ -75,9 +78,19 @@ fn a_broken_recording_leaves_no_table() {
     let output = export(&path("cut.mcap"), &path("tables"), &[]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("sextant recover"));
-    let names = fs::read_dir(path("tables")).expect("a folder").flatten().map(|file| file.file_name());
-    let tables: Vec<_> = names.filter(|name| name.to_string_lossy().contains(".csv")).collect();
-    assert!(tables.is_empty(), "{tables:?}");
+    assert!(!path("tables").exists());
+    // Files of an earlier export stay as they are.
+    assert!(export(&path("run.mcap"), &path("tables"), &[]).status.success());
+    let contents = || -> Vec<_> {
+        let files = fs::read_dir(path("tables")).expect("a folder").flatten().map(|file| file.path());
+        let mut files: Vec<_> =
+            files.filter(|file| file.is_file()).map(|file| (fs::read(&file).ok(), file)).collect();
+        files.sort();
+        files
+    };
+    let before = contents();
+    assert_eq!(export(&path("cut.mcap"), &path("tables"), &["--force"]).status.code(), Some(2));
+    assert_eq!(contents(), before);
 }
 
 #[test]

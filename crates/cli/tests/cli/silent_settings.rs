@@ -112,6 +112,22 @@ fn a_seed_or_a_number_of_runs_that_is_given_twice_is_refused() {
 }
 
 #[test]
+fn a_setting_that_a_later_one_replaces_is_refused_and_keys_that_one_leaves_out_are_named() {
+    let (_folder, path) = swept("[sweep]\nruns = 1\nproduct.radio.tx_power_dbm = [-50, -45]\n");
+    for command in [&["run", "--quiet"][..], &["check"], &["sweep", "--dry-run"]] {
+        let said = refused(
+            &[command, &["--set", "channel.max_range_m=5", "--set", "channel.max_range_m=4"]].concat(),
+            &path,
+        );
+        assert!(said.contains("`channel.max_range_m=5` has no effect"), "{command:?}: {said}");
+        let table = "channel.path_loss={log_distance={exponent=3}}";
+        let output = sextant_with(&[command, &["--set", table]].concat(), &path);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.contains("log_distance.reference_loss_db` of the file"), "{said}");
+    }
+}
+
+#[test]
 fn a_mistake_that_concerns_several_parts_is_told_once() {
     let maps = ["a", "b", "c"].map(|name| format!("[[maps]]\nname = \"{name}\"\nalgorithm = \"dv_hop\"\n")).concat();
     let obstacle = "[[world.obstacles]]\nmaterial = \"concrete\"\n\

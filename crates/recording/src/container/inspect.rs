@@ -126,7 +126,7 @@ impl fmt::Display for Inspection {
             None => writeln!(f, "complete, {} bytes, written by {}", self.size_bytes, self.library)?,
             Some(damage) => writeln!(
                 f,
-                "BROKEN at byte {} of {}: {}; `sextant recover` copies everything before",
+                "BROKEN at byte {} of {}: {}; `sextant recover` copies all that can be read",
                 damage.at_byte, self.size_bytes, damage.why
             )?,
         }

@@ -10,8 +10,9 @@ use sextant_kernel::Watch;
 use super::sink::Sink;
 use crate::disk;
 use crate::error::RecordingError;
+use crate::mcap_file::salvage::{Gap, Salvaged, salvage};
 use crate::mcap_file::{Damage, Piece, scan};
-use crate::messages::names::RECOVERED_METADATA;
+use crate::messages::names::{GAP_METADATA, RECOVERED_METADATA};
 use crate::output::{Draft, FileIdentity, RECOVERING};
 
 /// The result of a recovery.
@@ -21,12 +22,15 @@ pub struct Recovery {
     pub messages: u64,
     /// Attachments copied.
     pub attachments: u64,
-    /// What was wrong with the file; absent if the file was sound and was copied completely.
+    /// The first damage of the file; absent if the file was sound and was copied completely.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<Damage>,
+    /// The parts of the file that could not be read.
+    pub gaps: Vec<Gap>,
 }
 
-/// Copies the recording `broken`, up to the first damaged or incomplete chunk, into a sound recording `out`. The copy
+/// Copies all that can be read of the recording `broken` into a sound recording `out`. Damaged and incomplete chunks are left out.
+/// Where one is missing, the copy has a metadata record `gap/N`: between which octets of the file and which times. The copy
 /// is written to `OUT.recovering`, which is renamed to `out` when it is complete; only then is an existing file replaced.
 ///
 /// # Errors
@@ -57,28 +61,29 @@ pub fn unfinished_copy(out: &Path) -> PathBuf {
 }
 
 fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, RecordingError> {
-    let mut sink = None;
+    let damage = scan::<RecordingError>(broken, &mut |_| Ok(watch.check()?))?;
+    let mut sink = Sink::create(draft)?;
     let mut known = BTreeSet::new();
-    let mut recovery = Recovery { messages: 0, attachments: 0, damage: None };
-    recovery.damage = scan::<RecordingError>(broken, &mut |piece| {
+    let (mut messages, mut attachments, mut gaps) = (0, 0, 0_u32);
+    let mut gap = |sink: &mut Sink<_>, metadata| {
+        gaps += 1;
+        sink.metadata(&Metadata { name: format!("{GAP_METADATA}{gaps}"), metadata })
+    };
+    let found = salvage::<RecordingError>(broken, &mut |salvaged| {
         watch.check()?;
-        // Created at the first piece, so that nothing is created for a file of another format.
-        let sink = match &mut sink {
-            Some(sink) => sink,
-            none => none.insert(Sink::create(draft)?),
-        };
-        match piece {
-            Piece::Header { .. } => Ok(()),
-            Piece::Message { channel, header, data } => {
+        match salvaged {
+            Salvaged::Gap(found) => gap(&mut sink, values(found)),
+            Salvaged::Piece(Piece::Header { .. }) => Ok(()),
+            Salvaged::Piece(Piece::Message { channel, header, data }) => {
                 if known.insert(channel.id) {
                     sink.copied_channel(channel)?;
                 }
                 sink.message(&header, data)?;
-                recovery.messages += 1;
+                messages += 1;
                 sink.settle()
             }
-            Piece::Attachment { name, media_type, data } => {
-                recovery.attachments += 1;
+            Salvaged::Piece(Piece::Attachment { name, media_type, data }) => {
+                attachments += 1;
                 sink.attach(&mcap::Attachment {
                     log_time: 0,
                     create_time: 0,
@@ -87,14 +92,14 @@ fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, Rec
                     data: data.into(),
                 })
             }
-            Piece::Metadata(record) => sink.metadata(record),
+            // The file is a recovered one itself.
+            Salvaged::Piece(Piece::Metadata(record)) if record.name.starts_with(GAP_METADATA) => {
+                gap(&mut sink, record.metadata.clone())
+            }
+            Salvaged::Piece(Piece::Metadata(record)) => sink.metadata(record),
         }
     })?;
-    let mut sink = match sink {
-        Some(sink) => sink,
-        None => Sink::create(draft)?,
-    };
-    if let Some(damage) = &recovery.damage {
+    if let Some(damage) = &damage {
         let values = [("at_byte", damage.at_byte.to_string()), ("why", damage.why.clone())];
         sink.metadata(&Metadata {
             name: RECOVERED_METADATA.to_owned(),
@@ -103,5 +108,15 @@ fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, Rec
     }
     watch.check()?;
     sink.publish(draft)?;
-    Ok(recovery)
+    Ok(Recovery { messages, attachments, damage, gaps: found })
+}
+
+/// A gap as a metadata record.
+fn values(gap: &Gap) -> BTreeMap<String, String> {
+    let Gap { from_byte, to_byte, from_ns, to_ns, why } = gap;
+    let bytes = [("from_byte", from_byte), ("to_byte", to_byte)].map(|(key, value)| (key, value.to_string()));
+    let times = [("from_ns", from_ns), ("to_ns", to_ns)];
+    let times = times.into_iter().filter_map(|(key, value)| Some((key, (*value)?.to_string())));
+    let values = bytes.into_iter().chain(times).chain([("why", why.clone())]);
+    values.map(|(key, value)| (key.to_owned(), value)).collect()
 }

@@ -62,6 +62,8 @@ pub(crate) const WORLD_NAMES_TOPIC: &str = "/world/names";
 pub(crate) const AIR_TOPIC: &str = "/mac/air";
 /// Name of the metadata record of a recovered recording.
 pub(crate) const RECOVERED_METADATA: &str = "recovered";
+/// Start of the names of metadata records that stand where messages were lost; their numbers follow, from 1.
+pub(crate) const GAP_METADATA: &str = "gap/";
 /// Topic of the names of the surveyed networks.
 pub(crate) const NETWORKS_TOPIC: &str = "/networks";
 /// Start of the topics of networks; their names follow.

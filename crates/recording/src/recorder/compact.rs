@@ -130,7 +130,7 @@ mod tests {
         crate::recover(&broken, &recovered, &Unwatched).expect("it is recovered");
         let run = read_log(&recovered).expect("a sound recording");
         let stops = run.log().stops().len();
-        assert!(stops > 0 && stops < 40 && run.cut_stops == 0, "{stops} stops");
+        assert!(stops > 0 && stops < 40 && run.missing_stops == 0, "{stops} stops");
         assert_eq!(run.log().receptions().len(), 200 * stops);
     }
 }

@@ -11,7 +11,7 @@ use super::antenna_text;
 use super::error::RecordingError;
 use super::messages;
 use crate::mcap_file::Piece;
-use crate::messages::names::LogTopics;
+use crate::messages::names::{GAP_METADATA, LogTopics};
 use crate::reader::run::sound;
 use declared::Columns;
 use prost::Message as _;
@@ -41,7 +41,7 @@ pub enum TablePiece<'a> {
 
 /// Calls `visit` with each row of each table of the recording `path`, and with each file in it, in the order of the file.
 /// One chunk is in memory at a time. In the table of receptions, the first stop has a row for each node, so that the nodes
-/// are known, in their order.
+/// are known, in their order. A stop of which receptions are missing is left out.
 ///
 /// # Errors
 /// If the file cannot be read or is damaged, or the first error of `visit`.
@@ -67,10 +67,12 @@ pub fn read_tables(
             reading.rows(&message).map_err(problem)?.iter().try_for_each(|rows| show(rows, visit))
         }
         Piece::Attachment { name, data, .. } => visit(TablePiece::Attachment { name, data }),
+        Piece::Metadata(record) if record.name.starts_with(GAP_METADATA) => {
+            reading.logs.values_mut().for_each(LogTables::gap);
+            Ok(())
+        }
         Piece::Header { .. } | Piece::Metadata(_) => Ok(()),
     })?;
-    // The first stop of a recording that was cut may be incomplete.
-    reading.first_stop().iter().try_for_each(|rows| show(rows, visit))?;
     Ok(reading.left_out)
 }
 
@@ -121,22 +123,43 @@ pub fn station(index: usize, kind: &str, name: &str) -> OwnedRow {
 #[derive(Default)]
 struct Reading {
     names: Vec<String>,
-    /// The first stop of the log of the first network, until all its receptions are read.
-    first: FirstStop,
+    /// The logs of the networks, by their names.
+    logs: BTreeMap<Option<String>, LogTables>,
     columns: Columns,
     left_out: LeftOut,
 }
 
-/// The first stop of a log.
+/// The log of a network, while its tables are read.
 #[derive(Default)]
-enum FirstStop {
-    /// It comes later.
-    #[default]
-    Ahead,
-    /// So many receptions are missing; those that were read, by node.
-    Open { stop: u32, owed: u32, rows: BTreeMap<u32, Vec<Cell>> },
-    /// It was passed on.
-    Passed,
+struct LogTables {
+    /// The last stop, until all its receptions are read.
+    open: Option<OpenStop>,
+    /// The last stop that was passed on.
+    last: Option<u32>,
+    /// Whether messages are missing.
+    has_gap: bool,
+}
+
+/// A stop of which receptions are missing.
+struct OpenStop {
+    stop: u32,
+    owed: u32,
+    row: Option<TableRows>,
+    /// The receptions that were read, by node.
+    receptions: Vec<(u32, Vec<Cell>)>,
+}
+
+impl LogTables {
+    /// Messages are missing here: a stop that is not complete is left out.
+    fn gap(&mut self) {
+        self.open = None;
+        self.has_gap = true;
+    }
+
+    /// Whether rows of this stop are left out, with the stop.
+    fn leaves_out(&self, stop: u32) -> bool {
+        self.has_gap && self.last != Some(stop) && self.open.as_ref().is_none_or(|open| open.stop != stop)
+    }
 }
 
 impl Reading {
@@ -154,33 +177,31 @@ impl Reading {
             }
             "sextant.Stop" => {
                 let stop = messages::StopMessage::decode(message.data).map_err(|why| why.to_string())?;
-                let row = self.columns.row("Stop", message, &self.names)?;
-                let rows = row.map(TableRows::from).into_iter();
-                let is_first = matches!(self.first, FirstStop::Ahead) && LogTopics::network(message.topic).is_none();
-                if is_first {
-                    self.first = FirstStop::Open { stop: stop.stop, owed: stop.receptions, rows: BTreeMap::new() };
-                }
-                let after = if is_first && stop.receptions == 0 { self.first_stop() } else { None };
-                return Ok(rows.chain(after).collect());
+                let row = self.columns.row("Stop", message, &self.names)?.map(TableRows::from);
+                let open = OpenStop { stop: stop.stop, owed: stop.receptions, row, receptions: Vec::new() };
+                self.log(message).open = Some(open);
+                return Ok(self.closed(message));
             }
             "sextant.Reception" => {
                 let reception = messages::ReceptionMessage::decode(message.data).map_err(|why| why.to_string())?;
                 let Some((table, columns, cells)) = self.columns.row("Reception", message, &self.names)? else {
                     return Ok(Vec::new());
                 };
-                return Ok(self.in_order(message, table, columns, vec![(reception.node, cells)]));
+                let rows = TableRows { table, columns, cells: vec![cells] };
+                return Ok(self.receptions(message, reception.stop, rows, &[reception.node]));
             }
             "sextant.StopReceptions" => {
                 let stop = messages::StopReceptionsMessage::decode(message.data).map_err(|why| why.to_string())?;
-                let cells = stop
-                    .rows()?
-                    .map(|(reception, lqi)| (reception.node.0, declared::cells_of(&reception, lqi, &self.names)));
-                let cells = cells.collect();
+                let cells = stop.rows()?.map(|(reception, lqi)| declared::cells_of(&reception, lqi, &self.names));
                 let table = declared::network_table("receptions", message.topic);
-                return Ok(self.in_order(message, table, declared::reception_columns(), cells));
+                let rows = TableRows { table, columns: declared::reception_columns(), cells: cells.collect() };
+                return Ok(self.receptions(message, stop.stop, rows, &stop.node));
             }
             "sextant.SectorSnrs" => {
                 let stop = messages::SectorSnrsMessage::decode(message.data).map_err(|why| why.to_string())?;
+                if self.log(message).leaves_out(stop.stop) {
+                    return Ok(Vec::new());
+                }
                 let cells = stop.reports()?.map(|report| declared::cells_of_report(&report, &self.names)).collect();
                 let table = declared::network_table("sector_snrs", message.topic);
                 return Ok(vec![TableRows { table, columns: declared::report_columns(), cells }]);
@@ -198,39 +219,46 @@ impl Reading {
         Ok(Vec::new())
     }
 
-    /// The rows that follow now that receptions were read, each with its node: those at the first stop wait for each other.
-    fn in_order(
-        &mut self,
-        message: &Message<'_>,
-        table: String,
-        columns: Vec<TableColumn>,
-        read: Vec<(u32, Vec<Cell>)>,
-    ) -> Vec<TableRows> {
-        match &mut self.first {
-            FirstStop::Open { owed, rows, .. } if LogTopics::network(message.topic).is_none() => {
-                *owed = owed.saturating_sub(u32::try_from(read.len()).unwrap_or(u32::MAX));
-                rows.extend(read);
-                if *owed == 0 { self.first_stop().into_iter().collect() } else { Vec::new() }
-            }
-            FirstStop::Ahead | FirstStop::Open { .. } | FirstStop::Passed => {
-                vec![TableRows { table, columns, cells: read.into_iter().map(|(_, cells)| cells).collect() }]
-            }
-        }
+    /// The log that a message is of.
+    fn log(&mut self, message: &Message<'_>) -> &mut LogTables {
+        self.logs.entry(LogTopics::network(message.topic).map(str::to_owned)).or_default()
     }
 
-    /// The receptions at the first stop: a row for each node. A node that was not heard has one without a packet.
-    fn first_stop(&mut self) -> Option<TableRows> {
-        let FirstStop::Open { stop, mut rows, .. } = std::mem::replace(&mut self.first, FirstStop::Passed) else {
-            return None;
+    /// The rows that follow now that receptions of `nodes` at a stop were read: they wait until all of the stop are there.
+    fn receptions(&mut self, message: &Message<'_>, stop: u32, rows: TableRows, nodes: &[u32]) -> Vec<TableRows> {
+        let log = self.log(message);
+        if log.leaves_out(stop) {
+            return Vec::new();
+        }
+        let Some(open) = log.open.as_mut().filter(|open| open.stop == stop) else { return vec![rows] };
+        open.owed = open.owed.saturating_sub(u32::try_from(nodes.len()).unwrap_or(u32::MAX));
+        open.receptions.extend(nodes.iter().copied().zip(rows.cells));
+        self.closed(message)
+    }
+
+    /// The rows of the open stop, if none of its receptions is missing. Those of the first stop of the first network have a row for
+    /// each node: one that was not heard has a row without a packet.
+    fn closed(&mut self, message: &Message<'_>) -> Vec<TableRows> {
+        let log = self.log(message);
+        let is_first = log.last.is_none() && LogTopics::network(message.topic).is_none();
+        let Some(OpenStop { stop, row, receptions, .. }) = log.open.take_if(|open| open.owed == 0) else {
+            return Vec::new();
         };
+        log.last = Some(stop);
         let columns = declared::reception_columns();
-        let silent = |name: &String| {
-            let mut cells = vec![Cell::Text(name.clone()), Cell::Integer(stop.into()), Cell::Integer(0)];
-            cells.resize(columns.len(), Cell::Missing);
-            cells
+        let cells: Vec<Vec<Cell>> = if is_first {
+            let silent = |name: &String| {
+                let mut cells = vec![Cell::Text(name.clone()), Cell::Integer(stop.into()), Cell::Integer(0)];
+                cells.resize(columns.len(), Cell::Missing);
+                cells
+            };
+            let mut heard: BTreeMap<u32, Vec<Cell>> = receptions.into_iter().collect();
+            let nodes = (0..).zip(&self.names);
+            nodes.map(|(node, name)| heard.remove(&node).unwrap_or_else(|| silent(name))).collect()
+        } else {
+            receptions.into_iter().map(|(_, cells)| cells).collect()
         };
-        let nodes = (0..).zip(&self.names);
-        let cells = nodes.map(|(node, name)| rows.remove(&node).unwrap_or_else(|| silent(name))).collect();
-        Some(TableRows { table: "receptions".to_owned(), columns, cells })
+        let table = declared::network_table("receptions", message.topic);
+        row.into_iter().chain([TableRows { table, columns, cells }]).collect()
     }
 }

@@ -10,11 +10,13 @@ import { isolated } from "./text.js";
 const PATTERNS = [[], [9, 4], [2, 3], [9, 3, 2, 3]];
 
 /**
- * A chart. `x` are the numbers on the axis across, `series` are `{ name, values, low?, high?, color? }`, where `low` and
- * `high` are the ends of an interval. Options: `across`, `up` (names of the axes with units), `steps`, `logarithmic`, `points`, `top`.
+ * A chart. `x` are the numbers on the axis across, `series` are `{ name, values, low?, high?, counts?, color? }`, where `low` and
+ * `high` are the ends of an interval, and `counts` says of how many runs each value is the mean. Options: `across`, `up` (names of
+ * the axes with units), `textAcross` (the text of a number across), `steps`, `logarithmic`, `points`, `top`.
  */
 export function chart(title, x, series, options) {
   const box = element("div", { class: "plot", role: "img", "aria-label": spoken(title, x, series, options) });
+  const textAcross = options.textAcross ?? number;
   let plot = null;
   const data = [x];
   const bands = [];
@@ -35,7 +37,7 @@ export function chart(title, x, series, options) {
       label: one.name, stroke: color(one), width: 2, dash: PATTERNS[Math.floor(i / 7) % PATTERNS.length], spanGaps: true,
       points: { show: Boolean(options.points), size: 6, fill: color(one) }, paths: options.steps ? uPlot.paths.stepped({ align: 1 }) : undefined,
       value: (_, value) => number(value),
-    }, ...(one.low ? [0, 1].map(() => ({ label: "", stroke: "transparent", points: { show: false }, spanGaps: true })) : [])]);
+    }, ...(one.low ? [0, 1].map(() => ({ label: "", stroke: "transparent", points: { show: false } })) : [])]);
     plot = new uPlot({
       width, height: 280,
       legend: { show: false },
@@ -56,7 +58,7 @@ export function chart(title, x, series, options) {
       return;
     }
     const values = series.filter((one) => one.values[at] !== null && one.values[at] === one.values[at]).slice(0, 6).map((one) => `${isolated(one.name)} ${number(one.values[at])}`);
-    read.textContent = `${number(x[at])}: ${values.join(", ")}`;
+    read.textContent = `${textAcross(x[at])}: ${values.join(", ")}`;
   }
   new ResizeObserver(([entry]) => {
     const width = Math.floor(entry.contentRect.width);
@@ -69,9 +71,10 @@ export function chart(title, x, series, options) {
     keys.forEach((key, i) => key.firstChild.style.setProperty("--mark", color(series[i])));
   }
   colorLegend();
-  const columns = [{ title: options.across, of: (row) => x[row] }, ...series.flatMap((one) => [
+  const columns = [{ title: options.across, of: (row) => x[row], text: textAcross }, ...series.flatMap((one) => [
     { title: one.name, of: (row) => one.values[row] },
     ...(one.low ? [{ title: `${isolated(one.name)}, low`, of: (row) => one.low[row] }, { title: `${isolated(one.name)}, high`, of: (row) => one.high[row] }] : []),
+    ...(one.counts ? [{ title: `${isolated(one.name)}, runs`, of: (row) => one.counts[row] }] : []),
   ])];
   return element("figure", { class: "chart" }, element("figcaption", {}, title), box, read,
     series.length > 1 ? element("ul", { class: "legend" }, keys) : null,

@@ -28,6 +28,12 @@ export function number(value) {
   return text.replace("-", "−");
 }
 
+/** A number with all its digits, so that different numbers have different texts. */
+export function exact(value) {
+  if (!Number.isFinite(value) || Number.isInteger(value)) return number(value);
+  return String(value).replaceAll("-", "−");
+}
+
 function grouped(value) {
   const digits = String(Math.abs(value));
   const text = digits.length > 4 ? digits.replace(/\B(?=(\d{3})+$)/g, "\u202f") : digits;

@@ -29,11 +29,17 @@ function revive(_key, value) {
   return entries.every(([key]) => visible(key) === key) ? value : Object.fromEntries(entries.map(([key, one]) => [visible(key), one]));
 }
 
+/** A text of JSON in which whole numbers that a number cannot have exactly, such as large seeds, are texts. */
+function withExactNumbers(text) {
+  return text.replace(/"(?:[^"\\]|\\.)*"|-?\d+(?![\d.eE])/g, (token) =>
+    (token.startsWith("\"") || Number.isSafeInteger(Number(token)) ? token : `"${token}"`));
+}
+
 /** The document of a text of JSON. */
 export function documentOf(text) {
   // The summary is a text of JSON within the JSON, so that no program on the way rounds its numbers. It becomes harmless when it is read itself.
   const report = JSON.parse(text, (key, value) => (key === "summary" ? value : revive(key, value)));
-  return { ...report, summary: report.summary ? JSON.parse(report.summary, revive) : null };
+  return { ...report, summary: report.summary ? JSON.parse(withExactNumbers(report.summary), revive) : null };
 }
 
 /** The document, with typed arrays for its columns. */

@@ -9,6 +9,7 @@ import { join } from "node:path";
 import { installed, open, settled, start } from "./browser.mjs";
 import { namesInNode, namesInPage } from "./names.mjs";
 import { difference, reduced } from "./picture.mjs";
+import { sweepInNode } from "./sweep.mjs";
 import { page as pageOf, synthetic } from "./synthetic.mjs";
 
 const [folder, program] = process.argv.slice(2).filter((word) => !word.startsWith("--"));
@@ -325,6 +326,7 @@ async function live(name, browser) {
 }
 
 await namesInNode(test);
+await sweepInNode(test);
 for (const name of Object.keys(installed)) {
   const browser = await start(name);
   console.log(await browser.version());

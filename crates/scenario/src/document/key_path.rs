@@ -13,6 +13,14 @@ pub(crate) enum PathStep {
 }
 
 impl PathStep {
+    /// The step as a key of a table, if it can be one.
+    pub(crate) fn key(&self) -> Option<&str> {
+        match self {
+            Self::Key(key) => Some(key),
+            Self::Index(_) => None,
+        }
+    }
+
     /// The step as an index into an array, if it can be one.
     pub(crate) fn index(&self) -> Option<usize> {
         match self {

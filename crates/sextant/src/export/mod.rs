@@ -4,6 +4,7 @@ mod csv;
 mod error;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod stage;
 mod stations;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,11 +12,11 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sextant_kernel::Watch;
-use sextant_recording::disk;
 use sextant_recording::output::{FileIdentity, open_folder, write_file};
 use sextant_recording::{RecordingError, SCENARIO_ATTACHMENT, TablePiece, TableRow, read_tables, station};
 
 pub use error::ExportError;
+use stage::Stage;
 pub use stations::station_names;
 
 /// Rows between two looks at whether to go on.
@@ -42,6 +43,8 @@ pub struct Exported {
     pub failed: Vec<FailedFile>,
     /// Topics that are no tables, such as meshes of obstacles.
     pub left_out: BTreeSet<String>,
+    /// Other files in the folder, which were there before.
+    pub stayed: Vec<PathBuf>,
 }
 
 /// A table that was written.
@@ -75,16 +78,16 @@ trait TableFile {
 
 /// Writes every table of the recording `path` into `folder`, one file each, and the files in it. A table without a row has
 /// no file. Memory does not grow with the recording. A file of the recording that cannot be written is named in the result,
-/// and the others are written. If the work fails or `watch` stops it, what was written is removed.
+/// and the others are written. All files get their places when the last one is written: if the work fails or `watch` stops it,
+/// the folder is as it was before.
 ///
 /// # Errors
 /// If the recording cannot be read or is damaged, a table cannot be written, the format is not built in, or the work was
 /// stopped.
 pub fn export(path: &Path, folder: &Path, format: ExportFormat, watch: &dyn Watch) -> Result<Exported, ExportError> {
     format.check()?;
-    open_folder(folder)?;
-    let recording = FileIdentity::of(path);
-    let mut writing = Writing::new(recording, folder, format);
+    let stage = Stage::open(folder)?;
+    let mut writing = Writing::new(FileIdentity::of(path), folder, format, &stage);
     let mut failure = None;
     let mut rows: u64 = 0;
     let read = read_tables(path, &mut |piece| {
@@ -102,13 +105,7 @@ pub fn export(path: &Path, folder: &Path, format: ExportFormat, watch: &dyn Watc
         (Some(failure), _) => Err(failure),
         (None, read) => read.map_err(ExportError::from),
     };
-    match read {
-        Ok(left_out) => writing.finish(left_out.topics),
-        Err(error) => {
-            writing.remove();
-            Err(error)
-        }
-    }
+    writing.finish(read?.topics)
 }
 
 impl ExportFormat {
@@ -144,6 +141,7 @@ struct Writing<'a> {
     recording: FileIdentity,
     folder: &'a Path,
     format: ExportFormat,
+    stage: &'a Stage,
     tables: BTreeMap<String, OpenTable>,
     files: Vec<PathBuf>,
     failed: Vec<FailedFile>,
@@ -171,11 +169,12 @@ struct OpenTable {
 const FILES: &str = "files";
 
 impl<'a> Writing<'a> {
-    fn new(recording: FileIdentity, folder: &'a Path, format: ExportFormat) -> Self {
+    fn new(recording: FileIdentity, folder: &'a Path, format: ExportFormat, stage: &'a Stage) -> Self {
         Self {
             recording,
             folder,
             format,
+            stage,
             tables: BTreeMap::new(),
             files: Vec::new(),
             failed: Vec::new(),
@@ -201,11 +200,12 @@ impl<'a> Writing<'a> {
         if !self.tables.contains_key(row.table) {
             let named = Named::Table(row.table.to_owned());
             let path = self.place(&below(row.table), self.format.extension(), named);
-            path.parent().map_or(Ok(()), open_folder)?;
             if FileIdentity::of(&path) == self.recording {
                 return Err(ExportError::Input { path });
             }
-            let file = self.format.create(&path, row)?;
+            let staged = self.stage.place(&path);
+            staged.parent().map_or(Ok(()), open_folder)?;
+            let file = self.format.create(&staged, row)?;
             self.tables.insert(row.table.to_owned(), OpenTable { file, path, rows: 0 });
         }
         let Some(table) = self.tables.get_mut(row.table) else { return Ok(()) };
@@ -236,7 +236,8 @@ impl<'a> Writing<'a> {
         if FileIdentity::of(&path) == self.recording {
             return Err(ExportError::Input { path }.to_string());
         }
-        let written = path.parent().map_or(Ok(()), open_folder).and_then(|()| write_file(&path, data));
+        let staged = self.stage.place(&path);
+        let written = staged.parent().map_or(Ok(()), open_folder).and_then(|()| write_file(&staged, data));
         written.map(|()| path).map_err(|error| error.to_string())
     }
 
@@ -261,14 +262,6 @@ impl<'a> Writing<'a> {
         }
     }
 
-    /// Removes what was written. The tables have no final names yet, and go when they are dropped.
-    fn remove(self) {
-        for file in self.files {
-            // The error that ended the work is the one that is told.
-            let _ = disk::remove_file(&file);
-        }
-    }
-
     fn finish(mut self, left_out: BTreeSet<String>) -> Result<Exported, ExportError> {
         let nodes = self.tables.get("stations").map_or(0, |table| table.rows);
         let collectors = std::mem::take(&mut self.collectors);
@@ -276,11 +269,26 @@ impl<'a> Writing<'a> {
             let (table, columns, cells) = station(index, kind, &name);
             self.row(&TableRow { table: &table, columns: &columns, cells: &cells })?;
         }
-        let mut exported = Exported { tables: Vec::new(), files: self.files, failed: self.failed, left_out };
+        let (stage, before) = (self.stage, self.stage.files());
+        let mut exported = Exported { failed: self.failed, left_out, ..Exported::default() };
         for (table, OpenTable { file, path, rows }) in self.tables {
             file.finish()?;
             exported.tables.push(ExportedTable { table, rows, file: path });
         }
+        exported.tables.iter().try_for_each(|table| stage.publish(&table.file))?;
+        for file in self.files {
+            match stage.publish(&file) {
+                Ok(()) => exported.files.push(file),
+                Err(error) => {
+                    let name = file.strip_prefix(self.folder).unwrap_or(&file).to_string_lossy().into_owned();
+                    exported.failed.push(FailedFile { name, why: error.to_string() });
+                }
+            }
+        }
+        let is_new =
+            |path: &PathBuf| exported.files.contains(path) || exported.tables.iter().any(|t| t.file == *path);
+        let is_recording = |path: &PathBuf| FileIdentity::of(path) == self.recording;
+        exported.stayed = before.into_iter().filter(|path| !is_new(path) && !is_recording(path)).collect();
         Ok(exported)
     }
 }
@@ -301,13 +309,15 @@ mod tests {
     fn placed(names: &[&str]) -> (Vec<String>, Vec<String>) {
         let folder = tempfile::tempdir().unwrap();
         let recording = FileIdentity::of(&folder.path().join("run.mcap"));
-        let mut writing = Writing::new(recording, folder.path(), ExportFormat::Csv);
+        let stage = Stage::open(folder.path()).unwrap();
+        let mut writing = Writing::new(recording, folder.path(), ExportFormat::Csv, &stage);
         names.iter().for_each(|name| writing.file(name, name.as_bytes()));
+        let exported = writing.finish(BTreeSet::new()).unwrap();
         let below = |path: &PathBuf| {
             assert!(path.is_file(), "{path:?}");
             path.strip_prefix(folder.path()).unwrap().to_string_lossy().into_owned()
         };
-        (writing.files.iter().map(below).collect(), writing.failed.into_iter().map(|failed| failed.name).collect())
+        (exported.files.iter().map(below).collect(), exported.failed.into_iter().map(|failed| failed.name).collect())
     }
 
     #[test]

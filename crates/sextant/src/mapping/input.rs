@@ -136,12 +136,7 @@ impl Input {
         let scenario = run.attachment(SCENARIO_ATTACHMENT);
         let scenario = scenario.map(|attachment| String::from_utf8_lossy(&attachment.data).into_owned());
         let files = run.files();
-        let mut notes = Vec::new();
-        if run.cut_stops > 0 {
-            notes.push(
-                "the recording is incomplete: its last stop is ignored, because receptions may be missing".to_owned(),
-            );
-        }
+        let mut notes: Vec<String> = run.concern().into_iter().collect();
         if run.leaves_out_sector_snrs {
             notes.push(
                 "the signal-to-noise ratios of all sectors are not used, because the log is mapped part by part"

@@ -16,7 +16,7 @@ use super::FILES;
 use super::bundle::Bundle;
 use super::error::CampaignError;
 use super::json_object::JsonObject;
-use crate::sweep::{Checked, Sweep, Trial, check_runs, check_seeds};
+use crate::sweep::{Checked, CheckedCell, Sweep, Trial, check_runs, check_seeds};
 
 /// The version of this program, whose plans it does.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -38,6 +38,8 @@ pub(super) struct PlanFile {
     subjects: Subjects,
     /// How long all takes.
     pub(super) estimate: Option<Estimate>,
+    /// Of each cell, the values of the settings that other cells set.
+    others: Vec<Vec<String>>,
     /// Number of the survey of each cell.
     surveys: Vec<usize>,
     /// Hash of the scenario of each cell and of the files that it names.
@@ -82,6 +84,7 @@ impl PlanFile {
             files,
             subjects: sweep.subjects().clone(),
             estimate,
+            others: sweep.cells().iter().map(|cell| cell.others.clone()).collect(),
             surveys: sweep.cells().iter().map(|cell| cell.survey).collect(),
             sha256: sweep.cells().iter().map(|cell| cell.sha256.clone()).collect(),
         }
@@ -124,6 +127,7 @@ impl PlanFile {
             files: Bundle::parse(object.object("files")?)?,
             subjects: object.take("subjects", "the names of maps and applications")?,
             estimate: object.take("estimate", "the times of a run and of all, or null")?,
+            others: object.take("others", "an array of arrays of texts")?,
             surveys: object.take("surveys", "an array of whole numbers")?,
             sha256: object.take("sha256", "an array of texts")?,
         };
@@ -149,7 +153,8 @@ impl PlanFile {
             .map_err(|error| invalid(SettingError::new("runs", self.runs, format!("fewer, because {error}"))))?;
         check_seeds(self.seed, self.runs)
             .map_err(|error| invalid(SettingError::new("seed", self.seed, format!("another, because {error}"))))?;
-        for (key, found) in [("surveys", self.surveys.len()), ("sha256", self.sha256.len())] {
+        let lengths = [("others", self.others.len()), ("surveys", self.surveys.len()), ("sha256", self.sha256.len())];
+        for (key, found) in lengths {
             if found != cells {
                 let allowed = format!("{cells}: one for each cell of the scenario");
                 return Err(invalid(SettingError::new(key, counted(found, "item"), allowed)));
@@ -159,11 +164,13 @@ impl PlanFile {
             let allowed = "numbers from 0 in the order in which they appear first";
             return Err(invalid(SettingError::new("surveys", "a list in another order", allowed)));
         }
+        let cells = self.others.into_iter().zip(self.surveys).zip(self.sha256);
+        let cells = cells.map(|((others, survey), sha256)| CheckedCell { others, survey, sha256 }).collect();
         let checked = Checked {
             set: self.set,
             seed: self.seed,
             runs: self.runs,
-            cells: self.surveys.into_iter().zip(self.sha256).collect(),
+            cells,
             subjects: self.subjects,
             named_files: self.files.named_files(&files),
         };

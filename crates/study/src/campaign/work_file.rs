@@ -79,7 +79,9 @@ fn lines(sweep: &Sweep) -> impl Iterator<Item = Line<'_>> {
         let settings = sweep.keys().iter().zip(sweep.values(cell)).filter(|(_, value)| !value.is_empty());
         let value = |kind, text: String| match kind {
             ColumnKind::Text => Value::String(text),
-            ColumnKind::Integer | ColumnKind::Real => text.parse().map_or(Value::String(text), Value::Number),
+            ColumnKind::Integer | ColumnKind::Unsigned | ColumnKind::Real => {
+                text.parse().map_or(Value::String(text), Value::Number)
+            }
         };
         Line {
             run,
@@ -96,7 +98,8 @@ fn lines(sweep: &Sweep) -> impl Iterator<Item = Line<'_>> {
 
 #[cfg(feature = "parquet")]
 fn columns(sweep: &Sweep) -> Vec<Column> {
-    let numbers = ["run", "cell", "replicate", "seed", "survey"].map(|name| Column::new(name, ColumnKind::Integer));
+    let numbers = ["run", "cell", "replicate", "seed", "survey"]
+        .map(|name| Column::new(name, if name == "seed" { ColumnKind::Unsigned } else { ColumnKind::Integer }));
     let texts = ["sha256", "version"].map(|name| Column::new(name, ColumnKind::Text));
     numbers.into_iter().chain(sweep.keys().iter().cloned()).chain(texts).collect()
 }

@@ -27,7 +27,7 @@ pub(crate) enum CellCheckError {
 /// If one is not a valid scenario, or another one.
 pub(crate) fn check_cells(sweep: &Sweep, cells: &[usize]) -> Result<(), CellCheckError> {
     let settings: Vec<_> = cells.iter().map(|&cell| sweep.cells()[cell].settings.clone()).collect();
-    let facts = facts::of_cells(sweep.file(), sweep.set(), Some(sweep.seed()), &settings)?;
+    let facts = facts::of_cells(sweep.file(), sweep.set(), Some(sweep.seed()), sweep.keys(), &settings)?;
     let mut contents = Contents::default();
     let mut subjects = Subjects::default();
     // Two cells share a survey if, and only if, their numbers say so.
@@ -41,6 +41,11 @@ pub(crate) fn check_cells(sweep: &Sweep, cells: &[usize]) -> Result<(), CellChec
             return Err(
                 SettingError::new(format!("sha256[{number}]"), format!("`{}`", claimed.sha256), allowed).into()
             );
+        }
+        if cell.others != claimed.others {
+            let allowed = format!("{:?}, the values of the settings that other cells set", cell.others);
+            let found = format!("{:?}", claimed.others);
+            return Err(SettingError::new(format!("others[{number}]"), found, allowed).into());
         }
         let survey = *surveys.entry(claimed.survey).or_insert(cell.survey);
         let same = *numbers.entry(cell.survey).or_insert(claimed.survey);

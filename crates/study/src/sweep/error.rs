@@ -172,6 +172,22 @@ pub enum TableError {
         /// What there is.
         known: String,
     },
+    /// No run of the reference has a partner.
+    #[error(
+        "`{}` has no pairs: none of {others} other rows has the seed, the number of the run and the other settings of one of the \
+         {of_reference} rows of `{against}`",
+        .path.display()
+    )]
+    NoPairs {
+        /// The file.
+        path: PathBuf,
+        /// The map or value to compare with.
+        against: String,
+        /// Number of its rows.
+        of_reference: usize,
+        /// Number of other rows.
+        others: usize,
+    },
     /// The table lacks a measure.
     #[error("the table has no measure `{measure}`")]
     NoMeasure {
@@ -199,6 +215,10 @@ impl TableError {
                 .to_owned(),
             Self::Other { .. } => "`sextant sweep SCENARIO.toml --out TABLE.csv` writes such a table".to_owned(),
             Self::NoAxis { .. } => "vary a number in [sweep] of the scenario".to_owned(),
+            Self::NoPairs { .. } => {
+                "compare runs that differ in this alone: with the same seeds, and no setting that changes with it"
+                    .to_owned()
+            }
             Self::NoMeasure { known, .. } | Self::NoReference { known, .. } => format!("it has {known}"),
             Self::Output(_) | Self::Read { .. } | Self::Rows { .. } | Self::OtherSweep { .. } => return None,
         })

@@ -10,7 +10,11 @@ use sha2::{Digest, Sha256};
 use sextant::apps::routing::TreeConfig;
 use sextant::summary::measures::Subjects;
 use sextant_kernel::text::hexadecimal;
-use sextant_scenario::{NamedFile, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity};
+use sextant_scenario::{
+    NamedFile, ReplacedSetting, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity,
+};
+
+use super::column::Column;
 
 /// Cells that are checked before it is asked whether one is invalid.
 const BLOCK: usize = 1024;
@@ -21,13 +25,19 @@ pub(super) struct CellFacts {
     pub(super) survey: SurveyIdentity,
     pub(super) seed: u64,
     pub(super) subjects: Subjects,
+    /// The value of each setting that other cells set, in the order of the keys.
+    pub(super) others: Vec<String>,
+    /// Hash of its settings, however they are written.
+    pub(super) settings: [u8; 32],
+    /// Settings that have no effect, by their numbers among those of all cells and its own.
+    pub(super) replaced: Vec<ReplacedSetting>,
     /// Hash of its text.
     text: [u8; 32],
     /// The files that it names.
     pub(super) files: Vec<NamedFile>,
 }
 
-/// Checks all cells, on all cores.
+/// Checks the `cells`, on all cores. The sweep varies the `keys`.
 ///
 /// # Errors
 /// All errors of the first cell that is invalid.
@@ -35,11 +45,16 @@ pub(super) fn of_cells(
     file: &ScenarioFile,
     set: &[String],
     seed: Option<u64>,
+    keys: &[Column],
     cells: &[Vec<Setting>],
 ) -> Result<Vec<CellFacts>, ScenarioErrors> {
     let mut facts = Vec::with_capacity(cells.len());
     for block in cells.chunks(BLOCK) {
-        let found: Vec<_> = block.par_iter().map(|cell| file.scenario(&flags(set, cell), seed)).map(of).collect();
+        let of = |cell: &Vec<Setting>| {
+            let flags = flags(set, cell);
+            of(&file.scenario(&flags, seed)?, &unset(keys, cell), file.replaced(&flags)?)
+        };
+        let found: Vec<_> = block.par_iter().map(of).collect();
         for cell in found {
             facts.push(cell?);
         }
@@ -47,8 +62,13 @@ pub(super) fn of_cells(
     Ok(facts)
 }
 
-fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioErrors> {
-    let scenario = scenario?;
+/// The `keys` that a cell does not set.
+fn unset<'k>(keys: &'k [Column], cell: &[Setting]) -> Vec<&'k str> {
+    let names = keys.iter().map(|key| key.name.as_str());
+    names.filter(|name| cell.iter().all(|setting| setting.key != *name)).collect()
+}
+
+fn of(scenario: &Scenario, unset: &[&str], replaced: Vec<ReplacedSetting>) -> Result<CellFacts, ScenarioErrors> {
     let by_nodes: Vec<String> = scenario.distributed().map(|map| map.name.clone()).into_iter().collect();
     let maps = scenario.maps().iter().map(|named| named.name.clone());
     let searches = scenario.missions().iter().filter(|application| application.goal().is_targets());
@@ -57,6 +77,9 @@ fn of(scenario: Result<Scenario, ScenarioErrors>) -> Result<CellFacts, ScenarioE
     Ok(CellFacts {
         survey: scenario.survey_identity(),
         seed: scenario.seed().0,
+        others: if unset.is_empty() { Vec::new() } else { scenario.effective_values(unset.iter().copied()) },
+        settings: scenario.settings_identity(),
+        replaced,
         subjects: Subjects {
             maps: by_nodes.iter().cloned().chain(maps).collect(),
             by_nodes,

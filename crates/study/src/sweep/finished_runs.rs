@@ -98,13 +98,9 @@ impl<'a> FinishedRuns<'a> {
         let path = self.store.path(part);
         let invalid = |why: String| StoreError::Invalid { path: path.clone(), why };
         let (work, measures) = (self.sweep.work(), self.sweep.measures().len());
-        // Rows of an unfinished part are not on lines of their own.
-        let place = |rows: usize| match part.unfinished {
-            None => format!("line {}", rows + 2),
-            Some(_) => format!("row {}", rows + 1),
-        };
+        let place = |rows: usize| format!("row {}", rows + 1);
         let mut has = vec![false; part.range.len()];
-        let mut rows = 0;
+        let (mut rows, mut finite) = (0, 0);
         let mut of_part = done.places.part(part);
         while let Some(block) = found.next_block().map_err(|why| StoreError::Read { path: path.clone(), why })? {
             for row in parsed(block.rows, measures) {
@@ -114,16 +110,19 @@ impl<'a> FinishedRuns<'a> {
                 if std::mem::replace(&mut has[number - part.range.start], true) {
                     return Err(invalid(format!("{} is of a run that it has before", place(rows))));
                 }
-                of_part.add(number, &row, block.start, within);
                 rows += 1;
+                // A number that is none was not written here: the run is done again.
+                if row.is_finite() {
+                    of_part.add(number, &row, block.start, within);
+                    finite += 1;
+                }
             }
         }
         if part.unfinished.is_some() {
             done.unfinished.push(part);
-        } else if rows == part.range.len() {
+        } else if finite == part.range.len() {
+            // Otherwise it was damaged, and what it lacks is done again.
             done.whole.push(part.range);
-        } else {
-            return Err(invalid(format!("it has {rows} rows, not {}", part.range.len())));
         }
         let has_begun = part.unfinished.is_none() || rows > 0;
         if let Some(at) = fs::metadata(&path).and_then(|data| data.modified()).ok().filter(|_| has_begun) {
@@ -314,5 +313,23 @@ mod tests {
         assert!(refused(&[RunRow { cell: 9, ..first.clone() }]).contains("row 1 is of a run outside it"));
         assert!(refused(&rows).contains("is of a run outside it"), "of another part");
         assert!(refused(&[first.clone(), first]).contains("row 2 is of a run that it has before"));
+
+        // A finished part that lost its end, and one with a number that is none.
+        let path = runs.store.path(PartName { range: ALL, unfinished: None });
+        let whole = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &whole[..whole.len() - 1]).unwrap();
+        let done = runs.read().unwrap();
+        assert_eq!((found(&done).len(), done.has_whole(ALL)), (0, false));
+        let first = rows[0].clone();
+        for (value, kept) in [(f64::NAN, 3), (f64::INFINITY, 3), (0.5, 4)] {
+            rows[0] = RunRow { outcome: Ok(vec![Some(value); measures]), ..first.clone() };
+            let folder = folder.path().join("parts");
+            let store = Store::shared(ForeignFolder::new(&folder), folder, plan.fingerprint());
+            let runs = FinishedRuns::of(&plan, store);
+            runs.store.finish(ALL, [Ok(text(&rows))], 1.0).unwrap();
+            let done = runs.read().unwrap();
+            let found = runs.rows(&done.places, 0..4).filter(Result::is_ok).count();
+            assert_eq!((found, done.has_whole(ALL)), (kept, kept == 4), "{value}");
+        }
     }
 }

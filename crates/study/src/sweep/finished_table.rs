@@ -120,6 +120,11 @@ impl FinishedTable {
         &self.runs
     }
 
+    /// Number of rows.
+    pub(super) fn row_count(&self) -> usize {
+        self.texts.rows.len()
+    }
+
     /// The names of the maps, in the order of their first rows.
     #[must_use]
     pub fn maps(&self) -> &[String] {
@@ -181,10 +186,10 @@ impl FinishedTable {
         self.texts.rows[row].get(column).map_or("", String::as_str)
     }
 
-    /// The number in a cell, if it has one.
+    /// The number in a cell, if it has one that a `f64` has exactly.
     #[must_use]
     pub fn number(&self, row: usize, column: usize) -> Option<f64> {
-        self.cell(row, column).parse().ok().filter(|number: &f64| number.is_finite())
+        exact_number(self.cell(row, column))
     }
 
     /// The numeric setting with the most values, and the last one of several, as its column.
@@ -213,6 +218,17 @@ impl FinishedTable {
     }
 }
 
+/// The finite number that a text is. A whole number that a `f64` has not exactly, such as a large seed, is none: two of them would
+/// be one.
+#[must_use]
+pub fn exact_number(text: &str) -> Option<f64> {
+    let number: f64 = text.parse().ok().filter(|number: &f64| number.is_finite())?;
+    // Minus zero is zero.
+    let is_exact =
+        text.parse::<i128>().map_or(true, |whole| whole == 0 || format!("{number:.0}") == whole.to_string());
+    is_exact.then_some(number)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -231,6 +247,12 @@ mod tests {
             FinishedTable::parse("cell,replicate,seed,a.rate,map,error,mac.prr,sweep\n0,0,7,2.5,,,0.5,ab\n").unwrap();
         assert_eq!((table.settings(), table.measures(), table.error_column()), (3..4, 6..7, 5));
         assert!(table.is_usual(6) && !table.is_of_maps(6));
+    }
+
+    #[test]
+    fn large_whole_numbers_are_texts() {
+        let found = ["9007199254740992", "9007199254740993", "1e300", "-7", "inf", ""].map(exact_number);
+        assert_eq!(found, [Some(9_007_199_254_740_992.0), None, Some(1e300), Some(-7.0), None, None]);
     }
 
     #[test]

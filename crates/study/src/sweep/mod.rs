@@ -9,6 +9,7 @@
 mod cell_check;
 mod column;
 mod described;
+mod effects;
 mod error;
 mod facts;
 mod figures;
@@ -35,7 +36,7 @@ pub use column::{Column, ColumnKind};
 pub use described::{ColumnSubject, DescribedColumn, described_columns};
 pub use error::{SweepError, TableError};
 pub use figures::{StudyDrawing, StudyFigures};
-pub use finished_table::FinishedTable;
+pub use finished_table::{FinishedTable, exact_number};
 pub use plan::{Cell, Sweep};
 pub use row::RunRow;
 pub use rows::{Overview, RowIter, Rows};
@@ -51,7 +52,7 @@ pub use work_list::{CellRun, WorkList};
 
 pub(crate) use cell_check::{CellCheckError, check_cells};
 pub(crate) use finished_runs::{Done, FinishedRuns, Written};
-pub(crate) use plan::{Checked, check_runs, check_seeds};
+pub(crate) use plan::{Checked, CheckedCell, check_runs, check_seeds};
 #[cfg(feature = "parquet")]
 pub(crate) use table_file::write_table as write_texts;
 

@@ -1,6 +1,6 @@
 //! The plan of a sweep, checked before anything runs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroU32;
 use std::path::Path;
 
@@ -12,8 +12,9 @@ use sextant_scenario::{
 };
 use sha2::{Digest, Sha256};
 
-use super::column::{Column, ColumnKind};
-use super::facts::{self, Contents, flags};
+use super::column::{Column, ColumnKind, ValueKinds};
+use super::effects::{check_effects, check_set};
+use super::facts::{self, CellFacts, Contents, flags};
 use super::row::RunRow;
 use super::work_list::WorkList;
 
@@ -39,6 +40,8 @@ pub struct Sweep {
 pub struct Cell {
     /// The settings that differ from the scenario.
     pub settings: Vec<Setting>,
+    /// The values of the settings that other cells set, in the order of the keys; empty where there is none.
+    pub others: Vec<String>,
     /// Number of its survey. Cells with the same number share their surveys.
     pub survey: usize,
     /// Hash of its scenario and of the files that this names, as 64 hexadecimal digits.
@@ -51,11 +54,18 @@ pub(crate) struct Checked {
     pub(crate) set: Vec<String>,
     pub(crate) seed: u64,
     pub(crate) runs: u32,
-    /// Survey and hash of each cell.
-    pub(crate) cells: Vec<(usize, String)>,
+    pub(crate) cells: Vec<CheckedCell>,
     pub(crate) subjects: Subjects,
     /// The files that any cell names.
     pub(crate) named_files: Vec<NamedFile>,
+}
+
+/// What is known of a cell that was checked: what [`Cell`] has besides its settings.
+#[derive(Clone, Debug)]
+pub(crate) struct CheckedCell {
+    pub(crate) others: Vec<String>,
+    pub(crate) survey: usize,
+    pub(crate) sha256: String,
 }
 
 /// Maximum number of runs of a sweep; more are surely a mistake.
@@ -114,7 +124,7 @@ impl Sweep {
         check_given(set, "seed", seed)?;
         check_given(set, "sweep.runs", runs)?;
         let axes = file.axes_of_sweep(set)?;
-        Self::of_axes(file, axes, set, seed, runs)
+        Self::of_axes(file, axes, set, seed, runs, |facts| check_set(set, facts))
     }
 
     /// The sweep of the scenario at `path`, whose cells may replace settings of `set`: for a check of a scenario that may also
@@ -125,7 +135,7 @@ impl Sweep {
     pub fn read_replacing(path: &Path, set: &[String]) -> Result<Self, ScenarioErrors> {
         let file = ScenarioFile::read(path)?;
         let axes = file.axes(set)?;
-        Self::of_axes(file, axes, set, None, None)
+        Self::of_axes(file, axes, set, None, None, |_| Ok(()))
     }
 
     fn of_axes(
@@ -134,9 +144,12 @@ impl Sweep {
         set: &[String],
         seed: Option<u64>,
         runs: Option<NonZeroU32>,
+        check: impl FnOnce(&[CellFacts]) -> Result<(), ScenarioError>,
     ) -> Result<Self, ScenarioErrors> {
         check_runs(axes.cells.len(), runs.unwrap_or(axes.runs).get())?;
-        let facts = facts::of_cells(&file, set, seed, &axes.cells)?;
+        let facts = facts::of_cells(&file, set, seed, &keys(&axes.cells), &axes.cells)?;
+        check(&facts)?;
+        check_effects(set, &axes.cells, &facts)?;
         let mut surveys: BTreeMap<SurveyIdentity, usize> = BTreeMap::new();
         let mut subjects = Subjects::default();
         let mut contents = Contents::default();
@@ -152,7 +165,7 @@ impl Sweep {
                     named_files.push(file.clone());
                 }
             }
-            cells.push((survey, sha256));
+            cells.push(CheckedCell { others: cell.others.clone(), survey, sha256 });
         }
         let seed = facts.first().map(|cell| cell.seed).unwrap_or_default();
         let runs = runs.unwrap_or(axes.runs).get();
@@ -165,15 +178,20 @@ impl Sweep {
     pub(crate) fn checked(file: ScenarioFile, axes: SweepAxes, checked: Checked) -> Self {
         let Checked { set, seed, runs, cells, subjects, named_files } = checked;
         let measures = measures::all(&subjects);
-        let identity = identity(cells.iter().map(|(_, sha256)| sha256.as_str()), seed, &measures);
+        let identity = identity(cells.iter().map(|cell| cell.sha256.as_str()), seed, &measures);
         let fingerprint = hexadecimal(&Sha256::digest(format!("{identity} {runs} runs")));
-        let keys = keys(&axes.cells);
-        let cells: Vec<Cell> = axes
-            .cells
-            .into_iter()
-            .zip(cells)
-            .map(|(settings, (survey, sha256))| Cell { settings, survey, sha256 })
+        let mut keys = keys(&axes.cells);
+        let cells = axes.cells.into_iter().zip(cells);
+        let cells: Vec<Cell> = cells
+            .map(|(settings, CheckedCell { others, survey, sha256 })| Cell { settings, others, survey, sha256 })
             .collect();
+        let mut values = vec![ValueKinds::default(); keys.len()];
+        for cell in &cells {
+            for (values, value) in values.iter_mut().zip(cell.values(&keys)) {
+                values.add(value);
+            }
+        }
+        keys.iter_mut().zip(values).for_each(|(key, values)| key.kind = values.kind());
         let surveys: Vec<usize> = cells.iter().map(|cell| cell.survey).collect();
         let work = WorkList::of(&surveys, runs);
         Self { file, set, seed, runs, cells, work, keys, subjects, measures, named_files, identity, fingerprint }
@@ -200,6 +218,23 @@ impl Sweep {
     #[must_use]
     pub fn named_files(&self) -> &[NamedFile] {
         &self.named_files
+    }
+
+    /// What its settings leave out of the file, where they replace a whole table: a sentence for each of them.
+    ///
+    /// # Errors
+    /// None for a sweep whose cells were checked.
+    pub fn left_out(&self) -> Result<Vec<String>, ScenarioErrors> {
+        let mut sentences = self.file().left_out(self.set())?;
+        let of_set = sentences.len();
+        let settings = self.cells().iter().flat_map(|cell| &cell.settings);
+        let tables: BTreeSet<_> =
+            settings.filter(|setting| setting.value.starts_with('{')).map(Setting::line).collect();
+        for table in tables {
+            let lines: Vec<_> = self.set().iter().cloned().chain([table]).collect();
+            sentences.extend(self.file().left_out(&lines)?.into_iter().skip(of_set));
+        }
+        Ok(sentences)
     }
 
     /// The order of the runs.
@@ -287,18 +322,25 @@ impl Sweep {
         self.seed.saturating_add(u64::from(replicate))
     }
 
-    /// The value of each of the [`keys`](Self::keys) in a cell; empty where the cell does not set it.
+    /// The value of each of the [`keys`](Self::keys) in a cell, also where it is that of the file or a default; empty where there
+    /// is none, because the cell has another choice.
     ///
     /// # Panics
     /// If there is no such cell.
     #[must_use]
     pub fn values(&self, cell: usize) -> Vec<String> {
-        let settings = &self.cells[cell].settings;
-        let value = |column: &Column| {
-            let setting = settings.iter().find(|setting| setting.key == column.name);
-            setting.map_or_else(String::new, |setting| plain(&setting.value))
-        };
-        self.keys.iter().map(value).collect()
+        self.cells[cell].values(&self.keys).map(plain).collect()
+    }
+}
+
+impl Cell {
+    /// Its values of the [`keys`](Sweep::keys) of the sweep, in TOML; empty where there is none.
+    pub fn values<'c>(&'c self, keys: &'c [Column]) -> impl Iterator<Item = &'c str> {
+        let mut others = self.others.iter();
+        keys.iter().map(move |key| {
+            let own = self.settings.iter().find(|setting| setting.key == key.name).map(|setting| &setting.value);
+            own.or_else(|| others.next()).map_or("", String::as_str)
+        })
     }
 }
 
@@ -321,27 +363,14 @@ fn rows_of(rows: &[RunRow], cell: usize) -> &[RunRow] {
 }
 
 /// The settings that vary, in the order in which the cells name them.
-fn keys(cells: &[Vec<Setting>]) -> Vec<Column> {
-    let mut keys: Vec<(&str, Vec<&str>)> = Vec::new();
-    for setting in cells.iter().flatten() {
-        let i = keys.iter().position(|(key, _)| *key == setting.key).unwrap_or_else(|| {
-            keys.push((&setting.key, Vec::new()));
-            keys.len() - 1
-        });
-        keys[i].1.push(&setting.value);
+pub(super) fn keys<'c>(cells: impl IntoIterator<Item = &'c Vec<Setting>>) -> Vec<Column> {
+    let mut keys: Vec<Column> = Vec::new();
+    for setting in cells.into_iter().flatten() {
+        if keys.iter().all(|key| key.name != setting.key) {
+            keys.push(Column::new(&setting.key, ColumnKind::Text));
+        }
     }
-    keys.into_iter().map(|(key, values)| Column::new(key, kind(&values))).collect()
-}
-
-/// The kind of a column with these TOML values.
-fn kind(values: &[&str]) -> ColumnKind {
-    if values.iter().all(|value| value.parse::<i64>().is_ok()) {
-        ColumnKind::Integer
-    } else if values.iter().all(|value| value.parse::<f64>().is_ok()) {
-        ColumnKind::Real
-    } else {
-        ColumnKind::Text
-    }
+    keys
 }
 
 /// A TOML value as written in the table: a text loses its quotes.
@@ -353,13 +382,6 @@ fn plain(value: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_kind_of_a_column_is_the_narrowest_that_fits() {
-        assert_eq!(kind(&["1", "2"]), ColumnKind::Integer);
-        assert_eq!(kind(&["1", "2.5"]), ColumnKind::Real);
-        assert_eq!(kind(&["1", "\"suburban\""]), ColumnKind::Text);
-    }
 
     #[test]
     fn texts_lose_only_their_quotes() {

@@ -26,6 +26,11 @@ impl RunRow {
         CellRun { cell: self.cell, replicate: self.replicate }
     }
 
+    /// Whether all its values are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        self.outcome.as_ref().map_or(true, |values| values.iter().flatten().all(|value| value.is_finite()))
+    }
+
     /// Its fields in a file of finished runs: cell, replicate, error, then the values with all their digits.
     fn record(&self) -> Vec<String> {
         let (error, values) = match &self.outcome {

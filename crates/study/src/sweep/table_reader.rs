@@ -251,7 +251,7 @@ fn row(texts: &[String], plan: &Sweep, columns: &[(usize, Measured)]) -> Option<
     for (i, measured) in columns {
         let text = texts.get(*i)?;
         if !text.is_empty() {
-            values[measured.measure(map)?] = Some(text.parse().ok()?);
+            values[measured.measure(map)?] = Some(text.parse().ok().filter(|value: &f64| value.is_finite())?);
         }
     }
     Some(RunRow { cell, replicate, outcome: Ok(values) })

@@ -79,7 +79,8 @@ pub(super) fn measured(plan: &Sweep) -> Vec<Measured> {
 
 /// The columns of measures with those before and after them.
 fn framed(plan: &Sweep, measures: impl Iterator<Item = Column>) -> Vec<Column> {
-    let identity = IDENTITY.map(|name| Column::new(name, ColumnKind::Integer));
+    let [cell, replicate] = [IDENTITY[0], IDENTITY[1]].map(|name| Column::new(name, ColumnKind::Integer));
+    let identity = [cell, replicate, Column::new(IDENTITY[2], ColumnKind::Unsigned)];
     let [map, error, mark] = [MAP, ERROR, SWEEP].map(|name| Column::new(name, ColumnKind::Text));
     identity.into_iter().chain(plan.keys().to_vec()).chain([map, error]).chain(measures).chain([mark]).collect()
 }

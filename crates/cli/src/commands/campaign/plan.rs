@@ -12,7 +12,7 @@ use sextant::shell;
 use sextant_kernel::text::counted;
 use sextant_recording::admission::{self, Outputs};
 use sextant_study::campaign::{Campaign, Replace};
-use sextant_study::sweep::{Sweep, Trial, TrialError, trial};
+use sextant_study::sweep::{Trial, TrialError, trial};
 
 pub(super) fn execute(
     arguments: &sweep::Arguments,
@@ -20,7 +20,7 @@ pub(super) fn execute(
     folder: &Path,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
-    let sweep = Sweep::read(scenario, &arguments.overrides.set, arguments.seed, arguments.runs)?;
+    let sweep = arguments.sweep(scenario)?;
     let replace = if arguments.force { Replace::Plan } else { Replace::Nothing };
     Campaign::check_room(folder, replace)?;
     let mut outputs = Outputs::new(admission::Replace::Any);

@@ -96,8 +96,9 @@ impl Serialize for JsonCells<'_> {
 
 impl JsonCells<'_> {
     fn cell(&self, i: usize, summary: &CellSummary) -> Value {
-        let settings = self.plan.cells()[i].settings.iter();
-        let settings: Map<_, _> = settings.map(|setting| (setting.key.clone(), json!(setting.value))).collect();
+        let (keys, cell) = (self.plan.keys(), &self.plan.cells()[i]);
+        let settings = keys.iter().zip(cell.values(keys)).filter(|(_, value)| !value.is_empty());
+        let settings: Map<_, _> = settings.map(|(key, value)| (key.name.clone(), json!(value))).collect();
         let mut means = Map::new();
         for measure in self.plan.measures() {
             if let Some(mean) = summary.mean(self.plan, measure) {
@@ -118,14 +119,18 @@ struct Printed<'a> {
 
 impl Printed<'_> {
     /// The means of a measure with their intervals by cell, all in the unit that suits the largest of them: `6.0 ± 0.3 %`;
-    /// `-` without a value.
+    /// `-` without a value. If not all runs of the cell have a value, their number follows: `6.0 ± 0.3 % (n = 4)`.
     fn written(&self, path: &str) -> Vec<String> {
         let mean = |cell: &CellSummary| cell.mean(self.plan, self.measure(path)?);
         let means: Vec<Option<Mean>> = self.cells.iter().map(mean).collect();
         let largest = means.iter().flatten().map(|mean| mean.mean.abs()).fold(0.0, f64::max);
         let (factor, unit) = self.measure(path).map_or((1.0, ""), |measure| measure.unit().for_size(largest));
-        let text = |mean: Option<Mean>| mean.map_or_else(|| "-".to_owned(), |mean| mean.times(factor).rounded(unit));
-        means.into_iter().map(text).collect()
+        let text = |(mean, cell): (Option<Mean>, &CellSummary)| {
+            let Some(mean) = mean else { return "-".to_owned() };
+            let count = if mean.runs == cell.succeeded { String::new() } else { format!(" (n = {})", mean.runs) };
+            mean.times(factor).rounded(unit) + &count
+        };
+        means.into_iter().zip(&self.cells).map(text).collect()
     }
 
     fn measure(&self, path: &str) -> Option<&Measure> {

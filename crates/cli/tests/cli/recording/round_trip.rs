@@ -19,7 +19,7 @@ fn a_reception_log_is_read_back_equal_with_its_unheard_nodes() {
         sample::record_file(&path, &log);
         let run = read_log(&path).unwrap();
         assert_eq!(run.log(), &log);
-        assert_eq!(run.cut_stops, 0);
+        assert_eq!(run.missing_stops, 0);
         assert_eq!(run.metadata[ORIGIN_METADATA]["seed"], "42");
         assert_eq!(run.metadata[ORIGIN_METADATA]["version"], "1.2.3");
         let names: Vec<&str> = run.attachments.iter().map(|attachment| attachment.name.as_str()).collect();

@@ -1,4 +1,4 @@
-//! What is appended to an unfinished part: blocks, each with a line before it that shows whether all of it is there.
+//! What a part has: blocks, each with a line before it that shows whether all of it is there.
 //!
 //! The line has the CRC-32 of what follows on it and of the block, the length of the block (octets), and how long the work had
 //! taken when it was written (s).
@@ -31,7 +31,7 @@ pub struct RowBlock<'a> {
     pub rows: &'a [u8],
 }
 
-/// All blocks up to the first that is not whole: a process that was killed or a power failure cut it off.
+/// All blocks up to the first that is not whole: a process that was killed, a power failure or a full disk cut it off.
 #[derive(Debug)]
 pub(super) struct Blocks<R> {
     pub(super) from: R,
@@ -70,45 +70,6 @@ impl<R: BufRead> Blocks<R> {
         let start = self.at + line.len() as u64;
         self.at = start + length;
         Ok(Some(RowBlock { start, rows: &self.block }))
-    }
-}
-
-/// The rows of a finished part, some at a time.
-#[derive(Debug)]
-pub(super) struct Pieces<R> {
-    from: R,
-    /// Where the piece begins in the file (octets).
-    at: u64,
-    piece: Vec<u8>,
-}
-
-/// Rows are read together until they have so many octets.
-const PIECE: usize = 1 << 16;
-
-impl<R: BufRead> Pieces<R> {
-    /// Of what stands in the file from `at` on.
-    pub(super) fn new(from: R, at: u64) -> Self {
-        Self { from, at, piece: Vec::new() }
-    }
-
-    /// Reads the next piece. It ends with a row: a line feed between quotes ends none.
-    pub(super) fn advance(&mut self) -> io::Result<Option<RowBlock<'_>>> {
-        self.at += self.piece.len() as u64;
-        self.piece.clear();
-        let mut is_quoted = false;
-        while self.piece.len() < PIECE || is_quoted {
-            let line = self.piece.len();
-            if line as u64 >= LONGEST_BLOCK {
-                return Err(io::Error::new(io::ErrorKind::InvalidData, "a row of it has no end"));
-            }
-            let read = self.from.by_ref().take(LONGEST_BLOCK).read_until(b'\n', &mut self.piece)?;
-            if read == 0 {
-                break;
-            }
-            is_quoted ^= self.piece[line..].iter().filter(|octet| **octet == b'"').count() % 2 == 1;
-        }
-        let Self { at, piece, .. } = self;
-        Ok((!piece.is_empty()).then_some(RowBlock { start: *at, rows: piece }))
     }
 }
 

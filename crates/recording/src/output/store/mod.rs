@@ -7,8 +7,9 @@
 //! | `A-B.unfinished-N.csv` | the rows of the part that are finished, as they came; N is another one for each process that does it |
 //! | `fingerprint` | what the work is, where one process does it alone |
 //!
-//! The first line of a part says what work it is of. No file has two writers, so none needs a lock; a process that does the
-//! work alone locks `fingerprint`. What is appended is there when the process is killed, and a row that was cut off is seen to be.
+//! The first line of a part says what work it is of. The rows follow in blocks, each with a checksum: one that was cut off or
+//! changed is not read, nor is what follows it. No file has two writers, so none needs a lock; a process that does the
+//! work alone locks `fingerprint`. What is appended is there when the process is killed.
 
 mod blocks;
 mod error;
@@ -30,11 +31,11 @@ use super::identity::is_claimed;
 use super::{OutputError, WholeFile, write_file};
 use crate::disk::{self, DiskFile};
 use crate::output::foreign_folder::ForeignFolder;
-use blocks::{Blocks, Pieces, block};
+use blocks::{Blocks, block};
 use row_files::RowFiles;
 
 /// Begins the first line of a part.
-const MARK: &str = "sextant-part-1";
+const MARK: &str = "sextant-part-2";
 
 /// The file that says what the work is.
 const FINGERPRINT: &str = "fingerprint";
@@ -154,20 +155,17 @@ impl Store {
             Err(why) if part.unfinished.is_some() && why.kind() == io::ErrorKind::NotFound => return Ok(None),
             opened => BufReader::new(opened.map_err(unreadable)?),
         };
-        let rows = match self.head(&path, &mut file) {
-            Ok(Head { length, wall_s }) if part.unfinished.is_none() => {
-                FoundRows::Finished { pieces: Pieces::new(file, length), wall_s }
-            }
-            Ok(Head { length, .. }) => FoundRows::Unfinished(Blocks::new(file, length)),
+        let blocks = match self.head(&path, &mut file) {
+            Ok(length) => Some(Blocks::new(file, length)),
             // A power failure left the file without its first line, and so without a row.
             Err(StoreError::Invalid { .. })
                 if part.unfinished.is_some() && self.is_cut_off(&path).map_err(unreadable)? =>
             {
-                FoundRows::None
+                None
             }
             Err(error) => return Err(error),
         };
-        Ok(Some(PartRows { part, rows }))
+        Ok(Some(PartRows { part, blocks }))
     }
 
     /// Keeps the file of an unfinished part open whose rows were read: they can be read again, also if another process
@@ -176,7 +174,7 @@ impl Store {
     /// # Errors
     /// If the file cannot be used any more.
     pub fn keep_open(&self, rows: PartRows) -> Result<(), StoreError> {
-        if let FoundRows::Unfinished(blocks) = rows.rows {
+        if let Some(blocks) = rows.blocks.filter(|_| rows.part.unfinished.is_some()) {
             let mut file = blocks.from.into_inner();
             let at = file.stream_position();
             let at = at.map_err(|why| StoreError::Read { path: self.path(rows.part), why })?;
@@ -195,27 +193,26 @@ impl Store {
         read.map_err(|why| StoreError::Read { path, why })
     }
 
-    /// Reads the first line of a part.
-    fn head(&self, path: &Path, text: &mut impl BufRead) -> Result<Head, StoreError> {
+    /// Reads the first line of a part, and returns its length (octets).
+    fn head(&self, path: &Path, text: &mut impl BufRead) -> Result<u64, StoreError> {
         let mut line = Vec::new();
         let read = text.by_ref().take(LONGEST_HEAD).read_until(b'\n', &mut line);
         read.map_err(|why| StoreError::Read { path: path.to_owned(), why })?;
         let length = line.len() as u64;
         let line = String::from_utf8_lossy(&line);
-        let mut words = line.strip_suffix('\n').unwrap_or_default().split(',');
-        let (Some(MARK), Some(identity), Some(wall_s)) = (words.next(), words.next(), words.next()) else {
+        let Some((MARK, identity)) = line.strip_suffix('\n').and_then(|line| line.split_once(',')) else {
             let why = format!("its first line is not `{MARK}` and the plan");
             return Err(StoreError::Invalid { path: path.to_owned(), why });
         };
         if identity != self.identity {
             return Err(StoreError::Other { path: path.to_owned() });
         }
-        Ok(Head { length, wall_s: seconds(wall_s).unwrap_or(0.0) })
+        Ok(length)
     }
 
     /// Whether the first line of an unfinished part has not all of its octets.
     fn is_cut_off(&self, path: &Path) -> io::Result<bool> {
-        let whole = head(&self.identity, 0.0);
+        let whole = head(&self.identity);
         let mut found = Vec::new();
         self.foreign.open(path)?.take(whole.len() as u64).read_to_end(&mut found)?;
         Ok(found.contains(&0) || found.len() < whole.len() && whole.starts_with(&found))
@@ -233,7 +230,7 @@ impl Store {
             let unwritten = |error: io::Error| OutputError::new(&path, &error);
             match DiskFile::create_new(&path) {
                 Ok(mut file) => {
-                    let head = head(&self.identity, 0.0);
+                    let head = head(&self.identity);
                     let written = file.write_all(&head).and_then(|()| file.sync());
                     written.and_then(|()| disk::sync_folder_of(&path)).map_err(unwritten)?;
                     self.files.keep(name, File::open(&path).map_err(unwritten)?, 0);
@@ -259,9 +256,9 @@ impl Store {
         let path = self.path(PartName { range, unfinished: None });
         let unwritten = |error: io::Error| OutputError::new(&path, &error);
         let mut file = WholeFile::create(&path)?;
-        file.write_all(&head(&self.identity, wall_s)).map_err(unwritten)?;
+        file.write_all(&head(&self.identity)).map_err(unwritten)?;
         for piece in pieces {
-            file.write_all(&piece?).map_err(unwritten)?;
+            file.write_all(&block(&piece?, wall_s)).map_err(unwritten)?;
         }
         Ok(file.finish()?)
     }
@@ -284,17 +281,9 @@ pub fn remove(folder: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// What the first line of a part says.
-struct Head {
-    /// How long the line is (octets).
-    length: u64,
-    /// How long the work on the part took (s).
-    wall_s: f64,
-}
-
 /// The first line of a part.
-fn head(identity: &str, wall_s: f64) -> Vec<u8> {
-    format!("{MARK},{identity},{wall_s:.3}\n").into_bytes()
+fn head(identity: &str) -> Vec<u8> {
+    format!("{MARK},{identity}\n").into_bytes()
 }
 
 /// How long something took (s), as a text.
@@ -344,25 +333,15 @@ impl UnfinishedPart {
 #[derive(Debug)]
 pub struct PartRows {
     part: PartName,
-    rows: FoundRows,
-}
-
-#[derive(Debug)]
-enum FoundRows {
-    None,
-    Finished { pieces: Pieces<BufReader<File>>, wall_s: f64 },
-    Unfinished(Blocks<BufReader<File>>),
+    /// Nothing if it has not even a first line.
+    blocks: Option<Blocks<BufReader<File>>>,
 }
 
 impl PartRows {
     /// How long the work on the rows took that were read (s).
     #[must_use]
     pub fn wall_s(&self) -> f64 {
-        match &self.rows {
-            FoundRows::None => 0.0,
-            FoundRows::Finished { wall_s, .. } => *wall_s,
-            FoundRows::Unfinished(blocks) => blocks.wall_s,
-        }
+        self.blocks.as_ref().map_or(0.0, |blocks| blocks.wall_s)
     }
 
     /// The next rows; `None` at their end.
@@ -370,11 +349,7 @@ impl PartRows {
     /// # Errors
     /// If they cannot be read.
     pub fn next_block(&mut self) -> io::Result<Option<RowBlock<'_>>> {
-        match &mut self.rows {
-            FoundRows::None => Ok(None),
-            FoundRows::Finished { pieces, .. } => pieces.advance(),
-            FoundRows::Unfinished(blocks) => blocks.advance(),
-        }
+        self.blocks.as_mut().map_or(Ok(None), Blocks::advance)
     }
 }
 
@@ -440,7 +415,7 @@ mod tests {
         let (store, part) = with_blocks(folder.path(), &blocks);
         let path = store.path(part);
         let whole = std::fs::read(&path).unwrap();
-        let mut ends = vec![head("this", 0.0).len()];
+        let mut ends = vec![head("this").len()];
         for (wall_s, rows) in (1_u8..).zip(&blocks) {
             ends.push(ends[ends.len() - 1] + block(rows.as_bytes(), wall_s.into()).len());
         }
@@ -494,26 +469,29 @@ mod tests {
     }
 
     #[test]
-    fn a_finished_part_is_read_in_pieces_that_end_with_a_row() {
+    fn a_finished_part_that_was_cut_or_changed_has_only_the_rows_before() {
         let folder = tempfile::tempdir().unwrap();
         let store = shared(folder.path(), "this");
-        let row = format!("0,0,\"{}\"\n", "a\n".repeat(1000));
-        store.finish(RANGE, (0..100).map(|_| Ok(row.clone().into_bytes())), 1.0).unwrap();
-        let mut rows = store.read(PartName { range: RANGE, unfinished: None }).unwrap().unwrap();
-        let (mut pieces, mut length) = (0, 0);
-        while let Some(block) = rows.next_block().unwrap() {
-            assert_eq!((block.rows.len() % row.len(), block.start), (0, length + head("this", 1.0).len() as u64));
-            length += block.rows.len() as u64;
-            pieces += 1;
+        let rows = ["0,0,,0.25\n", "1,0,,0.125\n"];
+        store.finish(RANGE, rows.map(|rows| Ok(rows.into())), 1.0).unwrap();
+        let part = PartName { range: RANGE, unfinished: None };
+        let whole = std::fs::read(store.path(part)).unwrap();
+        let first = head("this").len() + block(rows[0].as_bytes(), 1.0).len();
+        for cut in first..whole.len() {
+            std::fs::write(store.path(part), &whole[..cut]).unwrap();
+            assert_eq!(text(&store, part), rows[0], "cut at {cut}");
+            let mut changed = whole.clone();
+            changed[cut] ^= 1;
+            std::fs::write(store.path(part), &changed).unwrap();
+            assert_eq!(text(&store, part), rows[0], "octet {cut} is another one");
         }
-        assert_eq!((pieces > 1, length), (true, 100 * row.len() as u64));
     }
 
     #[test]
     fn other_files_are_no_parts() {
         let folder = tempfile::tempdir().unwrap();
         let (store, part) = with_blocks(folder.path(), &[]);
-        for other in ["hello\n", "sextant-part-2,this,0.000\n", "x"] {
+        for other in ["hello\n", "sextant-part-1,this,0.000\n", "x"] {
             std::fs::write(store.path(part), other).unwrap();
             assert!(matches!(store.read(part), Err(StoreError::Invalid { .. })), "{other}");
         }
@@ -530,8 +508,10 @@ mod tests {
         store.finish(RANGE, [Ok(b"0,0,,1\n".to_vec())], 2.5).unwrap();
         let part = PartName { range: RANGE, unfinished: None };
         assert_eq!(store.parts().unwrap(), [part]);
-        assert_eq!(std::fs::read(store.path(part)).unwrap(), b"sextant-part-1,this,2.500\n0,0,,1\n");
-        assert_eq!((text(&store, part).as_str(), store.read(part).unwrap().unwrap().wall_s()), ("0,0,,1\n", 2.5));
+        let expected = [head("this"), block(b"0,0,,1\n", 2.5)].concat();
+        assert_eq!(std::fs::read(store.path(part)).unwrap(), expected);
+        let mut rows = store.read(part).unwrap().unwrap();
+        assert_eq!((all(&mut rows).as_str(), rows.wall_s()), ("0,0,,1\n", 2.5));
         std::fs::write(store.path(part), "").unwrap();
         assert!(matches!(store.read(part), Err(StoreError::Invalid { .. })), "it is renamed when it is whole");
     }

@@ -17,17 +17,48 @@ pub(super) struct LogDraft {
     owed: u32,
     /// Receptions of the last stop that wait for those.
     waiting: Vec<Reception>,
+    /// The number of the next stop in the file.
+    next: u32,
+    /// The numbers of the stops in the file, once messages are missing.
+    numbers: Option<Vec<u32>>,
+    /// Whether messages are missing behind the last stop.
+    is_behind_gap: bool,
+    /// Number of stops that were removed or are missing between others.
+    pub(super) missing_stops: usize,
 }
 
 impl LogDraft {
     pub(super) fn add_stop(&mut self, message: &messages::StopMessage, stop: Stop) -> Result<(), String> {
         self.settled()?;
-        if message.stop as usize != self.stops.len() {
-            return Err(format!("found stop {}; expected: stop {}", message.stop, self.stops.len()));
+        let next = self.next;
+        let is_expected = message.stop == next || self.is_behind_gap && message.stop > next;
+        if !is_expected {
+            return Err(format!("found stop {}; expected: stop {next}", message.stop));
+        }
+        self.missing_stops += (message.stop - next) as usize;
+        self.next = message.stop.saturating_add(1);
+        self.is_behind_gap = false;
+        if let Some(numbers) = &mut self.numbers {
+            numbers.push(message.stop);
         }
         self.owed = message.receptions;
         self.stops.push(stop);
         Ok(())
+    }
+
+    /// Messages are missing here: the last stop is removed if it is incomplete, and the number of the next one may be any.
+    pub(super) fn gap(&mut self) {
+        self.numbers.get_or_insert_with(|| (0..self.next).collect());
+        self.cut_last_stop();
+        self.is_behind_gap = true;
+    }
+
+    /// Makes the number of a stop in the file that of the stop in the log. `false` if the stop is missing with others.
+    pub(super) fn locate(&self, stop: &mut u32) -> bool {
+        let Some(numbers) = &self.numbers else { return true };
+        let found = numbers.binary_search(stop).ok().and_then(|index| u32::try_from(index).ok());
+        *stop = found.unwrap_or(*stop);
+        found.is_some()
     }
 
     pub(super) fn add_range(&mut self, message: &messages::RangeMessage) -> Result<(), String> {
@@ -104,14 +135,16 @@ impl LogDraft {
         Err(format!("{} receptions are missing before stop {}", self.owed, self.stops.len()))
     }
 
-    /// Removes the last stop if it is incomplete. Returns the number of removed stops.
-    pub(super) fn cut_last_stop(&mut self) -> usize {
-        if self.owed == 0 {
-            return 0;
+    /// Removes the last stop if it is incomplete.
+    pub(super) fn cut_last_stop(&mut self) {
+        if self.owed > 0 {
+            self.stops.pop();
+            self.numbers.as_mut().map(Vec::pop);
+            self.receptions.forget_from(u32::try_from(self.stops.len()).unwrap_or(u32::MAX));
+            self.waiting.clear();
+            self.owed = 0;
+            self.missing_stops += 1;
         }
-        self.stops.pop();
-        self.receptions.forget_from(u32::try_from(self.stops.len()).unwrap_or(u32::MAX));
-        1
     }
 }
 
@@ -211,7 +244,8 @@ mod tests {
         for (stop, sample) in log.stops_of_ranges().into_iter().zip(log.ranges()) {
             draft.receptions.range(stop, *sample);
         }
-        assert_eq!(draft.cut_last_stop(), 1);
+        draft.cut_last_stop();
+        assert_eq!(draft.missing_stops, 1);
         let kept = draft.receptions.build(log.names().to_vec(), draft.stops, Vec::new()).unwrap();
         assert!(!kept.ranges().is_empty() && kept.ranges().iter().all(|range| range.time < log.stops()[1].time));
     }
@@ -275,6 +309,32 @@ mod tests {
             assert!(stops > 0 && log.sector_reports().count() == 4 * stops, "{stops} stops");
             std::fs::remove_file(&recovered).unwrap();
         }
+    }
+
+    #[test]
+    fn of_stops_behind_a_gap_those_are_kept_whose_receptions_are_all_there() {
+        let stop = |number, receptions| {
+            let stop = log().stops()[number as usize];
+            (messages::StopMessage { stop: number, receptions, ..messages::StopMessage::default() }, stop)
+        };
+        let mut draft = LogDraft::default();
+        let add = |draft: &mut LogDraft, (message, stop)| draft.add_stop(&message, stop);
+        add(&mut draft, stop(0, 0)).unwrap();
+        add(&mut draft, stop(1, 2)).unwrap();
+        assert!(add(&mut draft, stop(2, 0)).is_err());
+        draft.gap();
+        let located = |draft: &LogDraft, mut number| draft.locate(&mut number).then_some(number);
+        assert_eq!((located(&draft, 0), located(&draft, 1)), (Some(0), None), "its receptions are missing");
+        add(&mut draft, stop(5, 1)).unwrap();
+        assert_eq!((located(&draft, 5), draft.missing_stops), (Some(1), 4));
+        assert!(add(&mut draft, stop(7, 0)).is_err());
+        draft.settle(1).unwrap();
+        let refused = add(&mut draft, stop(7, 0)).unwrap_err();
+        assert!(refused.contains("expected: stop 6"), "{refused}");
+        add(&mut draft, stop(6, 1)).unwrap();
+        draft.gap();
+        draft.cut_last_stop();
+        assert_eq!((draft.stops.len(), draft.missing_stops), (2, 5));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::reader::robot_names::RobotNames;
 use foxglove::messages::PointCloud;
 use prost::Message as _;
 use sextant_channel::{Contact, LogError, NetworkLog, NetworkLogs, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::text::choices;
+use sextant_kernel::text::{choices, counted};
 use sextant_kernel::{Files, NodeId, SimTime};
 
 use super::recorded_summary::{ClaimedObstacle, RecordedMap, RecordedSummary};
@@ -18,7 +18,7 @@ use crate::drawing;
 use crate::error::RecordingError;
 use crate::mcap_file::{Piece, scan};
 use crate::messages;
-use crate::messages::names::{FILES_ATTACHMENTS, LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
+use crate::messages::names::{FILES_ATTACHMENTS, GAP_METADATA, LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
 use log_draft::LogDraft;
 
 /// The reception log of a recording, with its metadata and attachments.
@@ -28,9 +28,9 @@ pub struct RecordedRun {
     pub logs: NetworkLogs,
     /// The paths of the robots, by name; empty if the recording is incomplete.
     pub paths: Vec<(String, Vec<Position>)>,
-    /// Number of ignored stops, 0 or 1 in each log. Receptions of the last stop of a recovered recording may be missing, and
-    /// a missing reception would mean that nothing was heard.
-    pub cut_stops: usize,
+    /// Number of stops of a recovered recording that are missing between others, or are ignored because receptions of them are
+    /// missing: a missing reception would mean that nothing was heard.
+    pub missing_stops: usize,
     /// Whether signal-to-noise ratios of all sectors were left out, because receptions were passed on one by one.
     pub leaves_out_sector_snrs: bool,
     /// Whether ranges were left out, for the same reason.
@@ -46,6 +46,14 @@ impl RecordedRun {
     #[must_use]
     pub fn log(&self) -> &ReceptionLog {
         self.logs.first()
+    }
+
+    /// What the user should know of a log that is incomplete.
+    #[must_use]
+    pub fn concern(&self) -> Option<String> {
+        let missing = counted(self.missing_stops, "stop");
+        let text = format!("the recording is incomplete: {missing} left out, because messages are missing");
+        (self.missing_stops > 0).then_some(text)
     }
 
     /// The obstacles that each map in the summary claims, by its name; none of a map without any.
@@ -188,6 +196,9 @@ impl RunReading<'_> {
                 data: data.to_vec(),
             }),
             Piece::Metadata(record) => {
+                if record.name.starts_with(GAP_METADATA) {
+                    self.draft.logs().for_each(LogDraft::gap);
+                }
                 self.metadata.insert(record.name.clone(), record.metadata.clone());
             }
         }
@@ -196,12 +207,21 @@ impl RunReading<'_> {
 
     /// The run, now that all pieces of the recording `path` were taken.
     pub(crate) fn finish(mut self, path: &Path) -> Result<RecordedRun, RecordingError> {
-        let cut_stops = self.draft.cut_last_stops();
+        self.draft.logs().for_each(LogDraft::cut_last_stop);
+        let missing_stops = self.draft.logs().map(|log| log.missing_stops).sum();
         let paths = std::mem::take(&mut self.draft.paths);
         let RunDraft { leaves_out_sector_snrs, leaves_out_ranges, .. } = self.draft;
         let logs = self.draft.build().map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
         let Self { metadata, attachments, .. } = self;
-        Ok(RecordedRun { logs, paths, cut_stops, leaves_out_sector_snrs, leaves_out_ranges, metadata, attachments })
+        Ok(RecordedRun {
+            logs,
+            paths,
+            missing_stops,
+            leaves_out_sector_snrs,
+            leaves_out_ranges,
+            metadata,
+            attachments,
+        })
     }
 }
 
@@ -297,12 +317,21 @@ impl RunDraft<'_> {
                 self.of(LogTopics::network(topic)).add_stop(&message, stop)
             }
             "sextant.StopReceptions" => {
-                let message: messages::StopReceptionsMessage = decode(data)?;
-                self.of(LogTopics::network(topic)).settle(message.node.len())?;
+                let mut message: messages::StopReceptionsMessage = decode(data)?;
+                let log = self.of(LogTopics::network(topic));
+                if !log.locate(&mut message.stop) {
+                    return Ok(());
+                }
+                log.settle(message.node.len())?;
                 message.rows()?.try_for_each(|(reception, _)| self.keep(topic, reception))
             }
             "sextant.Reception" => {
-                let reception = self.of(LogTopics::network(topic)).reception(&decode(data)?)?;
+                let mut message: messages::ReceptionMessage = decode(data)?;
+                let log = self.of(LogTopics::network(topic));
+                if !log.locate(&mut message.stop) {
+                    return Ok(());
+                }
+                let reception = log.reception(&message)?;
                 self.keep(topic, reception)
             }
             "sextant.SectorSnrs" => {
@@ -310,9 +339,11 @@ impl RunDraft<'_> {
                     self.leaves_out_sector_snrs = true;
                     return Ok(());
                 }
-                let message: messages::SectorSnrsMessage = decode(data)?;
-                let receptions = &mut self.of(LogTopics::network(topic)).receptions;
-                message.reports()?.for_each(|report| receptions.report(report));
+                let mut message: messages::SectorSnrsMessage = decode(data)?;
+                let log = self.of(LogTopics::network(topic));
+                if log.locate(&mut message.stop) {
+                    message.reports()?.for_each(|report| log.receptions.report(report));
+                }
                 Ok(())
             }
             "sextant.Range" => {
@@ -320,7 +351,9 @@ impl RunDraft<'_> {
                     self.leaves_out_ranges = true;
                     return Ok(());
                 }
-                self.of(LogTopics::network(topic)).add_range(&decode(data)?)
+                let mut message: messages::RangeMessage = decode(data)?;
+                let log = self.of(LogTopics::network(topic));
+                if log.locate(&mut message.stop) { log.add_range(&message) } else { Ok(()) }
             }
             "sextant.Sector" => self.of(LogTopics::network(topic)).add_sector(decode(data)?),
             "sextant.SectorGains" => self.of(LogTopics::network(topic)).add_gains(&decode(data)?),
@@ -375,10 +408,9 @@ impl RunDraft<'_> {
         Ok(())
     }
 
-    /// Removes the last stop of each log where it is incomplete. Returns the number of removed stops.
-    fn cut_last_stops(&mut self) -> usize {
-        let others = self.others.iter_mut().map(|(_, log)| log);
-        std::iter::once(&mut self.log).chain(others).map(LogDraft::cut_last_stop).sum()
+    /// The logs of all networks.
+    fn logs(&mut self) -> impl Iterator<Item = &mut LogDraft> {
+        std::iter::once(&mut self.log).chain(self.others.iter_mut().map(|(_, log)| log))
     }
 
     /// The logs of the networks.

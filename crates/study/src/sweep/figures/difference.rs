@@ -1,6 +1,7 @@
 //! Differences between runs with the same seed: to a map, or to a value of a setting. What both runs have in common, such as
 //! the places of nodes, cancels out, so that intervals are narrower than those of two means.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use sextant_recording::output::{CsvFile, EmptyCell};
 use super::groups::{Curve, Groups};
 use super::{Drawn, Points, add, averaged, note};
 use crate::sweep::error::TableError;
-use crate::sweep::finished_table::FinishedTable;
+use crate::sweep::finished_table::{FinishedTable, exact_number};
 use crate::sweep::setting::SettingName;
 use crate::sweep::statistics::Mean;
 
@@ -49,14 +50,10 @@ impl Reference {
         let is_called = |name: &str| name == key || name.strip_suffix(key).is_some_and(|rest| rest.ends_with('.'));
         let found: Vec<usize> = table.settings().filter(|&column| is_called(&table.columns()[column])).collect();
         let [column] = found[..] else { return Err(no(keys.collect())) };
-        let number = |text: &str| text.parse::<f64>().ok();
-        let is_same = |other: &str| {
-            other == value || number(other).zip(number(value)).is_some_and(|(a, b)| a.total_cmp(&b).is_eq())
-        };
         let mut values: Vec<&str> = Vec::new();
         for &row in table.runs() {
             let other = table.cell(row, column);
-            if is_same(other) {
+            if is_same(other, value) {
                 return Ok(Self::Value { column, value: other.to_owned() });
             }
             if !values.contains(&other) {
@@ -64,6 +61,24 @@ impl Reference {
             }
         }
         Err(no(values))
+    }
+
+    /// Whether a row is one that others are compared with.
+    fn has(&self, table: &FinishedTable, row: usize) -> bool {
+        match self {
+            Self::Map(map) => table.map(row) == map,
+            Self::Value { column, value } => is_same(table.cell(row, *column), value),
+        }
+    }
+
+    /// How many rows others are compared with, and how many others there are.
+    pub(super) fn counts(&self, table: &FinishedTable) -> (usize, usize) {
+        let rows = match self {
+            Self::Map(_) => (0..table.row_count()).collect(),
+            Self::Value { .. } => table.runs().to_vec(),
+        };
+        let of_reference = rows.iter().filter(|&&row| self.has(table, row)).count();
+        (of_reference, rows.len() - of_reference)
     }
 
     /// As in a sentence.
@@ -80,22 +95,18 @@ pub(super) struct Differences<'a> {
     table: &'a FinishedTable,
     pub(super) drawn: &'a Drawn,
     reference: &'a Reference,
-    /// Each row that has a partner, with its number minus that of the partner, in the unit of the axis.
-    pairs: Vec<(usize, f64)>,
+    /// Each row with a number that is compared, and its difference to that of its partner, if it has one, in the unit of the axis.
+    rows: Vec<(usize, Option<f64>)>,
 }
 
 impl<'a> Differences<'a> {
-    /// Those of a measure; nothing if no two runs can be compared, as those of whole runs between maps.
+    /// Those of a measure; nothing if no two rows can be compared, as those of whole runs between maps. A partner has the same
+    /// seed, number of the run, map and settings, but what is compared.
     pub(super) fn of(table: &'a FinishedTable, drawn: &'a Drawn, reference: &'a Reference) -> Option<Self> {
-        let is_reference = |row: usize| match reference {
-            Reference::Map(map) => table.map(row) == map,
-            Reference::Value { column, value } => table.cell(row, *column) == value,
-        };
         if matches!(reference, Reference::Map(_)) && !table.is_of_maps(drawn.column) {
             return None;
         }
-        // What two rows have in common: the number of the run, its seed, settings and map, without that which is compared.
-        let key = |row: usize| -> Vec<&str> {
+        let key = |row: usize| -> Vec<Exact<'_>> {
             let settings = table.settings().map(|setting| match reference {
                 Reference::Value { column, .. } if *column == setting => "",
                 _ => table.cell(row, setting),
@@ -104,15 +115,20 @@ impl<'a> Differences<'a> {
                 Reference::Value { .. } if table.is_of_maps(drawn.column) => table.map(row),
                 _ => "",
             };
-            [table.cell(row, 1), table.cell(row, 2), map].into_iter().chain(settings).collect()
+            [table.cell(row, 1), table.cell(row, 2), map].into_iter().chain(settings).map(Exact::of).collect()
         };
         let rows = table.rows_of(drawn.column);
         let numbers = || rows.iter().filter_map(|&row| Some((row, drawn.number(table, row)?)));
         let references: BTreeMap<_, _> =
-            numbers().filter(|(row, _)| is_reference(*row)).map(|(row, number)| (key(row), number)).collect();
-        let pair = |(row, number): (usize, f64)| Some((row, number - references.get(&key(row))?));
-        let pairs: Vec<_> = numbers().filter(|(row, _)| !is_reference(*row)).filter_map(pair).collect();
-        (!pairs.is_empty()).then_some(Self { table, drawn, reference, pairs })
+            numbers().filter(|(row, _)| reference.has(table, *row)).map(|(row, number)| (key(row), number)).collect();
+        let difference = |(row, number): (usize, f64)| (row, references.get(&key(row)).map(|other| number - other));
+        let rows: Vec<_> = numbers().filter(|(row, _)| !reference.has(table, *row)).map(difference).collect();
+        (!rows.is_empty()).then_some(Self { table, drawn, reference, rows })
+    }
+
+    /// Number of the rows that have a partner.
+    pub(super) fn pairs(&self) -> usize {
+        self.rows.iter().filter(|(_, difference)| difference.is_some()).count()
     }
 
     /// The curves of differences; nothing if there is no numeric setting.
@@ -120,12 +136,13 @@ impl<'a> Differences<'a> {
         let (table, across) = (self.table, self.table.across()?);
         let groups = Groups::new(table, self.drawn.column, &[across]);
         let mut curves: BTreeMap<Curve, Points> = BTreeMap::new();
-        for &(row, difference) in &self.pairs {
-            if let Some(x) = table.number(row, across) {
+        for &(row, difference) in &self.rows {
+            if let (Some(x), Some(difference)) = (table.number(row, across), difference) {
                 add(curves.entry(groups.of(row)).or_default(), x, difference);
             }
         }
-        let runs = curves.values().flatten().map(|(_, values)| values.len()).max();
+        let counts = curves.values().flatten().map(|(_, values)| values.len());
+        let note = note("difference between runs with the same seed, mean", counts);
         let series = curves.into_iter().map(|(curve, points)| {
             let (points, half_widths) = averaged(points);
             Series { name: curve.name("difference"), points, half_widths }
@@ -133,7 +150,7 @@ impl<'a> Differences<'a> {
         let against = self.reference.words(table);
         Some(Curves {
             title: format!("{title}: against {against}"),
-            note: note("difference between runs with the same seed, mean", runs.unwrap_or(0)),
+            note,
             across: SettingName::of(&table.columns()[across]).axis(),
             up: format!("difference of {}", self.drawn.label),
             series: series.collect(),
@@ -147,32 +164,76 @@ pub(super) fn table(table: &FinishedTable, of: &[Differences]) -> CsvFile {
     let head = ["measure", "cell", "map"].map(str::to_owned).into_iter().chain(settings());
     let tail = ["against", "pairs", "mean_difference", "half_width_95"].map(str::to_owned);
     let mut file = CsvFile::new(head.chain(tail), EmptyCell::Bare);
-    for Differences { drawn, reference, pairs, .. } in of {
+    for Differences { drawn, reference, rows, .. } in of {
         let has_maps = table.is_of_maps(drawn.column);
         let mut cells: Vec<(usize, Vec<f64>)> = Vec::new();
         let mut places: BTreeMap<(&str, &str), usize> = BTreeMap::new();
         let map_of = |row: usize| if has_maps { table.map(row) } else { "" };
-        for &(row, difference) in pairs {
+        for &(row, difference) in rows {
             let place = *places.entry((table.cell(row, 0), map_of(row))).or_insert_with(|| {
                 cells.push((row, Vec::new()));
                 cells.len() - 1
             });
-            cells[place].1.push(difference / drawn.factor);
+            cells[place].1.extend(difference.map(|difference| difference / drawn.factor));
         }
         for (row, values) in cells {
-            let Some(mean) = Mean::of(&values) else { continue };
+            let mean = Mean::of(&values);
             let settings = table.settings().map(|column| table.cell(row, column).to_owned());
             let against = match reference {
                 Reference::Map(map) => map.clone(),
                 Reference::Value { column, value } => format!("{}={value}", table.columns()[*column]),
             };
-            let half_width = mean.half_width_95.map_or_else(String::new, |half_width| format!("{half_width:?}"));
-            let numbers = [against, mean.runs.to_string(), format!("{:?}", mean.mean), half_width];
+            let text = |number: Option<f64>| number.map_or_else(String::new, |number| format!("{number:?}"));
+            let numbers = [mean.map(|mean| mean.mean), mean.and_then(|mean| mean.half_width_95)].map(text);
+            let numbers = [against, values.len().to_string()].into_iter().chain(numbers);
             let head = [table.columns()[drawn.column].clone(), table.cell(row, 0).to_owned(), map_of(row).to_owned()];
             file.row(head.into_iter().chain(settings).chain(numbers));
         }
     }
     file
+}
+
+/// A text of a table by its value: `-50` and `-50.0` are the same.
+#[derive(Debug)]
+enum Exact<'a> {
+    Number(f64),
+    Text(&'a str),
+}
+
+impl<'a> Exact<'a> {
+    fn of(text: &'a str) -> Self {
+        exact_number(text).map_or(Self::Text(text), Self::Number)
+    }
+}
+
+impl Ord for Exact<'_> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        match (self, other) {
+            (Self::Number(a), Self::Number(b)) => a.total_cmp(b),
+            (Self::Text(a), Self::Text(b)) => a.cmp(b),
+            (Self::Number(_), Self::Text(_)) => Ordering::Less,
+            (Self::Text(_), Self::Number(_)) => Ordering::Greater,
+        }
+    }
+}
+
+impl PartialOrd for Exact<'_> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Exact<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Exact<'_> {}
+
+/// Whether two texts of a table are the same value.
+fn is_same(a: &str, b: &str) -> bool {
+    Exact::of(a) == Exact::of(b)
 }
 
 #[cfg(test)]
@@ -214,6 +275,22 @@ mod tests {
                 ["stops", "1", "", "-40.0", "power_dbm=-50", "1", "1.0"]
             );
         }
+    }
+
+    #[test]
+    fn runs_are_paired_by_seed_and_all_other_settings() {
+        // Another text of the same value, another seed, and a setting that changes with the power.
+        let text = "cell,replicate,seed,power_dbm,rate,map,error,stops\n0,0,1,-50,2,,,5\n1,0,1,-40,2.0,,,8\n\
+                    2,0,18446744073709551615,-40,2,,,9\n3,0,1,-40,3,,,7\n4,0,18446744073709551614,-50.0,2,,,1\n";
+        let finished = FinishedTable::parse(text).unwrap();
+        let drawn = Drawn::of(&finished, finished.measure("stops").unwrap());
+        let reference = Reference::parse(&finished, "power_dbm=-50").unwrap();
+        let found = Differences::of(&finished, &drawn, &reference).unwrap();
+        assert_eq!((found.rows.clone(), found.pairs()), (vec![(1, Some(3.0)), (2, None), (3, None)], 1));
+        assert_eq!(reference.counts(&finished), (2, 3));
+        let file = table(&finished, &[found]);
+        let file = String::from_utf8(file.bytes().to_vec()).unwrap();
+        assert_eq!(file.lines().nth(2), Some("stops,2,,-40,2,power_dbm=-50,0,,"), "{file}");
     }
 
     #[test]

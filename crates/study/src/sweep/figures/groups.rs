@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use crate::sweep::finished_table::FinishedTable;
+use crate::sweep::finished_table::{FinishedTable, exact_number};
 use crate::sweep::setting::SettingName;
 
 /// What tells a curve from the others: its map and settings. Curves are ordered by the map, then by the settings: numbers by
@@ -64,7 +64,7 @@ impl<'a> Groups<'a> {
                 let rank = ranks.len();
                 ranks.entry(table.cell(row, column)).or_insert(rank);
             }
-            let are_numbers = ranks.keys().all(|text| text.parse::<f64>().is_ok());
+            let are_numbers = ranks.keys().all(|text| exact_number(text).is_some());
             Setting { column, name: SettingName::of(&table.columns()[column]), are_numbers, ranks }
         };
         let settings = table.settings().filter(|column| !merged.contains(column)).map(setting).collect();

@@ -18,14 +18,14 @@ pub(super) fn curves(table: &FinishedTable, title: &str, across: usize, drawn: &
             add(curves.entry(groups.of(row)).or_default(), x, y);
         }
     }
-    let runs = curves.values().flatten().map(|(_, values)| values.len()).max();
+    let note = note("mean", curves.values().flatten().map(|(_, values)| values.len()));
     let series = curves.into_iter().map(|(curve, points)| {
         let (points, half_widths) = averaged(points);
         Series { name: curve.name("mean"), points, half_widths }
     });
     Curves {
         title: title.to_owned(),
-        note: note("mean", runs.unwrap_or(0)),
+        note,
         across: SettingName::of(&table.columns()[across]).axis(),
         up: drawn.label.clone(),
         series: series.collect(),

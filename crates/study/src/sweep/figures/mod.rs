@@ -92,6 +92,11 @@ impl StudyFigures<'_> {
         if let Some(against) = self.against {
             let reference = Reference::parse(&table, against).map_err(|why| why.of(path))?;
             let of: Vec<_> = drawn.iter().filter_map(|drawn| Differences::of(&table, drawn, &reference)).collect();
+            if of.iter().all(|differences| differences.pairs() == 0) {
+                let (of_reference, others) = reference.counts(&table);
+                let path = path.to_owned();
+                return Err(TableError::NoPairs { path, against: against.to_owned(), of_reference, others });
+            }
             let figures = of.iter().filter_map(|differences| {
                 let figure = differences
                     .curves(&title)?
@@ -140,7 +145,27 @@ fn averaged(mut points: Points) -> (Vec<(f64, f64)>, Vec<f64>) {
     means.map(|(x, mean)| ((x, mean.mean), mean.half_width_95.unwrap_or(0.0))).unzip()
 }
 
-/// The note of a figure of `runs` runs.
-fn note(what: &str, runs: usize) -> String {
-    if runs > 1 { format!("{what} of up to {runs} runs, with 95 % intervals") } else { format!("{what} of one run") }
+/// The note of a figure of points with so many runs each.
+fn note(what: &str, counts: impl Iterator<Item = usize> + Clone) -> String {
+    let (least, most) = (counts.clone().min().unwrap_or(0), counts.max().unwrap_or(0));
+    match (least, most) {
+        (_, ..=1) => format!("{what} of one run"),
+        (1, most) => format!("{what} of 1 to {most} runs, with 95 % intervals where there are several"),
+        (least, most) if least < most => format!("{what} of {least} to {most} runs, with 95 % intervals"),
+        (_, most) => format!("{what} of up to {most} runs, with 95 % intervals"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_note_says_of_how_many_runs_the_means_are() {
+        let note = |counts: &[usize]| note("mean", counts.iter().copied());
+        assert_eq!((note(&[]), note(&[1, 1])), ("mean of one run".to_owned(), "mean of one run".to_owned()));
+        assert_eq!(note(&[3, 3]), "mean of up to 3 runs, with 95 % intervals");
+        assert_eq!(note(&[2, 5]), "mean of 2 to 5 runs, with 95 % intervals");
+        assert_eq!(note(&[1, 5]), "mean of 1 to 5 runs, with 95 % intervals where there are several");
+    }
 }

@@ -27,6 +27,8 @@ struct Values {
 
 enum Typed {
     Integer(Vec<i64>),
+    /// Their octets are those of integers with a sign.
+    Unsigned(Vec<i64>),
     Real(Vec<f64>),
     Text(Vec<ByteArray>),
 }
@@ -35,6 +37,7 @@ impl Values {
     fn of(column: &Column) -> Self {
         let values = match column.kind {
             ColumnKind::Integer => Typed::Integer(Vec::new()),
+            ColumnKind::Unsigned => Typed::Unsigned(Vec::new()),
             ColumnKind::Real => Typed::Real(Vec::new()),
             ColumnKind::Text => Typed::Text(Vec::new()),
         };
@@ -49,6 +52,7 @@ impl Values {
         }
         match &mut self.values {
             Typed::Integer(values) => values.push(text.parse().ok()?),
+            Typed::Unsigned(values) => values.push(text.parse::<u64>().ok()?.cast_signed()),
             Typed::Real(values) => values.push(text.parse().ok()?),
             Typed::Text(values) => values.push(text.into()),
         }
@@ -115,7 +119,9 @@ fn write_group<W: Write + Send>(
             return Err(ParquetError::General("a column is missing in the schema".to_owned()));
         };
         match values {
-            Typed::Integer(values) => writer.typed::<Int64Type>().write_batch(&values, Some(&present), None)?,
+            Typed::Integer(values) | Typed::Unsigned(values) => {
+                writer.typed::<Int64Type>().write_batch(&values, Some(&present), None)?
+            }
             Typed::Real(values) => writer.typed::<DoubleType>().write_batch(&values, Some(&present), None)?,
             Typed::Text(values) => writer.typed::<ByteArrayType>().write_batch(&values, Some(&present), None)?,
         };
@@ -128,6 +134,7 @@ fn write_group<W: Write + Send>(
 fn field(column: &Column) -> Result<Arc<Type>, ParquetError> {
     let (physical, converted) = match column.kind {
         ColumnKind::Integer => (Physical::INT64, ConvertedType::NONE),
+        ColumnKind::Unsigned => (Physical::INT64, ConvertedType::UINT_64),
         ColumnKind::Real => (Physical::DOUBLE, ConvertedType::NONE),
         ColumnKind::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
     };
@@ -210,5 +217,14 @@ mod tests {
                 vec![Field::Long(1), Field::Str("no, \"never\"".into()), Field::Null],
             ]
         );
+    }
+
+    #[test]
+    fn seeds_of_64_bits_are_exact() {
+        let columns = [Column::new("seed", ColumnKind::Unsigned)];
+        let rows = [0, 1 << 63, u64::MAX].map(|seed: u64| vec![seed.to_string()]);
+        let file = tempfile::NamedTempFile::new().unwrap();
+        encode(&columns, rows.iter().cloned().map(Ok), file.as_file()).unwrap();
+        assert_eq!(decode(file.reopen().unwrap()).unwrap().rows, rows);
     }
 }

@@ -1,0 +1,30 @@
+// Curves of sweeps and exact numbers, without a browser.
+
+import { strict as assert } from "node:assert";
+import { curvesOf, meanOf } from "../src/curves.js";
+import { exact } from "../src/format.js";
+import { documentOf } from "../src/payload.js";
+
+const numbers = (name, values) => ({ name, values: { numbers: Float64Array.from(values) } });
+
+export async function sweepInNode(test) {
+  await test("values that differ after rounding only are different curves", () => {
+    const rate = numbers("traffic.rate", [0.12341, 0.12341, 0.12344, 0.12344]);
+    const across = numbers("count", [1, 2, 1, 2]);
+    const sweep = { rows: 4, settings: [rate, across], students_t_975: [12.7] };
+    const { curves } = curvesOf(sweep, across, numbers("mac.prr", [0.1, 0.2, 0.3, 0.4]));
+    assert.deepEqual(curves.map(({ name, means }) => [name, means.map((mean) => mean.mean)]), [["rate 0.12341", [0.1, 0.2]], ["rate 0.12344", [0.3, 0.4]]]);
+    assert.deepEqual([exact(12345), exact(0.5), exact(-1e-7), exact(NaN)], ["12\u202f345", "0.5", "−1e−7", "–"]);
+  });
+  await test("a mean says of how many runs it is, and one run has no interval", () => {
+    assert.deepEqual(meanOf([3], []), { mean: 3, half: null, n: 1 });
+    const sweep = { rows: 3, settings: [], students_t_975: [12.7, 4.3] };
+    const { curves } = curvesOf(sweep, null, numbers("mapped", [1, NaN, 3]));
+    assert.equal(curves[0].means[0].n, 2);
+  });
+  await test("large whole numbers of a summary keep all digits", () => {
+    const summary = '{"scenario":{"seed":18446744073709551615,"name":"a 9007199254740993 \\"b"},"n":[-9007199254740993,12,1.5e300,9007199254740993.5]}';
+    assert.deepEqual(documentOf(JSON.stringify({ summary })).summary,
+      { scenario: { seed: "18446744073709551615", name: 'a 9007199254740993 "b' }, n: ["-9007199254740993", 12, 1.5e300, 9007199254740994] });
+  });
+}
