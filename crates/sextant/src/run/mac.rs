@@ -185,7 +185,7 @@ fn summary(packets: Packets, energy: EnergySpent, delays: &Delays, duration_s: f
         out_of_range: packets.out_of_range,
         not_listened: packets.not_listened,
         not_listened_by: NotListenedSummary::from(&packets),
-        depleted: packets.depleted,
+        died: packets.died,
         pending: packets.pending,
         energy_j: EnergySummary { tx: energy.tx_j, rx: energy.rx_j, idle: energy.idle_j + energy.sleep_j },
     }

@@ -126,7 +126,7 @@ pub struct NamedTraffic {
 }
 
 /// The traffic of some nodes. Each packet offered is in exactly one of `delivered`, the `lost_*`, `out_of_range`,
-/// `not_listened`, `depleted` and `pending`.
+/// `not_listened`, `died` and `pending`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TrafficSummary {
     /// Packets that applications gave to the MAC.
@@ -148,9 +148,10 @@ pub struct TrafficSummary {
     /// Time from the offer of a packet to the end of its first reception (s). Absent if nothing was delivered.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_s: Option<DelaySummary>,
-    /// Frames on air, retransmissions included; without acknowledgements.
+    /// Transmissions of packets, retries included: data frames on air, or sweeps of sectors. Strobes, copies and wake-up frames are
+    /// none.
     pub transmissions: u64,
-    /// Retransmissions.
+    /// Transmissions of a packet after its first one.
     pub retries: u64,
     /// Backoffs, each followed by a clear channel assessment.
     pub backoffs: u64,
@@ -172,9 +173,9 @@ pub struct TrafficSummary {
     pub not_listened: u64,
     /// The same by the reason why it did not.
     pub not_listened_by: NotListenedSummary,
-    /// Packets that were waiting or on air when the battery of their node was empty. Absent if there are none.
+    /// Packets that were waiting or on air when their node died. Absent if there are none.
     #[serde(skip_serializing_if = "is_none")]
-    pub depleted: u64,
+    pub died: u64,
     /// Packets that were waiting or on air at the end.
     pub pending: u64,
     /// Energy of the radios.

@@ -79,10 +79,9 @@ fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
         ("pending", all.pending.to_string(), ""),
         ("energy of the nodes", format!("{energy:.3}"), "J"),
     ];
-    let depleted = Some(all.depleted).filter(|&packets| packets > 0);
-    let depleted =
-        depleted.map(|packets| ("lost to empty batteries", packets.to_string(), "they waited in their node"));
-    let rows = rows.into_iter().chain(depleted).chain(mac.slots.iter().flat_map(slot_rows));
+    let died = Some(all.died).filter(|&packets| packets > 0);
+    let died = died.map(|packets| ("lost in dead nodes", packets.to_string(), "they waited in their node"));
+    let rows = rows.into_iter().chain(died).chain(mac.slots.iter().flat_map(slot_rows));
     let rows = rows.map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]);
     rows.chain(mac.sleep.iter().flat_map(sleep_rows)).collect()
 }

@@ -105,7 +105,7 @@ pub(super) const WITH_BATTERIES: &[KnownMeasure<'static>] = &[
     known("battery.depleted", Count, "nodes whose battery is empty at the end"),
     known("battery.first_death_s", Second, "time until the first battery is empty"),
     known("battery.half_death_s", Second, "time until the batteries of half of the nodes are empty"),
-    known("mac.depleted", Count, "packets lost in nodes whose battery is empty"),
+    known("mac.died", Count, "packets lost in nodes that died"),
 ];
 
 /// Of a run whose stations sleep between checks of the channel.

@@ -40,6 +40,7 @@ impl Links {
             delays.add(scene.now - frame.offered);
         }
         stack.outcome = stack.outcome.max(fate.outcome);
+        stack.transmissions += 1;
         if let Some(track) = &mut stack.track {
             let arrival = fate.arrival;
             let receiver = arrival.map(|arrival| self.radios.receiver(arrival.station));
