@@ -11,7 +11,8 @@ pub struct MacSummary {
     /// Name of the network, if the scenario has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub network: Option<String>,
-    /// Time over which the rates are taken: from the start, or the end of the warm-up, to the end of the simulation (s).
+    /// Time that is counted, over which rates are taken: from the start, or the end of the warm-up, to the end of the simulation
+    /// (s).
     pub duration_s: f64,
     /// What was left out at the start (s). Absent if nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,6 +43,9 @@ pub struct MacSummary {
 /// What the stations of a network with slots did in them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct SlotSummary {
+    /// Nodes over which means are taken: without those that died before the end of the warm-up. Absent if it is all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counted_nodes: Option<usize>,
     /// Share of the time in which the radio of a node sent or listened, on average.
     pub duty_cycle: f64,
     /// The same of a sink. Absent without sinks.
@@ -93,6 +97,9 @@ pub struct NegotiatedSummary {
 /// How the stations of a network slept that sleep between checks of the channel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SleepSummary {
+    /// Nodes over which means are taken: without those that died before the end of the warm-up. Absent if it is all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counted_nodes: Option<usize>,
     /// Share of the time in which the radio of a node was on: it sent, received or turned around. On average.
     pub duty_cycle: f64,
     /// The same of the node with the largest share.

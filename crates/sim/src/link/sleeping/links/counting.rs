@@ -30,8 +30,7 @@ impl Links {
         self.payloads.release(frame.content);
         let payload_octets = u64::from(frame.mpdu_octets - self.header(station, frame.to).overhead_octets());
         let (transmissions, assessments) = (frame.transmissions.into(), frame.looks.into());
-        let counted =
-            CountedPacket { offered: frame.offered, payload_octets, end, fate, transmissions, assessments };
+        let counted = CountedPacket { offered: frame.offered, payload_octets, end, fate, transmissions, assessments };
         self.ledger.count(station, &counted);
         let Some(mut track) = frame.track.take() else { return };
         let origin = Origin { network: self.radios.network, station, counted_from: self.ledger.counted_from };

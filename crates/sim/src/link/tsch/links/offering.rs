@@ -94,8 +94,13 @@ impl Links {
         if frame.kind != FrameKind::Data {
             return;
         }
-        let report =
-            SendReport { frame: frame.id, to: frame.to, outcome, transmissions: frame.transmissions, offered: frame.offered };
+        let report = SendReport {
+            frame: frame.id,
+            to: frame.to,
+            outcome,
+            transmissions: frame.transmissions,
+            offered: frame.offered,
+        };
         let fate = PacketFate::Sent(frame.outcome);
         self.end_packet(station, frame, outcome.into(), fate, scene);
         scene.upcalls.push(Upcall::Sent { station, report });
