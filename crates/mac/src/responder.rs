@@ -7,7 +7,7 @@
 
 use std::time::Duration;
 
-use crate::frame::{Address, BROADCAST_PAN, Endpoint, Frame, FrameBody};
+use crate::frame::{Address, BROADCAST_PAN, Frame, FrameBody};
 use crate::{Class, Phy, RadioState};
 
 /// An event of the responder.
@@ -147,6 +147,7 @@ impl Responder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Endpoint;
     use sextant_kernel::StationId;
 
     const PAN: u16 = 0x1234;

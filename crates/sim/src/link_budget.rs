@@ -78,7 +78,7 @@ pub struct LinkReception {
     /// Size of the frame of the probabilities (octets).
     pub frame_octets: u16,
     /// Probability that such a frame is received at this power. The share that receivers lose for no reason of the channel
-    /// (`faults.message_loss`) counts, as in all shares here.
+    /// (`faults.message_loss`) counts.
     pub probability: f64,
     /// The same at the power without the shadowing and the fading of this link, over all draws of shadowing, fading and bursts
     /// of loss.
@@ -228,7 +228,8 @@ impl LinkBudgets {
         })
     }
 
-    /// The share of frames from one station to another that are received at the start if no other signal disturbs: the
+    /// The share of frames from one station to another that are received at the start if no other signal disturbs, and no message is
+    /// lost for another reason: the
     /// [`probability`](LinkReception::probability) of the link, or that over all draws if each packet has its own shadowing.
     ///
     /// # Panics
@@ -244,11 +245,10 @@ impl LinkBudgets {
     /// If there is no such network or station.
     #[must_use]
     pub fn share_at_least(&mut self, network: NetworkId, from: StationId, to: StationId, least: f64) -> Option<f64> {
-        let share = self.share_unless_below(network, from, to, least / self.kept)?;
-        Some(share * self.kept).filter(|&share| share >= least)
+        self.share_unless_below(network, from, to, least).filter(|&share| share >= least)
     }
 
-    /// The share of frames that are received but for the loss of messages; `None` if it is clearly below `least`.
+    /// The share of frames that are received; `None` if it is clearly below `least`.
     fn share_unless_below(&mut self, network: NetworkId, from: StationId, to: StationId, least: f64) -> Option<f64> {
         let (_, items, rules) = self.best(network, from, to)?;
         let placed = &self.networks[network.index()].network;

@@ -137,3 +137,25 @@ impl Waypoints {
         Some(Leg::new(from, to, start, self.speed_m_per_s))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn legs_that_take_no_time_or_for_ever_are_refused() {
+        let way = |x_m: f64, speed_m_per_s: f64, at_end: AtEnd| {
+            let places_m = vec![Position::ORIGIN, Position::new(x_m, 0.0, 0.0)];
+            let config = WaypointsConfig { places_m, speed_m_per_s, at_end };
+            config.build(&ObstacleField::default()).map(drop).map_err(|error| error.to_string())
+        };
+        let refused = |x_m, speed_m_per_s, at_end| way(x_m, speed_m_per_s, at_end).expect_err("a mistake");
+        assert_eq!(way(1e-3, 1e3, AtEnd::Loop), Ok(()));
+        for x_m in [0.0, 1e-9, 9e-4] {
+            let message = refused(x_m, 1e3, AtEnd::Loop);
+            assert!(message.contains("a place at least 0.001 m from the one before it"), "{message}");
+        }
+        let message = refused(1e9, 0.5, AtEnd::Stay);
+        assert!(message.contains("reaches within 1000000000 s at 0.5 m/s"), "{message}");
+    }
+}
