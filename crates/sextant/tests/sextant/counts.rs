@@ -72,13 +72,13 @@ impl sextant::RunObserver for Traced {}
 #[test]
 fn each_packet_counts_once_whatever_its_node_dies_of() {
     let busy = "{ mpdu_octets = 100, interval_s = 0.004, acknowledged = true }";
-    let slow = "{ mpdu_octets = 100, interval_s = 0.2, acknowledged = true }";
+    let slow = "{ mpdu_octets = 100, interval_s = 0.05, acknowledged = true }";
     for (table, traffic, capacity_j) in [
         ("csma_unslotted = { rx_on_when_idle = true, queue_frames = 4 }", busy, 0.4),
         ("csma_unslotted = { sleep_between_frames = true, queue_frames = 4 }", busy, 0.1),
         ("beacon_enabled = { beacon_order = 4, superframe_order = 3, queue_frames = 4 }", busy, 0.2),
         ("tsch = { queue_frames = 4, schedule.minimal.slotframe = 3 }", busy, 0.04),
-        ("sleep = { interval_s = 0.25, queue_frames = 4, wake_up.x_mac = {} }", slow, 0.02),
+        ("sleep = { interval_s = 0.25, queue_frames = 4, sinks = \"sleep\", wake_up.x_mac = {} }", slow, 0.02),
         (
             "sleep = { interval_s = 0.25, queue_frames = 4, sinks = \"sleep\", wake_up.repeated_data = {} }",
             slow,
@@ -118,7 +118,7 @@ fn each_packet_over_several_hops_counts_once() {
     ] {
         let rest = format!(
             "duration_s = 60.0\nchannel.max_range_m = 12.0\nmac.{table}\nrouting.tree.{tree}\n\
-             traffic.periodic = {{ mpdu_octets = 60, interval_s = 0.05 }}\n\
+             traffic.periodic = {{ mpdu_octets = 60, interval_s = 0.01 }}\n\
              faults.deaths = {{ names = [\"n1\"], from_s = 30.0, to_s = 30.0 }}\n"
         );
         let found = summary(&star(&[20.0, 10.0], &rest));
@@ -146,7 +146,7 @@ fn strobes_that_nobody_answers_are_no_transmissions() {
     assert_eq!((strobed.all.sent, strobed.all.transmissions, strobed.all.retries), (0, 0, 0));
     let sleep = strobed.sleep.expect("sleeps");
     assert!(sleep.strobes > 1000 && sleep.strobes_per_packet.is_none(), "{sleep:?}");
-    assert!(strobed.all.no_acknowledgement > 10 && strobed.all.lost_signal == strobed.all.no_acknowledgement);
+    assert!(strobed.all.no_acknowledgement > 10 && strobed.all.out_of_range == strobed.all.no_acknowledgement);
     // Copies of one attempt are one transmission.
     let repeated = mac(&star(&[1e4], &rest("repeated_data = {}")));
     assert_sums(&repeated.all, "repeated_data");
