@@ -130,6 +130,16 @@ impl EnergyConfig {
         }
     }
 
+    /// The most power with which the chip sends, if that is below `power`; `None` if it is not, or not known.
+    #[must_use]
+    pub fn falls_short_of(self, power: Dbm) -> Option<Dbm> {
+        if matches!(self, Self::Mmwave60Ghz | Self::Custom(_)) {
+            return None;
+        }
+        let most = RadioStates::try_from(self).ok()?.tx.last()?.power;
+        Some(most).filter(|most| *most < power)
+    }
+
     /// Its name in scenarios.
     #[must_use]
     pub const fn name(self) -> &'static str {

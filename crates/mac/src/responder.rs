@@ -5,10 +5,9 @@
 //! (12 symbols) is longer than a CCA (8 symbols), so a third station can find the channel idle in
 //! the gap and collide with the acknowledgement: a real effect of the standard.
 
-use std::collections::BTreeMap;
 use std::time::Duration;
 
-use crate::frame::{Address, BROADCAST_PAN, Endpoint, Frame, FrameBody};
+use crate::frame::{Address, BROADCAST_PAN, Frame, FrameBody};
 use crate::{Class, Phy, RadioState};
 
 /// An event of the responder.
@@ -47,10 +46,8 @@ pub trait Radio {
 /// The decision about a received frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is for this station and new.
+    /// It is for this station.
     Deliver,
-    /// It is for this station, which has received it before: the acknowledgement was lost.
-    Duplicate,
     /// It is for another station.
     NotForUs,
 }
@@ -69,15 +66,13 @@ pub struct Responder {
     pan: u16,
     address: Address,
     state: State,
-    /// Sequence number of the last frame with acknowledgement request, for each station.
-    last: BTreeMap<Endpoint, u8>,
 }
 
 impl Responder {
     /// A station with this address that listens.
     #[must_use]
     pub const fn new(phy: Phy, pan: u16, address: Address) -> Self {
-        Self { phy, pan, address, state: State::Listening, last: BTreeMap::new() }
+        Self { phy, pan, address, state: State::Listening }
     }
 
     /// Whether an acknowledgement is under way: the radio is deaf, and a CCA of this station reads busy.
@@ -87,7 +82,8 @@ impl Responder {
     }
 
     /// Decides about a frame whose last bit arrives now with a correct FCS. If it is for this station and requests an
-    /// acknowledgement, the acknowledgement starts one turnaround from now.
+    /// acknowledgement, the acknowledgement starts one turnaround from now. Copies of a frame are acknowledged like the first one;
+    /// that they are copies is known to whoever keeps the packets, for sequence numbers go round.
     ///
     /// # Panics
     /// If an acknowledgement is under way: a deaf radio receives nothing.
@@ -113,9 +109,7 @@ impl Responder {
         self.state = State::TurningToTransmit { sequence: frame.sequence };
         radio.enter(RadioState::Turnaround);
         radio.after(gap, Event::TransmitReady);
-        let is_known =
-            frame.source.is_some_and(|from| self.last.insert(from, frame.sequence) == Some(frame.sequence));
-        if is_known { Verdict::Duplicate } else { Verdict::Deliver }
+        Verdict::Deliver
     }
 
     /// Handles an event.
@@ -153,6 +147,7 @@ impl Responder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Endpoint;
     use sextant_kernel::StationId;
 
     const PAN: u16 = 0x1234;
@@ -219,17 +214,6 @@ mod tests {
         assert!(!responder.is_responding());
         assert_eq!(radio.states, [RadioState::Turnaround, RadioState::Transmit, RadioState::Receive]);
         assert_eq!(radio.timers.len(), 1);
-    }
-
-    #[test]
-    fn a_duplicate_is_acknowledged_again_and_delivered_once() {
-        let mut responder = robot();
-        assert_eq!(respond(&mut responder, &request(7, 5)), (Verdict::Deliver, Some(5)));
-        assert_eq!(respond(&mut responder, &request(7, 5)), (Verdict::Duplicate, Some(5)));
-        assert_eq!(respond(&mut responder, &request(8, 5)), (Verdict::Deliver, Some(5)));
-        assert_eq!(respond(&mut responder, &request(7, 5)), (Verdict::Duplicate, Some(5)));
-        assert_eq!(respond(&mut responder, &request(7, 6)), (Verdict::Deliver, Some(6)));
-        assert_eq!(respond(&mut responder, &request(7, 5)), (Verdict::Deliver, Some(5)));
     }
 
     #[test]

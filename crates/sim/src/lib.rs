@@ -141,8 +141,8 @@ pub use link::ieee80211ad::DmgRadio;
 pub use link::ieee802154::{Mac, Radio};
 pub use link::programmed::{Acknowledging, Hearing, Programmed, RadioFrame};
 pub use link::{
-    FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig, Sleeping,
-    Technology, Tsch,
+    CellFault, FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig,
+    Sleeping, Technology, Tsch,
 };
 pub use link_budget::{LinkBudget, LinkBudgets, LinkReception};
 pub use link_trace::{LinkTraceConfig, NetworkTrace, OtherLinksConfig, TraceStations};
@@ -169,7 +169,7 @@ pub use service::slots::SlotUse;
 pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use setup::Setup;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
-pub use simulation::{Applications, LeftOut, ReadySimulation, Simulation, Team};
+pub use simulation::{Applications, LeftOut, PacketWay, ReadySimulation, Simulation, Team};
 pub use snapshot::{Reached, RobotSnapshot, Snapshot};
 pub use station::{
     Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RobotPose,

@@ -23,6 +23,8 @@ pub struct LinkBudgets {
     obstacles: ObstacleField,
     places: Vec<Position>,
     roll: Roll,
+    /// Share of the frames that receivers do not lose for no reason of the channel.
+    kept: f64,
 }
 
 /// A network, and where its receivers are.
@@ -75,7 +77,8 @@ pub struct LinkReception {
     pub least_power: Dbm,
     /// Size of the frame of the probabilities (octets).
     pub frame_octets: u16,
-    /// Probability that such a frame is received at this power.
+    /// Probability that such a frame is received at this power. The share that receivers lose for no reason of the channel
+    /// (`faults.message_loss`) counts.
     pub probability: f64,
     /// The same at the power without the shadowing and the fading of this link, over all draws of shadowing, fading and bursts
     /// of loss.
@@ -126,7 +129,14 @@ impl LinkBudgets {
         }
         let starts = robots.iter().map(|robot| robot.body.start);
         let places = nodes.chain(starts).chain(sinks.iter().map(|sink| sink.position)).collect();
-        Ok(Self { networks: placed, airs, obstacles: world.obstacles.clone(), places, roll })
+        Ok(Self {
+            networks: placed,
+            airs,
+            obstacles: world.obstacles.clone(),
+            places,
+            roll,
+            kept: 1.0 - message_loss,
+        })
     }
 
     /// The obstacles, by the indices of the budgets.
@@ -197,8 +207,10 @@ impl LinkBudgets {
             model: rules.model,
             least_power: rules.least_power().to_dbm(),
             frame_octets,
-            probability: measured.unwrap_or_else(|| rules.reception_alone(power.to_milliwatts(), airtime)),
-            probability_over_shadowing: measured.unwrap_or_else(|| over_shadowing(&law, &rules, mean, airtime)),
+            probability: self.kept
+                * measured.unwrap_or_else(|| rules.reception_alone(power.to_milliwatts(), airtime)),
+            probability_over_shadowing: self.kept
+                * measured.unwrap_or_else(|| over_shadowing(&law, &rules, mean, airtime)),
             busy_from: settings.radio().busy_from(self.node(to)),
         };
         let shadowing = shadowing.filter(|_| law.shadowing().sigma_db() > 0.0);
@@ -216,7 +228,8 @@ impl LinkBudgets {
         })
     }
 
-    /// The share of frames from one station to another that are received at the start if no other signal disturbs: the
+    /// The share of frames from one station to another that are received at the start if no other signal disturbs, and no message is
+    /// lost for another reason: the
     /// [`probability`](LinkReception::probability) of the link, or that over all draws if each packet has its own shadowing.
     ///
     /// # Panics

@@ -3,6 +3,8 @@
 
 use sextant_kernel::{Purpose, Seed, StationId};
 
+use crate::service::network_id::NetworkId;
+
 /// Places of nodes.
 pub(crate) const LAYOUT: Purpose = Purpose::new(1);
 /// Phase and jitter of the nodes' traffic.
@@ -68,6 +70,14 @@ const PROGRAM: Purpose = Purpose::new(33);
 pub fn program_seed(seed: Seed, station: StationId) -> u128 {
     let half = |number| u128::from(seed.bits(PROGRAM, [station.0.into(), number, 0]));
     half(0) << 64 | half(1)
+}
+
+/// The seed of the traffic in a network: that of all in the first network, so that more networks change nothing there.
+pub(crate) fn traffic_seed(seed: Seed, network: NetworkId) -> Seed {
+    match network.0 {
+        0 => seed,
+        number => Seed(seed.bits(NETWORK, [number.into(), 0, 0])),
+    }
 }
 
 #[cfg(test)]

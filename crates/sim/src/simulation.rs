@@ -2,6 +2,7 @@
 
 mod applications;
 pub(crate) mod discovery;
+mod futile;
 mod mixed;
 mod ready;
 mod stations;
@@ -30,6 +31,7 @@ use crate::service::packets::{Packets, TooFar};
 use crate::setup::Setup;
 use crate::station::{Roll, StationKind};
 pub use applications::Applications;
+pub use futile::PacketWay;
 pub use ready::{LeftOut, ReadySimulation};
 use stations::Stations;
 pub use team::Team;

@@ -14,6 +14,8 @@ pub struct Deliveries {
     pub delivered: u64,
     /// Those that did not arrive and wait in a queue at the end.
     pub pending: u64,
+    /// Those that did not arrive and waited in no queue but those of stations that died.
+    pub died: u64,
     /// Copies that arrived after the first one.
     pub copies: u64,
     /// Time from the offer to the arrival.
@@ -28,6 +30,15 @@ pub struct Deliveries {
     pub stretched: u64,
 }
 
+/// Where a packet that did not arrive is at the end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Left {
+    /// In the queue of a station that lives.
+    Waiting,
+    /// In the queues of stations that died alone.
+    Dead,
+}
+
 /// A packet that arrived where it should.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arrival {
@@ -39,11 +50,17 @@ pub(super) struct Arrival {
 }
 
 impl Deliveries {
+    /// Packets that are lost: neither arrived nor left anywhere.
+    #[must_use]
+    pub fn lost(&self) -> u64 {
+        self.offered - self.delivered - self.pending - self.died
+    }
+
     /// What became of the packets that were `offered`, of which these `arrived`, in any order.
     pub(super) fn of(
         offered: &[SimTime],
         arrived: &[Arrival],
-        waits: impl Fn(u16) -> bool,
+        left: impl Fn(u16) -> Option<Left>,
         shortest_hops: Option<u32>,
         counted_from: SimTime,
     ) -> Self {
@@ -71,9 +88,13 @@ impl Deliveries {
                 None => {
                     #[expect(clippy::cast_possible_truncation, reason = "numbers of packets go round")]
                     let short = number as u16;
-                    // Only the latest packet with these bits can wait.
+                    // Only the latest packet with these bits can be left.
                     let is_latest = offered.len() as u64 - u64::from(number) <= 1 << 16;
-                    all.pending += u64::from(is_latest && waits(short));
+                    match left(short).filter(|_| is_latest) {
+                        Some(Left::Waiting) => all.pending += 1,
+                        Some(Left::Dead) => all.died += 1,
+                        None => {}
+                    }
                 }
             }
         }
@@ -95,10 +116,11 @@ impl Deliveries {
 impl std::ops::AddAssign<&Deliveries> for Deliveries {
     fn add_assign(&mut self, other: &Self) {
         // Without `..`, so that no field is forgotten.
-        let Self { offered, delivered, pending, copies, delays, hops, most_hops, stretch, stretched } = other;
+        let Self { offered, delivered, pending, died, copies, delays, hops, most_hops, stretch, stretched } = other;
         self.offered += offered;
         self.delivered += delivered;
         self.pending += pending;
+        self.died += died;
         self.copies += copies;
         self.delays.merge(delays);
         self.hops += hops;
@@ -125,13 +147,18 @@ mod tests {
     }
 
     #[test]
-    fn each_packet_is_delivered_once_pending_or_lost() {
+    fn each_packet_is_delivered_once_left_or_lost() {
         let arrival = |number, hops, time_s| Arrival { origin: StationId(0), number, hops, time: at(time_s) };
-        let offered = [at(1), at(2), at(3), at(4), at(5)];
-        // Number 0 is before the warm-up, number 3 is lost, number 4 waits.
+        let offered = [at(1), at(2), at(3), at(4), at(5), at(6)];
+        // Number 0 is before the warm-up, number 3 is lost, number 4 waits, number 5 is in a dead station.
         let arrived = [arrival(0, 9, 2), arrival(1, 2, 4), arrival(1, 3, 9), arrival(2, 4, 6)];
-        let all = Deliveries::of(&offered, &arrived, |number| number == 4, Some(2), at(2));
-        assert_eq!((all.offered, all.delivered, all.pending, all.copies), (4, 2, 1, 1));
+        let left = |number: u16| match number {
+            4 => Some(Left::Waiting),
+            5 => Some(Left::Dead),
+            _ => None,
+        };
+        let all = Deliveries::of(&offered, &arrived, left, Some(2), at(2));
+        assert_eq!((all.offered, all.delivered, all.pending, all.died, all.lost(), all.copies), (5, 2, 1, 1, 1, 1));
         assert_eq!((all.hops, all.most_hops, all.stretched, all.delays.mean_s()), (6, 4, 2, Some(2.5)));
         assert!((all.stretch - 3.0).abs() < 1e-12);
     }

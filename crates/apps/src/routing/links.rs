@@ -4,7 +4,8 @@ use sextant_kernel::{SettingError, StationId};
 use sextant_sim::{LinkBudgets, NetworkId, Setup};
 
 /// The usable links among the stations of a setup as it stands at the start, by what `sextant explain-link` says of each: with
-/// the shadowing of the link, or over all draws if each packet has its own; without fading in time; or as measured at first.
+/// the shadowing of the link, or over all draws if each packet has its own; without fading in time and without lost messages; or
+/// as measured at first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UsableLinks {
     /// The links from each station: to whom, and expected transmissions.

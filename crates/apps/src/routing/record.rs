@@ -1,12 +1,12 @@
 //! What became of packets that go over several hops, and of their tree.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use sextant_kernel::{SimTime, StationId};
 
 use super::config::{RoutedTo, TreeMetric};
 use super::counts::Counts;
-use super::deliveries::{Arrival, Deliveries};
+use super::deliveries::{Arrival, Deliveries, Left};
 use super::links::UsableLinks;
 use super::tree::Tree;
 
@@ -122,7 +122,7 @@ impl RoutingRecord {
                 known: left.known.clone(),
             })
             .collect();
-        let waiting = waiting(&left, is_dead);
+        let kept = kept(&left, is_dead);
         let mut arrivals: Vec<Vec<Arrival>> = vec![Vec::new(); left.len()];
         for arrival in left.iter().flat_map(|station| &station.arrived) {
             arrivals[arrival.origin.index()].push(*arrival);
@@ -132,7 +132,7 @@ impl RoutingRecord {
             station.packets = Deliveries::of(
                 &left[number].offered,
                 &arrived,
-                |number| waiting.contains(&(origin, number)),
+                |number| kept.get(&(origin, number)).copied(),
                 station.shortest_hops.filter(|_| context.to != RoutedTo::Nodes),
                 context.counted_from,
             );
@@ -147,10 +147,15 @@ impl RoutingRecord {
     }
 }
 
-/// Origin and number of the packets in the queues of stations that live.
-fn waiting(left: &[StationRecord], is_dead: impl Fn(usize) -> bool) -> BTreeSet<(StationId, u16)> {
-    let lives = |&(number, _): &(usize, &StationRecord)| !is_dead(number);
-    left.iter().enumerate().filter(lives).flat_map(|(_, station)| station.waiting.iter().copied()).collect()
+/// Origin and number of the packets in queues, and whether any of them lives.
+fn kept(left: &[StationRecord], is_dead: impl Fn(usize) -> bool) -> BTreeMap<(StationId, u16), Left> {
+    let (dead, living): (Vec<_>, Vec<_>) = left.iter().enumerate().partition(|(number, _)| is_dead(*number));
+    let all = |stations: Vec<(usize, &StationRecord)>, of: Left| {
+        let waiting = stations.into_iter().flat_map(|(_, station)| station.waiting.clone());
+        waiting.map(move |packet| (packet, of)).collect::<Vec<_>>()
+    };
+    // Those of the living count where both have one.
+    all(dead, Left::Dead).into_iter().chain(all(living, Left::Waiting)).collect()
 }
 
 #[cfg(test)]
@@ -159,7 +164,7 @@ mod tests {
 
     /// A chain to the sink 3, whose middle station died.
     #[test]
-    fn a_way_over_a_dead_station_is_no_way_and_what_waits_there_is_lost() {
+    fn a_way_over_a_dead_station_is_no_way_and_what_waits_there_ends_with_it() {
         let station = |parent: Option<u32>, waiting: &[u16]| StationRecord {
             offered: vec![SimTime::ZERO],
             waiting: waiting.iter().map(|&number| (StationId(0), number)).collect(),
@@ -184,6 +189,6 @@ mod tests {
         assert_eq!(all_live[0].packets.pending, 1);
         let one_dead = record(vec![false, true, false]);
         assert_eq!(states(&one_dead), [(false, false, Some(3)), (true, false, Some(2)), hops(1), hops(0)]);
-        assert_eq!(one_dead[0].packets.pending, 0);
+        assert_eq!((one_dead[0].packets.pending, one_dead[0].packets.died), (0, 1));
     }
 }

@@ -54,9 +54,9 @@ fn a_recording_has_each_battery_and_each_death() {
     let packets = read("mac_packets.csv");
     let column = |name: &str| packets.lines().next().expect("a header").split(',').position(|cell| cell == name);
     let (end, fate) = (column("end").expect("a column"), column("fate").expect("a column"));
-    let depleted = rows(&packets).iter().filter(|row| row[fate] == "depleted").count() as u64;
-    assert!(depleted > 0 && rows(&packets).iter().all(|row| row[fate] != "depleted" || row[end] == "depleted"));
-    assert_eq!(summary["mac"]["depleted"].as_u64(), Some(depleted));
+    let died = rows(&packets).iter().filter(|row| row[fate] == "died").count() as u64;
+    assert!(died > 0 && rows(&packets).iter().all(|row| row[fate] != "died" || row[end] == "died"));
+    assert_eq!(summary["mac"]["died"].as_u64(), Some(died));
 }
 
 #[test]

@@ -223,12 +223,7 @@ impl<T> Sender<T> {
         Ending::Again
     }
 
-    /// All frames that wait but for beacons: those to all, and then those to each station.
-    pub fn waiting_mut(&mut self) -> impl Iterator<Item = &mut T> {
-        self.to_all.iter_mut().chain(self.queues.iter_mut().flat_map(|queue| &mut queue.frames))
-    }
-
-    /// Takes all frames, beacons included: the station sends nothing any more.
+    /// Takes all frames: the beacon, those to all, and then those to each station. The station sends nothing any more.
     pub fn take_all(&mut self) -> Vec<T> {
         let queued = self.queues.iter_mut().flat_map(|queue| queue.frames.drain(..));
         self.beacon.take().into_iter().chain(self.to_all.drain(..)).chain(queued).collect()
@@ -392,7 +387,7 @@ mod tests {
         sender.offer(Some(PEER), "last").expect("there is room");
         assert_eq!(sender.offer(Some(PEER), "lost"), Err("lost"));
         sender.offer_first(PEER, "second");
-        let frames: Vec<&str> = sender.waiting_mut().map(|frame| *frame).collect();
+        let frames = sender.take_all();
         assert_eq!(frames, ["first", "second", "last"]);
     }
 

@@ -14,7 +14,7 @@ const LIGHT_M_PER_S: f64 = 299_792_458.0;
 impl Warnings<'_> {
     /// Frames that last longer than their link stays as it is, measured links without robots, and those of nodes that move.
     pub(super) fn changes(&mut self, reach: &Reach<'_>) {
-        let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+        let table = reach.table();
         self.fast_fading(reach, &table);
         let surveys = self
             .setup

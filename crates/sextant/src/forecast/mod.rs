@@ -7,6 +7,7 @@
 mod changes;
 mod cost;
 mod curve;
+mod futile;
 mod idle_obstacles;
 mod interval;
 mod network;

@@ -112,6 +112,11 @@ impl<'a> Reach<'a> {
         setup.networks.iter().map(|network| Self::new(network, setup)).collect()
     }
 
+    /// Where the tables of the network are in the scenario: a key before theirs, or nothing.
+    pub(super) fn table(&self) -> String {
+        self.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."))
+    }
+
     fn new(network: &'a Network, setup: &'a Setup) -> Self {
         let number = setup.networks.iter().position(|other| std::ptr::eq(other, network)).unwrap_or(0);
         let octets = Some(network.traffic.mpdu_octets()).filter(|octets| *octets > 0).unwrap_or(USUAL_OCTETS);

@@ -52,6 +52,8 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     reaches.iter().for_each(|reach| warnings.programs(reach));
     reaches.iter().for_each(|reach| warnings.slotframes(reach));
     reaches.iter().for_each(|reach| warnings.deaf_checks(reach));
+    reaches.iter().for_each(|reach| warnings.futile_cells(reach));
+    reaches.iter().for_each(|reach| warnings.late_packets(reach));
     warnings.chips();
     warnings.route_tables();
     warnings.short_stops(&reaches);
@@ -65,7 +67,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
 }
 
 pub(super) struct Warnings<'a> {
-    scenario: &'a Scenario,
+    pub(super) scenario: &'a Scenario,
     pub(super) setup: &'a Setup,
     found: Vec<Warning>,
 }
@@ -84,7 +86,7 @@ impl Warnings<'_> {
         let loss_db = reach.law().path_loss().loss(1.0).0;
         let power_dbm = reach.network.technology.tx_power().0;
         if loss_db < LEAST_LOSS_DB && power_dbm - loss_db > STRONG_DBM {
-            let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+            let table = reach.table();
             let at_antenna_dbm = power_dbm - loss_db + 40.0;
             self.warn(
                 format!("{table}channel.path_loss.log_distance.reference_loss_db"),
@@ -99,7 +101,7 @@ impl Warnings<'_> {
     /// Networks whose radios do nothing without programs.
     fn programs(&mut self, reach: &Reach<'_>) {
         if reach.network.technology.is_programmed() {
-            let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+            let table = reach.table();
             self.warn(
                 format!("{table}mac.program"),
                 "no program comes with a scenario, so the nodes are silent; run it by the library or in Python with programs \
@@ -111,7 +113,7 @@ impl Warnings<'_> {
     /// Slotframes that hop over a part of the channels alone, and clocks that nothing sets again.
     fn slotframes(&mut self, reach: &Reach<'_>) {
         let Technology::Tsch(links) = &reach.network.technology else { return };
-        let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+        let table = reach.table();
         let channels = links.tsch.hopping.channels().len();
         for (key, length) in links.tsch.slotframes() {
             let visited = links.tsch.hopping.channels_visited(length);
@@ -139,7 +141,7 @@ impl Warnings<'_> {
         let looks = technology.sleeping().is_some_and(|links| matches!(links.sleep.check(), Check::Looks(_)));
         let (threshold, sensitivity) = (technology.carrier_sense_threshold(), technology.sensitivity());
         if looks && threshold > sensitivity {
-            let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+            let table = reach.table();
             self.warn(
                 format!("{table}radio.cca_threshold_dbm"),
                 format!(
@@ -191,7 +193,7 @@ impl Warnings<'_> {
     /// Planar cuts whose gains are taken for all elevations.
     fn endless_cuts(&mut self, reach: &Reach<'_>) {
         let Some(antennas) = reach.network.technology.antennas() else { return };
-        let table = reach.network.name.as_ref().map_or(String::new(), |name| format!("networks.{name}."));
+        let table = reach.table();
         for (who, antenna) in [("nodes", antennas.nodes()), ("robots", antennas.robots())] {
             if let Some(elevation_deg) = antenna.endless_cut_deg() {
                 self.warn(

@@ -128,6 +128,7 @@ pub fn explain_link(scenario: &Scenario, a: &str, b: &str, network: Option<&str>
         shadowing,
         fading: FadingReport::of(&law, budget.as_ref().map(|(forth, _)| forth)),
         bursts: BurstsReport::of(&law),
+        message_loss: Some(stations.setup().faults.message_loss()).filter(|&share| share > 0.0),
         directions: budget
             .map(|(forth, back)| [Direction::new(&a.name, &b.name, &forth), Direction::new(&b.name, &a.name, &back)]),
         ends: [a.into(), b.into()],

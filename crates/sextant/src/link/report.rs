@@ -42,6 +42,10 @@ pub struct LinkReport {
     /// How bursts of loss change the link, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts: Option<BurstsReport>,
+    /// Share of the frames, received otherwise, that receivers lose (`faults.message_loss`): all probabilities count it. Absent if they
+    /// lose none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub message_loss: Option<f64>,
     /// From the first end to the second one, and back; absent beyond the radius of communication.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directions: Option<[Direction; 2]>,

@@ -148,6 +148,13 @@ impl LinkReport {
         if let Some(bursts) = &self.bursts {
             bursts.write_notes(f)?;
         }
+        if let Some(loss) = self.message_loss {
+            writeln!(
+                f,
+                "Receivers lose a further {} of the frames (`faults.message_loss`); it counts above.",
+                share(loss)
+            )?;
+        }
         if !path.obstacles_attenuate {
             writeln!(f, "Obstacles do not absorb power in this channel (`obstacles_attenuate = false`).")?;
         }

@@ -65,25 +65,18 @@ fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Optio
         return None;
     }
     let nodes: Vec<&SlotUse> = members.iter().map(|node| &record.slots[node.index()]).collect();
-    let mean = |values: &mut dyn Iterator<Item = f64>| {
-        let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value));
-        (count > 0).then(|| sum / f64::from(count))
-    };
-    let duty_cycle = |used: &SlotUse| match used.span.is_zero() {
-        true => 0.0,
-        false => used.on.as_secs_f64() / used.span.as_secs_f64(),
-    };
+    // One that died before the end of the warm-up has no time that counts.
+    let counted: Vec<&SlotUse> = nodes.iter().copied().filter(|used| !used.span.is_zero()).collect();
+    let duty_cycle = |used: &SlotUse| used.on.as_secs_f64() / used.span.as_secs_f64();
+    let current_a = |used: &SlotUse| used.counts.charge_c() / used.span.as_secs_f64();
     let mut counts = SlotCounts::default();
     nodes.iter().for_each(|used| counts += used.counts);
-    let current_a = |used: &SlotUse| match used.span.is_zero() {
-        true => 0.0,
-        false => used.counts.charge_c() / used.span.as_secs_f64(),
-    };
     // A sink that is in another network has no slots in this one.
-    let sinks = record.slots[first_sink..].iter().filter(|used| used.is_member);
+    let sinks = record.slots[first_sink..].iter().filter(|used| used.is_member && !used.span.is_zero());
     Some(SlotSummary {
-        duty_cycle: mean(&mut nodes.iter().map(|used| duty_cycle(used))).unwrap_or(0.0),
-        sink_duty_cycle: mean(&mut sinks.map(duty_cycle)),
+        counted_nodes: (counted.len() < nodes.len()).then_some(counted.len()),
+        duty_cycle: mean(counted.iter().map(|used| duty_cycle(used))).unwrap_or(0.0),
+        sink_duty_cycle: mean(sinks.map(duty_cycle)),
         idle_listen: counts.of(SlotKind::IdleListen),
         transmit_acknowledged: counts.of(SlotKind::TransmitAcknowledged),
         transmit_unacknowledged: counts.of(SlotKind::TransmitUnacknowledged),
@@ -91,13 +84,19 @@ fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Optio
         receive_acknowledge: counts.of(SlotKind::ReceiveAcknowledge),
         receive: counts.of(SlotKind::Receive),
         // No charge was published for a scan.
-        mean_current_a: mean(&mut nodes.iter().map(|used| current_a(used)))
+        mean_current_a: mean(counted.iter().map(|used| current_a(used)))
             .filter(|_| nodes.iter().all(|used| used.scanned.is_zero())),
         joined: nodes.iter().filter(|used| used.is_member).count(),
         lost: nodes.iter().map(|used| used.lost).sum(),
-        join_s: mean(&mut nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64()))),
-        negotiated: negotiated(&nodes),
+        join_s: mean(nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64()))),
+        negotiated: negotiated(&counted),
     })
+}
+
+/// The mean of these values, in their order; `None` if there are none.
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value));
+    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// How nodes agreed on cells, if they did.
@@ -106,7 +105,7 @@ fn negotiated(nodes: &[&SlotUse]) -> Option<NegotiatedSummary> {
     if used.is_empty() {
         return None;
     }
-    let mean = |of: fn(&MsfUse) -> f64| used.iter().map(of).sum::<f64>() / used.len() as f64;
+    let mean = |of: fn(&MsfUse) -> f64| mean(used.iter().map(of)).unwrap_or(0.0);
     let sum = |of: fn(&MsfUse) -> u64| used.iter().map(of).sum();
     Some(NegotiatedSummary {
         mean_cells: mean(|used| used.mean_cells),
@@ -127,31 +126,27 @@ fn sleep(
     if record.sleep.is_empty() {
         return None;
     }
-    let duty_cycle = |used: &SleepUse| match used.span.is_zero() {
-        true => 0.0,
-        false => used.on.as_secs_f64() / used.span.as_secs_f64(),
-    };
-    let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+    let duty_cycle = |used: &SleepUse| used.on.as_secs_f64() / used.span.as_secs_f64();
     let used = |node: &NodeId| &record.sleep[node.index()];
-    let of_nodes: Vec<f64> = members.iter().map(|node| duty_cycle(used(node))).collect();
-    let worst = of_nodes.iter().zip(members).max_by(|(a, _), (b, _)| a.total_cmp(b));
-    let sinks: Vec<f64> = record.sleep[first_sink..].iter().filter(|used| used.is_member).map(duty_cycle).collect();
+    // One that died before the end of the warm-up has no time that counts.
+    let counted: Vec<&NodeId> = members.iter().filter(|node| !used(node).span.is_zero()).collect();
+    let share = |node: &NodeId| duty_cycle(used(node));
+    let worst = counted.iter().copied().max_by(|a, b| share(a).total_cmp(&share(b)));
+    let sinks = record.sleep[first_sink..].iter().filter(|used| used.is_member && !used.span.is_zero());
     let strobes = members.iter().map(|node| used(node).strobes).sum();
     let sent: u64 = members.iter().map(|node| record.packets[node.index()].sent).sum();
     let energy = members.iter().map(|node| &record.energy[node.index()]);
-    let power = |node: &NodeId| {
-        let span_s = used(node).span.as_secs_f64();
-        if span_s > 0.0 { record.energy[node.index()].total_j() / span_s } else { 0.0 }
-    };
+    let power = |node: &NodeId| record.energy[node.index()].total_j() / used(node).span.as_secs_f64();
     Some(SleepSummary {
-        duty_cycle: mean(&of_nodes).unwrap_or(0.0),
-        worst_duty_cycle: worst.map_or(0.0, |(share, _)| *share),
-        worst_node: worst.map_or(String::new(), |(_, node)| nodes[node.index()].name.clone()),
-        sink_duty_cycle: mean(&sinks),
+        counted_nodes: (counted.len() < members.len()).then_some(counted.len()),
+        duty_cycle: mean(counted.iter().map(|node| share(node))).unwrap_or(0.0),
+        worst_duty_cycle: worst.map_or(0.0, share),
+        worst_node: worst.map_or(String::new(), |node| nodes[node.index()].name.clone()),
+        sink_duty_cycle: mean(sinks.map(duty_cycle)),
         checks: members.iter().map(|node| used(node).checks).sum(),
         strobes,
         strobes_per_packet: (sent > 0).then(|| strobes as f64 / sent as f64),
-        mean_power_w: mean(&members.iter().map(power).collect::<Vec<_>>()).unwrap_or(0.0),
+        mean_power_w: mean(counted.iter().map(|node| power(node))).unwrap_or(0.0),
         asleep_j: energy.map(|energy| energy.sleep_j).sum(),
     })
 }
@@ -185,7 +180,7 @@ fn summary(packets: Packets, energy: EnergySpent, delays: &Delays, duration_s: f
         out_of_range: packets.out_of_range,
         not_listened: packets.not_listened,
         not_listened_by: NotListenedSummary::from(&packets),
-        depleted: packets.depleted,
+        died: packets.died,
         pending: packets.pending,
         energy_j: EnergySummary { tx: energy.tx_j, rx: energy.rx_j, idle: energy.idle_j + energy.sleep_j },
     }

@@ -102,7 +102,7 @@ fn gathering(scenario: &Scenario, simulated: &Simulated) -> GatheringSummary {
         out_of_range: Some(packets.out_of_range),
         not_listened: Some(packets.not_listened),
         not_listened_by: Some(NotListenedSummary::from(&packets)),
-        depleted: packets.depleted,
+        died: packets.died,
         pending: Some(packets.pending),
         energy_j: Some(EnergySummary {
             tx: survey.energy.tx_j,

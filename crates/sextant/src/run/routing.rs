@@ -25,8 +25,12 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
     nodes.iter().for_each(|node| all += &node.packets);
     let counts = record.counts();
     let changes: usize = nodes.iter().map(|node| node.changes()).sum();
-    let hours = simulated.survey.end.saturating_since(SimTime::ZERO).as_secs_f64() / 3600.0;
-    let node_hours = nodes.len() as f64 * hours;
+    let survey = &simulated.survey;
+    let counted_from = SimTime::ZERO + scenario.warm_up();
+    // Until when each node lived, or the end.
+    let mut lived = vec![survey.end; nodes.len()];
+    survey.deaths.iter().for_each(|death| lived[death.node.index()] = death.time);
+    let node_hours = lived.iter().map(|end| end.as_secs_f64()).sum::<f64>() / 3600.0;
     Some(RoutingSummary {
         tree: written.tree.name(),
         to: match written.to {
@@ -37,6 +41,8 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
         offered: all.offered,
         delivered: all.delivered,
         pending: all.pending,
+        died: all.died,
+        lost: all.lost(),
         delivery: delivery(&all),
         delay_s: DelaySummary::of(&all.delays),
         hops: hops(&all),
@@ -63,7 +69,7 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
         parent_changes_per_node_h: if node_hours > 0.0 { changes as f64 / node_hours } else { 0.0 },
         without_way: nodes.iter().filter(|node| !node.is_dead && !node.has_way).count(),
         depth: nodes.iter().filter_map(|node| node.depth).max().unwrap_or(0),
-        by_depth: by_depth(nodes, energy, &simulated.survey.batteries),
+        by_depth: by_depth(nodes, energy, &survey.batteries, |node| lived[node] > counted_from),
         nodes: by_node(scenario, record, energy),
     })
 }
@@ -89,36 +95,55 @@ fn answers(sinks: &[RoutedStation]) -> AnswersSummary {
         offered: all.offered,
         delivered: all.delivered,
         pending: all.pending,
+        died: all.died,
+        lost: all.lost(),
         delivery: delivery(&all),
         delay_s: DelaySummary::of(&all.delays),
         hops: hops(&all),
     }
 }
 
-/// The nodes by their depth; `batteries` is empty if they have none.
-fn by_depth(nodes: &[RoutedStation], energy: &[EnergySpent], batteries: &[BatteryRecord]) -> Vec<DepthSummary> {
-    let mut depths: BTreeMap<u32, (Deliveries, EnergySpent, usize)> = BTreeMap::new();
-    for (node, &spent) in nodes.iter().zip(energy) {
+/// Nodes of one depth.
+#[derive(Default)]
+struct SameDepth {
+    packets: Deliveries,
+    spent: EnergySpent,
+    nodes: usize,
+    /// Those that lived after the warm-up.
+    counted: usize,
+}
+
+/// The nodes by their depth; `batteries` is empty if they have none. Energies are those of nodes that count.
+fn by_depth(
+    nodes: &[RoutedStation],
+    energy: &[EnergySpent],
+    batteries: &[BatteryRecord],
+    counts: impl Fn(usize) -> bool,
+) -> Vec<DepthSummary> {
+    let mut depths: BTreeMap<u32, SameDepth> = BTreeMap::new();
+    for (number, (node, &spent)) in nodes.iter().zip(energy).enumerate() {
         let Some(depth) = node.depth else { continue };
-        let (packets, sum, count) = depths.entry(depth).or_default();
-        *packets += &node.packets;
-        *sum += spent;
-        *count += 1;
+        let same = depths.entry(depth).or_default();
+        same.packets += &node.packets;
+        same.spent += spent;
+        same.nodes += 1;
+        same.counted += usize::from(counts(number));
     }
     let of_depth = |depth: u32| {
         let own = nodes.iter().zip(batteries).filter(move |(node, _)| node.depth == Some(depth));
         own.map(|(_, battery)| battery)
     };
     let dead = |depth: u32| of_depth(depth).filter(|battery| battery.depleted.is_some()).count();
-    let summary = |(depth, (packets, spent, nodes)): (u32, (Deliveries, EnergySpent, usize))| DepthSummary {
+    let summary = |(depth, SameDepth { packets, spent, nodes, counted }): (u32, SameDepth)| DepthSummary {
         depth,
         nodes,
+        counted_nodes: (counted < nodes).then_some(counted),
         offered: packets.offered,
         delivered: packets.delivered,
         delivery: delivery(&packets),
         delay_s: packets.delays.mean_s(),
-        energy_j: total_j(spent) / nodes as f64,
-        energy_tx_j: spent.tx_j / nodes as f64,
+        energy_j: spent.total_j() / counted.max(1) as f64,
+        energy_tx_j: spent.tx_j / counted.max(1) as f64,
         depleted: (!batteries.is_empty()).then(|| dead(depth)),
         lifetime_d: super::battery::lifetimes(of_depth(depth)),
     };
@@ -137,7 +162,7 @@ fn by_node(scenario: &Scenario, record: &RoutingRecord, energy: &[EnergySpent]) 
         delay_s: node.packets.delays.mean_s(),
         transmissions: node.counts.transmissions,
         parent_changes: node.changes() as u64,
-        energy_j: total_j(spent),
+        energy_j: spent.total_j(),
     };
     nodes.iter().zip(&record.stations).zip(energy).map(summary).collect()
 }
@@ -189,8 +214,4 @@ fn name_of(scenario: &Scenario, station: StationId) -> String {
             sink.map(|sink| sink.name.clone()).unwrap_or_default()
         }
     }
-}
-
-fn total_j(spent: EnergySpent) -> f64 {
-    spent.tx_j + spent.rx_j + spent.idle_j + spent.sleep_j
 }

@@ -1,7 +1,7 @@
 //! A tree of RPL, and packets in fragments, as a summary.
 
 use sextant_apps::routing::{ObjectiveConfig, RoutingRecord, RplConfig, RplMode};
-use sextant_kernel::{NodeId, SimTime, StationId};
+use sextant_kernel::{SimTime, StationId};
 use sextant_scenario::Scenario;
 use sextant_sim::Death;
 
@@ -40,7 +40,7 @@ pub(super) fn of(
         local_repairs: counts.repairs,
         routes_known_s: routes_known_s(scenario, record),
         most_routes: record.stations.iter().map(|station| station.routes).max().unwrap_or(0),
-        healing: healing(record, &deaths(scenario, simulated)),
+        healing: healing(record, &simulated.survey.deaths),
     }
 }
 
@@ -53,16 +53,6 @@ fn routes_known_s(scenario: &Scenario, record: &RoutingRecord) -> Option<f64> {
     };
     let all = (0..nodes).map(known).collect::<Option<Vec<SimTime>>>()?;
     all.into_iter().max().map(SimTime::as_secs_f64)
-}
-
-/// The nodes that died: by faults, and by empty batteries.
-fn deaths(scenario: &Scenario, simulated: &Simulated) -> Vec<Death> {
-    let end = simulated.survey.end;
-    let by_faults = scenario.setup().faults.deaths().to_vec();
-    let depleted = (0..).zip(&simulated.survey.batteries);
-    let by_battery =
-        depleted.filter_map(|(node, battery)| Some(Death { node: NodeId(node), time: battery.depleted? }));
-    by_faults.into_iter().chain(by_battery).filter(|death| death.time <= end).collect()
 }
 
 /// How long it took until the children of dead nodes had other parents.

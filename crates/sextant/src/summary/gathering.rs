@@ -70,9 +70,9 @@ pub struct GatheringSummary {
     /// The same by the reason why none did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_listened_by: Option<NotListenedSummary>,
-    /// Packets still pending when the battery of their node was empty. Absent if there are none.
+    /// Packets still pending when their node died. Absent if there are none.
     #[serde(skip_serializing_if = "is_none")]
-    pub depleted: u64,
+    pub died: u64,
     /// Packets still pending at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pending: Option<u64>,

@@ -11,7 +11,8 @@ pub struct MacSummary {
     /// Name of the network, if the scenario has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub network: Option<String>,
-    /// Time over which the rates are taken: from the start, or the end of the warm-up, to the end of the simulation (s).
+    /// Time that is counted, over which rates are taken: from the start, or the end of the warm-up, to the end of the simulation
+    /// (s).
     pub duration_s: f64,
     /// What was left out at the start (s). Absent if nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,6 +43,9 @@ pub struct MacSummary {
 /// What the stations of a network with slots did in them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct SlotSummary {
+    /// Nodes over which means are taken: without those that died before the end of the warm-up. Absent if it is all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counted_nodes: Option<usize>,
     /// Share of the time in which the radio of a node sent or listened, on average.
     pub duty_cycle: f64,
     /// The same of a sink. Absent without sinks.
@@ -93,6 +97,9 @@ pub struct NegotiatedSummary {
 /// How the stations of a network slept that sleep between checks of the channel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SleepSummary {
+    /// Nodes over which means are taken: without those that died before the end of the warm-up. Absent if it is all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counted_nodes: Option<usize>,
     /// Share of the time in which the radio of a node was on: it sent, received or turned around. On average.
     pub duty_cycle: f64,
     /// The same of the node with the largest share.
@@ -126,7 +133,7 @@ pub struct NamedTraffic {
 }
 
 /// The traffic of some nodes. Each packet offered is in exactly one of `delivered`, the `lost_*`, `out_of_range`,
-/// `not_listened`, `depleted` and `pending`.
+/// `not_listened`, `died` and `pending`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TrafficSummary {
     /// Packets that applications gave to the MAC.
@@ -148,9 +155,10 @@ pub struct TrafficSummary {
     /// Time from the offer of a packet to the end of its first reception (s). Absent if nothing was delivered.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_s: Option<DelaySummary>,
-    /// Frames on air, retransmissions included; without acknowledgements.
+    /// Transmissions of packets, retries included: data frames on air, or sweeps of sectors. Strobes, copies and wake-up frames are
+    /// none.
     pub transmissions: u64,
-    /// Retransmissions.
+    /// Transmissions of a packet after its first one.
     pub retries: u64,
     /// Backoffs, each followed by a clear channel assessment.
     pub backoffs: u64,
@@ -172,9 +180,9 @@ pub struct TrafficSummary {
     pub not_listened: u64,
     /// The same by the reason why it did not.
     pub not_listened_by: NotListenedSummary,
-    /// Packets that were waiting or on air when the battery of their node was empty. Absent if there are none.
+    /// Packets that were waiting or on air when their node died. Absent if there are none.
     #[serde(skip_serializing_if = "is_none")]
-    pub depleted: u64,
+    pub died: u64,
     /// Packets that were waiting or on air at the end.
     pub pending: u64,
     /// Energy of the radios.

@@ -54,7 +54,7 @@ fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
     let energy = all.energy_j.tx + all.energy_j.rx + all.energy_j.idle;
     let unheard = &all.not_listened_by;
     let rows: [(&str, String, &str); 24] = [
-        ("simulated time", format!("{:.3}", mac.duration_s), "s"),
+        ("counted time", format!("{:.3}", mac.duration_s), "s, after the warm-up"),
         ("packets offered", all.offered.to_string(), ""),
         ("packets delivered", all.delivered.to_string(), ""),
         ("PRR", share(all.prr), "delivered, of those offered and not pending"),
@@ -79,12 +79,10 @@ fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
         ("pending", all.pending.to_string(), ""),
         ("energy of the nodes", format!("{energy:.3}"), "J"),
     ];
-    let depleted = Some(all.depleted).filter(|&packets| packets > 0);
-    let depleted =
-        depleted.map(|packets| ("lost to empty batteries", packets.to_string(), "they waited in their node"));
-    let rows = rows.into_iter().chain(depleted).chain(mac.slots.iter().flat_map(slot_rows));
-    let rows = rows.map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]);
-    rows.chain(mac.sleep.iter().flat_map(sleep_rows)).collect()
+    let died = Some(all.died).filter(|&packets| packets > 0);
+    let died = died.map(|packets| ("lost in dead nodes", packets.to_string(), "they waited in their node"));
+    let rows = rows.into_iter().chain(died).map(owned);
+    rows.chain(mac.slots.iter().flat_map(slot_rows)).chain(mac.sleep.iter().flat_map(sleep_rows)).collect()
 }
 
 /// The rows of a network whose stations sleep between checks of the channel.
@@ -92,7 +90,7 @@ fn sleep_rows(sleep: &SleepSummary) -> Vec<Vec<String>> {
     let percent = |share: f64| format!("{:.3} %", 100.0 * share);
     let row = |name: &str, value: String, note: &str| vec![name.to_owned(), value, note.to_owned()];
     let mut rows = vec![
-        row("duty cycle", percent(sleep.duty_cycle), "of a node"),
+        row("duty cycle", percent(sleep.duty_cycle), &of_a_node(sleep.counted_nodes)),
         row("duty cycle, worst", percent(sleep.worst_duty_cycle), &format!("of `{}`", sleep.worst_node)),
     ];
     rows.extend(sleep.sink_duty_cycle.map(|share| row("duty cycle, sinks", percent(share), "")));
@@ -105,9 +103,10 @@ fn sleep_rows(sleep: &SleepSummary) -> Vec<Vec<String>> {
 }
 
 /// The rows of a network with slots.
-fn slot_rows(slots: &SlotSummary) -> Vec<(&'static str, String, &'static str)> {
+fn slot_rows(slots: &SlotSummary) -> Vec<Vec<String>> {
     let percent = |share: f64| format!("{:.3} %", 100.0 * share);
-    let mut rows = vec![("duty cycle", percent(slots.duty_cycle), "of a node")];
+    let note = of_a_node(slots.counted_nodes);
+    let mut rows = vec![("duty cycle", percent(slots.duty_cycle), &*note)];
     rows.extend(slots.sink_duty_cycle.map(|share| ("duty cycle, sinks", percent(share), "")));
     for (name, count, note) in [
         ("slots, idle listening", slots.idle_listen, "of all nodes"),
@@ -132,7 +131,17 @@ fn slot_rows(slots: &SlotSummary) -> Vec<(&'static str, String, &'static str)> {
         rows.push(("relocations", cells.relocations.to_string(), "cells that delivered too little"));
     }
     rows.extend(slots.join_s.map(|join_s| ("joined after", format!("{join_s:.3}"), "s, on average")));
-    rows
+    rows.into_iter().map(owned).collect()
+}
+
+/// Of what a mean is, where only some nodes lived after the warm-up.
+fn of_a_node(counted: Option<usize>) -> String {
+    counted
+        .map_or_else(|| "of a node".to_owned(), |nodes| format!("of a node, of {nodes} that lived after the warm-up"))
+}
+
+fn owned((name, value, note): (&str, String, &str)) -> Vec<String> {
+    vec![name.to_owned(), value, note.to_owned()]
 }
 
 fn line(name: &str, traffic: &TrafficSummary) -> Vec<String> {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::battery::LifetimeSummary;
+use super::gathering::is_none;
 use super::mac::DelaySummary;
 use super::rpl::{FragmentsSummary, RplSummary};
 
@@ -20,6 +21,11 @@ pub struct RoutingSummary {
     pub delivered: u64,
     /// Those that did not, and wait in a queue at the end.
     pub pending: u64,
+    /// Those that did not, and waited in the queue of a node that died. Absent if there are none.
+    #[serde(skip_serializing_if = "is_none")]
+    pub died: u64,
+    /// All others: `offered` is the sum of these four.
+    pub lost: u64,
     /// Delivered packets as a share of those offered, without those that are pending. Absent if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delivery: Option<f64>,
@@ -66,7 +72,7 @@ pub struct RoutingSummary {
     pub fragments: Option<FragmentsSummary>,
     /// Changes of the parent of a node, after its first one, warm-up included.
     pub parent_changes: u64,
-    /// The same per node and hour.
+    /// The same per node and hour of its life.
     pub parent_changes_per_node_h: f64,
     /// Living nodes without a way over living ones to a sink at the end.
     pub without_way: usize,
@@ -87,6 +93,11 @@ pub struct AnswersSummary {
     pub delivered: u64,
     /// Those that did not, and wait in a queue at the end.
     pub pending: u64,
+    /// Those that did not, and waited in the queue of a node that died. Absent if there are none.
+    #[serde(skip_serializing_if = "is_none")]
+    pub died: u64,
+    /// All others: `offered` is the sum of these four.
+    pub lost: u64,
     /// Delivered answers as a share of those offered, without those that are pending. Absent if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delivery: Option<f64>,
@@ -124,6 +135,9 @@ pub struct DepthSummary {
     /// Mean time from the offer of a packet to its arrival (s). Absent if none arrived.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_s: Option<f64>,
+    /// Nodes over which energies are taken: without those that died before the end of the warm-up. Absent if it is all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counted_nodes: Option<usize>,
     /// Mean energy of the radio of a node (J).
     pub energy_j: f64,
     /// Mean energy of the radio of a node for transmitting (J).

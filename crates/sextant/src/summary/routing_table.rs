@@ -33,6 +33,12 @@ pub(super) fn write(routing: &RoutingSummary, out: &mut impl Write) -> io::Resul
             );
         }
     }
+    if routing.by_depth.iter().any(|nodes| nodes.counted_nodes.is_some()) {
+        lines[0].push("lived after the warm-up".to_owned());
+        for (line, nodes) in lines[1..].iter_mut().zip(&routing.by_depth) {
+            line.push(nodes.counted_nodes.unwrap_or(nodes.nodes).to_string());
+        }
+    }
     let align = vec![Align::Right; lines[0].len()];
     columns(&lines, &align, out)?;
     writeln!(out)
@@ -52,7 +58,7 @@ fn decimals(number: Option<f64>) -> String {
 
 fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
     let delay = |read: fn(&DelaySummary) -> f64| milliseconds(routing.delay_s.as_ref().map(read));
-    let rows: [(&str, String, &str); 19] = [
+    let rows: [(&str, String, &str); 20] = [
         ("packets offered", routing.offered.to_string(), ""),
         ("packets delivered", routing.delivered.to_string(), ""),
         ("delivery", share(routing.delivery), "delivered, of those offered and not pending"),
@@ -65,6 +71,7 @@ fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
         ("transmissions", decimals(routing.transmissions_per_delivery), "on all hops, for each packet delivered"),
         ("duplicates", routing.duplicates.to_string(), "copies that were dropped"),
         ("loops", routing.loops.to_string(), "times that a packet came again after more hops"),
+        ("packets lost", routing.lost.to_string(), "on the way"),
         ("lost to a full queue", routing.queue_drops.to_string(), ""),
         ("given up on a hop", routing.given_up.to_string(), "after all tries"),
         ("too many hops", routing.hop_limit_drops.to_string(), ""),
@@ -74,6 +81,9 @@ fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
         ("pending", routing.pending.to_string(), "in queues at the end"),
     ];
     let mut rows = rows.to_vec();
+    if routing.died > 0 {
+        rows.push(("lost in dead nodes", routing.died.to_string(), "they waited in queues"));
+    }
     if let Some(no_route) = routing.no_route {
         rows.push(("no way down", no_route.to_string(), "dropped by a sink"));
     }

@@ -128,8 +128,8 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
         row("receiver asleep", Some(unheard.asleep.to_string()), "sent while no receiver listened");
         row("receiver off", Some(unheard.off.to_string()), "sent while no receiver listened");
     }
-    let depleted = Some(gathering.depleted).filter(|&packets| packets > 0);
-    row("lost to empty batteries", count(depleted), "they waited in their node");
+    let died = Some(gathering.died).filter(|&packets| packets > 0);
+    row("lost in dead nodes", count(died), "they waited in their node");
     row("pending", count(gathering.pending), "");
     if let Some(energy) = &gathering.energy_j {
         let is_estimated = gathering.packets_not_simulated.is_some_and(|packets| packets > 0);

@@ -184,7 +184,7 @@ fn what_a_sleeping_node_spent_until_its_death_is_its_capacity() {
         let mac = found.mac.as_ref().expect("sinks");
         let power_w = mac.sleep.as_ref().expect("sleeps").mean_power_w;
         assert_close(power_w, node.mean_power_w, 1e-3 * node.mean_power_w, form);
-        assert!(mac.all.depleted <= 1 && mac.all.pending == 0, "{form}");
+        assert!(mac.all.died <= 1 && mac.all.pending == 0, "{form}");
     }
 }
 
@@ -302,13 +302,13 @@ fn packets_that_wait_in_a_node_whose_battery_is_empty_are_lost() {
         let all = &run.summary().mac.as_ref().expect("sinks").all;
         assert_eq!(run.summary().battery.as_ref().expect("batteries").depleted, 2, "{mac}");
         // Each node leaves its queue, and the packet under way if that was not received.
-        assert!((6..=10).contains(&all.depleted), "{mac}: {}", all.depleted);
+        assert!((6..=10).contains(&all.died), "{mac}: {}", all.died);
         assert_eq!(all.pending, 0);
         let counted = all.delivered + all.lost_collision + all.lost_channel_access + all.lost_queue + all.lost_signal;
-        assert_eq!(counted + all.out_of_range + all.not_listened + all.depleted, all.offered, "{mac}");
+        assert_eq!(counted + all.out_of_range + all.not_listened + all.died, all.offered, "{mac}");
         assert_close(all.prr.expect("packets"), all.delivered as f64 / all.offered as f64, 1e-12, "PRR");
-        let depleted = ends.0[&[PacketEnd::Depleted.name(), PacketFate::Depleted.name()]];
-        assert_eq!(depleted, all.depleted, "{mac}: {:?}", ends.0);
+        let died = ends.0[&[PacketEnd::Died.name(), PacketFate::Died.name()]];
+        assert_eq!(died, all.died, "{mac}: {:?}", ends.0);
     }
 }
 

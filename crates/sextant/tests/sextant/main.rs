@@ -4,6 +4,7 @@
 
 mod batteries;
 mod beams;
+mod counts;
 mod disasters;
 mod examples;
 mod fading;

@@ -86,13 +86,9 @@ impl Port<'_> {
         purpose::program_seed(self.seed(), self.station)
     }
 
-    /// The seed of the traffic in a network: that of all in the first network, so that more networks change nothing
-    /// there.
+    /// The seed of the traffic in a network.
     pub(crate) fn seed_of(&self, network: NetworkId) -> Seed {
-        match network.0 {
-            0 => self.seed(),
-            number => Seed(self.seed().bits(purpose::NETWORK, [number.into(), 0, 0])),
-        }
+        purpose::traffic_seed(self.seed(), network)
     }
 
     /// A random number of this station, uniform in (0, 1): each `number` has its own, always the same in a run.

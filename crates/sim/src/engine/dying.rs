@@ -89,7 +89,6 @@ impl<A: Application> Engine<A> {
             self.model.scene.discounted += 1;
             return;
         }
-        self.model.networks.iter_mut().for_each(|network| network.deplete(station));
         self.model.notes.push(Note::Depleted(NodeId(station.0)));
         self.die(station);
     }

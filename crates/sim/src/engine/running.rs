@@ -150,7 +150,7 @@ impl<A: Application> Engine<A> {
         self.model.tell(&mut self.logs, observer);
         self.tell_targets(observer);
         for network in &mut self.model.networks {
-            network.trace_pending(&mut self.model.scene);
+            network.leave_pending(&mut self.model.scene);
         }
         self.model.tell_packets(observer);
         self.finish()

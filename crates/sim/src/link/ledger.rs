@@ -7,8 +7,21 @@ use super::books::{Books, FrameSpans, RadioUse};
 use super::settings::Placement;
 use crate::service::delays::Delays;
 use crate::service::due_frames::DueFrames;
+use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::{PacketEnd, PacketFate};
 use crate::service::packets::Packets;
 use crate::station::Roll;
+
+/// A packet that has left its link, or stays there because its station dies or the simulation ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CountedPacket {
+    pub(super) offered: SimTime,
+    pub(super) payload_octets: u64,
+    pub(super) end: PacketEnd,
+    pub(super) fate: PacketFate,
+    pub(super) transmissions: u64,
+    pub(super) assessments: u64,
+}
 
 /// The ledger of a network, whatever its technology.
 pub(super) struct Ledger {
@@ -26,8 +39,6 @@ pub(super) struct Ledger {
     pub(super) counted_from: SimTime,
     /// Whether each station is in the network; `None` if all are.
     members: Option<Vec<bool>>,
-    /// Whether the battery of each station was empty; empty as long as none was.
-    depleted: Vec<bool>,
     /// When each station died, if it did; empty as long as none did.
     died: Vec<Option<SimTime>>,
     /// Energy model of the radios.
@@ -45,7 +56,6 @@ impl Ledger {
             delays: vec![Delays::default(); if roll.sinks > 0 { roll.len() } else { 0 }],
             counted_from: SimTime::ZERO,
             members: placement.members.clone(),
-            depleted: Vec::new(),
             died: Vec::new(),
             radio_states: placement.radio_states.clone(),
         }
@@ -57,16 +67,20 @@ impl Ledger {
         self.members.as_ref().is_none_or(|members| members[station.index()])
     }
 
-    /// The battery of a station is empty.
-    pub(super) fn deplete(&mut self, station: StationId) {
-        self.depleted.resize(self.packets.len(), false);
-        self.depleted[station.index()] = true;
-    }
-
-    /// Whether the battery of a station was empty.
-    #[inline]
-    pub(super) fn is_depleted(&self, station: StationId) -> bool {
-        self.depleted.get(station.index()).copied().unwrap_or(false)
+    /// Counts a packet of a station that has left its link, or stays there, unless it was offered in the warm-up.
+    pub(super) fn count(&mut self, station: StationId, packet: &CountedPacket) {
+        let &CountedPacket { offered, payload_octets, end, fate, transmissions, assessments } = packet;
+        if offered < self.counted_from {
+            return;
+        }
+        let packets = &mut self.packets[station.index()];
+        packets.count(fate, transmissions);
+        packets.assessments += assessments;
+        packets.unacknowledged += u64::from(end == PacketEnd::NoAcknowledgement);
+        packets.channel_access_failures += u64::from(end == PacketEnd::ChannelAccessFailure);
+        if fate == PacketFate::Sent(FrameOutcome::Received) {
+            packets.octets_received += payload_octets;
+        }
     }
 
     /// A station dies. It may be told again, when the frame that was on air has ended.

@@ -41,8 +41,8 @@ pub(crate) trait NetworkLinks {
     /// Packets are traced from now on: called before the start.
     fn trace(&mut self);
 
-    /// Traces the packets that have not ended at the end of the simulation.
-    fn trace_pending(&mut self, scene: &mut Scene);
+    /// Counts and traces the packets that have not ended at the end of the simulation.
+    fn leave_pending(&mut self, scene: &mut Scene);
 
     /// The network starts to work at a station.
     fn begin(&mut self, station: StationId, scene: &mut Scene);
@@ -126,10 +126,7 @@ pub(crate) trait NetworkLinks {
     /// Energy that the radio of a station has used since the start, or since its meter began anew (J).
     fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64;
 
-    /// The battery of a station is empty: called before it dies. Its radio uses nothing any more, and its packets are lost.
-    fn deplete(&mut self, station: StationId);
-
-    /// A station dies: its radio is off from now on, or from the end of the frame on air.
+    /// A station dies: its radio is off from now on, or from the end of the frame on air, and its packets end with it.
     fn die(&mut self, station: StationId, scene: &mut Scene);
 
     /// Whether an event is the end of the frame that a station has on air.

@@ -35,7 +35,7 @@ pub use ieee802154::Ieee802154;
 pub use sleeping::Sleeping;
 pub(crate) use technology::Links;
 pub use technology::Technology;
-pub use tsch::Tsch;
+pub use tsch::{CellFault, Tsch};
 
 /// Refuses bit errors of another physical layer, that of `radio`, than that of which they are known.
 fn refuse_bit_errors(reception: ReceptionModel, radio: &str) -> Result<(), SettingError> {

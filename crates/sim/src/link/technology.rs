@@ -246,8 +246,8 @@ impl Links {
         ask!(self, links => links.trace());
     }
 
-    pub(crate) fn trace_pending(&mut self, scene: &mut Scene) {
-        ask!(self, links => links.trace_pending(scene));
+    pub(crate) fn leave_pending(&mut self, scene: &mut Scene) {
+        ask!(self, links => links.leave_pending(scene));
     }
 
     pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
@@ -327,10 +327,6 @@ impl Links {
 
     pub(crate) fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64 {
         ask!(self, links => links.metered_j(station, scene))
-    }
-
-    pub(crate) fn deplete(&mut self, station: StationId) {
-        ask!(self, links => links.deplete(station));
     }
 
     pub(crate) fn die(&mut self, station: StationId, scene: &mut Scene) {

@@ -7,7 +7,7 @@ use sextant_kernel::{SimTime, StationId};
 
 use super::network_id::NetworkId;
 use super::outcome::FrameOutcome;
-use super::report::Destination;
+use super::report::{Destination, SendOutcome};
 
 /// What a packet is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,15 +48,15 @@ pub enum PacketEnd {
     ChannelAccessFailure,
     /// The transmit queue was full.
     QueueFull,
-    /// The battery of its station was empty.
-    Depleted,
+    /// Its station died.
+    Died,
     /// It had not ended at the end of the simulation.
     Pending,
 }
 
 impl PacketEnd {
     /// Its name in recordings: `sent`, `acknowledged`, `no_acknowledgement`, `channel_access_failure`, `queue_full`,
-    /// `depleted`, `pending`.
+    /// `died`, `pending`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -65,8 +65,28 @@ impl PacketEnd {
             Self::NoAcknowledgement => "no_acknowledgement",
             Self::ChannelAccessFailure => "channel_access_failure",
             Self::QueueFull => "queue_full",
-            Self::Depleted => "depleted",
+            Self::Died => "died",
             Self::Pending => "pending",
+        }
+    }
+
+    /// As what a packet counts that its link has not ended, with this best outcome so far: one that was received counts so.
+    pub(crate) fn fate_of_left(self, outcome: FrameOutcome) -> PacketFate {
+        match (self, outcome) {
+            (_, FrameOutcome::Received) => PacketFate::Sent(outcome),
+            (Self::Died, _) => PacketFate::Died,
+            _ => PacketFate::Pending,
+        }
+    }
+}
+
+impl From<SendOutcome> for PacketEnd {
+    fn from(outcome: SendOutcome) -> Self {
+        match outcome {
+            SendOutcome::Sent => Self::Sent,
+            SendOutcome::Acknowledged => Self::Acknowledged,
+            SendOutcome::NoAcknowledgement => Self::NoAcknowledgement,
+            SendOutcome::ChannelAccessFailure => Self::ChannelAccessFailure,
         }
     }
 }
@@ -74,22 +94,21 @@ impl PacketEnd {
 /// As what a packet counts: see [`Packets`](super::packets::Packets).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PacketFate {
-    /// It was sent, with this best outcome of its transmissions.
+    /// It was sent, or strobes that announced it were, with this best outcome.
     Sent(FrameOutcome),
     /// Never sent: the channel was busy too often.
     LostChannelAccess,
     /// Never sent: the transmit queue was full.
     LostQueue,
-    /// Still in a MAC or in its queue when the battery of its station was empty.
-    Depleted,
+    /// Still in a MAC or in its queue when its station died.
+    Died,
     /// Still in a MAC or in its queue at the end.
     Pending,
 }
 
 impl PacketFate {
     /// Its name in recordings, that of its count in the summary: `received`, `lost_collision`, `lost_signal`,
-    /// `out_of_range`, `not_listened`, `lost_channel_access`, `lost_queue`, `depleted`,
-    /// `pending`.
+    /// `out_of_range`, `not_listened`, `lost_channel_access`, `lost_queue`, `died`, `pending`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -100,7 +119,7 @@ impl PacketFate {
             Self::Sent(FrameOutcome::NotListened(_)) => "not_listened",
             Self::LostChannelAccess => "lost_channel_access",
             Self::LostQueue => "lost_queue",
-            Self::Depleted => "depleted",
+            Self::Died => "died",
             Self::Pending => "pending",
         }
     }

@@ -4,12 +4,13 @@ use sextant_mac::EnergySpent;
 
 use super::delays::Delays;
 use super::outcome::{Deafness, FrameOutcome};
+use super::packet_trace::PacketFate;
 use super::rhythm::Rhythm;
 use super::sleep::SleepUse;
 use super::slots::SlotUse;
 
 /// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
-/// of `lost_channel_access`, `lost_queue`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and
+/// of `lost_channel_access`, `lost_queue`, `died`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and
 /// `not_listened`; those of a station that were not simulated are in none of these. A packet to one station is received by that station; a packet to all is received if any station
 /// received it whose application hears, and the best outcome counts. With several transmissions of one packet, the
 /// best outcome counts.
@@ -17,7 +18,7 @@ use super::slots::SlotUse;
 pub struct Packets {
     /// Given to a MAC by an application.
     pub offered: u64,
-    /// Sent at least once.
+    /// Sent at least once: each transmission of a packet after its first one is a retry, `transmissions - sent` in all.
     pub sent: u64,
     /// Received.
     pub received: u64,
@@ -39,14 +40,15 @@ pub struct Packets {
     pub not_listened_asleep: u64,
     /// No receiver listened, because none was in use. Not part of the sum.
     pub not_listened_off: u64,
-    /// Still in a MAC or in its queue when the battery of its station was empty.
-    pub depleted: u64,
+    /// Still in a MAC or in its queue when its station died.
+    pub died: u64,
     /// Still in a MAC or in its queue at the end.
     pub pending: u64,
     /// Given up because of a busy channel, retransmissions included: those in `lost_channel_access`, and those that
     /// were on air before. Not part of the sum.
     pub channel_access_failures: u64,
-    /// Transmissions of all packets; those beyond `sent` are retries. Not part of the sum.
+    /// Transmissions of all packets, each time a frame or, with sector sweeps, a frame from each sector. Strobes, copies and
+    /// wake-up frames that wake a receiver are none. Not part of the sum.
     pub transmissions: u64,
     /// Clear channel assessments of all packets, one for each backoff. Not part of the sum.
     pub assessments: u64,
@@ -64,15 +66,16 @@ pub struct Packets {
 }
 
 impl Packets {
-    /// Counts a packet that was sent, by its best outcome.
-    pub(crate) fn count_sent(&mut self, outcome: FrameOutcome) {
-        self.sent += 1;
-        *match outcome {
-            FrameOutcome::Received => &mut self.received,
-            FrameOutcome::Collided => &mut self.lost_collision,
-            FrameOutcome::Weak => &mut self.lost_signal,
-            FrameOutcome::OutOfRange => &mut self.out_of_range,
-            FrameOutcome::NotListened(deafness) => {
+    /// Counts a packet with its fate, after so many transmissions.
+    pub(crate) fn count(&mut self, fate: PacketFate, transmissions: u64) {
+        self.sent += u64::from(transmissions > 0);
+        self.transmissions += transmissions;
+        *match fate {
+            PacketFate::Sent(FrameOutcome::Received) => &mut self.received,
+            PacketFate::Sent(FrameOutcome::Collided) => &mut self.lost_collision,
+            PacketFate::Sent(FrameOutcome::Weak) => &mut self.lost_signal,
+            PacketFate::Sent(FrameOutcome::OutOfRange) => &mut self.out_of_range,
+            PacketFate::Sent(FrameOutcome::NotListened(deafness)) => {
                 *match deafness {
                     Deafness::Transmitting => &mut self.not_listened_transmitting,
                     Deafness::Asleep => &mut self.not_listened_asleep,
@@ -80,18 +83,20 @@ impl Packets {
                 } += 1;
                 &mut self.not_listened
             }
+            PacketFate::LostChannelAccess => &mut self.lost_channel_access,
+            PacketFate::LostQueue => &mut self.lost_queue,
+            PacketFate::Died => &mut self.died,
+            PacketFate::Pending => &mut self.pending,
         } += 1;
     }
-}
 
-impl Packets {
     /// The same, where the packets of which nothing became yet are pending.
     #[must_use]
     pub(crate) fn with_pending(self) -> Self {
         let Self { received, lost_collision, lost_channel_access, lost_queue, lost_signal, .. } = self;
-        let Self { offered, out_of_range, not_listened, depleted, .. } = self;
+        let Self { offered, out_of_range, not_listened, died, .. } = self;
         let lost = lost_collision + lost_channel_access + lost_queue + lost_signal + out_of_range + not_listened;
-        let lost = lost + depleted;
+        let lost = lost + died;
         Self { pending: offered - received - lost, ..self }
     }
 
@@ -168,7 +173,7 @@ impl std::ops::AddAssign for Packets {
             not_listened_transmitting,
             not_listened_asleep,
             not_listened_off,
-            depleted,
+            died,
             pending,
             channel_access_failures,
             transmissions,
@@ -191,7 +196,7 @@ impl std::ops::AddAssign for Packets {
         self.not_listened_transmitting += not_listened_transmitting;
         self.not_listened_asleep += not_listened_asleep;
         self.not_listened_off += not_listened_off;
-        self.depleted += depleted;
+        self.died += died;
         self.pending += pending;
         self.channel_access_failures += channel_access_failures;
         self.transmissions += transmissions;

@@ -83,7 +83,7 @@ pub struct SendReport {
     pub to: Destination,
     /// How it ended.
     pub outcome: SendOutcome,
-    /// Number of transmissions.
+    /// Number of transmissions; of attempts, where a receiver is woken first and may not answer.
     pub transmissions: u32,
     /// When the application gave it to the link.
     pub offered: SimTime,

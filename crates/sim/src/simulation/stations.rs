@@ -143,7 +143,7 @@ impl<'a> Stations<'a> {
     }
 
     /// Name and station of each robot that surveys a network, and of each sink in it.
-    fn collectors(&self, id: NetworkId) -> impl Iterator<Item = (&str, StationId)> {
+    pub(super) fn collectors(&self, id: NetworkId) -> impl Iterator<Item = (&str, StationId)> {
         let is_in = move |robot: &Robot| robot.is_surveying() && robot.body.networks.contains(&id);
         let robots = self.setup.robots.iter().map(move |robot| (&*robot.body.name, is_in(robot)));
         let sinks = self.setup.sinks.iter().map(move |sink| (&*sink.name, sink.is_in(id)));

@@ -89,15 +89,20 @@ pub(crate) fn turned(step: Position, turn_rad: f64) -> Position {
     Position::new(cos * step.x_m - sin * step.y_m, sin * step.x_m + cos * step.y_m, step.z_m)
 }
 
-/// How long a body takes for a way: at most 31 years, which no simulation lasts.
+/// No way takes longer (s): 31 years, which no simulation lasts.
+pub(crate) const LONGEST_S: f64 = 1e9;
+
+/// How long a body takes for a way.
 pub(crate) fn time_of(length_m: f64, speed_m_per_s: f64) -> Duration {
-    const LONGEST_S: f64 = 1e9;
     Duration::from_secs_f64((length_m / speed_m_per_s).min(LONGEST_S))
 }
 
 impl Trip {
     /// The straight line from `from` to `to` at `speed_m_per_s`.
     pub(crate) fn straight(from: Pose, to: Position, start: SimTime, speed_m_per_s: f64) -> Self {
+        // What would take too long ends on the way, so that the speed is right.
+        let share = LONGEST_S * speed_m_per_s / from.position.distance_m(to);
+        let to = if share < 1.0 { from.position + (to - from.position) * share } else { to };
         let length_m = from.position.distance_m(to);
         let end = start + time_of(length_m, speed_m_per_s);
         let step = to - from.position;
@@ -224,6 +229,13 @@ mod tests {
         assert_near(trip.at(at(7.0)).position, [1.5, 2.0, 0.0]);
         assert_near(trip.at(at(13.0)).position, [3.0, 4.0, 0.0]);
         assert!((trip.at(at(7.0)).heading_rad - 4_f64.atan2(3.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_way_that_takes_too_long_is_driven_at_its_speed_as_far_as_time_goes() {
+        let trip = Trip::straight(HERE, Position::new(1e9, 0.0, 0.0), at(0.0), 1e-3);
+        assert_near(trip.at(at(1e6)).position, [1e3, 0.0, 0.0]);
+        assert!((trip.to.position.x_m - 1e6).abs() < 1e-3 && trip.end <= at(1e9));
     }
 
     #[test]

@@ -87,6 +87,19 @@ fn a_frame_that_nobody_answers_is_sent_again_as_often_as_allowed_and_then_report
     }
 }
 
+/// Sequence numbers go round after 256 frames: a frame with the number of an earlier one is no copy of it.
+#[test]
+fn a_frame_with_the_number_of_an_earlier_one_is_delivered() {
+    let nth = |frame: u64| Duration::from_millis(2 * frame);
+    let first = Scripted::listener().and_sends(nth(0), to(0), &[1]);
+    let others = (1..256).fold(first, |sender, frame| sender.and_sends(nth(frame), to(2), &[2]));
+    let sender = others.and_sends(nth(256), to(0), &[3]);
+    let (ended, _) = line(vec![Scripted::listener(), sender, Scripted::listener()], network::prompt());
+    let payloads: Vec<&[u8]> = ended.applications[0].received.iter().map(|received| &received.payload[..]).collect();
+    assert_eq!(payloads, [&[1][..], &[3]]);
+    assert_eq!(ended.networks[0].deliveries, [2, 0, 255]);
+}
+
 /// Station 0 answers station 1; station 2 disturbs the answer at station 1, and station 0 does not hear it. Its
 /// carrier sense begins when the frame ends, and its frame of 544 us without payload is on air from 320 to 864 us
 /// after that; the answer from 192 to 544 us.

@@ -237,9 +237,9 @@ fn a_broadcast_is_one_frame_from_each_sector_after_the_backoff_and_the_best_poin
     assert!((snr_db - (power_dbm + 71.5)).abs() < 0.01, "{snr_db} dB, not {}", power_dbm + 71.5);
     assert_eq!(ended.applications[1].payloads, [payload.clone(), payload]);
     assert_eq!(ended.applications[0].sectors, Some(8));
-    // One packet, one delivery, eight transmissions.
+    // One packet, one delivery, one transmission of eight frames.
     let sent =
-        Packets { offered: 1, sent: 1, received: 1, transmissions: 8, octets_received: 20, ..Packets::default() };
+        Packets { offered: 1, sent: 1, received: 1, transmissions: 1, octets_received: 20, ..Packets::default() };
     assert_eq!(ended.networks[0].packets, [sent, Packets::default()]);
     assert_eq!(ended.networks[0].deliveries, [0, 1]);
     let [(end, report)] = ended.applications[0].reports[..] else { panic!("one report") };
@@ -445,7 +445,7 @@ fn a_sweep_waits_for_the_broadcast_under_way_and_goes_before_those_in_the_queue(
         .collect();
     assert_eq!(kinds, [[1; 8], [0; 8], [2; 8]].concat());
     let expected =
-        Packets { offered: 3, sent: 3, received: 3, transmissions: 24, octets_received: 40, ..Packets::default() };
+        Packets { offered: 3, sent: 3, received: 3, transmissions: 3, octets_received: 40, ..Packets::default() };
     assert_eq!(ended.networks[0].packets[1], expected);
     assert!(on_air.of(1).iter().any(|sent| sent.outcome == FrameOutcome::Received));
 }

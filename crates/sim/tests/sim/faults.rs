@@ -8,10 +8,11 @@ use sextant_mac::csma::CsmaConfig;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
     Application, AtEnd, Death, DeathsConfig, Delivery, Destination, Faults, FaultsConfig, LyingAnchorsConfig,
-    NetworkId, Payload, Port, Sensed, Sensors, SensorsConfig, Setup, TargetConfig, TargetMotionConfig,
+    Network, NetworkId, Payload, Port, Sensed, Sensors, SensorsConfig, Setup, TargetConfig, TargetMotionConfig,
     TargetSensorConfig, Timer, WaypointsConfig, World,
 };
 
+use crate::broadcasts;
 use crate::network::{self, Ended};
 
 /// Sends a frame to all each `interval`, or answers each frame, or only listens.
@@ -91,14 +92,15 @@ fn death_of_n1(at_s: f64) -> FaultsConfig {
 }
 
 fn run(faults: &FaultsConfig, duration_s: Option<f64>, stations: Vec<Station>) -> Ended<Station> {
+    let csma = CsmaConfig { queue_frames: 1, ..network::prompt() };
+    run_in(network::link(10.0, csma), faults, duration_s, stations)
+}
+
+fn run_in(link: Network, faults: &FaultsConfig, duration_s: Option<f64>, stations: Vec<Station>) -> Ended<Station> {
     let nodes = nodes(stations.len());
     let faults = faults.build(&nodes, Seed(3)).expect("good faults");
-    let csma = CsmaConfig { queue_frames: 1, ..network::prompt() };
-    let setup = Setup {
-        faults,
-        duration: duration_s.map(Duration::from_secs_f64),
-        ..network::engine(&network::cluster(nodes.len()), network::link(10.0, csma), 3)
-    };
+    let duration = duration_s.map(Duration::from_secs_f64);
+    let setup = Setup { faults, duration, ..network::engine(&network::cluster(nodes.len()), link, 3) };
     network::run(setup, stations)
 }
 
@@ -169,11 +171,22 @@ fn a_frame_on_air_ends_and_the_one_behind_it_is_never_sent() {
         assert_eq!(ended.applications[0].heard, expected, "dead at {at_s} s");
         assert_eq!(ended.applications[2].heard, expected);
         let packets = ended.networks[0].packets[1];
-        assert_eq!((packets.received, packets.offered), (heard as u64, packets.received + packets.pending));
+        assert_eq!((packets.received, packets.offered), (heard as u64, packets.received + packets.died));
         let sent_s = if heard > 0 { 117.0 * 32e-6 } else { 0.0 };
         let spent = ended.networks[0].energy[1];
         assert!((spent.tx_j - 3.0 * 17.4e-3 * sent_s).abs() < 1e-12, "{spent:?}");
     }
+}
+
+/// Six broadcasts a millisecond from eight sectors each take longer than a millisecond.
+#[test]
+fn broadcasts_that_wait_in_a_node_when_it_dies_end_with_it() {
+    let stations = vec![Station::default(), Station::sender(60, Duration::from_micros(150), 100)];
+    let ended = run_in(broadcasts::link(broadcasts::EIGHT), &death_of_n1(0.005), Some(1.0), stations);
+    let packets = ended.networks[0].packets[1];
+    assert!(packets.received > 0 && packets.died > 5 && packets.pending == 0, "{packets:?}");
+    assert_eq!(packets.offered, packets.received + packets.not_listened + packets.lost_collision + packets.died);
+    assert_eq!(packets.transmissions, packets.sent);
 }
 
 #[test]

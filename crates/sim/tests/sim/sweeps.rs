@@ -307,8 +307,9 @@ fn the_frame_of_an_answer_that_is_on_air_when_the_node_dies_is_its_last() {
     let (start, end) = alive[10];
     let (survey, on_air) = dying((start + (end - start) / 2) as f64 * 1e-9);
     assert_eq!(of_node(&on_air), alive[..11]);
+    // A frame of it was received, so that it counts so.
     let p = survey.packets;
-    assert_eq!((p.offered, p.received, p.pending), (2, 1, 1));
+    assert_eq!((p.offered, p.received, p.died, p.pending), (2, 2, 0, 0));
 }
 
 #[test]

@@ -90,7 +90,7 @@ impl<'a> Networks<'a> {
 
     /// The chips whose energy is counted, though they have no number for something.
     pub(crate) fn incomplete_chips(&self) -> Vec<IncompleteChip> {
-        self.all.iter().filter_map(|network| network.tables.incomplete_chip()).collect()
+        self.all.iter().flat_map(|network| network.tables.incomplete_chip()).collect()
     }
 
     /// The number of the network `name`, or of the only one.

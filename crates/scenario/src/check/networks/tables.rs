@@ -1,6 +1,6 @@
 //! The tables of a network as written, with the key of each, and what each becomes.
 
-use sextant_channel::{ChannelConfig, ChannelLaw, RangingDevice, RangingDeviceConfig};
+use sextant_channel::{ChannelConfig, ChannelLaw, Dbm, RangingDevice, RangingDeviceConfig};
 use sextant_kernel::{Files, SettingError};
 use sextant_mac::tsch::Hopping;
 use sextant_mac::{EnergyConfig, Phy, RadioStates};
@@ -54,7 +54,7 @@ pub struct IncompleteChip {
     /// The chip.
     pub chip: EnergyConfig,
     /// What it has no number for, and what is taken instead.
-    pub gap: &'static str,
+    pub gap: String,
 }
 
 /// A named chip whose energy is counted, though it has not the band of the radios.
@@ -289,12 +289,18 @@ impl<'a> NetworkTables<'a> {
         Some(ForeignChip { key: self.energy.key.clone(), chip, bands, phy })
     }
 
-    /// The chip whose energy is counted, if it has no number for something.
-    pub(super) fn incomplete_chip(&self) -> Option<IncompleteChip> {
-        let phy = self.radio.value.filter(|_| !self.sweeps_sectors())?.phy;
+    /// What the chip whose energy is counted has no number for, if it is not complete.
+    pub(super) fn incomplete_chip(&self) -> Vec<IncompleteChip> {
+        let Some(radio) = self.radio.value.filter(|_| !self.sweeps_sectors()) else { return Vec::new() };
         let chip = self.chip();
-        let gap = chip.gap(phy)?;
-        Some(IncompleteChip { key: self.energy.key.clone(), chip, gap })
+        // A chip that nobody has named stands for any of its band.
+        let powers = radio.groups.iter().filter_map(|group| group.tx_power_dbm).chain([radio.tx_power_dbm]);
+        let power_dbm = powers.fold(f64::NEG_INFINITY, f64::max);
+        let most = self.energy.value.and_then(|named| named.falls_short_of(Dbm(power_dbm)));
+        let weak = most
+            .map(|most| format!("sends with at most {} dBm: its current there is taken for {power_dbm} dBm", most.0));
+        let incomplete = |gap: String| IncompleteChip { key: self.energy.key.clone(), chip, gap };
+        chip.gap(radio.phy).map(str::to_owned).into_iter().chain(weak).map(incomplete).collect()
     }
 
     fn missing(&self, table: &str) -> SettingError {

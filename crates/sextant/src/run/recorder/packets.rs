@@ -22,7 +22,7 @@ pub(super) fn record(
     let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
     let deafness = match trace.fate {
         PacketFate::Sent(outcome) => name_of(outcome.deafness()),
-        PacketFate::LostChannelAccess | PacketFate::LostQueue | PacketFate::Depleted | PacketFate::Pending => {
+        PacketFate::LostChannelAccess | PacketFate::LostQueue | PacketFate::Died | PacketFate::Pending => {
             String::new()
         }
     };

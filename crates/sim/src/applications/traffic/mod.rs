@@ -100,6 +100,13 @@ impl Traffic {
         }
     }
 
+    /// Number of frames in the table of the traffic, and of those that are due at `end` or later; `None` without a table.
+    #[must_use]
+    pub fn listed(&self, end: SimTime) -> Option<[usize; 2]> {
+        let Schedule::Trace(trace) = &self.schedule else { return None };
+        Some([trace.frames().count(), trace.frames().filter(|due| *due >= end).count()])
+    }
+
     /// Whether nodes send nothing.
     #[must_use]
     pub fn is_silent(&self) -> bool {

@@ -37,6 +37,11 @@ impl Trace {
         self.frames.get(node.index())?.get(usize::try_from(count).ok()?).copied()
     }
 
+    /// When each frame is due.
+    pub(super) fn frames(&self) -> impl Iterator<Item = SimTime> {
+        self.frames.iter().flatten().map(|&(due, _)| due)
+    }
+
     pub(super) fn largest_octets(&self) -> u8 {
         self.frames.iter().flatten().map(|&(_, octets)| octets).max().unwrap_or(0)
     }

@@ -33,6 +33,7 @@ use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::due_frames::DueFrames;
 use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::PacketEnd;
 use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
@@ -108,8 +109,9 @@ impl Links {
                 tilt: 0,
                 numbers: SectorNumbers { layout, first: 0 },
                 listening_over: None,
+                is_answering: false,
                 outcome: FrameOutcome::WORST,
-                frames: 0,
+                has_answered: false,
                 tracks: None,
             }
         };
@@ -188,6 +190,9 @@ impl Links {
             let mut changes = std::mem::take(&mut self.changes);
             scene.airs[self.radios.air].take_carrier_changes(&mut changes);
             for &CarrierChange { station, is_busy } in &changes {
+                if self.ledger.died(station).is_some() {
+                    continue;
+                }
                 let event = if is_busy { dmg::Event::CarrierBusy } else { dmg::Event::CarrierIdle };
                 self.handle_initiator(station, event, scene);
                 if self.roll.is_node(station) {
@@ -210,8 +215,9 @@ impl NetworkLinks for Links {
         self.stacks.iter_mut().for_each(|stack| stack.tracks = Some(Box::default()));
     }
 
-    fn trace_pending(&mut self, scene: &mut Scene) {
-        self.trace_all_pending(scene);
+    fn leave_pending(&mut self, scene: &mut Scene) {
+        let roll = scene.roll;
+        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
     }
 
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
@@ -311,7 +317,6 @@ impl NetworkLinks for Links {
             let (meter, tx_power) = (stack.radio.meter, self.radios.power());
             let rests_in = sextant_mac::RadioState::Receive;
             radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
-            self.ledger.packets[i] = self.ledger.packets[i].with_pending();
         }
         // Nodes that answer do not rest.
         self.ledger.close(radios, FrameSpans::default())
@@ -350,10 +355,6 @@ impl NetworkLinks for Links {
         let mut meter = radio.meter;
         meter.enter(radio.state, scene.now);
         meter.spent(&self.ledger.radio_states, self.radios.power()).total_j()
-    }
-
-    fn deplete(&mut self, station: StationId) {
-        self.ledger.deplete(station);
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {

@@ -33,10 +33,12 @@ pub(super) struct Stack {
     pub(super) numbers: SectorNumbers,
     /// The pending end of a time to listen.
     pub(super) listening_over: Option<EventKey>,
-    /// The best outcome so far of the frames of the answer under way, at the station that swept.
+    /// Whether an answer is under way.
+    pub(super) is_answering: bool,
+    /// The best outcome so far of its frames, at the station that swept.
     pub(super) outcome: FrameOutcome,
-    /// Frames of the answer under way.
-    pub(super) frames: u64,
+    /// Whether any of them was sent.
+    pub(super) has_answered: bool,
     /// The tracks of what is under way, if packets are traced.
     pub(super) tracks: Option<Box<Tracks>>,
 }

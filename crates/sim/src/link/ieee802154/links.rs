@@ -19,7 +19,6 @@ use sextant_mac::responder::Responder;
 use sextant_mac::{Phy, RadioState, csma};
 
 use super::addressing::{first_sequence, pan};
-use super::frame_queue::QueuedFrame;
 use super::mac::NodeMac;
 use super::settings::Ieee802154;
 use super::stack::Stack;
@@ -38,12 +37,11 @@ use crate::link::transmitter::Transmitter;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::due_frames::DueFrames;
-use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::PacketEnd;
 use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::upcall::Upcall;
 use crate::station::StationKind;
-use sending::data_frame;
 
 /// Spans of channel access (ns).
 #[derive(Clone, Copy, Debug)]
@@ -173,8 +171,9 @@ impl NetworkLinks for Links {
         self.stacks.iter_mut().for_each(|stack| stack.track = Some(Box::default()));
     }
 
-    fn trace_pending(&mut self, scene: &mut Scene) {
-        self.trace_all_pending(scene);
+    fn leave_pending(&mut self, scene: &mut Scene) {
+        let roll = scene.roll;
+        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
     }
 
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
@@ -267,21 +266,6 @@ impl NetworkLinks for Links {
             let rests_in = if i < self.nodes { self.rests_in } else { RadioState::Receive };
             let (meter, tx_power) = (stack.meter, stack.tx_power);
             radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
-            let packets = &mut self.ledger.packets[i];
-            let counts = |frame: &QueuedFrame| frame.offered >= self.ledger.counted_from;
-            packets.pending = stack.waiting.iter().filter(|frame| counts(frame)).count() as u64;
-            if let Some(frame) = stack.frame.filter(counts) {
-                // A frame that was received counts so, even if its acknowledgement is still under way.
-                let header = data_frame(self.pan, station, frame.to);
-                if stack.outcome == FrameOutcome::Received {
-                    packets.sent += 1;
-                    packets.transmissions += 1;
-                    packets.received += 1;
-                    packets.octets_received += u64::from(frame.mpdu_octets - header.overhead_octets());
-                } else {
-                    packets.pending += 1;
-                }
-            }
         }
         let phy = self.radios.phy();
         // To receiving, and from there to transmitting.
@@ -335,10 +319,6 @@ impl NetworkLinks for Links {
         let mut meter = stack.meter;
         meter.enter(stack.state(), scene.now);
         meter.spent(&self.ledger.radio_states, stack.tx_power).total_j()
-    }
-
-    fn deplete(&mut self, station: StationId) {
-        self.ledger.deplete(station);
     }
 
     fn die(&mut self, station: StationId, scene: &mut Scene) {

@@ -68,6 +68,8 @@ pub(super) struct Stack {
     pub(super) sequence: u8,
     /// The best outcome so far of the frame under way.
     pub(super) outcome: FrameOutcome,
+    /// How often the frame under way was sent.
+    pub(super) transmissions: u32,
     /// The data frame on air.
     pub(super) transmission: Option<Transmission>,
     /// The frame under way.
@@ -114,6 +116,7 @@ impl Stack {
             listening_over: None,
             sequence,
             outcome: FrameOutcome::WORST,
+            transmissions: 0,
             transmission: None,
             frame: None,
             waiting: Waiting::default(),

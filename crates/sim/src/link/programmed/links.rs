@@ -28,6 +28,7 @@ use crate::link::transmitter::Transmitter;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::due_frames::DueFrames;
+use crate::service::packet_trace::PacketEnd;
 use crate::service::packets::Packets;
 use crate::service::radio_event::RadioNews;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
@@ -209,9 +210,9 @@ impl NetworkLinks for Links {
         self.stacks.iter_mut().for_each(|stack| stack.is_traced = true);
     }
 
-    fn trace_pending(&mut self, scene: &mut Scene) {
+    fn leave_pending(&mut self, scene: &mut Scene) {
         let roll = scene.roll;
-        roll.stations().for_each(|station| self.trace_open(station, scene));
+        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
     }
 
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
@@ -278,10 +279,6 @@ impl NetworkLinks for Links {
         if self.ledger.has(station) { self.energy_j(station, scene.now) } else { 0.0 }
     }
 
-    fn deplete(&mut self, station: StationId) {
-        self.ledger.deplete(station);
-    }
-
     fn die(&mut self, station: StationId, scene: &mut Scene) {
         self.ledger.die(station, scene.now);
         let stack = &mut self.stacks[station.index()];
@@ -295,9 +292,7 @@ impl NetworkLinks for Links {
             self.payloads.free(outgoing.payload);
         }
         self.settle(station, scene);
-        if self.ledger.is_depleted(station) {
-            self.abandon(station, scene);
-        }
+        self.leave(station, PacketEnd::Died, scene);
     }
 
     fn ends_frame(&self, station: StationId, event: Event) -> bool {
@@ -330,7 +325,6 @@ impl NetworkLinks for Links {
     fn finish(mut self, now: SimTime) -> Books {
         let mut radios = Vec::with_capacity(self.stacks.len());
         for i in 0..self.stacks.len() {
-            self.count_open(StationId::from_index(i));
             let stack = &mut self.stacks[i];
             if self.ledger.died(StationId::from_index(i)).is_none() {
                 stack.meter_until(now);

@@ -4,7 +4,6 @@ use sextant_kernel::{SimTime, StationId};
 
 use crate::link::track::PacketTrack;
 use crate::service::outcome::FrameOutcome;
-use crate::service::packet_trace::PacketFate;
 use crate::service::report::{Destination, FrameId};
 
 /// A frame that a program sends: a data frame of IEEE 802.15.4.
@@ -46,14 +45,4 @@ pub(super) struct OpenPacket {
     /// The stations to which it was delivered.
     pub(super) delivered: Vec<StationId>,
     pub(super) track: Option<Box<PacketTrack>>,
-}
-
-impl OpenPacket {
-    /// As what it counts if it is open at the end.
-    pub(super) fn fate_at_end(&self) -> PacketFate {
-        match self.outcome {
-            FrameOutcome::Received => PacketFate::Sent(FrameOutcome::Received),
-            _ => PacketFate::Pending,
-        }
-    }
 }

@@ -38,6 +38,7 @@ use crate::purpose;
 use crate::scene::Scene;
 use crate::service::due_frames::DueFrames;
 use crate::service::outcome::Deafness;
+use crate::service::packet_trace::PacketEnd;
 use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::rhythm::Rhythm;
@@ -167,8 +168,9 @@ impl NetworkLinks for Links {
         self.stacks.iter_mut().for_each(|stack| stack.is_traced = true);
     }
 
-    fn trace_pending(&mut self, scene: &mut Scene) {
-        self.trace_all_pending(scene);
+    fn leave_pending(&mut self, scene: &mut Scene) {
+        let roll = scene.roll;
+        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
     }
 
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
@@ -236,10 +238,6 @@ impl NetworkLinks for Links {
         meter.spent(&self.ledger.radio_states, self.stacks[station.index()].tx_power).total_j()
     }
 
-    fn deplete(&mut self, station: StationId) {
-        self.ledger.deplete(station);
-    }
-
     fn die(&mut self, station: StationId, scene: &mut Scene) {
         self.ledger.die(station, scene.now);
         self.turn_off(station, scene);
@@ -282,7 +280,6 @@ impl NetworkLinks for Links {
             };
             radios.push(RadioUse { meter, tx_power: stack.tx_power, other_powers: Vec::new(), rests_in });
             sleep.push(SleepUse { is_member: is_there, ..used });
-            self.count_open(station);
         }
         // Nodes that sleep do not rest unseen.
         self.ledger.close(radios, FrameSpans::default()).with_sleep(sleep).with_rhythms(rhythms)

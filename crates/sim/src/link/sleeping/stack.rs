@@ -26,6 +26,10 @@ pub(super) struct OpenFrame {
     pub(super) sequence: u8,
     /// Attempts in which something was sent.
     pub(super) attempts: u32,
+    /// The last attempt in which the packet itself was sent, and not only what wakes its receiver, ...
+    pub(super) sent_in: Option<u32>,
+    /// ... and the number of these.
+    pub(super) transmissions: u32,
     /// How often in succession the channel was busy.
     pub(super) busy: u32,
     /// How often the channel was looked at before an attempt.

@@ -36,6 +36,7 @@ use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::due_frames::DueFrames;
 use crate::service::outcome::Deafness;
+use crate::service::packet_trace::PacketEnd;
 use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::rhythm::Rhythm;
@@ -209,8 +210,9 @@ impl NetworkLinks for Links {
         self.stacks.iter_mut().for_each(|stack| stack.is_traced = true);
     }
 
-    fn trace_pending(&mut self, scene: &mut Scene) {
-        self.trace_all_pending(scene);
+    fn leave_pending(&mut self, scene: &mut Scene) {
+        let roll = scene.roll;
+        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
     }
 
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
@@ -293,10 +295,6 @@ impl NetworkLinks for Links {
         meter.spent(&self.ledger.radio_states, stack.tx_power).total_j()
     }
 
-    fn deplete(&mut self, station: StationId) {
-        self.ledger.deplete(station);
-    }
-
     fn die(&mut self, station: StationId, scene: &mut Scene) {
         self.ledger.die(station, scene.now);
         self.turn_off(station, scene);
@@ -338,7 +336,6 @@ impl NetworkLinks for Links {
             let (tx_power, rests_in) = (stack.tx_power, RadioState::Sleep);
             radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
             slots.push(used);
-            self.count_open(station);
         }
         // Nodes with slots do not rest unseen.
         self.ledger.close(radios, FrameSpans::default()).with_slots(slots).with_rhythms(rhythms)

@@ -10,5 +10,6 @@ mod settings;
 mod stack;
 
 pub(crate) use links::Links;
+pub use plan::CellFault;
 pub use settings::Tsch;
 pub(super) use settings::Tsch as Settings;

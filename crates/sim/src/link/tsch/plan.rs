@@ -12,10 +12,20 @@ use sextant_mac::tsch::{
 
 use super::cells::NamedCell;
 use crate::link::settings::KnownStations;
+use crate::service::report::Destination;
 
 /// What all stations may do in the cell of the minimal schedule (RFC 8180, 4.1).
 const MINIMAL_OPTIONS: CellOptions =
     CellOptions::TRANSMIT.and(CellOptions::RECEIVE).and(CellOptions::SHARED).and(CellOptions::TIMEKEEPING);
+
+/// Why the frames of a station never arrive by a schedule of one's own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellFault {
+    /// There is no cell in which they may go.
+    NoCell,
+    /// There are cells, but nobody who should hear them listens there.
+    Unheard,
+}
 
 /// The plan of a network.
 #[derive(Clone, Debug, Default)]
@@ -91,6 +101,32 @@ impl Plan {
                 Schedule::new(vec![minimal_cell(msf.slotframe), rule.receive_cell()])
                     .with_rule(Rule::Autonomous(rule))
             }
+        }
+    }
+
+    /// What is amiss for the frames of a station, if cells are listed: those to another one or to all, or any if that is not known.
+    /// One of the `listeners` should hear them.
+    pub(super) fn fault(
+        &self,
+        from: StationId,
+        to: Option<Destination>,
+        listeners: &[StationId],
+    ) -> Option<CellFault> {
+        let schedule = |station: StationId| Some(Schedule::new(self.own.get(station.index())?.clone()));
+        let own = schedule(from)?;
+        let cells: Vec<Cell> = match to {
+            Some(Destination::Station(to)) => own.cells_to(to).collect(),
+            Some(Destination::All) => own.cells_to_all().collect(),
+            None => own.cells().iter().copied().filter(Cell::sends).collect(),
+        };
+        let hears = |cell: &Cell, station: StationId| {
+            let heard = schedule(station).and_then(|schedule| schedule.heard_at(Asn(cell.timeslot.into())));
+            station != from && heard.is_some_and(|heard| heard.channel_offset == cell.channel_offset)
+        };
+        match cells.iter().any(|cell| listeners.iter().any(|&station| hears(cell, station))) {
+            _ if cells.is_empty() => Some(CellFault::NoCell),
+            true => None,
+            false => Some(CellFault::Unheard),
         }
     }
 

@@ -4,11 +4,12 @@ use sextant_kernel::{Files, SettingError, StationId};
 use sextant_mac::tsch::{ScheduleKind, TschSettings};
 
 use super::cells::{self, NamedCell};
-use super::plan::Plan;
+use super::plan::{CellFault, Plan};
 use crate::link::config::{LinkConfig, LinkError, MacConfig};
 use crate::link::ieee802154::Radio;
 use crate::link::radio_settings::RadioSettings;
 use crate::link::settings::{KnownStations, LinkSettings, Spectrum};
+use crate::service::report::Destination;
 use crate::world::layout::PlacedNode;
 
 /// Links of IEEE 802.15.4 with time-slotted channel hopping.
@@ -59,6 +60,24 @@ impl Tsch {
             }
             _ => Err(errors),
         }
+    }
+}
+
+impl Tsch {
+    /// Whether the scenario lists the cells.
+    #[must_use]
+    pub fn lists_cells(&self) -> bool {
+        matches!(self.tsch.schedule, ScheduleKind::Own(_))
+    }
+
+    /// What is amiss for the frames of a station, once the stations are known: see [`Plan::fault`].
+    pub(crate) fn cell_fault(
+        &self,
+        from: StationId,
+        to: Option<Destination>,
+        listeners: &[StationId],
+    ) -> Option<CellFault> {
+        self.plan.fault(from, to, listeners)
     }
 }
 

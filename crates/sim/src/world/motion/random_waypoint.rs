@@ -6,8 +6,8 @@ use sextant_kernel::{NodeId, Seed, SettingError, SimTime};
 use std::time::Duration;
 
 use crate::purpose;
-use crate::station::time_of;
-use crate::world::target::Leg;
+use crate::station::{LONGEST_S, time_of};
+use crate::world::target::{LEAST_LEG_M, Leg};
 
 /// The random waypoint model as written in a scenario: a node goes straight to a place that is uniform in a rectangle, at a
 /// speed that is uniform between two, waits, and goes on. It starts in the stationary state (Navidi and Camp 2004), so that
@@ -53,15 +53,16 @@ impl RandomWaypointConfig {
         let Self { min_m, max_m, speed_m_per_s: [slowest, fastest], pause_s, height_m } = *self;
         for axis in 0..2 {
             SettingError::finite("min_m", min_m[axis])?;
-            if !(max_m[axis] > min_m[axis] && max_m[axis].is_finite()) {
+            if !(max_m[axis] - min_m[axis] >= LEAST_LEG_M && max_m[axis].is_finite()) {
                 return Err(SettingError::new(
                     format!("max_m[{axis}]"),
                     max_m[axis],
-                    format!("above {}, as `min_m`", min_m[axis]),
+                    format!("at least {LEAST_LEG_M} m above {}, as `min_m`", min_m[axis]),
                 ));
             }
         }
-        SettingError::in_range("speed_m_per_s[0]", slowest, 1e-3, 1e3)?;
+        let diagonal_m = libm::hypot(max_m[0] - min_m[0], max_m[1] - min_m[1]);
+        SettingError::in_range("speed_m_per_s[0]", slowest, (diagonal_m / LONGEST_S).max(1e-3), 1e3)?;
         SettingError::in_range("speed_m_per_s[1]", fastest, slowest, 1e3)?;
         SettingError::in_range("pause_s", pause_s, 0.0, 1e6)?;
         SettingError::finite("height_m", height_m).map(drop)
@@ -70,6 +71,10 @@ impl RandomWaypointConfig {
     /// Mean length of a leg (m): the mean distance of two places uniform in a rectangle (Ghosh 1951).
     fn mean_leg_m(&self) -> f64 {
         let [a, b] = [0, 1].map(|axis| self.max_m[axis] - self.min_m[axis]);
+        // The mean along a line: in the sum, terms of a thin rectangle would cancel out but for their rounding.
+        if a.min(b) < 1e-3 * a.max(b) {
+            return a.max(b) / 3.0;
+        }
         let d = libm::hypot(a, b);
         let corner =
             (a.powi(3) / (b * b) + b.powi(3) / (a * a) + d * (3.0 - (a / b).powi(2) - (b / a).powi(2))) / 15.0;
@@ -211,6 +216,21 @@ mod tests {
         let approximate = 36.0 * (0.125 - 2.0 * 0.25_f64.powi(3) / 3.0_f64).powi(2);
         assert!((approximate - 0.4727).abs() < 1e-3);
         assert!((middle - approximate).abs() < 0.025, "{middle} {approximate}");
+    }
+
+    #[test]
+    fn the_mean_leg_of_a_thin_rectangle_is_that_of_a_line() {
+        for thin_m in [1e-3, 0.1, 0.2] {
+            let mean_m = RandomWaypointConfig { max_m: [150.0, thin_m], ..UNIT }.mean_leg_m();
+            assert!((mean_m - 50.0).abs() < 1e-3, "{thin_m}: {mean_m}");
+        }
+    }
+
+    #[test]
+    fn rectangles_without_room_and_legs_that_never_end_are_refused() {
+        let key = |config: RandomWaypointConfig| config.check().map_err(|error| error.key).unwrap_err();
+        assert_eq!(key(RandomWaypointConfig { max_m: [1.0, 1e-4], ..UNIT }), "max_m[1]");
+        assert_eq!(key(RandomWaypointConfig { max_m: [1e9, 1.0], ..UNIT }), "speed_m_per_s[0]");
     }
 
     #[test]

@@ -25,8 +25,8 @@ pub use gait::{StraightConfig, TurnConfig};
 pub use leg::Leg;
 pub use walk::RandomWalkConfig;
 pub use wander::WanderConfig;
-pub(crate) use waypoints::Waypoints;
 pub use waypoints::{AtEnd, WaypointsConfig};
+pub(crate) use waypoints::{LEAST_LEG_M, Waypoints};
 
 /// Farthest that a place of a target is from the nearest node (m).
 const FARTHEST_M: f64 = 1e3;

@@ -6,6 +6,10 @@ use sextant_kernel::{SettingError, SimTime};
 
 use super::leg::Leg;
 use super::speed;
+use crate::station::LONGEST_S;
+
+/// The shortest way between two places (m): shorter ones would take no time that matters, and never end if they are repeated.
+pub(crate) const LEAST_LEG_M: f64 = 1e-3;
 
 /// A way over listed places, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,9 +71,19 @@ impl WaypointsConfig {
             let (from, to) = way.ends(i);
             let key = format!("places_m[{}]", (i + 1) % way.places.len());
             let [x, y, z] = to.into();
-            if from.distance_m(to) <= 0.0 {
-                let found = format!("[{x}, {y}, {z}], the place before it");
-                return Err(SettingError::new(key, found, "a place that differs from the place before it"));
+            let length_m = from.distance_m(to);
+            if length_m < LEAST_LEG_M {
+                let found = format!("[{x}, {y}, {z}], {length_m} m from the place before it");
+                return Err(SettingError::new(
+                    key,
+                    found,
+                    format!("a place at least {LEAST_LEG_M} m from the one before it"),
+                ));
+            }
+            if length_m / way.speed_m_per_s > LONGEST_S {
+                let found = format!("[{x}, {y}, {z}], {length_m} m from the place before it");
+                let allowed = format!("a place that it reaches within {LONGEST_S} s at {} m/s", way.speed_m_per_s);
+                return Err(SettingError::new(key, found, allowed));
             }
             if let Some(crossed) = obstacles.blocking(from, to) {
                 let obstacle = obstacles.obstacles()[crossed].name();
@@ -121,5 +135,27 @@ impl Waypoints {
         };
         let (from, to) = (i < count).then(|| self.ends(i))?;
         Some(Leg::new(from, to, start, self.speed_m_per_s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn legs_that_take_no_time_or_for_ever_are_refused() {
+        let way = |x_m: f64, speed_m_per_s: f64, at_end: AtEnd| {
+            let places_m = vec![Position::ORIGIN, Position::new(x_m, 0.0, 0.0)];
+            let config = WaypointsConfig { places_m, speed_m_per_s, at_end };
+            config.build(&ObstacleField::default()).map(drop).map_err(|error| error.to_string())
+        };
+        let refused = |x_m, speed_m_per_s, at_end| way(x_m, speed_m_per_s, at_end).expect_err("a mistake");
+        assert_eq!(way(1e-3, 1e3, AtEnd::Loop), Ok(()));
+        for x_m in [0.0, 1e-9, 9e-4] {
+            let message = refused(x_m, 1e3, AtEnd::Loop);
+            assert!(message.contains("a place at least 0.001 m from the one before it"), "{message}");
+        }
+        let message = refused(1e9, 0.5, AtEnd::Stay);
+        assert!(message.contains("reaches within 1000000000 s at 0.5 m/s"), "{message}");
     }
 }

@@ -36,8 +36,8 @@ pub(super) const RUN: &[KnownMeasure<'static>] = &[
     known("mac.delay_s.p50", Second, "median of the delay"),
     known("mac.delay_s.p90", Second, "90th percentile of the delay"),
     known("mac.delay_s.p99", Second, "99th percentile of the delay"),
-    known("mac.transmissions", Count, "transmissions: data frames on air"),
-    known("mac.retries", Count, "retries: data frames that are repetitions"),
+    known("mac.transmissions", Count, "transmissions: how often packets were sent"),
+    known("mac.retries", Count, "retries: transmissions of a packet after its first one"),
     known("mac.backoffs", Count, "backoffs: random waits before an assessment of the channel"),
     known("mac.no_acknowledgement", Count, "packets without an acknowledgement after all retries"),
     known("mac.channel_access_failures", Count, "packets given up because the channel was busy"),
@@ -105,7 +105,7 @@ pub(super) const WITH_BATTERIES: &[KnownMeasure<'static>] = &[
     known("battery.depleted", Count, "nodes whose battery is empty at the end"),
     known("battery.first_death_s", Second, "time until the first battery is empty"),
     known("battery.half_death_s", Second, "time until the batteries of half of the nodes are empty"),
-    known("mac.depleted", Count, "packets lost in nodes whose battery is empty"),
+    known("mac.died", Count, "packets lost in nodes that died"),
 ];
 
 /// Of a run whose stations sleep between checks of the channel.
@@ -144,6 +144,8 @@ pub(super) const WITH_ROUTING: &[KnownMeasure<'static>] = &[
     known("routing.delivered", Count, "packets that reached a sink over several hops"),
     known("routing.delivery", Share, "delivery over several hops: delivered over offered, without pending packets"),
     known("routing.pending", Count, "packets in queues of routing at the end"),
+    known("routing.died", Count, "packets in queues of routing of nodes that died"),
+    known("routing.lost", Count, "packets lost on the way over several hops"),
     known("routing.delay_s.mean", Second, "mean delay end to end: from the offer to the arrival at the sink"),
     known("routing.delay_s.p50", Second, "median of the delay end to end"),
     known("routing.delay_s.p90", Second, "90th percentile of the delay end to end"),

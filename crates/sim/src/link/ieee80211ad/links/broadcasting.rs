@@ -9,6 +9,7 @@ use crate::link::ieee80211ad::broadcast::Broadcast;
 use crate::link::ieee80211ad::stack::RadioTask;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::{PacketEnd, PacketFate};
 use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 use crate::service::upcall::Upcall;
 
@@ -32,19 +33,17 @@ impl Links {
         }
         let payload_octets = payload_octets(payload)?;
         scene.offered += 1;
-        let packets = &mut self.ledger.packets[station.index()];
-        packets.offered += 1;
+        self.ledger.packets[station.index()].offered += 1;
         let stack = &mut self.stacks[station.index()];
         let id = FrameId(stack.broadcasts);
         stack.broadcasts = stack.broadcasts.wrapping_add(1);
+        let (content, offered, outcome) = (self.payloads.keep(payload), scene.now, FrameOutcome::WORST);
+        let broadcast = Broadcast { id, content, payload_octets, offered, frames: 0, outcome };
         if stack.waiting.len() >= QUEUE_FRAMES {
-            packets.lost_queue += 1;
-            self.trace_refused(station, id, payload_octets, scene);
+            self.end_payload(station, &broadcast, (PacketEnd::QueueFull, PacketFate::LostQueue), None, scene);
             return Err(SendError::QueueFull(QUEUE_FRAMES));
         }
-        let content = self.payloads.keep(payload);
-        let (offered, outcome) = (scene.now, FrameOutcome::WORST);
-        stack.waiting.push_back(Broadcast { id, content, payload_octets, offered, frames: 0, outcome });
+        stack.waiting.push_back(broadcast);
         self.has_broadcasts = true;
         self.proceed(station, scene);
         self.tell_carrier(scene);
@@ -53,15 +52,10 @@ impl Links {
 
     /// A broadcast was sent from all sectors: counts it, and tells the application.
     pub(super) fn end_broadcast(&mut self, station: StationId, broadcast: Broadcast, scene: &mut Scene) {
-        self.trace_broadcast(station, &broadcast, scene);
-        let Broadcast { id, content, payload_octets, offered, frames, outcome } = broadcast;
-        self.payloads.release(content);
+        let Broadcast { id, offered, frames, outcome, .. } = broadcast;
+        let fate = PacketFate::Sent(outcome);
+        self.end_payload(station, &broadcast, (PacketEnd::Sent, fate), Some(broadcast.sequence()), scene);
         self.stacks[station.index()].reached.clear();
-        let packets = &mut self.ledger.packets[station.index()];
-        packets.count_sent(outcome);
-        if outcome == FrameOutcome::Received {
-            packets.octets_received += u64::from(payload_octets);
-        }
         let (to, outcome) = (Destination::All, SendOutcome::Sent);
         let report = SendReport { frame: id, to, outcome, transmissions: frames, offered };
         scene.upcalls.push(Upcall::Sent { station, report });

@@ -11,6 +11,7 @@ use crate::link::ieee80211ad::stack::{RadioTask, Role, Stack};
 use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::{PacketEnd, PacketFate};
 use crate::service::sweep::Announcement;
 use crate::service::upcall::Upcall;
 
@@ -25,7 +26,7 @@ impl Links {
                 let outcome = self.outcome(&transmission, &frame, scene);
                 let stack = &mut self.stacks[station.index()];
                 stack.outcome = stack.outcome.max(outcome);
-                stack.frames += 1;
+                stack.has_answered = true;
             }
             SweepBody::Beacon { .. } => {
                 self.note_beacon(station, self.outcome(&transmission, &frame, scene), scene.now);
@@ -114,24 +115,23 @@ impl Links {
 
     /// Counts an answer that begins or has ended.
     pub(super) fn note_answer(&mut self, station: StationId, report: ResponderReport, scene: &mut Scene) {
-        let (stack, packets) = (&mut self.stacks[station.index()], &mut self.ledger.packets[station.index()]);
+        let stack = &mut self.stacks[station.index()];
         match report {
             ResponderReport::Heard(heard) => {
-                (stack.outcome, stack.frames) = (FrameOutcome::WORST, 0);
-                packets.offered += 1;
+                (stack.is_answering, stack.outcome, stack.has_answered) = (true, FrameOutcome::WORST, false);
+                self.ledger.packets[station.index()].offered += 1;
                 scene.offered += 1;
                 self.trace_heard(station, heard.initiator.station(), scene);
             }
             ResponderReport::Answered { outcome, sweeps, .. } => {
-                packets.transmissions += std::mem::take(&mut stack.frames);
-                packets.channel_access_failures += u64::from(outcome == ResponderOutcome::WindowOver);
-                packets.unacknowledged += u64::from(outcome == ResponderOutcome::NoFeedback);
-                let best = (sweeps > 0).then_some(stack.outcome);
-                match best {
-                    Some(best) => packets.count_sent(best),
-                    None => packets.lost_channel_access += 1,
-                }
-                self.trace_answer(station, outcome, best, scene);
+                let end = match outcome {
+                    ResponderOutcome::Sent => PacketEnd::Sent,
+                    ResponderOutcome::Trained(_) => PacketEnd::Acknowledged,
+                    ResponderOutcome::WindowOver => PacketEnd::ChannelAccessFailure,
+                    ResponderOutcome::NoFeedback => PacketEnd::NoAcknowledgement,
+                };
+                let fate = if sweeps > 0 { PacketFate::Sent(stack.outcome) } else { PacketFate::LostChannelAccess };
+                self.end_answer(station, end, fate, sweeps.into(), scene);
             }
         }
     }

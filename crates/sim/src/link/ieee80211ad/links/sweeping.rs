@@ -8,6 +8,8 @@ use super::{Gathered, Links, read};
 use crate::link::ieee80211ad::stack::{RadioTask, Role};
 use crate::purpose;
 use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::{PacketEnd, PacketFate};
 use crate::service::sweep::SweepKind;
 use crate::service::upcall::Upcall;
 
@@ -82,7 +84,6 @@ impl Links {
             self.gather(station, scene);
         }
         let packets = &mut self.ledger.packets[station.index()];
-        packets.transmissions += u64::from(report.frames);
         packets.reports_asked += u64::from(report.asked);
         packets.reports_received += u64::from(report.reported);
         let tilt = self.stacks[station.index()].tilt + 1;
@@ -94,10 +95,7 @@ impl Links {
         self.stacks[station.index()].task = None;
         match task {
             RadioTask::Sweep(_) => {
-                let packets = &mut self.ledger.packets[station.index()];
-                packets.sent += 1;
-                packets.received += 1;
-                self.trace_sweep(station, scene);
+                self.end_own_sweep(station, PacketEnd::Sent, PacketFate::Sent(FrameOutcome::Received), scene);
                 let answers = self.sweeps.get(&station).map_or(0, |gathered| gathered.answers.len());
                 self.ledger.deliveries[station.index()] += answers as u64;
                 scene.upcalls.push(Upcall::Swept { station });

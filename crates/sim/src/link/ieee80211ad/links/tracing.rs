@@ -1,19 +1,18 @@
-//! Traces of sweeps, answers and broadcasts, if somebody wants them.
+//! The ends of sweeps, answers and broadcasts: they are counted, and traced if somebody wants that.
 
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::dmg::timing::SSW_OCTETS;
-use sextant_mac::dmg::{ResponderOutcome, SweepBody, SweepFrame, beacon_octets};
+use sextant_mac::dmg::{SweepBody, SweepFrame, beacon_octets};
 
 use super::Links;
 use crate::air::Transmission;
 use crate::link::ieee80211ad::broadcast::Broadcast;
-use crate::link::ieee80211ad::stack::RadioTask;
 use crate::link::ieee80211ad::tracks::Tracks;
+use crate::link::ledger::CountedPacket;
 use crate::link::track::{PacketTrack, Traced, TransmissionEnd};
 use crate::scene::Scene;
-use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
-use crate::service::report::{Destination, FrameId};
+use crate::service::report::Destination;
 
 impl Links {
     /// Tracks a frame of `station` that ends now, if it belongs to a sweep, an answer or a broadcast.
@@ -49,25 +48,17 @@ impl Links {
         }
     }
 
-    /// Traces an answer of `station` that has ended, with the `best` outcome of its frames, if there were any.
-    pub(super) fn trace_answer(
+    /// An answer of `station` is none any more, after so many sweeps: it is counted and traced.
+    pub(super) fn end_answer(
         &mut self,
         station: StationId,
-        outcome: ResponderOutcome,
-        best: Option<FrameOutcome>,
+        end: PacketEnd,
+        fate: PacketFate,
+        sweeps: u64,
         scene: &mut Scene,
     ) {
-        let end = match outcome {
-            ResponderOutcome::Sent => PacketEnd::Sent,
-            ResponderOutcome::Trained(_) => PacketEnd::Acknowledged,
-            ResponderOutcome::WindowOver => PacketEnd::ChannelAccessFailure,
-            ResponderOutcome::NoFeedback => PacketEnd::NoAcknowledgement,
-        };
-        let fate = best.map_or(PacketFate::LostChannelAccess, PacketFate::Sent);
-        self.end_answer(station, end, fate, scene);
-    }
-
-    fn end_answer(&mut self, station: StationId, end: PacketEnd, fate: PacketFate, scene: &mut Scene) {
+        self.stacks[station.index()].is_answering = false;
+        self.count(station, end, fate, sweeps, scene);
         let Some(mut tracks) = self.stacks[station.index()].tracks.take() else { return };
         if let Some((offered, initiator)) = tracks.answer_offered.take() {
             let to = initiator.map_or(Destination::All, Destination::Station);
@@ -85,12 +76,9 @@ impl Links {
         self.stacks[station.index()].tracks = Some(tracks);
     }
 
-    /// Traces the sweep of `station`, which has ended.
-    pub(super) fn trace_sweep(&mut self, station: StationId, scene: &mut Scene) {
-        self.end_sweep_track(station, PacketEnd::Sent, PacketFate::Sent(FrameOutcome::Received), scene);
-    }
-
-    fn end_sweep_track(&mut self, station: StationId, end: PacketEnd, fate: PacketFate, scene: &mut Scene) {
+    /// The sweep of `station` is none any more: it is counted and traced.
+    pub(super) fn end_own_sweep(&mut self, station: StationId, end: PacketEnd, fate: PacketFate, scene: &mut Scene) {
+        self.count(station, end, fate, u64::from(end == PacketEnd::Sent), scene);
         let Some(mut tracks) = self.stacks[station.index()].tracks.take() else { return };
         let Tracks { task, sweep_offered, sweeps, .. } = &mut *tracks;
         let traced =
@@ -104,70 +92,42 @@ impl Links {
         self.stacks[station.index()].tracks = Some(tracks);
     }
 
-    /// Traces a broadcast for which the queue of `station` had no room.
-    pub(super) fn trace_refused(
+    /// A broadcast of `station` is none any more: it is counted and traced. One that waited has no `sequence` on air yet.
+    pub(super) fn end_payload(
         &mut self,
         station: StationId,
-        FrameId(number): FrameId,
-        payload_octets: u16,
+        broadcast: &Broadcast,
+        (end, fate): (PacketEnd, PacketFate),
+        sequence: Option<u8>,
         scene: &mut Scene,
     ) {
-        if self.stacks[station.index()].tracks.is_none() {
-            return;
-        }
-        let traced = Traced {
-            kind: PacketKind::Broadcast,
-            number,
-            octets: beacon_octets(payload_octets),
-            end: PacketEnd::QueueFull,
-            fate: PacketFate::LostQueue,
-            ..self.traced(station, scene.now)
-        };
-        self.tell(&mut PacketTrack::default(), &traced, scene);
-    }
-
-    /// Traces a broadcast of `station` that was sent from all its sectors.
-    pub(super) fn trace_broadcast(&mut self, station: StationId, broadcast: &Broadcast, scene: &mut Scene) {
+        let &Broadcast { content, payload_octets, offered, frames, .. } = broadcast;
+        self.payloads.release(content);
+        let (payload_octets, transmissions) = (payload_octets.into(), u64::from(frames > 0));
+        let counted = CountedPacket { offered, payload_octets, end, fate, transmissions, assessments: 0 };
+        self.ledger.count(station, &counted);
         let Some(mut tracks) = self.stacks[station.index()].tracks.take() else { return };
-        let fate = PacketFate::Sent(broadcast.outcome);
-        let traced = Traced { end: PacketEnd::Sent, fate, ..self.traced_broadcast(station, broadcast) };
-        let sequence = Some(broadcast.sequence());
-        self.tell(&mut tracks.task, &Traced { sequence, ..traced }, scene);
-        self.stacks[station.index()].tracks = Some(tracks);
-    }
-
-    /// Traces what is under way or waits at the end of the simulation.
-    pub(super) fn trace_all_pending(&mut self, scene: &mut Scene) {
-        for i in 0..self.stacks.len() {
-            if self.stacks[i].tracks.is_none() {
-                continue;
-            }
-            let station = StationId::from_index(i);
-            if let Some(RadioTask::Broadcast(broadcast)) = self.stacks[i].task {
-                let sequence = Some(broadcast.sequence());
-                let traced = Traced { sequence, ..self.traced_broadcast(station, &broadcast) };
-                let mut track = self.stacks[i].tracks.as_mut().map(|tracks| std::mem::take(&mut tracks.task));
-                self.tell(track.get_or_insert_default(), &traced, scene);
-            }
-            let is_sweeping = matches!(self.stacks[i].task, Some(RadioTask::Sweep(_)));
-            if is_sweeping || self.stacks[i].next_sweep.is_some() {
-                self.end_sweep_track(station, PacketEnd::Pending, PacketFate::Pending, scene);
-            }
-            for place in 0..self.stacks[i].waiting.len() {
-                let traced = self.traced_broadcast(station, &self.stacks[i].waiting[place]);
-                self.tell(&mut PacketTrack::default(), &traced, scene);
-            }
-            self.end_answer(station, PacketEnd::Pending, PacketFate::Pending, scene);
-        }
-    }
-
-    fn traced_broadcast(&self, station: StationId, broadcast: &Broadcast) -> Traced {
-        Traced {
+        let traced = Traced {
             kind: PacketKind::Broadcast,
             number: broadcast.id.0,
             octets: beacon_octets(broadcast.payload_octets),
-            ..self.traced(station, broadcast.offered)
+            sequence,
+            end,
+            fate,
+            ..self.traced(station, offered)
+        };
+        match sequence {
+            Some(_) => self.tell(&mut tracks.task, &traced, scene),
+            None => self.tell(&mut PacketTrack::default(), &traced, scene),
         }
+        self.stacks[station.index()].tracks = Some(tracks);
+    }
+
+    /// Counts a sweep or an answer, which carry nothing.
+    fn count(&mut self, station: StationId, end: PacketEnd, fate: PacketFate, transmissions: u64, scene: &Scene) {
+        let (offered, payload_octets) = (scene.now, 0);
+        let counted = CountedPacket { offered, payload_octets, end, fate, transmissions, assessments: 0 };
+        self.ledger.count(station, &counted);
     }
 
     /// What is known of a packet when it is offered.

@@ -5,6 +5,7 @@ use sextant_mac::responder::Verdict;
 
 use super::Links;
 use crate::air::{Arrival, Asked};
+use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::link::track::TransmissionEnd;
 use crate::observer::Observer;
@@ -32,14 +33,16 @@ impl Links {
             Destination::All => self.fate(&transmission, scene, |station| self.hears[station.index()]),
         };
         let stack = &mut self.stacks[station.index()];
+        let is_copy = stack.outcome == FrameOutcome::Received;
         if fate.outcome == FrameOutcome::Received
-            && stack.outcome != FrameOutcome::Received
+            && !is_copy
             && frame.offered >= self.ledger.counted_from
             && let Some(delays) = self.ledger.delays.get_mut(station.index())
         {
             delays.add(scene.now - frame.offered);
         }
         stack.outcome = stack.outcome.max(fate.outcome);
+        stack.transmissions += 1;
         if let Some(track) = &mut stack.track {
             let arrival = fate.arrival;
             let receiver = arrival.map(|arrival| self.radios.receiver(arrival.station));
@@ -55,7 +58,7 @@ impl Links {
             self.tell_frame(&transmission, fate, scene, observer);
         }
         if is_heard {
-            self.deliver(station, frame.offered >= self.ledger.counted_from, scene);
+            self.deliver(station, is_copy, scene);
         }
     }
 
@@ -64,11 +67,12 @@ impl Links {
         arrival.outcome == FrameOutcome::Received && self.hears[arrival.station.index()]
     }
 
-    /// Delivers the frame of `from`, whose payload is in `mpdu`, to all stations that have received it and for which it is;
-    /// `counts` if it was offered after the warm-up.
-    fn deliver(&mut self, from: StationId, counts: bool, scene: &mut Scene) {
+    /// Delivers the frame of `from`, whose payload is in `mpdu`, to all stations that have received it and for which it is. A
+    /// copy, because its acknowledgement was lost, is only acknowledged again: it goes to one station, which has the frame.
+    fn deliver(&mut self, from: StationId, is_copy: bool, scene: &mut Scene) {
         let stack = &self.stacks[from.index()];
-        let to = stack.frame.expect("a frame is under way").to;
+        let QueuedFrame { to, offered, .. } = stack.frame.expect("a frame is under way");
+        let counts = offered >= self.ledger.counted_from;
         // Whether it is for a station does not depend on its payload.
         let frame = self.data_frame(from, to).frame(stack.sequence, &[]);
         for i in 0..self.arrivals.len() {
@@ -82,7 +86,7 @@ impl Links {
             stack.answered = Some(from);
             let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
             let verdict = self.responders[station.index()].receive_and_respond(&frame, gap, &mut radio);
-            if verdict == Verdict::Deliver {
+            if verdict == Verdict::Deliver && !is_copy {
                 self.ledger.deliveries[station.index()] += u64::from(counts);
                 let (sequence, power) = (frame.sequence, arrival.power);
                 scene.upcalls.push(Upcall::Delivered { station, from, sequence, power, sector: None, snr: None });

@@ -10,12 +10,23 @@ use crate::event::ieee802154::Event;
 use crate::link::ieee802154::addressing::offered_octets;
 use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
+use crate::link::ledger::CountedPacket;
 use crate::link::payloads::Content;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
+use crate::service::packet_trace::{PacketEnd, PacketFate};
 use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 use crate::service::upcall::Upcall;
+
+/// How a frame ended.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ended {
+    pub(super) end: PacketEnd,
+    pub(super) fate: PacketFate,
+    pub(super) transmissions: u32,
+    pub(super) assessments: u64,
+}
 
 impl Links {
     /// Takes a frame to send.
@@ -64,7 +75,7 @@ impl Links {
     fn start(&mut self, station: StationId, frame: QueuedFrame, scene: &mut Scene) {
         let stack = &mut self.stacks[station.index()];
         stack.sequence = stack.sequence.wrapping_add(1);
-        stack.outcome = FrameOutcome::WORST;
+        (stack.outcome, stack.transmissions) = (FrameOutcome::WORST, 0);
         stack.clock.forget_rounding();
         stack.frame = Some(frame);
         if let Some(track) = &mut stack.track {
@@ -113,51 +124,55 @@ impl Links {
         let stack = &mut self.stacks[station.index()];
         let frame = stack.frame.take().expect("a report is of the frame under way");
         let next = stack.waiting.pop_front();
-        let outcome = stack.outcome;
-        self.count(station, frame, report, outcome);
-        self.trace_ended(station, &frame, &report, outcome, scene);
-        self.payloads.release(frame.content);
-        let report = SendReport {
-            frame: frame.id,
-            to: frame.to,
-            outcome: match report.outcome {
-                Outcome::Sent => SendOutcome::Sent,
-                Outcome::Acknowledged => SendOutcome::Acknowledged,
-                Outcome::NoAck => SendOutcome::NoAcknowledgement,
-                Outcome::ChannelAccessFailure => SendOutcome::ChannelAccessFailure,
-            },
-            transmissions: report.transmissions,
-            offered: frame.offered,
+        let outcome = match report.outcome {
+            Outcome::Sent => SendOutcome::Sent,
+            Outcome::Acknowledged => SendOutcome::Acknowledged,
+            Outcome::NoAck => SendOutcome::NoAcknowledgement,
+            Outcome::ChannelAccessFailure => SendOutcome::ChannelAccessFailure,
         };
+        if outcome == SendOutcome::Acknowledged
+            && let Some(track) = &mut stack.track
+        {
+            track.acknowledge(scene.now);
+        }
+        let fate = match report.transmissions {
+            0 => PacketFate::LostChannelAccess,
+            _ => PacketFate::Sent(stack.outcome),
+        };
+        let (transmissions, assessments) = (report.transmissions, report.ccas.into());
+        let (ended, sequence) = (Ended { end: outcome.into(), fate, transmissions, assessments }, stack.sequence);
+        self.end_packet(station, &frame, ended, Some(sequence), scene);
+        let report = SendReport { frame: frame.id, to: frame.to, outcome, transmissions, offered: frame.offered };
         scene.upcalls.push(Upcall::Sent { station, report });
         if let Some(next) = next {
             self.start(station, next, scene);
         }
     }
 
-    fn count(&mut self, station: StationId, frame: QueuedFrame, report: csma::Report, outcome: FrameOutcome) {
-        if frame.offered < self.ledger.counted_from {
-            return;
-        }
-        let octets = u64::from(frame.mpdu_octets - self.data_frame(station, frame.to).overhead_octets());
-        let packets = &mut self.ledger.packets[station.index()];
-        packets.transmissions += u64::from(report.transmissions);
-        packets.assessments += u64::from(report.ccas);
-        packets.unacknowledged += u64::from(report.outcome == Outcome::NoAck);
-        packets.channel_access_failures += u64::from(report.outcome == Outcome::ChannelAccessFailure);
-        if report.transmissions == 0 {
-            debug_assert_eq!(report.outcome, Outcome::ChannelAccessFailure);
-            packets.lost_channel_access += 1;
-            return;
-        }
-        packets.count_sent(outcome);
-        if outcome == FrameOutcome::Received {
-            packets.octets_received += octets;
-        }
+    /// A frame of `station` is none any more: it is counted and traced.
+    pub(super) fn end_packet(
+        &mut self,
+        station: StationId,
+        frame: &QueuedFrame,
+        ended: Ended,
+        sequence: Option<u8>,
+        scene: &mut Scene,
+    ) {
+        let Ended { end, fate, transmissions, assessments } = ended;
+        let payload_octets = u64::from(frame.mpdu_octets - self.data_frame(station, frame.to).overhead_octets());
+        let (offered, transmissions) = (frame.offered, transmissions.into());
+        let counted = CountedPacket { offered, payload_octets, end, fate, transmissions, assessments };
+        self.ledger.count(station, &counted);
+        self.trace_ended(station, frame, (end, fate), sequence, scene);
+        self.payloads.release(frame.content);
     }
 
+    /// The header of the data frames of `station` to others of its PAN.
     pub(super) fn data_frame(&self, station: StationId, to: Destination) -> DataFrame {
-        data_frame(self.pan, station, to)
+        match to {
+            Destination::All => DataFrame::broadcast(self.pan, station),
+            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
+        }
     }
 
     /// Writes the data frame of `station` that is under way, or only its payload if nobody looks at more.
@@ -178,13 +193,5 @@ impl Links {
             self.mpdu.extend_from_slice(payload);
             self.payload = 0..payload.len();
         }
-    }
-}
-
-/// The header of the data frames of `station` to others of its PAN.
-pub(super) fn data_frame(pan: u16, station: StationId, to: Destination) -> DataFrame {
-    match to {
-        Destination::All => DataFrame::broadcast(pan, station),
-        Destination::Station(to) => DataFrame::unicast(pan, station, to),
     }
 }

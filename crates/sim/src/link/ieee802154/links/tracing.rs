@@ -1,14 +1,12 @@
 //! Traces of packets, if somebody wants them.
 
 use sextant_kernel::{SimTime, StationId};
-use sextant_mac::csma::{self, Outcome};
 
 use super::Links;
 use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::payloads::Content;
 use crate::link::track::{PacketTrack, Traced};
 use crate::scene::Scene;
-use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind, PacketTrace};
 use crate::service::report::{Destination, FrameId, Payload};
 
@@ -37,69 +35,19 @@ impl Links {
         self.tell(&mut PacketTrack::default(), station, &traced, payload, scene);
     }
 
-    /// Traces a frame of `station` that has left its MAC.
+    /// Traces a frame of `station` that is none any more.
     pub(super) fn trace_ended(
         &mut self,
         station: StationId,
         frame: &QueuedFrame,
-        report: &csma::Report,
-        outcome: FrameOutcome,
-        scene: &mut Scene,
-    ) {
-        let stack = &mut self.stacks[station.index()];
-        let Some(mut track) = stack.track.take() else { return };
-        let end = match report.outcome {
-            Outcome::Sent => PacketEnd::Sent,
-            Outcome::Acknowledged => PacketEnd::Acknowledged,
-            Outcome::NoAck => PacketEnd::NoAcknowledgement,
-            Outcome::ChannelAccessFailure => PacketEnd::ChannelAccessFailure,
-        };
-        if end == PacketEnd::Acknowledged {
-            track.acknowledge(scene.now);
-        }
-        let fate = if report.transmissions == 0 { PacketFate::LostChannelAccess } else { PacketFate::Sent(outcome) };
-        let sequence = Some(stack.sequence);
-        let traced = self.traced_frame(station, frame).with_end(end, fate);
-        self.tell(&mut track, station, &Traced { sequence, ..traced }, self.payload_of(frame), scene);
-        self.stacks[station.index()].track = Some(track);
-    }
-
-    /// Traces the frames that are under way or wait at the end of the simulation.
-    pub(super) fn trace_all_pending(&mut self, scene: &mut Scene) {
-        for i in 0..self.stacks.len() {
-            let station = StationId::from_index(i);
-            let Some(mut track) = self.stacks[i].track.take() else { continue };
-            let (sequence, outcome) = (self.stacks[i].sequence, self.stacks[i].outcome);
-            if let Some(frame) = self.stacks[i].frame {
-                // A frame that was received counts so, even if its acknowledgement is still under way.
-                let fate = match outcome {
-                    FrameOutcome::Received => PacketFate::Sent(outcome),
-                    _ => PacketFate::Pending,
-                };
-                let traced = self.traced_frame(station, &frame).with_end(PacketEnd::Pending, fate);
-                let traced = Traced { sequence: Some(sequence), ..traced };
-                self.tell(&mut track, station, &traced, self.payload_of(&frame), scene);
-            }
-            for place in 0..self.stacks[i].waiting.len() {
-                let frame = self.stacks[i].waiting[place];
-                let traced = self.traced_frame(station, &frame).with_end(PacketEnd::Pending, PacketFate::Pending);
-                self.tell(&mut PacketTrack::default(), station, &traced, self.payload_of(&frame), scene);
-            }
-        }
-    }
-
-    /// Traces a frame that a station with an empty battery leaves behind.
-    pub(super) fn trace_abandoned(
-        &self,
-        track: &mut PacketTrack,
-        station: StationId,
-        frame: &QueuedFrame,
-        fate: PacketFate,
+        (end, fate): (PacketEnd, PacketFate),
         sequence: Option<u8>,
         scene: &mut Scene,
     ) {
-        let traced = self.traced_frame(station, frame).with_end(PacketEnd::Depleted, fate);
-        self.tell(track, station, &Traced { sequence, ..traced }, self.payload_of(frame), scene);
+        let Some(mut track) = self.stacks[station.index()].track.take() else { return };
+        let traced = self.traced_frame(station, frame).with_end(end, fate);
+        self.tell(&mut track, station, &Traced { sequence, ..traced }, self.payload_of(frame), scene);
+        self.stacks[station.index()].track = Some(track);
     }
 
     fn traced_frame(&self, station: StationId, frame: &QueuedFrame) -> Traced {

@@ -5,8 +5,9 @@ use sextant_kernel::{SimTime, StationId};
 use super::Links;
 use crate::air::Transmission;
 use crate::link::fate::Fate;
+use crate::link::ledger::CountedPacket;
 use crate::link::programmed::packet::OpenPacket;
-use crate::link::track::{DataPacket, Origin, PacketTrack, Traced, TransmissionEnd};
+use crate::link::track::{DataPacket, Origin, PacketTrack, TransmissionEnd};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate};
@@ -141,87 +142,36 @@ impl Links {
             Some(SendOutcome::ChannelAccessFailure) => PacketFate::LostChannelAccess,
             _ => PacketFate::LostQueue,
         };
-        self.count(station, &packet, outcome, fate);
-        let end = match outcome {
-            Some(SendOutcome::Sent) => PacketEnd::Sent,
-            Some(SendOutcome::Acknowledged) => PacketEnd::Acknowledged,
-            Some(SendOutcome::NoAcknowledgement) => PacketEnd::NoAcknowledgement,
-            Some(SendOutcome::ChannelAccessFailure) => PacketEnd::ChannelAccessFailure,
-            None => PacketEnd::QueueFull,
-        };
-        self.trace(station, packet, end, fate, scene);
+        let end = outcome.map_or(PacketEnd::QueueFull, PacketEnd::from);
+        self.end_packet(station, packet, end, fate, scene);
         Ok(())
     }
 
-    fn count(&mut self, station: StationId, packet: &OpenPacket, outcome: Option<SendOutcome>, fate: PacketFate) {
-        if packet.offered < self.ledger.counted_from {
-            return;
-        }
-        let overhead = self.header(station, packet.to).overhead_octets();
-        let packets = &mut self.ledger.packets[station.index()];
-        packets.transmissions += packet.transmissions;
-        packets.assessments += packet.assessments;
-        packets.unacknowledged += u64::from(outcome == Some(SendOutcome::NoAcknowledgement));
-        packets.channel_access_failures += u64::from(outcome == Some(SendOutcome::ChannelAccessFailure));
-        match fate {
-            PacketFate::Sent(outcome) => {
-                packets.count_sent(outcome);
-                if outcome == FrameOutcome::Received {
-                    packets.octets_received += u64::from(packet.mpdu_octets - overhead);
-                }
-            }
-            PacketFate::LostChannelAccess => packets.lost_channel_access += 1,
-            PacketFate::LostQueue => packets.lost_queue += 1,
-            PacketFate::Depleted => packets.depleted += 1,
-            PacketFate::Pending => packets.pending += 1,
-        }
-    }
-
-    /// Counts the packets that are open at the end: one that was received counts so.
-    pub(super) fn count_open(&mut self, station: StationId) {
+    /// The packets that a station still has when it dies, or at the end.
+    pub(super) fn leave(&mut self, station: StationId, end: PacketEnd, scene: &mut Scene) {
         for packet in std::mem::take(&mut self.stacks[station.index()].open) {
-            self.count(station, &packet, None, packet.fate_at_end());
+            let fate = end.fate_of_left(packet.outcome);
+            self.end_packet(station, packet, end, fate, scene);
         }
     }
 
-    /// The packets of a station whose battery is empty are lost.
-    pub(super) fn abandon(&mut self, station: StationId, scene: &mut Scene) {
-        for packet in std::mem::take(&mut self.stacks[station.index()].open) {
-            let fate = match packet.fate_at_end() {
-                PacketFate::Pending => PacketFate::Depleted,
-                fate => fate,
-            };
-            self.count(station, &packet, None, fate);
-            self.trace(station, packet, PacketEnd::Depleted, fate, scene);
-        }
-    }
-
-    /// Traces the packets that are open at the end.
-    pub(super) fn trace_open(&mut self, station: StationId, scene: &mut Scene) {
-        for place in 0..self.stacks[station.index()].open.len() {
-            let packet = &mut self.stacks[station.index()].open[place];
-            let (fate, track) = (packet.fate_at_end(), packet.track.take());
-            let traced = self.traced(station, &self.stacks[station.index()].open[place], PacketEnd::Pending, fate);
-            self.tell(station, track, &traced, scene);
-        }
-    }
-
-    fn trace(&self, station: StationId, mut packet: OpenPacket, end: PacketEnd, fate: PacketFate, scene: &mut Scene) {
-        let track = packet.track.take();
-        let traced = self.traced(station, &packet, end, fate);
-        self.tell(station, track, &traced, scene);
-    }
-
-    fn traced(&self, station: StationId, packet: &OpenPacket, end: PacketEnd, fate: PacketFate) -> Traced {
-        let &OpenPacket { id, to, sequence, mpdu_octets, offered, .. } = packet;
+    /// A packet of a station is none any more: it is counted and traced.
+    fn end_packet(
+        &mut self,
+        station: StationId,
+        packet: OpenPacket,
+        end: PacketEnd,
+        fate: PacketFate,
+        scene: &mut Scene,
+    ) {
+        let OpenPacket { id, to, sequence, mpdu_octets, offered, transmissions, assessments, track, .. } = packet;
+        let payload_octets = u64::from(mpdu_octets - self.header(station, to).overhead_octets());
+        let counted = CountedPacket { offered, payload_octets, end, fate, transmissions, assessments };
+        self.ledger.count(station, &counted);
+        let Some(mut track) = track else { return };
         let origin = Origin { network: self.radios[0].network, station, counted_from: self.ledger.counted_from };
-        origin.traced(DataPacket { id, sequence, to, mpdu_octets, offered }, end, fate)
-    }
-
-    fn tell(&self, station: StationId, track: Option<Box<PacketTrack>>, traced: &Traced, scene: &mut Scene) {
-        if let Some(mut track) = track {
-            let power = self.stacks[station.index()].power;
-            scene.traced.push(track.end(traced, &self.ledger.radio_states, power, scene.now));
-        }
+        let traced = origin.traced(DataPacket { id, sequence, to, mpdu_octets, offered }, end, fate);
+        let power = self.stacks[station.index()].power;
+        scene.traced.push(track.end(&traced, &self.ledger.radio_states, power, scene.now));
     }
 }

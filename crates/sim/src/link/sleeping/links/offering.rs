@@ -65,6 +65,8 @@ impl Links {
             offered: scene.now,
             sequence: stack.next_sequence(),
             attempts: 0,
+            sent_in: None,
+            transmissions: 0,
             busy: 0,
             looks: 0,
             outcome: FrameOutcome::WORST,
@@ -72,9 +74,7 @@ impl Links {
             track,
         };
         if stack.waiting.len() >= most {
-            self.ledger.packets[station.index()].lost_queue += counts;
-            self.payloads.release(frame.content);
-            self.trace_frame(station, frame, PacketEnd::QueueFull, PacketFate::LostQueue, scene);
+            self.end_packet(station, frame, PacketEnd::QueueFull, PacketFate::LostQueue, scene);
             return Err(SendError::QueueFull(most - 1));
         }
         stack.waiting.push_back(frame);
@@ -82,35 +82,12 @@ impl Links {
         Ok(id)
     }
 
-    /// The packet under way has left the link of a station: it is counted, and its application is told.
+    /// The packet under way has left the link of a station: it is counted and traced, and its application is told.
     pub(super) fn finish_frame(&mut self, station: StationId, outcome: SendOutcome, scene: &mut Scene) {
         let frame = self.stacks[station.index()].waiting.pop_front().expect("a packet was under way");
-        self.payloads.release(frame.content);
         let OpenFrame { id, to, offered, attempts, .. } = frame;
-        if offered >= self.ledger.counted_from {
-            let octets = u64::from(frame.mpdu_octets - self.header(station, to).overhead_octets());
-            let packets = &mut self.ledger.packets[station.index()];
-            packets.transmissions += u64::from(attempts);
-            packets.assessments += u64::from(frame.looks);
-            packets.unacknowledged += u64::from(outcome == SendOutcome::NoAcknowledgement);
-            packets.channel_access_failures += u64::from(outcome == SendOutcome::ChannelAccessFailure);
-            if attempts == 0 {
-                packets.lost_channel_access += 1;
-            } else {
-                packets.count_sent(frame.outcome);
-                if frame.outcome == FrameOutcome::Received {
-                    packets.octets_received += octets;
-                }
-            }
-        }
-        let end = match outcome {
-            SendOutcome::Sent => PacketEnd::Sent,
-            SendOutcome::Acknowledged => PacketEnd::Acknowledged,
-            SendOutcome::NoAcknowledgement => PacketEnd::NoAcknowledgement,
-            SendOutcome::ChannelAccessFailure => PacketEnd::ChannelAccessFailure,
-        };
         let fate = if attempts == 0 { PacketFate::LostChannelAccess } else { PacketFate::Sent(frame.outcome) };
-        self.trace_frame(station, frame, end, fate, scene);
+        self.end_packet(station, frame, outcome.into(), fate, scene);
         let report = SendReport { frame: id, to, outcome, transmissions: attempts, offered };
         scene.upcalls.push(Upcall::Sent { station, report });
     }

@@ -169,21 +169,33 @@ impl Links {
         }
         match sent {
             Sent::Data => self.note_transmission(station, &transmission, fate, scene),
-            Sent::Strobe | Sent::WakeUp { .. } => {
-                // The packet itself was not received, whoever heard that it would come.
-                let outcome = fate.outcome.min(FrameOutcome::Weak);
-                if let Some(packet) = self.stacks[station.index()].waiting.front_mut() {
-                    packet.outcome = packet.outcome.max(outcome);
+            Sent::Strobe | Sent::WakeUp { .. } => self.note_announcement(station, frame.sequence, fate.outcome),
+            Sent::Acknowledgement => {
+                if let Destination::Station(to) = to
+                    && fate.outcome != FrameOutcome::Received
+                {
+                    self.note_announcement(to, frame.sequence, fate.outcome);
                 }
             }
-            Sent::Acknowledgement => {}
         }
         Some((frame, transmission))
+    }
+
+    /// Notes what became of a frame that announced the packet under way, or of the answer to it.
+    fn note_announcement(&mut self, station: StationId, sequence: u8, outcome: FrameOutcome) {
+        // The packet itself was not received, whoever heard that it would come.
+        let outcome = if outcome == FrameOutcome::Received { FrameOutcome::Weak } else { outcome };
+        let under_way = self.stacks[station.index()].waiting.front_mut();
+        if let Some(packet) = under_way.filter(|packet| packet.sequence == sequence) {
+            packet.outcome = packet.outcome.max(outcome);
+        }
     }
 
     /// Notes a transmission of the packet under way.
     fn note_transmission(&mut self, station: StationId, transmission: &Transmission, fate: Fate, scene: &mut Scene) {
         let Some(packet) = self.stacks[station.index()].waiting.front_mut() else { return };
+        // Copies in one attempt are one transmission.
+        packet.transmissions += u32::from(packet.sent_in.replace(packet.attempts) != Some(packet.attempts));
         if fate.outcome == FrameOutcome::Received
             && packet.outcome != FrameOutcome::Received
             && packet.offered >= self.ledger.counted_from

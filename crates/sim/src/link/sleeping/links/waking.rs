@@ -12,6 +12,7 @@ use crate::link::sleeping::stack::{PlannedCheck, Work};
 use crate::link::sleeping::usage::Usage;
 use crate::scene::Scene;
 use crate::service::outcome::Deafness;
+use crate::service::packet_trace::PacketEnd;
 
 impl Links {
     /// The network starts to work at a station.
@@ -151,9 +152,7 @@ impl Links {
             return;
         }
         self.count_idle(station, scene.now);
-        if self.ledger.is_depleted(station) {
-            self.abandon(station, scene);
-        }
+        self.leave(station, PacketEnd::Died, scene);
         let stack = &mut self.stacks[station.index()];
         let work = match std::mem::replace(&mut stack.work, Work::None) {
             Work::BackingOff(key) | Work::Aiming { key, .. } => Some(key),

@@ -1,83 +1,40 @@
-//! Frames that are left at the end, and traces of all.
+//! Frames that have left their link, or stay there: they are counted and traced.
 
 use sextant_kernel::StationId;
 
 use super::Links;
+use crate::link::ledger::CountedPacket;
 use crate::link::track::Origin;
 use crate::link::tsch::stack::{FrameKind, SlotFrame};
 use crate::scene::Scene;
-use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate};
 
 impl Links {
-    /// Counts the packets of a station that have not ended: one that was received counts so.
-    pub(super) fn count_open(&mut self, station: StationId) {
-        let open = self.stacks[station.index()].sender.take_all();
-        self.count_left(station, &open);
-    }
-
-    /// The packets of a station whose battery is empty are lost.
-    pub(super) fn abandon(&mut self, station: StationId, scene: &mut Scene) {
-        let open = self.stacks[station.index()].sender.take_all();
-        self.count_left(station, &open);
-        for frame in open {
-            let fate = match frame.outcome {
-                FrameOutcome::Received => PacketFate::Sent(FrameOutcome::Received),
-                _ => PacketFate::Depleted,
-            };
-            let content = frame.content;
-            self.trace_frame(station, frame, PacketEnd::Depleted, fate, scene);
-            self.payloads.release(content);
+    /// The packets that a station still has when it dies, or at the end.
+    pub(super) fn leave(&mut self, station: StationId, end: PacketEnd, scene: &mut Scene) {
+        for frame in self.stacks[station.index()].sender.take_all() {
+            let fate = end.fate_of_left(frame.outcome);
+            self.end_packet(station, frame, end, fate, scene);
         }
     }
 
-    /// Counts packets that a station leaves behind.
-    fn count_left(&mut self, station: StationId, left: &[SlotFrame]) {
-        let is_depleted = self.ledger.is_depleted(station);
-        for frame in left {
-            if frame.kind != FrameKind::Data || frame.offered < self.ledger.counted_from {
-                continue;
-            }
-            let overhead = self.sizes(station, frame.to).overhead_octets();
-            let packets = &mut self.ledger.packets[station.index()];
-            packets.transmissions += u64::from(frame.transmissions);
-            if frame.outcome == FrameOutcome::Received {
-                packets.count_sent(frame.outcome);
-                packets.octets_received += u64::from(frame.mpdu_octets - overhead);
-            } else if is_depleted {
-                packets.depleted += 1;
-            } else {
-                packets.pending += 1;
-            }
-        }
-    }
-
-    /// Traces the packets that have not ended.
-    pub(super) fn trace_all_pending(&mut self, scene: &mut Scene) {
-        let (network, counted_from) = (self.radios[0].network, self.ledger.counted_from);
-        for (i, stack) in self.stacks.iter_mut().enumerate() {
-            let origin = Origin { network, station: StationId::from_index(i), counted_from };
-            for frame in stack.sender.waiting_mut() {
-                let Some(mut track) = frame.track.take() else { continue };
-                let fate = match frame.outcome {
-                    FrameOutcome::Received => PacketFate::Sent(FrameOutcome::Received),
-                    _ => PacketFate::Pending,
-                };
-                let traced = origin.traced(frame.packet(), PacketEnd::Pending, fate);
-                scene.traced.push(track.end(&traced, &self.ledger.radio_states, stack.tx_power, scene.now));
-            }
-        }
-    }
-
-    /// Traces a packet that has ended.
-    pub(super) fn trace_frame(
-        &self,
+    /// A frame of a station is none any more: if it is a packet, it is counted and traced.
+    pub(super) fn end_packet(
+        &mut self,
         station: StationId,
         mut frame: SlotFrame,
         end: PacketEnd,
         fate: PacketFate,
         scene: &mut Scene,
     ) {
+        self.payloads.release(frame.content);
+        if frame.kind != FrameKind::Data {
+            return;
+        }
+        let payload_octets = u64::from(frame.mpdu_octets - self.sizes(station, frame.to).overhead_octets());
+        let (offered, transmissions) = (frame.offered, frame.transmissions.into());
+        let counted = CountedPacket { offered, payload_octets, end, fate, transmissions, assessments: 0 };
+        self.ledger.count(station, &counted);
         let Some(mut track) = frame.track.take() else { return };
         let origin = Origin { network: self.radios[0].network, station, counted_from: self.ledger.counted_from };
         let (traced, power) = (origin.traced(frame.packet(), end, fate), self.stacks[station.index()].tx_power);

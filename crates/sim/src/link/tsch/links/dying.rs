@@ -7,6 +7,7 @@ use crate::event::tsch::Event;
 use crate::link::tsch::stack::Membership;
 use crate::scene::Scene;
 use crate::service::outcome::Deafness;
+use crate::service::packet_trace::PacketEnd;
 
 impl Links {
     /// A station dies: its radio is off from now on, or from the end of what it has on air.
@@ -16,9 +17,7 @@ impl Links {
             return;
         }
         self.count_idle(station, scene.now);
-        if self.ledger.is_depleted(station) {
-            self.abandon(station, scene);
-        }
+        self.leave(station, PacketEnd::Died, scene);
         let stack = &mut self.stacks[station.index()];
         stack.usage.count_scan(scene.now);
         let change = match stack.membership {

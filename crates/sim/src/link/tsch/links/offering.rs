@@ -76,16 +76,14 @@ impl Links {
                 Ok(id)
             }
             Err(frame) => {
-                self.ledger.packets[station.index()].lost_queue += counts;
-                self.payloads.release(frame.content);
-                self.trace_frame(station, frame, PacketEnd::QueueFull, PacketFate::LostQueue, scene);
+                self.end_packet(station, frame, PacketEnd::QueueFull, PacketFate::LostQueue, scene);
                 // The frame under way is one of those that wait.
                 Err(SendError::QueueFull(usize::from(self.settings.queue_frames) - 1))
             }
         }
     }
 
-    /// A packet of a station has left its link: it is counted, and its application is told.
+    /// A packet of a station has left its link: it is counted and traced, and its application is told.
     pub(super) fn finish_frame(
         &mut self,
         station: StationId,
@@ -96,27 +94,15 @@ impl Links {
         if frame.kind != FrameKind::Data {
             return;
         }
-        self.payloads.release(frame.content);
-        let SlotFrame { id, to, offered, transmissions, .. } = frame;
-        if offered >= self.ledger.counted_from {
-            let octets = u64::from(frame.mpdu_octets - self.sizes(station, to).overhead_octets());
-            let packets = &mut self.ledger.packets[station.index()];
-            packets.transmissions += u64::from(transmissions);
-            packets.unacknowledged += u64::from(outcome == SendOutcome::NoAcknowledgement);
-            packets.count_sent(frame.outcome);
-            if frame.outcome == FrameOutcome::Received {
-                packets.octets_received += octets;
-            }
-        }
-        let end = match outcome {
-            SendOutcome::Sent => PacketEnd::Sent,
-            SendOutcome::Acknowledged => PacketEnd::Acknowledged,
-            SendOutcome::NoAcknowledgement => PacketEnd::NoAcknowledgement,
-            SendOutcome::ChannelAccessFailure => PacketEnd::ChannelAccessFailure,
+        let report = SendReport {
+            frame: frame.id,
+            to: frame.to,
+            outcome,
+            transmissions: frame.transmissions,
+            offered: frame.offered,
         };
         let fate = PacketFate::Sent(frame.outcome);
-        self.trace_frame(station, frame, end, fate, scene);
-        let report = SendReport { frame: id, to, outcome, transmissions, offered };
+        self.end_packet(station, frame, outcome.into(), fate, scene);
         scene.upcalls.push(Upcall::Sent { station, report });
     }
 

@@ -1,0 +1,72 @@
+//! Nodes whose packets cannot arrive, which is known before the start.
+
+use sextant_kernel::{NodeId, SimTime, StationId};
+
+use super::stations::{Stations, know};
+use crate::applications::traffic::{Next, Traffic};
+use crate::link::{CellFault, Technology};
+use crate::purpose;
+use crate::service::network_id::NetworkId;
+use crate::service::report::Destination;
+use crate::setup::Setup;
+
+/// How the packets of nodes go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PacketWay {
+    /// To the sink that they are for, or to all.
+    Direct,
+    /// Over several hops: whoever hears them may send them on.
+    OverHops,
+}
+
+impl Setup {
+    /// The nodes with traffic whose packets reach nobody by the cells that a scenario lists for a network with slots, and why.
+    ///
+    /// # Panics
+    /// If there is no such network.
+    #[must_use]
+    pub fn cell_faults(&self, id: NetworkId, way: PacketWay) -> Vec<(NodeId, CellFault)> {
+        let mut setup = self.clone();
+        if know(&mut setup).is_err() {
+            return Vec::new();
+        }
+        let stations = Stations::of(&setup);
+        let Technology::Tsch(links) = &setup.networks[id.index()].technology else { return Vec::new() };
+        let all: Vec<StationId> = stations.roll.stations().collect();
+        let sinks: Vec<StationId> = stations.collectors(id).map(|(_, sink)| sink).collect();
+        let fault = |(node, traffic): (NodeId, &Traffic)| {
+            let to = match way {
+                PacketWay::Direct => Some(stations.destination(id, traffic, node).ok()?),
+                PacketWay::OverHops => None,
+            };
+            let listeners = match &to {
+                None => &*all,
+                Some(Destination::All) => &*sinks,
+                Some(Destination::Station(to)) => std::slice::from_ref(to),
+            };
+            Some((node, links.cell_fault(StationId(node.0), to, listeners)?))
+        };
+        setup.with_traffic(id).filter_map(fault).collect()
+    }
+
+    /// The nodes with traffic whose first packet is due at `end` or later.
+    ///
+    /// # Panics
+    /// If there is no such network.
+    pub fn late_nodes(&self, id: NetworkId, end: SimTime) -> impl Iterator<Item = NodeId> {
+        let seed = purpose::traffic_seed(self.seed, id);
+        let is_late = move |(node, traffic): &(NodeId, &Traffic)| matches!(traffic.next(seed, *node, 0, SimTime::ZERO), Next::At(due, _) if due >= end);
+        self.with_traffic(id).filter(is_late).map(|(node, _)| node)
+    }
+
+    /// The nodes of a network that have packets.
+    ///
+    /// # Panics
+    /// If there is no such network.
+    pub fn with_traffic(&self, id: NetworkId) -> impl Iterator<Item = (NodeId, &Traffic)> {
+        let network = &self.networks[id.index()];
+        let nodes = (0..self.world.nodes.len()).map(NodeId::from_index).filter(|&node| network.has(node));
+        let traffic = nodes.filter_map(|node| Some((node, network.traffic.of(node)?)));
+        traffic.filter(|(_, traffic)| !traffic.is_silent())
+    }
+}
