@@ -31,7 +31,7 @@ class Log:
     contacts : table, optional
         Where it met obstacles: ``t_s``, ``x_m``, ``y_m``.
     ranges : table, optional
-        Distances to nodes that it measured: ``node``, ``range_m`` (or ``range_cm``, ``range_mm``), and ``stop``, or ``t_s`` with a path.
+        Distances to nodes that it measured: ``node``, ``range_m`` (or ``range_cm``, ``range_mm``, ``range_ft``, ``range_ns``), and ``stop``, or ``t_s`` with a path.
         With ranges, `receptions` may be None.
     **options
         As the flags of ``sextant map``, with ``_`` for ``-``: ``stop_every="1m"``, ``lora=True``.

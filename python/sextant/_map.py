@@ -96,7 +96,8 @@ class Map:
         """The places of the nodes, a row each.
 
         Columns: ``node``, ``x_m``, ``y_m``, ``z_m``; ``ties`` (number of places that are as good), ``infeasible`` (no place
-        explains all receptions), ``concern`` (why a place is not reliable: ``at-edge``, ``unsettled``, ``no-evidence``, or empty);
+        explains all receptions), ``concern`` (why a place is not reliable: ``at-edge``, ``unsettled``, ``no-evidence``,
+        ``two-places``, ``too-few``, or empty);
         the entries ``cov_xx_m2`` .. ``cov_zz_m2`` of the covariance (m²) if the algorithm gives one; ``lat``, ``lon`` if the log has
         them. Nodes that were never heard have no row. It is a data frame of the library of the log, or a :class:`Table`.
         """

@@ -89,7 +89,7 @@ def track(
     ----------
     log : path or table
         What ``sextant map --track`` reads: a folder, a file, a recording. Or a table of ranges: ``t_s``, ``node``, ``range_m`` (or
-        ``range_cm``, ``range_mm``), and ``tag`` of several. It may be None beside `packets`.
+        ``range_cm``, ``range_mm``, ``range_ft``, ``range_ns``), and ``tag`` of several. It may be None beside `packets`.
     known : table or path
         Where the receivers are: ``node``, ``x_m``, ``y_m``, and ``z_m`` where you have it.
     packets : table, optional

@@ -196,9 +196,9 @@ impl Mapper {
 /// none stays where the map has it, if it has it.
 fn take_places(map: &mut TopologyMap, of_ranges: TopologyMap) {
     for (place, of_ranges) in map.estimates.iter_mut().zip(of_ranges.estimates) {
-        let is_told = of_ranges
-            .as_ref()
-            .is_some_and(|estimate| !matches!(estimate.concern, Some(Concern::NoEvidence | Concern::TwoPlaces)));
+        let is_told = of_ranges.as_ref().is_some_and(|estimate| {
+            !matches!(estimate.concern, Some(Concern::NoEvidence | Concern::TwoPlaces | Concern::TooFew))
+        });
         if is_told || place.is_none() {
             *place = of_ranges.or(place.take());
         }

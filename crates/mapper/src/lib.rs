@@ -91,9 +91,9 @@ pub use grid_ml::{
     Fit, Fitted, FittedMlTm, JointConfig, JointMlTm, JointNetworkConfig, MlTm, MlTmConfig, MmTm, NetworkFits,
 };
 pub use joint_path::{
-    EstimatedPath, HeldOut, OnEstimatedPath, OnRobot, PathError, PathErrorConfig, PathFit, PathPose, PathRanges,
-    PathUse, TagReading, TagValue, Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackSettings,
-    TrackStrengthLaw, estimate_path, track,
+    ContradictedPlace, EstimatedPath, HeldOut, OnEstimatedPath, OnRobot, PathError, PathErrorConfig, PathFit,
+    PathPose, PathRanges, PathUse, TagReading, TagValue, Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw,
+    TrackSettings, TrackStrengthLaw, estimate_path, track,
 };
 pub use knowledge::{FrameKnowledge, Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
@@ -124,7 +124,7 @@ pub use profile::{
     ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,
     TrapezoidConfig,
 };
-pub use range_ml::{NodeBias, RangeFit, RangeMl, RangeMlConfig};
+pub use range_ml::{AmbiguousNode, NodeBias, RangeFit, RangeMl, RangeMlConfig, RangeUnit};
 pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use self_calibrated::{CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig};

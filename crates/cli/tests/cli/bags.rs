@@ -65,7 +65,7 @@ fn ranges_are_read_beside_packets_and_instead_of_them() {
     let why = read("odometry", &ReadOptions { form, ..ReadOptions::default() }).unwrap_err();
     assert!(why.contains("distance"), "{why}");
     let why = read("odometry", &ReadOptions { form: of_ranges("node=src"), ..ReadOptions::default() }).unwrap_err();
-    assert!(why.contains("`range_m` (or range_cm, range_mm) is missing"), "{why}");
+    assert!(why.contains("`range_m` (or range_cm, range_mm, range_ft, range_ns) is missing"), "{why}");
     let bag = BagOptions { range_topic: Some("/radio".to_owned()), ..BagOptions::default() };
     let why = read("odometry", &ReadOptions { bag, ..ReadOptions::default() }).unwrap_err();
     assert!(why.contains("range_fields=node=PATH,range_m=PATH"), "{why}");

@@ -6,7 +6,7 @@ use super::field_path::FieldPath;
 use crate::error::robot_log_error::RobotLogError;
 use crate::options::field_names::FieldNames;
 use crate::options::form_options::FormOptions;
-use crate::ranges::range_table::RANGES;
+use crate::ranges::units::{OTHER_COLUMNS, RANGES};
 
 /// The fields of the messages of packets.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,15 +87,15 @@ impl PacketFields {
         let refused = |problem: String| refused(format!("option `range_fields`: {problem}"));
         let fields = Self::read(names, false).map_err(refused)?;
         if fields.range.is_none() {
-            return Err(refused("`range_m` (or range_cm, range_mm) is missing; it is required".to_owned()));
+            return Err(refused(format!("`range_m` (or {OTHER_COLUMNS}) is missing; it is required")));
         }
         Ok(Some(fields))
     }
 
     fn read(names: &FieldNames, is_turned: bool) -> Result<Self, String> {
         let allowed: &[&str] = &[
-            "node", "receiver", "rssi_dbm", "snr_db", "sector", "range_m", "range_cm", "range_mm", "t_s", "t_ms",
-            "t_us", "t_ns",
+            "node", "receiver", "rssi_dbm", "snr_db", "sector", "range_m", "range_cm", "range_mm", "range_ft",
+            "range_ns", "t_s", "t_ms", "t_us", "t_ns",
         ];
         if let Some(key) = names.keys().find(|key| !allowed.contains(key)) {
             return Err(format!("`{key}` is for CSV files; allowed for bags: {}", allowed.join(", ")));

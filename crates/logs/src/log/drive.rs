@@ -148,7 +148,7 @@ fn gather(
     hear(known, &mut roles, &mut gatherer, &mut notes)?;
     roles.tell(&mut notes)?;
     let ranges = {
-        let whereabouts = Whereabouts::Paths { paths: &gatherer.paths(), robots: known };
+        let whereabouts = Whereabouts::Paths { paths: &gatherer.paths(), robots: known, delay_s: gatherer.delay_s() };
         companions.ranges(&options.form, whereabouts, table, gatherer.nodes(), &mut notes)?
     };
     if let Some(ranges) = ranges {

@@ -12,6 +12,7 @@ use crate::options::field_names::FieldNames;
 use crate::options::form_options::FormOptions;
 use crate::path::nmea;
 use crate::path::tum;
+use crate::ranges::units::RANGE_COLUMNS;
 
 /// Whether the file `path` can be part of a log: a table, or a path.
 pub(crate) fn is_part(path: &Path) -> bool {
@@ -44,8 +45,7 @@ pub(crate) fn refuse_foreign(file: &Path) -> Result<(), RobotLogError> {
 /// Whether a table in a folder has distances to nodes, and not packets: its name or its columns say so.
 pub(crate) fn are_ranges(file: &Path) -> bool {
     /// What columns of distances are called.
-    const RANGES: [&str; 8] =
-        ["range", "range_m", "ranges", "range_mm", "range_cm", "distance", "distance_m", "distance_mm"];
+    const RANGES: [&str; 5] = ["range", "ranges", "distance", "distance_m", "distance_mm"];
     let stem = file.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
     if ["range", "ranges", "ranging"].contains(&stem.as_str()) {
         return true;
@@ -56,7 +56,9 @@ pub(crate) fn are_ranges(file: &Path) -> bool {
     table.is_ok_and(|table| {
         let names: Vec<String> = table.unknown().map(|(_, name)| name.to_lowercase()).collect();
         let has = |wanted: &[&str]| names.iter().any(|name| wanted.contains(&name.as_str()));
-        has(&RANGES) && has(&["node", "anchor", "beacon", "tag"]) && !has(&["rssi_dbm", "rssi"])
+        (has(&RANGES) || has(&RANGE_COLUMNS))
+            && has(&["node", "anchor", "beacon", "tag"])
+            && !has(&["rssi_dbm", "rssi"])
     })
 }
 

@@ -158,10 +158,11 @@ fn read_with(
                 2.0 * clock.error_s
             ));
         } else {
-            read.notes.push(
-                "no delay of the packets is clear, so their times are used as they are (`packet_delay=auto`)"
-                    .to_owned(),
-            );
+            let of_ranges =
+                if read.log.ranges().is_empty() { "" } else { "; a map by ranges estimates how late these are" };
+            read.notes.push(format!(
+                "no delay of the packets is clear, so their times are used as they are (`packet_delay=auto`){of_ranges}"
+            ));
         }
     }
     Ok(read)

@@ -15,14 +15,15 @@ pub struct FieldNames {
 }
 
 /// What a list of packets, or of receptions, can hold.
-const OF_PACKETS: [&str; 16] = [
+const OF_PACKETS: [&str; 18] = [
     "node", "receiver", "stop", "t_s", "t_ms", "t_us", "t_ns", "rssi_dbm", "snr_db", "sector", "robot", "received",
-    "sent", "range_m", "range_cm", "range_mm",
+    "sent", "range_m", "range_cm", "range_mm", "range_ft", "range_ns",
 ];
 
 /// What a list of ranges can hold.
-const OF_RANGES: [&str; 10] =
-    ["node", "stop", "robot", "range_m", "range_cm", "range_mm", "t_s", "t_ms", "t_us", "t_ns"];
+const OF_RANGES: [&str; 12] = [
+    "node", "stop", "robot", "range_m", "range_cm", "range_mm", "range_ft", "range_ns", "t_s", "t_ms", "t_us", "t_ns",
+];
 
 /// What a list of places can hold.
 const OF_PLACES: [&str; 15] = [

@@ -22,7 +22,7 @@ pub struct FormOptions {
     /// (or t_ms, t_us, t_ns), in CSV files also robot, stop, received and sent
     pub packet_fields: Option<FieldNames>,
     /// How ranges are written: KEY=NAME,.. where NAME is the column of `ranges.csv`, or the field of a bag's messages. KEY is node,
-    /// range_m (or range_cm, range_mm), t_s (or t_ms, t_us, t_ns), in `ranges.csv` also stop and robot
+    /// range_m (or range_cm, range_mm, range_ft, range_ns), t_s (or t_ms, t_us, t_ns), in `ranges.csv` also stop and robot
     pub range_fields: Option<FieldNames>,
     /// The columns of a CSV file with a path or stops, if they have other names: KEY=NAME,.. where KEY is t_s (or t_ms, t_us,
     /// t_ns), x_m, y_m, z_m, lat, lon, alt_m, robot, stop or sent. In a file without a header NAME is the number of the

@@ -153,6 +153,11 @@ impl Gatherer {
         Self { plane, ..self }
     }
 
+    /// How late the packets and ranges are by the clock of the path (s).
+    pub(crate) fn delay_s(&self) -> f64 {
+        self.delay_s
+    }
+
     fn note_path(&mut self, path: &Path, stops: usize, rule: StopRule) {
         let number = self.tracks.len();
         let whose = match self.robots.get(number) {

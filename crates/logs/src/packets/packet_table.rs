@@ -13,6 +13,7 @@ use crate::csv::times::Times;
 use crate::csv::written::Written;
 use crate::error::robot_log_error::RobotLogError;
 use crate::ranges::range_table::optional_range_column;
+use crate::ranges::units::RANGE_COLUMNS;
 use crate::time::instant;
 
 /// The robots of a log.
@@ -37,8 +38,7 @@ pub(crate) fn read<'a>(
         Roles::Usual => ("node", ["robot"].as_slice()),
         Roles::Turned(_) => ("receiver", ["node"].as_slice()),
     };
-    let optional =
-        [&instant::COLUMNS[..], &["rssi_dbm", "snr_db", "sector", "range_m", "range_cm", "range_mm"], ends].concat();
+    let optional = [&instant::COLUMNS[..], &["rssi_dbm", "snr_db", "sector"], &RANGE_COLUMNS, ends].concat();
     let known =
         KnownColumns { required: &[required], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;

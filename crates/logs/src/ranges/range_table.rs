@@ -7,7 +7,7 @@ use sextant_kernel::text::counted;
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::levers::Levers;
-use super::units;
+use super::units::{self, OTHER_COLUMNS, RANGE_COLUMNS, RANGES};
 use crate::csv::header::{KnownColumns, Others};
 use crate::csv::output::Output;
 use crate::csv::table::{Column, Table, TableRow};
@@ -18,8 +18,6 @@ use crate::error::robot_log_error::RobotLogError;
 use crate::path::robot_path::Path;
 use crate::time::instant;
 
-/// The columns of ranges, and a metre in their units.
-pub(crate) const RANGES: [(&str, f64); 3] = [("range_m", 1.0), ("range_cm", 100.0), ("range_mm", 1000.0)];
 /// The columns of ranges as [`write`] writes them: with the robot's own place and velocity.
 const WRITTEN: [&str; 10] =
     ["stop", "t_s", "node", "range_m", "x_m", "y_m", "z_m", "vx_m_per_s", "vy_m_per_s", "vz_m_per_s"];
@@ -35,8 +33,8 @@ const REPEATED: (usize, f64) = (20, 0.02);
 pub(crate) enum Whereabouts<'a> {
     /// At stops with these names.
     Stops { stops: &'a [Stop], ids: &'a BTreeMap<String, u32> },
-    /// On paths, of the robots with these names; no names of one robot.
-    Paths { paths: &'a [&'a Path], robots: &'a [String] },
+    /// On paths, of the robots with these names; no names of one robot. The times of the ranges are late by so much (s).
+    Paths { paths: &'a [&'a Path], robots: &'a [String], delay_s: f64 },
 }
 
 /// Ranges that were read.
@@ -74,8 +72,7 @@ pub(crate) fn read(
     known: &[String],
     notes: &mut Vec<String>,
 ) -> Result<ReadRanges, RobotLogError> {
-    let optional =
-        [&instant::COLUMNS[..], &["stop", "robot", "tag"], &OWN_PLACE, &RANGES.map(|(name, _)| name)].concat();
+    let optional = [&instant::COLUMNS[..], &["stop", "robot", "tag"], &OWN_PLACE, &RANGE_COLUMNS].concat();
     let columns =
         KnownColumns { required: &["node"], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, columns)?;
@@ -143,7 +140,7 @@ pub(crate) fn read(
     if negative > 0 {
         notes.push(format!(
             "{name}: {} below 0: devices report that near a node where ranges are too short; if a column is in another unit, \
-             name it range_mm or range_cm",
+             name it {OTHER_COLUMNS}",
             counted(negative, "range")
         ));
     }
@@ -170,7 +167,7 @@ pub(crate) fn write(path: &std::path::Path, log: &ReceptionLog) -> Result<(), Ro
 pub(crate) fn range_column(table: &Table<'_>) -> Result<(Column, f64), RobotLogError> {
     optional_range_column(table)?.ok_or_else(|| {
         let hint = table.hint("range_m");
-        table.wrong_header(format!("column `range_m` is missing; ranges need it (or range_cm, range_mm){hint}"))
+        table.wrong_header(format!("column `range_m` is missing; ranges need it (or {OTHER_COLUMNS}){hint}"))
     })
 }
 
@@ -181,7 +178,10 @@ pub(crate) fn optional_range_column(table: &Table<'_>) -> Result<Option<(Column,
     match found.as_slice() {
         [] => Ok(None),
         &[only] => Ok(Some(only)),
-        _ => Err(table.wrong_header("found ranges in several units; allowed: one of range_m, range_cm, range_mm")),
+        _ => {
+            Err(table
+                .wrong_header(format!("found ranges in several units; allowed: one of range_m, {OTHER_COLUMNS}")))
+        }
     }
 }
 
@@ -289,7 +289,7 @@ impl<'a> Placing<'a> {
                 }
                 Ok(Some(Pose { robot, time, position, velocity: Position::ORIGIN }))
             }
-            (Whereabouts::Paths { paths, robots }, Some(times)) => {
+            (Whereabouts::Paths { paths, robots, delay_s }, Some(times)) => {
                 let number = match row.filled(self.robot).filter(|_| !robots.is_empty()) {
                     Some(name) => {
                         let known = robots.iter().position(|known| *known == name);
@@ -300,7 +300,7 @@ impl<'a> Placing<'a> {
                 if row.is_before_zero(times) {
                     return Ok(None);
                 }
-                let time = row.instant(times)?;
+                let Some(time) = instant::shifted(row.instant(times)?, -delay_s) else { return Ok(None) };
                 let path = paths[number];
                 let pose = path.at(time).map(|position| Pose {
                     robot: RobotId::from_index(number),
@@ -338,6 +338,22 @@ mod tests {
     }
 
     #[test]
+    fn a_delay_is_taken_off_the_times_of_ranges() {
+        let folder = folder_of([
+            ("path.csv", "t_s,x_m,y_m\n0,0,0\n10,20,0\n"),
+            ("ranges.csv", "t_s,node,range_m\n1,a,9\n4.5,a,5\n11.5,a,7\n"),
+        ]);
+        let mut options = ReadOptions::default();
+        options.repair.packet_delay = crate::PacketDelay::Seconds(2.0);
+        let found = read(folder.path(), &options).unwrap();
+        let ranges: Vec<_> = found.log.ranges().iter().map(|range| (range.position.x_m, range.range_m)).collect();
+        assert_eq!(ranges, [(5.0, 5.0), (19.0, 7.0)]);
+        options.repair.packet_delay = crate::PacketDelay::Estimated;
+        let notes = read(folder.path(), &options).unwrap().notes;
+        assert!(notes.iter().any(|note| note.contains("a map by ranges estimates")), "{notes:?}");
+    }
+
+    #[test]
     fn a_range_beside_a_packet_is_both() {
         let folder = folder_of([
             ("path.csv", "t_s,x_m,y_m\n0,0,0\n10,20,0\n"),
@@ -354,6 +370,16 @@ mod tests {
         let why =
             read(folder_of([("path.csv", "t_s,x_m,y_m\n0,0,0\n10,20,0\n"), both]).path(), &ReadOptions::default());
         assert!(why.unwrap_err().to_string().contains("several units"));
+    }
+
+    #[test]
+    fn feet_and_nanoseconds_of_light_are_metres() {
+        for (column, range_m) in [("range_ft", 3.048), ("range_ns", 2.997_924_58)] {
+            let stops = ("stops.csv", "stop,x_m,y_m\nA,0,0\nB,4,0\n");
+            let ranges = format!("node,stop,{column}\nlamp,A,10\n");
+            let log = read(folder_of([stops, ("ranges.csv", &ranges)]).path(), &ReadOptions::default()).unwrap().log;
+            assert!((log.ranges()[0].range_m - range_m).abs() < 1e-9, "{column}");
+        }
     }
 
     #[test]

@@ -2,6 +2,19 @@
 
 use sextant_channel::{Bounds, RangeSample};
 
+/// The columns of ranges, and a metre in their units. Light takes nanoseconds one way.
+pub(crate) const RANGES: [(&str, f64); 5] = [
+    ("range_m", 1.0),
+    ("range_cm", 100.0),
+    ("range_mm", 1000.0),
+    ("range_ft", 1.0 / 0.3048),
+    ("range_ns", 1.0 / 0.299_792_458),
+];
+/// Their names.
+pub(crate) const RANGE_COLUMNS: [&str; 5] = [RANGES[0].0, RANGES[1].0, RANGES[2].0, RANGES[3].0, RANGES[4].0];
+/// The same without that of metres, in messages.
+pub(crate) const OTHER_COLUMNS: &str = "range_cm, range_mm, range_ft, range_ns";
+
 /// Ranges so many times as long as the way is large are rather in a smaller unit, and ways are at least so large (m).
 const TOO_LONG: (f64, f64) = (20.0, 5.0);
 /// Ranges of less, from a way that is larger than the second number (m), are rather in a larger unit.

@@ -12,6 +12,7 @@ use super::odometry::{FACTORS, Odometry};
 use super::report::{PathFit, PathRanges};
 use crate::comparators::lateration::{Range, refine};
 use crate::error::MapError;
+use crate::posterior::Concern;
 use crate::range_ml::error_law;
 use crate::range_ml::{RangeMl, RangeMlConfig};
 use crate::topology_map::TopologyMap;
@@ -29,7 +30,7 @@ const NODE_BIAS_M: f64 = 0.1;
 pub(super) const FIRST: [f64; 2] = [1e-3, 1e-4];
 const FIRST_BY_NODES: [f64; 2] = [300.0, 3.0];
 /// How well known places are known (m).
-const KNOWN_M: f64 = 0.02;
+pub(super) const KNOWN_M: f64 = 0.02;
 
 /// Where a robot was, by odometry and by the estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,7 +149,8 @@ pub(super) fn by_ranges(
     for (number, estimate) in map.estimates.iter().enumerate() {
         let node = NodeId::from_index(number);
         let place = known.iter().find(|(known, _)| *known == node).map(|&(_, place)| place);
-        let Some(start) = place.or(estimate.as_ref().map(|estimate| estimate.position)) else { continue };
+        let told = estimate.as_ref().filter(|estimate| estimate.concern != Some(Concern::TooFew));
+        let Some(start) = place.or(told.map(|estimate| estimate.position)) else { continue };
         nodes[number] = Some(starts.len());
         starts.push(start);
         ids.push(node);
@@ -293,6 +295,7 @@ fn estimated(
         ranges: Some(PathRanges { bias_m: border[after], scale: border[after + 1], scale_deviation: deviation(1) }),
         most_moved_m: moved.fold(0.0, f64::max),
         held_out: None,
+        contradicted: Vec::new(),
         settled: top.settled && covariances.is_some(),
     };
     EstimatedPath { poses, fit }

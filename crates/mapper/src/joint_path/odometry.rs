@@ -54,6 +54,11 @@ pub(super) struct Odometry<'a> {
     pub(super) drift: usize,
 }
 
+/// How far the frame of odometry is turned in the middle of a leg (rad): on the leg it turns steadily.
+fn middle_turn(from: &Vector4<f64>, to: &Vector4<f64>) -> f64 {
+    0.5 * (from[2] + to[2])
+}
+
 impl Odometry<'_> {
     /// The variance of a leg's length error along each axis (m²), and of its turn (rad²). What a robot turns on the spot is less
     /// certain.
@@ -66,7 +71,7 @@ impl Odometry<'_> {
 
     /// The residuals of a leg: along x and y of odometry's frame (m), and of the turn (rad).
     fn of_leg(&self, leg: &Leg, from: &Vector4<f64>, to: &Vector4<f64>, border: &DVector<f64>) -> [f64; 3] {
-        let (sin, cos) = libm::sincos(from[2]);
+        let (sin, cos) = libm::sincos(middle_turn(from, to));
         let (x, y) = (to[0] - from[0], to[1] - from[1]);
         let longer = 1.0 + border[self.scale];
         [
@@ -120,20 +125,20 @@ impl Odometry<'_> {
             let [x, y, turn] = self.of_leg(leg, from, to, border);
             let [along, turning] = self.variances(leg);
             let longer = 1.0 + border[self.scale];
-            let (sin, cos) = libm::sincos(from[2]);
-            // What the leg is in the frame of odometry, which is turned.
-            let (turned_x, turned_y) = (x + longer * leg.by[0], y + longer * leg.by[1]);
+            let (sin, cos) = libm::sincos(middle_turn(from, to));
+            // Half of what the leg is in the frame of odometry: each end has half of the turn in its middle.
+            let (turned_x, turned_y) = (0.5 * (x + longer * leg.by[0]), 0.5 * (y + longer * leg.by[1]));
             let rows = [
                 (
                     Vector4::new(-cos, -sin, turned_y, 0.0),
-                    Vector4::new(cos, sin, 0.0, 0.0),
+                    Vector4::new(cos, sin, turned_y, 0.0),
                     (self.scale, -leg.by[0]),
                     x,
                     along,
                 ),
                 (
                     Vector4::new(sin, -cos, -turned_x, 0.0),
-                    Vector4::new(-sin, cos, 0.0, 0.0),
+                    Vector4::new(-sin, cos, -turned_x, 0.0),
                     (self.scale, -leg.by[1]),
                     y,
                     along,
@@ -170,5 +175,22 @@ impl Odometry<'_> {
             -libm::log(along) - 0.5 * libm::log(turning)
         });
         of_legs.sum::<f64>() - self.of_border().iter().map(|&(_, deviation)| libm::log(deviation)).sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leg_that_turns_steadily_is_its_chord() {
+        let legs = [Leg { by: [1.0, 0.0], length_m: 1.0, turn_rad: 0.0, is_jump: false }];
+        let error = PathError { drift_rad_per_m: 1.0, ..PathError::default() };
+        let odometry = Odometry { legs: &legs, error, firsts: &[], first_deviation: [1.0, 1.0], scale: 0, drift: 1 };
+        let (sin, cos) = libm::sincos(0.1);
+        let poses = [Vector4::zeros(), Vector4::new(cos, sin, 0.2, 0.0)];
+        // What is left is the prior of the drift.
+        let value = odometry.value(&poses, &DVector::from_vec(vec![0.0, 0.2]));
+        assert!((value + 0.5 * 0.2 * 0.2).abs() < 1e-9, "{value}");
     }
 }

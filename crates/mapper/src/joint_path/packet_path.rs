@@ -403,6 +403,7 @@ fn estimated(
         ranges: None,
         most_moved_m: poses.iter().map(|pose| pose.position.distance_m(pose.believed)).fold(0.0, f64::max),
         held_out: None,
+        contradicted: Vec::new(),
         settled: settled && covariances.is_some(),
     };
     EstimatedPath { poses, fit }

@@ -34,8 +34,22 @@ pub struct PathFit {
     /// What nodes that were left out gain by it; `None` if there were too few nodes to leave some out. The path is moved only if the
     /// gain is clear.
     pub held_out: Option<HeldOut>,
+    /// Known places that the ranges contradict.
+    pub contradicted: Vec<ContradictedPlace>,
     /// Whether the search ended by itself.
     pub settled: bool,
+}
+
+/// A known place that the ranges to its node contradict.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(serde::Serialize))]
+pub struct ContradictedPlace {
+    /// The name of the node.
+    pub node: String,
+    /// How far the place that its ranges tell is from the known one (m).
+    pub apart_m: f64,
+    /// How far it may be (m): the 95 % region in that direction.
+    pub allowed_m: f64,
 }
 
 /// What the nodes that were left out gain by a corrected path.
@@ -94,6 +108,8 @@ struct PathKeys<'a> {
     length_m: f64,
     most_moved_m: f64,
     settled: bool,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    contradicted: &'a [ContradictedPlace],
     frame: &'static str,
     scale: f64,
     scale_sd: f64,
@@ -139,6 +155,7 @@ impl PathFit {
             length_m: self.length_m,
             most_moved_m: self.most_moved_m,
             settled: self.settled,
+            contradicted: &self.contradicted,
             frame: self.frame(),
             scale: self.scale,
             scale_sd: self.scale_deviation,
@@ -167,6 +184,13 @@ impl PathFit {
 
 impl fmt::Display for PathFit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for ContradictedPlace { node, apart_m, allowed_m } in &self.contradicted {
+            write!(
+                f,
+                "warning: `{node}` is known {apart_m:.2} m from where its ranges place it (allowed: {allowed_m:.2} m), so its known place, \
+                 its ranges, or the other known places are wrong; "
+            )?;
+        }
         let by = if self.ranges.is_some() { "ranges" } else { "packets" };
         if let Some(HeldOut { gain, error, .. }) = self.held_out.filter(|_| !self.is_moved()) {
             return write!(

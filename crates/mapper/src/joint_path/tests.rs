@@ -124,6 +124,17 @@ fn known_nodes_are_the_frame_of_a_path() {
     let found = estimate_path(&log(&drive, true), PathError::default(), &known, &Unwatched).unwrap();
     assert_eq!(found.fit.frame(), "known-nodes");
     assert!(error_m(&found, &drive) < 0.15, "{} m, {}", error_m(&found, &drive), found.fit);
+    assert!(found.fit.contradicted.is_empty(), "{}", found.fit);
+}
+
+#[test]
+fn a_known_place_that_ranges_contradict_is_told() {
+    let drive = drive(0.0);
+    let mut known = [0, 1, 2, 3].map(|node| (NodeId(node), place(NODES[node as usize])));
+    known[2].1.x_m += 3.0;
+    let found = estimate_path(&log(&drive, true), PathError::default(), &known, &Unwatched).unwrap();
+    assert!(found.fit.contradicted.iter().any(|of| of.node == "n2" && of.apart_m > 1.0), "{}", found.fit);
+    assert!(found.fit.to_string().contains("`n2` is known"), "{}", found.fit);
 }
 
 #[test]

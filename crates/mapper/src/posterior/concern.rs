@@ -21,13 +21,15 @@ pub enum Concern {
     /// The ranges leave a second place, such as the mirror image across a straight way, with at least a twentieth of the
     /// probability.
     TwoPlaces,
+    /// The ranges of the node are fewer than a place and a bias need to be checked.
+    TooFew,
 }
 
 impl Concern {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::AtEdge, Self::Unsettled, Self::NoEvidence, Self::TwoPlaces];
+    pub const ALL: [Self; 5] = [Self::AtEdge, Self::Unsettled, Self::NoEvidence, Self::TwoPlaces, Self::TooFew];
 
-    /// The name in files: `at-edge`, `unsettled`, `no-evidence`, `two-places`.
+    /// The name in files: `at-edge`, `unsettled`, `no-evidence`, `two-places`, `too-few`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -35,6 +37,7 @@ impl Concern {
             Self::Unsettled => "unsettled",
             Self::NoEvidence => "no-evidence",
             Self::TwoPlaces => "two-places",
+            Self::TooFew => "too-few",
         }
     }
 }

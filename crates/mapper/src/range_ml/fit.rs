@@ -1,6 +1,6 @@
 //! The most probable places and law, and what else is nearly as probable.
 
-use super::problem::{Eliminated, Point, Problem};
+use super::problem::{BIAS, Eliminated, Point, Problem};
 use sextant_kernel::{Interrupted, Watch};
 
 /// Most steps of a fit.
@@ -16,6 +16,13 @@ pub(super) struct Fitted {
     pub(super) curvature: Eliminated,
     /// Whether the fit ended by itself.
     pub(super) settled: bool,
+}
+
+impl Fitted {
+    /// The standard deviation of the bias of all ranges (m).
+    pub(super) fn bias_deviation_m(&self) -> f64 {
+        self.curvature.deviations()[BIAS]
+    }
 }
 
 /// The point near `start` at which the posterior is greatest (Levenberg and Marquardt's method); `None` if the curvature is not
@@ -55,6 +62,6 @@ pub(super) fn fitted(problem: &Problem<'_>, start: Point, watch: &dyn Watch) -> 
     }
     let Some(curvature) = slopes.eliminated(0.0) else { return Ok(None) };
     let log_prior = -(point.nodes.len() as f64) * libm::log(problem.node_bias_m);
-    let log_evidence = value + log_prior - 0.5 * curvature.log_determinant();
+    let log_evidence = value - problem.of_places(&point.shared) + log_prior - 0.5 * curvature.log_determinant();
     Ok(Some(Fitted { point, log_evidence, curvature, settled }))
 }

@@ -9,6 +9,9 @@ use crate::numerics::median;
 /// about half a metre to a metre.
 const LENGTH_M: f64 = 0.5;
 
+/// Nodes with so many groups each have many.
+const MANY: usize = 30;
+
 /// Ranges to a node that were measured one after the other at nearly one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RangeGroup {
@@ -31,8 +34,8 @@ pub(super) struct RangeGroups {
 }
 
 impl RangeGroups {
-    /// The groups of the ranges in `log`, of nodes with at least `least` of them.
-    pub(super) fn of(log: &ReceptionLog, least: usize) -> Self {
+    /// The groups of the ranges in `log`, of nodes with so many of them as are `wanted`.
+    pub(super) fn of(log: &ReceptionLog, wanted: impl Fn(usize) -> bool) -> Self {
         let mut all = Self { nodes: Vec::new(), groups: Vec::new(), first: vec![0] };
         for node in (0..log.node_count()).map(NodeId::from_index) {
             let before = all.groups.len();
@@ -40,11 +43,11 @@ impl RangeGroups {
             let mut samples = log.ranges_to(node).to_vec();
             samples.sort_by_key(|sample| sample.mounting.antenna);
             all.groups.extend(runs(&samples).map(group));
-            if all.groups.len() - before < least {
-                all.groups.truncate(before);
-            } else {
+            if wanted(all.groups.len() - before) {
                 all.nodes.push(node);
                 all.first.push(all.groups.len());
+            } else {
+                all.groups.truncate(before);
             }
         }
         all
@@ -66,6 +69,32 @@ impl RangeGroups {
             }
         }
         all
+    }
+
+    /// The same with ranges that are so many times as long.
+    pub(super) fn times(&self, factor: f64) -> Self {
+        let mut all = self.clone();
+        all.groups.iter_mut().for_each(|group| group.range_m *= factor);
+        all
+    }
+
+    /// Whether the ranges are so few that what is fitted to them takes away much of their errors.
+    pub(super) fn are_few(&self) -> bool {
+        self.len() < MANY * self.nodes.len()
+    }
+
+    /// The share of the curvature of a node that is taken from the slopes that the law has on average, and not from those of its groups:
+    /// a few of these tell little.
+    pub(super) fn usual_slopes(&self, number: usize) -> f64 {
+        /// So many slopes tell as much as the law does, and so many tell enough.
+        const SLOPES: (f64, f64) = (50.0, 20.0);
+        let groups = self.of_node(number).len() as f64;
+        if self.are_few() || groups < SLOPES.1 { SLOPES.0 / (SLOPES.0 + groups) } else { 0.0 }
+    }
+
+    /// How long the ranges usually are (m).
+    pub(super) fn usual_m(&self) -> f64 {
+        median(&mut self.groups.iter().map(|group| group.range_m.abs()).collect::<Vec<_>>())
     }
 
     /// Number of groups.
@@ -135,7 +164,7 @@ mod tests {
         let standing =
             [(0.0, 4.0), (0.0, 9.0), (0.0, 5.0), (0.4, 7.0)].map(|(x_m, range)| sample(0, x_m, 0.0, range));
         let log = log.with_ranges(driving.into_iter().chain(standing).collect()).unwrap();
-        let groups = RangeGroups::of(&log, 1);
+        let groups = RangeGroups::of(&log, |count| count > 0);
         let ranges = |node| -> Vec<f64> { groups.of_node(node).iter().map(|group| group.range_m).collect() };
         assert_eq!(ranges(0), [5.0, 7.0]);
         assert_eq!(ranges(1).len(), 2);

@@ -1,13 +1,16 @@
 //! Maximum likelihood on measured ranges: the places of nodes, and what is wrong with the ranges, all from one log.
 
 pub(crate) mod error_law;
+mod few;
 mod fit;
 mod groups;
 mod modes;
+mod places;
 mod problem;
 mod report;
 mod solution;
 mod spread;
+mod unit;
 
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
@@ -15,16 +18,23 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
 use self::groups::RangeGroups;
+use self::places::are_two;
 use self::problem::HeightPrior;
-pub use self::report::RangeFit;
-use self::solution::Solution;
+use self::problem::Problem;
+pub use self::report::{AmbiguousNode, RangeFit};
+use self::solution::{ErrorShares, Solution};
+pub use self::unit::RangeUnit;
 use crate::error::MapError;
 use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
 use crate::log_facts::heights::check_z_range;
 use crate::numerics::median;
+use crate::posterior::{Concern, Estimate};
 use crate::topology_map::{CoordinateFrame, TopologyMap};
+
+/// The standard deviation of the bias of a node where no law was learned (m).
+const USUAL_BIAS_M: f64 = 1.0;
 
 /// Maximum likelihood on ranges as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,24 +102,45 @@ impl RangeMl {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "range-ml";
 
-    /// The map of the nodes of `log` that have enough ranges, at least one more than there are coordinates, and the law of their
-    /// ranges; `None` if no node has. The result is bit-identical for any number of threads.
+    /// The map of the nodes of `log` that have ranges, and the law of these; `None` if no node has enough of them, at least one more than
+    /// there are coordinates. The result is bit-identical for any number of threads.
     ///
     /// # Errors
     /// [`MapError::Interrupted`] if `watch` ends the work.
     pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<(TopologyMap, Option<RangeFit>), MapError> {
         let mut map = TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], CoordinateFrame::World);
         let Some(heights) = self.heights(log) else { return Ok((map, None)) };
-        let least = if heights.is_given() { 3 } else { 4 };
-        let groups = RangeGroups::of(log, least);
+        let groups = RangeGroups::of(log, |count| count >= heights.least());
+        let few = RangeGroups::of(log, |count| (1..heights.least()).contains(&count));
         let samples = groups.nodes.iter().map(|&node| log.ranges_to(node).len()).sum();
-        let Some(Solution { estimates, fit }) = solution::solve(&self.settings, &groups, samples, heights, watch)?
-        else {
+        let solution = solution::solve(&self.settings, &groups, samples, heights, watch)?;
+        // By the law of the others, or by what is thought before a log is seen.
+        let prior = self.settings.prior(ErrorShares::ALL);
+        let law = solution.as_ref().map(|solution| (solution.shared, solution.bias_deviation_m));
+        let (shared, node_bias_m) = law.unwrap_or((prior.mean, USUAL_BIAS_M));
+        let few = few::estimates(&Problem { groups: &few, prior, heights, node_bias_m, worth: 1.0 }, &shared);
+        let mut ambiguous = Vec::new();
+        for (node, estimate, places) in few {
+            map.estimates[node.index()] = Some(estimate);
+            if are_two(&places) {
+                ambiguous.push((node, places));
+            }
+        }
+        let Some(Solution { estimates, ambiguous: of_solution, mut fit, .. }) = solution else {
             return Ok((map, None));
         };
-        for (node, estimate) in estimates {
-            map.estimates[node.index()] = Some(estimate);
+        if fit.is_odd(groups.usual_m()) {
+            fit.unit = unit::other_unit(&self.settings, &groups, heights, watch)?;
         }
+        for (node, estimate) in estimates {
+            let concern = fit.unit.map_or(estimate.concern, |_| Some(Concern::Unsettled));
+            map.estimates[node.index()] = Some(Estimate { concern, ..estimate });
+        }
+        ambiguous.extend(of_solution);
+        fit.ambiguous = ambiguous
+            .into_iter()
+            .map(|(node, places)| AmbiguousNode::of(&log.names()[node.index()], &places))
+            .collect();
         Ok((map, Some(fit)))
     }
 
@@ -198,171 +229,4 @@ impl EstimatorSettings for RangeMlConfig {
 }
 
 #[cfg(test)]
-mod tests {
-    use sextant_channel::{Mounting, Position, RangeSample, Stop};
-    use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
-
-    use super::*;
-    use crate::posterior::Concern;
-
-    /// How ranges are wrong.
-    #[derive(Clone, Copy, Default)]
-    struct Errors {
-        bias_m: f64,
-        scale: f64,
-        delay_s: f64,
-        noise_m: f64,
-        late: f64,
-        wild: f64,
-    }
-
-    /// A log of ranges to `nodes` from a drive at 1 m/s through `corners`, four a second and node.
-    fn log(nodes: &[Position], corners: &[Position], errors: Errors) -> ReceptionLog {
-        let mut samples = Vec::new();
-        let mut time_s = 0.0;
-        for leg in corners.windows(2) {
-            let length_m = leg[0].distance_m(leg[1]);
-            let velocity = (leg[1] - leg[0]) * (1.0 / length_m);
-            for step in 0..crate::numerics::whole(4.0 * length_m) {
-                let along_m = 0.25 * step as f64;
-                let position = leg[0] + velocity * along_m;
-                for (node, &place) in nodes.iter().enumerate() {
-                    let draw = |which| Seed(4).uniform(Purpose::new(8), [samples.len() as u64, which, 0]);
-                    let noise = errors.noise_m * Seed(4).normal(Purpose::new(8), [samples.len() as u64, 9, 0]);
-                    let late = if draw(1) < errors.late { -libm::log(draw(2)) } else { 0.0 };
-                    let wild = if draw(3) < errors.wild { 100.0 * draw(4) } else { 0.0 };
-                    let measured_from = position - velocity * errors.delay_s;
-                    let distance_m = measured_from.distance_m(place);
-                    let range_m = (1.0 + errors.scale) * distance_m + errors.bias_m + noise + late + wild;
-                    let time = SimTime::from_nanos(crate::numerics::whole((time_s + along_m) * 1e9) as u64);
-                    let node = NodeId::from_index(node);
-                    samples.push(RangeSample {
-                        node,
-                        robot: RobotId(0),
-                        time,
-                        position,
-                        mounting: Mounting::default(),
-                        velocity,
-                        range_m,
-                    });
-                }
-            }
-            time_s += length_m;
-        }
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: corners[0], heading_rad: None };
-        let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
-        ReceptionLog::new(names, vec![stop], Vec::new(), Vec::new()).unwrap().with_ranges(samples).unwrap()
-    }
-
-    fn at(x_m: f64, y_m: f64) -> Position {
-        Position::new(x_m, y_m, 0.0)
-    }
-
-    fn nodes() -> Vec<Position> {
-        vec![at(3.0, 4.0), at(17.0, 6.0), at(9.0, 15.0), at(-4.0, 9.0)]
-    }
-
-    fn loops() -> Vec<Position> {
-        vec![at(0.0, 0.0), at(20.0, 0.0), at(20.0, 10.0), at(0.0, 10.0), at(0.0, 18.0), at(18.0, 18.0)]
-    }
-
-    fn map(log: &ReceptionLog) -> (TopologyMap, Option<RangeFit>) {
-        RangeMl::try_from(RangeMlConfig::default()).unwrap().map(log, &Unwatched).unwrap()
-    }
-
-    #[test]
-    fn places_and_what_is_wrong_with_ranges_are_found_together() {
-        let errors = Errors { bias_m: 1.2, scale: 0.03, delay_s: 0.3, noise_m: 0.1, late: 0.15, wild: 0.01 };
-        let (map, fit) = map(&log(&nodes(), &loops(), errors));
-        let fit = fit.unwrap();
-        let off =
-            |found: f64, truth: f64, deviation: f64| assert!((found - truth).abs() < 4.0 * deviation, "{fit:?}");
-        off(fit.bias_m, 1.2, fit.bias_deviation_m);
-        off(fit.scale, 0.03, fit.scale_deviation);
-        off(fit.delay_s, 0.3, fit.delay_deviation_s);
-        assert!(fit.settled && (fit.errors.noise_m() - 0.1).abs() < 0.03, "{fit:?}");
-        for (estimate, place) in map.estimates.iter().zip(nodes()) {
-            let estimate = estimate.as_ref().unwrap();
-            assert!(estimate.position.distance_m(place) < 0.12, "{estimate:?}, {place}");
-            assert_eq!(estimate.concern, None);
-            let covariance = estimate.covariance.unwrap();
-            assert!(covariance[0][0] > 0.0 && covariance[0][0].sqrt() < 0.6 && covariance[2][2] <= 0.0);
-        }
-    }
-
-    #[test]
-    fn exact_ranges_give_exact_places() {
-        let (map, fit) = map(&log(&nodes(), &loops(), Errors::default()));
-        for (estimate, place) in map.estimates.iter().zip(nodes()) {
-            assert!(estimate.as_ref().unwrap().position.distance_m(place) < 2e-3, "{estimate:?}");
-        }
-        assert!(fit.unwrap().bias_m.abs() < 1e-2);
-    }
-
-    #[test]
-    fn a_straight_way_leaves_two_places_and_a_region_that_holds_both() {
-        let errors = Errors { noise_m: 0.1, ..Errors::default() };
-        let (map, _) = map(&log(&nodes()[..2], &[at(0.0, 0.0), at(20.0, 0.0)], errors));
-        for (estimate, place) in map.estimates.iter().zip(nodes()) {
-            let estimate = estimate.as_ref().unwrap();
-            assert_eq!(estimate.concern, Some(Concern::TwoPlaces));
-            let mirrored = at(place.x_m, -place.y_m);
-            let off_m = estimate.position.distance_m(place).min(estimate.position.distance_m(mirrored));
-            assert!(off_m < 1.0, "{estimate:?}");
-            assert!(estimate.covariance.unwrap()[1][1].sqrt() > 0.5 * place.y_m);
-        }
-    }
-
-    #[test]
-    fn a_node_above_a_path_with_heights_is_found_there() {
-        let mut corners = loops();
-        corners.iter_mut().enumerate().for_each(|(at, corner)| corner.z_m = [0.0, 2.0, 0.5][at % 3]);
-        let nodes = [Position::new(8.0, 6.0, 3.0), Position::new(14.0, 12.0, 4.0)];
-        let (map, _) = map(&log(&nodes, &corners, Errors { noise_m: 0.05, ..Errors::default() }));
-        for (estimate, place) in map.estimates.iter().zip(nodes) {
-            assert!(estimate.as_ref().unwrap().position.distance_m(place) < 0.3, "{estimate:?}, {place}");
-        }
-    }
-
-    #[test]
-    fn a_node_with_two_ranges_has_no_place() {
-        let full = log(&nodes(), &loops(), Errors { noise_m: 0.1, ..Errors::default() });
-        let mut few = 0;
-        let kept = full.ranges().iter().filter(|range| {
-            few += usize::from(range.node == NodeId(1));
-            range.node != NodeId(1) || few <= 2
-        });
-        let kept = kept.copied().collect();
-        let (map, fit) = map(&full.with_ranges(kept).unwrap());
-        assert_eq!(map.estimates.iter().map(Option::is_some).collect::<Vec<_>>(), [true, false, true, true]);
-        assert_eq!(fit.unwrap().nodes, 3);
-    }
-
-    #[test]
-    fn ranges_in_another_unit_place_no_node_reliably() {
-        // Nanoseconds there and back.
-        let errors = Errors { scale: 5.67, noise_m: 0.1, ..Errors::default() };
-        let (map, fit) = map(&log(&nodes(), &loops()[..4], errors));
-        let fit = fit.unwrap();
-        let of_nodes = map.estimates.iter().flatten();
-        assert!(
-            of_nodes.clone().count() == 4 && of_nodes.clone().all(|node| node.concern == Some(Concern::Unsettled))
-        );
-        let lines = crate::learned::Finding::lines(&fit, "a", &map);
-        assert!(
-            lines.iter().any(|line| line.text.contains("fit no place of their nodes: are they metres?")),
-            "{fit:?}"
-        );
-    }
-
-    #[test]
-    fn settings_beyond_their_limits_are_refused() {
-        for (config, key) in [
-            (RangeMlConfig { scale_error: 0.6, ..RangeMlConfig::default() }, "scale_error"),
-            (RangeMlConfig { delay_error_s: -1.0, ..RangeMlConfig::default() }, "delay_error_s"),
-            (RangeMlConfig { z_range_m: Some([1.0, 0.0]), ..RangeMlConfig::default() }, "z_range_m"),
-        ] {
-            assert!(RangeMl::try_from(config).unwrap_err().to_string().contains(key));
-        }
-    }
-}
+mod tests;

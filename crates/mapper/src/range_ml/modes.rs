@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_4;
 use nalgebra::Matrix2;
 
 use super::groups::RangeGroup;
-use super::problem::{Effort, HeightPrior, NodeMode, NodeState, Problem, Shared};
+use super::problem::{Effort, HeightPrior, NodeMode, NodeState, Problem, Residual, Shared};
 use crate::comparators::lateration::{Range, refine};
 use crate::numerics::median;
 
@@ -19,19 +19,12 @@ const ABOVE_M: f64 = 0.3;
 /// The modes of the node with this number, the most probable first. They are sought from places all around its stops.
 pub(super) fn modes(problem: &Problem<'_>, number: usize, shared: &Shared) -> Vec<NodeMode> {
     let groups = problem.groups.of_node(number);
-    let middle =
-        [0, 1].map(|axis| groups.iter().map(|group| group.position[axis]).sum::<f64>() / groups.len() as f64);
-    let usual_m = median(&mut groups.iter().map(|group| group.range_m.max(0.0)).collect::<Vec<_>>());
+    let (middle, usual_m) = middle(groups);
     let height = problem.heights.mean_m;
     let lift = if problem.heights.is_given() { 0.0 } else { ABOVE_M };
-    let round = (0..8).map(|eighth| {
-        let angle = f64::from(eighth) * FRAC_PI_4 + 0.1;
-        [middle[0] + usual_m * libm::cos(angle), middle[1] + usual_m * libm::sin(angle)]
-    });
-    let ranges: Vec<Range> =
-        groups.iter().map(|group| Range::new(group.position.into(), group.range_m - shared[0])).collect();
+    let ranges: Vec<Range> = groups.iter().map(|group| Range::new(group.position.into(), group.range_m)).collect();
     let mut starts: Vec<NodeState> = Vec::new();
-    for [x, y] in round {
+    for [x, y] in round(middle, usual_m) {
         let place = refine([x, y, height].into(), &ranges, 2);
         starts.extend([[x, y], [place.x_m, place.y_m]].map(|[x, y]| NodeState::new(x, y, height + lift, 0.0)));
     }
@@ -56,6 +49,35 @@ pub(super) fn modes(problem: &Problem<'_>, number: usize, shared: &Shared) -> Ve
     found
 }
 
+/// Places all around, as far off as ranges usually are.
+fn round(middle: [f64; 2], usual_m: f64) -> impl Iterator<Item = [f64; 2]> {
+    (0..8).map(move |eighth| {
+        let angle = f64::from(eighth) * FRAC_PI_4 + 0.1;
+        [middle[0] + usual_m * libm::cos(angle), middle[1] + usual_m * libm::sin(angle)]
+    })
+}
+
+/// The place of a node by plain least squares from places all around, and the sum of the squares of its errors (m²).
+pub(super) fn least_squares(groups: &[RangeGroup], heights: HeightPrior) -> (NodeState, f64) {
+    let (middle, usual_m) = middle(groups);
+    let ranges: Vec<Range> = groups.iter().map(|group| Range::new(group.position.into(), group.range_m)).collect();
+    let of = |[x, y]: [f64; 2]| {
+        let place = refine([x, y, heights.mean_m].into(), &ranges, 2);
+        let state = NodeState::new(place.x_m, place.y_m, place.z_m, 0.0);
+        let square = |group: &RangeGroup| Residual::of(group, &state, &Shared::zeros()).error_m.powi(2);
+        (state, groups.iter().map(square).sum::<f64>())
+    };
+    let best = round(middle, usual_m).map(of).min_by(|a, b| a.1.total_cmp(&b.1));
+    best.expect("there are eight places around")
+}
+
+/// The middle of the places of some groups, and how long their ranges usually are (m).
+pub(super) fn middle(groups: &[RangeGroup]) -> ([f64; 2], f64) {
+    let mean = |axis: usize| groups.iter().map(|group| group.position[axis]).sum::<f64>() / groups.len() as f64;
+    let mut ranges: Vec<f64> = groups.iter().map(|group| group.range_m.abs()).collect();
+    ([mean(0), mean(1)], median(&mut ranges))
+}
+
 /// The modes near `starts` of the node with this number, the most probable first.
 pub(super) fn settled(problem: &Problem<'_>, number: usize, shared: &Shared, starts: &[NodeState]) -> Vec<NodeMode> {
     let mut found = Vec::new();
@@ -66,7 +88,7 @@ pub(super) fn settled(problem: &Problem<'_>, number: usize, shared: &Shared, sta
 /// Adds the modes near `starts` to `found`, each once, and sorts them.
 fn settle(problem: &Problem<'_>, number: usize, shared: &Shared, starts: &[NodeState], found: &mut Vec<NodeMode>) {
     let groups = problem.groups.of_node(number);
-    let usual_m = median(&mut groups.iter().map(|group| group.range_m.abs()).collect::<Vec<_>>());
+    let (_, usual_m) = middle(groups);
     let is_told =
         |mode: &NodeMode| mode.state.iter().all(|value| value.is_finite()) && problem.heights.allows(mode.state[2]);
     let add = |found: &mut Vec<NodeMode>, mode: NodeMode| {

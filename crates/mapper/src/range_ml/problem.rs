@@ -10,10 +10,10 @@ use super::groups::{RangeGroup, RangeGroups};
 /// Number of parameters that all ranges share.
 pub(super) const SHARED: usize = 7;
 /// The places of bias, scale and delay among them; the law of errors comes after.
-const BIAS: usize = 0;
+pub(super) const BIAS: usize = 0;
 const SCALE: usize = 1;
 const DELAY: usize = 2;
-const ERRORS: usize = 3;
+pub(super) const ERRORS: usize = 3;
 
 pub(super) type Shared = SVector<f64, SHARED>;
 pub(super) type SharedMatrix = SMatrix<f64, SHARED, SHARED>;
@@ -75,6 +75,11 @@ impl HeightPrior {
     pub(super) fn is_given(self) -> bool {
         self.deviation_m <= 0.0
     }
+
+    /// The least number of ranges of a node that tell a place: one more than there are coordinates, because of the bias.
+    pub(super) fn least(self) -> usize {
+        if self.is_given() { 3 } else { 4 }
+    }
 }
 
 /// The problem: which places and which law explain the ranges.
@@ -106,11 +111,9 @@ struct NodeSlopes {
 impl NodeSlopes {
     /// Adds a curvature of so much along a direction.
     fn add(&mut self, by_node: &Vector4<f64>, by_shared: &Shared, much: f64) {
-        if much > 0.0 {
-            self.curvature += by_node * by_node.transpose() * much;
-            self.mixed += by_node * by_shared.transpose() * much;
-            self.shared_curvature += by_shared * by_shared.transpose() * much;
-        }
+        self.curvature += by_node * by_node.transpose() * much;
+        self.mixed += by_node * by_shared.transpose() * much;
+        self.shared_curvature += by_shared * by_shared.transpose() * much;
     }
 }
 
@@ -154,7 +157,8 @@ impl Problem<'_> {
     }
 
     fn shared_prior(&self, shared: &Shared) -> f64 {
-        -0.5 * (shared - self.prior.mean).component_div(&self.prior.deviation).norm_squared()
+        let SharedPrior { mean, deviation } = self.prior;
+        -0.5 * (shared - mean).component_div(&deviation).norm_squared() - deviation.map(libm::log).sum()
     }
 
     /// The mean logarithm of the density of the errors of all groups (per m).
@@ -175,16 +179,29 @@ impl Problem<'_> {
         self.worth * likelihood + self.node_prior(node)
     }
 
-    /// The logarithm of the posterior.
+    /// The number of coordinates that take errors away: of many ranges they take nearly none.
+    fn coordinates(&self) -> f64 {
+        let of_node = if self.heights.is_given() { 2.0 } else { 3.0 };
+        if self.groups.are_few() { self.groups.nodes.len() as f64 * of_node } else { 0.0 }
+    }
+
+    /// What integrating over the places adds to the logarithm of the posterior of a law, by Laplace's method: places that are fitted
+    /// take as many errors away, so that few ranges fit better than their noise is.
+    pub(super) fn of_places(&self, shared: &Shared) -> f64 {
+        self.coordinates() * shared[ERRORS]
+    }
+
+    /// The logarithm of the posterior, with the places integrated over as far as they shrink the noise.
     pub(super) fn value(&self, point: &Point) -> f64 {
         let values: Vec<f64> = (point.nodes.par_iter().enumerate())
             .map(|(number, node)| self.node_value(number, node, &point.shared))
             .collect();
-        values.into_iter().sum::<f64>() + self.shared_prior(&point.shared)
+        values.into_iter().sum::<f64>() + self.shared_prior(&point.shared) + self.of_places(&point.shared)
     }
 
     /// Slopes by the state of one node. The curvature is the sum of the squared slopes of single groups (Berndt et al. 1974),
-    /// which needs no second derivative and is never negative. A range that fits exactly has no slope, so that each has a least curvature.
+    /// which needs no second derivative and is never negative. Of few groups, it is mostly that of Gauss and Newton. A range that fits
+    /// exactly has no slope, so that each has a least curvature.
     fn node_slopes(&self, number: usize, node: &NodeState, shared: &Shared) -> NodeSlopes {
         let law = errors(shared).prepared();
         let mut found = NodeSlopes {
@@ -195,7 +212,8 @@ impl Problem<'_> {
             shared_slope: Shared::zeros(),
             shared_curvature: SharedMatrix::zeros(),
         };
-        for group in self.groups.of_node(number) {
+        let (groups, usual) = (self.groups.of_node(number), self.groups.usual_slopes(number));
+        for group in groups {
             let residual = Residual::of(group, node, shared);
             let density = law.density(residual.error_m);
             found.value += density.log_density;
@@ -210,15 +228,18 @@ impl Problem<'_> {
             by_shared[SCALE] = -residual.distance_m;
             let closing: f64 = apart.iter().zip(&group.velocity).map(|(apart, velocity)| apart * velocity).sum();
             by_shared[DELAY] = per_metre * closing;
-            found.add(&by_node, &by_shared, (LEAST_CURVATURE * density.stiffness - slope * slope).max(0.0));
-            let mut shared_slope = by_shared * slope;
+            let mut by_law = Shared::zeros();
             for (at, by) in density.by_law.into_iter().enumerate() {
-                shared_slope[ERRORS + at] = by;
+                by_law[ERRORS + at] = by;
             }
+            let least = (LEAST_CURVATURE * density.stiffness - slope * slope).max(0.0);
+            found.add(&by_node, &by_shared, usual * density.stiffness + (1.0 - usual) * least);
+            found.shared_curvature += by_law * by_law.transpose() * usual;
+            let shared_slope = by_shared * slope + by_law;
             let node_slope = by_node * slope;
             found.slope += node_slope;
             found.shared_slope += shared_slope;
-            found.add(&node_slope, &shared_slope, 1.0);
+            found.add(&node_slope, &shared_slope, 1.0 - usual);
         }
         let precision = self.node_precision();
         let from_mean = Vector4::new(0.0, 0.0, node[2] - self.heights.mean_m, node[3]);
@@ -241,6 +262,7 @@ impl Problem<'_> {
             .collect();
         let precision = self.prior.deviation.map(|deviation| deviation.powi(-2));
         let mut shared_slope = -precision.component_mul(&(point.shared - self.prior.mean));
+        shared_slope[ERRORS] += self.coordinates();
         let mut shared_curvature = SharedMatrix::from_diagonal(&precision);
         for node in &nodes {
             shared_slope += node.shared_slope;

@@ -2,14 +2,16 @@
 
 use std::fmt::Write;
 
-use sextant_channel::RangeErrorLaw;
+use sextant_channel::{Position, RangeErrorLaw};
 use sextant_kernel::text::counted;
 
+use super::places::Place;
+use super::unit::RangeUnit;
 use crate::learned::{Finding, Line, Section, Unconverged};
 use crate::topology_map::TopologyMap;
 
 /// What was learned of the ranges of a log with the places of its nodes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RangeFit {
     /// Number of ranges of the nodes that were placed.
     pub ranges: usize,
@@ -41,12 +43,39 @@ pub struct RangeFit {
     pub by_direction_m: f64,
     /// Whether the search ended by itself.
     pub settled: bool,
+    /// The nodes whose ranges leave several places.
+    pub ambiguous: Vec<AmbiguousNode>,
+    /// The unit in which the ranges fit places clearly better than in metres.
+    pub unit: Option<RangeUnit>,
+}
+
+/// A node whose ranges leave several places, as the mirror images across a straight way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AmbiguousNode {
+    /// Its name.
+    pub node: String,
+    /// These places (m) and their shares of the probability, which sum to 1; the first is the one on the map.
+    pub places: Vec<(Position, f64)>,
+}
+
+impl AmbiguousNode {
+    pub(super) fn of(node: &str, places: &[Place]) -> Self {
+        let place = |&Place { place, share, .. }: &Place| (Position::new(place[0], place[1], place[2]), share);
+        Self { node: node.to_owned(), places: places.iter().map(place).collect() }
+    }
 }
 
 impl RangeFit {
     /// Whether most ranges fit no place: then places and law say nothing.
     pub(super) fn is_mostly_wild(&self) -> bool {
         self.errors.shares().wild > 0.5
+    }
+
+    /// Whether ranges that are usually so long (m) fit their places so badly that they may be in another unit.
+    pub(super) fn is_odd(&self, usual_m: f64) -> bool {
+        let shares = self.errors.shares();
+        let spread_m = self.errors.noise_m() + shares.late * self.errors.excess_m();
+        !self.settled || spread_m > 0.05 * usual_m || shares.wild > 0.2 || self.scale.abs() > 0.1
     }
 }
 
@@ -84,6 +113,36 @@ struct RangeLawKeys {
     worth: f64,
     /// Standard deviation of the mean errors over directions from a node (m).
     by_direction_m: f64,
+    /// Nodes whose ranges leave several places, that on the map first, and the share of the probability of each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    ambiguous: Vec<AmbiguousKeys>,
+    /// The unit in which the ranges fit places clearly better than in metres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unit: Option<&'static str>,
+}
+
+#[cfg(feature = "config")]
+/// A node whose ranges leave several places.
+#[derive(serde::Serialize)]
+struct AmbiguousKeys {
+    node: String,
+    places: Vec<PlaceKeys>,
+}
+
+#[cfg(feature = "config")]
+/// One of several places (m), and its share of the probability.
+#[derive(serde::Serialize)]
+struct PlaceKeys {
+    x_m: f64,
+    y_m: f64,
+    z_m: f64,
+    share: f64,
+}
+
+#[cfg(feature = "config")]
+fn keys_of(of: &AmbiguousNode) -> AmbiguousKeys {
+    let keys = |&(Position { x_m, y_m, z_m }, share): &(Position, f64)| PlaceKeys { x_m, y_m, z_m, share };
+    AmbiguousKeys { node: of.node.clone(), places: of.places.iter().map(keys).collect() }
 }
 
 impl Finding for RangeFit {
@@ -108,6 +167,8 @@ impl Finding for RangeFit {
             wild_share: shares.wild,
             worth: self.worth,
             by_direction_m: self.by_direction_m,
+            ambiguous: self.ambiguous.iter().map(keys_of).collect(),
+            unit: self.unit.map(|unit| unit.name),
         };
         crate::learned::one_key("range_law", &keys)
     }
@@ -136,13 +197,29 @@ impl Finding for RangeFit {
             let _ = write!(text, ", {:.2} ± {:.2} s late (corrected)", self.delay_s, 2.0 * self.delay_deviation_s);
         }
         let mut lines = vec![Line { section: Section::Laws, text }];
-        if self.is_mostly_wild() {
+        if let Some(RangeUnit { name: unit, of_metre }) = self.unit {
+            let text = format!(
+                "{name}: warning: the ranges fit places clearly better as {unit} than as metres, of which each has {of_metre} of them: \
+                 no place is reliable"
+            );
+            lines.push(Line { section: Section::Warnings, text });
+        } else if self.is_mostly_wild() {
             let text = format!(
                 "{name}: warning: {:.0} % of the ranges fit no place of their nodes: are they metres? A metre is 3.28 feet or 100 \
                  centimetres, and light takes 3.34 ns for it, 6.67 ns there and back",
                 100.0 * shares.wild
             );
             lines.push(Line { section: Section::Warnings, text });
+        }
+        for AmbiguousNode { node, places } in &self.ambiguous {
+            let of = |(place, share): &(Position, f64)| {
+                format!("{:.0} % at ({:.2}, {:.2}, {:.2}) m", 100.0 * share, place.x_m, place.y_m, place.z_m)
+            };
+            let places = places.iter().map(of).collect::<Vec<_>>().join(", ");
+            lines.push(Line {
+                section: Section::Laws,
+                text: format!("{name}: {node} is in one of several places: {places}"),
+            });
         }
         if !self.settled
             && let Some(why) = Unconverged::of(self.settled, map)

@@ -174,7 +174,7 @@ pub enum MeasuredIn {
 pub struct ConcernSummary {
     /// Name of the node.
     pub node: String,
-    /// Why: `at-edge`, `unsettled` or `no-evidence`.
+    /// Why: `at-edge`, `unsettled`, `no-evidence`, `two-places` or `too-few`.
     pub concern: Concern,
 }
 

@@ -117,6 +117,7 @@ fn concerns(map: &MapSummary, name: &str) -> Vec<String> {
             Concern::TwoPlaces => {
                 format!("{has} two places that fit the ranges, each the mirror image of the other")
             }
+            Concern::TooFew => format!("{has} fewer ranges than a place needs"),
         };
         let advice = match concern {
             Concern::AtEdge => "stops on their other side would tell where they are",
@@ -127,6 +128,7 @@ fn concerns(map: &MapSummary, name: &str) -> Vec<String> {
             Concern::TwoPlaces => {
                 "a stop beside the straight way, or a `z_range_m` of heights, would tell which it is"
             }
+            Concern::TooFew => "ranges from more places would tell where they are",
         };
         let (many, nodes) = (counted(count, "node"), listed(&nodes));
         let text = format!("{name}: warning: {many} {what}, so the position is unreliable: {nodes}; {advice}");

@@ -87,7 +87,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PLAN")]
     pub(crate) floorplan: Option<PathBuf>,
     /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern. The concern is why a
-    /// position is unreliable: at-edge, unsettled, no-evidence or two-places. The entries of the covariance follow, if there is
+    /// position is unreliable: at-edge, unsettled, no-evidence, two-places or too-few. The entries of the covariance follow, if there is
     /// one, and lat,lon, if the log has them. A name that ends in .geojson gets GeoJSON. Each further map is written
     /// to MAP.NAME.csv in the same
     /// folder

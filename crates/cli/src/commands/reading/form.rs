@@ -29,7 +29,7 @@ pub(crate) struct FormFlags {
     #[arg(long, value_name = "FIELDS", value_parser = FieldNames::parse_places)]
     pub(crate) path_fields: Option<FieldNames>,
     /// How ranges are written: KEY=NAME,.. where NAME is the column of `ranges.csv`, or the field of a bag's messages. KEY is
-    /// node, range_m (or range_cm, range_mm), t_s (or t_ms, t_us, t_ns), in `ranges.csv` also stop and robot
+    /// node, range_m (or range_cm, range_mm, range_ft, range_ns), t_s (or t_ms, t_us, t_ns), in `ranges.csv` also stop and robot
     #[arg(long, value_name = "FIELDS", value_parser = FieldNames::parse_ranges)]
     pub(crate) range_fields: Option<FieldNames>,
     /// LOG is a folder with a file for each stop, and the names of the files say where it is: {x}_{y}.csv. Fields are x, y, z

@@ -7,7 +7,7 @@ use sextant_logs::{PacketDelay, RepairOptions};
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Corrections of logs of robots")]
 pub(crate) struct RepairFlags {
-    /// The times of the packets are late by so many seconds by the clock of the path (early if negative): that is taken off.
+    /// The times of the packets and ranges are late by so many seconds by the clock of the path (early if negative): that is taken off.
     /// `auto` takes off what the packets tell, if they tell it clearly
     #[arg(long, value_name = "S|auto", default_value = "0", hide_default_value = true, allow_hyphen_values = true)]
     pub(crate) packet_delay: PacketDelay,

@@ -20,6 +20,7 @@ use crate::packets::strengths::{Report, Strengths};
 use crate::path::robot_path::Path;
 use crate::ranges::levers::Levers;
 use crate::ranges::range_table::optional_range_column;
+use crate::ranges::units::{OTHER_COLUMNS, RANGE_COLUMNS};
 use crate::time::instant;
 
 /// What gives the place of a robot that carries the tags.
@@ -87,9 +88,8 @@ impl<'a> ReadingTables<'a> {
     /// Reads a table with the columns `t_s`, `node`, and `range_m` or `rssi_dbm`, or both; as it is `written`. Of a column
     /// `receiver` the fixed end is that, and `node` is the tag. Otherwise `node` is the fixed end, and `tag` or `robot` the tag.
     pub(super) fn read(&mut self, source: TableSource<'_>, written: &Written) -> Result<(), RobotLogError> {
-        const OPTIONAL: [&str; 9] =
-            ["node", "receiver", "tag", "robot", "range_m", "range_cm", "range_mm", "rssi_dbm", "snr_db"];
-        let optional = [&instant::COLUMNS[..], &OPTIONAL].concat();
+        const OPTIONAL: [&str; 6] = ["node", "receiver", "tag", "robot", "rssi_dbm", "snr_db"];
+        let optional = [&instant::COLUMNS[..], &OPTIONAL, &RANGE_COLUMNS].concat();
         let known =
             KnownColumns { required: &[], optional: &optional, names: &written.names, others: Others::Ignored };
         let table = Table::open_known(source, known)?;
@@ -108,7 +108,7 @@ impl<'a> ReadingTables<'a> {
         }
         if range.is_none() && !rssi.exists() {
             return Err(table.wrong_header(format!(
-                "column `range_m` is missing; a track needs ranges (range_m, range_cm or range_mm) or strengths (rssi_dbm){}",
+                "column `range_m` is missing; a track needs ranges (range_m, or {OTHER_COLUMNS}) or strengths (rssi_dbm){}",
                 table.hint("range_m")
             )));
         }

@@ -1,0 +1,52 @@
+//! Whether ranges are rather in another unit than metres: by how fast they change along the way.
+
+use sextant_kernel::{Interrupted, Watch};
+
+use super::Settings;
+use super::fit::fitted;
+use super::groups::RangeGroups;
+use super::problem::{HeightPrior, Problem};
+use super::solution::{ErrorShares, NODE_BIAS_M, by_least_squares};
+
+/// A unit of ranges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeUnit {
+    /// What it is.
+    pub name: &'static str,
+    /// How many of it are a metre.
+    pub of_metre: f64,
+}
+
+/// Metres, and what ranges may be in instead. Feet and nanoseconds of light differ by less than scales do.
+const UNITS: [RangeUnit; 5] = [
+    RangeUnit { name: "metres", of_metre: 1.0 },
+    RangeUnit { name: "feet (range_ft) or nanoseconds of light one way (range_ns)", of_metre: 3.308 },
+    RangeUnit {
+        name: "nanoseconds of light there and back (halve them, and name the column range_ns)",
+        of_metre: 6.671,
+    },
+    RangeUnit { name: "centimetres (range_cm)", of_metre: 100.0 },
+    RangeUnit { name: "millimetres (range_mm)", of_metre: 1000.0 },
+];
+/// Another unit is told if it is more probable than metres by so much (nats).
+const CLEAR: f64 = 10.0;
+
+/// The unit in which the ranges fit places clearly better than in metres.
+pub(super) fn other_unit(
+    settings: &Settings,
+    groups: &RangeGroups,
+    heights: HeightPrior,
+    watch: &dyn Watch,
+) -> Result<Option<RangeUnit>, Interrupted> {
+    let mut found = [f64::NEG_INFINITY; UNITS.len()];
+    for (log_evidence, unit) in found.iter_mut().zip(UNITS) {
+        let groups = groups.times(1.0 / unit.of_metre);
+        let prior = settings.prior(ErrorShares::ALL);
+        let problem = Problem { groups: &groups, prior, heights, node_bias_m: NODE_BIAS_M, worth: 1.0 };
+        if let Some(fitted) = fitted(&problem, by_least_squares(&problem, prior.mean), watch)? {
+            *log_evidence = fitted.log_evidence - groups.len() as f64 * libm::log(unit.of_metre);
+        }
+    }
+    let best = (0..UNITS.len()).max_by(|&a, &b| found[a].total_cmp(&found[b]));
+    Ok(best.filter(|&at| found[at] > found[0] + CLEAR).map(|at| UNITS[at]))
+}
