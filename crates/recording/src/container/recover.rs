@@ -69,7 +69,8 @@ fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, Rec
         gaps += 1;
         sink.metadata(&Metadata { name: format!("{GAP_METADATA}{gaps}"), metadata })
     };
-    let found = salvage::<RecordingError>(broken, &mut |salvaged| {
+    let sound_until = damage.as_ref().map_or(u64::MAX, |damage| damage.at_byte);
+    let found = salvage::<RecordingError>(broken, sound_until, &mut |salvaged| {
         watch.check()?;
         match salvaged {
             Salvaged::Gap(found) => gap(&mut sink, values(found)),

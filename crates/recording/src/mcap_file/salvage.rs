@@ -37,16 +37,18 @@ pub(crate) enum Salvaged<'a> {
 
 /// Calls `visit` with each piece of the file `path` that can be read, and with the gaps between them. Damaged chunks are skipped. Where
 /// the lengths of records are damaged, it goes on at the next record that is whole. Schemas and channels of a
-/// lost chunk are taken from the end of the file.
+/// lost chunk are taken from the end of the file. The file was read until octet `sound_until` before: up to there, records may be of
+/// unknown kinds, and longer than their fields.
 ///
 /// # Errors
 /// If the file cannot be read, or the first error of `visit`.
 pub(crate) fn salvage<E: From<McapFileError>>(
     path: &Path,
+    sound_until: u64,
     visit: &mut dyn FnMut(Salvaged<'_>) -> Result<(), E>,
 ) -> Result<Vec<Gap>, E> {
     let failed = |why: io::Error| E::from(McapFileError::Read { path: path.to_owned(), why: why.to_string() });
-    let mut records = Records::open(path).map_err(failed)?;
+    let mut records = Records::open(path, sound_until).map_err(failed)?;
     let mut state = Scan::default();
     let summary = records.summary().map_err(failed)?;
     // What is wrong in it is not needed.
@@ -136,6 +138,8 @@ struct Records {
     length: u64,
     /// Where the next record begins (octets).
     at: u64,
+    /// Until where the file was read before (octets).
+    sound_until: u64,
 }
 
 /// A record, or a part of the file that has none.
@@ -161,10 +165,10 @@ const FOOTER: usize = HEAD + 20;
 const TAIL: usize = FOOTER + mcap::MAGIC.len();
 
 impl Records {
-    fn open(path: &Path) -> io::Result<Self> {
+    fn open(path: &Path, sound_until: u64) -> io::Result<Self> {
         let file = File::open(path)?;
         let length = file.metadata()?.len();
-        Ok(Self { file: BufReader::new(file), length, at: mcap::MAGIC.len() as u64 })
+        Ok(Self { file: BufReader::new(file), length, at: mcap::MAGIC.len() as u64, sound_until })
     }
 
     /// The octets from `at` on, at most so many.
@@ -196,7 +200,8 @@ impl Records {
         if length > self.length - from - HEAD as u64 {
             return Ok(Err(ENDS));
         }
-        if !agrees(opcode, fields, length) {
+        let is_sound = from + HEAD as u64 + length < self.sound_until && length <= LONGEST_RECORD as u64;
+        if !is_sound && !agrees(opcode, fields, length) {
             return Ok(Err("the length of a record is not that of its content"));
         }
         Ok(Ok((opcode, self.octets(from + HEAD as u64, length)?)))
