@@ -23,7 +23,7 @@ pub struct LinkBudgets {
     obstacles: ObstacleField,
     places: Vec<Position>,
     roll: Roll,
-    /// Share of the frames that receivers do not lose for no reason of the channel.
+    /// Share of the frames, received otherwise, that are not lost by `faults.message_loss`.
     kept: f64,
 }
 
@@ -77,8 +77,7 @@ pub struct LinkReception {
     pub least_power: Dbm,
     /// Size of the frame of the probabilities (octets).
     pub frame_octets: u16,
-    /// Probability that such a frame is received at this power. The share that receivers lose for no reason of the channel
-    /// (`faults.message_loss`) counts.
+    /// Probability that such a frame is received at this power. `faults.message_loss` counts.
     pub probability: f64,
     /// The same at the power without the shadowing and the fading of this link, over all draws of shadowing, fading and bursts
     /// of loss.
@@ -228,9 +227,8 @@ impl LinkBudgets {
         })
     }
 
-    /// The share of frames from one station to another that are received at the start if no other signal disturbs, and no message is
-    /// lost for another reason: the
-    /// [`probability`](LinkReception::probability) of the link, or that over all draws if each packet has its own shadowing.
+    /// The share of frames from one station to another that are received at the start if no other signal disturbs, without
+    /// `faults.message_loss`: the [`probability`](LinkReception::probability) of the link, or that over all draws if each packet has its own shadowing.
     ///
     /// # Panics
     /// If there is no such network or station.
