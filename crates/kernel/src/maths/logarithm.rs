@@ -58,8 +58,7 @@ const SINGLE_ONE: u32 = 0x3f80_0000;
 const SINGLE_FRACTION: u32 = (1 << 23) - 1;
 /// The logarithm of 2 in two parts, as in [`LN_2`], and the series in single precision.
 const SINGLE_LN_2: [f32; 2] = [f32::from_bits(0x3f31_7180), f32::from_bits(0x3717_f7d1)];
-const SINGLE_SERIES: [f32; 4] =
-    [0.666_666_6, 0.400_009_7, 0.284_987_87, 0.242_790_79];
+const SINGLE_SERIES: [f32; 4] = [0.666_666_6, 0.400_009_7, 0.284_987_87, 0.242_790_79];
 
 /// `ln x` of a number that is not subnormal, within one unit in the last place of single precision.
 #[inline]

@@ -39,7 +39,10 @@ impl Arrangement {
     /// The arrangement of `links`, of which there may be a few hundred. Links that share nothing need no neighbours and no order.
     pub(super) fn of(links: &[HeardLink], places: &[Position], needs_neighbours: bool) -> Self {
         if !needs_neighbours {
-            return Self { order: (0..links.len()).collect(), neighbours: vec![LinkNeighbours::default(); links.len()] };
+            return Self {
+                order: (0..links.len()).collect(),
+                neighbours: vec![LinkNeighbours::default(); links.len()],
+            };
         }
         let at: Vec<Position> = links.iter().map(|link| places[link.place]).collect();
         let order = farthest_first(&at);

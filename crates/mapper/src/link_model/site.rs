@@ -289,9 +289,13 @@ mod tests {
 
     #[test]
     fn what_silence_says_is_the_integral_over_its_margins() {
-        for (sent, predicted, spread, outage) in
-            [(1, 0.4, 0.3, 0.01), (12, -1.0, 2.5, 0.002), (48, 3.0, 1.0, 0.2), (48, -9.0, 0.7, 0.01), (5, 21.0, 3.0, 0.05)]
-        {
+        for (sent, predicted, spread, outage) in [
+            (1, 0.4, 0.3, 0.01),
+            (12, -1.0, 2.5, 0.002),
+            (48, 3.0, 1.0, 0.2),
+            (48, -9.0, 0.7, 0.01),
+            (5, 21.0, 3.0, 0.05),
+        ] {
             let link = HeardLink { outage, ..link(0, sent) };
             let losses = Losses { lapse: 0.1, scatter: 0.8 };
             let hearing = hearing(losses, None);
@@ -301,7 +305,8 @@ mod tests {
                 let above = 0.001 * f64::from(step) * spread;
                 let weight = density(above / spread);
                 let silence =
-                    losses.arrivals().log_likelihoods(0, sent, &[below((predicted + above).clamp(-8.0, 20.0))])[0].exp();
+                    losses.arrivals().log_likelihoods(0, sent, &[below((predicted + above).clamp(-8.0, 20.0))])[0]
+                        .exp();
                 sums.take(weight * (outage + (1.0 - outage) * silence), above);
                 all += weight;
                 lost += weight * silence;
