@@ -95,6 +95,9 @@ pub struct ChannelLaw {
     obstacles_attenuate: bool,
 }
 
+/// The band for which the absorption of materials is listed (GHz).
+const LISTED_GHZ: [f64; 2] = [2.4, 2.5];
+
 impl TryFrom<ChannelConfig> for ChannelLaw {
     type Error = SettingError;
 
@@ -177,13 +180,16 @@ impl ChannelLaw {
         self.carrier_ghz
     }
 
-    /// The same law for radios at a carrier (GHz): that of the signals if the channel has none.
+    /// The same law for radios at a carrier (GHz): that of the signals if the channel has none. In the 2.4 GHz band materials absorb
+    /// as listed, so that it needs no carrier.
     #[must_use]
     pub fn for_radios_at(self, carrier_ghz: f64) -> Self {
-        Self { radios_ghz: Some(carrier_ghz), ..self }
+        let is_listed = (LISTED_GHZ[0]..=LISTED_GHZ[1]).contains(&carrier_ghz);
+        Self { radios_ghz: (!is_listed).then_some(carrier_ghz), ..self }
     }
 
-    /// Carrier of the signals (GHz), at which materials absorb and reflect: that of the channel, or else that of the radios.
+    /// Carrier of the signals (GHz), at which materials absorb and reflect: that of the channel, or else that of the radios; `None` in
+    /// the 2.4 GHz band, for which materials are listed.
     #[must_use]
     #[inline]
     pub fn signal_ghz(&self) -> Option<f64> {
