@@ -79,7 +79,8 @@ pub use geometry::position::Position;
 pub use geometry::shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};
 pub use neighbour::{Anchor, Link, NeighbourError, NeighbourLog};
 #[cfg(feature = "obstacles")]
-pub use obstacles::field::{Crossing, ObstacleField};
+pub use obstacles::crossing::Crossing;
+pub use obstacles::field::ObstacleField;
 #[cfg(feature = "obstacles")]
 pub use obstacles::obstacle::{Obstacle, ObstacleConfig};
 #[cfg(feature = "obstacles")]

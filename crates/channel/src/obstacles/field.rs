@@ -7,22 +7,12 @@ use crate::geometry::position::Position;
 use crate::geometry::shape::{LEVEL_M, Sweep};
 use crate::geometry::span::Span;
 use crate::geometry::tree::Tree;
+use crate::obstacles::crossing::Crossing;
 use crate::obstacles::obstacle::Obstacle;
 use crate::obstacles::together;
 use crate::power::Db;
 use crate::propagation::material::DB_PER_NEPER;
 use crate::propagation::path_budget::ObstacleLoss;
-
-/// The part of a straight line inside an obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
-    /// Index of the obstacle in its field.
-    pub obstacle: usize,
-    /// Length of the line inside it (m), above 0; 0 for a piece of a wall that is inside stronger ones.
-    pub length_m: f64,
-    /// How often the line pays its fixed loss: once a passage; never if another piece of a wall pays for the passage.
-    pub passages: usize,
-}
 
 /// Obstacles near a line that touch others.
 #[derive(Debug, Default)]

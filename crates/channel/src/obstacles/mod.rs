@@ -1,5 +1,6 @@
 //! Obstacles, and the ways of a signal through, along and around them.
 
+pub(crate) mod crossing;
 pub(crate) mod edge;
 pub(crate) mod field;
 pub(crate) mod mirror;

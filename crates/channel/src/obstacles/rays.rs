@@ -4,8 +4,9 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use crate::geometry::position::Position;
 use crate::geometry::shape::{Edge, LEVEL_M};
+use crate::obstacles::crossing::Crossing;
 use crate::obstacles::edge::{Detour, Side, detour, knife_edge_loss_db, passed};
-use crate::obstacles::field::{Crossing, ObstacleField};
+use crate::obstacles::field::ObstacleField;
 use crate::obstacles::mirror::{DEFAULT_CARRIER_GHZ, Field, Mirror, MirrorSurface, direction};
 use crate::obstacles::obstacle::Obstacle;
 use crate::power::Db;

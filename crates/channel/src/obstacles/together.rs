@@ -2,7 +2,7 @@
 
 use crate::geometry::position::Position;
 use crate::geometry::shape::LEVEL_M;
-use crate::obstacles::field::Crossing;
+use crate::obstacles::crossing::Crossing;
 use crate::obstacles::obstacle::Obstacle;
 
 /// Parts of a line from their beginning to their end (m), in order.

@@ -112,13 +112,10 @@ impl Traced {
         for packet in &packets {
             assert_eq!(rows(&sent, packet).to_string(), packet["transmissions"]);
             assert_eq!(rows(&sensed, packet).to_string(), packet["assessments"]);
+            transmissions += rows(&sent, packet);
+            on_air += u64::from(rows(&sent, packet) > 0);
             if packet["end"] != "pending" {
-                transmissions += rows(&sent, packet);
                 assessments += rows(&sensed, packet);
-                on_air += u64::from(rows(&sent, packet) > 0);
-            } else if packet["fate"] == "received" {
-                transmissions += 1;
-                on_air += 1;
             }
         }
         assert_eq!(transmissions, count("transmissions"));

@@ -114,6 +114,7 @@ fn each_packet_ends_once_also_with_fast_clocks_and_nodes_that_die() {
                 "lost_signal",
                 "out_of_range",
                 "not_listened",
+                "died",
                 "pending",
             ];
             let sum: u64 = ended.iter().filter_map(|key| mac[key].as_u64()).sum();

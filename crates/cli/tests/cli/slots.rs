@@ -96,9 +96,9 @@ fn nodes_with_fast_clocks_and_nodes_that_die_end_in_a_summary() {
         assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
         let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
         let mac = &summary["mac"];
-        let ended =
-            ["delivered", "lost_collision", "lost_queue", "lost_signal", "out_of_range", "not_listened", "pending"];
-        let sum: u64 = ended.iter().filter_map(|key| mac[key].as_u64()).sum();
+        let lost = ["lost_collision", "lost_queue", "lost_signal", "out_of_range", "not_listened"];
+        let ended = lost.iter().chain(&["delivered", "died", "pending"]);
+        let sum: u64 = ended.filter_map(|key| mac[key].as_u64()).sum();
         assert_eq!(mac["offered"].as_u64(), Some(sum), "{mac}");
     }
 }

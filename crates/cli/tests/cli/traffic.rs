@@ -20,7 +20,7 @@ names = ["west", "east"]
 
 [[world.obstacles]]
 name = "wall"
-material = "concrete"
+absorption_per_m = 4.6
 [world.obstacles.shape.box]
 center_m = [9.0, 9.0, 0.0]
 size_m = [2.0, 1.0, 3.0]
@@ -98,7 +98,8 @@ fn number(traffic: &Value, key: &str) -> f64 {
 fn ended(traffic: &Value) -> u64 {
     let outcomes =
         ["delivered", "lost_collision", "lost_channel_access", "lost_queue", "lost_signal", "out_of_range"];
-    outcomes.iter().chain(&["not_listened", "pending"]).map(|key| count(traffic, key)).sum()
+    outcomes.iter().chain(&["not_listened", "pending"]).map(|key| count(traffic, key)).sum::<u64>()
+        + traffic["died"].as_u64().unwrap_or(0)
 }
 
 #[test]

@@ -6,9 +6,17 @@ use sextant_channel::{Position, RangeErrorLaw};
 use sextant_kernel::text::counted;
 
 use super::places::Place;
-use super::unit::RangeUnit;
 use crate::learned::{Finding, Line, Section, Unconverged};
 use crate::topology_map::TopologyMap;
+
+/// A unit of ranges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeUnit {
+    /// What it is.
+    pub name: &'static str,
+    /// How many of it are a metre.
+    pub of_metre: f64,
+}
 
 /// What was learned of the ranges of a log with the places of its nodes.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,16 +6,8 @@ use super::Settings;
 use super::fit::fitted;
 use super::groups::RangeGroups;
 use super::problem::{HeightPrior, Problem};
+use super::report::RangeUnit;
 use super::solution::{ErrorShares, NODE_BIAS_M, by_least_squares};
-
-/// A unit of ranges.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RangeUnit {
-    /// What it is.
-    pub name: &'static str,
-    /// How many of it are a metre.
-    pub of_metre: f64,
-}
 
 /// Metres, and what ranges may be in instead. Feet and nanoseconds of light differ by less than scales do.
 const UNITS: [RangeUnit; 5] = [

@@ -1,6 +1,7 @@
 //! Recovery of the readable part of a broken recording.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use mcap::records::Metadata;
@@ -34,11 +35,17 @@ pub struct Recovery {
 /// is written to `OUT.recovering`, which is renamed to `out` when it is complete; only then is an existing file replaced.
 ///
 /// # Errors
-/// If `broken` cannot be read or is not an MCAP file, if `out` is the same file, if `out` cannot be written, or if the
+/// If `broken` cannot be read, is a pipe, or is not an MCAP file, if `out` is the same file, if `out` cannot be written, or if the
 /// user interrupts. `OUT.recovering` is removed in each case.
 pub fn recover(broken: &Path, out: &Path, watch: &dyn Watch) -> Result<Recovery, RecordingError> {
     let draft = Draft::new(out, RECOVERING);
-    std::fs::metadata(broken).map_err(|why| RecordingError::read(broken, why))?;
+    let metadata = std::fs::metadata(broken).map_err(|why| RecordingError::read(broken, why))?;
+    if !metadata.is_file() {
+        return Err(RecordingError::read(
+            broken,
+            io::Error::other("it is no file that can be read twice; copy it to one"),
+        ));
+    }
     let input = FileIdentity::of(broken);
     if [&draft.path, &draft.part].iter().any(|path| FileIdentity::of(path) == input) {
         return Err(RecordingError::SameFile { path: broken.to_owned() });
