@@ -31,8 +31,8 @@ function revive(_key, value) {
 
 /** A text of JSON in which whole numbers that a number cannot have exactly, such as large seeds, are texts. */
 function withExactNumbers(text) {
-  return text.replace(/"(?:[^"\\]|\\.)*"|-?\d+(?![\d.eE])/g, (token) =>
-    (token.startsWith("\"") || Number.isSafeInteger(Number(token)) ? token : `"${token}"`));
+  return text.replace(/"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?/g, (token) =>
+    (/^-?\d+$/.test(token) && !Number.isSafeInteger(Number(token)) ? `"${token}"` : token));
 }
 
 /** The document of a text of JSON. */

@@ -23,8 +23,8 @@ export async function sweepInNode(test) {
     assert.equal(curves[0].means[0].n, 2);
   });
   await test("large whole numbers of a summary keep all digits", () => {
-    const summary = '{"scenario":{"seed":18446744073709551615,"name":"a 9007199254740993 \\"b"},"n":[-9007199254740993,12,1.5e300,9007199254740993.5]}';
+    const summary = '{"scenario":{"seed":18446744073709551615,"name":"a 9007199254740993 \\"b"},"n":[-9007199254740993,12,1.5e300,9007199254740993.5,0.12345678901234567,1e25]}';
     assert.deepEqual(documentOf(JSON.stringify({ summary })).summary,
-      { scenario: { seed: "18446744073709551615", name: 'a 9007199254740993 "b' }, n: ["-9007199254740993", 12, 1.5e300, 9007199254740994] });
+      { scenario: { seed: "18446744073709551615", name: 'a 9007199254740993 "b' }, n: ["-9007199254740993", 12, 1.5e300, 9007199254740994, 0.12345678901234567, 1e25] });
   });
 }
