@@ -9,7 +9,7 @@ import { isolated } from "./text.js";
 
 const LOSSES = [
   ["delivered", "delivered"], ["lost_collision", "lost to collisions"], ["lost_channel_access", "lost to a busy channel"], ["lost_queue", "lost to a full queue"],
-  ["lost_signal", "weak signal"], ["out_of_range", "out of range"], ["not_listened", "nobody listened"], ["pending", "pending"],
+  ["lost_signal", "weak signal"], ["out_of_range", "out of range"], ["not_listened", "nobody listened"], ["died", "their node died"], ["pending", "pending"],
 ];
 
 /** The share of packets that are delivered within each time. */
