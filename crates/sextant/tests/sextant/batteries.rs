@@ -7,32 +7,14 @@ use sextant::{Scenario, Unwatched};
 use sextant_kernel::{NodeId, SimTime, StationId};
 use sextant_sim::{FrameOnAir, Observer, PacketEnd, PacketFate, PacketTrace};
 
+use crate::star::{self, summary};
+
 /// Energy of the longest frame (J): 133 octets of 32 us with the 62 mW or less of the chips here.
 const FRAME_J: f64 = 133.0 * 32e-6 * 0.062;
 
-/// Nodes at these distances from a sink (m), with the tables `rest`.
+/// A star in which frames that overlap are lost.
 fn star(places_m: &[f64], rest: &str) -> Scenario {
-    let places: Vec<String> = places_m.iter().map(|x_m| format!("[{x_m:.1}, 0.0]")).collect();
-    let text = format!(
-        r#"
-name = "batteries"
-world.nodes.explicit.positions_m = [{}]
-reception.overlap = {{}}
-radio.tx_power_dbm = 0.0
-radio.sensitivity_dbm = -90.0
-channel.path_loss.log_distance = {{ exponent = 2.0, reference_loss_db = 40.0 }}
-{rest}
-[[sinks]]
-name = "sink"
-position_m = [0.0, 0.0]
-"#,
-        places.join(", ")
-    );
-    Scenario::parse(&text).unwrap_or_else(|errors| panic!("{errors}"))
-}
-
-fn summary(scenario: &Scenario) -> Summary {
-    sextant::run(scenario, &mut (), &Unwatched).expect("a run").summary().clone()
+    star::star(places_m, &format!("reception.overlap = {{}}\n{rest}"))
 }
 
 fn battery(summary: &Summary) -> &BatterySummary {

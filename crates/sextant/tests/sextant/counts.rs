@@ -1,32 +1,10 @@
 //! Counts that hold together, whatever the channel access: each packet in one class, what a transmission is, and who is in a mean.
 
-use sextant::summary::{MacSummary, Summary, TrafficSummary};
+use sextant::summary::{MacSummary, TrafficSummary};
 use sextant::{Scenario, Unwatched, explain_link};
 use sextant_sim::{FrameOutcome, Observer, PacketEnd, PacketFate, PacketTrace};
 
-/// Nodes at these distances from a sink (m), with the tables `rest`.
-fn star(places_m: &[f64], rest: &str) -> Scenario {
-    let places: Vec<String> = places_m.iter().map(|x_m| format!("[{x_m:.1}, 0.0]")).collect();
-    let text = format!(
-        r#"
-name = "counts"
-world.nodes.explicit.positions_m = [{}]
-radio.tx_power_dbm = 0.0
-radio.sensitivity_dbm = -90.0
-channel.path_loss.log_distance = {{ exponent = 2.0, reference_loss_db = 40.0 }}
-{rest}
-[[sinks]]
-name = "sink"
-position_m = [0.0, 0.0]
-"#,
-        places.join(", ")
-    );
-    Scenario::parse(&text).unwrap_or_else(|errors| panic!("{errors}"))
-}
-
-fn summary(scenario: &Scenario) -> Summary {
-    sextant::run(scenario, &mut (), &Unwatched).expect("a run").summary().clone()
-}
+use crate::star::{star, summary};
 
 fn mac(scenario: &Scenario) -> MacSummary {
     summary(scenario).mac.expect("sinks")

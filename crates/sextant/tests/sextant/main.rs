@@ -17,5 +17,6 @@ mod routing;
 mod rpl;
 mod sleeping;
 mod slots;
+mod star;
 mod stepping;
 mod teams;
