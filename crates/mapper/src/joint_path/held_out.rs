@@ -75,6 +75,9 @@ fn contradicted(
 ) -> Result<Vec<ContradictedPlace>, MapError> {
     /// The square of the reach of a 95 % region, in standard deviations.
     const REACH: f64 = 2.0 * LIKELY;
+    if known.is_empty() {
+        return Ok(Vec::new());
+    }
     let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
     let mut map = estimator.map(&path.log(log), watch)?.0;
     path.widen(&mut map);
