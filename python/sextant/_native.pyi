@@ -276,6 +276,9 @@ class SendReport:
     @property
     def outcome(self) -> str: ...
     @property
+    def attempts(self) -> int:
+        """They differ from the transmissions where a receiver is woken first: one that does not answer costs an attempt."""
+    @property
     def transmissions(self) -> int: ...
     @property
     def offered_s(self) -> float: ...

@@ -82,6 +82,7 @@ pub(crate) struct SendReport {
     frame: u32,
     to: Option<String>,
     outcome: &'static str,
+    attempts: u32,
     transmissions: u32,
     offered_s: f64,
 }
@@ -98,8 +99,8 @@ impl SendReport {
             SendOutcome::NoAcknowledgement => "no-acknowledgement",
             SendOutcome::ChannelAccessFailure => "channel-access-failure",
         };
-        let (frame, transmissions) = (report.frame.0, report.transmissions);
-        Self { network, frame, to, outcome, transmissions, offered_s: report.offered.as_secs_f64() }
+        let (frame, attempts, transmissions) = (report.frame.0, report.attempts, report.transmissions);
+        Self { network, frame, to, outcome, attempts, transmissions, offered_s: report.offered.as_secs_f64() }
     }
 }
 

@@ -271,11 +271,10 @@ impl Application for Router {
     fn sent(&mut self, _network: NetworkId, report: &SendReport, port: &mut Port<'_>) {
         let Some(to) = self.outbox.ended(report.frame) else { return self.end_of_frame(report, port) };
         let is_through = report.outcome == SendOutcome::Acknowledged;
-        let transmissions = report.transmissions;
         let is_data = self.outbox.front().is_some_and(|first| first.is_data());
         self.count(port, |counts| {
             let sum = if is_data { &mut counts.transmissions } else { &mut counts.rpl.transmissions };
-            *sum += u64::from(transmissions);
+            *sum += u64::from(report.transmissions);
         });
         if !is_through {
             self.try_again(port);
@@ -287,7 +286,7 @@ impl Application for Router {
         }
         self.learn_link(to, report, port);
         if let Way::Built { tree, .. } = &mut self.way {
-            let reaction = tree.sent(to, transmissions, u32::from(is_through));
+            let reaction = tree.sent(to, report.attempts, u32::from(is_through));
             self.react(reaction, port);
         }
     }

@@ -4,15 +4,15 @@ use plotters::style::RGBColor;
 
 use super::axes::{Axes, Axis, Shown};
 use super::sheet::{Entry, Sheet, Symbol};
-use crate::paint::palette::{CURVES, OBSTACLE};
+use crate::paint::palette::{CURVES, OBSTACLE, OBSTACLE_RIM};
 use crate::paint::picture::{Area, Picture};
 
 /// Size of the plot (px).
 const SIZE: (f64, f64) = (640.0, 300.0);
 
 /// Colours of the layers: green for the first one, which is the good one.
-const COLOURS: [RGBColor; 8] =
-    [CURVES[2], CURVES[1], CURVES[3], CURVES[0], CURVES[4], CURVES[5], CURVES[6], OBSTACLE];
+const COLOURS: [RGBColor; 9] =
+    [CURVES[2], CURVES[1], CURVES[3], CURVES[0], CURVES[4], CURVES[5], CURVES[6], OBSTACLE_RIM, OBSTACLE];
 
 /// Counts that are drawn as shares of their sum.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub(crate) struct Stacks {
     pub(crate) title: String,
     pub(crate) note: String,
     pub(crate) across: String,
-    /// Names of the layers, from below; at most eight.
+    /// Names of the layers, from below; at most nine.
     pub(crate) layers: Vec<&'static str>,
     pub(crate) stacks: Vec<Stack>,
 }

@@ -46,6 +46,9 @@ pub struct TreeEdgeMessage {
     /// Index of its parent among the stations, nodes first and then sinks; absent without one.
     #[prost(uint32, optional, tag = "6")]
     pub parent_station: Option<u32>,
+    /// When the node died, by a fault or of an empty battery (ns since the start); absent if it lives.
+    #[prost(uint64, optional, tag = "7")]
+    pub died_ns: Option<u64>,
 }
 
 recorded! {
@@ -55,6 +58,6 @@ recorded! {
     ];
     TreeEdgeMessage = "TreeEdge": [
         "node" = 1 Uint32, "parent" = 2 String, "depth" = 3 OptionalUint32, "etx" = 4 OptionalDouble,
-        "changes" = 5 Uint32, "parent_station" = 6 OptionalUint32,
+        "changes" = 5 Uint32, "parent_station" = 6 OptionalUint32, "died_ns" = 7 OptionalUint64,
     ];
 }

@@ -48,6 +48,8 @@ pub struct RecordedOutcomes {
     pub lost_channel_access: u64,
     /// Packets that found the queue full.
     pub lost_queue: u64,
+    /// Packets whose node died before they had an end.
+    pub died: u64,
     /// Packets that were waiting or on air at the end.
     pub pending: u64,
 }

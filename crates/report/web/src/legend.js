@@ -24,7 +24,7 @@ export function legend(model, show, wayName) {
       entries.push(mark("disc", ramp(0.5), `node, by its hops to a sink: 1 to ${number(model.tree.deepest)}`));
       entries.push(mark("cross", "var(--accent)", "node without a way"));
     }
-    if (model.tree.deaths) entries.push(mark("disc", "var(--unknown)", "node with an empty battery"));
+    if (model.tree.deaths) entries.push(mark("disc", "var(--unknown)", "node that died"));
   }
   if (show.layers.path) {
     model.robots.slice(0, 8).forEach((robot, i) => entries.push(mark("disc", robotColor(i), `robot ${isolated(robot.name)}`)));

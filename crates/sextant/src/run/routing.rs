@@ -7,8 +7,8 @@ use sextant_kernel::{SimTime, StationId};
 use sextant_mac::EnergySpent;
 use sextant_recording::messages::{ParentChangeMessage, TreeEdgeMessage};
 use sextant_scenario::Scenario;
-use sextant_sim::BatteryRecord;
 use sextant_sim::layout::PlacedNode;
+use sextant_sim::{BatteryRecord, Death};
 
 use super::rpl;
 use super::simulator::Simulated;
@@ -167,8 +167,9 @@ fn by_node(scenario: &Scenario, record: &RoutingRecord, energy: &[EnergySpent]) 
     nodes.iter().zip(&record.stations).zip(energy).map(summary).collect()
 }
 
-/// The tree at the end, for a recording.
-pub(super) fn edges(scenario: &Scenario, record: &RoutingRecord) -> Vec<TreeEdgeMessage> {
+/// The tree at the end, for a recording; a node that died has the time of its death.
+pub(super) fn edges(scenario: &Scenario, record: &RoutingRecord, deaths: &[Death]) -> Vec<TreeEdgeMessage> {
+    let died: BTreeMap<u32, u64> = deaths.iter().map(|death| (death.node.0, death.time.as_nanos())).collect();
     let nodes = record.stations[..scenario.world().nodes.len()].iter();
     let edge = |(node, station): (u32, &RoutedStation)| TreeEdgeMessage {
         node,
@@ -177,6 +178,7 @@ pub(super) fn edges(scenario: &Scenario, record: &RoutingRecord) -> Vec<TreeEdge
         etx: station.parent_etx,
         changes: u32::try_from(station.changes()).unwrap_or(u32::MAX),
         parent_station: station.parent.map(|parent| parent.0),
+        died_ns: died.get(&node).copied(),
     };
     (0..).zip(nodes).map(edge).collect()
 }

@@ -110,6 +110,21 @@ fn each_packet_over_several_hops_counts_once() {
     }
 }
 
+/// The relay dies, and no strobe is answered any more: attempts that send nothing are no transmissions of a hop.
+#[test]
+fn hops_have_as_many_transmissions_as_channel_access() {
+    let found = summary(&star(
+        &[20.0, 10.0],
+        "duration_s = 60.0\nchannel.max_range_m = 12.0\nrouting.tree.shortest = {}\n\
+         mac.sleep = { interval_s = 0.25, max_retries = 2, sinks = \"sleep\", wake_up.x_mac = {} }\n\
+         traffic.periodic = { mpdu_octets = 60, interval_s = 4.0 }\n\
+         faults.deaths = { names = [\"n1\"], from_s = 30.0, to_s = 30.0 }\n",
+    ));
+    let (mac, routing) = (found.mac.expect("sinks"), found.routing.expect("hops"));
+    assert!(mac.all.no_acknowledgement > 3, "{:?}", mac.all);
+    assert_eq!(routing.transmissions, mac.all.transmissions);
+}
+
 /// Nobody answers strobes, so the packet itself never goes out.
 #[test]
 fn strobes_that_nobody_answers_are_no_transmissions() {

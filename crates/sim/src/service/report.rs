@@ -83,7 +83,10 @@ pub struct SendReport {
     pub to: Destination,
     /// How it ended.
     pub outcome: SendOutcome,
-    /// Number of transmissions; of attempts, where a receiver is woken first and may not answer.
+    /// Number of attempts. It differs from the transmissions where a receiver is woken first: one that does not answer costs
+    /// an attempt, and the frame is not sent.
+    pub attempts: u32,
+    /// Number of transmissions.
     pub transmissions: u32,
     /// When the application gave it to the link.
     pub offered: SimTime,

@@ -185,7 +185,7 @@ impl Router {
         };
         let now = port.now();
         if let Some(station) = self.rpl() {
-            let actions = station.dodag.sent(to, report.transmissions, outcome, now);
+            let actions = station.dodag.sent(to, report.attempts, outcome, now);
             self.act(&actions, port);
         }
     }

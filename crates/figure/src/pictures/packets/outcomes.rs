@@ -13,7 +13,7 @@ use crate::plot::stacks::{Stack, Stacks};
 const TIME_PARTS: u32 = 40;
 
 /// What a packet counts as, and what it is called in the legend.
-pub(super) const FATES: [(&str, &str); 8] = [
+pub(super) const FATES: [(&str, &str); 9] = [
     ("received", "received"),
     ("lost_collision", "collision"),
     ("lost_signal", "weak signal"),
@@ -21,6 +21,7 @@ pub(super) const FATES: [(&str, &str); 8] = [
     ("out_of_range", "out of range"),
     ("lost_channel_access", "busy channel"),
     ("lost_queue", "queue full"),
+    ("died", "node died"),
     ("pending", "pending at the end"),
 ];
 

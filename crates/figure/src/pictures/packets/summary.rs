@@ -65,10 +65,12 @@ fn counts(node: &RecordedOutcomes) -> Vec<u64> {
         out_of_range,
         lost_channel_access,
         lost_queue,
+        died,
         pending,
         ..
     } = node;
-    vec![delivered, lost_collision, lost_signal, not_listened, out_of_range, lost_channel_access, lost_queue, pending]
+    let lost = [lost_collision, lost_signal, not_listened, out_of_range, lost_channel_access, lost_queue];
+    [&[delivered][..], &lost, &[died, pending]].concat()
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ pub struct RecordedWorld {
     pub tree: Vec<RecordedEdge>,
     /// The parents that nodes chose, in the order of time; empty if the tree does not change.
     pub parents: Vec<RecordedParent>,
-    /// When batteries were empty, by node.
+    /// When nodes died, by a fault or of an empty battery.
     pub deaths: BTreeMap<NodeId, SimTime>,
     /// When the tree was written: at the end of the simulation.
     pub tree_end: SimTime,
@@ -169,7 +169,9 @@ impl RecordedWorld {
             }
             _ if topic == MAPPED_NODES_TOPIC => self.mapped_nodes.push(distributed::mapped_node(data)?),
             _ if topic == TREE_TOPIC => {
-                self.tree.push(routing::edge(data)?);
+                let (edge, death) = routing::edge(data)?;
+                self.deaths.extend(death.map(|death| (edge.node, death)));
+                self.tree.push(edge);
                 self.tree_end = time;
             }
             _ if topic == PARENT_CHANGES_TOPIC => self.parents.push(routing::parent(data)?),

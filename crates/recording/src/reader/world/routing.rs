@@ -15,7 +15,7 @@ pub struct RecordedEdge {
     pub parent: Option<u32>,
     /// Hops to a sink along the parents; `None` without a way.
     pub depth: Option<u32>,
-    /// Whether its battery is empty.
+    /// Whether it died, by a fault or of an empty battery.
     pub is_dead: bool,
 }
 
@@ -32,11 +32,12 @@ pub struct RecordedParent {
     pub is_change: bool,
 }
 
-/// Reads the message of one node.
-pub(super) fn edge(data: &[u8]) -> Result<RecordedEdge, String> {
+/// Reads the message of one node, and when it died.
+pub(super) fn edge(data: &[u8]) -> Result<(RecordedEdge, Option<SimTime>), String> {
     let message = TreeEdgeMessage::decode(data).map_err(|why| why.to_string())?;
-    let TreeEdgeMessage { node, parent_station, depth, .. } = message;
-    Ok(RecordedEdge { node: NodeId(node), parent: parent_station, depth, is_dead: false })
+    let TreeEdgeMessage { node, parent_station, depth, died_ns, .. } = message;
+    let edge = RecordedEdge { node: NodeId(node), parent: parent_station, depth, is_dead: died_ns.is_some() };
+    Ok((edge, died_ns.map(SimTime::from_nanos)))
 }
 
 /// Reads the message of a parent that a node chose.
@@ -58,7 +59,7 @@ pub(super) fn death(data: &[u8]) -> Result<Option<(NodeId, SimTime)>, String> {
 
 impl RecordedWorld {
     /// The tree at an instant: the parents that the nodes had chosen until then, or those at the end if nodes chose none. No way
-    /// leads over a node whose battery was empty.
+    /// leads over a node that had died.
     #[must_use]
     pub fn tree_at(&self, time: SimTime) -> Vec<RecordedEdge> {
         let is_dead = |node: NodeId| self.deaths.get(&node).is_some_and(|&death| death <= time);

@@ -189,7 +189,8 @@ impl RunObserver for RunRecorder {
             }
         }
         if let Some(routing) = &survey.simulated.routing {
-            recorder.tree(end, &super::routing::edges(survey.scenario, routing))?;
+            let edges = super::routing::edges(survey.scenario, routing, &survey.simulated.survey.deaths);
+            recorder.tree(end, &edges)?;
             recorder.parent_changes(end, &super::routing::parent_changes(survey.scenario, routing))?;
         }
         recorder.batteries(end, &super::battery::messages(&survey.simulated.survey))?;

@@ -39,7 +39,7 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
         legend.insert(2, Entry { symbol, text: "another parent than in the plot before".to_owned() });
     }
     let deaths = drawn.deaths.len();
-    let note = [(changes, "change of parents", "changes of parents"), (deaths, "empty battery", "empty batteries")]
+    let note = [(changes, "change of parents", "changes of parents"), (deaths, "node that died", "nodes that died")]
         .into_iter()
         .filter(|&(count, ..)| count > 0)
         .map(|(count, one, several)| format!("{count} {}", if count == 1 { one } else { several }));

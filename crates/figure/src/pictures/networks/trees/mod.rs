@@ -23,7 +23,7 @@ const LINK: Stroke = Stroke::new(THREAD, 1.0);
 const CHANGED: Stroke = Stroke::new(ACCENT, 2.0);
 /// The mark of a node without a way to a sink.
 const WITHOUT: RGBColor = ACCENT;
-/// The mark of a node whose battery is empty.
+/// The mark of a node that died.
 const DEAD: RGBColor = OBSTACLE_RIM;
 
 /// The figures of the tree over which packets went: `tree`, as it was at `time` or else at the end, and `tree-changes` if nodes
@@ -120,7 +120,7 @@ fn legend(source: &Source<'_>, edges: &[&RecordedEdge], bar: &ColourBar, radius:
     }
     if edges.iter().any(|edge| edge.is_dead) {
         let stroke = Stroke::new(DEAD, 1.4);
-        legend.push(entry(Symbol::Circle { radius: radius.max(2.5), stroke }, "node with an empty battery"));
+        legend.push(entry(Symbol::Circle { radius: radius.max(2.5), stroke }, "node that died"));
     }
     if !source.drawn.sinks.is_empty() {
         legend.push(entry(Symbol::Square { side: SINK_SIDE, fill: SINK }, "sink"));
@@ -208,11 +208,11 @@ mod tests {
         assert_eq!(lines(tree, LINK), 3 + 1);
         // After 10, 50 and 100 s: three links; one of them changed; one lost, and one node dead.
         assert_eq!((lines(changes, LINK), lines(changes, CHANGED)), (3 + 2 + 1 + 1, 1 + 1));
-        assert!(words(changes).contains(&"node with an empty battery"), "{:?}", words(changes));
+        assert!(words(changes).contains(&"node that died"), "{:?}", words(changes));
         let end = &figures(&drawn, None)[0];
         assert!(
             words(end)
-                .contains(&"3 nodes, 1.0 hops in the mean, 1 at most, 1 without a way, 1 with an empty battery")
+                .contains(&"3 nodes, 1.0 hops in the mean, 1 at most, 1 without a way, 1 dead")
         );
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn note(edges: &[RecordedEdge]) -> String {
     }
     let dead = edges.iter().filter(|edge| edge.is_dead).count();
     if dead > 0 {
-        note.push(format!("{dead} with an empty battery"));
+        note.push(format!("{dead} dead"));
     }
     note.join(", ")
 }

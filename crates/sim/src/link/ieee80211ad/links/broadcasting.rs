@@ -57,7 +57,7 @@ impl Links {
         self.end_payload(station, &broadcast, (PacketEnd::Sent, fate), Some(broadcast.sequence()), scene);
         self.stacks[station.index()].reached.clear();
         let (to, outcome) = (Destination::All, SendOutcome::Sent);
-        let report = SendReport { frame: id, to, outcome, transmissions: frames, offered };
+        let report = SendReport { frame: id, to, outcome, attempts: frames, transmissions: frames, offered };
         scene.upcalls.push(Upcall::Sent { station, report });
     }
 

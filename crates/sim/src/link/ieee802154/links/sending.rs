@@ -142,7 +142,8 @@ impl Links {
         let (transmissions, assessments) = (report.transmissions, report.ccas.into());
         let (ended, sequence) = (Ended { end: outcome.into(), fate, transmissions, assessments }, stack.sequence);
         self.end_packet(station, &frame, ended, Some(sequence), scene);
-        let report = SendReport { frame: frame.id, to: frame.to, outcome, transmissions, offered: frame.offered };
+        let (attempts, offered) = (transmissions, frame.offered);
+        let report = SendReport { frame: frame.id, to: frame.to, outcome, attempts, transmissions, offered };
         scene.upcalls.push(Upcall::Sent { station, report });
         if let Some(next) = next {
             self.start(station, next, scene);

@@ -85,10 +85,10 @@ impl Links {
     /// The packet under way has left the link of a station: it is counted and traced, and its application is told.
     pub(super) fn finish_frame(&mut self, station: StationId, outcome: SendOutcome, scene: &mut Scene) {
         let frame = self.stacks[station.index()].waiting.pop_front().expect("a packet was under way");
-        let OpenFrame { id, to, offered, attempts, .. } = frame;
+        let OpenFrame { id, to, offered, attempts, transmissions, .. } = frame;
         let fate = if attempts == 0 { PacketFate::LostChannelAccess } else { PacketFate::Sent(frame.outcome) };
         self.end_packet(station, frame, outcome.into(), fate, scene);
-        let report = SendReport { frame: id, to, outcome, transmissions: attempts, offered };
+        let report = SendReport { frame: id, to, outcome, attempts, transmissions, offered };
         scene.upcalls.push(Upcall::Sent { station, report });
     }
 }

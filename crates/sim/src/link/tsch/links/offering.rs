@@ -98,6 +98,7 @@ impl Links {
             frame: frame.id,
             to: frame.to,
             outcome,
+            attempts: frame.transmissions,
             transmissions: frame.transmissions,
             offered: frame.offered,
         };
