@@ -18,14 +18,14 @@ const ROUNDING: f64 = 1e-9;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SPathConfig {
-    /// The path covers the bounding box of this region.
+    /// The path covers the bounding box of this region; of a polygon, only what is inside.
     pub region: RegionConfig,
     /// Distance between lanes (m).
     pub lane_spacing_m: f64,
     /// Distance between stops along the path (m).
     #[serde(default = "default_stop_spacing_m")]
     pub stop_spacing_m: f64,
-    /// How far the path extends beyond the bounding box on each side (m).
+    /// How far the path extends beyond the bounding box, or the polygon, on each side (m).
     #[serde(default)]
     pub overshoot_m: f64,
     /// Height of the path (m). If absent, the height of the robot's start.
@@ -47,7 +47,7 @@ impl SPathConfig {
 }
 
 /// Drives lanes along y, forth and back, over the bounding box of a region, beginning at the corner nearest to the
-/// robot's start. Stops at equal distances along the path. Stops inside an obstacle are left out, and the way round
+/// robot's start. Parts of lanes outside of a polygon are left out. Stops at equal distances along the path. Stops inside an obstacle are left out, and the way round
 /// the obstacle is planned.
 #[derive(Clone, Debug)]
 pub struct SPath {
@@ -63,7 +63,8 @@ impl SPath {
         let region = Region::try_from(&config.region).map_err(|error| error.within("region"))?;
         let lane_spacing_m = SettingError::positive("lane_spacing_m", config.lane_spacing_m)?;
         let stop_spacing_m = SettingError::positive("stop_spacing_m", config.stop_spacing_m)?;
-        let bounds = region.bounds().grown(SettingError::not_negative("overshoot_m", config.overshoot_m)?);
+        let overshoot_m = SettingError::not_negative("overshoot_m", config.overshoot_m)?;
+        let bounds = region.bounds().grown(overshoot_m);
         let z_m = SettingError::finite("height_m", config.height_m.unwrap_or(surroundings.start.z_m))?;
         let size = bounds.max - bounds.min;
         let length_m = (size.x_m / lane_spacing_m + 1.0) * size.y_m + size.x_m;
@@ -84,7 +85,12 @@ impl SPath {
             ));
         }
         let corners = corners(bounds, lane_spacing_m, Position { z_m, ..surroundings.start });
-        let itinerary = Itinerary::through(stops_along(&corners, stop_spacing_m), surroundings)?;
+        let mut places = stops_along(&corners, stop_spacing_m);
+        if let Some(polygon) = region.polygon() {
+            let within_m = overshoot_m + ROUNDING * stop_spacing_m;
+            places.retain(|(place, _)| polygon.distance_m([place.x_m, place.y_m]) <= within_m);
+        }
+        let itinerary = Itinerary::through(places, surroundings)?;
         Ok(Self { itinerary })
     }
 }

@@ -40,6 +40,24 @@ fn an_s_path_without_obstacles_has_the_length_and_the_stops_of_its_formula() {
 }
 
 #[test]
+fn an_s_path_over_a_polygon_stays_inside() {
+    let world = world(ObstacleField::default());
+    // An L whose upper right quarter is empty.
+    let corners_m = vec![[0.0, 0.0], [12.0, 0.0], [12.0, 4.0], [6.0, 4.0], [6.0, 8.0], [0.0, 8.0]];
+    let stops = |overshoot_m| {
+        let region = RegionConfig::Polygon { corners_m: corners_m.clone(), z_m: 0.0 };
+        let config = SPathConfig { overshoot_m, ..SPathConfig::new(region, 2.0) };
+        drive(&ControllerConfig::SPath(config), &world, at(0.0, 0.0)).stops
+    };
+    let (exact, grown) = (stops(0.0), stops(1.0));
+    assert!(exact.iter().all(|stop| stop.x_m <= 6.0 || stop.y_m <= 4.0), "{exact:?}");
+    // Four lanes of nine stops, three of five, and one between any two lanes that lies inside.
+    assert_eq!(exact.len(), 4 * 9 + 3 * 5 + 5, "{exact:?}");
+    assert!(grown.iter().all(|stop| stop.x_m <= 7.0 || stop.y_m <= 5.0), "{grown:?}");
+    assert!(grown.iter().any(|stop| stop.x_m < 0.0 || stop.y_m > 8.0), "{grown:?}");
+}
+
+#[test]
 fn an_s_path_leaves_out_covered_stops_and_drives_round_obstacles() {
     let open = world(ObstacleField::default());
     let blocked = world(field(&[([4.0, 4.0], [3.0, 4.0], 0.0), ([8.0, 7.0], [2.0, 5.0], 30.0)]));

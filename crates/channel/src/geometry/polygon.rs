@@ -72,6 +72,15 @@ impl Polygon {
         0.5 * self.sides().map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>().abs()
     }
 
+    /// Distance from `p` to the polygon (m); zero inside.
+    #[must_use]
+    pub fn distance_m(&self, p: [f64; 2]) -> f64 {
+        if self.contains(p) {
+            return 0.0;
+        }
+        self.sides().map(|(a, b)| distance_to_side_m(p, a, b)).fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether a ray from `p` to the east crosses an odd number of sides (Shimrat 1962, Algorithm 112). Places on a side
     /// may be on either side of it.
     #[must_use]
@@ -113,6 +122,16 @@ impl Polygon {
 /// Twice the area of the triangle a, b, c: positive if it turns left.
 fn turn([ax, ay]: [f64; 2], [bx, by]: [f64; 2], [cx, cy]: [f64; 2]) -> f64 {
     (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+}
+
+/// Distance from `p` to the line from `a` to `b`, or to the place that both are (m).
+#[must_use]
+pub fn distance_to_side_m(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let square = along[0] * along[0] + along[1] * along[1];
+    let share = ((p[0] - a[0]) * along[0] + (p[1] - a[1]) * along[1]) / square;
+    let share = if square > 0.0 { share.clamp(0.0, 1.0) } else { 0.0 };
+    libm::hypot(p[0] - a[0] - share * along[0], p[1] - a[1] - share * along[1])
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The region in which a robot may stop.
 
-use sextant_channel::{Bounds, ObstacleField, Position, Stop};
+use sextant_channel::{Bounds, ObstacleField, Position, Stop, distance_to_side_m};
 use sextant_mapper::{Area, convex_hull};
 
 /// The region in which a robot may stop.
@@ -90,14 +90,7 @@ fn distance_m(p: [f64; 2], hull: &[[f64; 2]]) -> f64 {
     if hull.len() > 2 && sides().all(is_left) {
         return 0.0;
     }
-    let to_side_m = |(a, b): (&[f64; 2], &[f64; 2])| {
-        let along = [b[0] - a[0], b[1] - a[1]];
-        let square = along[0] * along[0] + along[1] * along[1];
-        let share = ((p[0] - a[0]) * along[0] + (p[1] - a[1]) * along[1]) / square;
-        let share = if square > 0.0 { share.clamp(0.0, 1.0) } else { 0.0 };
-        libm::hypot(p[0] - a[0] - share * along[0], p[1] - a[1] - share * along[1])
-    };
-    sides().map(to_side_m).fold(f64::INFINITY, f64::min)
+    sides().map(|(&a, &b)| distance_to_side_m(p, a, b)).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

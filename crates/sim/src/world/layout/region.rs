@@ -125,6 +125,15 @@ impl Region {
         self.bounds
     }
 
+    /// Its outline, if it is a polygon.
+    #[must_use]
+    pub fn polygon(&self) -> Option<&Polygon> {
+        match &self.shape {
+            Shape::Polygon(polygon) => Some(polygon),
+            Shape::Bounds | Shape::Round { .. } | Shape::Ball { .. } => None,
+        }
+    }
+
     /// Whether the region lies in a horizontal plane.
     #[must_use]
     pub fn is_planar(&self) -> bool {
