@@ -1,17 +1,24 @@
-// The node that is looked at: a ring, its error, its 95 % region, the stops that heard it.
+// The node that is looked at: a ring, its error, its 95 % region, the stops that heard it. And the regions of all nodes.
 
-import { ink } from "./palette.js";
+import { category, ink } from "./palette.js";
 
 /** Marks a node. */
 export function drawHighlight(map2d, show, node, isSelected) {
-  const { context: ctx, model, camera } = map2d;
+  const { context: ctx, model } = map2d;
   const places = show.maps[0]?.places;
   const has = (column) => column && Number.isFinite(column[3 * node]);
   const place = has(places) ? places : has(model.truth) ? model.truth : null;
   if (!place) return;
   const [x, y] = map2d.at(place, node);
   const covariance = show.maps[0]?.map.details?.covariance_m2;
-  if (covariance && has(places)) drawEllipse(map2d, x, y, covariance.subarray(6 * node, 6 * node + 6));
+  if (covariance && has(places)) {
+    ctx.fillStyle = ink("ink");
+    ctx.globalAlpha = 0.12;
+    ctx.beginPath();
+    addEllipse(map2d, x, y, covariance.subarray(6 * node, 6 * node + 6));
+    ctx.fill();
+    ctx.globalAlpha = 1;
+  }
   ctx.strokeStyle = ink("ink");
   ctx.lineWidth = isSelected ? 2.5 : 1.5;
   ctx.beginPath();
@@ -38,8 +45,26 @@ export function drawHighlight(map2d, show, node, isSelected) {
   }
 }
 
-/** The region that has the node with 95 % probability, of a normal distribution. */
-function drawEllipse(map2d, x, y, covariance) {
+/** The 95 % regions of all nodes in sight, in the colour of their map. */
+export function drawRegions(map2d, show) {
+  const { context: ctx, model } = map2d;
+  show.maps.forEach(({ map, places, visible }, k) => {
+    const covariance = map.details?.covariance_m2;
+    if (!covariance) return;
+    ctx.beginPath();
+    for (let node = 0; node < model.count; node++) {
+      if (!visible(node)) continue;
+      const [x, y] = map2d.at(places, node);
+      addEllipse(map2d, x, y, covariance.subarray(6 * node, 6 * node + 6));
+    }
+    ctx.strokeStyle = show.maps.length > 1 ? category(k) : ink("faint");
+    ctx.lineWidth = 1;
+    ctx.stroke();
+  });
+}
+
+/** Adds the region that has the node with 95 % probability, of a normal distribution, to the path, if it is in sight. */
+function addEllipse(map2d, x, y, covariance) {
   const { context: ctx, camera } = map2d;
   const index = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
   const [p, q] = camera.axes;
@@ -49,10 +74,8 @@ function drawEllipse(map2d, x, y, covariance) {
   // Chi-squared with two degrees of freedom: -2 ln 0.05.
   const size = (variance) => Math.sqrt(Math.max(variance, 0) * 5.991) * camera.scale;
   if (!Number.isFinite(middle)) return;
-  ctx.fillStyle = ink("ink");
-  ctx.globalAlpha = 0.12;
-  ctx.beginPath();
-  ctx.ellipse(x, y, size(middle + apart), size(middle - apart), -Math.atan2(2 * b, a - d) / 2, 0, 7);
-  ctx.fill();
-  ctx.globalAlpha = 1;
+  const [long, short, turn] = [size(middle + apart), size(middle - apart), -Math.atan2(2 * b, a - d) / 2];
+  if (x < -long || x > camera.width + long || y < -long || y > camera.height + long) return;
+  ctx.moveTo(x + long * Math.cos(turn), y + long * Math.sin(turn));
+  ctx.ellipse(x, y, long, short, turn, 0, 2 * Math.PI);
 }

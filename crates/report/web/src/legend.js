@@ -16,6 +16,7 @@ export function legend(model, show, wayName) {
     else if (!shown.colors.scale) entries.push(mark("disc", category(0), `place on ${isolated(shown.map.name)}`));
   });
   if (model.truth && show.maps.length > 0 && show.layers.errors) entries.push(mark("line", null, "error"));
+  if (show.layers.regions && show.maps.some(({ map }) => map.details?.covariance_m2)) entries.push(mark("oval", null, "95 % region"));
   if (model.world.anchors && show.layers.truth) entries.push(mark("triangle", null, "anchor"));
   if (model.world.sinks) entries.push(mark("square", "var(--accent)", "sink"));
   if (model.tree && show.layers.tree) {

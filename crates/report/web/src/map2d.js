@@ -1,7 +1,7 @@
 // The map from above or from the side, on a canvas.
 
 import { Camera } from "./camera.js";
-import { drawHighlight } from "./highlight.js";
+import { drawHighlight, drawRegions } from "./highlight.js";
 import { drawNodes } from "./marks.js";
 import { category, ink } from "./palette.js";
 import { planeImage } from "./planeimage.js";
@@ -61,6 +61,7 @@ export class Map2d {
     if (show.layers.obstacles) this.#obstacles();
     if (show.layers.path) drawPaths(this, show);
     if (show.layers.stops) drawStops(this, show);
+    if (show.layers.regions) drawRegions(this, show);
     if (show.layers.errors) this.#errors(show);
     drawNodes(this, show);
     if (show.layers.tree) drawTree(this, show);

@@ -17,7 +17,7 @@ import { behind } from "./table.js";
 import { isolated, short } from "./text.js";
 
 /** The layers, and their names. */
-const LAYERS = { tree: "Tree", truth: "True places", errors: "Errors", path: "Robots", stops: "Stops", listening: "Receptions", obstacles: "Obstacles", surface: "Field", labels: "Names" };
+const LAYERS = { tree: "Tree", truth: "True places", errors: "Errors", regions: "95 % regions (2D)", path: "Robots", stops: "Stops", listening: "Receptions", obstacles: "Obstacles", surface: "Field", labels: "Names" };
 /** The pointer may be so far from a node (px). */
 const REACH = 14;
 
@@ -31,7 +31,7 @@ export class MapView {
     this.mapA = model.maps[0] ?? null;
     this.mapB = null;
     this.way = waysOf(model, this.mapA)[0][0];
-    this.layers = { tree: true, truth: true, errors: true, path: true, stops: model.count < 20000, listening: true, obstacles: true, surface: true, labels: false };
+    this.layers = { tree: true, truth: true, errors: true, regions: false, path: true, stops: model.count < 20000, listening: true, obstacles: true, surface: true, labels: false };
     this.selected = -1;
     this.hovered = -1;
     this.in3d = false;
@@ -143,7 +143,7 @@ export class MapView {
 
   #layerTicks() {
     const { model } = this;
-    const has = { tree: model.tree, truth: model.truth, errors: model.truth && model.maps.length, path: model.robots.length || model.world.contacts, stops: model.surveys.length,
+    const has = { tree: model.tree, truth: model.truth, errors: model.truth && model.maps.length, regions: model.maps.some((map) => map.details?.covariance_m2), path: model.robots.length || model.world.contacts, stops: model.surveys.length,
       listening: model.surveys.length && model.span, obstacles: model.obstacles.length, labels: model.count,
       surface: model.fields.length || model.likelihoods.length || model.applications.some((application) => application.fields) };
     return Object.entries(LAYERS).filter(([key]) => has[key]).map(([key, name]) =>

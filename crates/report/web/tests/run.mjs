@@ -205,6 +205,26 @@ async function compares(name, browser) {
   });
 }
 
+/** The regions of all nodes are drawn if they are asked for. */
+async function regions(name, browser) {
+  await test(`${name}: a switch draws the regions of all nodes`, async () => {
+    const opened = await open(browser, join(folder, "log.html"));
+    const { page } = opened;
+    const picture = () => page.evaluate(() => { sextantReport.view.draw(); return sextantReport.view.canvas2d.toDataURL(); });
+    const toggle = () => page.evaluate(() => {
+      [...document.querySelectorAll(".ticks label")].find((one) => one.textContent.includes("95 % regions")).click();
+      return document.querySelector(".key").textContent.includes("95 % region");
+    });
+    const before = await picture();
+    assert.ok(await toggle());
+    assert.notEqual(await picture(), before);
+    assert.ok(!await toggle());
+    assert.equal(await picture(), before);
+    isQuiet(opened);
+    await page.close();
+  });
+}
+
 /** The tree of a network follows the slider. */
 async function networks(name, browser) {
   if (!reports.includes("network.html")) return;
@@ -334,6 +354,7 @@ for (const name of Object.keys(installed)) {
   await uses(name, browser);
   await compares(name, browser);
   await live(name, browser);
+  await regions(name, browser);
   await networks(name, browser);
   await namesInPage(test, name, browser, join(folder, "names.html"));
   if (name === "chromium") await limits(browser);
