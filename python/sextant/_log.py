@@ -156,6 +156,77 @@ class Log:
         made = self._maps(None, None, None, None, None, truth, settings, progress, threads)
         return {one.name: one for one in made}
 
+    def next_stops(
+        self,
+        stops: int = 10,
+        *,
+        algorithm: str | None = None,
+        profile: str | None = None,
+        network: str | None = None,
+        area: str | tuple[float, float, float, float] | None = None,
+        floorplan: str | os.PathLike[str] | None = None,
+        way_m: float | None = None,
+        speed_m_per_s: float | None = None,
+        listen_s: float | None = None,
+        radius_m: float = 0.2,
+        robot: str | None = None,
+        progress: bool | Progress = False,
+        threads: int | None = None,
+    ) -> dict[str, Any]:
+        """Say where the robot should listen next: the stops that let the errors of the nodes fall most for their time.
+
+        Parameters
+        ----------
+        stops : int
+            The most stops.
+        algorithm, profile, network : str, optional
+            How the log is mapped first, as for :meth:`map`.
+        area : tuple of float, or str, optional
+            The stops are within this box ``(x0, y0, x1, y1)`` (m), or within the polygon of this file; the default is as far round
+            the stops of the log as nodes are heard.
+        floorplan : path, optional
+            Walls that the robot goes round: a map of ROS, GeoJSON, DXF, or what ``sextant floorplan`` wrote.
+        way_m : float, optional
+            The longest way of all stops together (m).
+        speed_m_per_s, listen_s : float, optional
+            Speed between stops (m/s) and time of listening at one (s); the default is what the log tells.
+        radius_m : float
+            Radius of the hull of the robot, which stays so far from walls (m).
+        robot : str, optional
+            The robot that drives, if there are several; the default is the one that listened last.
+        progress : bool or callable
+            As for :meth:`Scenario.run`.
+        threads : int, optional
+            The number of threads; the default is one for each core.
+
+        Returns
+        -------
+        dict
+            As ``sextant next --format json`` prints it. ``stops`` is a list of one dict a stop: ``stop``, ``x_m``, ``y_m``, ``z_m``,
+            ``way_m``, ``time_s``, ``error_fall_m``, ``error_m``, ``nodes`` and more. ``end`` says why there are no more stops.
+
+        Raises
+        ------
+        RunError
+            If the log does not tell where to listen.
+        """
+        asked = {
+            "stops": stops,
+            "algorithm": algorithm,
+            "profile": profile,
+            "network": network,
+            "area": _box(area),
+            "floorplan": None if floorplan is None else os.path.abspath(os.fspath(floorplan)),
+            "way_m": way_m,
+            "speed_m_per_s": speed_m_per_s,
+            "listen_s": listen_s,
+            "radius_m": radius_m,
+            "robot": robot,
+            "threads": threads,
+        }
+        with shown(progress) as told:
+            return _native.next_stops(self._native, asked, told)
+
     def _maps(
         self,
         algorithm: str | None,
@@ -168,12 +239,11 @@ class Log:
         progress: bool | Progress,
         threads: int | None,
     ) -> list[Map]:
-        box = ",".join(map(str, area)) if isinstance(area, tuple) else area
         how = {
             "algorithm": algorithm,
             "profile": profile,
             "network": network,
-            "area": box,
+            "area": _box(area),
             "near_stops": near_stops,
             "threads": threads,
         }
@@ -208,6 +278,11 @@ def read(path: str | os.PathLike[str], *, network: str | None = None, **options:
     """
     path = os.path.abspath(os.fspath(path))
     return Log._of(_native.read(path, network, options), (_read_again, (path, network, options)))
+
+
+def _box(area: str | tuple[float, float, float, float] | None) -> str | None:
+    """The area as the command line writes it."""
+    return ",".join(map(str, area)) if isinstance(area, tuple) else area
 
 
 def _read_again(path: str, network: str | None, options: dict[str, Any]) -> Log:

@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use sextant::export::ExportError;
 use sextant::logs::RobotLogError;
 use sextant::mapping::MapLogError;
+use sextant::next::NextError;
 use sextant::recording::RecordingError;
 use sextant::recording::admission::OutputRefusal;
 use sextant::scenario::ScenarioError as OneError;
@@ -166,6 +167,16 @@ impl IntoException for MapLogError {
             Self::Settings(errors) => errors.into_exception(py),
             Self::Log(error) => error.into_exception(py),
             Self::Recording(error) => error.into_exception(py),
+            error => RunError::new_err(error.to_string()),
+        }
+    }
+}
+
+impl IntoException for NextError {
+    fn into_exception(self, py: Python<'_>) -> PyErr {
+        match self {
+            Self::Map(error) => error.into_exception(py),
+            Self::Interrupted(_) => PyKeyboardInterrupt::new_err(()),
             error => RunError::new_err(error.to_string()),
         }
     }

@@ -15,6 +15,7 @@ mod localise;
 mod log;
 mod map;
 mod names;
+mod next;
 mod numpy_column;
 mod options;
 mod picture;
@@ -48,6 +49,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(log::read, module)?)?;
     module.add_function(wrap_pyfunction!(log::log_of_tables, module)?)?;
     module.add_function(wrap_pyfunction!(map::algorithms, module)?)?;
+    module.add_function(wrap_pyfunction!(next::next_stops, module)?)?;
     module.add_function(wrap_pyfunction!(track::track, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(localise::localise, module)?)?;

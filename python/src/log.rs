@@ -54,6 +54,20 @@ impl Log {
     fn examined(title: String, input: Input, findings: Vec<String>) -> Self {
         Self { origin: Arc::new(Origin { title, input }), seen: Vec::new(), findings: findings.into() }
     }
+
+    /// What is in it, with `network` first if that is given.
+    pub(crate) fn input_of(&self, network: Option<&str>) -> PyResult<Input> {
+        let mut input = self.origin.input.clone();
+        if let Some(network) = network
+            && let Err(known) = input.logs.put_first(network)
+        {
+            let known: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
+            let known =
+                if known.is_empty() { "it is of one network without a name".to_owned() } else { known.join(", ") };
+            return Err(PyValueError::new_err(format!("the log has no network `{network}`; networks: {known}")));
+        }
+        Ok(input)
+    }
 }
 
 #[pymethods]
@@ -121,7 +135,8 @@ impl Log {
         })?;
         let algorithm = mapping.algorithm.as_deref().map(str::parse::<AlgorithmName>).transpose();
         let algorithm = algorithm.map_err(|why| PyValueError::new_err(why.to_string()))?;
-        let mut input = self.origin.input.clone();
+        let network = mapping.network.as_deref();
+        let mut input = self.input_of(network)?;
         if let Some(truth) = truth {
             let table = batch_of(truth)?;
             let truth = table_log::truth(&table, input.plane.as_ref(), &mut input.notes).or_exception(py)?;
@@ -131,15 +146,6 @@ impl Log {
         let files = input.files.clone();
         let name = format!("{SCENARIO_ATTACHMENT} of {}", self.origin.title);
         let scenario = text.as_deref().map(|text| RecordedScenario { name: &name, text, files: &files });
-        let network = mapping.network.as_deref();
-        if let Some(network) = network
-            && let Err(known) = input.logs.put_first(network)
-        {
-            let known: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
-            let known =
-                if known.is_empty() { "it is of one network without a name".to_owned() } else { known.join(", ") };
-            return Err(PyValueError::new_err(format!("the log has no network `{network}`; networks: {known}")));
-        }
         let settings = MapSettings::new(scenario, algorithm, mapping.profile.as_deref(), network, &given);
         let settings = settings.or_exception(py)?;
         let prior =

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -231,3 +232,13 @@ def test_what_is_no_table_is_refused(wrong: object) -> None:
 def test_an_unknown_option_names_those_that_are_known() -> None:
     with pytest.raises(TypeError, match="stop_every"):
         sextant.Log({"stop": [1], "x_m": [0.0], "y_m": [0.0]}, {"node": ["a"], "stop": [1]}, every="1m")
+
+
+def test_the_next_stops_are_those_of_the_command_line(folder: Path, command: Callable[..., str], tmp_path: Path) -> None:
+    printed = json.loads(command("next", folder, "--stops", "2", "--format", "json"))
+    found = sextant.read(folder).next_stops(2)
+    assert [stop["stop"] for stop in found["stops"]] == ["next1", "next2"]
+    assert found == printed
+    for wrong, message in ({"area": (1.0, 1.0, 0.0, 0.0)}, "area"), ({"floorplan": tmp_path / "none.toml"}, "none.toml"), ({"robot": "nobody"}, "nobody"):
+        with pytest.raises((sextant.SextantError, ValueError), match=message):
+            sextant.read(folder).next_stops(**wrong)
