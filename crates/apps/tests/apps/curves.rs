@@ -76,7 +76,10 @@ fn each_place_of_a_region_is_within_the_lane_spacing_of_a_stop() {
                 let gap_m = greatest_gap_m(&region, &drive(&config, &world, at(-5.0, -5.0)));
                 // An S path makes no stop outside of a polygon, so that a sharp corner between two lanes is farther.
                 let is_clipped = what == "s_path" && matches!(region, RegionConfig::Polygon { .. });
-                assert!(gap_m <= if is_clipped { 1.5 * spacing_m } else { spacing_m }, "{what} over {region:?}: {gap_m} m of {spacing_m} m");
+                assert!(
+                    gap_m <= if is_clipped { 1.5 * spacing_m } else { spacing_m },
+                    "{what} over {region:?}: {gap_m} m of {spacing_m} m"
+                );
             }
         }
         let order = hilbert(region.clone(), Some(4), None);

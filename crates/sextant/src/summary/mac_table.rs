@@ -35,7 +35,7 @@ pub(super) fn write(mac: &MacSummary, out: &mut impl Write) -> io::Result<()> {
         writeln!(out)?;
     }
     if mac.nodes.len() > PRINTED_NODES {
-        writeln!(out, "each of the {} nodes: `--format json`, `mac.nodes`\n", mac.nodes.len())?;
+        writeln!(out, "each of the {} nodes: in the summary, `mac.nodes`\n", mac.nodes.len())?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The rows of a measurement, and the code book that they make.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use sextant_channel::look_like_factors;
@@ -100,6 +100,20 @@ impl Rows {
         unit: GainUnit,
         mut notes: Vec<String>,
     ) -> Result<ConvertedBook, ConvertError> {
+        if let Some(sector) = names.quasi_omni
+            && !self.0.iter().any(|row| row.owner == Owner::Sector(sector))
+        {
+            let known: BTreeSet<&Owner> = self.0.iter().map(|row| &row.owner).collect();
+            let known = known.iter().filter_map(|owner| match owner {
+                Owner::Sector(sector) => Some(sector.to_string()),
+                Owner::QuasiOmni => None,
+            });
+            return Err(ConvertError::Invalid {
+                place: "the listening pattern".to_owned(),
+                found: format!("sector {sector}, which has no gains"),
+                allowed: format!("a sector of the file: {}", known.collect::<Vec<_>>().join(", ")),
+            });
+        }
         let mut cells: BTreeMap<(Owner, Angle, Angle), (f64, u32)> = BTreeMap::new();
         let mut several = 0_u32;
         for (i, row) in self.0.iter().enumerate() {

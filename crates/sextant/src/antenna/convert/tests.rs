@@ -285,6 +285,8 @@ fn the_zenith_the_listening_pattern_and_factors_are_understood() {
         "sector,azimuth_deg,elevation_deg,gain_linear\n7,0,0,100\n7,90,30,10\nquasi_omni,0,0,1\nquasi_omni,90,0,0.5\n"
     );
     assert_eq!((book.sectors, book.directions, book.gaps), (1, 3, 2));
+    let unknown = table(text, &SourceNames { quasi_omni: Some(5), ..names }, None).unwrap_err().to_string();
+    assert_eq!(unknown, "the listening pattern: sector 5, which has no gains; allowed: a sector of the file: 0, 7");
 }
 
 #[test]
