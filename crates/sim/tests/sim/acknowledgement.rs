@@ -29,7 +29,7 @@ fn to(station: u32) -> Destination {
 
 /// The end of the first frame of a station, which it got at time zero.
 fn report(to: Destination, outcome: SendOutcome, transmissions: u32) -> SendReport {
-    SendReport { frame: FrameId(0), to, outcome, transmissions, offered: SimTime::ZERO }
+    SendReport { frame: FrameId(0), to, outcome, attempts: transmissions, transmissions, offered: SimTime::ZERO }
 }
 
 /// Nodes on a line, one metre apart, that reach their neighbours only.
