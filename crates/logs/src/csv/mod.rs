@@ -3,6 +3,7 @@
 mod blanks;
 mod cell;
 mod csv_file;
+mod cut_end;
 pub(crate) mod header;
 pub(crate) mod lines;
 pub(crate) mod lookup;

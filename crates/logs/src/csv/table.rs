@@ -8,6 +8,7 @@ use csv::StringRecord;
 use sextant_kernel::text::{of_cell, shortened};
 
 use super::csv_file::{CsvFile, CsvStyle, Heading};
+use super::cut_end;
 use super::header::{self, KnownColumns, Others};
 use super::memory_table::{Cell, MemoryTable};
 use super::table_file::TableFile;
@@ -140,10 +141,15 @@ impl<'a> Table<'a> {
         header.unknown().map(|at| (at, header.all_written()[at].as_str()))
     }
 
-    /// A note on the columns that are ignored, if there are any.
-    pub(crate) fn ignored(&self) -> Option<String> {
-        let names = self.head.header().ignored_names()?;
-        Some(format!("{}: ignored columns: {names}", self.head.name()))
+    /// What the user should know of how it is written: the columns that are ignored, and files that may be cut at their ends.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let ignored = self.head.header().ignored_names();
+        let ignored = ignored.map(|names| format!("{}: ignored columns: {names}", self.head.name()));
+        let files = match &self.body {
+            TableBody::Files { files, .. } => files.as_slice(),
+            TableBody::Memory(_) => &[],
+        };
+        ignored.into_iter().chain(files.iter().filter_map(|file| cut_end::note(&file.path))).collect()
     }
 
     /// A note that the columns `unused` are ignored beside those that are `used`.

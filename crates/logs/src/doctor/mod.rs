@@ -22,7 +22,9 @@ mod node_fit;
 mod node_strengths;
 mod origin;
 mod outlying;
+pub(super) mod part;
 mod pile;
+pub(super) mod repeated;
 #[cfg(test)]
 mod rivals;
 mod route;

@@ -25,7 +25,7 @@ impl Names {
     /// If the file cannot be read, has an invalid row, an alias twice, or one that is the name of another node.
     pub fn read(path: &Path, notes: &mut Vec<String>) -> Result<Self, RobotLogError> {
         let table = Table::open(path, &["name", "alias"], &[])?;
-        notes.extend(table.ignored());
+        notes.extend(table.notes());
         let [name, alias] = ["name", "alias"].map(|column| table.column(column));
         let mut by_alias = BTreeMap::new();
         let mut all = BTreeSet::new();

@@ -34,6 +34,11 @@ impl Cover {
         self.span = Some((first.min(time), last.max(time)));
     }
 
+    /// The earliest and the latest time of the packets, if all are from the time of the path.
+    pub(crate) fn placed_span(&self) -> Option<(SimTime, SimTime)> {
+        self.span.filter(|_| self.before + self.after == 0)
+    }
+
     /// Whether there were no packets.
     pub(crate) fn is_empty(&self) -> bool {
         self.span.is_none()

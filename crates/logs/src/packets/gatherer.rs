@@ -28,6 +28,9 @@ use crate::ranges::range_table::{LONGEST_M, ReadRanges};
 use crate::robot_log::RobotLog;
 use crate::time::instant;
 
+/// A path with poses so far apart says little of the way between them (m).
+const SPARSE_M: f64 = 5.0;
+
 /// Most pairs of a node and a stop that are listed although nothing was heard. Above it, an absent pair counts as one missed
 /// packet.
 pub(crate) const MOST_SILENT_PAIRS: usize = 4_000_000;
@@ -171,6 +174,13 @@ impl Gatherer {
         };
         let stops = counted(stops, "stop");
         self.notes.push(format!("{whose} is cut into {stops}{each} (option `stop_every` sets it)"));
+        if let Some((apart_m, apart)) = path.usual_leg().filter(|(apart_m, _)| *apart_m >= SPARSE_M) {
+            self.notes.push(format!(
+                "{whose} has poses {apart_m:.1} m and {} s apart (median, where it moves): between them it counts as a straight \
+                 line at one speed, and corners are cut",
+                instant::format_span(apart)
+            ));
+        }
         if path.late() > 0 {
             let late = path.late();
             self.notes.push(format!("{whose} has {late} poses that are late by at most 1 s; they were put in order"));
@@ -318,6 +328,12 @@ impl Gatherer {
         self.notes.extend(self.rssi.note());
         self.findings.extend(self.rssi.findings());
         let clock = self.clock();
+        let all_gaps = self.tracks.iter_mut().flat_map(|track| &mut track.gaps);
+        let counts =
+            all_gaps.map(Gaps::repeated).fold([0; 2], |sum, counts| [sum[0] + counts[0], sum[1] + counts[1]]);
+        self.findings.extend(doctor::repeated::finding(counts));
+        let path = cover::span(self.tracks.iter().map(|track| &track.path));
+        self.findings.extend(self.cover.placed_span().and_then(|packets| doctor::part::finding(packets, path)));
         let intervals = self.intervals();
         let pairs = self.names.len().saturating_mul(self.stops.len());
         let lists_silent = pairs <= MOST_SILENT_PAIRS;

@@ -13,6 +13,11 @@ pub(crate) struct Gaps {
     /// Times whose gaps are not counted yet (ns).
     times: Vec<u64>,
     bins: BTreeMap<u16, Bin>,
+    /// Packets, and those of them that have the time of another one.
+    packets: u64,
+    repeated: u64,
+    /// Whether a time tells less than a hundredth of a second.
+    is_fine: bool,
 }
 
 /// Gaps of about one length.
@@ -31,6 +36,9 @@ impl Bin {
 /// Shorter gaps are between copies of one packet.
 const SHORTEST_NS: u64 = 1_000_000;
 
+/// Times in steps of this are coarse: a node may send several packets meanwhile.
+const COARSE_NS: u64 = 10_000_000;
+
 /// So many packets are put in order at once.
 const AT_ONCE: usize = 1024;
 
@@ -43,6 +51,8 @@ impl Gaps {
         let latest = self.latest.unwrap_or(time);
         self.latest = Some(latest.max(time));
         self.times.push(time.as_nanos());
+        self.packets += 1;
+        self.is_fine |= !time.as_nanos().is_multiple_of(COARSE_NS);
         if self.times.len() == AT_ONCE {
             self.count();
         }
@@ -54,6 +64,7 @@ impl Gaps {
         self.times.sort_unstable();
         for pair in self.times.windows(2) {
             let gap_ns = pair[1] - pair[0];
+            self.repeated += u64::from(gap_ns == 0);
             if gap_ns >= SHORTEST_NS {
                 let bin = self.bins.entry(bin_of(gap_ns)).or_default();
                 bin.count += 1;
@@ -61,6 +72,12 @@ impl Gaps {
             }
         }
         self.times.drain(..self.times.len().saturating_sub(1));
+    }
+
+    /// Packets, and those that have the time of another one, which are copies of it: none if times are coarse.
+    pub(crate) fn repeated(&mut self) -> [u64; 2] {
+        self.count();
+        [self.packets, if self.is_fine { self.repeated } else { 0 }]
     }
 
     /// Adds the gaps that another robot heard.
@@ -156,6 +173,19 @@ pub(crate) fn intervals(gaps: &[Gaps]) -> Intervals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn packets_at_one_time_are_copies_unless_times_are_coarse() {
+        let of = |step_ns: u64, copies: usize| {
+            let mut gaps = Gaps::default();
+            let times = (0..copies).flat_map(|_| (0..100).map(|number| SimTime::from_nanos(number * step_ns)));
+            times.for_each(|time| drop(gaps.heard(time)));
+            gaps.repeated()
+        };
+        assert_eq!(of(123_456_789, 1), [100, 0]);
+        assert_eq!(of(123_456_789, 3), [300, 200]);
+        assert_eq!(of(1_000_000_000, 3), [300, 0]);
+    }
 
     /// The interval of a node that was heard at these times (s), in this order.
     fn told(times_s: impl Iterator<Item = u64>) -> Option<Duration> {

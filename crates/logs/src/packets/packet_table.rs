@@ -42,7 +42,7 @@ pub(crate) fn read<'a>(
     let known =
         KnownColumns { required: &[required], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;
-    notes.extend(table.ignored());
+    notes.extend(table.notes());
     let time = Times::of(&table, written.time_zone, notes)?;
     let [node, mover] = [required, ends[0]].map(|name| table.column(name));
     let [rssi, snr, sector] = ["rssi_dbm", "snr_db", "sector"].map(|name| table.column(name));

@@ -1,5 +1,7 @@
 //! The signal strengths of a log as they are read.
 
+use sextant_kernel::text::counted;
+
 use crate::doctor::{self, Finding, Levels};
 use crate::options::noise_floor::NoiseFloor;
 use crate::options::read_options::ReadOptions;
@@ -13,7 +15,13 @@ pub(crate) struct RssiCheck {
     floor: Option<NoiseFloor>,
     levels: Levels,
     left_out: u64,
+    /// Values that no receiver can mean, and the first of them (dBm).
+    beyond: u64,
+    first_beyond: f64,
 }
+
+/// No strength in decibels is larger than this, or less than its negative.
+const MOST_DBM: f64 = 1000.0;
 
 /// A strength is one of the missing values if it differs from it by less (dB).
 const SAME_DB: f64 = 1e-6;
@@ -37,6 +45,13 @@ impl RssiCheck {
             self.left_out += 1;
             return None;
         }
+        if level.abs() > MOST_DBM {
+            if self.beyond == 0 {
+                self.first_beyond = level;
+            }
+            self.beyond += 1;
+            return None;
+        }
         if !self.floor.is_some_and(|floor| floor.is_noise(level)) {
             self.levels.take(level);
         }
@@ -52,12 +67,21 @@ impl RssiCheck {
     pub(crate) fn note(&self) -> Option<String> {
         let values: Vec<String> = self.missing.iter().map(|value| format!("{value} dBm")).collect();
         let left_out = self.left_out;
-        (!values.is_empty()).then(|| {
+        let missing = (!values.is_empty()).then(|| {
             format!(
                 "{left_out} signal strengths of {} count as not measured (option `rssi_missing`)",
                 values.join(" or ")
             )
-        })
+        });
+        let beyond = (self.beyond > 0).then(|| {
+            format!(
+                "{} beyond {MOST_DBM} dBm, such as {}, are no powers in dBm and count as not measured",
+                counted(usize::try_from(self.beyond).unwrap_or(usize::MAX), "signal strength"),
+                self.first_beyond
+            )
+        });
+        let notes: Vec<String> = missing.into_iter().chain(beyond).collect();
+        (!notes.is_empty()).then(|| notes.join("; "))
     }
 
     /// What is odd of the others.

@@ -26,7 +26,7 @@ pub(crate) fn read<'a>(
         source,
         KnownColumns { required: &[], optional: &optional, names: &written.names, others: Others::Ignored },
     )?;
-    notes.extend(table.ignored());
+    notes.extend(table.notes());
     let time = Times::of(&table, written.time_zone, notes)?;
     let places = Places::of(&table, Frame::Any, notes)?;
     let robot = table.column("robot");

@@ -50,6 +50,21 @@ impl Path {
     /// Two places at the same time may be this far apart (m); the later one counts.
     const SAME_PLACE_M: f64 = 1.0;
 
+    /// The median distance (m) and time between two poses between which the robot moved; `None` if it never did.
+    pub(crate) fn usual_leg(&self) -> Option<(f64, Duration)> {
+        let legs = self
+            .poses
+            .windows(2)
+            .map(|pair| (pair[0].position.distance_m(pair[1].position), pair[1].time.saturating_since(pair[0].time)));
+        let (mut lengths_m, mut times): (Vec<f64>, Vec<Duration>) =
+            legs.filter(|(length_m, _)| *length_m > Self::STANDSTILL_M).unzip();
+        let middle = lengths_m.len() / 2;
+        (!lengths_m.is_empty()).then(|| {
+            let length_m = *lengths_m.select_nth_unstable_by(middle, f64::total_cmp).1;
+            (length_m, *times.select_nth_unstable(middle).1)
+        })
+    }
+
     /// The path through `poses`.
     ///
     /// # Errors

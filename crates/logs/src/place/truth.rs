@@ -62,7 +62,7 @@ pub(crate) fn read_places<'a>(
     let optional = [&COLUMNS, other].concat();
     let known = KnownColumns { required: &["node"], optional: &optional, names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;
-    notes.extend(table.ignored());
+    notes.extend(table.notes());
     let places = Places::of(&table, Frame::of(plane), notes)?;
     let node = table.column("node");
     let mut plane = plane.copied();

@@ -33,7 +33,7 @@ impl TagPlaces {
         /// No robot is longer (m).
         const LONGEST_M: f64 = 100.0;
         let table = Table::open(source, &["tag", "x_m", "y_m"], &["z_m"])?;
-        notes.extend(table.ignored());
+        notes.extend(table.notes());
         let tag = table.column("tag");
         let axes = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
         let name = table.name();

@@ -76,7 +76,7 @@ pub(crate) fn read(
     let columns =
         KnownColumns { required: &["node"], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, columns)?;
-    notes.extend(table.ignored());
+    notes.extend(table.notes());
     let name = table.name();
     let (range, unit) = range_column(&table)?;
     let node = table.column("node");

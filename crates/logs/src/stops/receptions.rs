@@ -120,7 +120,7 @@ pub(crate) fn open<'a>(
         source,
         KnownColumns { required, optional: &optional, names: &names, others: Others::Ignored },
     )?;
-    notes.extend(table.ignored());
+    notes.extend(table.notes());
     let [received, sent] = ["received", "sent"].map(|name| table.column(name));
     let (node, stop) = ends(&table, &stops.name, form.reciprocal)?;
     let [sector, level, snr] = ["sector", "rssi_dbm", "snr_db"].map(|name| table.column(name));

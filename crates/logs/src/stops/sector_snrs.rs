@@ -49,7 +49,7 @@ pub(crate) fn read(
 ) -> Result<Vec<SectorReport>, RobotLogError> {
     let table = Table::open(source, &COLUMNS, &[])?;
     let [node, stop, sector, snr_db] = COLUMNS.map(|name| table.column(name));
-    notes.extend(table.ignored());
+    notes.extend(table.notes());
     let nodes: BTreeMap<&str, NodeId> = (0..).map(NodeId).zip(log.names()).map(|(id, name)| (&**name, id)).collect();
     let mut reports = Vec::new();
     table.rows(|row| {

@@ -18,7 +18,7 @@ pub(crate) fn read(source: TableSource<'_>, notes: &mut Vec<String>) -> Result<S
     let sector = table.column("sector");
     let azimuths = AZIMUTHS.map(|name| table.column(name));
     let elevations = ELEVATIONS.map(|name| table.column(name));
-    notes.extend(table.ignored());
+    notes.extend(table.notes());
     let mut sectors: Vec<SectorConfig> = Vec::new();
     let head = table.rows(|row: &TableRow<'_>| {
         let angle = |column| row.finite(column)?.ok_or_else(|| row.wrong(column, "a finite number"));

@@ -57,7 +57,7 @@ pub(crate) fn read(
     let known =
         KnownColumns { required: &["stop"], optional: &optional, names: &written.names, others: Others::Ignored };
     let table = Table::open_known(source, known)?;
-    notes.extend(table.ignored());
+    notes.extend(table.notes());
     let places = Places::of(&table, Frame::Any, notes)?;
     let time = Times::find(&table, written.time_zone, notes);
     let mut headings = Headings::find(&table, notes);
@@ -120,7 +120,7 @@ pub(crate) fn read_contacts(
     notes: &mut Vec<String>,
 ) -> Result<Vec<Contact>, RobotLogError> {
     let table = Table::open(source, &[], &[&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat())?;
-    notes.extend(table.ignored());
+    notes.extend(table.notes());
     let time = Times::of(&table, zone, notes)?;
     let places = Places::of(&table, Frame::of(plane.as_ref()), notes)?;
     let robot = table.column("robot");

@@ -93,7 +93,7 @@ impl<'a> ReadingTables<'a> {
         let known =
             KnownColumns { required: &[], optional: &optional, names: &written.names, others: Others::Ignored };
         let table = Table::open_known(source, known)?;
-        self.notes.extend(table.ignored());
+        self.notes.extend(table.notes());
         let name = table.name();
         let [node, receiver, tag, robot] = ["node", "receiver", "tag", "robot"].map(|name| table.column(name));
         let [rssi, snr] = ["rssi_dbm", "snr_db"].map(|name| table.column(name));
