@@ -57,12 +57,10 @@ impl Traced {
         }
     }
 
-    /// The packets of a network that count, from the nodes: their indices are below `nodes`.
-    fn counted(&self, network: &str, nodes: usize) -> Vec<&BTreeMap<String, String>> {
-        let is_node =
-            |packet: &&BTreeMap<String, String>| packet["source"].parse::<usize>().expect("an index") < nodes;
+    /// The packets of a network that count.
+    fn counted(&self, network: &str) -> Vec<&BTreeMap<String, String>> {
         let of_network = self.packets.iter().filter(|packet| packet["network"] == network);
-        of_network.filter(|packet| packet["counted"] == "1").filter(is_node).collect()
+        of_network.filter(|packet| packet["counted"] == "1").collect()
     }
 
     fn nodes(&self) -> usize {
@@ -80,7 +78,7 @@ impl Traced {
     #[track_caller]
     fn agrees_with(&self, traffic: &Value) {
         let network = traffic["network"].as_str().unwrap_or_default();
-        let packets = self.counted(network, self.nodes());
+        let packets = self.counted(network);
         let count = |key: &str| traffic[key].as_u64().unwrap_or_else(|| panic!("{key} in {traffic}"));
         let fate = |fate: &str| packets.iter().filter(|packet| packet["fate"] == fate).count() as u64;
         let ends = |end: &str| packets.iter().filter(|packet| packet["end"] == end).count() as u64;
@@ -209,6 +207,14 @@ fn the_trace_of_full_queues_and_a_warm_up_is_the_summary() {
     assert!(traced.packets.iter().any(|packet| packet["counted"] == "0"));
     assert!(traced.packets.iter().any(|packet| packet["fate"] == "lost_queue"));
     traced.agrees_with(&traced.summary["mac"]);
+}
+
+/// The answers of the sink are traced, and are none of the nodes' packets.
+#[test]
+fn the_trace_of_answers_is_the_summary_of_the_nodes() {
+    let trace = Traced::of(&scenario("routing/requests-and-answers.toml"), &["duration_s=300"]);
+    assert!(trace.packets.len() > trace.counted("").len() + 20);
+    trace.agrees_with(&trace.summary["mac"]);
 }
 
 #[test]

@@ -35,7 +35,7 @@ pub struct PacketMessage {
     /// When it was offered (ns of simulated time).
     #[prost(uint64, tag = "9")]
     pub offered_ns: u64,
-    /// Whether it counts in the summary: it was offered after the warm-up.
+    /// Whether it counts in the summary: a node offered it after the warm-up.
     #[prost(bool, tag = "10")]
     pub counted: bool,
     /// When it was first in its queue (ns).

@@ -31,6 +31,8 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
     let mut lived = vec![survey.end; nodes.len()];
     survey.deaths.iter().for_each(|death| lived[death.node.index()] = death.time);
     let node_hours = lived.iter().map(|end| end.as_secs_f64()).sum::<f64>() / 3600.0;
+    let answers = (written.to == RoutedTo::SinkAndBack).then(|| answers(&record.stations[nodes.len()..]));
+    let delivered_both = all.delivered + answers.as_ref().map_or(0, |answers| answers.delivered);
     Some(RoutingSummary {
         tree: written.tree.name(),
         to: match written.to {
@@ -48,14 +50,14 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
         hops: hops(&all),
         stretch: mean(all.stretch, all.stretched),
         transmissions: counts.transmissions,
-        transmissions_per_delivery: mean(counts.transmissions as f64, all.delivered),
+        transmissions_per_delivery: mean(counts.transmissions as f64, delivered_both),
         duplicates: counts.duplicates + all.copies,
         loops: counts.loops,
         queue_drops: counts.queue_drops,
         given_up: counts.given_up,
         hop_limit_drops: counts.hop_limit_drops,
         no_route: (written.to != RoutedTo::Sink).then_some(counts.no_route),
-        answers: (written.to == RoutedTo::SinkAndBack).then(|| answers(&record.stations[nodes.len()..])),
+        answers,
         beacons: counts.beacons,
         rpl: match &written.tree {
             TreeConfig::Rpl(tree) => Some(rpl::of(scenario, tree, record, simulated)),
@@ -113,40 +115,40 @@ struct SameDepth {
     counted: usize,
 }
 
-/// The nodes by their depth; `batteries` is empty if they have none. Energies are those of nodes that count.
+/// The nodes by their depth, and last those without one; `batteries` is empty if they have none. Energies are those of nodes that count.
 fn by_depth(
     nodes: &[RoutedStation],
     energy: &[EnergySpent],
     batteries: &[BatteryRecord],
     counts: impl Fn(usize) -> bool,
 ) -> Vec<DepthSummary> {
-    let mut depths: BTreeMap<u32, SameDepth> = BTreeMap::new();
+    let mut depths: BTreeMap<(bool, Option<u32>), SameDepth> = BTreeMap::new();
     for (number, (node, &spent)) in nodes.iter().zip(energy).enumerate() {
-        let Some(depth) = node.depth else { continue };
-        let same = depths.entry(depth).or_default();
+        let same = depths.entry((node.depth.is_none(), node.depth)).or_default();
         same.packets += &node.packets;
         same.spent += spent;
         same.nodes += 1;
         same.counted += usize::from(counts(number));
     }
-    let of_depth = |depth: u32| {
-        let own = nodes.iter().zip(batteries).filter(move |(node, _)| node.depth == Some(depth));
+    let of_depth = |depth: Option<u32>| {
+        let own = nodes.iter().zip(batteries).filter(move |(node, _)| node.depth == depth);
         own.map(|(_, battery)| battery)
     };
-    let dead = |depth: u32| of_depth(depth).filter(|battery| battery.depleted.is_some()).count();
-    let summary = |(depth, SameDepth { packets, spent, nodes, counted }): (u32, SameDepth)| DepthSummary {
-        depth,
-        nodes,
-        counted_nodes: (counted < nodes).then_some(counted),
-        offered: packets.offered,
-        delivered: packets.delivered,
-        delivery: delivery(&packets),
-        delay_s: packets.delays.mean_s(),
-        energy_j: spent.total_j() / counted.max(1) as f64,
-        energy_tx_j: spent.tx_j / counted.max(1) as f64,
-        depleted: (!batteries.is_empty()).then(|| dead(depth)),
-        lifetime_d: super::battery::lifetimes(of_depth(depth)),
-    };
+    let dead = |depth: Option<u32>| of_depth(depth).filter(|battery| battery.depleted.is_some()).count();
+    let summary =
+        |((_, depth), SameDepth { packets, spent, nodes, counted }): ((bool, Option<u32>), SameDepth)| DepthSummary {
+            depth,
+            nodes,
+            counted_nodes: (counted < nodes).then_some(counted),
+            offered: packets.offered,
+            delivered: packets.delivered,
+            delivery: delivery(&packets),
+            delay_s: packets.delays.mean_s(),
+            energy_j: spent.total_j() / counted.max(1) as f64,
+            energy_tx_j: spent.tx_j / counted.max(1) as f64,
+            depleted: (!batteries.is_empty()).then(|| dead(depth)),
+            lifetime_d: super::battery::lifetimes(of_depth(depth)),
+        };
     depths.into_iter().map(summary).collect()
 }
 

@@ -118,11 +118,12 @@ pub struct HopsSummary {
     pub max: u8,
 }
 
-/// The nodes that are so many hops from a sink in the tree at the end.
+/// The nodes that are so many hops from a sink in the tree at the end, or those without a way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DepthSummary {
-    /// Hops.
-    pub depth: u32,
+    /// Hops. Absent for nodes that have no way at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth: Option<u32>,
     /// Number of nodes.
     pub nodes: usize,
     /// Their packets.

@@ -102,7 +102,7 @@ fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
 
 fn line(nodes: &DepthSummary) -> Vec<String> {
     vec![
-        nodes.depth.to_string(),
+        nodes.depth.map_or_else(|| "none".to_owned(), |depth| depth.to_string()),
         nodes.nodes.to_string(),
         nodes.offered.to_string(),
         nodes.delivered.to_string(),

@@ -138,7 +138,7 @@ impl Observer for RunRecorder {
         self.packets += 1;
         self.record(packet.ended, |recorder, simulation, _| {
             let network = &simulation.network_names[packet.network.index()];
-            packets::record(recorder, id, network, packet, simulation.offset)?;
+            packets::record(recorder, (id, simulation.nodes.len()), network, packet, simulation.offset)?;
             match simulation.has_hops {
                 true => packets::record_hop(recorder, id, packet, simulation.offset),
                 false => Ok(()),

@@ -10,10 +10,11 @@ use sextant_recording::messages::{AssessmentMessage, HopMessage, PacketMessage, 
 use sextant_recording::{FileRecorder, RecordingError};
 use sextant_sim::{AssessmentTrace, Deafness, Destination, PacketFate, PacketTrace, TransmissionTrace};
 
-/// Records packet number `id`, of the network called `network`; time 0 of its simulation is `offset` in the recording.
+/// Records packet number `id`, of the network called `network`; time 0 of its simulation is `offset` in the recording. It counts if
+/// one of the `nodes` first stations offered it: the summary is about nodes.
 pub(super) fn record(
     recorder: &mut FileRecorder,
-    id: u64,
+    (id, nodes): (u64, usize),
     network: &str,
     trace: &PacketTrace,
     offset: Duration,
@@ -39,7 +40,7 @@ pub(super) fn record(
         },
         octets: trace.octets.into(),
         offered_ns: nanos(trace.offered),
-        counted: trace.counts,
+        counted: trace.counts && trace.source.index() < nodes,
         begun_ns: trace.begun.map(nanos),
         assessments: count(trace.assessments.len()),
         transmissions: count(trace.transmissions.len()),

@@ -156,7 +156,7 @@ pub(super) const WITH_ROUTING: &[KnownMeasure<'static>] = &[
     known(
         "routing.transmissions_per_delivery",
         MeanCount,
-        "transmissions of all hops for each packet that reached a sink",
+        "transmissions of all hops for each packet that arrived, answers too",
     ),
     known("routing.parent_changes_per_node_h", MeanCount, "churn: changes of the parent per node and hour"),
     known("routing.duplicates", Count, "copies of packets that stations dropped"),
