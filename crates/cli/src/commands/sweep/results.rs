@@ -207,9 +207,28 @@ impl Printed<'_> {
         if !left_out.is_empty() {
             writeln!(stdout, "in the table only: {}", left_out.join(", "))?;
         }
+        for map in self.plan.maps() {
+            self.print_unmapped(map, stdout)?;
+        }
         let Overview { rows, failed, .. } = self.overview;
         let failures = if failed > 0 { format!(", {failed} of them failed (column error)") } else { String::new() };
         writeln!(stdout, "\n{}: {}{failures}", out.display(), counted(rows, "run"))
+    }
+}
+
+impl Printed<'_> {
+    /// Says how many nodes have no place on a map: errors leave them out.
+    fn print_unmapped(&self, map: &str, stdout: &mut impl Write) -> io::Result<()> {
+        let Some(measure) = self.measure(&format!("maps.{map}.unmapped")) else { return Ok(()) };
+        let unmapped = |cell: &CellSummary| cell.mean(self.plan, measure).map(|mean| mean.mean);
+        let most = self.cells.iter().filter_map(unmapped).fold(0.0, f64::max);
+        if most > 0.0 {
+            writeln!(
+                stdout,
+                "{map}: up to {most:.1} nodes of a cell have no place on average, and the errors leave them out (column `unmapped`)"
+            )?;
+        }
+        Ok(())
     }
 }
 

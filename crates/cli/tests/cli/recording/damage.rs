@@ -53,6 +53,9 @@ fn everything_before_a_cut_is_recovered() {
         assert_eq!(inspection.damage, None);
         assert_eq!(inspection.messages, recovery.messages);
         assert!(inspection.metadata.contains_key("recovered"));
+        if let Ok(read) = read_log(&good) {
+            assert!(read.concern().is_some_and(|concern| concern.contains("was damaged at byte")), "{length}");
+        }
         let stops = assert_prefix(&good, &log);
         assert!(stops >= before, "a longer file has at least as many stops");
         before = stops;

@@ -18,7 +18,9 @@ use crate::drawing;
 use crate::error::RecordingError;
 use crate::mcap_file::{Piece, scan};
 use crate::messages;
-use crate::messages::names::{FILES_ATTACHMENTS, GAP_METADATA, LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
+use crate::messages::names::{
+    FILES_ATTACHMENTS, GAP_METADATA, LogTopics, RECOVERED_METADATA, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC,
+};
 use log_draft::LogDraft;
 
 /// The reception log of a recording, with its metadata and attachments.
@@ -51,9 +53,16 @@ impl RecordedRun {
     /// What the user should know of a log that is incomplete.
     #[must_use]
     pub fn concern(&self) -> Option<String> {
-        let missing = counted(self.missing_stops, "stop");
-        let text = format!("the recording is incomplete: {missing} left out, because messages are missing");
-        (self.missing_stops > 0).then_some(text)
+        let missing = (self.missing_stops > 0).then(|| {
+            let stops = counted(self.missing_stops, "stop");
+            format!("the recording is incomplete: {stops} left out, because messages are missing")
+        });
+        let recovered = self.metadata.get(RECOVERED_METADATA).map(|damage| {
+            let at = damage.get("at_byte").map_or_else(String::new, |at| format!(" at byte {at}"));
+            format!("the recording was damaged{at} and recovered: what could not be read is missing here")
+        });
+        let all: Vec<String> = missing.into_iter().chain(recovered).collect();
+        (!all.is_empty()).then(|| all.join("; "))
     }
 
     /// The obstacles that each map in the summary claims, by its name; none of a map without any.
