@@ -31,6 +31,8 @@ pub struct RangeFit {
     pub bias_m: f64,
     /// Its standard deviation (m).
     pub bias_deviation_m: f64,
+    /// Whether the log does not tell this bias: it is what was taken before the log was seen.
+    pub bias_is_assumed: bool,
     /// The share by which all ranges are too long.
     pub scale: f64,
     /// Its standard deviation.
@@ -102,6 +104,9 @@ struct RangeLawKeys {
     /// By how much all ranges are too long (m), and the standard deviation.
     bias_m: f64,
     bias_sd_m: f64,
+    /// Whether the log does not tell this bias, so that it is what was assumed.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    bias_is_assumed: bool,
     /// The share by which all ranges are too long, and the standard deviation.
     scale: f64,
     scale_sd: f64,
@@ -164,6 +169,7 @@ impl Finding for RangeFit {
             settled: self.settled,
             bias_m: self.bias_m,
             bias_sd_m: self.bias_deviation_m,
+            bias_is_assumed: self.bias_is_assumed,
             scale: self.scale,
             scale_sd: self.scale_deviation,
             delay_s: self.delay_s,
@@ -184,12 +190,13 @@ impl Finding for RangeFit {
     fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
         let shares = self.errors.shares();
         let mut text = format!(
-            "{name}: {} to {} in {}: {:.2} ± {:.2} m and {:.1} ± {:.1} % too long, noise {:.2} m, nodes differ by {:.2} m",
+            "{name}: {} to {} in {}: {:.2} ± {:.2} m{} and {:.1} ± {:.1} % too long, noise {:.2} m, nodes differ by {:.2} m",
             counted(self.ranges, "range"),
             counted(self.nodes, "node"),
             counted(self.groups, "group"),
             self.bias_m,
             2.0 * self.bias_deviation_m,
+            if self.bias_is_assumed { " (assumed: the log does not tell it)" } else { "" },
             100.0 * self.scale,
             200.0 * self.scale_deviation,
             self.errors.noise_m(),

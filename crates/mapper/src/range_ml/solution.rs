@@ -16,6 +16,8 @@ use super::{NodeBias, Settings};
 use crate::numerics::median;
 use crate::posterior::{Concern, Estimate, LIKELY};
 
+/// A bias that is no better known than by this factor than before the log was seen is assumed.
+const ASSUMED: f64 = 0.9;
 /// Standard deviations of the biases of nodes that are tried (m), and the logarithmic prior of it: its middle (m) and its width.
 const NODE_BIASES_M: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 const USUAL_NODE_BIAS_M: f64 = 0.3;
@@ -317,6 +319,7 @@ impl Search<'_> {
             nodes: self.problem.groups.nodes.len(),
             bias_m: point.bias_m(),
             bias_deviation_m: deviations[0],
+            bias_is_assumed: deviations[0] > ASSUMED * best.prior.deviation[BIAS],
             scale: point.scale(),
             scale_deviation: deviations[1],
             delay_s: point.delay_s(),

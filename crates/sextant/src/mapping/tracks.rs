@@ -130,6 +130,8 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
         poses: poses.len(),
         ranges: fit.ranges,
         strengths: fit.strengths,
+        measured_ranges: fit.measured_ranges,
+        measured_strengths: fit.measured_strengths,
         receivers,
         duration_s: poses.first().zip(poses.last()).map_or(0.0, |(first, last)| span(first.time, last.time)),
         length_m: poses.windows(2).map(|pair| pair[0].position.distance_m(pair[1].position)).sum(),

@@ -13,10 +13,13 @@ pub struct TrackSummary {
     pub tag: String,
     /// Number of poses.
     pub poses: usize,
-    /// Ranges that were used.
+    /// Ranges that were used: of those of one receiver in a quarter of a second, the median.
     pub ranges: usize,
-    /// Strengths that were used.
+    /// Strengths that were used, alike.
     pub strengths: usize,
+    /// Ranges and strengths of which these are the medians.
+    pub measured_ranges: usize,
+    pub measured_strengths: usize,
     /// Receivers at known places of which it has any.
     pub receivers: usize,
     /// From the first to the last pose (s).
@@ -35,7 +38,7 @@ pub struct TrackSummary {
     /// The share by which all ranges are too long.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_scale: Option<f64>,
-    /// Standard deviation of the noise of ranges (m).
+    /// Standard deviation of the noise of the medians of ranges (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_m: Option<f64>,
     /// How many independent ranges one is worth, at most 1.
@@ -83,12 +86,14 @@ pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result
             "{}: {} poses over {:.0} s and {:.0} m from ",
             track.tag, track.poses, track.duration_s, track.length_m
         )?;
-        let counts = [(track.ranges, "ranges"), (track.strengths, "strengths")];
-        let counts: Vec<String> = counts
-            .into_iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, noun)| format!("{count} {noun}"))
-            .collect();
+        let counts = [
+            (track.ranges, track.measured_ranges, "ranges"),
+            (track.strengths, track.measured_strengths, "strengths"),
+        ];
+        let told = |(used, measured, noun): (usize, usize, &str)| {
+            if used == measured { format!("{used} {noun}") } else { format!("{used} medians of {measured} {noun}") }
+        };
+        let counts: Vec<String> = counts.into_iter().filter(|(used, ..)| *used > 0).map(told).collect();
         write!(out, "{} of {} receivers", counts.join(" and "), track.receivers)?;
         if let (Some(noise_m), Some(bias_m), Some(scale)) = (track.noise_m, track.range_bias_m, track.range_scale) {
             // Without a sign of zero.

@@ -35,6 +35,8 @@ pub(super) struct Epochs {
     /// Where odometry has the robot (m); none without odometry.
     pub(super) believed: Vec<Position>,
     pub(super) readings: Vec<EpochReading>,
+    /// Ranges and strengths of which these are the medians.
+    pub(super) measured: [usize; 2],
 }
 
 impl Epochs {
@@ -42,7 +44,8 @@ impl Epochs {
         let mut samples = samples.to_vec();
         samples.sort_by_key(|sample| sample.time);
         let second = |sample: &TagReading| sample.time.as_secs_f64();
-        let mut found = Self::default();
+        let strengths = samples.iter().filter(|sample| matches!(sample.value, TagValue::Strength(_))).count();
+        let mut found = Self { measured: [samples.len() - strengths, strengths], ..Self::default() };
         let mut rest = samples.as_slice();
         while let Some(first) = rest.first() {
             let length = rest.partition_point(|sample| second(sample) < second(first) + EPOCH_S).max(1);

@@ -7,7 +7,7 @@ use sextant_kernel::SimTime;
 use super::epochs::Epochs;
 use super::motion::{FreeMotion, Motion};
 use super::problem::{TrackPoint, TrackProblem, path_loss};
-use super::regions::by_place;
+use super::regions::{by_place, is_among};
 use super::report::{Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
 use crate::joint_path::climb::Top;
 
@@ -45,6 +45,8 @@ pub(super) fn tracked(
         covariances.is_some() && 2 * poses.iter().filter(|pose| pose.spread_m() < extent_m).count() > poses.len();
     let strengths = epochs.readings.iter().filter(|reading| reading.is_strength).count();
     let ranges = epochs.readings.len() - strengths;
+    let [measured_ranges, measured_strengths] = epochs.measured;
+    let track: Vec<[f64; 2]> = top.point.states.iter().map(|state| [state[0], state[1]]).collect();
     let of_ranges = TrackRangeLaw {
         bias_m: border[at.bias()],
         scale: border[at.scale()],
@@ -62,7 +64,9 @@ pub(super) fn tracked(
         fit: TrackFit {
             ranges,
             strengths,
-            is_among_receivers,
+            measured_ranges,
+            measured_strengths,
+            is_among_receivers: is_among_receivers && is_among(problem.receivers, &track),
             may_be_mirrored,
             height_m,
             of_ranges: (ranges > 0).then_some(of_ranges),

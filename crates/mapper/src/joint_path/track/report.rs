@@ -41,7 +41,11 @@ pub struct TrackFit {
     pub ranges: usize,
     /// Number of strengths that were used, alike.
     pub strengths: usize,
-    /// Whether the tag was among the receivers, so that biases and scale could be estimated.
+    /// Ranges of which these are the medians.
+    pub measured_ranges: usize,
+    /// Strengths, alike.
+    pub measured_strengths: usize,
+    /// Whether most of the track is among the receivers, so that biases and scale are told.
     pub is_among_receivers: bool,
     /// Whether the receivers are on a line, and nothing says on which side of it the tag is: then the mirror image of the track is as
     /// good.
