@@ -10,9 +10,8 @@ use super::graph::{Graph, UNREACHED};
 
 /// How to choose the nodes from which hops are counted, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum LandmarksConfig {
     /// One after the other; each is as many hops as possible from those before.
     FarthestPoints(CountConfig),
@@ -27,9 +26,8 @@ pub enum LandmarksConfig {
 
 /// How many nodes, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct CountConfig {
     /// Nodes in each connected part of the network: 4 or more.
     pub count: usize,
@@ -43,9 +41,8 @@ impl Default for CountConfig {
 
 /// Extreme node search, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct ExtremeConfig {
     /// Hops within which a node's coordinate must be the highest or the lowest: 1 or more.
     pub hops: u32,

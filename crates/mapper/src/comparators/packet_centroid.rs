@@ -16,9 +16,8 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The packet centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct PacketCentroidConfig {
     /// Each stop weighs the share of the packets that it received to this power: above 0, at most 100.
     pub power: f64,

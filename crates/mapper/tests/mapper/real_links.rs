@@ -5,9 +5,9 @@ use std::sync::LazyLock;
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
-    Area, Auto, AutoConfig, Choice, Concern, Knowledge, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Mapper,
-    PacketCentroid, PacketCentroidConfig, PlacePrior, Region, SelfCalibrated, SelfCalibratedConfig, StrongestStop,
-    TopologyMap,
+    Area, Auto, AutoConfig, Choice, Comparator, Concern, Knowledge, LinkEvidence, LinkFit, LinkModel,
+    LinkModelConfig, Mapper, PacketCentroid, PacketCentroidConfig, PlacePrior, Region, SelfCalibrated,
+    SelfCalibratedConfig, StrongestStop, TopologyMap,
 };
 
 const WORLD: Purpose = Purpose::new(9001);

@@ -18,9 +18,8 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Angulation as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct AngleOfArrivalConfig {}
 
 /// A node is where the middles of the sectors cross in which it was received, by [`angulate`]: the maximum of the likelihood of normal

@@ -3,8 +3,8 @@
 use sextant_channel::{Anchor, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
-    EstimateKind, FrameConfig, Knowledge, RangingConfig, RssGrid, RssGridConfig, RssLinks, RssMl, RssMlConfig,
-    Smacof, SmacofConfig, rss_crlb_m,
+    Comparator, EstimateKind, FrameConfig, Knowledge, RangingConfig, RssGrid, RssGridConfig, RssLinks, RssMl,
+    RssMlConfig, Smacof, SmacofConfig, rss_crlb_m,
 };
 
 use super::network::{Network, RANGING, lattice, mean_error_m};
