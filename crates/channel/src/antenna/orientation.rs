@@ -11,9 +11,8 @@ const MOST_DEG: f64 = 3600.0;
 
 /// How an antenna is turned, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OrientationConfig {
     /// Rotation about the vertical axis, counterclockwise seen from above (degrees).
     #[cfg_attr(feature = "config", serde(default))]

@@ -11,9 +11,8 @@ use sextant_kernel::SettingError;
 /// elevation up from the horizontal plane. A robot whose antenna turns with it logs the sector in the frame of the
 /// stops.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorConfig {
     /// Identity of the sector in the log, 0 to 255.
     pub sector: u8,
@@ -33,9 +32,8 @@ pub struct SectorConfig {
 /// Sectors of equal width that fill the circle, in one or more rings: sector `i` of ring `j` is number
 /// `j · azimuth_sectors + i`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct EvenSectorsConfig {
     /// Number of sectors in a ring, 1 or more.
     pub azimuth_sectors: u8,

@@ -168,9 +168,8 @@ impl Model {
 
 /// A known material, by its name in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(try_from = "String", into = "String"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(try_from = "String", into = "String"))]
 #[cfg_attr(feature = "schema", schemars(with = "String"))]
 pub struct MaterialName(pub &'static Material);
 

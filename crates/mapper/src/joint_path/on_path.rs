@@ -15,9 +15,8 @@ use crate::topology_map::TopologyMap;
 
 /// On which path a map is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum PathUse {
     /// The path as the robots believe it to be.
     #[default]
@@ -28,9 +27,8 @@ pub enum PathUse {
 
 /// How wrong odometry is, as written in a scenario: standard deviations, each from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct PathErrorConfig {
     /// Of the share by which all of the path is too long.
     pub scale: f64,

@@ -42,9 +42,8 @@ pub enum SectorDistance {
 
 /// The displacement of a node from those of its neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum NodeDisplacement {
     /// The median; of two in the middle, the lower one.
     #[default]

@@ -24,9 +24,8 @@ pub use unit::look_like_factors;
 
 /// Measured sectors, as written in a scenario: either a file, or the grid and the gains.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct CodeBookConfig {
     /// A CSV file with the columns `sector`, `azimuth_deg`, `elevation_deg` and `gain_dbi`, in any order: a row for
     /// each sector and direction of a regular grid. Identities of sectors are 0 to 63 and may have gaps; the rows of
@@ -75,9 +74,8 @@ pub struct CodeBookConfig {
 
 /// Measured gains of one sector, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorGainsConfig {
     /// Identity of the sector on air, 0 to 63.
     pub sector: u8,

@@ -12,9 +12,8 @@ use crate::geometry::position::Position;
 
 /// An upright box, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct BoxConfig {
     /// Middle of the box (m): at half its height if it stands on the ground.
     pub center_m: Position,

@@ -13,9 +13,8 @@ use crate::geometry::position::Position;
 
 /// A convex hull, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ConvexConfig {
     /// Points whose hull is the obstacle (m).
     pub points_m: Vec<Position>,
