@@ -7,7 +7,8 @@ use std::path::Path;
 use sextant_kernel::NodeId;
 use sextant_logs::{self as robot_log, BagClock, BagOptions, FieldNames, FormOptions, ReadOptions, RobotLog};
 
-use super::drive::{assert_holds, kept, map, options, unwrapped};
+use super::drive::{assert_holds, kept, map, options};
+use super::program::unwrapped;
 
 fn read(name: &str, options: &ReadOptions) -> Result<RobotLog, String> {
     robot_log::read(&kept("bags").join(name), options).map_err(|error| error.to_string())

@@ -10,7 +10,8 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 use sextant_logs::{self as robot_log, FieldNames, FormOptions, Names, ReadOptions, RobotLog, StopRule};
 
-use super::drive::{folder, map, unwrapped};
+use super::drive::map;
+use super::program::{folder, unwrapped};
 
 /// Reads a folder with these files; stops are 5 m long, and nodes send every second.
 pub(super) fn read(files: &[(&str, &str)], form: FormOptions) -> Result<RobotLog, String> {

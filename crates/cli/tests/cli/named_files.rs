@@ -47,9 +47,7 @@ fn book() -> String {
 }
 
 fn json(folder: &Path, words: &[&str]) -> Value {
-    let output =
-        sextant().current_dir(folder).args(words).arg("--quiet").output().expect("a test with room on the disk");
-    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    call(folder, &[words, &["--quiet"]].concat()).printed();
     program::summary(&folder.join("summary.json"))
 }
 

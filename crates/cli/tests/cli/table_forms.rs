@@ -7,9 +7,8 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 use sextant_logs::{FieldNames, FormOptions, RobotLog};
 
-use super::drive::{folder, unwrapped};
 use super::forms::read;
-use super::program::sextant;
+use super::program::{folder, sextant, unwrapped};
 
 /// Stop, packets received and sent, and strength of each reception of a node.
 fn rows(log: &RobotLog, node: u32) -> Vec<(u32, u32, u32, Option<f64>)> {

@@ -68,22 +68,14 @@ impl Folder {
 
     /// The summary of a run that succeeds.
     fn summary(&self, set: &[&str]) -> Value {
-        summary(&self.run(set))
+        self.run(set).json()
     }
 }
 
 fn run(file: &Path, recording: &Path, set: &[&str]) -> Output {
     let mut command = sextant();
     command.arg("run").arg(file).arg("--out").arg(recording).args(["--format", "json", "--quiet"]);
-    set.iter().for_each(|set| {
-        command.args(["--set", set]);
-    });
-    command.output().expect("the program starts")
-}
-
-fn summary(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("JSON")
+    command.args(sets(set)).output().expect("the program starts")
 }
 
 fn count(traffic: &Value, key: &str) -> u64 {
@@ -108,7 +100,7 @@ fn each_packet_of_each_shipped_study_is_in_one_outcome() {
     for name in ["saturated-star", "poisson-star", "hidden-nodes", "acknowledged-star", "one-shot-star"] {
         let file = scenario(&format!("mac/{name}.toml"));
         let set = if name == "one-shot-star" { "duration_s=1.0" } else { "duration_s=5.0" };
-        let json = summary(&run(&file, &folder.path().join("a.mcap"), &[set]));
+        let json = run(&file, &folder.path().join("a.mcap"), &[set]).json();
         let mac = &json["mac"];
         assert_eq!(ended(mac), count(mac, "offered"), "{name}: {mac}");
         assert!(count(mac, "delivered") > 0, "{name}");
@@ -263,13 +255,6 @@ fn every_physical_layer_carries_packets_at_its_rate() {
     // kbit/s on air: 250, 20, 40, 250, 250, 100, 250.
     assert!(rates[1] < 20e3 && rates[1] > 10e3 && (rates[2] / rates[1] - 2.0).abs() < 0.1, "{rates:?}");
     assert!((rates[6] / rates[0] - 1.0).abs() < 0.1 && rates[5] < 0.5 * rates[0], "{rates:?}");
-}
-
-/// What a run says that is refused.
-fn refusal(folder: &Folder, set: &[&str]) -> String {
-    let output = folder.run(set);
-    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stderr).expect("text")
 }
 
 #[test]
