@@ -53,6 +53,26 @@ fn is_true(value: &bool) -> bool {
 }
 
 impl ObstacleConfig {
+    /// A solid obstacle of a known material, without a name.
+    #[must_use]
+    pub fn of(shape: ShapeConfig, material: impl Into<String>) -> Self {
+        Self { material: Some(material.into()), absorption_per_m: None, ..Self::absorbing(shape, 0.0) }
+    }
+
+    /// A solid obstacle with this absorption coefficient (1/m), without a name.
+    #[must_use]
+    pub fn absorbing(shape: ShapeConfig, absorption_per_m: f64) -> Self {
+        Self {
+            name: None,
+            shape,
+            material: None,
+            absorption_per_m: Some(absorption_per_m),
+            loss_db: None,
+            solid: true,
+            reflection_loss_db: None,
+        }
+    }
+
     /// The file that it names, if it names one, and its key.
     pub fn file_mut(&mut self) -> Option<(&'static str, &mut PathBuf)> {
         match &mut self.shape {

@@ -123,12 +123,10 @@ fn watched(world: World, duration_s: f64, seed: u64) -> (Ended<Watcher>, Noteboo
 fn block(center: [f64; 3], size_m: [f64; 3]) -> Obstacle {
     let config = ObstacleConfig {
         name: Some("block".into()),
-        shape: ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 20.0 }),
-        material: Some("concrete".into()),
-        absorption_per_m: None,
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
+        ..ObstacleConfig::of(
+            ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 20.0 }),
+            "concrete",
+        )
     };
     Obstacle::read(config, &Files::default()).expect("a good block")
 }

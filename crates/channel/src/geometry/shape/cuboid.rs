@@ -24,6 +24,14 @@ pub struct BoxConfig {
     pub yaw_deg: f64,
 }
 
+impl BoxConfig {
+    /// A box with this centre and these sizes (m), along the axes.
+    #[must_use]
+    pub fn new(center_m: Position, size_m: [f64; 3]) -> Self {
+        Self { center_m, size_m, yaw_deg: 0.0 }
+    }
+}
+
 /// An upright box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cuboid {
