@@ -12,7 +12,7 @@ use sextant_kernel::SimTime;
 use sextant_recording::{inspect, read_run, read_world};
 use tempfile::TempDir;
 
-use crate::program::sextant;
+use crate::program::{run_text, sextant};
 
 /// 36 nodes a metre and a half apart, which always listen.
 const NODES: &str = r#"

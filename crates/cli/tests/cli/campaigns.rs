@@ -8,7 +8,7 @@ use std::time::Duration;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{self, sextant, signal};
+use crate::program::{self, Said, sextant, signal};
 use crate::sweep::SWEEP;
 
 /// A folder with a scenario, which extends another one that names a table of nodes, and its plan in `plan`.

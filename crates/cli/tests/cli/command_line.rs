@@ -4,6 +4,8 @@ use std::process::{Command, Stdio};
 
 use assert_cmd::cargo::cargo_bin_cmd;
 
+use crate::program::{Said, sextant};
+
 fn stdout(words: &[&str]) -> String {
     sextant().args(words).output().expect("the program starts").printed()
 }

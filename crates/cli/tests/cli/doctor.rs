@@ -6,7 +6,6 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
 use sextant_kernel::{Purpose, Seed};
 use sextant_logs::{self as robot_log, PacketDelay, ReadOptions, RobotLog};

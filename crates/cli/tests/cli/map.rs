@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
+
+use crate::program::{Said, call};
 
 const PROFILE: &str = "p0=0.9,plateau_m=1,range_m=3";
 

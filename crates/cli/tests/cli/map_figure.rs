@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::cargo::cargo_bin_cmd;
 
-use crate::program::scenario;
+use crate::program::{Said, call, scenario};
 
 /// The colour of the outlines of 95 % regions in SVG files.
 const REGION: &str = "#8FB8D8";

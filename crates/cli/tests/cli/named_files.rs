@@ -10,7 +10,7 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 use sextant_recording::{FILES_ATTACHMENTS, read_log};
 use tempfile::TempDir;
 
-use crate::program::{self, sextant};
+use crate::program::{self, Said, call, sextant};
 
 /// A network of IEEE 802.15.4 with a map that knows channel and obstacles; nodes, obstacles and traffic are missing.
 const SURVEY: &str = "name = \"named\"\nseed = 3\nradio = { tx_power_dbm = -50, sensitivity_dbm = -90 }\n\

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
+
+use crate::program::{Said, call};
 
 /// Places of the nodes of [`survey`]; the last one was never heard.
 const NODES: [(&str, f64, f64); 7] = [

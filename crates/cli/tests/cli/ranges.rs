@@ -8,8 +8,7 @@ use std::process::Output;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::program::folder;
-use super::program::sextant;
+use super::program::{Said, folder, sextant};
 
 const NODES: &str = "node,x_m,y_m\nA,4,5\nB,16,3\nC,10,13\nD,-3,9\n";
 const PLACES: [(&str, [f64; 2]); 4] =

@@ -1,8 +1,6 @@
 //! `sextant report`: where the file goes, what is said, and what is refused.
 
 use std::fs;
-use std::path::Path;
-use std::process::Output;
 
 use super::program::{call, scenario, unwrapped};
 

@@ -7,7 +7,7 @@ use std::process::Output;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sets, sextant};
 
 /// Two nodes 2 m from a sink, without losses but those of the MAC.
 const STAR: &str = r#"name = "star"
@@ -238,7 +238,7 @@ fn acknowledged_packets_go_to_a_robot_or_sink_of_their_own_network() {
     let sinks = mac["sinks"].as_array().expect("sinks");
     let received: Vec<_> = sinks.iter().map(|sink| (sink["name"].as_str(), count(sink, "received"))).collect();
     assert_eq!(received, [(Some("other"), 0), (Some("sink"), count(mac, "delivered"))]);
-    let said = refusal(&Folder::new(networks), &["robots.0.network=\"c\""]);
+    let said = Folder::new(networks).run(&["robots.0.network=\"c\""]).refusal();
     assert!(said.contains("robots[0].network") && said.contains("`a`, `b`"), "{said}");
 }
 
@@ -313,10 +313,10 @@ fn mistakes_are_rejected_at_their_key() {
         (trace("1,west,200\n"), "seed=1", "traffic.trace.file", "127"),
         (trace("1,west,twenty\n"), "seed=1", "traffic.trace.file", "line 2"),
     ] {
-        let said = refusal(&folder, &[set]);
+        let said = folder.run(&[set]).refusal();
         assert!(said.contains(key) && said.contains(words), "{set}: {key} and {words} are not in\n{said}");
     }
-    let without_end = refusal(&Folder::new("[traffic.saturated]\n"), &["duration_s=inf"]);
+    let without_end = Folder::new("[traffic.saturated]\n").run(&["duration_s=inf"]).refusal();
     assert!(without_end.contains("duration_s"), "{without_end}");
 }
 
@@ -325,7 +325,7 @@ fn a_scenario_without_robots_needs_an_end() {
     let folder = Folder::new("[traffic.saturated]\n");
     let text = fs::read_to_string(folder.path("star.toml")).expect("the scenario");
     fs::write(folder.path("star.toml"), text.replace("duration_s = 20.0\n", "")).expect("there is room");
-    let said = refusal(&folder, &[]);
+    let said = folder.run(&[]).refusal();
     assert!(said.contains("robots") && said.contains("duration_s"), "{said}");
 }
 

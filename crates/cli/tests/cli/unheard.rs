@@ -1,6 +1,5 @@
 //! Nodes that nobody hears: they are in each figure of a study.
 
-use std::fs;
 use std::path::Path;
 
 use serde_json::{Map, Value};

@@ -1,9 +1,7 @@
 //! Applications that are refused, each with its key and what is allowed.
 
-use tempfile::TempDir;
-
 use super::{AGENT, FIELD, NODES, SEEKING, seeking};
-use crate::program::sextant;
+use crate::program::check_text;
 
 /// What `check` says of an invalid scenario, beside which there may be a file `map.csv`.
 pub(super) fn refused(scenario: &str, map: Option<&str>) -> String {

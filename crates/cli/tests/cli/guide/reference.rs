@@ -5,7 +5,7 @@ mod keys;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::program::sextant;
+use crate::program::{Said, sextant};
 
 /// What the program prints.
 fn printed(words: &[&str]) -> String {

@@ -9,7 +9,7 @@ use sextant_channel::Position;
 use sextant_logs::{self as robot_log, LocalPlane, ReadOptions};
 use tempfile::TempDir;
 
-use crate::program::sextant;
+use crate::program::{Said, call};
 
 /// Fiji: the survey crosses 180 degrees.
 const ORIGIN: [f64; 3] = [-16.8, 179.9999, 30.0];
